@@ -26,20 +26,26 @@ static inline bool common_is_coordinate(double x)
     return x >= -PROTO_COORDINATE_MAX && x <= PROTO_COORDINATE_MAX;
 }
 
+/* The coordinate with that index of vertices at `at`, aligned or not. */
+static inline double common_coordinate(const void *at, uint32_t format, uint64_t index)
+{
+    double x;
+    float narrow;
+    if (format == PCCD_FORMAT_F64) {
+        memcpy(&x, (const uint8_t *)at + index * sizeof x, sizeof x);
+    } else {
+        memcpy(&narrow, (const uint8_t *)at + index * sizeof narrow, sizeof narrow);
+        x = (double)narrow;
+    }
+    return x;
+}
+
 /* Of `count` vertices at `at`, aligned or not, the first with a coordinate that cannot be
  * one; `count`: there is none. */
 static inline uint64_t common_first_stray(const void *at, uint32_t format, uint64_t count)
 {
     for (uint64_t i = 0; i < 3 * count; i++) {
-        double x;
-        float narrow;
-        if (format == PCCD_FORMAT_F64) {
-            memcpy(&x, (const uint8_t *)at + i * sizeof x, sizeof x);
-        } else {
-            memcpy(&narrow, (const uint8_t *)at + i * sizeof narrow, sizeof narrow);
-            x = (double)narrow;
-        }
-        if (!common_is_coordinate(x)) {
+        if (!common_is_coordinate(common_coordinate(at, format, i))) {
             return i / 3;
         }
     }

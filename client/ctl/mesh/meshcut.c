@@ -31,7 +31,9 @@ static void place_of(const struct ctl_mesh *mesh, uint32_t vertex, double x[3])
     const struct ctl_others *others = mesh->others;
     uint32_t own = vertex - mesh->part.vertex_first;
     if (own < mesh->vertex_count) {
-        ctl_mesh_place(mesh, own, x);
+        for (size_t axis = 0; axis < 3; axis++) {
+            x[axis] = common_coordinate(mesh->x, mesh->format, (size_t)own * 3 + axis);
+        }
     } else {
         const uint32_t *found = bsearch(&vertex, others->vertices, others->count,
                                         sizeof vertex, compare_numbers);
@@ -148,32 +150,6 @@ static const struct ctl_polygon *polygon_at(const struct ctl_mesh *mesh,
     return NULL;
 }
 
-static int other_corner(const struct ctl_mesh *a, const struct ctl_polygon *polygon,
-                        const uint32_t *corners_a, const struct ctl_mesh *b,
-                        const uint32_t *corners_b, struct ctl_error *error)
-{
-    uint32_t k = 0;
-    while (corners_a[k] == corners_b[k]) {
-        k++;
-    }
-    return ctl_error_set(error, PCCD_E_INVAL,
-                         "%s %" PRIu64 " has %" PRIu32 " for corner %" PRIu32
-                         " in %s and %" PRIu32 " in %s: not two frames of one mesh",
-                         a->has_lines ? "the face of line" : "face", polygon->place,
-                         corners_a[k], k, a->path, corners_b[k], b->path);
-}
-
-static int other_topology(const struct ctl_mesh *a, const struct ctl_polygon *polygon,
-                          const struct ctl_mesh *b, struct ctl_error *error)
-{
-    uint32_t first = polygon->triangle_first, count = polygon->corner_count;
-    return ctl_error_set(error, PCCD_E_INVAL,
-                         "triangles %" PRIu32 " to %" PRIu32 " are one face of %" PRIu32
-                         " corners in %s, and others in %s: two topologies, not two "
-                         "frames of one mesh",
-                         first, first + count - 3, count, a->path, b->path);
-}
-
 /* Triangle i is another one. */
 static int other_triangle(const struct ctl_mesh *a, const struct ctl_mesh *b, uint32_t i,
                           struct ctl_error *error)
@@ -184,11 +160,26 @@ static int other_triangle(const struct ctl_mesh *a, const struct ctl_mesh *b, ui
     const struct ctl_polygon *of_b = polygon_at(b, i, &corners_b);
     if (of_a != NULL && of_b != NULL && of_a->triangle_first == of_b->triangle_first &&
         of_a->corner_count == of_b->corner_count) {
-        return other_corner(a, of_a, corners_a, b, corners_b, error);
+        uint32_t k = 0;
+        while (k + 1 < of_a->corner_count && corners_a[k] == corners_b[k]) {
+            k++;
+        }
+        return ctl_error_set(error, PCCD_E_INVAL,
+                             "%s %" PRIu64
+                             " has %u for corner %u in %s and %u in %s: not "
+                             "two frames of one mesh",
+                             a->has_lines ? "the face of line" : "face", of_a->place,
+                             corners_a[k], k, a->path, corners_b[k], b->path);
     }
-    if (of_a != NULL || of_b != NULL) {
-        return of_a != NULL ? other_topology(a, of_a, b, error)
-                            : other_topology(b, of_b, a, error);
+    if (of_a != NULL) {
+        uint32_t first = of_a->triangle_first, count = of_a->corner_count;
+        return ctl_error_set(error, PCCD_E_INVAL,
+                             "triangles %u to %u are one face of %u corners in %s, and "
+                             "others in %s: two topologies, not two frames of one mesh",
+                             first, first + count - 3, count, a->path, b->path);
+    }
+    if (of_b != NULL) {
+        return other_triangle(b, a, i, error);
     }
     uint32_t object = ctl_mesh_object_at(a, CTL_TRIANGLES, i);
     const char *name = object != CTL_NO_OBJECT ? a->objects[object].name : "";

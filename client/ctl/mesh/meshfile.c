@@ -168,16 +168,6 @@ void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value)
     }
 }
 
-void ctl_mesh_place(const struct ctl_mesh *mesh, uint32_t vertex, double x[3])
-{
-    for (size_t axis = 0; axis < 3; axis++) {
-        size_t index = (size_t)vertex * 3 + axis;
-        x[axis] = mesh->format == PCCD_FORMAT_F32
-                      ? (double)((const float *)mesh->x)[index]
-                      : ((const double *)mesh->x)[index];
-    }
-}
-
 /* Room for one more item of `bytes` behind `count` of them in *items, a pointer. */
 static int grow(struct ctl_mesh *mesh, void *items, size_t bytes, size_t count,
                 size_t *capacity, const char *what)

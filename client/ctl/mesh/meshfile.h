@@ -137,8 +137,6 @@ int ctl_mesh_read_shape(const struct ctl_motion *motion, const char *path,
 
 /* Make the coordinates double; exact. Nothing to do when they are. */
 int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);
-/* Where a vertex is. */
-void ctl_mesh_place(const struct ctl_mesh *mesh, uint32_t vertex, double x[3]);
 /* Cut all polygons where their corners are. Errors: E_NOMEM; E_FORMAT and where the file
  * has a polygon that is not simple. */
 int ctl_mesh_cut(struct ctl_mesh *mesh, struct ctl_error *error);
