@@ -73,7 +73,6 @@ libctl_la_SOURCES = \
     client/ctl/mesh/obj.c \
     client/ctl/mesh/point_cache.c \
     client/ctl/mesh/ply.c \
-    client/ctl/mesh/ply_header.c client/ctl/mesh/ply_header.h \
     client/ctl/mesh/polygon.c client/ctl/mesh/polygon.h \
     client/ctl/mesh/stl.c \
     client/ctl/mesh/text.c client/ctl/mesh/text.h \

@@ -50,8 +50,10 @@ void fuzz_reader(const uint8_t *data, size_t bytes)
     const struct reader *reader = &readers[choice >= 240][choice % 2];
     struct ctl_mesh mesh = {.path = reader->path, .error = &error};
     fuzz_scarcity_pause();
-    struct ctl_file file = {
-        .path = reader->path, .data = malloc(input.left + 1), .bytes = input.left};
+    struct ctl_file file = {.path = reader->path,
+                            .error = &error,
+                            .data = malloc(input.left + 1),
+                            .bytes = input.left};
     FUZZ_CHECK(file.data != NULL);
     memcpy(file.data, input.at, input.left);
     file.data[input.left] = '\0';

@@ -166,8 +166,6 @@ static int parse(struct ctl_file *file, struct ctl_mesh *mesh)
         mesh->part = (struct ctl_part){.count = 0};
     }
     int status = format->parse(file, mesh);
-    int reading = ctl_file_status(file, mesh->error);
-    status = reading != PCCD_OK ? reading : status;
     if (status == PCCD_OK && format->makes_all && part.count > 0) {
         ctl_mesh_keep_part(mesh, part.number, part.count);
     }

@@ -1,442 +1,666 @@
-/* client/ctl/mesh/ply.c - the body of a PLY file.
+/* client/ctl/mesh/ply.c - PLY files.
  *
- * Room:     client/ctl.
- * Does:     reads vertices, faces and edges, ascii and binary of both byte orders, with
- *           values of any type; skips everything else; turns vertices into points
- *           where there is nothing else.
- * Does not: trust a count: each value is checked against the end of the file.
- * Threads:  [any]; nothing is shared.
- * Source:   "The PLY Polygon File Format" (Turk 1994).
+ * Faces, edges and points are as meshfile.h says; all else is skipped. No count is
+ * trusted: the header's are bounded by the bytes that follow, and each value is checked
+ * against the end of the file.
+ *
+ * Source: "The PLY Polygon File Format" (Turk 1994).
  */
 #include <inttypes.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "meshfile.h"
 #include "plural.h"
-#include "ply_header.h"
 
-struct body_reader {
-    const struct ctl_file *file;
-    const struct ply_header *header;
-    struct ctl_mesh *mesh;
-    struct ctl_error *error;
-    struct ctl_text text;  /* ascii: where the next row begins; binary: next byte */
-    struct ctl_word line;  /* ascii: what is left of this row */
-    bool has_value_a_line; /* ascii: the row goes on in the next lines */
-    const struct ply_element *element; /* being read, for messages */
-    uint64_t row;                      /* of the element, from 0 */
-    uint32_t ends[2];                  /* of the edge in that row */
+#define ELEMENTS_MAX   32u
+#define PROPERTIES_MAX 256u /* of all elements together */
+#define NAME_BYTES     48   /* of what messages quote of a name */
+
+enum kind { SIGNED, UNSIGNED, REAL };
+
+static const struct type {
+    const char *name, *alias;
+    uint32_t bytes;
+    enum kind kind;
+} types[] = {
+    {"char", "int8", 1, SIGNED},   {"uchar", "uint8", 1, UNSIGNED},
+    {"short", "int16", 2, SIGNED}, {"ushort", "uint16", 2, UNSIGNED},
+    {"int", "int32", 4, SIGNED},   {"uint", "uint32", 4, UNSIGNED},
+    {"long", "int64", 8, SIGNED},  {"ulong", "uint64", 8, UNSIGNED},
+    {"float", "float32", 4, REAL}, {"double", "float64", 8, REAL},
 };
 
-/* Where the next one is. */
-static uint64_t byte_of(const struct body_reader *reader)
+/* What a property is to us; those before NAMED_ROLES have one element and one name. */
+enum role { AXIS_X, AXIS_Y, AXIS_Z, END_0, END_1, NAMED_ROLES, INDICES, SKIP };
+
+static const struct {
+    const char *element, *property;
+} named_roles[NAMED_ROLES] = {[AXIS_X] = {"vertex", "x"},
+                              [AXIS_Y] = {"vertex", "y"},
+                              [AXIS_Z] = {"vertex", "z"},
+                              [END_0] = {"edge", "vertex1"},
+                              [END_1] = {"edge", "vertex2"}};
+
+struct property {
+    const struct type *type;       /* of the value, or of the list's items */
+    const struct type *count_type; /* NULL: no list */
+    enum role role;
+};
+
+struct element {
+    char name[NAME_BYTES];
+    char unknown_list[NAME_BYTES]; /* one that may have faces; "": there is none */
+    uint64_t count;
+    uint32_t property_first, property_count;
+    bool has_faces, are_strips; /* a list of indices; of strips of triangles */
+    uint64_t row_first;         /* of faces: in the elements before it */
+};
+
+struct ply {
+    struct ctl_file *file;
+    struct ctl_mesh *mesh;
+    enum encoding { NO_ENCODING, ASCII, LOWEST_FIRST, HIGHEST_FIRST } encoding;
+    uint32_t element_count, property_count;
+    struct element elements[ELEMENTS_MAX];
+    struct property properties[PROPERTIES_MAX];
+    const struct property *named[NAMED_ROLES]; /* NULL: there is none */
+    const struct element *vertex, *edge;       /* edge may be NULL */
+    uint64_t face_count;                       /* of all elements that have faces */
+    bool is_cloud;                             /* there is nothing but vertices */
+    struct ctl_word line;                      /* ascii: what is left of this row */
+    bool has_value_a_line; /* ascii: the row goes on in the next lines */
+};
+
+/* ---- the lines of the header ------------------------------------------------------- */
+
+/* What of a word a message quotes: the text that it lies in does not stay. */
+static void copy_name(char name[NAME_BYTES], const struct ctl_word *word)
 {
-    return reader->file->offset + (uint64_t)(reader->text.at - reader->file->data);
+    snprintf(name, NAME_BYTES, "%.*s", CTL_QUOTE(*word));
 }
 
-/* The place, the element's row, and what was wrong. */
-static int fail(struct body_reader *reader, int status, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-static int fail(struct body_reader *reader, int status, const char *format, ...)
+/* Whether a name is one of the first `count`, in capitals, too. */
+static bool is_any_of(const struct ctl_word *word, const char *const *names, size_t count)
 {
-    char what[256];
-    char where[64];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(what, sizeof what, format, arguments);
-    va_end(arguments);
-    if (reader->header->encoding == PLY_ASCII) {
-        snprintf(where, sizeof where, ":%" PRIu64, reader->text.line);
-    } else {
-        snprintf(where, sizeof where, ": byte %" PRIu64, byte_of(reader));
+    bool is_one = false;
+    for (size_t i = 0; i < count; i++) {
+        is_one = is_one || ctl_word_is_any_case(word, names[i]);
     }
-    return ctl_error_set(reader->error, status, "%s%s: %.*s %" PRIu64 ": %s",
-                         reader->file->path, where,
-                         ctl_word_length(&reader->element->name),
-                         reader->element->name.at, reader->row, what);
+    return is_one;
 }
 
-/* The value of `bytes` bytes at `at` as unsigned bits. */
-static uint64_t load_bits(const char *at, size_t bytes, enum ply_encoding encoding)
+static int read_format(struct ply *ply, const struct ctl_word words[3])
 {
-    uint64_t bits = 0;
-    for (size_t i = 0; i < bytes; i++) {
-        size_t from = encoding == PLY_BIG_ENDIAN ? i : bytes - 1 - i;
-        bits = bits << 8 | (unsigned char)at[from];
+    static const char *const names[] = {[ASCII] = "ascii",
+                                        [LOWEST_FIRST] = "binary_little_endian",
+                                        [HIGHEST_FIRST] = "binary_big_endian"};
+    if (ply->encoding != NO_ENCODING) {
+        return ctl_file_refuse(ply->file, "a second format line");
     }
-    return bits;
+    for (enum encoding i = ASCII; i <= HIGHEST_FIRST; i++) {
+        ply->encoding = ctl_word_is(&words[1], names[i]) ? i : ply->encoding;
+    }
+    if (ply->encoding == NO_ENCODING) {
+        return ctl_file_refuse(ply->file, "unknown encoding \"%.*s\"",
+                               CTL_QUOTE(words[1]));
+    }
+    return ctl_word_is(&words[2], "1.0")
+               ? PCCD_OK
+               : ctl_file_refuse(ply->file, "version \"%.*s\" where 1.0 is known",
+                                 CTL_QUOTE(words[2]));
 }
+
+static int read_element(struct ply *ply, const struct ctl_word words[3])
+{
+    static const char *const strips[] = {"tristrips",      "tristrip", "triangle_strips",
+                                         "triangle_strip", "strips",   "strip"};
+    int64_t count;
+    if (!ctl_word_integer(&words[2], &count) || count < 0) {
+        return ctl_file_refuse(ply->file, "\"%.*s\" is not a count", CTL_QUOTE(words[2]));
+    }
+    if (ply->element_count == ELEMENTS_MAX) {
+        return ctl_file_fail(ply->file, PCCD_E_LIMIT, "more than %u elements",
+                             ELEMENTS_MAX);
+    }
+    struct element *element = &ply->elements[ply->element_count++];
+    *element = (struct element){.count = (uint64_t)count,
+                                .property_first = ply->property_count,
+                                .are_strips = is_any_of(&words[1], strips, 6)};
+    copy_name(element->name, &words[1]);
+    return PCCD_OK;
+}
+
+static const struct type *read_type(struct ply *ply, const struct ctl_word *word)
+{
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
+        if (ctl_word_is(word, types[i].name) || ctl_word_is(word, types[i].alias)) {
+            return &types[i];
+        }
+    }
+    ctl_file_refuse(ply->file, "unknown type \"%.*s\"", CTL_QUOTE(*word));
+    return &types[0];
+}
+
+static enum role role_of(struct ply *ply, struct element *element,
+                         const struct property *property, const struct ctl_word *name)
+{
+    static const char *const lists[] = {"vertex_indices", "vertex_index",
+                                        "vertex_indexes", "vertices", "indices"};
+    bool is_whole = property->type->kind != REAL;
+    for (enum role role = 0; role < NAMED_ROLES; role++) {
+        if (ply->named[role] == NULL && ctl_word_is(name, named_roles[role].property) &&
+            strcmp(element->name, named_roles[role].element) == 0) {
+            ply->named[role] = property;
+            return role;
+        }
+    }
+    if (property->count_type == NULL || element->has_faces ||
+        strcmp(element->name, "vertex") == 0) {
+        return SKIP;
+    }
+    /* Faces are in the first list that has a name of indices; under the first two names
+     * whole numbers may be written as others. */
+    element->has_faces = is_any_of(name, lists, is_whole ? 5 : 2);
+    if (!element->has_faces && is_whole && element->unknown_list[0] == '\0') {
+        copy_name(element->unknown_list, name);
+    }
+    return element->has_faces ? INDICES : SKIP;
+}
+
+static bool is_list(const struct ctl_word words[2])
+{
+    return ctl_word_is(&words[1], "list");
+}
+
+static int read_property(struct ply *ply, const struct ctl_word words[5])
+{
+    if (ply->element_count == 0) {
+        return ctl_file_refuse(ply->file, "property before any element");
+    }
+    if (ply->property_count == PROPERTIES_MAX) {
+        return ctl_file_fail(ply->file, PCCD_E_LIMIT, "more than %u properties",
+                             PROPERTIES_MAX);
+    }
+    const struct ctl_word *last = &words[is_list(words) ? 4 : 2];
+    struct element *element = &ply->elements[ply->element_count - 1];
+    struct property *property = &ply->properties[ply->property_count++];
+    property->count_type = is_list(words) ? read_type(ply, &words[2]) : NULL;
+    property->type = read_type(ply, last - 1);
+    property->role = role_of(ply, element, property, last);
+    element->property_count++;
+    return ply->file->status;
+}
+
+/* One line after the first; *is_end is set by "end_header". */
+static int read_header_line(struct ply *ply, struct ctl_word line, bool *is_end)
+{
+    static const struct {
+        const char *word;
+        uint32_t count; /* of words */
+        const char *lack;
+        int (*read)(struct ply *ply, const struct ctl_word *words);
+    } lines[] = {
+        {"property", 3, "property without a name", read_property},
+        {"element", 3, "element without a name and a count", read_element},
+        {"format", 3, "format without an encoding and a version", read_format},
+        {"end_header", 1, NULL, NULL},
+    };
+    struct ctl_word words[6] = {{NULL, NULL}}; /* one more than a line has */
+    uint32_t count = 0, i = 0;
+    while (count < 6 && ctl_word_next(&line, &words[count])) {
+        count++;
+    }
+    if (count == 0) {
+        return ctl_file_refuse(ply->file, "blank line in the header");
+    }
+    if (ctl_word_is(&words[0], "comment") || ctl_word_is(&words[0], "obj_info")) {
+        return PCCD_OK;
+    }
+    while (i < 4 && !ctl_word_is(&words[0], lines[i].word)) {
+        i++;
+    }
+    if (i == 4) {
+        return ctl_file_refuse(ply->file, "unknown header line \"%.*s\"",
+                               CTL_QUOTE(words[0]));
+    }
+    uint32_t needed = i == 0 && is_list(words) ? 5 : lines[i].count;
+    if (count > needed) {
+        return ctl_file_refuse(ply->file, "\"%.*s\" is too much on a header line",
+                               CTL_QUOTE(words[needed]));
+    }
+    if (count < needed) {
+        bool has_no_type = i == 0 && count + 1 < needed;
+        return ctl_file_refuse(ply->file, "%s",
+                               has_no_type ? "property without a type" : lines[i].lack);
+    }
+    *is_end = lines[i].read == NULL;
+    return *is_end ? PCCD_OK : lines[i].read(ply, words);
+}
+
+/* ---- the header as a whole --------------------------------------------------------- */
+
+/* The elements "vertex" and "edge" are there once, with all that is needed of them, and
+ * "face" has faces. */
+static int check_elements(struct ply *ply)
+{
+    const struct element *unknown = NULL;
+    for (uint32_t i = 0; i < ply->element_count; i++) {
+        struct element *element = &ply->elements[i];
+        bool is_vertex = strcmp(element->name, "vertex") == 0;
+        bool is_edge = strcmp(element->name, "edge") == 0;
+        if ((is_vertex && ply->vertex != NULL) || (is_edge && ply->edge != NULL)) {
+            return ctl_file_refuse(ply->file, "two elements \"%s\"", element->name);
+        }
+        if (!element->has_faces && strcmp(element->name, "face") == 0) {
+            return ctl_file_refuse(ply->file, "element \"face\" has no list "
+                                              "\"vertex_indices\" or \"vertex_index\"");
+        }
+        ply->vertex = is_vertex ? element : ply->vertex;
+        ply->edge = is_edge ? element : ply->edge;
+        element->row_first = element->has_faces ? ply->face_count : 0;
+        ply->face_count += element->has_faces ? element->count : 0;
+        bool is_unknown = element->count > 0 && element->unknown_list[0] != '\0';
+        unknown = is_unknown ? element : unknown;
+    }
+    if (ply->vertex == NULL) {
+        return ctl_file_refuse(ply->file, "the header has no element \"vertex\"");
+    }
+    for (enum role role = 0; role < (ply->edge != NULL ? NAMED_ROLES : END_0); role++) {
+        const char *element = named_roles[role].element;
+        const char *name = named_roles[role].property;
+        if (ply->named[role] == NULL) {
+            return ctl_file_refuse(ply->file, "element \"%s\" has no property \"%s\"",
+                                   element, name);
+        }
+        if (ply->named[role]->count_type != NULL) {
+            return ctl_file_refuse(ply->file, "property \"%s\" of \"%s\" is a list", name,
+                                   element);
+        }
+    }
+    /* Vertices are points only where nothing that may be faces is left out. */
+    bool has_edges = ply->edge != NULL && ply->edge->count > 0;
+    ply->is_cloud = ply->face_count == 0 && !has_edges;
+    return !ply->is_cloud || unknown == NULL
+               ? PCCD_OK
+               : ctl_file_refuse(ply->file,
+                                 "element \"%s\" may have the faces: its list \"%s\" is "
+                                 "none that is known, such as \"vertex_indices\"",
+                                 unknown->name, unknown->unknown_list);
+}
+
+static uint64_t sum(uint64_t a, uint64_t b)
+{
+    uint64_t both;
+    return __builtin_add_overflow(a, b, &both) ? UINT64_MAX : both;
+}
+
+static uint64_t product(uint64_t a, uint64_t b)
+{
+    uint64_t both;
+    return __builtin_mul_overflow(a, b, &both) ? UINT64_MAX : both;
+}
+
+/* The largest number of a type; what is no whole number is as large as can be. */
+static uint64_t largest(const struct type *type)
+{
+    return type->kind == REAL || type->bytes == 8
+               ? UINT64_MAX
+               : ((uint64_t)1 << (8 * type->bytes - (type->kind == SIGNED))) - 1;
+}
+
+/* Refuse counts that do not go with the bytes after the header, before these are read and
+ * before anything is allocated by them. */
+static int check_counts(const struct ply *ply)
+{
+    bool is_ascii = ply->encoding == ASCII;
+    uint64_t there = ctl_file_left(ply->file), left = there, most = 0;
+    for (uint32_t i = 0; i < ply->element_count; i++) {
+        const struct element *element = &ply->elements[i];
+        uint64_t row_least = 0, row_most = 0;
+        for (uint32_t k = 0; k < element->property_count; k++) {
+            const struct property *property =
+                &ply->properties[element->property_first + k];
+            const struct type *type = property->type, *count = property->count_type;
+            const struct type *first = count != NULL ? count : type;
+            uint64_t items = count != NULL ? product(largest(count), type->bytes) : 0;
+            row_least += is_ascii ? 2 : first->bytes; /* a digit and a blank */
+            row_most = sum(row_most, sum(first->bytes, items));
+        }
+        uint64_t needed = product(element->count, row_least);
+        if (element->count > 0 && row_least == 0) {
+            return ctl_file_refuse(ply->file, "element \"%s\" has no properties",
+                                   element->name);
+        }
+        /* The last row of an ascii file may lack its line end. */
+        if (needed > left + is_ascii) {
+            return ctl_file_refuse(ply->file,
+                                   "%" PRIu64 " rows of element \"%s\" take %" PRIu64
+                                   " bytes or more, and %" PRIu64 " of the file are left",
+                                   element->count, element->name, needed, left);
+        }
+        left -= needed < left ? needed : left;
+        most = sum(most, product(element->count, row_most));
+    }
+    /* A line end may follow. */
+    return is_ascii || there <= sum(most, 2)
+               ? PCCD_OK
+               : ctl_file_refuse(ply->file,
+                                 "the elements take at most %" PRIu64
+                                 " bytes, and the file has %" PRIu64 " more",
+                                 most, there - most);
+}
+
+/* Afterwards the file is at the first byte of the body. */
+static int read_header(struct ply *ply)
+{
+    struct ctl_file *file = ply->file;
+    struct ctl_word line, word;
+    bool is_end = false;
+    ctl_file_begin(file);
+    if (!ctl_file_line(file, &line) || !ctl_word_next(&line, &word) ||
+        !ctl_word_is(&word, "ply")) {
+        return ctl_file_refuse(file, "the first line is not \"ply\"");
+    }
+    /* Where a CR alone ends lines, an LF behind the last one is data. */
+    bool has_feeds = file->at[-1] == '\n';
+    while (file->status == PCCD_OK && !is_end) {
+        if (ctl_file_line(file, &line)) {
+            read_header_line(ply, line, &is_end);
+        } else {
+            ctl_file_refuse(file, "%s",
+                            file->rest_bytes > 0
+                                ? "the header does not end in the first MiB"
+                                : "the file ends inside the header");
+        }
+    }
+    if (ply->encoding == NO_ENCODING) {
+        return ctl_file_refuse(file, "the header has no format line");
+    }
+    if (ply->encoding != ASCII && !has_feeds && file->at[-1] == '\n') {
+        file->at--;
+    }
+    return file->status == PCCD_OK && check_elements(ply) == PCCD_OK ? check_counts(ply)
+                                                                     : file->status;
+}
+
+/* ---- values ------------------------------------------------------------------------ */
 
 /* Values of all types are exact in a double but the largest of 64 bits, which are no
  * indices. */
-static double decode(uint64_t bits, enum ply_type type)
+static double decode(const char *at, const struct type *type, bool is_highest_first)
 {
-    uint32_t low = (uint32_t)bits;
-    float narrow;
-    double wide;
-    switch (type) {
-    case PLY_INT8:
-        return (double)(int8_t)low;
-    case PLY_INT16:
-        return (double)(int16_t)low;
-    case PLY_INT32:
-        return (double)(int32_t)low;
-    case PLY_INT64:
-        return (double)(int64_t)bits;
-    case PLY_UINT64:
-        return (double)bits;
-    case PLY_UINT8:
-    case PLY_UINT16:
-    case PLY_UINT32:
-        return (double)low;
-    case PLY_FLOAT32:
+    uint64_t bits = 0;
+    for (uint32_t i = 0; i < type->bytes; i++) {
+        uint32_t from = is_highest_first ? i : type->bytes - 1 - i;
+        bits = bits << 8 | (unsigned char)at[from];
+    }
+    if (type->kind == REAL) {
+        uint32_t low = (uint32_t)bits;
+        float narrow;
+        double wide;
         memcpy(&narrow, &low, sizeof narrow);
-        return (double)narrow;
-    case PLY_FLOAT64:
         memcpy(&wide, &bits, sizeof wide);
-        return wide;
-    case PLY_TYPE_COUNT:
-        break;
+        return type->bytes == 4 ? (double)narrow : wide;
     }
-    abort();
+    uint64_t sign = type->kind == SIGNED ? (uint64_t)1 << (8 * type->bytes - 1) : 0;
+    return sign > 0 ? (double)(int64_t)((bits ^ sign) - sign) : (double)bits;
 }
 
-static int read_binary(struct body_reader *reader, enum ply_type type, double *value)
+static bool parse(const struct ctl_word *word, const struct type *type, double *value)
 {
-    size_t bytes = ctl_ply_type_bytes(type);
-    if (!ctl_text_more(&reader->text, bytes)) {
-        return fail(reader, PCCD_E_FORMAT, "the file ends here");
+    int64_t whole;
+    if (type->kind == REAL) {
+        return type->bytes == 4 ? ctl_word_float(word, value)
+                                : ctl_word_double(word, value);
     }
-    *value = decode(load_bits(reader->text.at, bytes, reader->header->encoding), type);
-    reader->text.at += bytes;
-    return PCCD_OK;
+    if (!ctl_word_integer(word, &whole) ||
+        (type->bytes < 8 && (whole < INT32_MIN || whole > (int64_t)UINT32_MAX))) {
+        return false;
+    }
+    *value = (double)whole;
+    return true;
 }
 
-/* Of a row whose first line has one value more lines may follow. */
-static int next_word(struct body_reader *reader, struct ctl_word *word)
+/* The next value of the row; in text, what is not wanted may be anything, and is 0. */
+static double read_value(struct ply *ply, const struct type *type, bool is_wanted)
 {
-    bool is_there = ctl_word_next(&reader->line, word);
-    while (!is_there && reader->has_value_a_line &&
-           ctl_text_line(&reader->text, &reader->line)) {
-        is_there = ctl_word_next(&reader->line, word);
+    struct ctl_file *file = ply->file;
+    struct ctl_word word;
+    double value = 0;
+    if (ply->encoding != ASCII) {
+        if (!ctl_file_more(file, type->bytes)) {
+            ctl_file_refuse(file, "the file ends here");
+            return 0;
+        }
+        value = decode(file->at, type, ply->encoding == HIGHEST_FIRST);
+        file->at += type->bytes;
+        return value;
+    }
+    bool is_there = ctl_word_next(&ply->line, &word);
+    while (!is_there && ply->has_value_a_line && ctl_file_line(file, &ply->line)) {
+        is_there = ctl_word_next(&ply->line, &word);
     }
     if (!is_there) {
-        return fail(reader, PCCD_E_FORMAT, "a value is missing at the end of the line");
+        ctl_file_refuse(file, "a value is missing at the end of the line");
+    } else if (is_wanted && !parse(&word, type, &value)) {
+        ctl_file_refuse(file, "\"%.*s\" is not a%s number", CTL_QUOTE(word),
+                        type->kind == REAL ? "" : " whole");
     }
-    return PCCD_OK;
+    return value;
 }
 
-static int read_ascii(struct body_reader *reader, enum ply_type type, double *value)
+static uint32_t index_of(const struct ply *ply, double value)
 {
-    struct ctl_word word;
-    int64_t whole;
-    bool is_number;
-    int status = next_word(reader, &word);
-    if (status != PCCD_OK) {
-        return status;
+    uint64_t count = ply->vertex->count;
+    if (value >= 0 && value < (double)count && value == floor(value)) {
+        return (uint32_t)value;
     }
-    if (ctl_ply_type_is_whole(type)) {
-        is_number = ctl_word_integer(&word, &whole) &&
-                    (ctl_ply_type_bytes(type) == 8 ||
-                     (whole >= INT32_MIN && whole <= (int64_t)UINT32_MAX));
-        if (is_number) {
-            *value = (double)whole;
+    ctl_file_fail(ply->file, PCCD_E_INDEX,
+                  "%.17g is not a vertex number (%" PRIu64 " %s there)", value, count,
+                  proto_plural(count, "vertex is", "vertices are"));
+    return 0;
+}
+
+/* ---- rows -------------------------------------------------------------------------- */
+
+/* A polygon v0 v1 v2 v3 ... until it is cut. */
+static void read_polygon(struct ply *ply, const struct type *type, uint64_t count,
+                         uint64_t row)
+{
+    struct ctl_file *file = ply->file;
+    if (count < 3) {
+        ctl_file_refuse(file, "%" PRIu64 " %s where a face needs at least 3", count,
+                        proto_plural(count, "vertex", "vertices"));
+    }
+    for (uint64_t i = 0; i < count && file->status == PCCD_OK; i++) {
+        uint32_t corner = index_of(ply, read_value(ply, type, true));
+        if (file->status == PCCD_OK) {
+            file->status = ctl_mesh_add_corner(ply->mesh, corner);
         }
-    } else if (type == PLY_FLOAT32) {
-        is_number = ctl_word_float(&word, value);
-    } else {
-        is_number = ctl_word_double(&word, value);
     }
-    if (!is_number) {
-        return fail(reader, PCCD_E_FORMAT, "\"%.*s\" is not a%s number",
-                    ctl_word_length(&word), word.at,
-                    ctl_ply_type_is_whole(type) ? " whole" : "");
+    if (file->status == PCCD_OK) {
+        file->status = ctl_mesh_end_face(ply->mesh, row);
     }
-    return PCCD_OK;
-}
-
-static int read_value(struct body_reader *reader, enum ply_type type, double *value)
-{
-    if (reader->header->encoding == PLY_ASCII) {
-        return read_ascii(reader, type, value);
-    }
-    return read_binary(reader, type, value);
-}
-
-static int skip_value(struct body_reader *reader, enum ply_type type)
-{
-    struct ctl_word word;
-    double value;
-    if (reader->header->encoding == PLY_ASCII) {
-        return next_word(reader, &word);
-    }
-    return read_binary(reader, type, &value);
-}
-
-static int read_coordinate(struct body_reader *reader,
-                           const struct ply_property *property)
-{
-    double value;
-    int status = read_value(reader, property->type, &value);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    if (!common_is_coordinate(value)) {
-        return fail(reader, PCCD_E_NOTFINITE,
-                    "coordinate %c is %g; |x| <= 1e18 is needed", "xyz"[property->role],
-                    value);
-    }
-    ctl_mesh_set(reader->mesh, (size_t)reader->row * 3 + (size_t)property->role, value);
-    return PCCD_OK;
-}
-
-static int take_index(struct body_reader *reader, double value, uint32_t *index)
-{
-    if (!(value >= 0 && value < (double)reader->header->vertex_count) ||
-        value != floor(value)) {
-        return fail(
-            reader, PCCD_E_INDEX, "%.17g is not a vertex number (%" PRIu64 " %s there)",
-            value, reader->header->vertex_count,
-            proto_plural(reader->header->vertex_count, "vertex is", "vertices are"));
-    }
-    *index = (uint32_t)value;
-    return PCCD_OK;
-}
-
-static int read_index(struct body_reader *reader, const struct ply_property *property,
-                      uint32_t *index)
-{
-    double value;
-    int status = read_value(reader, property->type, &value);
-    return status == PCCD_OK ? take_index(reader, value, index) : status;
 }
 
 /* The number that begins a new strip: -1, or what that is without a sign. */
-static bool is_restart(double value, enum ply_type type)
+static bool is_restart(double value, const struct type *type)
 {
-    return value == -1 || (type == PLY_UINT32 && value == (double)UINT32_MAX) ||
-           (type == PLY_UINT16 && value == UINT16_MAX) ||
-           (type == PLY_UINT64 && value == 0x1p64);
+    return value == -1 ||
+           (type->kind == UNSIGNED && type->bytes > 1 && value == (double)largest(type));
 }
 
 /* v0 v1 v2 v3 v4 is (v0 v1 v2) (v2 v1 v3) (v2 v3 v4); one that has a corner twice only
  * joins two others. */
-static int read_strip(struct body_reader *reader, const struct ply_property *property,
-                      uint64_t count)
+static void read_strip(struct ply *ply, const struct type *type, uint64_t count)
 {
+    struct ctl_file *file = ply->file;
     uint32_t corners[3] = {0, 0, 0};
     uint64_t seen = 0; /* of this strip */
-    for (uint64_t i = 0; i < count; i++) {
-        double value;
-        int status = read_value(reader, property->type, &value);
-        if (status == PCCD_OK && is_restart(value, property->type)) {
+    for (uint64_t i = 0; i < count && file->status == PCCD_OK; i++) {
+        double value = read_value(ply, type, true);
+        if (is_restart(value, type)) {
             seen = 0;
             continue;
         }
-        if (status == PCCD_OK) {
-            status = take_index(reader, value, &corners[seen < 2 ? seen : 2]);
+        corners[seen < 2 ? seen : 2] = index_of(ply, value);
+        if (++seen < 3) {
+            continue;
         }
-        if (status == PCCD_OK && ++seen >= 3) {
-            bool is_odd = seen % 2 == 0;
-            const uint32_t triangle[3] = {corners[is_odd], corners[!is_odd], corners[2]};
-            bool joins = corners[0] == corners[1] || corners[1] == corners[2] ||
-                         corners[2] == corners[0];
-            status =
-                joins ? PCCD_OK : ctl_mesh_add(reader->mesh, CTL_TRIANGLES, triangle);
-            corners[0] = corners[1];
-            corners[1] = corners[2];
+        bool is_odd = seen % 2 == 0;
+        const uint32_t triangle[3] = {corners[is_odd], corners[!is_odd], corners[2]};
+        bool joins = corners[0] == corners[1] || corners[1] == corners[2] ||
+                     corners[2] == corners[0];
+        if (!joins && file->status == PCCD_OK) {
+            file->status = ctl_mesh_add(ply->mesh, CTL_TRIANGLES, triangle);
         }
-        if (status != PCCD_OK) {
-            return status;
-        }
+        corners[0] = corners[1];
+        corners[1] = corners[2];
     }
-    return PCCD_OK;
 }
 
-static int read_polygon(struct body_reader *reader, const struct ply_property *property,
-                        uint64_t count)
+static void read_list(struct ply *ply, const struct property *property,
+                      const struct element *element, double count)
 {
-    if (count < 3) {
-        return fail(reader, PCCD_E_FORMAT, "%" PRIu64 " %s where a face needs at least 3",
-                    count, proto_plural(count, "vertex", "vertices"));
-    }
-    for (uint64_t i = 0; i < count; i++) {
-        uint32_t corner;
-        int status = read_index(reader, property, &corner);
-        if (status == PCCD_OK) {
-            status = ctl_mesh_add_corner(reader->mesh, corner);
-        }
-        if (status != PCCD_OK) {
-            return status;
-        }
-    }
-    return ctl_mesh_end_face(reader->mesh, reader->element->row_first + reader->row);
-}
-
-static int read_list(struct body_reader *reader, const struct ply_property *property)
-{
-    double value;
-    int status = read_value(reader, property->count_type, &value);
-    if (status != PCCD_OK) {
-        return status;
-    }
+    struct ctl_file *file = ply->file;
     /* Each item takes a byte at least, so the file's size bounds the count. */
-    const struct ctl_file *file = reader->file;
-    uint64_t bytes = file->offset + file->bytes + file->rest_bytes;
-    if (!(value >= 0 && value <= (double)bytes) || value != floor(value)) {
-        return fail(reader, PCCD_E_FORMAT, "%.17g is not a possible list length", value);
+    if (!(count >= 0 && count <= (double)ctl_file_size(file)) || count != floor(count)) {
+        ctl_file_refuse(file, "%.17g is not a possible list length", count);
+    } else if (property->role != INDICES) {
+        for (double i = 0; i < count && file->status == PCCD_OK; i++) {
+            read_value(ply, property->type, false);
+        }
+    } else if (element->are_strips) {
+        read_strip(ply, property->type, (uint64_t)count);
+    } else {
+        read_polygon(ply, property->type, (uint64_t)count,
+                     element->row_first + file->item_number);
     }
-    uint64_t count = (uint64_t)value;
-    if (property->role == PLY_INDICES) {
-        return reader->element->are_strips ? read_strip(reader, property, count)
-                                           : read_polygon(reader, property, count);
+}
+
+static void take_coordinate(struct ply *ply, enum role axis, double value)
+{
+    if (!common_is_coordinate(value)) {
+        ctl_file_fail(ply->file, PCCD_E_NOTFINITE,
+                      "coordinate %c is %g; |x| <= 1e18 is needed", "xyz"[axis], value);
+        return;
     }
-    for (uint64_t i = 0; i < count && status == PCCD_OK; i++) {
-        status = skip_value(reader, property->type);
-    }
-    return status;
+    ctl_mesh_set(ply->mesh, (size_t)ply->file->item_number * 3 + (size_t)axis, value);
 }
 
 /* Ascii: rows are lines; blank lines between them are let pass. */
-static int begin_row(struct body_reader *reader)
+static void begin_line(struct ply *ply)
 {
-    struct ctl_word rest, word;
-    do {
-        if (!ctl_text_line(&reader->text, &reader->line)) {
-            return fail(reader, PCCD_E_FORMAT, "the file ends here");
-        }
-        rest = reader->line;
-    } while (!ctl_word_next(&rest, &word));
-    reader->has_value_a_line = !ctl_word_next(&rest, &word);
-    return PCCD_OK;
+    struct ctl_word rest = {NULL, NULL}, word;
+    bool has_word = false;
+    while (!has_word && ctl_file_line(ply->file, &ply->line)) {
+        rest = ply->line;
+        has_word = ctl_word_next(&rest, &word);
+    }
+    if (!has_word) {
+        ctl_file_refuse(ply->file, "the file ends here");
+    }
+    /* Of a row whose first line has one value more lines may follow. */
+    ply->has_value_a_line = !ctl_word_next(&rest, &word);
 }
 
-static int read_row(struct body_reader *reader)
+static void read_row(struct ply *ply, const struct element *element)
 {
-    bool is_ascii = reader->header->encoding == PLY_ASCII;
-    bool is_edge = false;
+    struct ctl_file *file = ply->file;
     struct ctl_word surplus;
-    int status = is_ascii ? begin_row(reader) : PCCD_OK;
-    if (reader->element->has_faces) {
-        ctl_mesh_begin_row(reader->mesh, reader->element->row_first + reader->row,
-                           reader->header->face_count);
-    } else {
-        ctl_mesh_begin_row(reader->mesh, reader->row, reader->element->count);
+    uint32_t ends[2] = {0, 0};
+    if (ply->encoding == ASCII) {
+        begin_line(ply);
     }
-    for (uint32_t i = 0; i < reader->element->property_count && status == PCCD_OK; i++) {
-        const struct ply_property *property =
-            &reader->header->properties[reader->element->property_first + i];
-        if (property->is_list) {
-            status = read_list(reader, property);
-        } else if (property->role == PLY_SKIP) {
-            status = skip_value(reader, property->type);
-        } else if (property->role == PLY_END0 || property->role == PLY_END1) {
-            status =
-                read_index(reader, property, &reader->ends[property->role - PLY_END0]);
-            is_edge = true;
-        } else {
-            status = read_coordinate(reader, property);
+    ctl_mesh_begin_row(ply->mesh, element->row_first + file->item_number,
+                       element->has_faces ? ply->face_count : element->count);
+    for (uint32_t i = 0; i < element->property_count && file->status == PCCD_OK; i++) {
+        const struct property *property = &ply->properties[element->property_first + i];
+        enum role role = property->role;
+        if (property->count_type != NULL) {
+            read_list(ply, property, element,
+                      read_value(ply, property->count_type, true));
+            continue;
+        }
+        double value = read_value(ply, property->type, role != SKIP);
+        if (role <= AXIS_Z) {
+            take_coordinate(ply, role, value);
+        } else if (role != SKIP) {
+            ends[role - END_0] = index_of(ply, value);
         }
     }
-    if (status == PCCD_OK && is_ascii && ctl_word_next(&reader->line, &surplus)) {
-        return fail(reader, PCCD_E_FORMAT, "\"%.*s\" is too much on the line",
-                    ctl_word_length(&surplus), surplus.at);
+    if (ply->encoding == ASCII && ctl_word_next(&ply->line, &surplus)) {
+        ctl_file_refuse(file, "\"%.*s\" is too much on the line", CTL_QUOTE(surplus));
     }
-    return status == PCCD_OK && is_edge
-               ? ctl_mesh_add(reader->mesh, CTL_EDGES, reader->ends)
-               : status;
+    if (element == ply->edge && file->status == PCCD_OK) {
+        file->status = ctl_mesh_add(ply->mesh, CTL_EDGES, ends);
+    }
 }
 
 /* Bytes after the last row mean that the counts do not fit the data. */
-static int check_end(struct body_reader *reader)
+static void check_end(const struct ply *ply)
 {
+    struct ctl_file *file = ply->file;
     struct ctl_word line, word;
-    if (reader->header->encoding != PLY_ASCII) {
-        if (!ctl_text_more(&reader->text, 1)) {
-            return PCCD_OK;
-        }
-        /* Some writers end the data with a line end. */
-        bool is_pair = reader->text.at[0] == '\r' && ctl_text_more(&reader->text, 2) &&
-                       reader->text.at[1] == '\n';
-        size_t end_bytes = is_pair ? 2 : 1;
-        if ((reader->text.at[0] == '\n' || reader->text.at[0] == '\r') &&
-            !ctl_text_more(&reader->text, end_bytes + 1)) {
-            return PCCD_OK;
-        }
-        uint64_t left =
-            (uint64_t)(reader->text.end - reader->text.at) + reader->file->rest_bytes;
-        return ctl_error_set(reader->error, PCCD_E_FORMAT,
-                             "%s: byte %" PRIu64 ": %" PRIu64
-                             " %s after the last element",
-                             reader->file->path, byte_of(reader), left,
-                             proto_plural(left, "byte", "bytes"));
-    }
-    while (ctl_text_line(&reader->text, &line)) {
+    while (ply->encoding == ASCII && ctl_file_line(file, &line)) {
         if (ctl_word_next(&line, &word)) {
-            return ctl_error_set(reader->error, PCCD_E_FORMAT,
-                                 "%s:%" PRIu64 ": \"%.*s\" after the last element",
-                                 reader->file->path, reader->text.line,
-                                 ctl_word_length(&word), word.at);
+            ctl_file_refuse(file, "\"%.*s\" after the last element", CTL_QUOTE(word));
         }
     }
-    return PCCD_OK;
+    /* Some writers end binary data with a line end. */
+    bool is_pair = ctl_file_more(file, 2) && memcmp(file->at, "\r\n", 2) == 0;
+    bool is_end = ctl_file_more(file, 1) && (file->at[0] == '\n' || file->at[0] == '\r');
+    uint64_t left = ctl_file_left(file);
+    if (left > (is_pair ? 2 : is_end)) {
+        ctl_file_refuse(file, "%" PRIu64 " %s after the last element", left,
+                        proto_plural(left, "byte", "bytes"));
+    }
+}
+
+static enum pccd_format format_of(const struct ply *ply)
+{
+    bool is_narrow = true; /* each type is exact in a float */
+    for (enum role role = AXIS_X; role <= AXIS_Z; role++) {
+        const struct type *type = ply->named[role]->type;
+        is_narrow = is_narrow && type->bytes < (type->kind == REAL ? 8 : 4);
+    }
+    return is_narrow ? PCCD_FORMAT_F32 : PCCD_FORMAT_F64;
 }
 
 int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh)
 {
-    struct ply_header *header = malloc(sizeof *header);
-    struct body_reader reader = {
-        .file = file,
-        .header = header,
-        .mesh = mesh,
-        .error = mesh->error,
-        .text = ctl_text_begin(file),
-    };
-    if (header == NULL) {
-        return ctl_error_set(mesh->error, PCCD_E_NOMEM, "%s: no memory for the header",
-                             file->path);
+    struct ply ply = {.file = file, .mesh = mesh};
+    if (read_header(&ply) != PCCD_OK) {
+        return file->status;
     }
-    int status = ctl_ply_header(file, &reader.text, header, mesh->error);
-    if (status == PCCD_OK) {
-        status = ctl_mesh_alloc_vertices(
-            mesh, header->is_narrow ? PCCD_FORMAT_F32 : PCCD_FORMAT_F64,
-            header->vertex_count);
-    }
-    for (uint32_t i = 0; i < header->element_count && status == PCCD_OK; i++) {
-        reader.element = &header->elements[i];
-        for (reader.row = 0; reader.row < reader.element->count && status == PCCD_OK;
-             reader.row++) {
-            status = read_row(&reader);
+    file->status = ctl_mesh_alloc_vertices(mesh, format_of(&ply), ply.vertex->count);
+    file->line = ply.encoding == ASCII ? file->line : 0;
+    for (uint32_t i = 0; i < ply.element_count && file->status == PCCD_OK; i++) {
+        const struct element *element = &ply.elements[i];
+        file->item = element->name;
+        file->item_number = 0;
+        while (file->item_number < element->count && file->status == PCCD_OK) {
+            read_row(&ply, element);
+            file->item_number++;
         }
     }
-    if (status == PCCD_OK) {
-        status = check_end(&reader);
+    file->item = NULL;
+    check_end(&ply);
+    uint32_t points = ply.is_cloud ? mesh->part.vertex_total : 0;
+    for (uint32_t v = 0; v < points && file->status == PCCD_OK; v++) {
+        ctl_mesh_begin_row(mesh, v, points);
+        file->status = ctl_mesh_add(mesh, CTL_POINTS, &v);
     }
-    bool is_cloud = header->face_count + header->edge_count == 0;
-    uint32_t vertices = status == PCCD_OK && is_cloud ? mesh->part.vertex_total : 0;
-    for (uint32_t v = 0; status == PCCD_OK && v < vertices; v++) {
-        ctl_mesh_begin_row(mesh, v, vertices);
-        status = ctl_mesh_add(mesh, CTL_POINTS, &v);
-    }
-    free(header);
-    return status;
+    return file->status;
 }
 
 int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
 {
-    struct ctl_text text = {
-        .at = ctl_file_start(begin), .end = begin->data + begin->bytes, .line = 0};
-    struct ply_header *header = malloc(sizeof *header);
-    if (header == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the header",
-                             begin->path);
-    }
-    int status = ctl_ply_header(begin, &text, header, error);
-    *is_text = status == PCCD_OK && header->encoding == PLY_ASCII;
-    free(header);
-    return status;
+    struct ctl_file file = ctl_file_beginning(begin, error);
+    struct ply ply = {.file = &file};
+    (void)read_header(&ply);
+    *is_text = ply.encoding == ASCII;
+    return file.status;
 }

@@ -1,16 +1,12 @@
-/* client/ctl/mesh/point_cache.c - positions from PC2 and MDD files.
+/* client/ctl/mesh/point_cache.c - positions from PC2 and MDD files, which have no faces.
  *
- * Room:     client/ctl.
- * Does:     judge header and size, read one frame at a time.
- * Does not: know the mesh: its faces, and how many vertices it has, are another file's.
- * Threads:  one at a time.
- * Source:   meshfile.h, motion.h. PC2: 12 bytes "POINTCACHE2\0", int32 1, int32 vertices,
- *           float32 start, float32 step, int32 frames, float32 x, y, z of each vertex of
- *           each frame, the lowest byte first. MDD: int32 frames, int32 vertices, float32
- *           seconds of each frame, then positions as in PC2, the highest byte first.
+ * PC2: 12 bytes "POINTCACHE2\\0", int32 1, int32 vertices, float32 start, float32 step,
+ * int32 frames, float32 x, y, z of each vertex of each frame, the lowest byte first. MDD:
+ * int32 frames, int32 vertices, float32 seconds of each frame, then positions as in PC2,
+ * the highest byte first.
+ *
+ * Threads: one at a time.
  */
-#include "meshfile.h"
-
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -18,19 +14,23 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "text.h"
+#include "meshfile.h"
 
 #define PIECE_BYTES  ((size_t)12 * 5461)
 #define VERTEX_BYTES ((uint64_t)12)
-#define PC2_HEADER   ((size_t)32)
-#define MDD_HEADER   ((size_t)8)
+
+/* Where in a header things are. */
+struct kind {
+    bool is_mdd; /* and so has seconds, and the highest byte first */
+    size_t header_bytes, frames_at, vertices_at;
+};
+static const struct kind pc2 = {false, 32, 28, 16}, mdd = {true, 8, 0, 4};
 
 struct cache {
+    struct kind kind;
     struct ctl_file file; /* a large one: its beginning */
     char *path;
-    bool is_mdd;         /* and so has the highest byte first */
     uint64_t first_byte; /* of the first frame's positions */
-    float start, step; /* PC2: the number of the first frame, and from one to the next */
 };
 
 /* ---- bytes ------------------------------------------------------------------------- */
@@ -38,7 +38,7 @@ struct cache {
 static uint32_t word_at(const struct cache *cache, const char *at)
 {
     uint32_t word = ctl_file_word(at);
-    return cache->is_mdd ? __builtin_bswap32(word) : word;
+    return cache->kind.is_mdd ? __builtin_bswap32(word) : word;
 }
 
 static float float_at(const struct cache *cache, const char *at)
@@ -71,43 +71,24 @@ static int read_at(const struct cache *cache, uint64_t offset, char *to, size_t 
 
 /* ---- the header -------------------------------------------------------------------- */
 
-static int judge_pc2(struct cache *cache, const char *header, struct ctl_error *error)
-{
-    uint32_t version = word_at(cache, header + 12);
-    if (memcmp(header, "POINTCACHE2", 12) != 0) {
-        return ctl_error_set(error, PCCD_E_FORMAT,
-                             "%s: a PC2 file begins with \"POINTCACHE2\" and a byte 0",
-                             cache->path);
-    }
-    if (version != 1) {
-        return ctl_error_set(error, PCCD_E_FORMAT,
-                             "%s: version %" PRIu32 " of PC2, and only 1 is read",
-                             cache->path, version);
-    }
-    cache->start = float_at(cache, header + 20);
-    cache->step = float_at(cache, header + 24);
-    return PCCD_OK;
-}
-
 /* Whether the first two frames are the same, byte for byte. */
 static int compare_frames(const struct cache *cache, uint64_t frame_bytes, bool *is_same,
                           struct ctl_error *error)
 {
     char first[4096], second[4096];
+    int status = PCCD_OK;
     *is_same = true;
-    for (uint64_t at = 0; at < frame_bytes && *is_same; at += sizeof first) {
+    for (uint64_t at = 0; at < frame_bytes && *is_same && status == PCCD_OK;
+         at += sizeof first) {
         uint64_t left = frame_bytes - at, from = cache->first_byte + at;
         size_t now = left < sizeof first ? (size_t)left : sizeof first;
-        int status = read_at(cache, from, first, now, error);
+        status = read_at(cache, from, first, now, error);
         if (status == PCCD_OK) {
             status = read_at(cache, from + frame_bytes, second, now, error);
         }
-        if (status != PCCD_OK) {
-            return status;
-        }
-        *is_same = memcmp(first, second, now) == 0;
+        *is_same = status == PCCD_OK && memcmp(first, second, now) == 0;
     }
-    return PCCD_OK;
+    return status;
 }
 
 /* The size that the header says is the file's. Blender writes the first frame of an MDD
@@ -116,23 +97,15 @@ static int judge_size(struct cache *cache, uint32_t frames, uint32_t vertices,
                       struct ctl_error *error)
 {
     const struct ctl_file *file = &cache->file;
-    uint64_t size = file->size > 0 ? file->size : file->bytes;
-    if (frames == 0 || frames > CTL_MESH_COUNT_MAX || vertices == 0 ||
-        vertices > CTL_MESH_COUNT_MAX) {
-        return ctl_error_set(error, PCCD_E_FORMAT,
-                             "%s: the header has %" PRId32 " frames of %" PRId32
-                             " vertices",
-                             cache->path, (int32_t)frames, (int32_t)vertices);
-    }
-    cache->first_byte = cache->is_mdd ? MDD_HEADER + 4 * (uint64_t)frames : PC2_HEADER;
-    /* Divided, as the product may be above 2^64. */
-    uint64_t most = (UINT64_MAX - cache->first_byte) / VERTEX_BYTES / frames;
-    uint64_t said = vertices > most
-                        ? UINT64_MAX
-                        : cache->first_byte + VERTEX_BYTES * frames * vertices;
-    uint64_t frame_bytes = VERTEX_BYTES * vertices;
+    uint64_t size = ctl_file_size(file), frame_bytes = VERTEX_BYTES * vertices, said;
     bool is_double = false;
-    if (cache->is_mdd && said < size && size - said == frame_bytes) {
+    cache->first_byte =
+        cache->kind.header_bytes + (cache->kind.is_mdd ? 4 * (uint64_t)frames : 0);
+    if (__builtin_mul_overflow(frame_bytes, frames, &said) ||
+        __builtin_add_overflow(said, cache->first_byte, &said)) {
+        said = UINT64_MAX;
+    }
+    if (cache->kind.is_mdd && said < size && size - said == frame_bytes) {
         int status = compare_frames(cache, frame_bytes, &is_double, error);
         if (status != PCCD_OK) {
             return status;
@@ -150,28 +123,34 @@ static int judge_size(struct cache *cache, uint32_t frames, uint32_t vertices,
 static int judge(struct cache *cache, struct ctl_motion *motion, struct ctl_error *error)
 {
     const char *header = cache->file.data;
-    size_t needed = cache->is_mdd ? MDD_HEADER : PC2_HEADER;
-    if (cache->file.bytes < needed) {
+    const struct kind *kind = &cache->kind;
+    if (cache->file.bytes < kind->header_bytes) {
         return ctl_error_set(error, PCCD_E_FORMAT,
                              "%s: a header has %zu bytes; the file has %zu", cache->path,
-                             needed, cache->file.bytes);
+                             kind->header_bytes, cache->file.bytes);
     }
-    if (!cache->is_mdd && judge_pc2(cache, header, error) != PCCD_OK) {
-        return PCCD_E_FORMAT;
+    if (!kind->is_mdd && memcmp(header, "POINTCACHE2", 12) != 0) {
+        return ctl_error_set(error, PCCD_E_FORMAT,
+                             "%s: a PC2 file begins with \"POINTCACHE2\" and a byte 0",
+                             cache->path);
     }
-    motion->frame_count = word_at(cache, header + (cache->is_mdd ? 0 : 28));
-    motion->vertex_count = word_at(cache, header + (cache->is_mdd ? 4 : 16));
-    return judge_size(cache, motion->frame_count, motion->vertex_count, error);
-}
-
-/* Of a file's beginning: nothing yet, as a pipe's size is not known. */
-static int judge_nothing(const struct ctl_file *begin, bool *is_text,
-                         struct ctl_error *error)
-{
-    (void)begin;
-    (void)error;
-    *is_text = false;
-    return PCCD_OK;
+    if (!kind->is_mdd && word_at(cache, header + 12) != 1) {
+        return ctl_error_set(error, PCCD_E_FORMAT,
+                             "%s: version %" PRIu32 " of PC2, and only 1 is read",
+                             cache->path, word_at(cache, header + 12));
+    }
+    uint32_t frames = word_at(cache, header + kind->frames_at);
+    uint32_t vertices = word_at(cache, header + kind->vertices_at);
+    if (frames == 0 || frames > CTL_MESH_COUNT_MAX || vertices == 0 ||
+        vertices > CTL_MESH_COUNT_MAX) {
+        return ctl_error_set(error, PCCD_E_FORMAT,
+                             "%s: the header has %" PRId32 " frames of %" PRId32
+                             " vertices",
+                             cache->path, (int32_t)frames, (int32_t)vertices);
+    }
+    motion->frame_count = frames;
+    motion->vertex_count = vertices;
+    return judge_size(cache, frames, vertices, error);
 }
 
 /* ---- frames ------------------------------------------------------------------------ */
@@ -210,13 +189,16 @@ static void name_frame(const struct ctl_motion *motion, uint32_t frame, char *te
 {
     const struct cache *cache = motion->state;
     struct ctl_error ignored;
-    char seconds[4] = {0};
-    if (cache->is_mdd) {
-        (void)read_at(cache, MDD_HEADER + 4 * (uint64_t)frame, seconds, 4, &ignored);
-        (void)snprintf(text, bytes, "%.9g s", (double)float_at(cache, seconds));
+    char number[4] = {0};
+    if (cache->kind.is_mdd) {
+        (void)read_at(cache, cache->kind.header_bytes + 4 * (uint64_t)frame, number, 4,
+                      &ignored);
+        (void)snprintf(text, bytes, "%.9g s", (double)float_at(cache, number));
     } else {
+        const char *start = cache->file.data + 20;
         (void)snprintf(text, bytes, "frame %.9g",
-                       (double)cache->start + (double)cache->step * frame);
+                       (double)float_at(cache, start) +
+                           (double)float_at(cache, start + 4) * frame);
     }
 }
 
@@ -231,8 +213,8 @@ static void close_cache(struct ctl_motion *motion)
     *motion = (struct ctl_motion){.state = NULL};
 }
 
-static int open_cache(const char *path, bool is_mdd, struct ctl_motion *motion,
-                      struct ctl_error *error)
+static int open_cache(const char *path, const struct kind *kind,
+                      struct ctl_motion *motion, struct ctl_error *error)
 {
     struct cache *cache = calloc(1, sizeof *cache);
     char *name = strdup(path);
@@ -247,8 +229,8 @@ static int open_cache(const char *path, bool is_mdd, struct ctl_motion *motion,
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", path);
     }
     cache->path = name;
-    cache->is_mdd = is_mdd;
-    int status = ctl_file_open(name, judge_nothing, &cache->file, error);
+    cache->kind = *kind;
+    int status = ctl_file_open(name, NULL, &cache->file, error);
     if (status == PCCD_OK) {
         status = judge(cache, &opened, error);
     }
@@ -264,12 +246,12 @@ int ctl_pc2_open(const char *path, const struct ctl_motion_wish *wish,
                  struct ctl_motion *motion, struct ctl_error *error)
 {
     (void)wish;
-    return open_cache(path, false, motion, error);
+    return open_cache(path, &pc2, motion, error);
 }
 
 int ctl_mdd_open(const char *path, const struct ctl_motion_wish *wish,
                  struct ctl_motion *motion, struct ctl_error *error)
 {
     (void)wish;
-    return open_cache(path, true, motion, error);
+    return open_cache(path, &mdd, motion, error);
 }

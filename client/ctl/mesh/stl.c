@@ -1,45 +1,38 @@
-/* client/ctl/mesh/stl.c - STL files.
+/* client/ctl/mesh/stl.c - STL files, binary and ascii.
  *
- * Room:     client/ctl.
- * Does:     read binary and ascii STL. Each facet of the file has corners of its own;
- *           corners at exactly the same place become one vertex, numbered as they come,
- *           since a surface is of one piece only by its vertices.
- * Does not: read normals, colours or names of solids; join corners that are merely close.
- * Threads:  [any]; nothing is shared.
- * Source:   3D Systems, "StereoLithography Interface Specification" (1988).
+ * Each facet has corners of its own; corners at exactly the same place become one vertex,
+ * numbered as they come, since a surface is of one piece only by its vertices.
+ *
+ * Source: 3D Systems, "StereoLithography Interface Specification" (1988).
  */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
+#include "array.h"
 #include "meshfile.h"
 
 #define HEADER_BYTES 84u /* 80 of any text, and the number of facets */
 #define FACET_BYTES  50u /* a normal, three corners, and two bytes of anything */
+#define NORMAL_BYTES 12u
 #define FREE         UINT32_MAX
 #define LOOK_BYTES   ((size_t)512) /* of a file that may be ascii */
 
-struct stl_reader {
+struct stl {
     struct ctl_file *file;
     struct ctl_mesh *mesh;
-    struct ctl_error *error;
-    struct ctl_text text;     /* of ascii */
-    uint32_t vertex_capacity; /* of mesh->x */
-    uint32_t *table;          /* [table_mask + 1]: vertices by their places; FREE: none */
-    uint32_t table_mask;
-    uint32_t corners[3];
+    size_t room;     /* of mesh->x */
+    uint32_t *table; /* [table_mask + 1]: vertices by their places; FREE: none */
+    size_t table_mask;
 };
 
-static int no_memory(struct stl_reader *reader)
-{
-    return ctl_error_set(reader->error, PCCD_E_NOMEM, "%s: no memory for %u vertices",
-                         reader->file->path, reader->mesh->vertex_count);
-}
+/* ---- corners ----------------------------------------------------------------------- */
 
 /* Where a place, or the first free entry after it, is in the table. */
-static uint32_t *entry_of(const struct stl_reader *reader, const float place[3])
+static uint32_t *entry_of(const struct stl *stl, const float place[3])
 {
-    const float(*x)[3] = reader->mesh->x;
+    const float(*x)[3] = stl->mesh->x;
     uint64_t hash = 0;
     for (int k = 0; k < 3; k++) {
         uint32_t bits;
@@ -47,295 +40,241 @@ static uint32_t *entry_of(const struct stl_reader *reader, const float place[3])
         hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
         hash ^= hash >> 32;
     }
-    uint32_t at = (uint32_t)hash & reader->table_mask;
-    while (reader->table[at] != FREE &&
-           memcmp(x[reader->table[at]], place, sizeof *x) != 0) {
-        at = (at + 1) & reader->table_mask;
+    size_t at = (uint32_t)hash & stl->table_mask;
+    while (stl->table[at] != FREE && memcmp(x[stl->table[at]], place, sizeof *x) != 0) {
+        at = (at + 1) & stl->table_mask;
     }
-    return &reader->table[at];
+    return &stl->table[at];
 }
 
-/* Twice as many vertices, and a table that is at most half full with them. */
-static int grow(struct stl_reader *reader)
+/* Twice as much room for vertices, and a table that is at most half full with them. */
+static int make_room(struct stl *stl)
 {
-    struct ctl_mesh *mesh = reader->mesh;
-    uint64_t wanted =
-        reader->vertex_capacity > 0 ? 2 * (uint64_t)reader->vertex_capacity : 1024;
+    struct ctl_mesh *mesh = stl->mesh;
     if (mesh->vertex_count == CTL_MESH_COUNT_MAX) {
-        return ctl_error_set(reader->error, PCCD_E_LIMIT,
-                             "%s: more than %" PRIu64 " vertices", reader->file->path,
+        return ctl_file_fail(stl->file, PCCD_E_LIMIT, "more than %" PRIu64 " vertices",
                              CTL_MESH_COUNT_MAX);
     }
-    wanted = wanted > CTL_MESH_COUNT_MAX ? CTL_MESH_COUNT_MAX : wanted;
-    void *x = realloc(mesh->x, (size_t)wanted * sizeof(float[3]));
-    if (x == NULL) {
-        return no_memory(reader);
+    bool has_room =
+        array_reserve(&mesh->x, mesh->vertex_count, &stl->room, sizeof(float[3]));
+    size_t entries = 2 * stl->room; /* a power of two, as the room is */
+    free(stl->table);
+    stl->table = has_room ? malloc(entries * sizeof *stl->table) : NULL;
+    if (stl->table == NULL) {
+        return ctl_file_fail(stl->file, PCCD_E_NOMEM, "no memory for %zu vertices",
+                             stl->room);
     }
-    mesh->x = x;
-    reader->vertex_capacity = (uint32_t)wanted;
-    uint32_t entries = 2048;
-    while (entries < 2 * wanted) {
-        entries *= 2;
-    }
-    free(reader->table);
-    reader->table = malloc(entries * sizeof *reader->table);
-    if (reader->table == NULL) {
-        return no_memory(reader);
-    }
-    memset(reader->table, 0xff, entries * sizeof *reader->table);
-    reader->table_mask = entries - 1;
+    memset(stl->table, 0xff, entries * sizeof *stl->table);
+    stl->table_mask = entries - 1;
     for (uint32_t i = 0; i < mesh->vertex_count && !mesh->is_corners; i++) {
-        *entry_of(reader, ((const float(*)[3])mesh->x)[i]) = i;
+        *entry_of(stl, ((const float(*)[3])mesh->x)[i]) = i;
     }
     return PCCD_OK;
 }
 
-static int add_corner(struct stl_reader *reader, const float x[3], uint32_t *vertex)
+static uint32_t vertex_at(struct stl *stl, const float x[3])
 {
-    struct ctl_mesh *mesh = reader->mesh;
+    struct ctl_mesh *mesh = stl->mesh;
+    uint32_t new = FREE;
     float place[3];
-    for (int k = 0; k < 3; k++) {
-        place[k] = x[k] == 0 ? 0 : x[k]; /* 0 and -0 are one place */
+    for (int axis = 0; axis < 3; axis++) {
+        place[axis] = x[axis] == 0 ? 0 : x[axis]; /* 0 and -0 are one place */
     }
-    if (mesh->vertex_count == reader->vertex_capacity) {
-        int status = grow(reader);
-        if (status != PCCD_OK) {
-            return status;
-        }
+    if (mesh->vertex_count == stl->room && make_room(stl) != PCCD_OK) {
+        return 0;
     }
-    if (mesh->is_corners) {
-        memcpy(((float(*)[3])mesh->x)[mesh->vertex_count], place, sizeof place);
-        *vertex = mesh->vertex_count++;
-        return PCCD_OK;
-    }
-    uint32_t *entry = entry_of(reader, place);
+    uint32_t *entry = mesh->is_corners ? &new : entry_of(stl, place);
     if (*entry == FREE) {
         memcpy(((float(*)[3])mesh->x)[mesh->vertex_count], place, sizeof place);
         *entry = mesh->vertex_count++;
     }
-    *vertex = *entry;
-    return PCCD_OK;
+    return *entry;
+}
+
+static void add_facet(struct stl *stl, float x[3][3])
+{
+    uint32_t corners[3];
+    for (int k = 0; k < 3; k++) {
+        corners[k] = stl->file->status == PCCD_OK ? vertex_at(stl, x[k]) : 0;
+    }
+    if (stl->file->status == PCCD_OK) {
+        stl->file->status = ctl_mesh_add(stl->mesh, CTL_TRIANGLES, corners);
+    }
 }
 
 /* ---- binary ------------------------------------------------------------------------ */
 
-/* Whether a file of so many bytes is binary: its number of facets says how long it is.
- * The first line of ascii does not tell, since headers may begin with "solid", too. */
-static bool is_binary(const char *data, size_t bytes, uint64_t all_bytes)
+/* Whether a file is binary: its number of facets says how long it is. The first line of
+ * ascii does not tell, since headers may begin with "solid", too. */
+static bool is_binary(const struct ctl_file *file)
 {
-    return bytes >= HEADER_BYTES &&
-           all_bytes == HEADER_BYTES + (uint64_t)ctl_file_word(data + 80) * FACET_BYTES;
+    return file->bytes >= HEADER_BYTES &&
+           ctl_file_size(file) ==
+               HEADER_BYTES + (uint64_t)ctl_file_word(file->data + 80) * FACET_BYTES;
 }
 
-/* Whether it begins with "solid", and has no byte 0 soon, as a binary file has. */
-static bool is_ascii(const struct ctl_file *begin)
+static void read_binary(struct stl *stl)
 {
-    const char *start = ctl_file_start(begin);
-    size_t bytes = (size_t)(begin->data + begin->bytes - start);
-    struct ctl_word text = {start, start + (bytes < LOOK_BYTES ? bytes : LOOK_BYTES)},
-                    word;
-    while (text.at < text.end && (*text.at == '\n' || *text.at == '\r')) {
-        text.at++;
-    }
-    const char *stop = memchr(text.at, '\n', (size_t)(text.end - text.at));
-    const char *other = memchr(text.at, '\r', (size_t)(text.end - text.at));
-    bool has_zero = memchr(text.at, 0, (size_t)(text.end - text.at)) != NULL;
-    text.end = stop != NULL ? stop : text.end;
-    text.end = other != NULL && other < text.end ? other : text.end;
-    return !has_zero && ctl_word_next(&text, &word) &&
-           ctl_word_is_any_case(&word, "solid");
-}
-
-static int no_stl(const struct ctl_file *begin, struct ctl_error *error)
-{
-    uint64_t all_bytes = begin->offset + begin->bytes + begin->rest_bytes;
-    if (begin->bytes < HEADER_BYTES) {
-        return ctl_error_set(
-            error, PCCD_E_FORMAT,
-            "%s: no STL: it does not begin with \"solid\", and has %" PRIu64
-            " bytes where a binary one has %u and more",
-            begin->path, all_bytes, HEADER_BYTES);
-    }
-    uint64_t facets = (all_bytes - HEADER_BYTES) / FACET_BYTES;
-    return ctl_error_set(
-        error, PCCD_E_FORMAT,
-        "%s: no STL: it does not begin with \"solid\", and its header tells of %" PRIu32
-        " facets, where %" PRIu64 " bytes have %" PRIu64 " and %" PRIu64 " bytes more",
-        begin->path, ctl_file_word(begin->data + 80), all_bytes, facets,
-        (all_bytes - HEADER_BYTES) % FACET_BYTES);
-}
-
-static int read_binary(struct stl_reader *reader)
-{
-    const struct ctl_file *file = reader->file;
+    struct ctl_file *file = stl->file;
     uint32_t count = ctl_file_word(file->data + 80);
-    int status = PCCD_OK;
-    reader->text.at = file->data + HEADER_BYTES;
-    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
-        if (!ctl_text_more(&reader->text, FACET_BYTES)) {
-            return ctl_error_set(reader->error, PCCD_E_FORMAT,
-                                 "%s: facet %" PRIu32 " of %" PRIu32
-                                 ": the file ends here",
-                                 file->path, i, count);
+    float x[3][3];
+    file->at = file->data + HEADER_BYTES;
+    for (uint32_t i = 0; i < count && file->status == PCCD_OK; i++) {
+        if (!ctl_file_more(file, FACET_BYTES)) {
+            ctl_file_refuse(file, "facet %" PRIu32 " of %" PRIu32 ": the file ends here",
+                            i, count);
+            return;
         }
-        const char *facet = reader->text.at;
-        for (uint32_t k = 0; k < 3 && status == PCCD_OK; k++) {
-            float x[3];
-            for (uint32_t axis = 0; axis < 3; axis++) {
-                uint32_t bits = ctl_file_word(facet + 12 * (k + 1) + 4 * axis);
-                memcpy(&x[axis], &bits, sizeof bits);
-                if (!common_is_coordinate((double)x[axis])) {
-                    return ctl_error_set(reader->error, PCCD_E_NOTFINITE,
-                                         "%s: facet %" PRIu32 ", corner %" PRIu32
-                                         ": coordinate %c is %g; |x| <= 1e18 is needed",
-                                         file->path, i, k, "xyz"[axis], (double)x[axis]);
-                }
+        for (uint32_t k = 0; k < 9; k++) {
+            uint32_t bits = ctl_file_word(file->at + NORMAL_BYTES + 4 * k);
+            float *value = &x[k / 3][k % 3];
+            memcpy(value, &bits, sizeof bits);
+            if (!common_is_coordinate((double)*value)) {
+                ctl_file_fail(file, PCCD_E_NOTFINITE,
+                              "facet %" PRIu32 ", corner %" PRIu32
+                              ": coordinate %c is %g; |x| <= 1e18 is needed",
+                              i, k / 3, "xyz"[k % 3], (double)*value);
             }
-            status = add_corner(reader, x, &reader->corners[k]);
         }
-        if (status == PCCD_OK) {
-            status = ctl_mesh_add(reader->mesh, CTL_TRIANGLES, reader->corners);
-        }
-        reader->text.at += FACET_BYTES;
+        add_facet(stl, x);
+        file->at += FACET_BYTES;
     }
-    return status;
 }
 
 /* ---- ascii ------------------------------------------------------------------------- */
 
-/* The next line that is not blank, and its first word, of "end" the second one, too. */
-static bool next_line(struct stl_reader *reader, struct ctl_word *line,
-                      struct ctl_word *word)
+/* Whether it begins with "solid", and has no byte 0 soon, as a binary file has. */
+static bool is_ascii(const struct ctl_file *file)
 {
-    while (ctl_text_line(&reader->text, line)) {
-        if (ctl_word_next(line, word)) {
-            return true;
-        }
+    static const char blanks[] = " \t\r\n\v\f";
+    const char *word = file->at + strspn(file->at, blanks);
+    size_t left = (size_t)(file->data + file->bytes - word);
+    return strncasecmp(word, "solid", 5) == 0 && strchr(blanks, word[5]) != NULL &&
+           memchr(word, 0, left < LOOK_BYTES ? left : LOOK_BYTES) == NULL;
+}
+
+static int refuse_kind(struct ctl_file *file)
+{
+    uint64_t all = ctl_file_size(file);
+    return file->bytes < HEADER_BYTES
+               ? ctl_file_refuse(file,
+                                 "no STL: it does not begin with \"solid\", and has "
+                                 "%" PRIu64 " bytes where a binary one has %u and more",
+                                 all, HEADER_BYTES)
+               : ctl_file_refuse(file,
+                                 "no STL: it does not begin with \"solid\", and its "
+                                 "header tells of %" PRIu32 " facets, where %" PRIu64
+                                 " bytes have %" PRIu64 " and %" PRIu64 " bytes more",
+                                 ctl_file_word(file->data + 80), all,
+                                 (all - HEADER_BYTES) / FACET_BYTES,
+                                 (all - HEADER_BYTES) % FACET_BYTES);
+}
+
+/* The next line that is not blank, and its first word. */
+static bool next_line(struct ctl_file *file, struct ctl_word *line, struct ctl_word *word)
+{
+    bool has_word = false;
+    while (!has_word && ctl_file_line(file, line)) {
+        has_word = ctl_word_next(line, word);
     }
-    return false;
+    return has_word;
 }
 
-/* "endfacet", or "end facet". */
-static bool is_end(const struct ctl_word *word, struct ctl_word line, const char *what)
+/* Whether a line begins so; "end facet" is "endfacet". */
+static bool begins(const struct ctl_word *word, struct ctl_word line, const char *wanted)
 {
-    struct ctl_word second, rest = {word->at + 3, word->end};
-    bool is_split = ctl_word_is_any_case(word, "end") && ctl_word_next(&line, &second);
-    struct ctl_word begin = {word->at,
-                             word->end - word->at > 3 ? word->at + 3 : word->end};
-    return is_split ? ctl_word_is_any_case(&second, what)
-                    : ctl_word_is_any_case(&begin, "end") && rest.end > rest.at &&
-                          ctl_word_is_any_case(&rest, what);
+    struct ctl_word second;
+    return ctl_word_is_any_case(word, wanted) ||
+           (strncmp(wanted, "end", 3) == 0 && ctl_word_is_any_case(word, "end") &&
+            ctl_word_next(&line, &second) && ctl_word_is_any_case(&second, wanted + 3));
 }
 
-static int unexpected(struct stl_reader *reader, const char *wanted,
-                      const struct ctl_word *word)
+static void refuse_word(struct ctl_file *file, const struct ctl_word *word,
+                        const char *wanted)
 {
-    return ctl_error_set(
-        reader->error, PCCD_E_FORMAT, "%s:%" PRIu64 ": \"%.*s\" where \"%s\" is needed",
-        reader->file->path, reader->text.line, ctl_word_length(word), word->at, wanted);
+    ctl_file_refuse(file, "\"%.*s\" where \"%s\" is needed", CTL_QUOTE(*word), wanted);
 }
 
-/* A line that begins so, or with "end" and so. */
-static int expect(struct stl_reader *reader, const char *wanted, struct ctl_word *line)
+static void read_place(struct ctl_file *file, struct ctl_word *line, float x[3])
 {
-    struct ctl_word word;
-    bool is_of_end = strncmp(wanted, "end", 3) == 0;
-    if (!next_line(reader, line, &word)) {
-        return ctl_error_set(reader->error, PCCD_E_FORMAT,
-                             "%s: it ends where \"%s\" is needed", reader->file->path,
-                             wanted);
-    }
-    bool is_it = is_of_end ? is_end(&word, *line, wanted + 3)
-                           : ctl_word_is_any_case(&word, wanted);
-    return is_it ? PCCD_OK : unexpected(reader, wanted, &word);
-}
-
-static int read_corner(struct stl_reader *reader, uint32_t *vertex)
-{
-    struct ctl_word line;
-    float x[3];
-    int status = expect(reader, "vertex", &line);
-    if (status != PCCD_OK) {
-        return status;
-    }
     for (int axis = 0; axis < 3; axis++) {
-        struct ctl_word word = {line.end, line.end};
+        struct ctl_word word = {line->end, line->end};
         double value;
-        if (!ctl_word_next(&line, &word) || !ctl_word_float(&word, &value)) {
-            return unexpected(reader, "three numbers", &word);
+        if (!ctl_word_next(line, &word) || !ctl_word_float(&word, &value)) {
+            refuse_word(file, &word, "three numbers");
+        } else if (!common_is_coordinate(value)) {
+            ctl_file_fail(file, PCCD_E_NOTFINITE,
+                          "coordinate %c is %g; |x| <= 1e18 is needed", "xyz"[axis],
+                          value);
+        } else {
+            x[axis] = (float)value;
         }
-        if (!common_is_coordinate(value)) {
-            return ctl_error_set(
-                reader->error, PCCD_E_NOTFINITE,
-                "%s:%" PRIu64 ": coordinate %c is %g; |x| <= 1e18 is needed",
-                reader->file->path, reader->text.line, "xyz"[axis], value);
-        }
-        x[axis] = (float)value;
     }
-    return add_corner(reader, x, vertex);
 }
 
-static int read_facet(struct stl_reader *reader)
+/* What comes after the line "facet". */
+static void read_facet(struct stl *stl)
 {
-    struct ctl_word line;
-    int status = expect(reader, "outer", &line);
-    for (int k = 0; k < 3 && status == PCCD_OK; k++) {
-        status = read_corner(reader, &reader->corners[k]);
+    static const char *const lines[] = {"vertex", "vertex", "vertex", "endloop",
+                                        "endfacet"};
+    struct ctl_file *file = stl->file;
+    struct ctl_word line, word;
+    float x[3][3] = {{0}};
+    for (int i = -1; i < 5 && file->status == PCCD_OK; i++) {
+        const char *wanted = i < 0 ? "outer" : lines[i];
+        if (!next_line(file, &line, &word)) {
+            file->status =
+                ctl_error_set(file->error, PCCD_E_FORMAT,
+                              "%s: it ends where \"%s\" is needed", file->path, wanted);
+        } else if (!begins(&word, line, wanted)) {
+            refuse_word(file, &word, wanted);
+        } else if (i >= 0 && i < 3) {
+            read_place(file, &line, x[i]);
+        }
     }
-    if (status == PCCD_OK) {
-        status = expect(reader, "endloop", &line);
-    }
-    if (status == PCCD_OK) {
-        status = expect(reader, "endfacet", &line);
-    }
-    return status == PCCD_OK ? ctl_mesh_add(reader->mesh, CTL_TRIANGLES, reader->corners)
-                             : status;
+    add_facet(stl, x);
 }
 
 /* One solid after the other; they are one mesh. The last one may lack its end. */
-static int read_ascii(struct stl_reader *reader)
+static void read_ascii(struct stl *stl)
 {
+    struct ctl_file *file = stl->file;
     struct ctl_word line, word;
     bool is_within = false, has_begun = false;
-    int status = PCCD_OK;
-    while (status == PCCD_OK && next_line(reader, &line, &word)) {
-        if (is_within && ctl_word_is_any_case(&word, "facet")) {
-            status = read_facet(reader);
-        } else if (is_within && is_end(&word, line, "solid")) {
-            is_within = false;
-        } else if (!is_within && ctl_word_is_any_case(&word, "solid")) {
-            is_within = has_begun = true;
+    while (next_line(file, &line, &word)) {
+        if (is_within && begins(&word, line, "facet")) {
+            read_facet(stl);
+        } else if (begins(&word, line, is_within ? "endsolid" : "solid")) {
+            is_within = !is_within;
+            has_begun = true;
         } else {
-            status = unexpected(reader, is_within ? "facet" : "solid", &word);
+            refuse_word(file, &word, is_within ? "facet" : "solid");
         }
     }
-    return status == PCCD_OK && !has_begun ? no_stl(reader->file, reader->error) : status;
+    if (!has_begun) {
+        refuse_kind(file);
+    }
 }
 
 int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh)
 {
-    struct stl_reader reader = {
-        .file = file,
-        .mesh = mesh,
-        .error = mesh->error,
-        .text = ctl_text_begin(file),
-    };
-    uint64_t all_bytes = file->bytes + file->rest_bytes;
+    struct stl stl = {.file = file, .mesh = mesh};
     mesh->format = PCCD_FORMAT_F32;
-    int status;
-    if (is_binary(file->data, file->bytes, all_bytes)) {
-        status = read_binary(&reader);
+    ctl_file_begin(file);
+    if (is_binary(file)) {
+        read_binary(&stl);
     } else if (!is_ascii(file) && memchr(file->data, 0, file->bytes) != NULL) {
-        status = no_stl(file, mesh->error);
+        refuse_kind(file);
     } else {
-        status = read_ascii(&reader);
+        read_ascii(&stl);
     }
-    free(reader.table);
-    return status;
+    free(stl.table);
+    return file->status;
 }
 
 int ctl_stl_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
 {
-    *is_text = !is_binary(begin->data, begin->bytes, begin->bytes + begin->rest_bytes);
-    return !*is_text || is_ascii(begin) ? PCCD_OK : no_stl(begin, error);
+    struct ctl_file file = ctl_file_beginning(begin, error);
+    *is_text = !is_binary(&file);
+    return !*is_text || is_ascii(&file) ? PCCD_OK : refuse_kind(&file);
 }

@@ -1,12 +1,6 @@
 /* client/ctl/mesh/text.c - lines and words of a file.
  *
- * Room:     client/ctl.
- * Does:     reads a file, if its beginning is that of one, as far as its reader has come;
- *           splits it into lines and words, turns words into numbers.
- * Does not: know any file format.
- * Threads:  [any]; nothing is shared.
- * Source:   text.h. The program never calls setlocale, so numbers are read as in the C
- * locale.
+ * The program never calls setlocale, so numbers are read as in the C locale.
  */
 #include "text.h"
 
@@ -15,6 +9,8 @@
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -23,9 +19,8 @@
 
 #include "pccd_types.h"
 
-/* First allocation for something whose size is not known, such as a pipe. */
-#define READ_BYTES_MIN ((size_t)1 << 16)
-/* The window of a larger file, of which it is judged before the rest is read. */
+/* The window of a larger file, of which it is judged before the rest is read. Of a small
+ * one only as much is touched as it has. */
 #define WINDOW_BYTES ((size_t)1 << 20)
 /* Read at a time, so that a hole in a text is found soon. */
 #define READ_BYTES_MAX ((size_t)1 << 22)
@@ -34,115 +29,132 @@
 /* Longest piece of a word that a message quotes. */
 #define QUOTE_CHARS_MAX 40
 
-static int no_memory(const struct ctl_file *file, size_t bytes, struct ctl_error *error)
+int ctl_file_fail(struct ctl_file *file, int status, const char *format, ...)
 {
-    return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %zu bytes", file->path,
-                         bytes);
+    char where[96], what[256];
+    va_list arguments;
+    if (file->status != PCCD_OK) {
+        return file->status;
+    }
+    va_start(arguments, format);
+    vsnprintf(what, sizeof what, format, arguments);
+    va_end(arguments);
+    uint64_t byte = file->offset + (uint64_t)(file->at - file->data);
+    int length =
+        snprintf(where, sizeof where, file->line > 0 ? "%" PRIu64 : " byte %" PRIu64,
+                 file->line > 0 ? file->line : byte);
+    if (file->item != NULL) {
+        snprintf(where + length, sizeof where - (size_t)length, ": %s %" PRIu64,
+                 file->item, file->item_number);
+    }
+    file->status =
+        ctl_error_set(file->error, status, "%s:%s: %s", file->path, where, what);
+    return status;
 }
 
-static int grow(struct ctl_file *file, size_t capacity, struct ctl_error *error)
+/* ---- reading ----------------------------------------------------------------------- */
+
+static void grow(struct ctl_file *file, size_t capacity)
 {
     char *grown = capacity > file->capacity ? realloc(file->data, capacity) : NULL;
     if (grown == NULL) {
-        return no_memory(file, capacity, error);
+        file->status = ctl_error_set(file->error, PCCD_E_NOMEM,
+                                     "%s: no memory for %zu bytes", file->path, capacity);
+        return;
     }
     file->data = grown;
     file->capacity = capacity;
-    return PCCD_OK;
 }
 
-/* Whether a text has a byte 0 from `first` on, as a sparse file has. */
-static int look_for_hole(const struct ctl_file *file, size_t first,
-                         struct ctl_error *error)
+/* A text has no byte 0 from `first` on, as a sparse file has. */
+static void look_for_hole(struct ctl_file *file, size_t first)
 {
-    const char *hole = memchr(file->data + first, 0, file->bytes - first);
-    return hole == NULL
-               ? PCCD_OK
-               : ctl_error_set(error, PCCD_E_FORMAT,
-                               "%s: byte %" PRIu64 " is zero, which no text has",
-                               file->path, file->offset + (uint64_t)(hole - file->data));
+    const char *hole =
+        file->is_text ? memchr(file->data + first, 0, file->bytes - first) : NULL;
+    if (hole != NULL) {
+        file->status = ctl_error_set(
+            file->error, PCCD_E_FORMAT, "%s: byte %" PRIu64 " is zero, which no text has",
+            file->path, file->offset + (uint64_t)(hole - file->data));
+    }
 }
 
 /* Read on until `bytes` are in memory, or all. */
-static int read_up_to(struct ctl_file *file, size_t bytes, struct ctl_error *error)
+static void read_up_to(struct ctl_file *file, size_t bytes)
 {
-    while (file->bytes < bytes && file->has_more) {
-        if (file->bytes + 1 >= file->capacity &&
-            grow(file, file->capacity * 2, error) != PCCD_OK) {
-            return PCCD_E_NOMEM;
+    while (file->status == PCCD_OK && file->bytes < bytes && file->has_more) {
+        if (file->bytes + 1 >= file->capacity) {
+            grow(file, file->capacity * 2);
+            continue;
         }
         size_t room = file->capacity - file->bytes - 1;
         size_t wanted = bytes - file->bytes < room ? bytes - file->bytes : room;
-        char *to = file->data + file->bytes;
-        ssize_t got =
-            read(file->fd, to, wanted < READ_BYTES_MAX ? wanted : READ_BYTES_MAX);
-        if (got < 0 && errno == EINTR) {
-            continue;
-        }
-        if (got < 0) {
-            return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot read: %s", file->path,
-                                 strerror(errno));
-        }
-        file->has_more = got > 0;
-        file->bytes += (size_t)got;
-        if (file->is_text && look_for_hole(file, file->bytes - (size_t)got, error)) {
-            return PCCD_E_FORMAT;
+        ssize_t got = read(file->fd, file->data + file->bytes,
+                           wanted < READ_BYTES_MAX ? wanted : READ_BYTES_MAX);
+        if (got >= 0) {
+            file->has_more = got > 0;
+            file->bytes += (size_t)got;
+            look_for_hole(file, file->bytes - (size_t)got);
+        } else if (errno != EINTR) {
+            file->status =
+                ctl_error_set(file->error, PCCD_E_SYSTEM, "%s: cannot read: %s",
+                              file->path, strerror(errno));
         }
     }
     uint64_t read = file->offset + file->bytes;
-    file->data[file->bytes] = '\0';
+    file->has_more = file->has_more && file->status == PCCD_OK;
     file->rest_bytes = file->has_more && file->size > read ? file->size - read : 0;
-    return PCCD_OK;
+    if (file->status != PCCD_OK) {
+        file->bytes = 0;
+    }
+    file->data[file->bytes] = '\0';
 }
 
 /* The first bytes of a large file, or all. A pipe that goes on is judged, too, before all
  * of it is read. */
-static int begin(struct ctl_file *file, ctl_file_judge judge, struct ctl_error *error)
+static void read_beginning(struct ctl_file *file, ctl_file_judge judge)
 {
-    bool is_large = file->size > WINDOW_BYTES;
-    bool is_pipe = file->size == 0;
-    size_t capacity = is_large                      ? WINDOW_BYTES
-                      : file->size > READ_BYTES_MIN ? (size_t)file->size
-                                                    : READ_BYTES_MIN;
+    struct ctl_error ignored;
+    bool is_large = file->size > WINDOW_BYTES, is_pipe = file->size == 0;
     /* Two more bytes: one for the NUL, one so that the end is seen without growing. */
-    int status = grow(file, capacity + 2, error);
-    if (status == PCCD_OK) {
-        status = read_up_to(file, is_large || is_pipe ? WINDOW_BYTES : SIZE_MAX, error);
+    grow(file, WINDOW_BYTES + 2);
+    if (file->status != PCCD_OK) {
+        return;
     }
-    if (status == PCCD_OK && (is_large || (is_pipe && file->has_more))) {
-        status = judge(file, &file->is_text, error);
+    read_up_to(file, is_large || is_pipe ? WINDOW_BYTES : SIZE_MAX);
+    bool goes_on = is_large || (is_pipe && file->has_more);
+    if (file->status == PCCD_OK && goes_on && judge != NULL) {
+        file->status = judge(file, &file->is_text, file->error);
     }
-    if (status == PCCD_OK && is_pipe) {
-        status = read_up_to(file, SIZE_MAX, error);
+    if (is_pipe) {
+        read_up_to(file, SIZE_MAX);
     }
-    if (status == PCCD_OK && !is_large) {
-        struct ctl_error ignored;
-        file->is_text = judge(file, &file->is_text, &ignored) == PCCD_OK && file->is_text;
+    if (!is_large && judge != NULL && judge(file, &file->is_text, &ignored) != PCCD_OK) {
+        file->is_text = false;
     }
-    return status == PCCD_OK && file->is_text ? look_for_hole(file, 0, error) : status;
+    if (file->status == PCCD_OK) {
+        look_for_hole(file, 0);
+    }
+    ctl_file_begin(file);
 }
 
 int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
                   struct ctl_error *error)
 {
     struct stat info;
-    *file = (struct ctl_file){.path = path, .fd = open(path, O_RDONLY | O_CLOEXEC)};
-    if (file->fd < 0) {
-        return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot open: %s", path,
-                             strerror(errno));
-    }
-    file->is_open = file->has_more = true;
-    int status = PCCD_OK;
-    if (fstat(file->fd, &info) != 0) {
-        status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot stat: %s", path,
-                               strerror(errno));
+    *file = (struct ctl_file){
+        .path = path, .error = error, .fd = open(path, O_RDONLY | O_CLOEXEC)};
+    file->is_open = file->has_more = file->fd >= 0;
+    if (!file->is_open || fstat(file->fd, &info) != 0) {
+        file->status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot %s: %s", path,
+                                     file->is_open ? "stat" : "open", strerror(errno));
     } else if (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode)) {
-        status = ctl_error_set(error, PCCD_E_FORMAT,
-                               "%s: a device, neither file nor pipe", path);
+        file->status = ctl_error_set(error, PCCD_E_FORMAT,
+                                     "%s: a device, neither file nor pipe", path);
     } else {
         file->size = S_ISREG(info.st_mode) ? (uint64_t)info.st_size : 0;
-        status = begin(file, judge, error);
+        read_beginning(file, judge);
     }
+    int status = file->status;
     if (status != PCCD_OK) {
         ctl_file_deinit(file);
     }
@@ -151,20 +163,13 @@ int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
 
 int ctl_file_load(struct ctl_file *file, struct ctl_error *error)
 {
-    int status = PCCD_OK;
-    if (file->size >= SIZE_MAX - 2) {
-        status = no_memory(file, SIZE_MAX, error);
-    } else if (file->has_more && file->size + 2 > file->capacity) {
-        status = grow(file, (size_t)file->size + 2, error);
+    file->error = error;
+    if (file->has_more && file->size + 2 > file->capacity) {
+        grow(file, (size_t)file->size + 2);
     }
-    return status == PCCD_OK ? read_up_to(file, SIZE_MAX, error) : status;
-}
-
-int ctl_file_status(const struct ctl_file *file, struct ctl_error *error)
-{
-    return file->status == PCCD_OK
-               ? PCCD_OK
-               : ctl_error_set(error, file->status, "%s", file->failure.text);
+    read_up_to(file, SIZE_MAX);
+    ctl_file_begin(file);
+    return file->status;
 }
 
 void ctl_file_deinit(struct ctl_file *file)
@@ -178,71 +183,15 @@ void ctl_file_deinit(struct ctl_file *file)
 
 /* ---- the window -------------------------------------------------------------------- */
 
-/* What goes wrong is kept, and the file ends there. */
-static void read_window(struct ctl_file *file, size_t bytes)
+uint64_t ctl_file_left(const struct ctl_file *file)
 {
-    file->status = read_up_to(file, bytes, &file->failure);
-    if (file->status != PCCD_OK) {
-        file->bytes = 0;
-        file->data[0] = '\0';
-        file->rest_bytes = 0;
-        file->has_more = false;
-    }
+    return (uint64_t)(file->data + file->bytes - file->at) + file->rest_bytes;
 }
 
-/* The window begins at `from` then, and has `bytes` if the file has so many. */
-static void move_window(struct ctl_file *file, const char *from, size_t bytes)
+uint64_t ctl_file_size(const struct ctl_file *file)
 {
-    size_t passed = (size_t)(from - file->data), capacity = file->capacity;
-    file->bytes -= passed;
-    file->offset += passed;
-    memmove(file->data, from, file->bytes);
-    /* A line that is longer than half of it: twice as much, so that few moves do. */
-    while (capacity / 2 < bytes && capacity < SIZE_MAX / 2) {
-        capacity *= 2;
-    }
-    file->status =
-        capacity > file->capacity ? grow(file, capacity, &file->failure) : PCCD_OK;
-    if (file->status == PCCD_OK) {
-        read_window(file, file->capacity - 1);
-    } else {
-        file->has_more = false;
-    }
+    return file->offset + file->bytes + file->rest_bytes;
 }
-
-struct ctl_text ctl_text_begin(struct ctl_file *file)
-{
-    if (file->offset > 0 && file->status == PCCD_OK) {
-        file->bytes = 0;
-        file->offset = 0;
-        file->has_more = lseek(file->fd, 0, SEEK_SET) == 0;
-        read_window(file, file->capacity - 1);
-    }
-    return (struct ctl_text){.at = ctl_file_start(file),
-                             .end = file->data + file->bytes,
-                             .line = 0,
-                             .file = file};
-}
-
-bool ctl_text_more(struct ctl_text *text, size_t bytes)
-{
-    struct ctl_file *file = text->file;
-    const char *from = text->keep != NULL ? text->keep : text->at;
-    if ((size_t)(text->end - text->at) >= bytes) {
-        return true;
-    }
-    if (file == NULL || !file->has_more) {
-        return false;
-    }
-    size_t before = (size_t)(text->at - from);
-    move_window(file, from, before + bytes);
-    text->end = file->data + file->bytes;
-    text->at = file->data + (before < file->bytes ? before : file->bytes);
-    text->keep = text->keep != NULL ? file->data : NULL;
-    return (size_t)(text->end - text->at) >= bytes;
-}
-
-/* ---- lines and words --------------------------------------------------------------- */
 
 const char *ctl_file_start(const struct ctl_file *file)
 {
@@ -250,6 +199,54 @@ const char *ctl_file_start(const struct ctl_file *file)
                     memcmp(file->data, "\xef\xbb\xbf", 3) == 0;
     return file->data + (has_mark ? 3 : 0);
 }
+
+void ctl_file_begin(struct ctl_file *file)
+{
+    if (file->offset > 0 && file->status == PCCD_OK) {
+        file->bytes = 0;
+        file->offset = 0;
+        file->has_more = lseek(file->fd, 0, SEEK_SET) == 0;
+        read_up_to(file, file->capacity - 1);
+    }
+    file->at = ctl_file_start(file);
+    file->keep = file->item = NULL;
+    file->line = file->line_last = 0;
+}
+
+struct ctl_file ctl_file_beginning(const struct ctl_file *begin, struct ctl_error *error)
+{
+    struct ctl_file file = *begin;
+    file.error = error;
+    file.has_more = false;
+    ctl_file_begin(&file);
+    return file;
+}
+
+bool ctl_file_more(struct ctl_file *file, size_t bytes)
+{
+    const char *from = file->keep != NULL ? file->keep : file->at;
+    size_t there = (size_t)(file->data + file->bytes - file->at);
+    if (file->status != PCCD_OK || there >= bytes || !file->has_more) {
+        return file->status == PCCD_OK && there >= bytes;
+    }
+    size_t before = (size_t)(file->at - from), capacity = file->capacity;
+    file->offset += (size_t)(from - file->data);
+    file->bytes -= (size_t)(from - file->data);
+    memmove(file->data, from, file->bytes);
+    /* A line that is longer than half of it: twice as much, so that few moves do. */
+    while (capacity / 2 < before + bytes && capacity < SIZE_MAX / 2) {
+        capacity *= 2;
+    }
+    if (capacity > file->capacity) {
+        grow(file, capacity);
+    }
+    read_up_to(file, file->capacity - 1);
+    file->at = file->data + (before < file->bytes ? before : file->bytes);
+    file->keep = file->keep != NULL ? file->data : NULL;
+    return (size_t)(file->data + file->bytes - file->at) >= bytes;
+}
+
+/* ---- lines and words --------------------------------------------------------------- */
 
 uint32_t ctl_file_word(const char *at)
 {
@@ -266,31 +263,26 @@ static const char *find_end(const char *at, size_t bytes)
     return carriage != NULL ? carriage : feed;
 }
 
-bool ctl_text_line(struct ctl_text *text, struct ctl_word *line)
+bool ctl_file_line(struct ctl_file *file, struct ctl_word *line)
 {
     const char *stop = NULL;
-    size_t looked = 0; /* bytes without a line end */
-    do {
-        /* In pieces, so that one kind of line end is not sought beyond the other. */
-        while (stop == NULL && looked < (size_t)(text->end - text->at)) {
-            size_t left = (size_t)(text->end - text->at) - looked;
-            size_t piece = left < PIECE_BYTES ? left : PIECE_BYTES;
-            stop = find_end(text->at + looked, piece);
-            looked += stop != NULL ? 0 : piece;
-        }
-    } while (stop == NULL && ctl_text_more(text, looked + 1));
-    if (text->at == text->end) {
+    size_t length = 0; /* without a line end */
+    /* In pieces, so that one kind of line end is not sought beyond the other. */
+    while (stop == NULL && ctl_file_more(file, length + 1)) {
+        size_t left = (size_t)(file->data + file->bytes - file->at) - length;
+        size_t piece = left < PIECE_BYTES ? left : PIECE_BYTES;
+        stop = find_end(file->at + length, piece);
+        length = stop != NULL ? (size_t)(stop - file->at) : length + piece;
+    }
+    if (stop == NULL && length == 0) {
         return false;
     }
-    size_t length = (size_t)((stop != NULL ? stop : text->end) - text->at);
-    size_t end_bytes = stop != NULL;
-    if (stop != NULL && *stop == '\r' && ctl_text_more(text, length + 2)) {
-        end_bytes += text->at[length + 1] == '\n';
-    }
-    line->at = text->at;
-    line->end = text->at + length;
-    text->at += length + end_bytes;
-    text->line++;
+    bool is_pair = stop != NULL && *stop == '\r' && ctl_file_more(file, length + 2) &&
+                   file->at[length + 1] == '\n';
+    *line = (struct ctl_word){file->at, file->at + length};
+    file->at += length + (stop != NULL) + is_pair;
+    file->line_last++;
+    file->line = file->keep == NULL ? file->line_last : file->line;
     return true;
 }
 
@@ -378,41 +370,27 @@ static bool rounds_to_float(double value)
 
 bool ctl_word_float(const struct ctl_word *word, double *value)
 {
-    char *stop;
-    if (read_quickly(word, value) && rounds_to_float(*value)) {
-        *value = (double)(float)*value;
-        return true;
+    char *stop = NULL;
+    if (!read_quickly(word, value) || !rounds_to_float(*value)) {
+        *value = (double)strtof(word->at, &stop);
     }
-    float number = strtof(word->at, &stop);
-    if (stop != word->end) {
-        return false;
-    }
-    *value = (double)number;
-    return true;
+    *value = (double)(float)*value;
+    return stop == NULL || stop == word->end;
 }
 
 bool ctl_word_double(const struct ctl_word *word, double *value)
 {
-    char *stop;
-    if (read_quickly(word, value)) {
-        return true;
+    char *stop = NULL;
+    if (!read_quickly(word, value)) {
+        *value = strtod(word->at, &stop);
     }
-    double number = strtod(word->at, &stop);
-    if (stop != word->end) {
-        return false;
-    }
-    *value = number;
-    return true;
+    return stop == NULL || stop == word->end;
 }
 
 bool ctl_word_integer(const struct ctl_word *word, int64_t *value)
 {
     char *stop;
     errno = 0;
-    long long number = strtoll(word->at, &stop, 10);
-    if (stop != word->end || errno == ERANGE) {
-        return false;
-    }
-    *value = number;
-    return true;
+    *value = strtoll(word->at, &stop, 10);
+    return stop == word->end && errno != ERANGE;
 }

@@ -2,13 +2,8 @@
  * into lines, words and numbers.
  *
  * Of a large file a window of a mebibyte is in memory, which goes along with the reader;
- * of others, and where a format needs it, all.
- *
- * Room:     client/ctl. May include: error.h, pccd_types.h.
- * Does:     reads files, splits them into lines and words, turns words into numbers.
- * Does not: know any file format.
- * Threads:  [any]; nothing is shared.
- * Source:   used by ply.c and obj.c.
+ * of others, and where a format needs it, all. Where something is wrong, in the format or
+ * in reading on, the file has its status, and ends there; readers may go on for a while.
  */
 #ifndef CTL_TEXT_H
 #define CTL_TEXT_H
@@ -19,82 +14,93 @@
 
 #include "error.h"
 
-/* A file in memory, or a window of one. data[bytes] is a NUL, so that the C number
- * parsers stop there. */
-struct ctl_file {
-    const char *path; /* the caller's; for messages */
-    char *data;
-    size_t bytes;
-    uint64_t rest_bytes; /* of the file, after these; 0 for all of it */
-    uint64_t offset;     /* of data[0] in the file */
-    /* The rest is for text.c; all zero in a file that is in memory as a whole. */
-    uint64_t size;   /* when it was opened; 0: a pipe */
-    size_t capacity; /* of data */
-    int fd;
-    bool is_open, has_more; /* fd; behind the window */
-    bool is_text;           /* and so has no byte 0 */
-    int status;             /* of reading on: PCCD_OK, or an error and its text */
-    struct ctl_error failure;
-};
-
-/* What is thought of a file's first bytes, before the others are read, which may take
- * minutes, or for ever; `is_text`: there is no byte 0 in it. What it refuses of a small
- * file its reader refuses, too, and says why. */
-typedef int (*ctl_file_judge)(const struct ctl_file *begin, bool *is_text,
-                              struct ctl_error *error);
-
-/* A place in the file, at the start of a line. */
-struct ctl_text {
-    const char *at;
-    const char *end;
-    uint64_t line; /* number of the line read last, from 1; 0 before the first */
-    /* What is read on when `end` is reached, by ctl_text_line and ctl_text_more, which
-     * then move everything in memory. NULL: nothing. */
-    struct ctl_file *file;
-    const char
-        *keep; /* NULL, or from where on what was read is needed yet; it moves, too */
-};
-
 /* A run of characters in the file, not terminated. */
 struct ctl_word {
     const char *at;
     const char *end;
 };
 
+/* A file in memory, or a window of one. data[bytes] is a NUL, so that the C number
+ * parsers stop there. */
+struct ctl_file {
+    const char *path;        /* the caller's, as is what comes next */
+    struct ctl_error *error; /* gets what is wrong with the file */
+    char *data;
+    size_t bytes;
+    uint64_t rest_bytes; /* of the file, after these; 0 for all of it */
+    uint64_t offset;     /* of data[0] in the file */
+
+    /* Where its reader is; what reads on moves everything in memory. */
+    const char *at;
+    const char *keep; /* NULL, or from where on what was read is needed yet; it moves */
+    uint64_t line;    /* of the line read last, or where `keep` was set; 0: of bytes */
+    const char *item; /* NULL, or of what kind that is that is read, for messages */
+    uint64_t item_number;
+
+    int status; /* PCCD_OK, or the first error, of which `error` has the text */
+
+    /* The rest is for text.c; all zero in a file that is in memory as a whole. */
+    uint64_t line_last; /* read, counted from 1 */
+    uint64_t size;      /* when it was opened; 0: a pipe */
+    size_t capacity;    /* of data */
+    int fd;
+    bool is_open, has_more; /* fd; behind the window */
+    bool is_text;           /* and so has no byte 0 */
+};
+
+/* What is thought of a file's first bytes, which `begin` is, before the others are read,
+ * which may take minutes, or for ever; `is_text`: there is no byte 0 in it. What it
+ * refuses of a small file its reader refuses, too, and says why. */
+typedef int (*ctl_file_judge)(const struct ctl_file *begin, bool *is_text,
+                              struct ctl_error *error);
+
 /* Open `path` (a file, or a pipe, which is read to its end), and read the beginning of a
- * large file, all of another. Errors: E_SYSTEM, E_NOMEM, E_FORMAT for a device, or a
- * text with a byte 0, and those of `judge`. */
+ * large file, all of another. Without a judge, nothing is thought of it. Errors:
+ * E_SYSTEM, E_NOMEM, E_FORMAT for a device, or a text with a byte 0, and those of
+ * `judge`. */
 int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
                   struct ctl_error *error);
-/* Read all of it, before any text of it has moved. The same errors. */
+/* Read all of it, before any of it has moved. The same errors. */
 int ctl_file_load(struct ctl_file *file, struct ctl_error *error);
-/* What went wrong when a text was read on, which then seems to end there. */
-int ctl_file_status(const struct ctl_file *file, struct ctl_error *error);
 void ctl_file_deinit(struct ctl_file *file);
-/* Where its text begins: behind a byte order mark. */
+
+/* Tell what is wrong where the reader is: path, line or byte, and item come before it.
+ * Only the first that is wrong is told; the status is that one's. */
+int ctl_file_fail(struct ctl_file *file, int status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+/* The same of a file that is not as its format says. */
+#define ctl_file_refuse(file, ...) ctl_file_fail(file, PCCD_E_FORMAT, __VA_ARGS__)
+
+/* Go to the beginning, behind a byte order mark, whatever was read. */
+void ctl_file_begin(struct ctl_file *file);
+/* What a judge sees, as a file that ends there; nothing of it is to be freed. */
+struct ctl_file ctl_file_beginning(const struct ctl_file *begin, struct ctl_error *error);
+/* Where its text begins. */
 const char *ctl_file_start(const struct ctl_file *file);
+/* Whether so many bytes follow; all of them are in memory then. */
+bool ctl_file_more(struct ctl_file *file, size_t bytes);
+/* The next line without its line end (LF, CR LF or CR); false at the end of the file. */
+bool ctl_file_line(struct ctl_file *file, struct ctl_word *line);
+/* How many bytes the file has in all, and behind the reader. */
+uint64_t ctl_file_size(const struct ctl_file *file);
+uint64_t ctl_file_left(const struct ctl_file *file);
+
 /* Four bytes of a file that is not text, the lowest first. */
 uint32_t ctl_file_word(const char *at);
 
-/* The beginning of a file, whatever was read of it. */
-struct ctl_text ctl_text_begin(struct ctl_file *file);
-/* Whether so many bytes follow; all of them are in memory then. */
-bool ctl_text_more(struct ctl_text *text, size_t bytes);
-/* The next line without its line end (LF, CR LF or CR); false at the end of the file. */
-bool ctl_text_line(struct ctl_text *text, struct ctl_word *line);
 /* The next word of the line, which shrinks; false when only blanks are left. */
 bool ctl_word_next(struct ctl_word *line, struct ctl_word *word);
-
 bool ctl_word_is(const struct ctl_word *word, const char *text);
 /* The same in capitals, too. */
 bool ctl_word_is_any_case(const struct ctl_word *word, const char *text);
-/* The word's length, cut for "%.*s". */
+/* The word's length, cut for messages, and what "%.*s" takes. */
 int ctl_word_length(const struct ctl_word *word);
+#define CTL_QUOTE(word) ctl_word_length(&(word)), (word).at
 
-/* The word as a number; false when it is not one from its first to its last character.
- * Beyond the range: infinity (real), false (integer). */
-bool ctl_word_float(const struct ctl_word *word,
-                    double *value); /* rounded once, to float */
+/* The word as a number; false, and any value, when it is not one from its first to its
+ * last character. Beyond the range: infinity (real), false (integer). A float is rounded
+ * once. */
+bool ctl_word_float(const struct ctl_word *word, double *value);
 bool ctl_word_double(const struct ctl_word *word, double *value);
 bool ctl_word_integer(const struct ctl_word *word, int64_t *value);
 
