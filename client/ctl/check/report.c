@@ -85,8 +85,8 @@ static void print_sources(FILE *to, const struct ctl_frames *files)
         source->motion.name(&source->motion, source->frame_count - 1, last, sizeof last);
         fprintf(to, "frames     %" PRIu32 " of %s: %s to %s", source->frame_count,
                 tool_shown(source->path), first, last);
-        if (source->path != files->shape_path) {
-            fprintf(to, "; faces of %s", tool_shown(files->shape_path));
+        if (source->path != files->mesh.path) {
+            fprintf(to, "; faces of %s", tool_shown(files->mesh.path));
         }
         fputc('\n', to);
     }

@@ -81,7 +81,7 @@ static void add_sources(json_t *object, const struct ctl_frames *files, bool *ok
         set_count(element, "frames", source->frame_count, ok);
         set(element, "first", json_text(first), ok);
         set(element, "last", json_text(last), ok);
-        set(element, "faces", json_text(files->shape_path), ok);
+        set(element, "faces", json_text(files->mesh.path), ok);
         if (json_array_append_new(array, element) != 0) {
             *ok = false;
         }

@@ -1,10 +1,8 @@
 /* client/ctl/mesh/meshframes.c - one mesh, frame by frame.
  *
  * Room:     client/ctl.
- * Does:     finds out how many frames each file has; joins vertices that are at one place
+ * Does:     find out how many frames each file has; join vertices that are at one place
  *           in all of them.
- * Threads:  one at a time.
- * Source:   meshframes.h.
  */
 #include "meshframes.h"
 
@@ -12,119 +10,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
-#include "coordinates.h"
 #include "pccd.h"
 #include "progress.h"
 
-#define NAME_BYTES 64 /* of a frame within its file */
-
 static int no_memory(struct ctl_error *error)
 {
-    return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the names of the frames");
-}
-
-/* ---- opening ----------------------------------------------------------------------- */
-
-/* The next source, of a file or of a motion, which is its then. */
-static struct ctl_frames_source *add_source(struct ctl_frames *frames, const char *path,
-                                            const struct ctl_motion *motion)
-{
-    struct ctl_frames_source *source = &frames->sources[frames->source_count++];
-    *source = (struct ctl_frames_source){.path = path, .frame_first = frames->count};
-    if (motion != NULL) {
-        source->motion = *motion;
-    }
-    source->frame_count = motion != NULL ? motion->frame_count : 1;
-    frames->count += source->frame_count;
-    return source;
-}
-
-/* A file of positions alone: the mesh file before it tells their shape. */
-static int add_cache(struct ctl_frames *frames, const char *path, const char *mesh_path,
-                     const struct ctl_frames_options *options, struct ctl_error *error)
-{
-    struct ctl_motion motion = {.read = NULL};
-    if (mesh_path == NULL) {
-        return ctl_error_set(error, PCCD_E_INVAL,
-                             "%s has positions alone: name the mesh file with its faces "
-                             "before it",
-                             path);
-    }
-    int status = ctl_mesh_open_motion(path, &options->wish, &motion, error);
-    if (status == PCCD_OK) {
-        (void)add_source(frames, path, &motion);
-    }
-    return status;
-}
-
-/* Of a mesh file that moves by itself the shape is read when its first frame is. */
-static int add_mesh_file(struct ctl_frames *frames, const char *path,
-                         enum ctl_mesh_holds holds,
-                         const struct ctl_frames_options *options,
-                         struct ctl_error *error)
-{
-    struct ctl_motion motion = {.read = NULL};
-    int status = PCCD_OK;
-    if (holds == CTL_HOLDS_BOTH) {
-        status = ctl_mesh_open_motion(path, &options->wish, &motion, error);
-    }
-    if (status == PCCD_OK && motion.read != NULL && motion.frame_count == 1) {
-        motion.close(&motion);
-        motion.read = NULL;
-    }
-    if (status == PCCD_OK) {
-        add_source(frames, path, motion.read != NULL ? &motion : NULL)->is_stl =
-            holds == CTL_HOLDS_CORNERS;
-    }
-    return status;
-}
-
-static int add_sources(struct ctl_frames *frames, char *const *paths, uint32_t path_count,
-                       const struct ctl_frames_options *options, struct ctl_error *error)
-{
-    int status = PCCD_OK;
-    const char *mesh_path = NULL; /* the last one */
-    for (uint32_t i = 0; i < path_count && status == PCCD_OK; i++) {
-        enum ctl_mesh_holds holds = ctl_mesh_holds(paths[i]);
-        bool has_cache =
-            i + 1 < path_count && ctl_mesh_holds(paths[i + 1]) == CTL_HOLDS_POSITIONS;
-        if (holds == CTL_HOLDS_POSITIONS) {
-            status = add_cache(frames, paths[i], mesh_path, options, error);
-            continue;
-        }
-        mesh_path = paths[i];
-        if (!has_cache) {
-            status = add_mesh_file(frames, paths[i], holds, options, error);
-        }
-    }
-    return status;
-}
-
-static int name_frames(struct ctl_frames *frames, struct ctl_error *error)
-{
-    frames->names = calloc(frames->count, sizeof *frames->names);
-    if (frames->names == NULL) {
-        return no_memory(error);
-    }
-    for (uint32_t s = 0; s < frames->source_count; s++) {
-        const struct ctl_frames_source *source = &frames->sources[s];
-        for (uint32_t i = 0; i < source->frame_count; i++) {
-            size_t bytes = strlen(source->path) + NAME_BYTES + 2;
-            char *name = malloc(bytes), within[NAME_BYTES] = "";
-            if (name == NULL) {
-                return no_memory(error);
-            }
-            if (source->motion.read != NULL) {
-                source->motion.name(&source->motion, i, within, sizeof within);
-            }
-            (void)snprintf(name, bytes, "%s%s%s", source->path,
-                           within[0] != '\0' ? " " : "", within);
-            frames->names[source->frame_first + i] = name;
-        }
-    }
-    return PCCD_OK;
+    return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the frames");
 }
 
 /* ---- reading ----------------------------------------------------------------------- */
@@ -132,136 +24,92 @@ static int name_frames(struct ctl_frames *frames, struct ctl_error *error)
 static struct ctl_frames_source *source_of(const struct ctl_frames *frames,
                                            uint32_t index)
 {
-    struct ctl_frames_source *source = frames->sources;
-    while (index - source->frame_first >= source->frame_count) {
-        source++;
+    uint32_t low = 0, high = frames->source_count;
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        *(frames->sources[middle].frame_first <= index ? &low : &high) = middle;
     }
-    return source;
+    return &frames->sources[low];
 }
 
-static int other_count(const struct ctl_frames *frames, const char *path,
-                       const char *what, uint32_t ours, uint32_t its,
-                       struct ctl_error *error)
-{
-    return ctl_error_set(error, PCCD_E_INVAL,
-                         "%s has %" PRIu32 " %s and %s has %" PRIu32
-                         ": not two frames of one mesh",
-                         frames->shape_path, ours, what, path, its);
-}
-
-static void *room_for(const char *path, uint32_t count, enum pccd_format format,
-                      struct ctl_error *error)
-{
-    void *x = malloc((size_t)count * common_vertex_bytes(format) + 1);
-    if (x == NULL) {
-        (void)ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %" PRIu32 " vertices",
-                            path, count);
-    }
-    return x;
-}
-
-static int read_motion(const struct ctl_frames *frames,
-                       const struct ctl_frames_source *source, uint32_t index,
-                       struct ctl_mesh *frame, struct ctl_error *error)
+/* Positions that a file has without a shape. */
+static int read_positions(const struct ctl_frames *frames,
+                          const struct ctl_frames_source *source, uint32_t frame,
+                          struct ctl_mesh *mesh, struct ctl_error *error)
 {
     const struct ctl_motion *motion = &source->motion;
     uint32_t count = frames->shape.vertex_count;
     if (motion->vertex_count != count) {
-        return other_count(frames, source->path, "vertices", count, motion->vertex_count,
-                           error);
+        return ctl_mesh_other_count(frames->shape.path, count, "vertices", source->path,
+                                    motion->vertex_count, error);
     }
-    void *x = room_for(source->path, count, motion->format, error);
-    int status = x != NULL ? motion->read(motion, index - source->frame_first, x, error)
-                           : PCCD_E_NOMEM;
-    if (status != PCCD_OK) {
-        free(x);
-        return status;
-    }
-    free(frame->x);
-    frame->x = x;
-    frame->format = motion->format;
-    frame->vertex_count = count;
-    return PCCD_OK;
-}
-
-/* Hand over positions that are there already. */
-static void take(struct ctl_mesh *from, struct ctl_mesh *frame)
-{
-    frame->x = from->x;
-    frame->format = from->format;
-    frame->vertex_count = from->vertex_count;
-    from->x = NULL;
-}
-
-static bool is_pipe(const char *path)
-{
-    struct stat info;
-    return stat(path, &info) == 0 && !S_ISREG(info.st_mode);
+    free(mesh->x);
+    mesh->x = malloc(count * common_vertex_bytes(motion->format) + 1);
+    mesh->format = motion->format;
+    mesh->vertex_count = count;
+    return mesh->x != NULL ? motion->read(motion, frame, mesh->x, error)
+                           : ctl_error_set(error, PCCD_E_NOMEM,
+                                           "%s: no memory for %" PRIu32 " vertices",
+                                           source->path, count);
 }
 
 /* Three vertices of each triangle, as STL has them. */
-static int read_corners(const struct ctl_frames *frames, struct ctl_frames_source *source,
-                        struct ctl_mesh *corners, struct ctl_error *error)
+static int read_corners(const struct ctl_frames *frames,
+                        const struct ctl_frames_source *source, struct ctl_mesh *corners,
+                        struct ctl_error *error)
 {
-    const char *path = source->path;
-    if (source->corners.x != NULL) {
-        take(&source->corners, corners);
-        return PCCD_OK;
-    }
     const struct ctl_reading reading = {.is_corners = true};
-    int status = ctl_mesh_read_as(path, &reading, corners, error);
+    int status = ctl_mesh_read_as(source->path, &reading, corners, error);
     uint32_t ours = frames->shape.triangles.count, its = corners->triangles.count;
     return status == PCCD_OK && its != ours
-               ? other_count(frames, path, "triangles", ours, its, error)
+               ? ctl_mesh_other_count(frames->shape.path, ours, "triangles", source->path,
+                                      its, error)
                : status;
 }
 
-/* A frame from STL: each vertex is where its corners are. */
-static int read_stl(const struct ctl_frames *frames, struct ctl_frames_source *source,
-                    struct ctl_mesh *frame, struct ctl_error *error)
+/* Of three vertices of each triangle, those that the shape has: none of them is before
+ * the first of its corners, so all move down. */
+static void place_corners(const struct ctl_frames *frames, struct ctl_mesh *corners)
 {
-    const char *path = source->path;
-    struct ctl_mesh corners = {0};
-    uint32_t count = frames->shape.vertex_count;
-    int status = read_corners(frames, source, &corners, error);
-    float(*x)[3] =
-        status == PCCD_OK ? room_for(path, count, PCCD_FORMAT_F32, error) : NULL;
-    if (x == NULL) {
-        ctl_mesh_deinit(&corners);
-        return status != PCCD_OK ? status : PCCD_E_NOMEM;
-    }
     const uint32_t *vertices = frames->shape.triangles.vertices;
-    for (size_t i = 0; i < corners.vertex_count; i++) {
-        memcpy(x[vertices[i]], ((const float(*)[3])corners.x)[i], sizeof *x);
+    float(*x)[3] = corners->x;
+    for (size_t i = 0; i < corners->vertex_count; i++) {
+        memmove(x[vertices[i]], x[i], sizeof *x);
     }
-    ctl_mesh_deinit(&corners);
-    frame->x = x;
-    frame->format = PCCD_FORMAT_F32;
-    frame->vertex_count = count;
-    return PCCD_OK;
+    corners->vertex_count = frames->shape.vertex_count;
+    void *less = realloc(x, (size_t)corners->vertex_count * sizeof *x + 1);
+    corners->x = less != NULL ? less : x;
 }
 
-/* Positions of a frame that is not the first one's file, or is that once more. */
+/* A frame from its file. */
 static int read_frame(const struct ctl_frames *frames, uint32_t index,
                       struct ctl_mesh *frame, struct ctl_error *error)
 {
     struct ctl_frames_source *source = source_of(frames, index);
+    const struct ctl_motion *motion = &source->motion;
     const struct ctl_reading reading = {.like = &frames->shape};
-    if (source->motion.read != NULL) {
-        bool has_own_shape = index == source->frame_first &&
-                             source->path != frames->shape_path &&
-                             source->motion.shape != NULL;
-        int status = has_own_shape
-                         ? ctl_mesh_read_as(source->path, &reading, frame, error)
-                         : PCCD_OK;
-        ctl_mesh_drop_shape(frame);
-        return status == PCCD_OK ? read_motion(frames, source, index, frame, error)
-                                 : status;
+    bool is_first = index == source->frame_first && source != frames->sources;
+    int status;
+    if (source->held.x != NULL) {
+        *frame = source->held;
+        source->held.x = NULL;
+        return PCCD_OK;
     }
-    if (source->is_stl && frames->sources[0].is_stl) {
-        return read_stl(frames, source, frame, error);
+    if (motion->read != NULL && (motion->shape == NULL || !is_first)) {
+        return read_positions(frames, source, index - source->frame_first, frame, error);
     }
-    int status = ctl_mesh_read_as(source->path, &reading, frame, error);
+    if (motion->read != NULL) { /* it has a shape of its own */
+        status = ctl_mesh_read_shape(motion, source->path, frame, error);
+        status =
+            status == PCCD_OK ? ctl_mesh_match(&frames->shape, frame, error) : status;
+    } else if (source->is_stl && frames->sources->is_stl) {
+        status = read_corners(frames, source, frame, error);
+        if (status == PCCD_OK) {
+            place_corners(frames, frame);
+        }
+    } else {
+        status = ctl_mesh_read_as(source->path, &reading, frame, error);
+    }
     ctl_mesh_drop_shape(frame);
     return status;
 }
@@ -269,138 +117,151 @@ static int read_frame(const struct ctl_frames *frames, uint32_t index,
 int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *frame,
                     struct ctl_error *error)
 {
-    struct ctl_frames_source *source = source_of(frames, index);
     ctl_mesh_deinit(frame);
     if (index == 0 && frames->mesh.x != NULL) {
-        take(&frames->mesh, frame);
-        return PCCD_OK;
-    }
-    if (source->held.x != NULL) {
-        take(&source->held, frame);
+        frame->x = frames->mesh.x;
+        frame->format = frames->mesh.format;
+        frame->vertex_count = frames->mesh.vertex_count;
+        frames->mesh.x = NULL;
         return PCCD_OK;
     }
     return read_frame(frames, index, frame, error);
 }
 
-/* The shape, and the first frame's positions. */
-static int read_shape(struct ctl_frames *frames, struct ctl_error *error)
+/* ---- opening ----------------------------------------------------------------------- */
+
+static int open_file(struct ctl_frames *frames, uint32_t i,
+                     const struct ctl_motion_wish *wish, struct ctl_error *error)
+{
+    const struct ctl_sequence *files = &frames->sequence;
+    const char *path = files->paths[i];
+    enum ctl_mesh_holds holds = ctl_mesh_holds(path);
+    bool has_cache = i + 1 < files->count &&
+                     ctl_mesh_holds(files->paths[i + 1]) == CTL_HOLDS_POSITIONS;
+    bool is_shape = holds == CTL_HOLDS_POSITIONS ? i == 0 : has_cache;
+    const struct ctl_reading reading = {.is_uncut = is_shape,
+                                        .is_corners = holds == CTL_HOLDS_CORNERS &&
+                                                      files->count > 1 && !is_shape};
+    struct ctl_frames_source *source = &frames->sources[frames->source_count];
+    struct ctl_motion *motion = &source->motion;
+    int status = PCCD_OK;
+    *source = (struct ctl_frames_source){.path = path,
+                                         .frame_first = frames->count,
+                                         .frame_count = 1,
+                                         .is_stl = holds == CTL_HOLDS_CORNERS};
+    if (!is_shape && (holds == CTL_HOLDS_BOTH || holds == CTL_HOLDS_POSITIONS)) {
+        status = ctl_mesh_open_motion(path, wish, motion, error);
+        source->frame_count = motion->frame_count;
+    }
+    if (status == PCCD_OK && i == 0) {
+        status = motion->shape != NULL
+                     ? ctl_mesh_read_shape(motion, path, &frames->mesh, error)
+                     : ctl_mesh_read_as(path, &reading, &frames->mesh, error);
+        frames->shape = frames->mesh;
+    }
+    if (motion->shape != NULL && source->frame_count == 1) { /* read as others are */
+        motion->close(motion);
+    }
+    frames->source_count += !is_shape;
+    frames->count += is_shape ? 0 : source->frame_count;
+    return status;
+}
+
+/* The first frame's positions, where another file has them. */
+static int place_shape(struct ctl_frames *frames, struct ctl_error *error)
 {
     const struct ctl_frames_source *first = frames->sources;
-    if (first->motion.read == NULL) {
-        return ctl_mesh_read(frames->shape_path, &frames->shape, error);
+    if (first->path == frames->mesh.path) {
+        return PCCD_OK;
     }
-    const struct ctl_reading reading = {.is_uncut = true};
-    int status = ctl_mesh_read_as(frames->shape_path, &reading, &frames->shape, error);
+    int status = read_positions(frames, first, 0, &frames->mesh, error);
     if (status == PCCD_OK) {
-        status = read_motion(frames, first, 0, &frames->shape, error);
+        status = ctl_mesh_cut(&frames->mesh, error);
     }
-    if (status == PCCD_OK) {
-        status = ctl_mesh_cut(&frames->shape, error);
-    }
-    if (status == PCCD_E_FORMAT && first->path != frames->shape_path) {
+    if (status == PCCD_E_FORMAT) {
         const struct ctl_error why = *error;
-        return ctl_error_set(error, status, "%s, as %s places it", why.text, first->path);
+        (void)ctl_error_set(error, status, "%s, as %s places it", why.text, first->path);
     }
     return status;
 }
 
-/* Pipes are read now, as they can be once. */
-static int hold_pipes(struct ctl_frames *frames, struct ctl_error *error)
+static int name_frames(struct ctl_frames *frames, struct ctl_error *error)
 {
-    int status = PCCD_OK;
-    for (uint32_t s = 1; s < frames->source_count && status == PCCD_OK; s++) {
-        struct ctl_frames_source *source = &frames->sources[s];
-        if (source->motion.read == NULL && is_pipe(source->path)) {
-            status = read_frame(frames, source->frame_first, &source->held, error);
+    frames->names = calloc(frames->count, sizeof *frames->names);
+    for (uint32_t i = 0; frames->names != NULL && i < frames->count; i++) {
+        const struct ctl_frames_source *source = source_of(frames, i);
+        const struct ctl_motion *motion = &source->motion;
+        char within[64] = "";
+        if (motion->read != NULL) {
+            motion->name(motion, i - source->frame_first, within, sizeof within);
+        }
+        if (asprintf(&frames->names[i], "%s%s%s", source->path,
+                     within[0] != '\0' ? " " : "", within) < 0) {
+            frames->names[i] = NULL;
+            return no_memory(error);
         }
     }
-    return status;
+    return frames->names != NULL ? PCCD_OK : no_memory(error);
 }
 
 /* ---- vertices at one place --------------------------------------------------------- */
 
-/* The shape of STL has a vertex for all corners that are at one place in each frame. */
-static int renumber(struct ctl_frames *frames, const uint32_t *to, uint32_t count,
-                    struct ctl_error *error)
+/* What the library has said of them. */
+static int told(const struct ctl_frames *frames, int status, struct ctl_error *error)
 {
-    struct ctl_mesh *shape = &frames->shape;
-    uint32_t *vertices = shape->triangles.vertices, made = 0;
-    uint32_t *names = malloc((size_t)count * 3 * sizeof *names + 1);
-    float(*x)[3] = room_for(frames->shape_path, count * 3, PCCD_FORMAT_F32, error);
-    if (names == NULL || x == NULL) {
-        free(names);
-        free(x);
-        return no_memory(error);
-    }
-    for (size_t i = 0; i < (size_t)count * 3; i++) {
-        if (to[i] == i) {
-            memcpy(x[made], ((const float(*)[3])shape->x)[vertices[i]], sizeof *x);
-            names[i] = made++;
-        }
-        vertices[i] = names[to[i]]; /* the least one, which has its name */
-    }
-    free(names);
-    free(shape->x);
-    shape->x = x;
-    shape->vertex_count = made;
-    return PCCD_OK;
+    return status == PCCD_OK ? status
+                             : ctl_error_set(error, status, "%s: %s", frames->mesh.path,
+                                             pccd_error_text(NULL));
 }
 
-/* What the library has said of vertices at one place. */
-static int welded(const struct ctl_frames *frames, int status, struct ctl_error *error)
+/* What was read of a pipe, which can be read once, waits until it is asked for. */
+static void hold(struct ctl_frames_source *source, struct ctl_mesh *frame)
 {
-    const char *path = frames->shape_path, *why = pccd_error_text(NULL);
-    return status == PCCD_OK ? status : ctl_error_set(error, status, "%s: %s", path, why);
-}
-
-/* Where the corners of the shape's triangles are, as STL has them; NULL: no memory. */
-static float (*corners_of(const struct ctl_mesh *shape))[3]
-{
-    size_t count = (size_t)shape->triangles.count * 3;
-    const uint32_t *vertices = shape->triangles.vertices;
-    float(*x)[3] = malloc(count * sizeof *x + 1);
-    for (size_t i = 0; x != NULL && i < count; i++) {
-        memcpy(x[i], ((const float(*)[3])shape->x)[vertices[i]], sizeof *x);
+    if (ctl_mesh_is_pipe(source->path)) {
+        source->held = *frame;
+        *frame = (struct ctl_mesh){.x = NULL};
     }
-    return x;
+    ctl_mesh_deinit(frame);
 }
 
-static int split_corners(struct ctl_frames *frames, struct ctl_error *error)
+/* The shape of STL has a vertex for all corners that are at one place in each frame. It
+ * has three of each triangle still, and gets them in the order of their first corners. */
+static int join_corners(struct ctl_frames *frames, struct ctl_error *error)
 {
-    const struct ctl_mesh *shape = &frames->shape;
-    size_t corner_count = (size_t)shape->triangles.count * 3;
-    const struct pccd_mesh_data all = {.vertex_count = (uint32_t)corner_count};
-    struct pccd_weld_counts counts = {.joined = 0};
+    struct ctl_mesh *mesh = &frames->mesh;
+    const struct pccd_mesh_data all = {.vertex_count = mesh->vertex_count};
+    uint32_t *vertices = mesh->triangles.vertices, made = 0;
     struct pccd_weld *weld = NULL;
-    float(*x)[3] = corner_count <= CTL_MESH_COUNT_MAX ? corners_of(shape) : NULL;
-    if (x == NULL) {
-        return no_memory(error);
-    }
     int status = pccd_weld_begin(&all, 0, false, &weld);
-    status = status == PCCD_OK ? pccd_weld_frame(weld, x, PCCD_FORMAT_F32) : status;
-    status = welded(frames, status, error);
-    free(x);
+    status = status == PCCD_OK ? pccd_weld_frame(weld, mesh->x, mesh->format) : status;
+    status = told(frames, status, error);
     for (uint32_t s = 1; s < frames->source_count && status == PCCD_OK; s++) {
         struct ctl_frames_source *source = &frames->sources[s];
         struct ctl_mesh corners = {0};
-        if (!source->is_stl) {
-            continue;
+        if (source->is_stl) {
+            status = read_corners(frames, source, &corners, error);
         }
-        status = read_corners(frames, source, &corners, error);
-        if (status == PCCD_OK) {
-            status = pccd_weld_frame(weld, corners.x, corners.format);
-            status = welded(frames, status, error);
+        if (source->is_stl && status == PCCD_OK) {
+            status =
+                told(frames, pccd_weld_frame(weld, corners.x, corners.format), error);
         }
-        if (status == PCCD_OK && is_pipe(source->path)) {
-            take(&corners, &source->corners);
-        }
-        ctl_mesh_deinit(&corners);
+        ctl_mesh_drop_shape(&corners);
+        hold(source, &corners);
     }
-    const uint32_t *to = pccd_weld_read(weld, &counts);
-    if (status == PCCD_OK && counts.apart > 0) {
-        status = renumber(frames, to, shape->triangles.count, error);
+    const uint32_t *to = pccd_weld_read(weld, NULL);
+    for (uint32_t i = 0; status == PCCD_OK && i < mesh->vertex_count; i++) {
+        vertices[i] = to[i] == i ? made++ : vertices[to[i]];
     }
     pccd_weld_end(weld);
+    if (status == PCCD_OK) {
+        frames->shape.vertex_count = made;
+        place_corners(frames, mesh);
+    }
+    for (uint32_t s = 1; s < frames->source_count && status == PCCD_OK; s++) {
+        if (frames->sources[s].held.x != NULL) {
+            place_corners(frames, &frames->sources[s].held);
+        }
+    }
     return status;
 }
 
@@ -415,14 +276,12 @@ static int weld_frames(struct ctl_frames *frames, struct pccd_weld *weld,
          i < frames->count && status == PCCD_OK && counts->joined + counts->more > 0;
          i++) {
         struct ctl_mesh frame = {0};
-        const struct ctl_mesh *held = &source_of(frames, i)->held;
-        status = held->x == NULL ? read_frame(frames, i, &frame, error) : PCCD_OK;
-        held = held->x == NULL ? &frame : held;
+        status = read_frame(frames, i, &frame, error);
         if (status == PCCD_OK) {
-            status = welded(frames, pccd_weld_frame(weld, held->x, held->format), error);
+            status = told(frames, pccd_weld_frame(weld, frame.x, frame.format), error);
+            (void)pccd_weld_read(weld, counts);
         }
-        (void)pccd_weld_read(weld, counts);
-        ctl_mesh_deinit(&frame);
+        hold(source_of(frames, i), &frame);
         progress_update(&progress, i + 1);
     }
     progress_clear(&progress);
@@ -430,18 +289,15 @@ static int weld_frames(struct ctl_frames *frames, struct pccd_weld *weld,
 }
 
 /* Objects that touch there cannot meet there any more, so that is told. */
-static int count_between(const uint32_t *to, const struct ctl_mesh *shape,
-                         uint32_t *between, struct ctl_error *error)
+static int count_between(struct ctl_frames *frames, const uint32_t *to,
+                         struct ctl_error *error)
 {
-    uint32_t *objects = ctl_mesh_object_of_vertices(shape);
-    if (objects == NULL) {
-        return no_memory(error);
-    }
-    for (uint32_t i = 0; i < shape->vertex_count; i++) {
-        *between += objects[i] != objects[to[i]];
+    uint32_t *objects = ctl_mesh_object_of_vertices(&frames->shape);
+    for (uint32_t i = 0; objects != NULL && i < frames->shape.vertex_count; i++) {
+        frames->welded.between += objects[i] != objects[to[i]];
     }
     free(objects);
-    return PCCD_OK;
+    return objects != NULL ? PCCD_OK : no_memory(error);
 }
 
 static bool is_flat(const uint32_t corners[3])
@@ -450,55 +306,53 @@ static bool is_flat(const uint32_t corners[3])
            corners[2] == corners[0];
 }
 
-/* The shape once more, with the vertices that stand for others. */
-static int rename_shape(struct ctl_frames *frames, const uint32_t *to,
-                        struct ctl_error *error)
+/* Of the mesh the vertices that stand for others; the shape keeps its own. */
+static int rename_vertices(struct ctl_frames *frames, const uint32_t *to,
+                           struct ctl_error *error)
 {
-    const struct ctl_mesh *shape = &frames->shape;
-    for (uint32_t kind = 0; kind < CTL_KINDS; kind++) {
-        const struct ctl_list *list = &shape->lists[kind];
-        size_t count = (size_t)list->count * (kind + 1);
-        uint32_t *vertices = malloc(count * sizeof *vertices + 1);
-        if (vertices == NULL) {
+    for (size_t kind = 0; kind < CTL_KINDS; kind++) {
+        struct ctl_list *list = &frames->mesh.lists[kind];
+        const size_t count = list->count * (kind + 1);
+        uint32_t *renamed = malloc(count * sizeof *renamed + 1);
+        if (renamed == NULL) {
             return no_memory(error);
         }
         for (size_t i = 0; i < count; i++) {
-            vertices[i] = to[list->vertices[i]];
+            renamed[i] = to[list->vertices[i]];
         }
-        frames->mesh.lists[kind] = *list;
-        frames->mesh.lists[kind].vertices = vertices;
+        list->vertices = renamed;
     }
-    for (size_t i = 0; i < (size_t)shape->triangles.count * 3; i += 3) {
+    for (size_t i = 0; i < (size_t)frames->mesh.triangles.count * 3; i += 3) {
         frames->welded.flat += is_flat(frames->mesh.triangles.vertices + i) &&
-                               !is_flat(shape->triangles.vertices + i);
+                               !is_flat(frames->shape.triangles.vertices + i);
     }
     return PCCD_OK;
 }
 
 static int weld_shape(struct ctl_frames *frames, double distance, struct ctl_error *error)
 {
-    const struct ctl_mesh *shape = &frames->shape;
+    const struct ctl_mesh *mesh = &frames->mesh;
     const struct pccd_mesh_data named = {
-        .vertex_count = shape->vertex_count,
-        .triangles = shape->triangles.vertices,
-        .triangle_count = shape->triangles.count,
-        .edges = shape->edges.vertices,
-        .edge_count = shape->edges.count,
-        .points = shape->points.vertices,
-        .point_count = shape->points.count,
+        .vertex_count = mesh->vertex_count,
+        .triangles = mesh->triangles.vertices,
+        .triangle_count = mesh->triangles.count,
+        .edges = mesh->edges.vertices,
+        .edge_count = mesh->edges.count,
+        .points = mesh->points.vertices,
+        .point_count = mesh->points.count,
     };
     struct pccd_weld_counts counts = {.joined = 0};
     struct pccd_weld *weld = NULL;
     int status = pccd_weld_begin(&named, distance, true, &weld);
-    status = status == PCCD_OK ? pccd_weld_frame(weld, shape->x, shape->format) : status;
+    status = status == PCCD_OK ? pccd_weld_frame(weld, mesh->x, mesh->format) : status;
     const uint32_t *to = pccd_weld_read(weld, &counts);
     status = status == PCCD_OK ? weld_frames(frames, weld, &counts, error)
-                               : welded(frames, status, error);
-    if (status == PCCD_OK && counts.joined > 0 && shape->object_count > 1) {
-        status = count_between(to, shape, &frames->welded.between, error);
+                               : told(frames, status, error);
+    if (status == PCCD_OK && counts.joined > 0 && mesh->object_count > 1) {
+        status = count_between(frames, to, error);
     }
     if (status == PCCD_OK && counts.joined > 0) {
-        status = rename_shape(frames, to, error);
+        status = rename_vertices(frames, to, error);
     }
     frames->welded.joined = counts.joined;
     frames->welded.apart = counts.apart;
@@ -506,19 +360,6 @@ static int weld_shape(struct ctl_frames *frames, double distance, struct ctl_err
     frames->welded.distance = distance > 0 ? distance : counts.more_distance;
     pccd_weld_end(weld);
     return status;
-}
-
-/* What is used of the shape: its own arrays, where none was joined. */
-static void finish(struct ctl_frames *frames)
-{
-    struct ctl_mesh joined = frames->mesh;
-    frames->mesh = frames->shape;
-    frames->shape.x = NULL;
-    for (int kind = 0; kind < CTL_KINDS; kind++) {
-        if (joined.lists[kind].vertices != NULL) {
-            frames->mesh.lists[kind] = joined.lists[kind];
-        }
-    }
 }
 
 int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path_count,
@@ -529,30 +370,36 @@ int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path
     if (status != PCCD_OK) {
         return status;
     }
-    const struct ctl_sequence *files = &frames->sequence;
-    frames->shape_path = files->paths[0];
-    frames->sources = calloc(files->count, sizeof *frames->sources);
-    if (frames->sources == NULL) {
-        return no_memory(error);
+    frames->sources = calloc(frames->sequence.count, sizeof *frames->sources);
+    status = frames->sources != NULL ? PCCD_OK : no_memory(error);
+    for (uint32_t i = 0; i < frames->sequence.count && status == PCCD_OK; i++) {
+        status = open_file(frames, i, &options->wish, error);
     }
-    status = add_sources(frames, files->paths, files->count, options, error);
     if (status == PCCD_OK) {
         status = name_frames(frames, error);
     }
     if (status == PCCD_OK) {
-        status = read_shape(frames, error);
+        status = place_shape(frames, error);
     }
-    if (status == PCCD_OK && frames->sources[0].is_stl && frames->source_count > 1) {
-        status = split_corners(frames, error);
-    }
-    if (status == PCCD_OK) {
-        status = hold_pipes(frames, error);
+    if (status == PCCD_OK && frames->mesh.is_corners) {
+        status = join_corners(frames, error);
     }
     if (status == PCCD_OK && options->weld >= 0) {
         status = weld_shape(frames, options->weld, error);
     }
-    finish(frames);
     return status;
+}
+
+/* The shape has its own lists where vertices of the mesh were renamed. */
+static void drop_shape(struct ctl_frames *frames)
+{
+    for (int kind = 0; kind < CTL_KINDS; kind++) {
+        uint32_t *vertices = frames->shape.lists[kind].vertices;
+        if (vertices != frames->mesh.lists[kind].vertices) {
+            free(vertices);
+        }
+    }
+    frames->shape = (struct ctl_mesh){.x = NULL};
 }
 
 int ctl_frames_read_one(const char *path, const struct ctl_frames_options *options,
@@ -563,17 +410,11 @@ int ctl_frames_read_one(const char *path, const struct ctl_frames_options *optio
     char *const paths[1] = {(char *)(uintptr_t)path};
     int status = ctl_frames_open(&frames, paths, 1, options, error);
     if (status == PCCD_OK) {
-        /* The shape is given away, or what stands for its arrays. */
-        struct ctl_mesh *shape = &frames.shape;
+        drop_shape(&frames);
         *mesh = frames.mesh;
+        mesh->path = path; /* a pattern's first file is not ours */
         *welded = frames.welded;
         *frame_count = frames.count;
-        for (int kind = 0; kind < CTL_KINDS; kind++) {
-            if (mesh->lists[kind].vertices != shape->lists[kind].vertices) {
-                free(shape->lists[kind].vertices);
-            }
-        }
-        *shape = (struct ctl_mesh){.x = NULL};
         frames.mesh = (struct ctl_mesh){.x = NULL};
     }
     ctl_frames_close(&frames);
@@ -587,20 +428,14 @@ void ctl_frames_close(struct ctl_frames *frames)
             frames->sources[i].motion.close(&frames->sources[i].motion);
         }
         ctl_mesh_deinit(&frames->sources[i].held);
-        ctl_mesh_deinit(&frames->sources[i].corners);
     }
     for (uint32_t i = 0; frames->names != NULL && i < frames->count; i++) {
         free(frames->names[i]);
     }
     free(frames->names);
     free(frames->sources);
-    free(frames->mesh.x);
-    for (int kind = 0; kind < CTL_KINDS; kind++) {
-        if (frames->mesh.lists[kind].vertices != frames->shape.lists[kind].vertices) {
-            free(frames->mesh.lists[kind].vertices);
-        }
-    }
-    ctl_mesh_deinit(&frames->shape);
+    drop_shape(frames);
+    ctl_mesh_deinit(&frames->mesh);
     ctl_sequence_deinit(&frames->sequence);
     *frames = (struct ctl_frames){.count = 0};
 }

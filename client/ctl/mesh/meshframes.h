@@ -1,13 +1,11 @@
 /* client/ctl/mesh/meshframes.h - the frames of one mesh, from files.
  *
- * Room:     client/ctl. May include: meshfile.h, motion.h, sequence.h.
+ * Room:     client/ctl.
  * Does:     open the files that were named, in the order of sequence.h: a mesh file is
  *           a frame, or as many as it has; a file of positions alone (PC2, MDD) has those
  *           of the mesh file before it, whose own positions are no frame then. All frames
  *           have the first one's shape; one at a time is read. Vertices at one place are
  *           joined.
- * Threads:  one at a time.
- * Source:   used by check, load, record and near.
  */
 #ifndef CTL_MESHFRAMES_H
 #define CTL_MESHFRAMES_H
@@ -44,18 +42,16 @@ struct ctl_frames_source {
     struct ctl_motion motion; /* read is NULL: it is a mesh file with one frame */
     bool is_stl;              /* it has corners, which are vertices by their places */
     struct ctl_mesh held;     /* of a pipe, which can be read once */
-    struct ctl_mesh corners;  /* of a pipe of STL, until they are that */
 };
 
 struct ctl_frames {
     struct ctl_sequence sequence;
-    /* The shape of all, with the positions of the first. A vertex that was joined to
-     * another one is there, and nothing names it. */
+    /* The shape of all, with the positions of the first, and the path of the file that it
+     * is from. A vertex that was joined to another one is there, and nothing names it. */
     struct ctl_mesh mesh;
+    struct ctl_mesh shape; /* the same as the file has it; its arrays are mesh's, but for
+                              lists where vertices were joined */
     struct ctl_welded welded;
-    struct ctl_mesh
-        shape; /* as the file has it; its arrays are mesh's if none is joined */
-    const char *shape_path; /* the file that it is from */
     uint32_t count;
     char **names; /* [count]: where each is from, for reports */
     uint32_t source_count;
