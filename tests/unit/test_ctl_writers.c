@@ -244,6 +244,24 @@ static void writers__of_obj_name_objects(void **state)
     }
 }
 
+/* If it failed: contacts of one group would be told of two, and of the group with itself
+ * as of two that meet. */
+static void writers__of_obj_write_a_group_in_parts(void **state)
+{
+    static const char text[] = V "g a\nf 1 2 3\ng b\nf 3 2 4\ng a\nl 1 4\np 4\n";
+    struct ctl_mesh mesh = {0};
+    struct ctl_error error = {.text = ""};
+    char path[KIT_PATH_BYTES];
+    (void)state;
+    kit_write_file("parts.obj", text, strlen(text), path);
+    assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_OK);
+    assert_int_equal(ctl_mesh_object_at(&mesh, CTL_TRIANGLES, 0), 0);
+    assert_int_equal(ctl_mesh_object_at(&mesh, CTL_TRIANGLES, 1), 1);
+    assert_int_equal(ctl_mesh_object_at(&mesh, CTL_EDGES, 0), 0);
+    assert_int_equal(ctl_mesh_object_at(&mesh, CTL_POINTS, 0), 0);
+    ctl_mesh_deinit(&mesh);
+}
+
 #define FACET(a, b, c)                                                                   \
     "facet normal 0 0 1\n outer loop\n  vertex " a "\n  vertex " b "\n  vertex " c       \
     "\n endloop\nendfacet\n"
@@ -292,6 +310,23 @@ static void writers__of_binary_stl_hear_both_counts(void **state)
     }
 }
 
+/* Of binary files: a 0 and a 1 of a float, and the first five numbers of a facet. */
+#define O      "\0\0\0\0"
+#define I      "\0\0\200\77"
+#define NORMAL O O I
+#define BINARY                                                                           \
+    "element vertex 4\n" XYZ "element face 2\nproperty list uchar uchar "                \
+    "vertex_indices\nend_header\n"
+static const char little_ply[] =
+    "ply\nformat binary_little_endian 1.0\n" BINARY O O O I O O O I O I I O
+    "\3\0\1\2\3\2\1\3";
+static const char big_ply[] =
+    "ply\nformat binary_big_endian 1.0\n" BINARY O O O "\77\200\0\0" O O O "\77\200\0\0" O
+    "\77\200\0\0\77\200\0\0" O "\3\0\1\2\4\2\1\3\0";
+static const char binary_stl[] =
+    "a header of eighty bytes, of which nothing is known but that it is no ascii file"
+    "\2\0\0\0" NORMAL O O O I O O O I O "\0\0" NORMAL O I O I O O I I O "\0";
+
 /* If it failed: a damaged file would crash its reader, or be read beyond its end (built
  * with sanitisers), or be refused without its name. */
 static void writers__damage_is_survived(void **state)
@@ -304,13 +339,18 @@ static void writers__damage_is_survived(void **state)
          0},
         {"m.obj", "o a\\\n" V F "f 1 2 4 3\ng b\nl 1 2\np 1 # \\\n", 0},
         {"m.stl", "solid\n" BOTH "end solid\n", 0},
+        {"l.ply", little_ply, sizeof little_ply - 1},
+        {"b.ply", big_ply, sizeof big_ply - 1},
+        {"b.stl", binary_stl, sizeof binary_stl},
     };
+    uint32_t read_count = 0; /* of binary files */
     unsigned seed = 11;
     (void)state;
     for (size_t f = 0; f < KIT_COUNT(forms); f++) {
         for (int round = 0; round < 1000; round++) {
             char data[1024], path[KIT_PATH_BYTES];
-            size_t bytes = strlen(forms[f].text);
+            bool is_binary = forms[f].bytes > 0;
+            size_t bytes = is_binary ? forms[f].bytes : strlen(forms[f].text);
             struct ctl_mesh mesh = {0};
             struct ctl_error error = {.text = ""};
             memcpy(data, forms[f].text, bytes);
@@ -333,6 +373,7 @@ static void writers__damage_is_survived(void **state)
             if (ctl_mesh_read(path, &mesh, &error) != PCCD_OK) {
                 assert_true(strncmp(error.text, path, strlen(path)) == 0);
             }
+            read_count += is_binary && mesh.vertex_count > 0;
             for (uint32_t i = 0; i < mesh.triangles.count; i++) {
                 assert_true(mesh.triangles.vertices[3 * i] < mesh.vertex_count);
                 assert_true(mesh.triangles.vertices[3 * i + 1] < mesh.vertex_count);
@@ -341,6 +382,7 @@ static void writers__damage_is_survived(void **state)
             ctl_mesh_deinit(&mesh);
         }
     }
+    assert_true(read_count > 300);
 }
 
 /* If it failed: a coordinate would differ in its last bit from what others read. */
@@ -394,6 +436,7 @@ int main(void)
         cmocka_unit_test(writers__of_ply_never_lose_what_may_be_faces),
         cmocka_unit_test(writers__of_obj_are_understood),
         cmocka_unit_test(writers__of_obj_name_objects),
+        cmocka_unit_test(writers__of_obj_write_a_group_in_parts),
         cmocka_unit_test(writers__of_stl_are_understood),
         cmocka_unit_test(writers__of_binary_stl_hear_both_counts),
         cmocka_unit_test(writers__damage_is_survived),

@@ -258,6 +258,7 @@ int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_byt
         memcmp(mesh->objects[count - 1].first, object.first, sizeof object.first) == 0) {
         free(mesh->objects[--mesh->object_count].name);
     }
+    object.whole = mesh->object_count;
     int status = grow(mesh, &mesh->objects, sizeof object, mesh->object_count,
                       &mesh->object_capacity, "objects");
     if (status == PCCD_OK) {
@@ -280,7 +281,7 @@ uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, enum ctl_kind kind,
             high = middle;
         }
     }
-    return low > 0 ? low - 1 : CTL_NO_OBJECT;
+    return low > 0 ? mesh->objects[low - 1].whole : CTL_NO_OBJECT;
 }
 
 uint32_t *ctl_mesh_object_of_vertices(const struct ctl_mesh *mesh)

@@ -34,7 +34,8 @@ struct ctl_list {
 /* A part of a file that has a name there. It goes to the first ones of the next object,
  * the last one to the end; counted in the file, also where a part of that is kept. */
 struct ctl_mesh_object {
-    char *name; /* never NULL; bytes as the file has them */
+    char *name;     /* never NULL; bytes as the file has them */
+    uint32_t whole; /* the first part of the same object, which may be in several */
     uint32_t first[CTL_KINDS];
 };
 
@@ -175,7 +176,7 @@ void ctl_mesh_keep_part(struct ctl_mesh *mesh, uint32_t number, uint32_t count);
 #define CTL_NO_OBJECT UINT32_MAX
 
 /* Where in `objects` that of a triangle, edge or point is, by its number in the file.
- * CTL_NO_OBJECT: it stands before all. */
+ * CTL_NO_OBJECT: it stands before all. Of one in parts, its first part is told. */
 uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, enum ctl_kind kind,
                             uint32_t number);
 /* The first object that has each vertex; the caller's to free. NULL: no memory. */

@@ -6,6 +6,7 @@
  * Source: Wavefront OBJ specification, appendix B1.
  */
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "meshfile.h"
@@ -233,6 +234,35 @@ static int read_statement(struct obj *obj, uint32_t kind, struct ctl_word line)
                             : PCCD_OK;
 }
 
+static int compare_names(const void *a, const void *b)
+{
+    const struct ctl_mesh_object *const *left = a, *const *right = b;
+    int order = strcmp((*left)->name, (*right)->name);
+    return order != 0 ? order : (*left < *right ? -1 : 1);
+}
+
+/* What has one name is one object, though the file has it in parts. */
+static void join_parts(struct obj *obj)
+{
+    struct ctl_mesh *mesh = obj->mesh;
+    size_t count = mesh->object_count;
+    struct ctl_mesh_object **order = malloc((count + 1) * sizeof(void *));
+    if (order == NULL) {
+        ctl_file_fail(obj->file, PCCD_E_NOMEM, "no memory for %zu objects", count);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        order[i] = &mesh->objects[i];
+    }
+    qsort(order, count, sizeof(void *), compare_names);
+    for (size_t i = 1; i < count; i++) {
+        if (strcmp(order[i]->name, order[i - 1]->name) == 0) {
+            order[i]->whole = order[i - 1]->whole;
+        }
+    }
+    free(order);
+}
+
 int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh)
 {
     struct obj obj = {.file = file, .mesh = mesh};
@@ -247,6 +277,7 @@ int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh)
     while (file->status == PCCD_OK && next_statement(file, &statement, &kind)) {
         file->status = read_statement(&obj, kind, statement);
     }
+    join_parts(&obj);
     return obj.seen[VERTEX] < obj.counts[VERTEX]
                ? ctl_file_refuse(file, "it changed while it was read")
                : file->status;
