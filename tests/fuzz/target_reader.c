@@ -2,11 +2,15 @@
  *
  * Room:     tests/fuzz. May include: fuzz_target.h, fault.h, meshfile.h.
  * Does:     read the input as PLY, OBJ, STL or glTF: what is accepted is a mesh, and
- *           nothing takes more memory than a file of that length can be worth.
+ *           nothing takes more memory than a file of that length can be worth. As PC2 or
+ *           MDD: all frames that it says are there.
  * Threads:  one.
  */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include "fault.h"
 #include "fuzz_target.h"
@@ -34,21 +38,64 @@ static void check_mesh(const struct ctl_mesh *mesh)
     }
 }
 
-/* The first byte chooses: up to 239 PLY if it is even, OBJ if odd; beyond it STL and
- * glTF. */
+/* Frames of a point cache, which is opened by its name. */
+static void
+read_frames(int (*open_cache)(const char *path, const struct ctl_motion_wish *wish,
+                              struct ctl_motion *motion, struct ctl_error *error),
+            const struct fuzz_input *input)
+{
+    struct ctl_error error = {0};
+    struct ctl_motion motion = {.state = NULL};
+    char path[32];
+    fuzz_scarcity_pause();
+    int fd = memfd_create("fuzz", MFD_CLOEXEC);
+    FUZZ_CHECK(fd >= 0 && write(fd, input->at, input->left) == (ssize_t)input->left);
+    (void)snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
+    fuzz_scarcity_resume();
+    int status = open_cache(path, NULL, &motion, &error);
+    FUZZ_CHECK(status == PCCD_OK || strncmp(error.text, path, strlen(path)) == 0);
+    if (status == PCCD_OK) {
+        /* The size is that of the header, so all that is said is there. */
+        size_t numbers = 3 * (size_t)motion.vertex_count;
+        FUZZ_CHECK(numbers * motion.frame_count * sizeof(float) <= input->left);
+        fuzz_scarcity_pause();
+        float *x = malloc(numbers * sizeof *x);
+        FUZZ_CHECK(x != NULL);
+        fuzz_scarcity_resume();
+        for (uint32_t i = 0; i < motion.frame_count; i++) {
+            status = motion.read(&motion, i, x, &error);
+            FUZZ_CHECK(status == PCCD_OK || status == PCCD_E_NOTFINITE);
+            motion.name(&motion, i, path, sizeof path);
+        }
+        free(x);
+        motion.close(&motion);
+    }
+    (void)close(fd);
+}
+
+/* The first byte chooses: up to 239 PLY if it is even, OBJ if odd; up to 247 STL and
+ * glTF, and then PC2 and MDD. */
 static const struct reader {
     const char *path;
     int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh);
-} readers[2][2] = {{{"fuzz.ply", ctl_ply_parse}, {"fuzz.obj", ctl_obj_parse}},
-                   {{"fuzz.stl", ctl_stl_parse}, {"fuzz.glb", ctl_gltf_parse}}};
+    int (*open)(const char *path, const struct ctl_motion_wish *wish,
+                struct ctl_motion *motion, struct ctl_error *error);
+} readers[3][2] = {
+    {{"fuzz.ply", ctl_ply_parse, NULL}, {"fuzz.obj", ctl_obj_parse, NULL}},
+    {{"fuzz.stl", ctl_stl_parse, NULL}, {"fuzz.glb", ctl_gltf_parse, NULL}},
+    {{"fuzz.pc2", NULL, ctl_pc2_open}, {"fuzz.mdd", NULL, ctl_mdd_open}}};
 
 void fuzz_reader(const uint8_t *data, size_t bytes)
 {
     struct fuzz_input input = {data, bytes};
     struct ctl_error error = {0};
     uint8_t choice = fuzz_take_u8(&input);
-    const struct reader *reader = &readers[choice >= 240][choice % 2];
+    const struct reader *reader = &readers[(choice >= 240) + (choice >= 248)][choice % 2];
     struct ctl_mesh mesh = {.path = reader->path, .error = &error};
+    if (reader->open != NULL) {
+        read_frames(reader->open, &input);
+        return;
+    }
     fuzz_scarcity_pause();
     struct ctl_file file = {.path = reader->path,
                             .error = &error,
