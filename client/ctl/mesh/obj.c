@@ -36,8 +36,6 @@ struct obj {
     uint64_t counts[UNKNOWN + 1], seen[UNKNOWN + 1]; /* in the file; so far */
 };
 
-/* ---- statements -------------------------------------------------------------------- */
-
 /* Of what kind a line is by its first word. */
 static uint32_t kind_of(struct ctl_word line)
 {
@@ -116,8 +114,6 @@ static void count_statements(struct obj *obj)
         obj->counts[kind]++;
     }
 }
-
-/* ---- what they say ----------------------------------------------------------------- */
 
 static int read_vertex(struct obj *obj, struct ctl_word *line)
 {

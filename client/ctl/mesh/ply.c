@@ -69,7 +69,8 @@ struct ply {
     const struct element *vertex, *edge;       /* edge may be NULL */
     uint64_t face_count;                       /* of all elements that have faces */
     bool is_cloud;                             /* there is nothing but vertices */
-    struct ctl_word line;                      /* ascii: what is left of this row */
+    bool is_wide;          /* a coordinate of a type that is not exact in a float */
+    struct ctl_word line;  /* ascii: what is left of this row */
     bool has_value_a_line; /* ascii: the row goes on in the next lines */
 };
 
@@ -189,6 +190,8 @@ static int read_property(struct ply *ply, const struct ctl_word words[5])
     property->count_type = is_list(words) ? read_type(ply, &words[2]) : NULL;
     property->type = read_type(ply, last - 1);
     property->role = role_of(ply, element, property, last);
+    bool is_narrow = property->type->bytes < (property->type->kind == REAL ? 8 : 4);
+    ply->is_wide = ply->is_wide || (property->role <= AXIS_Z && !is_narrow);
     element->property_count++;
     return ply->file->status;
 }
@@ -290,16 +293,13 @@ static int check_elements(struct ply *ply)
                                  unknown->name, unknown->unknown_list);
 }
 
-static uint64_t sum(uint64_t a, uint64_t b)
+/* a + b * c, or what comes nearest. */
+static uint64_t add_product(uint64_t a, uint64_t b, uint64_t c)
 {
-    uint64_t both;
-    return __builtin_add_overflow(a, b, &both) ? UINT64_MAX : both;
-}
-
-static uint64_t product(uint64_t a, uint64_t b)
-{
-    uint64_t both;
-    return __builtin_mul_overflow(a, b, &both) ? UINT64_MAX : both;
+    uint64_t all;
+    return __builtin_mul_overflow(b, c, &all) || __builtin_add_overflow(a, all, &all)
+               ? UINT64_MAX
+               : all;
 }
 
 /* The largest number of a type; what is no whole number is as large as can be. */
@@ -323,12 +323,15 @@ static int check_counts(const struct ply *ply)
             const struct property *property =
                 &ply->properties[element->property_first + k];
             const struct type *type = property->type, *count = property->count_type;
-            const struct type *first = count != NULL ? count : type;
-            uint64_t items = count != NULL ? product(largest(count), type->bytes) : 0;
-            row_least += is_ascii ? 2 : first->bytes; /* a digit and a blank */
-            row_most = sum(row_most, sum(first->bytes, items));
+            uint64_t items = count != NULL ? largest(count) : 1;
+            uint64_t count_bytes = count != NULL ? count->bytes : 0;
+            row_least += is_ascii        ? 2 /* a digit and a blank */
+                         : count != NULL ? count_bytes
+                                         : type->bytes;
+            row_most = add_product(row_most, 1, count_bytes);
+            row_most = add_product(row_most, items, type->bytes);
         }
-        uint64_t needed = product(element->count, row_least);
+        uint64_t needed = add_product(0, element->count, row_least);
         if (element->count > 0 && row_least == 0) {
             return ctl_file_refuse(ply->file, "element \"%s\" has no properties",
                                    element->name);
@@ -341,10 +344,10 @@ static int check_counts(const struct ply *ply)
                                    element->count, element->name, needed, left);
         }
         left -= needed < left ? needed : left;
-        most = sum(most, product(element->count, row_most));
+        most = add_product(most, element->count, row_most);
     }
     /* A line end may follow. */
-    return is_ascii || there <= sum(most, 2)
+    return is_ascii || there <= add_product(most, 1, 2)
                ? PCCD_OK
                : ctl_file_refuse(ply->file,
                                  "the elements take at most %" PRIu64
@@ -540,16 +543,6 @@ static void read_list(struct ply *ply, const struct property *property,
     }
 }
 
-static void take_coordinate(struct ply *ply, enum role axis, double value)
-{
-    if (!common_is_coordinate(value)) {
-        ctl_file_fail(ply->file, PCCD_E_NOTFINITE,
-                      "coordinate %c is %g; |x| <= 1e18 is needed", "xyz"[axis], value);
-        return;
-    }
-    ctl_mesh_set(ply->mesh, (size_t)ply->file->item_number * 3 + (size_t)axis, value);
-}
-
 /* Ascii: rows are lines; blank lines between them are let pass. */
 static void begin_line(struct ply *ply)
 {
@@ -585,10 +578,14 @@ static void read_row(struct ply *ply, const struct element *element)
             continue;
         }
         double value = read_value(ply, property->type, role != SKIP);
-        if (role <= AXIS_Z) {
-            take_coordinate(ply, role, value);
-        } else if (role != SKIP) {
+        if (role == END_0 || role == END_1) {
             ends[role - END_0] = index_of(ply, value);
+        } else if (role <= AXIS_Z && !common_is_coordinate(value)) {
+            ctl_file_fail(file, PCCD_E_NOTFINITE,
+                          "coordinate %c is %g; |x| <= 1e18 is needed", "xyz"[role],
+                          value);
+        } else if (role <= AXIS_Z) {
+            ctl_mesh_set(ply->mesh, (size_t)file->item_number * 3 + (size_t)role, value);
         }
     }
     if (ply->encoding == ASCII && ctl_word_next(&ply->line, &surplus)) {
@@ -619,23 +616,14 @@ static void check_end(const struct ply *ply)
     }
 }
 
-static enum pccd_format format_of(const struct ply *ply)
-{
-    bool is_narrow = true; /* each type is exact in a float */
-    for (enum role role = AXIS_X; role <= AXIS_Z; role++) {
-        const struct type *type = ply->named[role]->type;
-        is_narrow = is_narrow && type->bytes < (type->kind == REAL ? 8 : 4);
-    }
-    return is_narrow ? PCCD_FORMAT_F32 : PCCD_FORMAT_F64;
-}
-
 int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh)
 {
     struct ply ply = {.file = file, .mesh = mesh};
     if (read_header(&ply) != PCCD_OK) {
         return file->status;
     }
-    file->status = ctl_mesh_alloc_vertices(mesh, format_of(&ply), ply.vertex->count);
+    file->status = ctl_mesh_alloc_vertices(
+        mesh, ply.is_wide ? PCCD_FORMAT_F64 : PCCD_FORMAT_F32, ply.vertex->count);
     file->line = ply.encoding == ASCII ? file->line : 0;
     for (uint32_t i = 0; i < ply.element_count && file->status == PCCD_OK; i++) {
         const struct element *element = &ply.elements[i];

@@ -33,8 +33,6 @@ struct cache {
     uint64_t first_byte; /* of the first frame's positions */
 };
 
-/* ---- bytes ------------------------------------------------------------------------- */
-
 static uint32_t word_at(const struct cache *cache, const char *at)
 {
     uint32_t word = ctl_file_word(at);
@@ -68,8 +66,6 @@ static int read_at(const struct cache *cache, uint64_t offset, char *to, size_t 
     }
     return PCCD_OK;
 }
-
-/* ---- the header -------------------------------------------------------------------- */
 
 /* Whether the first two frames are the same, byte for byte. */
 static int compare_frames(const struct cache *cache, uint64_t frame_bytes, bool *is_same,
@@ -153,8 +149,6 @@ static int judge(struct cache *cache, struct ctl_motion *motion, struct ctl_erro
     return judge_size(cache, frames, vertices, error);
 }
 
-/* ---- frames ------------------------------------------------------------------------ */
-
 static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
                       struct ctl_error *error)
 {
@@ -201,8 +195,6 @@ static void name_frame(const struct ctl_motion *motion, uint32_t frame, char *te
                            (double)float_at(cache, start + 4) * frame);
     }
 }
-
-/* ---- opening ----------------------------------------------------------------------- */
 
 static void close_cache(struct ctl_motion *motion)
 {

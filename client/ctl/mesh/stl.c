@@ -27,8 +27,6 @@ struct stl {
     size_t table_mask;
 };
 
-/* ---- corners ----------------------------------------------------------------------- */
-
 /* Where a place, or the first free entry after it, is in the table. */
 static uint32_t *entry_of(const struct stl *stl, const float place[3])
 {
@@ -102,8 +100,6 @@ static void add_facet(struct stl *stl, float x[3][3])
     }
 }
 
-/* ---- binary ------------------------------------------------------------------------ */
-
 /* Whether a file is binary: its number of facets says how long it is. The first line of
  * ascii does not tell, since headers may begin with "solid", too. */
 static bool is_binary(const struct ctl_file *file)
@@ -141,8 +137,6 @@ static void read_binary(struct stl *stl)
     }
 }
 
-/* ---- ascii ------------------------------------------------------------------------- */
-
 /* Whether it begins with "solid", and has no byte 0 soon, as a binary file has. */
 static bool is_ascii(const struct ctl_file *file)
 {
@@ -170,16 +164,6 @@ static int refuse_kind(struct ctl_file *file)
                                  (all - HEADER_BYTES) % FACET_BYTES);
 }
 
-/* The next line that is not blank, and its first word. */
-static bool next_line(struct ctl_file *file, struct ctl_word *line, struct ctl_word *word)
-{
-    bool has_word = false;
-    while (!has_word && ctl_file_line(file, line)) {
-        has_word = ctl_word_next(line, word);
-    }
-    return has_word;
-}
-
 /* Whether a line begins so; "end facet" is "endfacet". */
 static bool begins(const struct ctl_word *word, struct ctl_word line, const char *wanted)
 {
@@ -189,19 +173,14 @@ static bool begins(const struct ctl_word *word, struct ctl_word line, const char
             ctl_word_next(&line, &second) && ctl_word_is_any_case(&second, wanted + 3));
 }
 
-static void refuse_word(struct ctl_file *file, const struct ctl_word *word,
-                        const char *wanted)
-{
-    ctl_file_refuse(file, "\"%.*s\" where \"%s\" is needed", CTL_QUOTE(*word), wanted);
-}
-
 static void read_place(struct ctl_file *file, struct ctl_word *line, float x[3])
 {
     for (int axis = 0; axis < 3; axis++) {
         struct ctl_word word = {line->end, line->end};
         double value;
         if (!ctl_word_next(line, &word) || !ctl_word_float(&word, &value)) {
-            refuse_word(file, &word, "three numbers");
+            ctl_file_refuse(file, "\"%.*s\" where \"three numbers\" is needed",
+                            CTL_QUOTE(word));
         } else if (!common_is_coordinate(value)) {
             ctl_file_fail(file, PCCD_E_NOTFINITE,
                           "coordinate %c is %g; |x| <= 1e18 is needed", "xyz"[axis],
@@ -212,47 +191,41 @@ static void read_place(struct ctl_file *file, struct ctl_word *line, float x[3])
     }
 }
 
-/* What comes after the line "facet". */
-static void read_facet(struct stl *stl)
-{
-    static const char *const lines[] = {"vertex", "vertex", "vertex", "endloop",
-                                        "endfacet"};
-    struct ctl_file *file = stl->file;
-    struct ctl_word line, word;
-    float x[3][3] = {{0}};
-    for (int i = -1; i < 5 && file->status == PCCD_OK; i++) {
-        const char *wanted = i < 0 ? "outer" : lines[i];
-        if (!next_line(file, &line, &word)) {
-            file->status =
-                ctl_error_set(file->error, PCCD_E_FORMAT,
-                              "%s: it ends where \"%s\" is needed", file->path, wanted);
-        } else if (!begins(&word, line, wanted)) {
-            refuse_word(file, &word, wanted);
-        } else if (i >= 0 && i < 3) {
-            read_place(file, &line, x[i]);
-        }
-    }
-    add_facet(stl, x);
-}
-
 /* One solid after the other; they are one mesh. The last one may lack its end. */
 static void read_ascii(struct stl *stl)
 {
+    static const char *const lines[] = {"solid",  "facet",  "outer",   "vertex",
+                                        "vertex", "vertex", "endloop", "endfacet"};
     struct ctl_file *file = stl->file;
     struct ctl_word line, word;
-    bool is_within = false, has_begun = false;
-    while (next_line(file, &line, &word)) {
-        if (is_within && begins(&word, line, "facet")) {
-            read_facet(stl);
-        } else if (begins(&word, line, is_within ? "endsolid" : "solid")) {
-            is_within = !is_within;
-            has_begun = true;
-        } else {
-            refuse_word(file, &word, is_within ? "facet" : "solid");
+    float x[3][3] = {{0}};
+    uint32_t due = 0; /* of these lines */
+    bool has_begun = false;
+    while (ctl_file_line(file, &line)) {
+        if (!ctl_word_next(&line, &word)) {
+            continue;
         }
+        if (due == 1 && begins(&word, line, "endsolid")) {
+            due = 0;
+            continue;
+        }
+        if (!begins(&word, line, lines[due])) {
+            ctl_file_refuse(file, "\"%.*s\" where \"%s\" is needed", CTL_QUOTE(word),
+                            lines[due]);
+        } else if (due >= 3 && due < 6) {
+            read_place(file, &line, x[due - 3]);
+        } else if (due == 7) {
+            add_facet(stl, x);
+        }
+        has_begun = true;
+        due = due == 7 ? 1 : due + 1;
     }
     if (!has_begun) {
         refuse_kind(file);
+    } else if (due > 1 && file->status == PCCD_OK) {
+        file->status =
+            ctl_error_set(file->error, PCCD_E_FORMAT,
+                          "%s: it ends where \"%s\" is needed", file->path, lines[due]);
     }
 }
 
