@@ -64,7 +64,6 @@ libctl_la_SOURCES = \
     client/ctl/mesh/gltf_animation.c \
     client/ctl/mesh/gltf_file.c client/ctl/mesh/gltf_file.h \
     client/ctl/mesh/gltf_mesh.c \
-    client/ctl/mesh/gltf_motion.c \
     client/ctl/mesh/gltf_scene.c client/ctl/mesh/gltf_scene.h \
     client/ctl/mesh/meshcut.c \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \

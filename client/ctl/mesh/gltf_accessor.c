@@ -45,18 +45,31 @@ static size_t bytes_of(enum gltf_type type)
     return type != 0 ? types[type - GLTF_I8].bytes : 0;
 }
 
-static uint32_t integer_at(const char *at, enum gltf_type type)
+static double value_at(const char *at, enum gltf_type type)
 {
     const unsigned char *bytes = (const unsigned char *)at;
-    return type == GLTF_U8    ? bytes[0]
-           : type == GLTF_U16 ? (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8
-                              : ctl_file_word(at);
+    float value;
+    switch (type) {
+    case GLTF_I8:
+        return (double)(signed char)at[0];
+    case GLTF_U8:
+        return (double)bytes[0];
+    case GLTF_I16:
+        return (double)(int16_t)(bytes[0] | bytes[1] << 8);
+    case GLTF_U16:
+        return (double)(bytes[0] | bytes[1] << 8);
+    case GLTF_FLOAT:
+        memcpy(&value, &(uint32_t){ctl_file_word(at)}, sizeof value);
+        return (double)value;
+    default:
+        return (double)ctl_file_word(at);
+    }
 }
 
 static size_t sparse_index(const struct gltf_accessor *accessor, size_t k)
 {
-    return integer_at(accessor->sparse_at + k * accessor->sparse_bytes,
-                      accessor->sparse_type);
+    enum gltf_type type = accessor->sparse_type;
+    return (size_t)value_at(accessor->sparse_at + k * bytes_of(type), type);
 }
 
 /* ---- finding ----------------------------------------------------------------------- */
@@ -74,9 +87,9 @@ static const char *find_bytes(struct gltf *gltf, size_t accessor, const json_t *
     long long step = gltf_number(view, "byteStride", (long long)bytes);
     long long rest = length - offset - (long long)bytes; /* behind the first one */
     const char *compression = gltf_compression(view);
-    gltf_check(gltf, view != NULL, PCCD_E_FORMAT,
-               "accessor %zu: there is no bufferView %lld", accessor, index);
-    gltf_check(gltf, compression == NULL, PCCD_E_FORMAT,
+    gltf_check(gltf, view != NULL, "accessor %zu: there is no bufferView %lld", accessor,
+               index);
+    gltf_check(gltf, compression == NULL,
                "bufferView %lld: is compressed by \"%.80s\", which is not read", index,
                compression);
     const struct gltf_buffer *buffer = gltf_buffer(gltf, gltf_number(view, "buffer", -1));
@@ -84,18 +97,18 @@ static const char *find_bytes(struct gltf *gltf, size_t accessor, const json_t *
         return NULL;
     }
     long long has = (long long)buffer->bytes;
-    gltf_check(gltf, begin >= 0 && length >= 0 && begin <= has - length, PCCD_E_FORMAT,
+    gltf_check(gltf, begin >= 0 && length >= 0 && begin <= has - length,
                "bufferView %lld: goes beyond its buffer, which has %lld bytes", index,
                has);
-    gltf_check(gltf, step >= (long long)bytes && step <= STRIDE_MAX, PCCD_E_FORMAT,
+    gltf_check(gltf, step >= (long long)bytes && step <= STRIDE_MAX,
                "bufferView %lld: a stride of %lld bytes for elements of %zu", index, step,
                bytes);
     gltf_check(
         gltf,
         offset >= 0 && offset <= length &&
             (count == 0 || (rest >= 0 && step > 0 && count - 1 <= (size_t)(rest / step))),
-        PCCD_E_FORMAT, "accessor %zu: goes beyond bufferView %lld, which has %lld bytes",
-        accessor, index, length);
+        "accessor %zu: goes beyond bufferView %lld, which has %lld bytes", accessor,
+        index, length);
     *stride = (size_t)step;
     return gltf->status == PCCD_OK ? buffer->at + begin + offset : NULL;
 }
@@ -108,18 +121,16 @@ static void find_sparse(struct gltf *gltf, const json_t *sparse,
     long long number = gltf_number(sparse, "count", -1);
     size_t count = (size_t)number, stride;
     accessor->sparse_type = type_of(gltf_number(indices, "componentType", -1), INTEGERS);
-    accessor->sparse_bytes = bytes_of(accessor->sparse_type);
     gltf_check(
         gltf, number >= 0 && count <= accessor->count && accessor->sparse_type != 0,
-        PCCD_E_FORMAT, "accessor %zu: its sparse elements have no valid count or type",
-        accessor->index);
+        "accessor %zu: its sparse elements have no valid count or type", accessor->index);
     accessor->sparse_at = find_bytes(gltf, accessor->index, indices, count,
-                                     accessor->sparse_bytes, &stride);
+                                     bytes_of(accessor->sparse_type), &stride);
     accessor->sparse_values = find_bytes(gltf, accessor->index, values, count,
                                          accessor->bytes * accessor->components, &stride);
     for (size_t k = 0; k < count && gltf->status == PCCD_OK; k++) {
         size_t here = sparse_index(accessor, k);
-        gltf_check(
+        gltf_check_as(
             gltf,
             here < accessor->count && (k == 0 || here > sparse_index(accessor, k - 1)),
             PCCD_E_INDEX, "accessor %zu: sparse index %zu is %zu of %zu, and they ascend",
@@ -145,17 +156,15 @@ struct gltf_accessor gltf_find(struct gltf *gltf, const json_t *number,
     found.bytes = bytes_of(found.type);
     found.greatest =
         is_normalized && found.type != 0 ? types[found.type - GLTF_I8].greatest : 0;
-    gltf_check(gltf, entry != NULL, PCCD_E_FORMAT, "accessor %lld: there is none", index);
-    gltf_check(gltf, count >= 0, PCCD_E_FORMAT, "accessor %lld: has no count", index);
+    gltf_check(gltf, entry != NULL, "accessor %lld: there is none", index);
+    gltf_check(gltf, count >= 0, "accessor %lld: has no count", index);
     gltf_check(gltf,
                found.type != 0 && kind != NULL && strcmp(kind, roles[role].kind) == 0,
-               PCCD_E_FORMAT,
                "accessor %lld: has %.16s of component type %lld where %s is needed",
                index, kind != NULL ? kind : "elements", code, roles[role].kind);
     gltf_check(gltf,
                (roles[role].types & NORMALIZED) == 0 || found.type == GLTF_FLOAT ||
                    is_normalized,
-               PCCD_E_FORMAT,
                "accessor %lld: has integers that are not normalized, where fractions are "
                "needed",
                index);
@@ -168,7 +177,7 @@ struct gltf_accessor gltf_find(struct gltf *gltf, const json_t *number,
     }
     /* Zeros that nobody has written take no bytes: there are no more of them than
      * bytes. */
-    gltf_check(gltf, found.at != NULL || found.count <= gltf->bytes, PCCD_E_FORMAT,
+    gltf_check(gltf, found.at != NULL || found.count <= gltf->bytes,
                "accessor %lld: has %zu zeros in a file of %" PRIu64 " bytes", index,
                found.count, gltf->bytes);
     return gltf->status == PCCD_OK ? found : (struct gltf_accessor){.count = 0};
@@ -193,22 +202,6 @@ static const char *place_of(const struct gltf_accessor *accessor, size_t i)
     return accessor->at == NULL ? NULL : accessor->at + i * accessor->stride;
 }
 
-static double value_at(const char *at, enum gltf_type type)
-{
-    float value;
-    switch (type) {
-    case GLTF_I8:
-        return (double)(signed char)at[0];
-    case GLTF_I16:
-        return (double)(int16_t)integer_at(at, GLTF_U16);
-    case GLTF_FLOAT:
-        memcpy(&value, &(uint32_t){ctl_file_word(at)}, sizeof value);
-        return (double)value;
-    default:
-        return (double)integer_at(at, type);
-    }
-}
-
 void gltf_read(const struct gltf_accessor *accessor, size_t i, double *values)
 {
     const char *at = place_of(accessor, i);
@@ -219,10 +212,4 @@ void gltf_read(const struct gltf_accessor *accessor, size_t i, double *values)
             values[k] = values[k] < -1 ? -1 : values[k];
         }
     }
-}
-
-uint32_t gltf_integer(const struct gltf_accessor *accessor, size_t i, size_t k)
-{
-    const char *at = place_of(accessor, i);
-    return at == NULL ? 0 : integer_at(at + k * accessor->bytes, accessor->type);
 }

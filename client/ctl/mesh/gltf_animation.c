@@ -145,17 +145,15 @@ static void read_sampler(struct gltf_scene *scene, struct gltf_channel *channel)
            strcmp(name, names[channel->between]) != 0) {
         channel->between++;
     }
-    gltf_check(gltf, sampler != NULL, PCCD_E_FORMAT, "sampler %lld: there is none",
-               index);
+    gltf_check(gltf, sampler != NULL, "sampler %lld: there is none", index);
     gltf_check(
-        gltf, channel->between < GLTF_BETWEEN, PCCD_E_FORMAT,
+        gltf, channel->between < GLTF_BETWEEN,
         "sampler %lld: interpolation \"%.40s\" is none of STEP, LINEAR, CUBICSPLINE",
         index, name);
     channel->times = gltf_find(gltf, json_object_get(sampler, "input"), GLTF_TIMES);
     for (size_t k = 0; k < channel->times.count; k++) {
         double time = key_time(channel, k);
         gltf_check(gltf, isfinite(time) && (k == 0 || time > key_time(channel, k - 1)),
-                   PCCD_E_FORMAT,
                    "accessor %zu: key %zu is at %g s, not after the one before it",
                    channel->times.index, k, time);
     }
@@ -164,7 +162,7 @@ static void read_sampler(struct gltf_scene *scene, struct gltf_channel *channel)
     size_t rows = rows_of(scene, channel), values = channel->values.count;
     size_t keys = channel->times.count * (channel->between == GLTF_CUBICSPLINE ? 3 : 1);
     gltf_check(gltf, keys > 0 && values % keys == 0 && values / keys == rows,
-               PCCD_E_FORMAT, "accessor %zu: has %zu values for %zu keys of %zu each",
+               "accessor %zu: has %zu values for %zu keys of %zu each",
                channel->values.index, values, channel->times.count, rows);
 }
 
@@ -181,7 +179,7 @@ static bool read_target(struct gltf_scene *scene, struct gltf_channel *channel)
                pointer == NULL || (strncmp(pointer, "/nodes/", 7) != 0 &&
                                    strncmp(pointer, "/meshes/", 8) != 0 &&
                                    strncmp(pointer, "/skins/", 7) != 0),
-               PCCD_E_FORMAT, "\"%.80s\" is moved by \"" POINTER "\", which is not read",
+               "\"%.80s\" is moved by \"" POINTER "\", which is not read",
                pointer != NULL ? pointer : "");
     while (channel->path < GLTF_PATHS &&
            (path == NULL || strcmp(gltf_path_kinds[channel->path].name, path) != 0)) {
@@ -190,8 +188,8 @@ static bool read_target(struct gltf_scene *scene, struct gltf_channel *channel)
     long long index = gltf_number(target, "node", -1);
     bool is_there = index >= 0 && (size_t)index < scene->node_count;
     if (json_object_get(target, "node") == NULL || channel->path == GLTF_PATHS ||
-        !gltf_check(gltf, is_there, PCCD_E_INDEX, "there is no node %lld to move",
-                    index)) {
+        !gltf_check_as(gltf, is_there, PCCD_E_INDEX, "there is no node %lld to move",
+                       index)) {
         return false; /* by the specification it moves nothing */
     }
     const struct gltf_node *node = &scene->nodes[index];
@@ -199,7 +197,7 @@ static bool read_target(struct gltf_scene *scene, struct gltf_channel *channel)
     if (channel->path == GLTF_WEIGHTS) {
         return node->weight_count > 0;
     }
-    gltf_check(gltf, !node->moves_mesh || !node->has_matrix, PCCD_E_FORMAT,
+    gltf_check(gltf, !node->moves_mesh || !node->has_matrix,
                "node %lld: moves and has a matrix", index);
     return node->moves_mesh;
 }
@@ -229,7 +227,7 @@ static bool find_channels(struct gltf_scene *scene)
                 continue;
             }
             size_t *moved_by = &scene->nodes[made.node].moved_by[made.path];
-            gltf_check(gltf, *moved_by != i + 1, PCCD_E_FORMAT,
+            gltf_check(gltf, *moved_by != i + 1,
                        "animation %zu: moves the %s of node %zu twice", i,
                        gltf_path_kinds[made.path].name, made.node);
             has_two |= *moved_by != 0;
@@ -257,9 +255,9 @@ static long long find_wish(struct gltf *gltf, const char *wish)
     unsigned long number = strtoul(wish, &end, 10);
     bool is_number = *wish >= '0' && *wish <= '9' && *end == '\0';
     bool is_there = is_number && number < json_array_size(all);
-    gltf_check(gltf, is_there, PCCD_E_INVAL,
-               "no animation has the name or number \"%.80s\", of %zu", wish,
-               json_array_size(all));
+    gltf_check_as(gltf, is_there, PCCD_E_INVAL,
+                  "no animation has the name or number \"%.80s\", of %zu", wish,
+                  json_array_size(all));
     return is_there ? (long long)number : -1;
 }
 
@@ -370,9 +368,9 @@ void gltf_animation_read(struct gltf_scene *scene, const struct ctl_motion_wish 
            last = animation->times[animation->time_count - 1];
     double frames = rate == 0 ? (double)animation->time_count
                               : ceil((last - first) * rate - RATE_ROUNDING) + 1;
-    if (gltf_check(gltf, frames <= (double)CTL_MESH_COUNT_MAX, PCCD_E_LIMIT,
-                   "%g frames from %g s to %g s, at most %" PRIu64, frames, first, last,
-                   CTL_MESH_COUNT_MAX)) {
+    if (gltf_check_as(gltf, frames <= (double)CTL_MESH_COUNT_MAX, PCCD_E_LIMIT,
+                      "%g frames from %g s to %g s, at most %" PRIu64, frames, first,
+                      last, CTL_MESH_COUNT_MAX)) {
         animation->frame_count = (uint32_t)frames;
         animation->turn_degrees = rate == 0 ? find_turn(animation) : 0;
     }

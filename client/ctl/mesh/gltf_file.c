@@ -18,7 +18,7 @@
 #define NUMBER_MAX  9007199254740992.0 /* integers are exact in a double up to here */
 #define DATA_BASE64 ";base64,"
 
-bool gltf_check(struct gltf *gltf, bool is_right, int status, const char *format, ...)
+bool gltf_check_as(struct gltf *gltf, bool is_right, int status, const char *format, ...)
 {
     char what[CTL_ERROR_TEXT_BYTES / 2];
     va_list arguments;
@@ -39,7 +39,7 @@ void *gltf_alloc(struct gltf *gltf, size_t count, size_t bytes, const char *what
         gltf->blocks = blocks;
         made = gltf->blocks[gltf->block_count++] = calloc(count + 1, bytes);
     }
-    gltf_check(gltf, made != NULL, PCCD_E_NOMEM, "no memory for %zu %s", count, what);
+    gltf_check_as(gltf, made != NULL, PCCD_E_NOMEM, "no memory for %zu %s", count, what);
     return made;
 }
 
@@ -72,12 +72,12 @@ void gltf_numbers(struct gltf *gltf, const json_t *object, const char *name, siz
 {
     const json_t *array = json_object_get(object, name);
     size_t has = array != NULL ? json_array_size(array) : count;
-    gltf_check(gltf, has == count, PCCD_E_FORMAT, "%s %zu: %s has %zu numbers, not %zu",
-               what, index, name, has, count);
+    gltf_check(gltf, has == count, "%s %zu: %s has %zu numbers, not %zu", what, index,
+               name, has, count);
     for (size_t i = 0; array != NULL && i < count; i++) {
         const json_t *value = json_array_get(array, i);
         values[i] = json_number_value(value);
-        gltf_check(gltf, json_is_number(value) && isfinite(values[i]), PCCD_E_FORMAT,
+        gltf_check(gltf, json_is_number(value) && isfinite(values[i]),
                    "%s %zu: %s[%zu] is no number", what, index, name, i);
     }
 }
@@ -139,18 +139,16 @@ static void check_head(struct gltf *gltf)
 {
     const struct ctl_file *file = gltf->file;
     uint64_t all_bytes = file->bytes + file->rest_bytes;
-    if (!gltf_check(gltf, file->bytes >= HEAD_BYTES, PCCD_E_FORMAT, "no binary glTF")) {
+    if (!gltf_check(gltf, file->bytes >= HEAD_BYTES, "no binary glTF")) {
         return;
     }
     uint32_t version = ctl_file_word(file->data + 4);
     uint32_t bytes = ctl_file_word(file->data + 8);
     uint32_t json_bytes = ctl_file_word(file->data + 12);
-    gltf_check(gltf, version == 2, PCCD_E_FORMAT, "glTF of version %" PRIu32 ", not 2",
-               version);
+    gltf_check(gltf, version == 2, "glTF of version %" PRIu32 ", not 2", version);
     gltf_check(gltf,
                bytes <= all_bytes && ctl_file_word(file->data + 16) == CHUNK_JSON &&
                    (uint64_t)json_bytes + HEAD_BYTES <= bytes,
-               PCCD_E_FORMAT,
                "its header tells of %" PRIu32 " bytes, of which %" PRIu32
                " describe it; it has %" PRIu64,
                bytes, json_bytes, all_bytes);
@@ -187,7 +185,7 @@ static void parse_json(struct gltf *gltf)
     if (first == 0 || first + bytes > file->bytes) {
         load(gltf);
         bytes = first == 0 ? file->bytes : bytes;
-        gltf_check(gltf, first + bytes <= file->bytes, PCCD_E_FORMAT, "it ends too soon");
+        gltf_check(gltf, first + bytes <= file->bytes, "it ends too soon");
     }
     if (gltf->status != PCCD_OK) {
         return;
@@ -196,8 +194,8 @@ static void parse_json(struct gltf *gltf)
     const char *text = ctl_file_start(&json);
     gltf->root = json_loadb(text, (size_t)(json.data + bytes - text),
                             JSON_REJECT_DUPLICATES, &wrong);
-    gltf_check(gltf, gltf->root != NULL, PCCD_E_FORMAT, "its JSON, line %d, byte %d: %s",
-               wrong.line, wrong.position, wrong.text);
+    gltf_check(gltf, gltf->root != NULL, "its JSON, line %d, byte %d: %s", wrong.line,
+               wrong.position, wrong.text);
 }
 
 bool gltf_open(struct ctl_file *file, struct ctl_error *error, struct gltf *gltf)
@@ -210,15 +208,15 @@ bool gltf_open(struct ctl_file *file, struct ctl_error *error, struct gltf *gltf
     const char *least = json_string_value(json_object_get(asset, "minVersion"));
     const char *maker = json_string_value(json_object_get(asset, "generator"));
     version = least != NULL ? least : version != NULL ? version : "2.0";
-    gltf_check(gltf, strncmp(version, "2.", 2) == 0, PCCD_E_FORMAT,
-               "glTF of version %.20s, not 2", version);
-    gltf_check(gltf, least == NULL || strcmp(version, "2.0") == 0, PCCD_E_FORMAT,
+    gltf_check(gltf, strncmp(version, "2.", 2) == 0, "glTF of version %.20s, not 2",
+               version);
+    gltf_check(gltf, least == NULL || strcmp(version, "2.0") == 0,
                "glTF of version %.20s, not 2.0", version);
     size_t i;
     json_array_foreach(json_object_get(gltf->root, "extensionsRequired"), i, value)
     {
         const char *name = json_is_string(value) ? json_string_value(value) : "";
-        gltf_check(gltf, is_known_extension(name), PCCD_E_FORMAT,
+        gltf_check(gltf, is_known_extension(name),
                    "it requires the extension \"%.80s\", which is not read", name);
     }
     gltf->is_export = maker != NULL && strcmp(maker, "pccdctl export") == 0;
@@ -264,16 +262,15 @@ static void find_binary(struct gltf *gltf, struct gltf_buffer *buffer)
         buffer->at = is_binary_chunk ? file->data + at + 8 : NULL;
         at += 8 + buffer->bytes;
     }
-    gltf_check(gltf, buffer->at != NULL, PCCD_E_FORMAT,
-               "buffer 0: has no URI, and no data in the file");
+    gltf_check(gltf, buffer->at != NULL, "buffer 0: has no URI, and no data in the file");
 }
 
 static void decode(struct gltf *gltf, long long index, const char *uri,
                    struct gltf_buffer *buffer)
 {
     const char *data = strstr(uri, DATA_BASE64);
-    if (!gltf_check(gltf, data != NULL, PCCD_E_FORMAT,
-                    "buffer %lld: its data: URI has no base64", index)) {
+    if (!gltf_check(gltf, data != NULL, "buffer %lld: its data: URI has no base64",
+                    index)) {
         return;
     }
     data += strlen(DATA_BASE64);
@@ -281,7 +278,7 @@ static void decode(struct gltf *gltf, long long index, const char *uri,
     char *decoded = gltf_alloc(gltf, count / 4 * 3 + 2, 1, "bytes of a data: URI");
     buffer->at = decoded;
     gltf_check(gltf, decoded != NULL && base64_read(data, count, decoded, &buffer->bytes),
-               PCCD_E_FORMAT, "buffer %lld: its data: URI is no base64", index);
+               "buffer %lld: its data: URI is no base64", index);
 }
 
 /* The name that a URI stands for: "%20" is a blank. False: none that a file can have. */
@@ -338,8 +335,7 @@ static void read_beside(struct gltf *gltf, long long index, const char *uri,
     }
     memcpy(name, path, folder);
     if (!gltf_check(gltf, unescape(uri, name + folder) && !leaves_folder(name + folder),
-                    PCCD_E_FORMAT, "buffer %lld: \"%.200s\" is no file of this folder",
-                    index, uri)) {
+                    "buffer %lld: \"%.200s\" is no file of this folder", index, uri)) {
         return;
     }
     int status = ctl_file_open(name, judge_nothing, &buffer->file, &why);
@@ -348,7 +344,7 @@ static void read_beside(struct gltf *gltf, long long index, const char *uri,
     }
     buffer->at = buffer->file.data;
     buffer->bytes = buffer->file.bytes;
-    gltf_check(gltf, status == PCCD_OK, status, "buffer %lld: %s", index, why.text);
+    gltf_check_as(gltf, status == PCCD_OK, status, "buffer %lld: %s", index, why.text);
 }
 
 const struct gltf_buffer *gltf_buffer(struct gltf *gltf, long long index)
@@ -356,7 +352,7 @@ const struct gltf_buffer *gltf_buffer(struct gltf *gltf, long long index)
     const json_t *entry = gltf_entry(gltf, "buffers", index);
     const char *uri = json_string_value(json_object_get(entry, "uri"));
     if (gltf->status != PCCD_OK ||
-        !gltf_check(gltf, index >= 0 && (size_t)index < gltf->buffer_count, PCCD_E_FORMAT,
+        !gltf_check(gltf, index >= 0 && (size_t)index < gltf->buffer_count,
                     "buffer %lld: there is none", index)) {
         return NULL;
     }
@@ -365,7 +361,7 @@ const struct gltf_buffer *gltf_buffer(struct gltf *gltf, long long index)
         return buffer;
     }
     if (uri == NULL) {
-        gltf_check(gltf, index == 0, PCCD_E_FORMAT, "buffer %lld: has no URI", index);
+        gltf_check(gltf, index == 0, "buffer %lld: has no URI", index);
         find_binary(gltf, buffer);
     } else if (strncmp(uri, "data:", 5) == 0) {
         decode(gltf, index, uri, buffer);
@@ -373,7 +369,7 @@ const struct gltf_buffer *gltf_buffer(struct gltf *gltf, long long index)
         read_beside(gltf, index, uri, buffer);
     }
     long long bytes = gltf_number(entry, "byteLength", (long long)buffer->bytes);
-    gltf_check(gltf, bytes >= 0 && (size_t)bytes <= buffer->bytes, PCCD_E_FORMAT,
+    gltf_check(gltf, bytes >= 0 && (size_t)bytes <= buffer->bytes,
                "buffer %lld: has %zu bytes, not %lld", index, buffer->bytes, bytes);
     gltf->bytes += uri != NULL ? buffer->bytes : 0;
     buffer->bytes = (size_t)bytes;

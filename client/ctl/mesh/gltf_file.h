@@ -41,8 +41,10 @@ struct gltf {
 bool gltf_open(struct ctl_file *file, struct ctl_error *error, struct gltf *gltf);
 void gltf_close(struct gltf *gltf);
 /* If it is not right, tell the file's name and the text; returns is_right. */
-bool gltf_check(struct gltf *gltf, bool is_right, int status, const char *format, ...)
+bool gltf_check_as(struct gltf *gltf, bool is_right, int status, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+#define gltf_check(gltf, is_right, ...)                                                  \
+    gltf_check_as(gltf, is_right, PCCD_E_FORMAT, __VA_ARGS__)
 /* Zeros for `count` things of `bytes`, which `what` names in the error, and one more. */
 void *gltf_alloc(struct gltf *gltf, size_t count, size_t bytes, const char *what);
 
@@ -96,7 +98,7 @@ struct gltf_accessor {
     double greatest; /* of integers that are fractions, what stands for 1; else 0 */
     size_t index;    /* in the file */
     /* Elements that others stand for, in ascending order. */
-    size_t sparse_count, sparse_bytes;
+    size_t sparse_count;
     const char *sparse_at, *sparse_values;
     enum gltf_type sparse_type;
 };
@@ -107,7 +109,5 @@ struct gltf_accessor gltf_find(struct gltf *gltf, const json_t *number,
                                enum gltf_role role);
 /* Fill values[components] from element i. */
 void gltf_read(const struct gltf_accessor *accessor, size_t i, double *values);
-/* Component k of element i of one that has GLTF_INDICES or GLTF_JOINTS. */
-uint32_t gltf_integer(const struct gltf_accessor *accessor, size_t i, size_t k);
 
 #endif

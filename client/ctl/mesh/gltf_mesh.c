@@ -67,29 +67,31 @@ static struct gltf_accessor find_of_run(struct gltf *gltf, const json_t *number,
                                         const char *what)
 {
     struct gltf_accessor found = gltf_find(gltf, number, role);
-    gltf_check(gltf, found.count == run->positions.count, PCCD_E_FORMAT,
+    gltf_check(gltf, found.count == run->positions.count,
                "accessor %zu: %s of %zu vertices for %zu vertices", found.index, what,
                found.count, run->positions.count);
     return found;
 }
 
-static void read_run(struct gltf *gltf, const json_t *primitive, struct gltf_mesh *mesh)
+static void read_run(struct gltf *gltf, const json_t *primitive,
+                     struct gltf_object *object)
 {
-    struct gltf_run *run = &mesh->runs[mesh->run_count++];
+    struct gltf_run *run = &object->runs[object->run_count++];
     const json_t *targets = json_object_get(primitive, "targets");
-    *run = (struct gltf_run){
-        .primitive = primitive,
-        .first = (uint32_t)mesh->vertex_count,
-        .positions = gltf_find(gltf, positions_of(primitive), GLTF_POSITIONS)};
+    *run = (struct gltf_run){.primitive = primitive, .first = object->vertex_count};
+    run->positions = gltf_find(gltf, positions_of(primitive), GLTF_POSITIONS);
     while (attribute_of(primitive, "JOINTS", run->set_count) != NULL) {
         run->set_count++;
     }
     run->targets =
-        gltf_alloc(gltf, mesh->target_count, sizeof *run->targets, "morph targets");
+        gltf_alloc(gltf, json_array_size(targets), sizeof *run->targets, "morph targets");
     run->joints = gltf_alloc(gltf, run->set_count, sizeof *run->joints, "sets of joints");
     run->weights =
         gltf_alloc(gltf, run->set_count, sizeof *run->weights, "sets of weights");
-    for (size_t k = 0; k < mesh->target_count && gltf->status == PCCD_OK; k++) {
+    gltf_check(gltf, object->skin == NULL || run->set_count > 0,
+               "mesh %lld: has no joints for the skin of node %zu", object->mesh,
+               object->node);
+    for (size_t k = 0; k < json_array_size(targets) && gltf->status == PCCD_OK; k++) {
         const json_t *moves = json_object_get(json_array_get(targets, k), "POSITION");
         if (moves != NULL) {
             run->targets[k] =
@@ -102,45 +104,45 @@ static void read_run(struct gltf *gltf, const json_t *primitive, struct gltf_mes
         run->weights[set] = find_of_run(gltf, attribute_of(primitive, "WEIGHTS", set),
                                         GLTF_JOINT_WEIGHTS, run, "weights");
     }
-    mesh->vertex_count += run->positions.count;
-    gltf_check(gltf, mesh->vertex_count <= CTL_MESH_COUNT_MAX, PCCD_E_LIMIT,
-               "more than %" PRIu64 " vertices", CTL_MESH_COUNT_MAX);
+    gltf_check_as(gltf, run->positions.count <= CTL_MESH_COUNT_MAX - run->first,
+                  PCCD_E_LIMIT, "more than %" PRIu64 " vertices", CTL_MESH_COUNT_MAX);
+    object->vertex_count += (uint32_t)run->positions.count;
 }
 
 /* What can be said of a primitive before its accessors. */
-static void judge_primitive(struct gltf *gltf, size_t mesh, size_t i,
-                            const json_t *primitive, size_t target_count)
+static void judge_primitive(struct gltf *gltf, const struct gltf_object *object, size_t i,
+                            const json_t *primitive)
 {
     const char *compression = gltf_compression(primitive);
     size_t targets = json_array_size(json_object_get(primitive, "targets"));
     long long mode = gltf_number(primitive, "mode", TRIANGLES);
-    gltf_check(gltf, compression == NULL, PCCD_E_FORMAT,
-               "mesh %zu, primitive %zu: is compressed by \"%.80s\", which is not read",
-               mesh, i, compression);
-    gltf_check(gltf, mode >= 0 && mode < MODES, PCCD_E_FORMAT,
-               "mesh %zu, primitive %zu: there is no mode %lld", mesh, i, mode);
-    gltf_check(gltf, positions_of(primitive) != NULL, PCCD_E_FORMAT,
-               "mesh %zu, primitive %zu: has no positions", mesh, i);
-    gltf_check(gltf, targets == target_count, PCCD_E_FORMAT,
-               "mesh %zu, primitive %zu: has %zu morph targets, the first one %zu", mesh,
-               i, targets, target_count);
+    gltf_check(gltf, compression == NULL,
+               "mesh %lld, primitive %zu: is compressed by \"%.80s\", which is not read",
+               object->mesh, i, compression);
+    gltf_check(gltf, mode >= 0 && mode < MODES,
+               "mesh %lld, primitive %zu: there is no mode %lld", object->mesh, i, mode);
+    gltf_check(gltf, positions_of(primitive) != NULL,
+               "mesh %lld, primitive %zu: has no positions", object->mesh, i);
+    gltf_check(gltf, targets == object->target_count,
+               "mesh %lld, primitive %zu: has %zu morph targets, the first one %zu",
+               object->mesh, i, targets, object->target_count);
 }
 
-void gltf_mesh_read(struct gltf *gltf, size_t index, struct gltf_mesh *mesh)
+void gltf_mesh_read(struct gltf *gltf, struct gltf_object *object)
 {
-    size_t count = json_array_size(mesh->primitives);
-    mesh->runs = gltf_alloc(gltf, count, sizeof *mesh->runs, "primitives");
-    mesh->run_of = gltf_alloc(gltf, count, sizeof *mesh->run_of, "primitives");
+    size_t count = json_array_size(object->primitives);
+    object->runs = gltf_alloc(gltf, count, sizeof *object->runs, "primitives");
+    object->run_of = gltf_alloc(gltf, count, sizeof *object->run_of, "primitives");
     for (size_t i = 0; i < count && gltf->status == PCCD_OK; i++) {
-        const json_t *primitive = json_array_get(mesh->primitives, i);
-        size_t run = mesh->run_count, last = run > RUNS_TRIED ? run - RUNS_TRIED : 0;
-        while (run > last && !is_same_run(primitive, mesh->runs[run - 1].primitive)) {
+        const json_t *primitive = json_array_get(object->primitives, i);
+        size_t run = object->run_count, last = run > RUNS_TRIED ? run - RUNS_TRIED : 0;
+        while (run > last && !is_same_run(primitive, object->runs[run - 1].primitive)) {
             run--;
         }
-        mesh->run_of[i] = run > last ? run - 1 : mesh->run_count;
-        judge_primitive(gltf, index, i, primitive, mesh->target_count);
+        object->run_of[i] = run > last ? run - 1 : object->run_count;
+        judge_primitive(gltf, object, i, primitive);
         if (run == last && gltf->status == PCCD_OK) {
-            read_run(gltf, primitive, mesh);
+            read_run(gltf, primitive, object);
         }
     }
 }
@@ -167,17 +169,21 @@ static size_t corner_of(long long mode, size_t i, size_t k, size_t count)
 static uint32_t vertex_of(struct gltf *gltf, const struct gltf_accessor *indices,
                           size_t vertices, size_t at)
 {
-    uint32_t vertex = indices->type != 0 ? gltf_integer(indices, at, 0) : (uint32_t)at;
-    bool begins_anew =
-        indices->type != 0 && vertex == UINT32_MAX >> (32 - 8 * indices->bytes);
-    if (begins_anew || vertex >= vertices) {
-        gltf_check(gltf, !begins_anew, PCCD_E_FORMAT,
+    double number = (double)at;
+    uint32_t restart = UINT32_MAX;
+    if (indices->type != 0) {
+        gltf_read(indices, at, &number);
+        restart >>= 32 - 8 * indices->bytes;
+    }
+    uint32_t vertex = (uint32_t)number;
+    if (vertex >= vertices || vertex == restart) {
+        gltf_check(gltf, vertex != restart,
                    "accessor %zu: index %zu is %" PRIu32
                    ", which would begin a primitive anew",
                    indices->index, at, vertex);
-        gltf_check(gltf, false, PCCD_E_INDEX,
-                   "accessor %zu: index %zu is %" PRIu32 " of %zu vertices",
-                   indices->index, at, vertex, vertices);
+        gltf_check_as(gltf, false, PCCD_E_INDEX,
+                      "accessor %zu: index %zu is %" PRIu32 " of %zu vertices",
+                      indices->index, at, vertex, vertices);
     }
     return vertex;
 }
@@ -195,7 +201,7 @@ static void add_primitive(struct gltf *gltf, const json_t *primitive,
     }
     gltf_check(
         gltf, indices.count == 0 || (indices.count >= least && indices.count % each == 0),
-        PCCD_E_FORMAT, "accessor %zu: %zu corners for %s", indices.index, indices.count,
+        "accessor %zu: %zu corners for %s", indices.index, indices.count,
         modes[mode].name);
     size_t features = indices.count == 0  ? 0
                       : mode == LINE_LOOP ? indices.count
@@ -217,11 +223,11 @@ static void add_primitive(struct gltf *gltf, const json_t *primitive,
     }
 }
 
-void gltf_mesh_add(struct gltf *gltf, const struct gltf_mesh *mesh, uint32_t first,
+void gltf_mesh_add(struct gltf *gltf, const struct gltf_object *object, uint32_t first,
                    struct ctl_mesh *to)
 {
-    for (size_t i = 0; i < json_array_size(mesh->primitives); i++) {
-        add_primitive(gltf, json_array_get(mesh->primitives, i),
-                      &mesh->runs[mesh->run_of[i]], first, to);
+    for (size_t i = 0; i < json_array_size(object->primitives); i++) {
+        add_primitive(gltf, json_array_get(object->primitives, i),
+                      &object->runs[object->run_of[i]], first, to);
     }
 }

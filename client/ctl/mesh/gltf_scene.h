@@ -52,32 +52,23 @@ struct gltf_run {
     size_t set_count;
 };
 
-struct gltf_mesh {
-    const json_t *json, *primitives;
-    size_t target_count;
-    struct gltf_run *runs; /* [run_count]; NULL: not read yet */
-    size_t run_count;
-    size_t *run_of; /* [primitives] */
-    uint64_t vertex_count;
-};
-
-struct gltf_skin {
-    const json_t *json, *joints; /* joints: the numbers of their nodes */
-    size_t joint_count;
-    struct gltf_accessor inverses; /* of type 0: none are given */
-    struct gltf_place *places;     /* [joint_count]: now */
-};
-
 /* What one node shows: a mesh, or as many as it has instances (EXT_mesh_gpu_instancing).
  * Of an export of pccdctl only its objects are that, not what marks contacts. */
 struct gltf_object {
     size_t node;
-    struct gltf_mesh *mesh;
-    struct gltf_skin *skin; /* NULL: none */
+    uint32_t first; /* vertex */
+    long long mesh; /* its number */
+    const json_t *primitives;
+    size_t target_count, run_count;
+    struct gltf_run *runs; /* [run_count] */
+    size_t *run_of;        /* [primitives] */
+    uint32_t vertex_count; /* of one instance */
     bool has_instances;
     size_t instance_count;
     struct gltf_accessor instances[GLTF_POSE_PATHS]; /* of type 0: not given */
-    uint32_t first;                                  /* vertex */
+    const json_t *skin, *joints;   /* NULL: none; joints: the numbers of their nodes */
+    struct gltf_accessor inverses; /* of type 0: none are given */
+    struct gltf_place *places;     /* [joints]: now */
 };
 
 /* One thing of one node that an animation moves. */
@@ -109,8 +100,6 @@ struct gltf_scene {
     struct gltf_node *nodes; /* [node_count] */
     size_t *order;           /* [node_count]: parents first; the first ones are shown */
     size_t node_count, listed_count, shown_count;
-    struct gltf_mesh *meshes;
-    struct gltf_skin *skins;
     struct gltf_object *objects; /* [object_count] */
     size_t object_count;
     bool is_loaded;
@@ -118,22 +107,11 @@ struct gltf_scene {
     struct gltf_animation animation;
 };
 
-/* Read what a file has that was opened, but no mesh, and of its animations those that are
- * wished for. gltf_close also after an error. */
-void gltf_scene_open(struct ctl_file *file, const struct ctl_motion_wish *wish,
-                     struct ctl_error *error, struct gltf_scene *scene);
-/* Read the meshes, once. */
-void gltf_scene_load(struct gltf_scene *scene);
-/* Add the objects and their features. */
-void gltf_scene_add(struct gltf_scene *scene, struct ctl_mesh *to);
-
-/* Find positions, morph targets, joints and weights of a mesh. */
-void gltf_mesh_read(struct gltf *gltf, size_t index, struct gltf_mesh *mesh);
-/* Add its points, edges and triangles; its vertices begin with `first` in `to`. */
-void gltf_mesh_add(struct gltf *gltf, const struct gltf_mesh *mesh, uint32_t first,
+/* Find positions, morph targets, joints and weights of an object's mesh. */
+void gltf_mesh_read(struct gltf *gltf, struct gltf_object *object);
+/* Add points, edges and triangles of an instance, whose vertices begin with `first`. */
+void gltf_mesh_add(struct gltf *gltf, const struct gltf_object *object, uint32_t first,
                    struct ctl_mesh *to);
-/* The first vertex of an instance of an object. */
-uint32_t gltf_object_first(const struct gltf_object *object, size_t instance);
 
 /* Choose the animation that has the name, or the number, of the wish; without one all
  * that move a mesh, if no two of them move the same, else the first of these. Make frames

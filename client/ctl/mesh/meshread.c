@@ -2,7 +2,7 @@
  *
  * Room:     client/ctl.
  * Does:     tells the format, has it parsed, and polygons cut.
- * Does not: parse (ply.c, obj.c, stl.c, gltf_motion.c); compare frames (meshcut.c).
+ * Does not: parse (ply.c, obj.c, stl.c, gltf_scene.c); compare frames (meshcut.c).
  */
 #include <ctype.h>
 #include <fcntl.h>
