@@ -153,6 +153,24 @@ sys.stdout.buffer.write(struct.pack("<12siiffi12f", b"POINTCACHE2", 1, 4, 0, 1, 
     grep -qx 'pccdctl: square.obj:5: .* crosses itself.*, as bow.pc2 places it' err
 tap_result $? cache__is_named_where_it_does_not_fit "$log"
 
+# ---- vertices at one place -------------------------------------------------------------
+
+# Two triangles whose common side each has for itself; of split3 one end of it has torn.
+for i in 1 2 3; do
+    printf 'v %s\n' '0 0 0' '1 0 0' "0 1 $((i / 3))" '1 0 0' '0 1 0' '1 1 0' >split$i.obj
+    printf 'f 1 2 3\nf 4 6 5\n' >>split$i.obj
+done
+
+# If it failed, the report would tell of one place where a distance was asked for; or near of
+# frames that it does not read.
+check 1 --weld 0.25 split%d.obj && grep -qx 'welded     1 vertex to one within 0.25 in every frame' out &&
+    grep -qx '           1 vertex is kept, as it moves farther away than 0.25' out &&
+    check 1 split1.obj split3.obj && grep -qx 'welded     1 vertex to one at the same place in every frame' out &&
+    grep -qx '           1 vertex is kept, as it moves away from the same place' out &&
+    timeout 100 "$PCCDCTL" near --private --distance 0 split%d.obj >out 2>>"$log" &&
+    grep -qx 'welded     2 vertices to others at the same place' out && ! grep -q kept out
+tap_result $? weld__tells_of_what_was_looked_at "$log"
+
 # If it failed, the answers of a bake would depend on the kind of file that it comes in.
 kick=${PCCD_DATA:-}/kick
 if [ -e "$kick/kick.pc2" ] && [ -e "$kick/kick.obj" ]; then

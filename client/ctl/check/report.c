@@ -97,7 +97,9 @@ void report_print_welded(FILE *to, const struct ctl_welded *welded)
     if (welded->joined > 0) {
         fputs("welded     ", to);
         print_count(to, welded->joined, "vertex to one", "vertices to others");
-        fputs(" at the same place in every frame\n", to);
+        fprintf(to, welded->within > 0 ? " within %g" : " at the same place",
+                welded->within);
+        fputs(welded->frame_count > 1 ? " in every frame\n" : "\n", to);
     }
     if (welded->between > 0) {
         fputs("           of these ", to);
@@ -113,7 +115,10 @@ void report_print_welded(FILE *to, const struct ctl_welded *welded)
         fputs("           ", to);
         print_count(to, welded->apart, "vertex is kept, as it moves",
                     "vertices are kept, as they move");
-        fputs(" away from the same place\n", to);
+        fprintf(to,
+                welded->within > 0 ? " farther away than %g\n"
+                                   : " away from the same place\n",
+                welded->within);
     }
     if (welded->more > 0) {
         fputs("           ", to);
@@ -291,8 +296,8 @@ void report_print_pairs(FILE *to, const struct report_mesh *mesh,
         const struct report_pair *pair = &step->pairs[i];
         const struct ctl_mesh *shape = &mesh->files->mesh;
         fprintf(to, "           \"%s\"", tool_shown(report_object(shape, pair->a)));
-        fprintf(to, ", \"%s\": %" PRIu64 "\n",
-                tool_shown(report_object(shape, pair->b)), pair->count);
+        fprintf(to, ", \"%s\": %" PRIu64 "\n", tool_shown(report_object(shape, pair->b)),
+                pair->count);
     }
     if (step->pair_count > PAIRS_TOLD) {
         uint32_t more = step->pair_count - PAIRS_TOLD;

@@ -231,11 +231,12 @@ static int join_corners(struct ctl_frames *frames, struct ctl_error *error)
     struct ctl_mesh *mesh = &frames->mesh;
     const struct pccd_mesh_data all = {.vertex_count = mesh->vertex_count};
     uint32_t *vertices = mesh->triangles.vertices, made = 0;
+    uint32_t count = frames->welded.frame_count > 1 ? frames->source_count : 1;
     struct pccd_weld *weld = NULL;
     int status = pccd_weld_begin(&all, 0, false, &weld);
     status = status == PCCD_OK ? pccd_weld_frame(weld, mesh->x, mesh->format) : status;
     status = told(frames, status, error);
-    for (uint32_t s = 1; s < frames->source_count && status == PCCD_OK; s++) {
+    for (uint32_t s = 1; s < count && status == PCCD_OK; s++) {
         struct ctl_frames_source *source = &frames->sources[s];
         struct ctl_mesh corners = {0};
         if (source->is_stl) {
@@ -271,10 +272,10 @@ static int weld_frames(struct ctl_frames *frames, struct pccd_weld *weld,
 {
     int status = PCCD_OK;
     struct progress progress;
-    progress_begin(&progress, "frames", frames->count);
+    uint32_t count = frames->welded.frame_count;
+    progress_begin(&progress, "frames", count);
     for (uint32_t i = 1;
-         i < frames->count && status == PCCD_OK && counts->joined + counts->more > 0;
-         i++) {
+         i < count && status == PCCD_OK && counts->joined + counts->more > 0; i++) {
         struct ctl_mesh frame = {0};
         status = read_frame(frames, i, &frame, error);
         if (status == PCCD_OK) {
@@ -329,7 +330,8 @@ static int rename_vertices(struct ctl_frames *frames, const uint32_t *to,
     return PCCD_OK;
 }
 
-static int weld_shape(struct ctl_frames *frames, double distance, struct ctl_error *error)
+static int weld_shape(struct ctl_frames *frames, const struct ctl_frames_options *options,
+                      struct ctl_error *error)
 {
     const struct ctl_mesh *mesh = &frames->mesh;
     const struct pccd_mesh_data named = {
@@ -343,7 +345,7 @@ static int weld_shape(struct ctl_frames *frames, double distance, struct ctl_err
     };
     struct pccd_weld_counts counts = {.joined = 0};
     struct pccd_weld *weld = NULL;
-    int status = pccd_weld_begin(&named, distance, true, &weld);
+    int status = pccd_weld_begin(&named, options->weld, true, &weld);
     status = status == PCCD_OK ? pccd_weld_frame(weld, mesh->x, mesh->format) : status;
     const uint32_t *to = pccd_weld_read(weld, &counts);
     status = status == PCCD_OK ? weld_frames(frames, weld, &counts, error)
@@ -357,7 +359,7 @@ static int weld_shape(struct ctl_frames *frames, double distance, struct ctl_err
     frames->welded.joined = counts.joined;
     frames->welded.apart = counts.apart;
     frames->welded.more = counts.more;
-    frames->welded.distance = distance > 0 ? distance : counts.more_distance;
+    frames->welded.distance = counts.more_distance;
     pccd_weld_end(weld);
     return status;
 }
@@ -381,11 +383,13 @@ int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path
     if (status == PCCD_OK) {
         status = place_shape(frames, error);
     }
+    frames->welded.within = options->weld;
+    frames->welded.frame_count = options->first_alone ? 1 : frames->count;
     if (status == PCCD_OK && frames->mesh.is_corners) {
         status = join_corners(frames, error);
     }
     if (status == PCCD_OK && options->weld >= 0) {
-        status = weld_shape(frames, options->weld, error);
+        status = weld_shape(frames, options, error);
     }
     return status;
 }
@@ -408,7 +412,9 @@ int ctl_frames_read_one(const char *path, const struct ctl_frames_options *optio
 {
     struct ctl_frames frames;
     char *const paths[1] = {(char *)(uintptr_t)path};
-    int status = ctl_frames_open(&frames, paths, 1, options, error);
+    struct ctl_frames_options how = *options;
+    how.first_alone = true;
+    int status = ctl_frames_open(&frames, paths, 1, &how, error);
     if (status == PCCD_OK) {
         drop_shape(&frames);
         *mesh = frames.mesh;

@@ -23,16 +23,19 @@ struct ctl_frames_options {
     /* Vertices that are at most so far apart in every frame are one; 0: that are at one
      * place; negative: none are. */
     double weld;
+    bool first_alone; /* of later frames only their number is wanted: they are not read */
 };
 
 /* What was made of vertices at one place. */
 struct ctl_welded {
-    uint32_t joined;  /* to the least vertex at their place in every frame */
-    uint32_t apart;   /* as much in the first frame, and apart in a later one */
-    uint32_t more;    /* of weld 0: would be joined at 2^-40 of the size */
-    double distance;  /* that is */
-    uint32_t flat;    /* triangles that have one vertex twice because of that */
-    uint32_t between; /* of those joined: to a vertex of another object of the file */
+    double within;        /* what was asked for; 0: at one place */
+    uint32_t frame_count; /* that were looked at */
+    uint32_t joined;      /* to the least vertex at their place in every frame */
+    uint32_t apart;       /* as much in the first frame, and apart in a later one */
+    uint32_t more;        /* of weld 0: would be joined at 2^-40 of the size */
+    double distance;      /* that is */
+    uint32_t flat;        /* triangles that have one vertex twice because of that */
+    uint32_t between;     /* of those joined: to a vertex of another object of the file */
 };
 
 /* A file, and the frames that come from it. */
