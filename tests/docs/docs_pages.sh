@@ -94,6 +94,7 @@ while read -r command; do
     *REPLAY*) shared='steps|method|threads|json|' ;;
     *) shared= ;;
     esac
+    [[ $line != *FRAMES* ]] || shared+='weld|rate|animation|'
     "$top_builddir/pccdctl" "$command" --help | sed -n '/^ Daemon:/q; p' |
         grep -E '^ +(-., +)?--' | sed -E 's/^ +((-.), +)?(--[a-z-]+).*/\3 \2/' |
         grep -vE "^--(${shared}help|usage|version|no-color) ?" | while read -r long short; do

@@ -171,6 +171,73 @@ check 1 --weld 0.25 split%d.obj && grep -qx 'welded     1 vertex to one within 0
     grep -qx 'welded     2 vertices to others at the same place' out && ! grep -q kept out
 tap_result $? weld__tells_of_what_was_looked_at "$log"
 
+# asks NAME ARGUMENT...: what the command says of these arguments, to `out` and `err`.
+asks() {
+    local name=$1
+    shift
+    case $name in
+    render) set -- -o drawn.png "$@" ;;
+    export) set -- -o drawn.vtp "$@" ;;
+    inspect) set -- -o drawn.html "$@" ;;
+    near) set -- --distance 0 "$@" ;;
+    esac
+    timeout 100 "$PCCDCTL" "$name" --private "$@" >out 2>err
+}
+"$PCCDCTL" inspect --private -o no.html split1.obj >out 2>&1 && has_page=inspect || has_page=
+
+# If it failed, a picture, a page or a question would be of another mesh than the check of the same
+# files, or of another animation.
+cat >moves.gltf <<'END'
+{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 68, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAAAAAAAAAAAAgD8="}],
+ "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+  {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}, {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR"},
+  {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
+ "animations": [{"name": "rise", "samplers": [{"input": 1, "output": 2}], "channels": [
+  {"sampler": 0, "target": {"node": 0, "path": "translation"}}]}]}
+END
+: >"$log"
+for command in check near load render export $has_page; do
+    frames="split1.obj split2.obj"
+    [ $command != near ] || frames=split1.obj
+    for weld in off auto; do # check says by its status that what was split meets itself
+        # shellcheck disable=SC2086 # two names
+        asks $command --weld $weld $frames || [ $command$weld = checkoff ] || cat err >>"$log"
+        cp out $weld
+    done
+    [ $command = inspect ] || ! cmp -s off auto || echo "$command: --weld" >>"$log"
+    ! asks $command --animation walk moves.gltf &&
+        grep -q '^pccdctl: moves.gltf: no animation has the name or number "walk"' err || cat out err >>"$log"
+    asks $command --animation rise --rate 4 moves.gltf || cat err >>"$log"
+    case $command in
+    check) grep -q '^ *4  *moves.gltf 1 s: ' out ;;
+    near) grep -q 'has 5 frames' err ;;
+    load) grep -q '^steps  *4 ' out ;;
+    inspect) grep -q '1 to 4' out ;;
+    *) grep -q ': step 4 at' out ;;
+    esac || { echo "$command: --rate" && cat out err; } >>"$log"
+done
+[ ! -s "$log" ]
+tap_result $? frames__are_read_alike_by_all_commands "$log"
+
+# If it failed, an option of frames would be dropped where a recording is played, or a film of an
+# animated file be sampled at another rate than it is played at.
+"$PCCDCTL" record -o some.rec -- "$PCCDCTL" load --private split1.obj split2.obj >out 2>&1
+: >"$log"
+for command in export render; do
+    ! asks $command --weld off some.rec && grep -q 'some.rec is a recording' err || cat out err >>"$log"
+done
+timeout 100 "$PCCDCTL" render --private --size 64x64 -o film.apng --rate 4 moves.gltf >out 2>&1 &&
+    grep -qx 'film.apng: 4 steps' out || cat out >>"$log"
+timeout 100 "$PCCDCTL" render --private --size 64x64 -o film.apng --rate 4 some.rec >out 2>&1 &&
+    grep -qx 'film.apng: 1 step' out || cat out >>"$log"
+! asks render --rate 4 some.rec && grep -q 'rate is of a film' err || cat out err >>"$log"
+! timeout 100 "$PCCDCTL" render --private -o film.apng --rate 4.5 moves.gltf >out 2>&1 &&
+    grep -q 'of a film a whole number' out || cat out >>"$log"
+[ ! -s "$log" ]
+tap_result $? frames__options_are_of_frames "$log"
+
 # If it failed, the answers of a bake would depend on the kind of file that it comes in.
 kick=${PCCD_DATA:-}/kick
 if [ -e "$kick/kick.pc2" ] && [ -e "$kick/kick.obj" ]; then

@@ -23,6 +23,8 @@
 #define RESULT_BYTES_MAX ((uint64_t)1 << 40)
 #define LENGTH_MAX       1e18
 #define RINGS_MAX        8u
+#define RATE_MIN         1e-6 /* frames a second */
+#define RATE_MAX         1e6
 
 enum {
     OPTION_JSON = 256 + 96,
@@ -35,8 +37,64 @@ enum {
     OPTION_THICKNESS,
     OPTION_REST_EXCLUSION,
     OPTION_RINGS,
-    OPTION_WELD
+    OPTION_WELD,
+    OPTION_ANIMATION,
+    OPTION_RATE
 };
+
+/* ---- mesh files -------------------------------------------------------------------- */
+
+static const struct argp_option frames_list[] = {
+    {"rate", OPTION_RATE, "N", 0,
+     "Of a file that moves by itself, N frames a second (default: its keyframes)", 0},
+    {"weld", OPTION_WELD, "auto|off|D", 0,
+     "Vertices are one where they are at the same place in every frame (auto, the "
+     "default), or at most D apart",
+     0},
+    {"animation", OPTION_ANIMATION, "NAME", 0,
+     "Of a glTF file, the animation of that name, or number from 0 (default: all at "
+     "once, or the first one where two move the same thing)",
+     0},
+    {0},
+};
+
+double frames_option_rate(const struct argp_state *state, const char *text)
+{
+    return ctl_option_real(state, "rate", text, RATE_MIN, RATE_MAX);
+}
+
+static error_t parse_frames(int key, char *text, struct argp_state *state)
+{
+    struct ctl_frames_options *options = state->input;
+    switch (key) {
+    case OPTION_WELD:
+        options->weld = strcmp(text, "auto") == 0 ? 0
+                        : strcmp(text, "off") == 0
+                            ? -1
+                            : ctl_option_real(state, "weld", text, DBL_MIN, LENGTH_MAX);
+        return 0;
+    case OPTION_ANIMATION:
+        options->wish.animation = text;
+        return 0;
+    case OPTION_RATE:
+        options->wish.rate = frames_option_rate(state, text);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+const struct argp frames_options_argp = {.options = frames_list, .parser = parse_frames};
+const struct argp frames_without_rate_argp = {.options = &frames_list[1],
+                                              .parser = parse_frames};
+
+bool frames_options_are_given(const struct ctl_frames_options *options)
+{
+    return options->weld != 0 || options->wish.rate > 0 ||
+           options->wish.animation != NULL;
+}
+
+/* ---- questions about them ---------------------------------------------------------- */
 
 static const struct argp_option option_list[] = {
     {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
@@ -70,22 +128,8 @@ static const struct argp_option option_list[] = {
      "Of a mesh's own pairs, those that N edges or fewer join have no thickness, 0 to 8 "
      "(default: 0)",
      0},
-    {"weld", OPTION_WELD, "auto|off|D", 0,
-     "Vertices are one where they are at the same place in every frame (auto, the "
-     "default), or at most D apart",
-     0},
     {0},
 };
-
-double ask_option_weld(const struct argp_state *state, const char *text)
-{
-    if (strcmp(text, "auto") == 0) {
-        return 0;
-    }
-    return strcmp(text, "off") == 0
-               ? -1
-               : ctl_option_real(state, "weld", text, DBL_MIN, LENGTH_MAX);
-}
 
 /* How it is computed; none of that changes the answer but the deadline. */
 static error_t parse_how(int key, char *text, const struct argp_state *state)
@@ -147,6 +191,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct ask_options *options = state->input;
     switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->frames;
+        return 0;
     case OPTION_JSON:
         options->is_json = true;
         return 0;
@@ -154,9 +201,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
         options->repeats =
             (uint32_t)ctl_option_count(state, "repeat", text, 0, REPEATS_MAX);
         options->has_repeats = true;
-        return 0;
-    case OPTION_WELD:
-        options->weld = ask_option_weld(state, text);
         return 0;
     case ARGP_KEY_ARG:
         options->paths[options->path_count++] = text;
@@ -166,7 +210,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-const struct argp ask_options_argp = {.options = option_list, .parser = parse};
+static const struct argp_child children[] = {{&frames_options_argp, 0, NULL, 0}, {0}};
+const struct argp ask_options_argp = {
+    .options = option_list, .parser = parse, .children = children};
 
 int ask_options_read(struct ask_options *options, const struct argp *argp, int argc,
                      char **argv, void *input)

@@ -1,9 +1,10 @@
-/* client/ctl/check/ask_options.h - what pccdctl check and pccdctl near have in common.
+/* client/ctl/check/ask_options.h - what pccdctl check and pccdctl near have in common,
+ * and what all commands that read mesh files have.
  *
- * Room:     client/ctl. May include: ctl.h, error.h, link.h, pccd.h.
+ * Room:     client/ctl. May include: ctl.h, error.h, link.h, meshframes.h, pccd.h.
  * Does:     provide the files, --json, --threads, --method, --tuning, --repeat,
- *           --deadline, --result-bytes and the options of thickness; say where the report
- *           goes, and end the command.
+ *           --deadline, --result-bytes, the options of thickness and of mesh files; say
+ *           where the report goes, and end the command.
  * Does not: know what is asked.
  * Threads:  one.
  */
@@ -15,6 +16,18 @@
 
 #include "error.h"
 #include "link.h"
+#include "meshframes.h"
+
+/* Of all commands that read mesh files: argp children without a heading, whose input is a
+ * struct ctl_frames_options: --weld, --animation and --rate. */
+extern const struct argp frames_options_argp;
+/* The same without --rate, for a command that has one of its own. */
+extern const struct argp frames_without_rate_argp;
+
+/* The value of --rate, for such a command. Wrong usage ends the program. */
+double frames_option_rate(const struct argp_state *state, const char *text);
+/* Whether anything was asked for; of a file that has no frames, nothing can be. */
+bool frames_options_are_given(const struct ctl_frames_options *options);
 
 struct ask_options {
     struct ctl_link link;
@@ -23,7 +36,7 @@ struct ask_options {
     uint64_t deadline_ns;
     const char *tuning; /* NULL: the daemon decides; fits into PCCD_TUNING_BYTES */
     struct pccd_object_settings object; /* what --thickness and others set of each */
-    double weld;                        /* as struct ctl_frames_options has it */
+    struct ctl_frames_options frames;
     bool is_json;
     bool has_repeats;
     uint32_t repeats;
@@ -45,10 +58,6 @@ void ask_options_deinit(struct ask_options *options);
 /* Set of an object what was asked for. Errors: as pccd_object_set, which says why. */
 int ask_set_object(const struct ask_options *options, struct pccd_client *client,
                    uint32_t scene, uint32_t object);
-
-/* The value of --weld: "auto" is 0, "off" is -1; otherwise a distance. Wrong usage ends
- * the program. */
-double ask_option_weld(const struct argp_state *state, const char *text);
 
 /* The standard output, unless that is the CSV's. */
 FILE *ask_report_to(const struct ask_options *options);

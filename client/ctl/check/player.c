@@ -49,10 +49,9 @@ static int read_frames(struct player *player, struct ctl_error *error)
 int player_read(struct player *player, const struct player_settings *settings,
                 struct ctl_error *error)
 {
-    const struct ctl_frames_options how = {.weld = settings->weld};
     player->settings = settings;
     int status = ctl_frames_open(&player->files, settings->files, settings->file_count,
-                                 &how, error);
+                                 &settings->frames, error);
     ctl_sequence_warn(&player->files.sequence);
     if (status != PCCD_OK) {
         return status;
@@ -67,8 +66,8 @@ int player_read(struct player *player, const struct player_settings *settings,
     for (uint32_t i = 0; status == PCCD_OK && i < settings->still_count; i++) {
         struct ctl_welded welded;
         uint32_t frame_count;
-        status = ctl_frames_read_one(settings->still[i], &how, &player->still[i], &welded,
-                                     &frame_count, error);
+        status = ctl_frames_read_one(settings->still[i], &settings->frames,
+                                     &player->still[i], &welded, &frame_count, error);
         if (status == PCCD_OK && frame_count > 1) {
             status = ctl_error_set(error, PCCD_E_INVAL,
                                    "%s has %" PRIu32 " frames: what stands has one",

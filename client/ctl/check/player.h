@@ -25,7 +25,7 @@ struct player_settings {
     uint32_t file_count;
     char *const *still; /* files of meshes that stand still */
     uint32_t still_count;
-    double weld;    /* as struct ctl_frames_options has it */
+    struct ctl_frames_options frames;
     double hz;      /* 0: as fast as they are answered */
     double seconds; /* 0: `times` decides */
     uint32_t times;

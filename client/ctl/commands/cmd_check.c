@@ -20,22 +20,13 @@
 #include "shown.h"
 #include "trace_file.h"
 
-#define RATE_MIN   1e-6 /* frames a second */
-#define RATE_MAX   1e6
 #define NOTE_BYTES 512
 
-enum {
-    OPTION_TRACE = 256 + 32,
-    OPTION_MIN_US,
-    OPTION_EVENTS,
-    OPTION_RATE,
-    OPTION_ANIMATION
-};
+enum { OPTION_TRACE = 256 + 32, OPTION_MIN_US, OPTION_EVENTS };
 
 struct command {
     struct check_options check;
     struct trace_options trace;
-    struct ctl_frames_options frames;
 };
 
 static const struct argp_option option_list[] = {
@@ -46,13 +37,6 @@ static const struct argp_option option_list[] = {
     {"events", OPTION_EVENTS, "N", 0,
      "With --trace: keep the newest N events of each thread (default: 65536, or what "
      "fits)",
-     0},
-    {"rate", OPTION_RATE, "N", 0,
-     "Of a file that moves by itself, N frames a second (default: its keyframes)", 0},
-    {"animation", OPTION_ANIMATION, "NAME", 0,
-     "Of a glTF file, the animation of that name, or number from 0 (default: all at "
-     "once, "
-     "or the first one where two move the same thing)",
      0},
     {0},
 };
@@ -101,17 +85,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         check_usage(state, &command->trace);
         return 0;
     }
-    switch (key) {
-    case OPTION_RATE:
-        command->frames.wish.rate =
-            ctl_option_real(state, "rate", text, RATE_MIN, RATE_MAX);
-        return 0;
-    case OPTION_ANIMATION:
-        command->frames.wish.animation = text;
-        return 0;
-    default:
-        return parse_trace(key, text, state);
-    }
+    return parse_trace(key, text, state);
 }
 
 static const struct argp_child children[] = {
@@ -138,7 +112,6 @@ const struct argp ctl_argp_check = {
 struct check {
     const struct check_options *options;
     const struct trace_options *tracing;
-    const struct ctl_frames_options *how;
     struct check_run run;
     struct contacts_csv csv;
     struct ctl_frames files;
@@ -269,7 +242,7 @@ static int check_all(struct check *check, struct ctl_error *error)
 {
     const struct ask_options *ask = &check->options->ask;
     int status =
-        ctl_frames_open(&check->files, ask->paths, ask->path_count, check->how, error);
+        ctl_frames_open(&check->files, ask->paths, ask->path_count, &ask->frames, error);
     ctl_sequence_warn(&check->files.sequence);
     if (status == PCCD_OK && check->files.count < 2) {
         return ctl_error_set(error, PCCD_E_INVAL,
@@ -326,7 +299,6 @@ static int run_check(const struct command *command)
     struct ctl_error close_error = {.text = ""};
     struct check check = {.options = options,
                           .tracing = &command->trace,
-                          .how = &command->frames,
                           .report = ask_report_to(&options->ask)};
     bool is_free = false;
     int status = check_all(&check, &error), closed;
@@ -356,7 +328,6 @@ int ctl_cmd_check(int argc, char **argv)
     struct ask_options *ask = &command.check.ask;
     int status = ask_options_read(ask, &ctl_argp_check, argc, argv, &command);
     if (status == CTL_DONE) {
-        command.frames.weld = ask->weld;
         status = run_check(&command);
     }
     ask_options_deinit(ask);

@@ -90,7 +90,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {{&play_frames_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_export = {
     .options = option_list,
     .parser = parse,
@@ -198,7 +198,6 @@ int ctl_cmd_export(int argc, char **argv)
     export.options.play.source = PLAY_RECORDS;
     export.options.play.needs_records = true;
     export.options.play.only_last = true;
-    export.options.takes_frames = true;
     if (argp_parse(&ctl_argp_export, argc, argv, 0, NULL, &export) != 0) {
         return CTL_USAGE;
     }

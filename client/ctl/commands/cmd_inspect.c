@@ -103,7 +103,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {{&play_frames_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_inspect = {
     .options = option_list,
     .parser = parse,
@@ -207,7 +207,6 @@ int ctl_cmd_inspect(int argc, char **argv)
     command.options.play.source = PLAY_DAEMON;
     command.options.play.needs_records = true;
     command.options.play.is_traced = true;
-    command.options.takes_frames = true;
     command.options.play.show_near = inspect_near;
     if (argp_parse(&ctl_argp_inspect, argc, argv, 0, NULL, &command) != 0) {
         return CTL_USAGE;

@@ -36,7 +36,6 @@ enum {
     OPTION_THREADS,
     OPTION_SCENE,
     OPTION_HOLD,
-    OPTION_WELD,
     OPTION_JSON
 };
 
@@ -66,10 +65,6 @@ static const struct argp_option option_list[] = {
      "With --scene: hold each frame until another client submits a step, and go along "
      "with it",
      0},
-    {"weld", OPTION_WELD, "auto|off|D", 0,
-     "Vertices are one where they are at the same place in every frame (auto, the "
-     "default), or at most D apart",
-     0},
     {"json", OPTION_JSON, NULL, 0, "One JSON object at the end", 0},
     {0},
 };
@@ -90,9 +85,6 @@ static error_t parse_rest(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_SCENE:
         options->player.scene = text;
-        return 0;
-    case OPTION_WELD:
-        options->player.weld = ask_option_weld(state, text);
         return 0;
     case OPTION_HOLD:
         options->player.holds = true;
@@ -116,7 +108,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
     struct player_settings *player = &options->player;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
+        state->child_inputs[0] = &options->player.frames;
+        state->child_inputs[1] = &options->link;
         return 0;
     case OPTION_HZ:
         player->hz = ctl_option_real(state, "hz", text, 0.001, HZ_MAX);
@@ -141,7 +134,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp_child children[] = {
+    {&frames_options_argp, 0, NULL, 0}, {&ctl_link_argp, 0, "Daemon:", 10}, {0}};
 const struct argp ctl_argp_load = {
     .options = option_list,
     .parser = parse,

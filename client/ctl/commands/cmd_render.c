@@ -16,6 +16,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "ask_options.h"
 #include "ctl.h"
 #include "file_name.h"
 #include "json_text.h"
@@ -49,7 +50,10 @@ static const struct argp_option option_list[] = {
      "Where the picture goes: FILE.png; FILE.svg with contacts and legend as shapes and "
      "text; FILE.apng, a film of all steps, which browsers show",
      0},
-    {"rate", OPTION_RATE, "N", 0, "Steps a second of a film (default: 25)", 0},
+    {"rate", OPTION_RATE, "N", 0,
+     "Steps a second of a film (default: 25), and frames of a file that moves by itself "
+     "(default: its keyframes)",
+     0},
     {"every", OPTION_EVERY, "N", 0, "In a film, show every N-th step (default: 1)", 0},
     {"first-tries", OPTION_FIRST_TRIES, NULL, 0,
      "In a film, show steps at their beginning with what meets on their way, and leave "
@@ -158,9 +162,14 @@ static void refuse_what_contradicts(const struct argp_state *state,
     if (render->path == NULL) {
         tool_misused(state, "-o FILE.png, .svg or .apng says what to draw");
     }
-    if ((render->rate > 0 || render->every > 0) && !render->is_film) {
+    bool has_rate = render->rate > 0 && !play_options_are_frames(&render->options);
+    if ((has_rate || render->every > 0) && !render->is_film) {
         tool_misused(state, "--%s is of a film: -o FILE.apng",
-                     render->rate > 0 ? "rate" : "every");
+                     has_rate ? "rate" : "every");
+    }
+    if (render->is_film && render->rate > 0 &&
+        (render->rate > RATE_MAX || render->rate != floor(render->rate))) {
+        tool_misused(state, "--rate: of a film a whole number up to %u", RATE_MAX);
     }
     if (render->is_film && (render->is_near || render->contact > 0)) {
         tool_misused(state, "a film is of steps: neither --near nor --at contact N");
@@ -192,7 +201,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         render->path = text;
         return 0;
     case OPTION_RATE:
-        render->rate = (uint32_t)ctl_option_count(state, "rate", text, 1, RATE_MAX);
+        render->rate = frames_option_rate(state, text);
         return 0;
     case OPTION_EVERY:
         render->every = (uint32_t)ctl_option_count(state, "every", text, 1, UINT32_MAX);
@@ -232,7 +241,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {{&play_film_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_render = {
     .options = option_list,
     .parser = parse,
@@ -365,7 +374,7 @@ static int make_film(const struct render *render, struct whole_file *file,
         shooting.begins = 0;
         shooting.step_count = 0;
         film_begin(&shooting.film, file->to, render->path, shooting.frame_count,
-                   render->rate > 0 ? render->rate : RATE);
+                   render->rate > 0 ? (uint32_t)render->rate : RATE);
         status = still_each(&settings, t, shoot, &shooting, summary, error);
     }
     if (status == PCCD_OK && shooting.film.written != shooting.frame_count) {
@@ -434,10 +443,10 @@ int ctl_cmd_render(int argc, char **argv)
     render.options.play.source = PLAY_RECORDS;
     render.options.play.needs_records = true;
     render.options.play.only_last = true;
-    render.options.takes_frames = true;
     if (argp_parse(&ctl_argp_render, argc, argv, 0, NULL, &render) != 0) {
         return CTL_USAGE;
     }
+    render.options.how.wish.rate = render.rate;
     int status = play_options_open(&render.options, &error);
     if (status == PCCD_OK) {
         status = render.is_film ? make_film(&render, &file, &summary, &error)

@@ -27,7 +27,7 @@ struct render {
     bool is_thick;
     bool is_film;
     bool has_first_tries; /* of a film: one step for each place where steps begin */
-    uint32_t rate;  /* of a film: pictures a second; 0: not given */
+    double rate;    /* pictures a second of a film, frames of a file; 0: not given */
     uint32_t every; /* a film has each N-th step; 0: not given */
 };
 

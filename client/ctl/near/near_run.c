@@ -31,12 +31,10 @@ int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count
     for (uint32_t i = 0; i < path_count && status == PCCD_OK; i++) {
         near->objects[i].path = paths[i];
         struct near_object *object = &near->objects[i];
-        const struct ctl_frames_options how = {
-            .weld = near->run.ask != NULL ? near->run.ask->weld : 0};
-        status = pieces > 0
-                     ? ctl_mesh_read_as(paths[i], &part, &object->mesh, error)
-                     : ctl_frames_read_one(paths[i], &how, &object->mesh, &object->welded,
-                                           &object->frame_count, error);
+        status = pieces > 0 ? ctl_mesh_read_as(paths[i], &part, &object->mesh, error)
+                            : ctl_frames_read_one(paths[i], &near->run.ask->frames,
+                                                  &object->mesh, &object->welded,
+                                                  &object->frame_count, error);
     }
     return status;
 }

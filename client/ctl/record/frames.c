@@ -79,10 +79,11 @@ static int play_recorded(struct player *player, const struct frames_recording *r
 }
 
 int frames_record(struct frames_recording *recording, char *const *files, uint32_t count,
-                  const struct ctl_link *link, struct ctl_error *error)
+                  const struct ctl_frames_options *how, const struct ctl_link *link,
+                  struct ctl_error *error)
 {
     const struct player_settings settings = {
-        .files = files, .file_count = count, .times = 1};
+        .files = files, .file_count = count, .frames = *how, .times = 1};
     struct player player = {.settings = &settings};
     char folder[PATH_BYTES];
     snprintf(recording->name, sizeof recording->name, "%.*s%s%.*s", NAME_PART,

@@ -1,7 +1,7 @@
 /* client/ctl/record/frames.h - a recording of the frames of a mesh, for commands that
  * show recordings.
  *
- * Room:     client/ctl. May include: error.h, link.h.
+ * Room:     client/ctl. May include: error.h, link.h, meshframes.h.
  * Does:     have a daemon compute the steps from frame to frame, and record them in a
  *           file that goes away again.
  * Threads:  one.
@@ -11,6 +11,7 @@
 
 #include "error.h"
 #include "link.h"
+#include "meshframes.h"
 
 /* Zero before. The file has no name in any folder once it is begun: however the program
  * ends, it is gone then. */
@@ -24,7 +25,8 @@ struct frames_recording {
  * file is named after the first and the last. Errors: those of reading and matching them;
  * of the daemon; E_CANCELLED: interrupted. */
 int frames_record(struct frames_recording *recording, char *const *files, uint32_t count,
-                  const struct ctl_link *link, struct ctl_error *error);
+                  const struct ctl_frames_options *how, const struct ctl_link *link,
+                  struct ctl_error *error);
 /* Let go of the file. */
 void frames_forget(struct frames_recording *recording);
 

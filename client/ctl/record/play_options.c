@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ask_options.h"
 #include "ctl.h"
 #include "meshfile.h"
 #include "names.h"
@@ -116,6 +117,38 @@ static const struct argp_child children[] = {
     {&play_files_argp, 0, NULL, 0}, {&ctl_link_argp, 0, "Daemon:", 10}, {0}};
 const struct argp play_options_argp = {.parser = parse_all, .children = children};
 
+bool play_options_are_frames(const struct play_options *options)
+{
+    return options->takes_frames &&
+           (options->file_count != 1 || ctl_mesh_is_named(options->files[0]));
+}
+
+static error_t parse_frames(int key, char *text, struct argp_state *state)
+{
+    struct play_options *options = state->input;
+    (void)text;
+    if (key == ARGP_KEY_INIT) {
+        options->takes_frames = true;
+        state->child_inputs[0] = options;
+        state->child_inputs[1] = &options->how;
+        return 0;
+    }
+    if (key == ARGP_KEY_END && options->file_count > 0 &&
+        !play_options_are_frames(options) && frames_options_are_given(&options->how)) {
+        tool_misused(state, "--weld, --rate, --animation: %s is a recording",
+                     tool_shown(options->files[0]));
+    }
+    return key == ARGP_KEY_END ? 0 : ARGP_ERR_UNKNOWN;
+}
+
+static const struct argp_child frames_children[] = {
+    {&play_options_argp, 0, NULL, 0}, {&frames_options_argp, 0, NULL, 0}, {0}};
+const struct argp play_frames_argp = {.parser = parse_frames,
+                                      .children = frames_children};
+static const struct argp_child film_children[] = {
+    {&play_options_argp, 0, NULL, 0}, {&frames_without_rate_argp, 0, NULL, 0}, {0}};
+const struct argp play_film_argp = {.parser = parse_frames, .children = film_children};
+
 void play_options_init(struct play_options *options, const char *label)
 {
     memset(options, 0, sizeof *options);
@@ -128,14 +161,13 @@ void play_options_init(struct play_options *options, const char *label)
 int play_options_open(struct play_options *options, struct ctl_error *error)
 {
     options->play.path = options->files[0];
-    if (!options->takes_frames ||
-        (options->file_count == 1 && !ctl_mesh_is_named(options->files[0]))) {
+    if (!play_options_are_frames(options)) {
         return PCCD_OK;
     }
     options->play.path = options->frames.name;
     options->play.from = options->frames.from;
     return frames_record(&options->frames, options->files, options->file_count,
-                         &options->link, error);
+                         &options->how, &options->link, error);
 }
 
 void play_options_deinit(struct play_options *options)

@@ -17,23 +17,30 @@
 #include "play.h"
 
 /* An argp child; its input is a struct play_options. It takes the arguments: a recording,
- * or with takes_frames also the files of a mesh. */
+ * or with takes_frames also the files of a mesh (play_frames_argp). */
 struct play_options {
     struct ctl_link link;
     struct play_settings play;
     bool is_json;
-    bool takes_frames; /* set before parsing */
-    bool takes_files;  /* likewise: several recordings */
-    char **files;      /* argv's */
+    bool takes_frames;
+    bool takes_files; /* set before parsing: several recordings */
+    char **files;     /* argv's */
     uint32_t file_count;
+    struct ctl_frames_options how; /* frames are read */
     struct frames_recording frames;
 };
 extern const struct argp play_options_argp;
-/* The same without the daemon's options. */
+/* The same of a command that takes frames, with the options of ask_options.h. */
+extern const struct argp play_frames_argp;
+/* The same, but --rate is the command's own. */
+extern const struct argp play_film_argp;
+/* As play_options_argp, without the daemon's options. */
 extern const struct argp play_files_argp;
 
 /* Before parsing, and after: a private daemon unless another one is named. */
 void play_options_init(struct play_options *options, const char *label);
+/* Once parsed: whether frames are named, or a recording. */
+bool play_options_are_frames(const struct play_options *options);
 /* Once parsed: play.path is a recording afterwards, of the frames if that is what was
  * named. */
 int play_options_open(struct play_options *options, struct ctl_error *error);

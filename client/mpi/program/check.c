@@ -66,7 +66,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
         options->is_dealt = true;
         return 0;
     case ARGP_KEY_END:
-        if (options->check.ask.weld > 0) {
+        const struct ctl_frames_options *frames = &options->check.ask.frames;
+        if (frames->wish.rate > 0 || frames->wish.animation != NULL) {
+            tool_misused(state, "--rate, --animation: over ranks a file is one frame");
+        }
+        if (frames->weld > 0) {
             tool_misused(state, "--weld: over ranks no vertices are joined");
         }
         if (!options->is_dealt && options->results != NULL) {

@@ -45,7 +45,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
             (int)ctl_option_count(state, "timeout", text, 1, 3600000);
         return 0;
     case ARGP_KEY_END:
-        if (options->near.ask.weld > 0) {
+        const struct ctl_frames_options *frames = &options->near.ask.frames;
+        if (frames->wish.rate > 0 || frames->wish.animation != NULL) {
+            tool_misused(state, "--rate, --animation: over ranks a file is one frame");
+        }
+        if (frames->weld > 0) {
             tool_misused(state, "--weld: over ranks no vertices are joined");
         }
         return 0;
