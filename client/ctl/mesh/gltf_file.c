@@ -154,17 +154,6 @@ static void check_head(struct gltf *gltf)
                bytes, json_bytes, all_bytes);
 }
 
-int ctl_gltf_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
-{
-    struct ctl_file file = *begin;
-    struct gltf gltf = {.file = &file, .error = error};
-    *is_text = !is_binary(begin);
-    if (!*is_text) {
-        check_head(&gltf);
-    }
-    return gltf.status;
-}
-
 static void load(struct gltf *gltf)
 {
     if (gltf->status == PCCD_OK) {
@@ -181,6 +170,9 @@ static void parse_json(struct gltf *gltf)
     if (first > 0) {
         check_head(gltf);
         bytes = gltf->status == PCCD_OK ? ctl_file_word(file->data + 12) : 0;
+    }
+    if (first == 0) {
+        ctl_file_expect_text(gltf->file);
     }
     if (first == 0 || first + bytes > file->bytes) {
         load(gltf);
@@ -313,15 +305,6 @@ static bool leaves_folder(const char *name)
     return leaves;
 }
 
-static int judge_nothing(const struct ctl_file *begin, bool *is_text,
-                         struct ctl_error *error)
-{
-    (void)begin;
-    (void)error;
-    *is_text = false;
-    return PCCD_OK;
-}
-
 static void read_beside(struct gltf *gltf, long long index, const char *uri,
                         struct gltf_buffer *buffer)
 {
@@ -338,7 +321,7 @@ static void read_beside(struct gltf *gltf, long long index, const char *uri,
                     "buffer %lld: \"%.200s\" is no file of this folder", index, uri)) {
         return;
     }
-    int status = ctl_file_open(name, judge_nothing, &buffer->file, &why);
+    int status = ctl_file_open(name, &buffer->file, &why);
     if (status == PCCD_OK) {
         status = ctl_file_load(&buffer->file, &why);
     }

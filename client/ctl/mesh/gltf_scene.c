@@ -662,7 +662,10 @@ int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
                                 .note = note,
                                 .close = close_motion};
     strcpy(state->path, path);
-    int status = ctl_file_open(state->path, ctl_gltf_judge, &state->file, error);
+    int status = ctl_file_open(state->path, &state->file, error);
+    if (status == PCCD_OK && state->file.size == 0) {
+        status = ctl_file_load(&state->file, error); /* a pipe */
+    }
     if (status == PCCD_OK) {
         open_scene(&state->file, wish, error, scene);
         if (scene->animation.frame_count > 1) {

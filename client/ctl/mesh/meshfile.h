@@ -188,9 +188,5 @@ int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh);
 int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh);
 int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh);
 int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh);
-/* Of the beginning of a file: whether it can be one; and whether it is text. */
-int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
-int ctl_stl_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
-int ctl_gltf_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
 
 #endif

@@ -21,18 +21,17 @@ static const struct format {
     enum ctl_mesh_holds holds;
     bool makes_all; /* parse does, also of a part */
     int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh);
-    ctl_file_judge judge; /* NULL: it is text */
     /* NULL: it has one frame. */
     int (*open_motion)(const char *path, const struct ctl_motion_wish *wish,
                        struct ctl_motion *motion, struct ctl_error *error);
 } formats[] = {
-    {"ply", ".ply", CTL_HOLDS_MESH, false, ctl_ply_parse, ctl_ply_judge, NULL},
-    {"glTF", ".glb", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_judge, ctl_gltf_open},
-    {NULL, ".gltf", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_judge, ctl_gltf_open},
-    {NULL, ".obj", CTL_HOLDS_MESH, false, ctl_obj_parse, NULL, NULL},
-    {NULL, ".stl", CTL_HOLDS_CORNERS, true, ctl_stl_parse, ctl_stl_judge, NULL},
-    {"POINTCACHE2", ".pc2", CTL_HOLDS_POSITIONS, false, NULL, NULL, ctl_pc2_open},
-    {NULL, ".mdd", CTL_HOLDS_POSITIONS, false, NULL, NULL, ctl_mdd_open},
+    {"ply", ".ply", CTL_HOLDS_MESH, false, ctl_ply_parse, NULL},
+    {"glTF", ".glb", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_open},
+    {NULL, ".gltf", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_open},
+    {NULL, ".obj", CTL_HOLDS_MESH, false, ctl_obj_parse, NULL},
+    {NULL, ".stl", CTL_HOLDS_CORNERS, true, ctl_stl_parse, NULL},
+    {"POINTCACHE2", ".pc2", CTL_HOLDS_POSITIONS, false, NULL, ctl_pc2_open},
+    {NULL, ".mdd", CTL_HOLDS_POSITIONS, false, NULL, ctl_mdd_open},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
@@ -136,19 +135,6 @@ static const struct format *format_of(const struct ctl_file *file,
     return NULL;
 }
 
-/* Of a large file: whether it can be what its first bytes say. Of a pipe nobody knows how
- * long it is: only whether that is anything. */
-static int judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
-{
-    const struct format *format = format_of(begin, error);
-    if (format == NULL) {
-        return PCCD_E_FORMAT;
-    }
-    *is_text = format->judge == NULL && begin->size > 0;
-    return begin->size > 0 && format->judge != NULL ? format->judge(begin, is_text, error)
-                                                    : PCCD_OK;
-}
-
 /* ---- reading ----------------------------------------------------------------------- */
 
 static int parse(struct ctl_file *file, struct ctl_mesh *mesh)
@@ -161,6 +147,10 @@ static int parse(struct ctl_file *file, struct ctl_mesh *mesh)
     const struct ctl_part part = mesh->part;
     if (format == NULL) {
         return PCCD_E_FORMAT;
+    }
+    /* A pipe is read to its end, once it is known what it brings. */
+    if (file->size == 0 && ctl_file_load(file, mesh->error) != PCCD_OK) {
+        return file->status;
     }
     if (format->makes_all) {
         mesh->part = (struct ctl_part){.count = 0};
@@ -219,7 +209,7 @@ int ctl_mesh_read_as(const char *path, const struct ctl_reading *reading,
                             .is_corners = reading->is_corners,
                             .part = {.number = reading->number, .count = reading->count}};
     struct ctl_file file;
-    int status = ctl_file_open(path, judge, &file, error);
+    int status = ctl_file_open(path, &file, error);
     if (status != PCCD_OK) {
         return status;
     }

@@ -107,7 +107,6 @@ static void count_statements(struct obj *obj)
 {
     struct ctl_word line;
     bool is_continued = false;
-    ctl_file_begin(obj->file);
     while (ctl_file_line(obj->file, &line)) {
         uint32_t kind = is_continued ? UNKNOWN : kind_of(line);
         is_continued = goes_on(&line, kind);
@@ -264,6 +263,8 @@ int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh)
     struct obj obj = {.file = file, .mesh = mesh};
     struct ctl_word statement;
     uint32_t kind;
+    ctl_file_begin(file);
+    ctl_file_expect_text(file);
     count_statements(&obj);
     ctl_file_begin(file);
     mesh->has_lines = true;

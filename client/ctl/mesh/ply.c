@@ -362,6 +362,8 @@ static int read_header(struct ply *ply)
     struct ctl_word line, word;
     bool is_end = false;
     ctl_file_begin(file);
+    bool has_more = file->has_more;
+    file->has_more = false; /* no more is read for a header that does not end */
     if (!ctl_file_line(file, &line) || !ctl_word_next(&line, &word) ||
         !ctl_word_is(&word, "ply")) {
         return ctl_file_refuse(file, "the first line is not \"ply\"");
@@ -378,6 +380,7 @@ static int read_header(struct ply *ply)
                                 : "the file ends inside the header");
         }
     }
+    file->has_more = has_more;
     if (ply->encoding == NO_ENCODING) {
         return ctl_file_refuse(file, "the header has no format line");
     }
@@ -624,7 +627,11 @@ int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh)
     }
     file->status = ctl_mesh_alloc_vertices(
         mesh, ply.is_wide ? PCCD_FORMAT_F64 : PCCD_FORMAT_F32, ply.vertex->count);
-    file->line = ply.encoding == ASCII ? file->line : 0;
+    if (ply.encoding == ASCII) {
+        ctl_file_expect_text(file);
+    } else {
+        file->line = 0;
+    }
     for (uint32_t i = 0; i < ply.element_count && file->status == PCCD_OK; i++) {
         const struct element *element = &ply.elements[i];
         file->item = element->name;
@@ -642,13 +649,4 @@ int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh)
         file->status = ctl_mesh_add(mesh, CTL_POINTS, &v);
     }
     return file->status;
-}
-
-int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
-{
-    struct ctl_file file = ctl_file_beginning(begin, error);
-    struct ply ply = {.file = &file};
-    (void)read_header(&ply);
-    *is_text = ply.encoding == ASCII;
-    return file.status;
 }

@@ -222,7 +222,10 @@ static int open_cache(const char *path, const struct kind *kind,
     }
     cache->path = name;
     cache->kind = *kind;
-    int status = ctl_file_open(name, NULL, &cache->file, error);
+    int status = ctl_file_open(name, &cache->file, error);
+    if (status == PCCD_OK && cache->file.size == 0) {
+        status = ctl_file_load(&cache->file, error); /* a pipe */
+    }
     if (status == PCCD_OK) {
         status = judge(cache, &opened, error);
     }

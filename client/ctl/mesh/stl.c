@@ -147,21 +147,22 @@ static bool is_ascii(const struct ctl_file *file)
            memchr(word, 0, left < LOOK_BYTES ? left : LOOK_BYTES) == NULL;
 }
 
-static int refuse_kind(struct ctl_file *file)
+static void refuse_kind(struct ctl_file *file)
 {
-    uint64_t all = ctl_file_size(file);
-    return file->bytes < HEADER_BYTES
-               ? ctl_file_refuse(file,
-                                 "no STL: it does not begin with \"solid\", and has "
-                                 "%" PRIu64 " bytes where a binary one has %u and more",
-                                 all, HEADER_BYTES)
-               : ctl_file_refuse(file,
-                                 "no STL: it does not begin with \"solid\", and its "
-                                 "header tells of %" PRIu32 " facets, where %" PRIu64
-                                 " bytes have %" PRIu64 " and %" PRIu64 " bytes more",
-                                 ctl_file_word(file->data + 80), all,
-                                 (all - HEADER_BYTES) / FACET_BYTES,
-                                 (all - HEADER_BYTES) % FACET_BYTES);
+    uint64_t all = ctl_file_size(file), rest = all - HEADER_BYTES;
+    if (file->bytes < HEADER_BYTES) {
+        ctl_file_refuse(file,
+                        "no STL: it does not begin with \"solid\", and has %" PRIu64
+                        " bytes where a binary one has %u and more",
+                        all, HEADER_BYTES);
+        return;
+    }
+    ctl_file_refuse(file,
+                    "no STL: it does not begin with \"solid\", and its header tells of "
+                    "%" PRIu32 " facets, where %" PRIu64 " bytes have %" PRIu64
+                    " and %" PRIu64 " bytes more",
+                    ctl_file_word(file->data + 80), all, rest / FACET_BYTES,
+                    rest % FACET_BYTES);
 }
 
 /* Whether a line begins so; "end facet" is "endfacet". */
@@ -236,18 +237,13 @@ int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh)
     ctl_file_begin(file);
     if (is_binary(file)) {
         read_binary(&stl);
-    } else if (!is_ascii(file) && memchr(file->data, 0, file->bytes) != NULL) {
+    } else if (!is_ascii(file) &&
+               (file->has_more || memchr(file->data, 0, file->bytes) != NULL)) {
         refuse_kind(file);
     } else {
+        ctl_file_expect_text(file);
         read_ascii(&stl);
     }
     free(stl.table);
     return file->status;
-}
-
-int ctl_stl_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
-{
-    struct ctl_file file = ctl_file_beginning(begin, error);
-    *is_text = !is_binary(&file);
-    return !*is_text || is_ascii(&file) ? PCCD_OK : refuse_kind(&file);
 }

@@ -19,8 +19,7 @@
 
 #include "pccd_types.h"
 
-/* The window of a larger file, of which it is judged before the rest is read. Of a small
- * one only as much is touched as it has. */
+/* The window of a larger file. Of a small one only as much is touched as it has. */
 #define WINDOW_BYTES ((size_t)1 << 20)
 /* Read at a time, so that a hole in a text is found soon. */
 #define READ_BYTES_MAX ((size_t)1 << 22)
@@ -71,7 +70,7 @@ static void look_for_hole(struct ctl_file *file, size_t first)
 {
     const char *hole =
         file->is_text ? memchr(file->data + first, 0, file->bytes - first) : NULL;
-    if (hole != NULL) {
+    if (hole != NULL && file->status == PCCD_OK) {
         file->status = ctl_error_set(
             file->error, PCCD_E_FORMAT, "%s: byte %" PRIu64 " is zero, which no text has",
             file->path, file->offset + (uint64_t)(hole - file->data));
@@ -106,39 +105,12 @@ static void read_up_to(struct ctl_file *file, size_t bytes)
     if (file->status != PCCD_OK) {
         file->bytes = 0;
     }
-    file->data[file->bytes] = '\0';
+    if (file->data != NULL) {
+        file->data[file->bytes] = '\0';
+    }
 }
 
-/* The first bytes of a large file, or all. A pipe that goes on is judged, too, before all
- * of it is read. */
-static void read_beginning(struct ctl_file *file, ctl_file_judge judge)
-{
-    struct ctl_error ignored;
-    bool is_large = file->size > WINDOW_BYTES, is_pipe = file->size == 0;
-    /* Two more bytes: one for the NUL, one so that the end is seen without growing. */
-    grow(file, WINDOW_BYTES + 2);
-    if (file->status != PCCD_OK) {
-        return;
-    }
-    read_up_to(file, is_large || is_pipe ? WINDOW_BYTES : SIZE_MAX);
-    bool goes_on = is_large || (is_pipe && file->has_more);
-    if (file->status == PCCD_OK && goes_on && judge != NULL) {
-        file->status = judge(file, &file->is_text, file->error);
-    }
-    if (is_pipe) {
-        read_up_to(file, SIZE_MAX);
-    }
-    if (!is_large && judge != NULL && judge(file, &file->is_text, &ignored) != PCCD_OK) {
-        file->is_text = false;
-    }
-    if (file->status == PCCD_OK) {
-        look_for_hole(file, 0);
-    }
-    ctl_file_begin(file);
-}
-
-int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
-                  struct ctl_error *error)
+int ctl_file_open(const char *path, struct ctl_file *file, struct ctl_error *error)
 {
     struct stat info;
     *file = (struct ctl_file){
@@ -152,7 +124,9 @@ int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
                                      "%s: a device, neither file nor pipe", path);
     } else {
         file->size = S_ISREG(info.st_mode) ? (uint64_t)info.st_size : 0;
-        read_beginning(file, judge);
+        grow(file, WINDOW_BYTES);
+        read_up_to(file, WINDOW_BYTES - 1);
+        ctl_file_begin(file);
     }
     int status = file->status;
     if (status != PCCD_OK) {
@@ -213,13 +187,10 @@ void ctl_file_begin(struct ctl_file *file)
     file->line = file->line_last = 0;
 }
 
-struct ctl_file ctl_file_beginning(const struct ctl_file *begin, struct ctl_error *error)
+void ctl_file_expect_text(struct ctl_file *file)
 {
-    struct ctl_file file = *begin;
-    file.error = error;
-    file.has_more = false;
-    ctl_file_begin(&file);
-    return file;
+    file->is_text = true;
+    look_for_hole(file, 0);
 }
 
 bool ctl_file_more(struct ctl_file *file, size_t bytes)

@@ -45,21 +45,12 @@ struct ctl_file {
     size_t capacity;    /* of data */
     int fd;
     bool is_open, has_more; /* fd; behind the window */
-    bool is_text;           /* and so has no byte 0 */
+    bool is_text;
 };
 
-/* What is thought of a file's first bytes, which `begin` is, before the others are read,
- * which may take minutes, or for ever; `is_text`: there is no byte 0 in it. What it
- * refuses of a small file its reader refuses, too, and says why. */
-typedef int (*ctl_file_judge)(const struct ctl_file *begin, bool *is_text,
-                              struct ctl_error *error);
-
-/* Open `path` (a file, or a pipe, which is read to its end), and read the beginning of a
- * large file, all of another. Without a judge, nothing is thought of it. Errors:
- * E_SYSTEM, E_NOMEM, E_FORMAT for a device, or a text with a byte 0, and those of
- * `judge`. */
-int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
-                  struct ctl_error *error);
+/* Open `path` (a file or a pipe), and read its beginning, of a small one all. Errors:
+ * E_SYSTEM, E_NOMEM, E_FORMAT for a device. */
+int ctl_file_open(const char *path, struct ctl_file *file, struct ctl_error *error);
 /* Read all of it, before any of it has moved. The same errors. */
 int ctl_file_load(struct ctl_file *file, struct ctl_error *error);
 void ctl_file_deinit(struct ctl_file *file);
@@ -73,10 +64,10 @@ int ctl_file_fail(struct ctl_file *file, int status, const char *format, ...)
 
 /* Go to the beginning, behind a byte order mark, whatever was read. */
 void ctl_file_begin(struct ctl_file *file);
-/* What a judge sees, as a file that ends there; nothing of it is to be freed. */
-struct ctl_file ctl_file_beginning(const struct ctl_file *begin, struct ctl_error *error);
 /* Where its text begins. */
 const char *ctl_file_start(const struct ctl_file *file);
+/* It is text, and so has no byte 0: where there is one is told as soon as it is read. */
+void ctl_file_expect_text(struct ctl_file *file);
 /* Whether so many bytes follow; all of them are in memory then. */
 bool ctl_file_more(struct ctl_file *file, size_t bytes);
 /* The next line without its line end (LF, CR LF or CR); false at the end of the file. */
