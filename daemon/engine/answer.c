@@ -171,18 +171,6 @@ int eng_answer_collect(struct eng_step_memory *memory, const struct eng_team *te
     return PCCD_OK;
 }
 
-static void add_counts(struct eng_counts *to, const struct eng_counts *from)
-{
-    for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
-        to->kind[kind] += from->kind[kind];
-    }
-    to->possible += from->possible;
-    to->initial += from->initial;
-    to->inside += from->inside;
-    to->hash += from->hash;
-    to->toi_first = fmin(to->toi_first, from->toi_first);
-}
-
 /* The records of what stands come to those that were found. An answer that ended early
  * without them stays so: who asked for it in time gets it at once. One that is too long
  * begins with whichever come first. */
@@ -201,7 +189,7 @@ static int add_kept(struct eng_step_memory *memory, const struct eng_team *team,
     if (status != PCCD_OK) {
         return status;
     }
-    add_counts(counts, &memory->kept_counts);
+    eng_counts_add(counts, &memory->kept_counts);
     uint64_t limit = team->workers[0]->found.limit;
     if (memory->sorted.count > limit) {
         memory->sorted.count = limit;
@@ -271,7 +259,7 @@ static const struct pccd_pair *proof_of(const struct eng_team *team)
 void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
                     struct eng_step_result *result)
 {
-    struct eng_counts counts = {.toi_first = 2};
+    struct eng_counts counts = ENG_COUNTS_NONE;
     if (!team->prunes || result->mode == PCCD_MODE_ANY) {
         memory->sorted.count = 0;
     }

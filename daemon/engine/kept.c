@@ -160,12 +160,7 @@ static void count_record(const unsigned char *record, uint32_t record_bytes,
         return;
     }
     const struct pccd_contact *contact = (const void *)record;
-    counts->kind[contact->kind]++;
-    counts->possible += !(contact->flags & PCCD_PROVED);
-    counts->initial += (contact->flags & PCCD_INITIAL) != 0;
-    counts->inside += (contact->flags & (PCCD_INITIAL | PCCD_INSIDE)) == PCCD_INSIDE;
-    counts->toi_first =
-        contact->toi < counts->toi_first ? contact->toi : counts->toi_first;
+    eng_counts_contact(counts, contact);
     if ((contact->flags & PCCD_PROVED) && contact->toi_hi < *bound) {
         *bound = contact->toi_hi;
     }
@@ -208,7 +203,7 @@ double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
         *counts = kept->counts;
         return bound;
     }
-    *counts = (struct eng_counts){.toi_first = 2};
+    *counts = ENG_COUNTS_NONE;
     uint64_t standing = mark(kept, scene, records, counts, &bound);
     /* Hash whichever are fewer; the hash of those that go is taken from that of all. */
     bool by_loss = 2 * standing > records->count && !kept->no_hash;
@@ -237,7 +232,7 @@ double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
 void eng_kept_count(const struct eng_records *records, struct eng_counts *counts)
 {
     double bound = 1;
-    *counts = (struct eng_counts){.toi_first = 2};
+    *counts = ENG_COUNTS_NONE;
     for (uint64_t i = 0; i < records->count; i++) {
         count_record(records->data + i * records->record_bytes, records->record_bytes,
                      counts, &bound);

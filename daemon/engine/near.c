@@ -326,10 +326,10 @@ static void answer(struct eng_team *team, const struct eng_near_settings *settin
                    struct eng_near_result *result)
 {
     struct eng_step_memory *memory = eng_step_memory_of(team->scene);
-    struct eng_counts counts = {.toi_first = 2};
+    struct eng_counts counts = ENG_COUNTS_NONE;
     if (eng_answer_collect(memory, team, &result->incomplete, &counts) != PCCD_OK) {
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT; /* and nothing is in it */
-        counts = (struct eng_counts){.toi_first = 2};
+        counts = ENG_COUNTS_NONE;
     }
     if (!is_by_objects(result->what)) {
         result->crossings = sum_crossings(team);

@@ -49,11 +49,7 @@ static void gather_contacts(struct pccd_contact *to, const struct eng_radix_key 
             __builtin_prefetch((const void *)(uintptr_t)items[i + AHEAD].index);
         }
         memcpy(&to[i], (const void *)(uintptr_t)items[i].index, sizeof to[i]);
-        counts->kind[to[i].kind]++;
-        counts->possible += !(to[i].flags & PCCD_PROVED);
-        counts->initial += (to[i].flags & PCCD_INITIAL) != 0;
-        counts->inside += (to[i].flags & (PCCD_INITIAL | PCCD_INSIDE)) == PCCD_INSIDE;
-        counts->toi_first = to[i].toi < counts->toi_first ? to[i].toi : counts->toi_first;
+        eng_counts_contact(counts, &to[i]);
     }
 }
 
@@ -80,7 +76,6 @@ static uint32_t gather_folded(struct pccd_contact *to, const struct eng_radix_ke
         }
         memcpy(&to[kept++], next, sizeof *next);
         counts->kind[next->kind]++;
-        counts->toi_first = next->toi < counts->toi_first ? next->toi : counts->toi_first;
     }
     return kept;
 }

@@ -44,8 +44,6 @@ static uint16_t *buckets_as_they_come(const struct eng_merge *merge)
     return (uint16_t *)(items_as_they_come(merge) + merge->total);
 }
 
-static const struct eng_counts no_counts = {.toi_first = 2};
-
 void eng_merge_init(struct eng_merge *merge)
 {
     memset(merge, 0, sizeof *merge);
@@ -184,7 +182,7 @@ static void look_at(struct eng_merge *merge, uint32_t threads, uint32_t thread)
     uint64_t stride = found->count / samples_max + 1;
     uint64_t to_next = 0; /* records until the next sample */
     share->sample_count = 0;
-    share->counts = no_counts;
+    share->counts = ENG_COUNTS_NONE;
     for (const struct eng_block *block = found->first; block; block = block->next) {
         for (; to_next < block->count; to_next += stride) {
             samples[share->sample_count++] = eng_name_of(
@@ -328,7 +326,7 @@ void eng_merge_divide(struct eng_merge *merge, uint32_t thread)
 void eng_merge_finish(struct eng_merge *merge, uint32_t thread)
 {
     assert(thread < merge->threads);
-    struct eng_counts counts = no_counts; /* apart from the other threads' */
+    struct eng_counts counts = ENG_COUNTS_NONE; /* apart from the other threads' */
     for (;;) {
         /* Relaxed: each bucket is handed out once; the barriers order the rest. */
         uint32_t b = atomic_fetch_add_explicit(&merge->next, 1, memory_order_relaxed);
@@ -390,12 +388,10 @@ static void close_up(struct eng_merge *merge, struct eng_counts *counts)
     merge->is_cut = end > limit;
     if (merge->is_cut) {
         merge->out->count = limit;
-        *counts = no_counts;
+        *counts = ENG_COUNTS_NONE;
         counts->hash = eng_hash_records(records, limit, sizeof *records);
         for (uint64_t i = 0; i < limit; i++) {
             counts->kind[records[i].kind]++;
-            counts->toi_first =
-                records[i].toi < counts->toi_first ? records[i].toi : counts->toi_first;
         }
     }
 }
@@ -404,7 +400,7 @@ int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts)
 {
     assert(merge->out); /* begun */
     merge_alone(merge);
-    *counts = no_counts;
+    *counts = ENG_COUNTS_NONE;
     if (merge->state == ENG_MERGE_NOMEM) {
         merge->out->count = 0;
         return PCCD_E_NOMEM;
@@ -416,16 +412,7 @@ int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts)
     merge->out->count = merge->kept;
     merge->is_cut = merge->kept < merge->total;
     for (uint32_t t = 0; t < merge->threads; t++) {
-        const struct eng_counts *part = &merge->shares[t].counts;
-        for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
-            counts->kind[kind] += part->kind[kind];
-        }
-        counts->possible += part->possible;
-        counts->initial += part->initial;
-        counts->inside += part->inside;
-        counts->hash += part->hash;
-        counts->toi_first =
-            part->toi_first < counts->toi_first ? part->toi_first : counts->toi_first;
+        eng_counts_add(counts, &merge->shares[t].counts);
     }
     if (merge->folds) {
         close_up(merge, counts);

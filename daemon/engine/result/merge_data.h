@@ -22,6 +22,32 @@ struct eng_counts {
     double toi_first;  /* 2: none */
     eng_hash_sum hash; /* of the records, without their number */
 };
+#define ENG_COUNTS_NONE ((struct eng_counts){.toi_first = 2})
+
+/* Count a contact, but for its hash. */
+static inline void eng_counts_contact(struct eng_counts *counts,
+                                      const struct pccd_contact *contact)
+{
+    uint32_t flags = contact->flags;
+    counts->kind[contact->kind]++;
+    counts->possible += !(flags & PCCD_PROVED);
+    counts->initial += (flags & PCCD_INITIAL) != 0;
+    counts->inside += (flags & (PCCD_INITIAL | PCCD_INSIDE)) == PCCD_INSIDE;
+    counts->toi_first =
+        contact->toi < counts->toi_first ? contact->toi : counts->toi_first;
+}
+
+static inline void eng_counts_add(struct eng_counts *to, const struct eng_counts *from)
+{
+    for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
+        to->kind[kind] += from->kind[kind];
+    }
+    to->possible += from->possible;
+    to->initial += from->initial;
+    to->inside += from->inside;
+    to->hash += from->hash;
+    to->toi_first = from->toi_first < to->toi_first ? from->toi_first : to->toi_first;
+}
 
 /* One list's part. Counts and places are 32 bits: a step of more records than that is out
  * of memory. */
