@@ -125,7 +125,7 @@ void bench_world_step(struct bench_world *world, const struct bench_frames *fram
 
 void bench_world_near(struct bench_world *world, const struct bench_frames *frames,
                       bool moves, const struct eng_near_settings *settings,
-                      struct eng_near_result *result)
+                      struct eng_step_result *result)
 {
     const struct bench_scene *source = frames->scene;
     if (moves) {

@@ -51,6 +51,6 @@ void bench_world_step(struct bench_world *world, const struct bench_frames *fram
  * which this very request moves it. */
 void bench_world_near(struct bench_world *world, const struct bench_frames *frames,
                       bool moves, const struct eng_near_settings *settings,
-                      struct eng_near_result *result);
+                      struct eng_step_result *result);
 
 #endif

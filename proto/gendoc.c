@@ -6,6 +6,7 @@
  * prints one line a field, which tests/abi compares with what was frozen.
  */
 #include <ctype.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -56,25 +57,53 @@ static void print_fields(const char *title, const struct proto_fields *fields)
     }
 }
 
-/* The first message before `method` with the same result, or `method`. */
+static bool is_same(const struct proto_fields *a, const struct proto_fields *b,
+                    bool compares_needs)
+{
+    uint32_t same = 0;
+    while (same < a->count && a->count == b->count && a->count > 1 &&
+           strcmp(a->items[same].name, b->items[same].name) == 0 &&
+           (!compares_needs || a->items[same].need == b->items[same].need)) {
+        same++;
+    }
+    return same == a->count;
+}
+
+/* The first message before `method` with the same result, else with one that differs in
+ * what is needed, else `method`. */
 static int same_result(int method)
 {
     const struct proto_fields *own = &proto_messages[method].result;
-    for (int other = 0; other < method; other++) {
-        const struct proto_fields *fields = &proto_messages[other].result;
-        uint32_t same = 0;
-        if (fields->count != own->count || own->count < 2) {
-            continue;
-        }
-        while (same < own->count &&
-               strcmp(own->items[same].name, fields->items[same].name) == 0) {
-            same++;
-        }
-        if (same == own->count) {
-            return other;
+    for (int loose = 0; loose < 2; loose++) {
+        for (int other = 0; other < method; other++) {
+            if (is_same(own, &proto_messages[other].result, loose == 0)) {
+                return other;
+            }
         }
     }
     return method;
+}
+
+static void print_needs(const struct proto_fields *own, const struct proto_fields *other,
+                        enum proto_need need, const char *title)
+{
+    const char *before = title;
+    for (uint32_t i = 0; i < own->count; i++) {
+        if (own->items[i].need == need && other->items[i].need != need) {
+            printf("%s`%s`", before, own->items[i].name);
+            before = ", ";
+        }
+    }
+}
+
+static void print_same_result(int method)
+{
+    const struct proto_message_info *other = &proto_messages[same_result(method)];
+    const struct proto_fields *own = &proto_messages[method].result;
+    printf("\nThe result has the fields of `%s`", other->name);
+    print_needs(own, &other->result, PROTO_NEED_REQ, "; needed are also ");
+    print_needs(own, &other->result, PROTO_NEED_OPT, "; not needed are ");
+    puts(".");
 }
 
 static void print_messages(void)
@@ -88,8 +117,7 @@ static void print_messages(void)
         if (i == PROTO_METHOD_STATS) {
             puts("\nThe result is the table of [counters](#counters).");
         } else if (i < PROTO_METHOD_COUNT && same_result(i) != i) {
-            printf("\nThe result has the fields of `%s`.\n",
-                   proto_messages[same_result(i)].name);
+            print_same_result(i);
         } else if (i < PROTO_METHOD_COUNT) {
             puts("");
             print_fields("Result", &message->result);

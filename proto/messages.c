@@ -41,6 +41,16 @@ const struct proto_message_info proto_messages[PROTO_MESSAGE_COUNT] = {
     PROTO_METHODS(METHOD) PROTO_NOTIFICATIONS(NOTIFICATION)};
 /* clang-format on */
 
+#define IS_ANSWER(ID)                                                                    \
+    _Static_assert(sizeof(struct proto_##ID##_result) == sizeof(struct proto_answer) &&  \
+                       offsetof(struct proto_##ID##_result, start_inside) ==             \
+                           offsetof(struct proto_answer, start_inside),                  \
+                   "an answer")
+IS_ANSWER(FRAME_SUBMIT);
+IS_ANSWER(FRAME_FETCH);
+IS_ANSWER(SCENE_NEAR);
+IS_ANSWER(NEAR_FETCH);
+
 /* The value of a field of that name; 0: the result has none. */
 static uint64_t number_in(const struct proto_fields *fields, const void *result,
                           const char *name)

@@ -9,10 +9,10 @@
 #include <stdint.h>
 
 #include "messages.def"
+#include "numbers.h"
 #include "object_attributes.h"
 #include "pccd_types.h"
 #include "proto_limits.h"
-#include "step_numbers.h"
 
 #define PROTO_F_BEFORE_HELLO       1u
 #define PROTO_F_COMPUTE            2u
@@ -42,11 +42,14 @@ enum proto_type {
 };
 enum proto_need { PROTO_NEED_REQ, PROTO_NEED_OPT };
 
-#define PROTO_CTYPE_u32(name)                uint32_t name
-#define PROTO_CTYPE_u64(name)                uint64_t name
-#define PROTO_CTYPE_f64(name)                double name
-#define PROTO_CTYPE_bool(name)               bool name
-#define PROTO_CTYPE_str(name)                char name[PROTO_STR_MAX + 1]
+#define PROTO_CTYPE_u32(name)  uint32_t name
+#define PROTO_CTYPE_u64(name)  uint64_t name
+#define PROTO_CTYPE_f64(name)  double name
+#define PROTO_CTYPE_bool(name) bool name
+#define PROTO_CTYPE_str(name)  char name[PROTO_STR_MAX + 1]
+/* What `bool` has become in a list that another one hands on. */
+#define PROTO_CTYPE__Bool                    PROTO_CTYPE_bool
+#define PROTO_TYPE__Bool                     PROTO_TYPE_bool
 #define PROTO_MEMBER(type, name, need, text) PROTO_CTYPE_##type(name);
 
 #define PROTO_STRUCTS(ID, name, since, flags, text)                                      \
@@ -66,8 +69,11 @@ PROTO_METHODS(PROTO_STRUCTS)
 PROTO_NOTIFICATIONS(PROTO_STRUCTS)
 #undef PROTO_STRUCTS
 
-/* struct proto_FRAME_SUBMIT_result and struct proto_FRAME_FETCH_result have the same
- * members; code that serves both uses the former. */
+/* The result of frame.submit, frame.fetch, scene.near and near.fetch: these four have the
+ * same members at the same places. */
+struct proto_answer {
+    PROTO_ANSWER(PROTO_MEMBER, PROTO_OF_STEP)
+};
 
 struct proto_field {
     const char *name;

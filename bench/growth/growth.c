@@ -106,7 +106,7 @@ static void measure_near(struct growth *growth, struct bench_world *world,
 {
     struct eng_near_settings settings = {
         .step = *step, .what = PCCD_NEAR_FEATURES, .distance = NEAR, .end = 1};
-    struct eng_near_result near;
+    struct eng_step_result near;
     struct eng_step_result result;
     double bytes_before = (double)eng_alloc_bytes();
     for (uint32_t i = 0; i < turns; i++) {

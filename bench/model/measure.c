@@ -37,7 +37,7 @@ static struct outcome step(struct bench_world *world, const struct bench_frames 
                                           .what = PCCD_NEAR_PAIRS,
                                           .distance = question->distance,
                                           .end = 1};
-        struct eng_near_result near;
+        struct eng_step_result near;
         struct eng_step_result away;
         bench_world_step(world, frames, &settings, &away); /* boxes are to be made */
         bench_world_near(world, frames, true, &asked, &near);

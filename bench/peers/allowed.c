@@ -201,7 +201,7 @@ static double least_distance(struct bench_world *world, const struct bench_frame
                              double d)
 {
     struct eng_near_settings settings = near_ours_settings(PCCD_NEAR_PAIRS, d, 1);
-    struct eng_near_result result;
+    struct eng_step_result result;
     bench_world_near(world, frames, true, &settings, &result);
     return result.count > 0 ? result.distance_min : INFINITY;
 }

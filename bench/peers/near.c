@@ -159,7 +159,7 @@ static void ask_ours(struct run *run, uint32_t threads, unsigned i, bool counts)
 {
     struct eng_near_settings settings =
         near_ours_settings(asked[i].what, run->d, threads);
-    struct eng_near_result result;
+    struct eng_step_result result;
     if (asked[i].moves) {
         take_step(run, threads, counts);
     }
@@ -321,7 +321,7 @@ static void ask_of_two(struct bench_world *world, const struct bench_frames *fra
                        enum pccd_near_what what, struct quantity *quantity)
 {
     struct eng_near_settings settings = near_ours_settings(what, 0, 1);
-    struct eng_near_result result;
+    struct eng_step_result result;
     settings.distance = what == PCCD_NEAR_NEAREST ? INFINITY : 0;
     uint64_t begin_ns = common_now_ns();
     bench_world_near(world, frames, false, &settings, &result);

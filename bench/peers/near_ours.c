@@ -67,7 +67,7 @@ static struct near_name name_of(const struct bench_world *world,
 }
 
 static void keep_pairs(struct near_ours *ours, const struct bench_world *world,
-                       const struct eng_near_result *result)
+                       const struct eng_step_result *result)
 {
     const struct pccd_near *records = result->records;
     ours->answers.pair_count = result->count;
@@ -83,7 +83,7 @@ static void keep_pairs(struct near_ours *ours, const struct bench_world *world,
 }
 
 static void keep_features(struct near_ours *ours, const struct bench_world *world,
-                          const struct eng_near_result *result)
+                          const struct eng_step_result *result)
 {
     const struct pccd_near *records = result->records;
     ours->answers.feature_count = result->count;
@@ -97,7 +97,7 @@ static void keep_features(struct near_ours *ours, const struct bench_world *worl
 void near_ours_ask(struct near_ours *ours, struct bench_world *world,
                    const struct bench_frames *frames, double d)
 {
-    struct eng_near_result result;
+    struct eng_step_result result;
     struct eng_near_settings settings = near_ours_settings(PCCD_NEAR_PAIRS, d, 1);
     bench_world_near(world, frames, true, &settings, &result);
     keep_pairs(ours, world, &result);

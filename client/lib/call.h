@@ -46,9 +46,8 @@ struct cli_call {
     int status;    /* DONE: 0 or why it failed, then `text` says more */
     uint64_t page; /* DONE: serial of the page of records, 0: none */
     union {
-        struct proto_FRAME_SUBMIT_result answer; /* of frame.submit and frame.fetch */
-        struct proto_SCENE_NEAR_result near;     /* of scene.near and near.fetch */
-        struct proto_BATCH_SUBMIT_result batch;  /* of batch.submit */
+        struct proto_answer answer; /* of a step, scene.near and both fetches */
+        struct proto_BATCH_SUBMIT_result batch;
     };
     struct proto_SCENE_JOURNAL_result journal; /* of scene.journal */
     char text[CLI_TEXT_BYTES];

@@ -24,45 +24,35 @@ static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
     return NULL;
 }
 
-/* The answer of a step, and its first page. */
+static size_t record_bytes_of(const struct cli_call *call)
+{
+    const struct proto_answer *answer = &call->answer;
+
+    if (call->method == PROTO_METHOD_SCENE_NEAR ||
+        call->method == PROTO_METHOD_NEAR_FETCH) {
+        return answer->what == PCCD_NEAR_VERTICES ? sizeof(double)
+                                                  : sizeof(struct pccd_near);
+    }
+    return answer->mode == PCCD_MODE_PAIRS ? sizeof(struct pccd_pair)
+                                           : sizeof(struct pccd_contact);
+}
+
+/* The answer of a step, or about what is near, and its first page. */
 static int take_answer(struct pccd_client *client, struct cli_call *call,
                        const struct proto_envelope *envelope, struct proto_error *error)
 {
-    struct proto_FRAME_SUBMIT_result *answer = &call->answer;
+    struct proto_answer *answer = &call->answer;
     int status =
         proto_decode_body(envelope, &proto_messages[call->method].result, answer, error);
     if (status != 0) {
         return status;
     }
-    if (answer->count > 0 &&
-        answer->record_bytes != (answer->mode == PCCD_MODE_PAIRS
-                                     ? sizeof(struct pccd_pair)
-                                     : sizeof(struct pccd_contact))) {
+    if (answer->count > 0 && answer->record_bytes != record_bytes_of(call)) {
         return proto_error_set(error, PCCD_E_BADMSG, "records of %u bytes",
                                answer->record_bytes);
     }
     return cli_page_add(client, answer->offset, answer->count, answer->record_bytes,
                         answer->release, &call->page);
-}
-
-/* The same of a question about what is near. */
-static int take_near(struct pccd_client *client, struct cli_call *call,
-                     const struct proto_envelope *envelope, struct proto_error *error)
-{
-    struct proto_SCENE_NEAR_result *near = &call->near;
-    int status =
-        proto_decode_body(envelope, &proto_messages[call->method].result, near, error);
-    if (status != 0) {
-        return status;
-    }
-    if (near->count > 0 && near->record_bytes != (near->what == PCCD_NEAR_VERTICES
-                                                      ? sizeof(double)
-                                                      : sizeof(struct pccd_near))) {
-        return proto_error_set(error, PCCD_E_BADMSG, "records of %u bytes",
-                               near->record_bytes);
-    }
-    return cli_page_add(client, near->offset, near->count, near->record_bytes,
-                        near->release, &call->page);
 }
 
 /* Whether the records of a scene lie inside the result region. */
@@ -184,11 +174,9 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
     switch (call->method) {
     case PROTO_METHOD_FRAME_SUBMIT:
     case PROTO_METHOD_FRAME_FETCH:
-        status = take_answer(client, call, envelope, error);
-        break;
     case PROTO_METHOD_SCENE_NEAR:
     case PROTO_METHOD_NEAR_FETCH:
-        status = take_near(client, call, envelope, error);
+        status = take_answer(client, call, envelope, error);
         break;
     case PROTO_METHOD_BATCH_SUBMIT:
         status = take_batch(client, call, envelope, error);

@@ -8,11 +8,11 @@
 #include <string.h>
 
 #include "filter.h"
+#include "numbers.h"
 #include "page.h"
 #include "recorder.h"
 #include "recorder_shared.h"
 #include "recorder_snapshot.h"
-#include "step_numbers.h"
 
 /* ---- segments ---------------------------------------------------------------------- */
 
@@ -132,13 +132,15 @@ void cli_record_cancel(struct pccd_client *client, uint64_t step)
     }
 }
 
-static void add_records(struct pccd_client *client, const struct cli_call *call)
+/* The page of an answer. */
+static void add_records(struct pccd_client *client, const struct cli_call *call,
+                        enum record_kind kind)
 {
-    const struct proto_FRAME_SUBMIT_result *result = &call->answer;
-    struct record_records head = {.step = result->step,
-                                  .first = result->first,
-                                  .count = result->count,
-                                  .record_bytes = result->record_bytes};
+    const struct proto_answer *answer = &call->answer;
+    struct record_records head = {.step = answer->step,
+                                  .first = answer->first,
+                                  .count = answer->count,
+                                  .record_bytes = answer->record_bytes};
     struct record_part parts[2] = {{&head, sizeof head}};
 
     if (!client->recorder->has_records || call->status != 0 || call->page == 0) {
@@ -152,9 +154,9 @@ static void add_records(struct pccd_client *client, const struct cli_call *call)
             return; /* of another client's step */
         }
     }
-    parts[1] = (struct record_part){cli_page_base(client, call->page) + result->offset,
-                                    result->count * result->record_bytes};
-    (void)cli_record_add(client, RECORD_RECORDS, parts, 2);
+    parts[1] = (struct record_part){cli_page_base(client, call->page) + answer->offset,
+                                    answer->count * answer->record_bytes};
+    (void)cli_record_add(client, kind, parts, 2);
 }
 
 /* Of either answer, as the file has them. */
@@ -172,7 +174,7 @@ static void add_records(struct pccd_client *client, const struct cli_call *call)
 
 static void add_answer(struct pccd_client *client, const struct cli_call *call)
 {
-    const struct proto_FRAME_SUBMIT_result *r = &call->answer;
+    const struct proto_answer *r = &call->answer;
     struct record_answer answer = {.step = call->params.FRAME_SUBMIT.step,
                                    .status = call->status};
 
@@ -198,7 +200,7 @@ static void add_answer(struct pccd_client *client, const struct cli_call *call)
     client->recorder->info.answers++;
     if (cli_record_add(client, RECORD_ANSWER,
                        &(struct record_part){&answer, sizeof answer}, 1) == 0) {
-        add_records(client, call);
+        add_records(client, call, RECORD_RECORDS);
     }
 }
 
@@ -260,27 +262,9 @@ static void add_batch_answer(struct pccd_client *client, const struct cli_call *
     }
 }
 
-/* The page of an answer about what is near. */
-static void add_near_records(struct pccd_client *client, const struct cli_call *call)
-{
-    const struct proto_SCENE_NEAR_result *near = &call->near;
-    const struct record_near_records head = {.step = near->step,
-                                             .first = near->first,
-                                             .count = near->count,
-                                             .record_bytes = near->record_bytes};
-    struct record_part parts[2] = {{&head, sizeof head}};
-
-    if (!client->recorder->has_records || call->status != 0 || call->page == 0) {
-        return;
-    }
-    parts[1] = (struct record_part){cli_page_base(client, call->page) + near->offset,
-                                    near->count * near->record_bytes};
-    (void)cli_record_add(client, RECORD_NEAR_RECORDS, parts, 2);
-}
-
 static void add_near_answer(struct pccd_client *client, const struct cli_call *call)
 {
-    const struct proto_SCENE_NEAR_result *r = &call->near;
+    const struct proto_answer *r = &call->answer;
     struct record_near_answer answer = {.step = call->params.SCENE_NEAR.step,
                                         .status = call->status};
 
@@ -298,14 +282,15 @@ static void add_near_answer(struct pccd_client *client, const struct cli_call *c
                                              .hash = {r->hash_hi, r->hash_lo},
                                              .times = RECORD_TIMES_OF(r),
                                              .counters = RECORD_COUNTERS_OF(r)};
-#define PUT(unused, name, need, member, meaning) answer.member = r->name;
-        COMMON_NEAR_KINDS(PUT, )
+#define PUT(unused, type, name, of_step, of_near, member, meaning)                       \
+    answer.member = r->name;
+        COMMON_KINDS(PUT, )
 #undef PUT
     }
     cli_journal_note(client, call->params.SCENE_NEAR.scene);
     if (cli_record_add(client, RECORD_NEAR_ANSWER,
                        &(struct record_part){&answer, sizeof answer}, 1) == 0) {
-        add_near_records(client, call);
+        add_records(client, call, RECORD_NEAR_RECORDS);
     }
 }
 
@@ -430,7 +415,7 @@ void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
         add_answer(client, call);
         break;
     case PROTO_METHOD_FRAME_FETCH:
-        add_records(client, call);
+        add_records(client, call, RECORD_RECORDS);
         break;
     case PROTO_METHOD_BATCH_SUBMIT:
         add_batch_answer(client, call);
@@ -439,7 +424,7 @@ void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
         add_near_answer(client, call);
         break;
     case PROTO_METHOD_NEAR_FETCH:
-        add_near_records(client, call);
+        add_records(client, call, RECORD_NEAR_RECORDS);
         break;
     case PROTO_METHOD_SCENE_JOURNAL:
         cli_journal_take(client, call);

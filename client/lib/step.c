@@ -23,13 +23,13 @@
 
 #include "connection.h"
 #include "near_number.h"
+#include "numbers.h"
 #include "page.h"
 #include "receive.h"
 #include "recorder_events.h"
 #include "recorder_shared.h"
 #include "recover.h"
 #include "rpc.h"
-#include "step_numbers.h"
 #include "struct_size.h"
 #include "submit.h"
 
@@ -43,75 +43,35 @@ static uint64_t answer_tag(const struct pccd_client *client, uint64_t page)
     return (ANSWER_TAG ^ (uint64_t)(uintptr_t)client) + page;
 }
 
-static void fill_numbers(const struct proto_FRAME_SUBMIT_result *result,
-                         const void *records, struct pccd_answer *answer)
+/* Of a step or about what is near, with the records of its page. */
+static void fill_answer(const struct proto_answer *from, bool is_near,
+                        const void *records, struct pccd_answer *answer)
 {
-    if (result->mode == PCCD_MODE_PAIRS) {
+#define GET(unused, type, name, of_step, of_near, member, meaning)                       \
+    answer->member = from->name;
+    COMMON_NUMBERS(GET, )
+#undef GET
+    answer->step = from->step;
+    answer->count = from->count;
+    answer->first = from->first;
+    answer->cursor = from->cursor;
+    answer->total = from->total;
+    answer->number = from->number;
+    (void)snprintf(answer->tuning, sizeof answer->tuning, "%.*s",
+                   (int)sizeof answer->tuning - 1, from->tuning);
+    answer->is_near = is_near;
+    if (is_near) {
+        answer->toi_first = TOI_NONE;
+    }
+    if (is_near && answer->what == PCCD_NEAR_VERTICES) {
+        answer->vertex_bounds = records;
+    } else if (is_near) {
+        answer->near = records;
+    } else if (answer->mode == PCCD_MODE_PAIRS) {
         answer->pairs = records;
     } else {
         answer->contacts = records;
     }
-    answer->mode = (enum pccd_mode)result->mode;
-    answer->method = (enum pccd_method)result->method;
-    answer->incomplete = (enum pccd_incomplete)result->incomplete;
-    answer->verdict = (enum pccd_verdict)result->verdict;
-    answer->count = result->count;
-    answer->first = result->first;
-    answer->cursor = result->cursor;
-    answer->total = result->total;
-    answer->possible = result->possible;
-    answer->initial = result->initial;
-    answer->toi_first = result->toi_first;
-    answer->safe_step = result->safe_step;
-    answer->inside = result->inside;
-    answer->crowded = result->crowded;
-    answer->crossings = result->crossings;
-    answer->start_inside = result->start_inside;
-    answer->hash[0] = result->hash_hi;
-    answer->hash[1] = result->hash_lo;
-    answer->number = result->number;
-    answer->threads = result->threads;
-    (void)snprintf(answer->tuning, sizeof answer->tuning, "%.*s",
-                   (int)sizeof answer->tuning - 1, result->tuning);
-#define GET(unused, name, need, member, meaning) answer->member = result->name;
-    COMMON_STEP_KINDS(GET, )
-    COMMON_STEP_TIMES(GET, )
-    COMMON_STEP_COUNTERS(GET, )
-#undef GET
-}
-
-/* The same of an answer about what is near. */
-static void fill_near(const struct proto_SCENE_NEAR_result *near, const void *records,
-                      struct pccd_answer *answer)
-{
-    answer->is_near = true;
-    answer->what = (enum pccd_near_what)near->what;
-    answer->method = (enum pccd_method)near->method;
-    answer->incomplete = (enum pccd_incomplete)near->incomplete;
-    answer->verdict = (enum pccd_verdict)near->verdict;
-    if (near->what == PCCD_NEAR_VERTICES) {
-        answer->vertex_bounds = records;
-    } else {
-        answer->near = records;
-    }
-    answer->count = near->count;
-    answer->first = near->first;
-    answer->cursor = near->cursor;
-    answer->total = near->total;
-    answer->toi_first = TOI_NONE;
-    answer->distance_min = near->distance_min;
-    answer->distance_max = near->distance_max;
-    answer->crossings = near->crossings;
-    answer->hash[0] = near->hash_hi;
-    answer->hash[1] = near->hash_lo;
-    answer->threads = near->threads;
-    (void)snprintf(answer->tuning, sizeof answer->tuning, "%.*s",
-                   (int)sizeof answer->tuning - 1, near->tuning);
-#define GET(unused, name, need, member, meaning) answer->member = near->name;
-    COMMON_NEAR_KINDS(GET, )
-    COMMON_STEP_TIMES(GET, )
-    COMMON_STEP_COUNTERS(GET, )
-#undef GET
 }
 
 int cli_answer_check(struct pccd_client *client, const struct pccd_answer *answer)
@@ -131,16 +91,11 @@ static int take_answer(struct pccd_client *client, struct cli_call *call,
     if (call->status == 0) {
         bool is_near = call->method == PROTO_METHOD_SCENE_NEAR ||
                        call->method == PROTO_METHOD_NEAR_FETCH;
-        uint64_t offset = is_near ? call->near.offset : call->answer.offset;
         const void *records =
-            call->page != 0 ? cli_page_base(client, call->page) + offset : NULL;
+            call->page != 0 ? cli_page_base(client, call->page) + call->answer.offset
+                            : NULL;
 
-        answer.step = is_near ? call->near.step : call->answer.step;
-        if (is_near) {
-            fill_near(&call->near, records, &answer);
-        } else {
-            fill_numbers(&call->answer, records, &answer);
-        }
+        fill_answer(&call->answer, is_near, records, &answer);
         answer.reserved[0] = call->page;
         answer.reserved[1] = answer_tag(client, call->page);
     }

@@ -14,8 +14,8 @@
 #include "balance.h"
 #include "bounds.h"
 #include "limit.h"
+#include "numbers.h"
 #include "records.h"
-#include "step_numbers.h"
 
 /* Everything that is added up over the ranks. */
 struct totals {
@@ -138,14 +138,15 @@ static int slowest(struct pccd_mpi *world, uint64_t *cut_ns, struct pccd_answer 
 {
     double times[16] = {*toi_first, -(double)*cut_ns};
     int count = 2;
-#define PUT(unused, name, need, member, meaning) times[count++] = -(double)answer->member;
-    COMMON_STEP_TIMES(PUT, )
+#define PUT(unused, type, name, of_step, of_near, member, meaning)                       \
+    times[count++] = -(double)answer->member;
+    COMMON_TIMES(PUT, )
 #undef PUT
     int status = ranks_min_doubles(&world->link, times, count);
     count = 2;
-#define GET(unused, name, need, member, meaning)                                         \
+#define GET(unused, type, name, of_step, of_near, member, meaning)                       \
     answer->member = (uint64_t)-times[count++];
-    COMMON_STEP_TIMES(GET, )
+    COMMON_TIMES(GET, )
 #undef GET
     *toi_first = times[0];
     *cut_ns = (uint64_t)-times[1];

@@ -12,9 +12,9 @@
 
 #include "kinds.h"
 #include "local.h"
+#include "numbers.h"
 #include "places.h"
 #include "rank_sort.h"
-#include "step_numbers.h"
 
 /* ---- leaves ------------------------------------------------------------------------ */
 
@@ -361,9 +361,10 @@ void ranks_apart_add(struct ranks_apart *last, const struct ranks_apart *earlier
     const struct pccd_answer *from = &earlier->answer;
     to->incomplete =
         from->incomplete > to->incomplete ? from->incomplete : to->incomplete;
-#define ADD(unused, name, need, member, meaning) to->member += from->member;
-    COMMON_STEP_COUNTERS(ADD, )
-    COMMON_STEP_TIMES(ADD, )
+#define ADD(unused, type, name, of_step, of_near, member, meaning)                       \
+    to->member += from->member;
+    COMMON_COUNTERS(ADD, )
+    COMMON_TIMES(ADD, )
 #undef ADD
 }
 

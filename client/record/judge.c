@@ -29,7 +29,6 @@ static_assert(sizeof(struct record_answer) == 280, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
 static_assert(sizeof(struct record_near) == 64, "near");
 static_assert(sizeof(struct record_near_answer) == 328, "near answer");
-static_assert(sizeof(struct record_near_records) == 32, "near records");
 static_assert(sizeof(struct record_filter) == 16 + 8 * COMMON_WORDS, "filter");
 static_assert(RECORD_FILTER_BYTES == 32, "filter of before");
 static_assert(sizeof(struct record_pairs) == 16, "pairs");
@@ -217,36 +216,33 @@ static int judge_near(const void *payload, uint64_t bytes, char text[RECORD_TEXT
     return judge_segments(slot, bytes - sizeof near, near.segment_count, near.step, text);
 }
 
-static int judge_near_records(const void *payload, uint64_t bytes,
-                              char text[RECORD_TEXT_BYTES])
-{
-    struct record_near_records records;
-    uint64_t rest = bytes - sizeof records;
-
-    memcpy(&records, payload, sizeof records);
-    if ((records.record_bytes != sizeof(struct pccd_near) &&
-         records.record_bytes != sizeof(double)) ||
-        records.count != rest / records.record_bytes ||
-        records.count * records.record_bytes != rest) {
-        return bad(text, "records of what is near of another length");
-    }
-    return PCCD_OK;
-}
-
-static int judge_records(const void *payload, uint64_t bytes,
-                         char text[RECORD_TEXT_BYTES])
+/* Is that all records of so many bytes, one size or the other? */
+static bool are_whole(const void *payload, uint64_t bytes, size_t one, size_t other)
 {
     struct record_records records;
     uint64_t rest = bytes - sizeof records;
 
     memcpy(&records, payload, sizeof records);
-    if ((records.record_bytes != sizeof(struct pccd_contact) &&
-         records.record_bytes != sizeof(struct pccd_pair)) ||
-        records.count != rest / records.record_bytes ||
-        records.count * records.record_bytes != rest) {
-        return bad(text, "records of another length");
-    }
-    return PCCD_OK;
+    return (records.record_bytes == one || records.record_bytes == other) &&
+           records.count == rest / records.record_bytes &&
+           records.count * records.record_bytes == rest;
+}
+
+static int judge_near_records(const void *payload, uint64_t bytes,
+                              char text[RECORD_TEXT_BYTES])
+{
+    return are_whole(payload, bytes, sizeof(struct pccd_near), sizeof(double))
+               ? PCCD_OK
+               : bad(text, "records of what is near of another length");
+}
+
+static int judge_records(const void *payload, uint64_t bytes,
+                         char text[RECORD_TEXT_BYTES])
+{
+    return are_whole(payload, bytes, sizeof(struct pccd_contact),
+                     sizeof(struct pccd_pair))
+               ? PCCD_OK
+               : bad(text, "records of another length");
 }
 
 static int judge_filter(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
@@ -379,7 +375,7 @@ static uint64_t head_bytes(uint16_t kind, bool *is_all)
         HEAD(GUEST, guest)
         HEAD(RECORDS, records)
         HEAD(NEAR, near)
-        HEAD(NEAR_RECORDS, near_records)
+        HEAD(NEAR_RECORDS, records)
         HEAD(PAIRS, pairs)
     case RECORD_FILTER:
         return RECORD_FILTER_BYTES;

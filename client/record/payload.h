@@ -132,11 +132,13 @@ struct record_answer {
     uint64_t counters[RECORD_COUNTERS];
 };
 
+/* Of RECORDS and NEAR_RECORDS. */
 struct record_records {
     uint64_t step;
     uint64_t first;
     uint64_t count;
-    uint32_t record_bytes; /* 64: struct pccd_contact, 20: struct pccd_pair */
+    uint32_t record_bytes; /* 64: struct pccd_contact, 20: struct pccd_pair; of what is
+                              near 64: struct pccd_near, 8: double, a vertex's bound */
     uint32_t reserved;
 };
 
@@ -171,15 +173,6 @@ struct record_near_answer {
     uint64_t hash[2]; /* version 2; zeros: with a gap there is none */
     uint64_t times[RECORD_TIMES];
     uint64_t counters[RECORD_COUNTERS];
-};
-
-/* Of NEAR_RECORDS: 64 bytes: struct pccd_near, 8: double, a bound of each vertex. */
-struct record_near_records {
-    uint64_t step;
-    uint64_t first;
-    uint64_t count;
-    uint32_t record_bytes;
-    uint32_t reserved;
 };
 
 struct record_gone {

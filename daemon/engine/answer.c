@@ -220,8 +220,8 @@ static int put_together(struct eng_step_memory *memory, const struct eng_team *t
     memcpy(result->counts, counts->kind, sizeof counts->kind);
     result->possible = counts->possible;
     result->initial = counts->initial;
-    result->thick.inside = counts->inside;
-    result->thick.is_crowded = eng_kept_is_crowded(team->scene, &memory->sorted, counts);
+    result->inside = counts->inside;
+    result->crowded = eng_kept_is_crowded(team->scene, &memory->sorted, counts);
     result->toi_first = counts->toi_first;
     if (!memory->merge->no_hash) {
         eng_hash_end(counts->hash, result->count, result->hash);

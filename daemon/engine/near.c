@@ -200,7 +200,7 @@ static double greatest_bound(const struct eng_near_memory *memory,
 
 static void write_bounds(struct eng_near_memory *memory, const struct eng_scene *scene,
                          const struct eng_near_settings *settings,
-                         struct eng_near_result *result)
+                         struct eng_step_result *result)
 {
     double *to = (double *)(void *)memory->records.data;
     eng_hash_sum sum = 0;
@@ -225,7 +225,7 @@ static void write_bounds(struct eng_near_memory *memory, const struct eng_scene 
 /* ---- the answer -------------------------------------------------------------------- */
 
 static void count_records(const struct eng_records *records,
-                          struct eng_near_result *result)
+                          struct eng_step_result *result)
 {
     const struct pccd_near *near = (const struct pccd_near *)(const void *)records->data;
     memset(result->counts, 0, sizeof result->counts);
@@ -238,7 +238,7 @@ static void count_records(const struct eng_records *records,
 
 /* What the workers have seen is in the answer, if that is complete. */
 static void sum_up(const struct eng_team *team, const struct eng_counts *counts,
-                   struct eng_near_result *result)
+                   struct eng_step_result *result)
 {
     memcpy(result->counts, counts->kind, sizeof result->counts);
     for (uint32_t i = 0; i < team->count; i++) {
@@ -249,7 +249,7 @@ static void sum_up(const struct eng_team *team, const struct eng_counts *counts,
 }
 
 static enum pccd_verdict verdict_of(const struct eng_team *team,
-                                    const struct eng_near_result *result)
+                                    const struct eng_step_result *result)
 {
     bool meets = atomic_load_explicit(team->workers[0]->settings->near->meets,
                                       memory_order_relaxed);
@@ -279,7 +279,7 @@ static uint64_t sum_pairs(const struct eng_team *team)
 
 static void answer_records(struct eng_near_memory *memory,
                            const struct eng_counts *counts, const struct eng_team *team,
-                           struct eng_near_result *result)
+                           struct eng_step_result *result)
 {
     struct eng_records *records = &memory->records;
     result->count = records->count;
@@ -309,7 +309,7 @@ static void answer_records(struct eng_near_memory *memory,
 static void answer_bounds(struct eng_near_memory *memory, const struct eng_counts *counts,
                           const struct eng_team *team,
                           const struct eng_near_settings *settings,
-                          struct eng_near_result *result)
+                          struct eng_step_result *result)
 {
     if (result->incomplete != PCCD_COMPLETE) {
         memory->records.count = 0;
@@ -323,7 +323,7 @@ static void answer_bounds(struct eng_near_memory *memory, const struct eng_count
 
 /* Bring together what the workers found. */
 static void answer(struct eng_team *team, const struct eng_near_settings *settings,
-                   struct eng_near_result *result)
+                   struct eng_step_result *result)
 {
     struct eng_step_memory *memory = eng_step_memory_of(team->scene);
     struct eng_counts counts = ENG_COUNTS_NONE;
@@ -374,7 +374,7 @@ static int arrive(struct eng_team *team, struct eng_near_query *query)
 
 static int reserve_objects(struct eng_team *team,
                            const struct eng_near_settings *settings,
-                           struct eng_near_result *result)
+                           struct eng_step_result *result)
 {
     struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
     struct eng_near_ask ask = {.what = settings->what,
@@ -395,7 +395,7 @@ static int reserve_objects(struct eng_team *team,
 }
 
 static int reserve(struct eng_team *team, const struct eng_near_settings *settings,
-                   const struct eng_near_query *query, struct eng_near_result *result)
+                   const struct eng_near_query *query, struct eng_step_result *result)
 {
     struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
     int status = PCCD_OK;
@@ -438,7 +438,7 @@ static void begin_search(struct eng_team *team, const struct eng_near_query *que
 
 /* Find what is asked for. */
 static int search(struct eng_scene *scene, const struct eng_near_settings *settings,
-                  uint64_t begin_ns, struct eng_near_result *result)
+                  uint64_t begin_ns, struct eng_step_result *result)
 {
     struct eng_near_query query;
     struct eng_step_settings step = settings->step;
@@ -503,7 +503,7 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
 }
 
 int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
-             struct eng_near_result *result)
+             struct eng_step_result *result)
 {
     assert(scene && settings && result);
     uint64_t begin_ns = common_now_ns();
@@ -513,7 +513,7 @@ int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
         eng_stage_abort(scene);
         return PCCD_E_INVAL;
     }
-    struct eng_near_result r = {.what = settings->what,
+    struct eng_step_result r = {.what = settings->what,
                                 .method = eng_method_of(&settings->step),
                                 .verdict = PCCD_VERDICT_NONE,
                                 .record_bytes = settings->what == PCCD_NEAR_VERTICES
@@ -528,7 +528,7 @@ int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
 }
 
 int eng_near_start(struct eng_scene *scene, const struct eng_step_settings *settings,
-                   struct eng_near_result *result)
+                   struct eng_step_result *result)
 {
     struct eng_near_settings near = {.step = *settings,
                                      .what = PCCD_NEAR_CROSSINGS,

@@ -27,35 +27,6 @@ struct eng_near_settings {
     bool counts_only;
 };
 
-struct eng_near_result {
-    enum pccd_near_what what;
-    enum pccd_method method;
-    enum pccd_incomplete incomplete;
-    enum pccd_verdict verdict;
-    const void *records; /* struct pccd_near[] or, VERTICES, double[]; valid until the */
-    uint32_t record_bytes; /* scene's next eng_near, removal or free */
-    uint64_t count;
-    uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
-    double distance_min;             /* least d_lo; 2e18 without any record */
-    double distance_max; /* greatest d_hi; 0 likewise. VERTICES: the least and the
-                          * greatest bound by a pair, in the whole scene */
-    uint64_t crossings;  /* DEPTH, CROSSINGS, and where they were asked for */
-    uint64_t
-        hash[2]; /* version 2; of VERTICES the sum over struct eng_vertex_bound; zeros
-                       * with a gap */
-    /* Status PCCD_E_INVAL of NEAREST and DEPTH: the object whose mesh has free edges or
-     * points (has_free); of DEPTH: whose mesh is not closed, an edge of it, by vertices,
-     * and how often its faces run through it from the first to the second and back. */
-    uint32_t open_object;
-    bool has_free;
-    uint32_t open_edge[2];
-    uint32_t open_runs[2];
-    uint32_t threads;
-    const struct eng_thread_record *thread_records; /* [threads]; valid as records */
-    struct pccd_step_counters counters;
-    struct pccd_step_times times;
-};
-
 /* What VERTICES has of a vertex, as it is hashed. */
 struct eng_vertex_bound {
     uint32_t object;
@@ -72,11 +43,11 @@ struct eng_vertex_bound {
  * of both features, their exact sum (scene.h). Pairs that are left thin for their rest
  * VERTICES takes without radii, the others not at all. */
 int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
-             struct eng_near_result *result);
+             struct eng_step_result *result);
 
 /* How the step begins that the scene has just made with these settings, in counts: its
  * crossings and, if it has an approach, the pairs within their distance. As above. */
 int eng_near_start(struct eng_scene *scene, const struct eng_step_settings *settings,
-                   struct eng_near_result *result);
+                   struct eng_step_result *result);
 
 #endif

@@ -203,7 +203,7 @@ static int step(struct eng_scene *scene, const struct eng_step_settings *setting
 }
 
 /* What finding out how it begins took is the step's. */
-static void add_work(const struct eng_near_result *near, struct eng_step_result *result)
+static void add_work(const struct eng_step_result *near, struct eng_step_result *result)
 {
     struct pccd_step_counters *counters = &result->counters;
     for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
@@ -226,9 +226,9 @@ static void add_work(const struct eng_near_result *near, struct eng_step_result 
 static void tell_start(struct eng_scene *scene, const struct eng_step_settings *settings,
                        struct eng_step_result *result)
 {
-    struct eng_near_result near = {.incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT};
+    struct eng_step_result near = {.incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT};
     if (eng_near_start(scene, settings, &near) != PCCD_OK) {
-        near = (struct eng_near_result){.incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT};
+        near = (struct eng_step_result){.incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT};
     }
     bool is_free = near.crossings + near.count == 0;
     bool is_known = near.incomplete == PCCD_COMPLETE || !is_free;

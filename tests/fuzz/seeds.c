@@ -618,7 +618,7 @@ static void make_record_seeds(void)
     const struct record_near near = {
         .step = 2, .scene = 5, .segment_count = 1, .end = 1, .distance = 0.5};
     const struct record_near_answer told = {.step = 2, .total = 1, .counts = {1}};
-    const struct record_near_records records = {
+    const struct record_records records = {
         .step = 2, .count = 1, .record_bytes = sizeof(struct pccd_near)};
     const struct pccd_near record = {.object_a = 9, .object_b = 9, .count = 1};
     const struct {

@@ -212,7 +212,7 @@ static bool is_about(enum forgery forgery, const struct record_near *asked)
 /* Whether the chunk was forged. */
 static bool forge_records(enum forgery forgery, uint8_t *payload)
 {
-    struct record_near_records head;
+    struct record_records head;
     struct pccd_near record;
     double bound;
     memcpy(&head, payload, sizeof head);
@@ -294,7 +294,7 @@ static void forge(enum forgery forgery)
         memcpy(copy, view.payload, bytes);
         if (view.kind == RECORD_NEAR_RECORDS && is_done && forgery == FORGE_MISSING &&
             !is_short) {
-            struct record_near_records head;
+            struct record_records head;
             memcpy(&head, copy, sizeof head);
             head.count--;
             bytes -= head.record_bytes;

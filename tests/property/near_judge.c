@@ -152,7 +152,7 @@ static void tell(const char *whose, const struct pccd_near *near)
 
 /* The first records of the truth, as many as there are. */
 static const char *check_first(const struct oracle_nears *nears,
-                               const struct eng_near_result *result)
+                               const struct eng_step_result *result)
 {
     const struct pccd_near *records = result->records;
     for (uint64_t i = 0; i < result->count; i++) {
@@ -172,7 +172,7 @@ static const char *check_first(const struct oracle_nears *nears,
 
 /* Some of the truth, in order. */
 static const char *check_part(const struct oracle_nears *nears,
-                              const struct eng_near_result *result)
+                              const struct eng_step_result *result)
 {
     const struct pccd_near *records = result->records;
     size_t at = 0;
@@ -194,7 +194,7 @@ static const char *check_part(const struct oracle_nears *nears,
 }
 
 /* Numbers about the records that are there. */
-static const char *check_numbers(const struct eng_near_result *result)
+static const char *check_numbers(const struct eng_step_result *result)
 {
     const struct pccd_near *records = result->records;
     uint64_t counts[PCCD_KINDS_MAX] = {0};
@@ -217,7 +217,7 @@ static const char *check_numbers(const struct eng_near_result *result)
 }
 
 static const char *check_records(const struct oracle_nears *nears, bool is_limited,
-                                 const struct eng_near_result *result)
+                                 const struct eng_step_result *result)
 {
     const char *wrong = NULL;
     if (result->record_bytes != sizeof(struct pccd_near)) {
@@ -287,7 +287,7 @@ static const char *check_gap(const struct oracle_moment *moment,
 const char *near_judge_gaps(const struct oracle_moment *moment,
                             const struct eng_near_settings *settings,
                             const struct oracle_nears *nearest,
-                            const struct eng_near_result *result, struct near_sums *sums)
+                            const struct eng_step_result *result, struct near_sums *sums)
 {
     const struct pccd_near *records = result->records;
     if (result->incomplete == PCCD_COMPLETE && result->count != nearest->count) {
@@ -309,7 +309,7 @@ const char *near_judge_gaps(const struct oracle_moment *moment,
 
 static const char *check_objects(const struct moment *moment, const struct truth *truth,
                                  const struct eng_near_settings *settings,
-                                 const struct eng_near_result *result,
+                                 const struct eng_step_result *result,
                                  struct near_sums *sums)
 {
     bool is_limited = truth->objects.count > settings->step.contact_max;
@@ -329,7 +329,7 @@ static const char *check_objects(const struct moment *moment, const struct truth
 /* ---- bounds ------------------------------------------------------------------------ */
 
 static const char *compare_bounds(const struct eng_vertex_bound *want, uint64_t count,
-                                  const struct eng_near_result *result)
+                                  const struct eng_step_result *result)
 {
     const double *given = result->records;
     uint64_t hash[2];
@@ -347,7 +347,7 @@ static const char *compare_bounds(const struct eng_vertex_bound *want, uint64_t 
 
 /* The least and the greatest that any vertex of the scene has of a pair. */
 static const char *check_extremes(const struct moment *moment, const struct truth *truth,
-                                  const struct eng_near_result *result)
+                                  const struct eng_step_result *result)
 {
     double least = 2e18;
     double greatest = 0;
@@ -368,7 +368,7 @@ static const char *check_extremes(const struct moment *moment, const struct trut
 
 static const char *check_bounds(const struct moment *moment, const struct truth *truth,
                                 const struct eng_near_settings *settings,
-                                const struct eng_near_result *result,
+                                const struct eng_step_result *result,
                                 struct near_sums *sums)
 {
     struct eng_vertex_bound *want = NULL;
@@ -398,7 +398,7 @@ static const char *check_bounds(const struct moment *moment, const struct truth 
 /* Nothing is said to be free of intersections, or not, that was not looked at. */
 static const char *check_verdict(const struct truth *truth,
                                  const struct eng_near_settings *settings,
-                                 const struct eng_near_result *result)
+                                 const struct eng_step_result *result)
 {
     bool is_free = truth->crossings.count == 0 && truth->pairs.count == 0;
     if (result->what <= PCCD_NEAR_VERTICES && result->incomplete == PCCD_COMPLETE &&
@@ -420,7 +420,7 @@ static const char *check_verdict(const struct truth *truth,
 }
 
 static void sum_up(const struct truth *truth, const struct eng_near_settings *settings,
-                   const struct eng_near_result *result, struct near_sums *sums)
+                   const struct eng_step_result *result, struct near_sums *sums)
 {
     sums->judged++;
     sums->queries +=
@@ -447,7 +447,7 @@ static void sum_up(const struct truth *truth, const struct eng_near_settings *se
  * any more when it is known that features do, or cross. */
 static const char *check_counters(const struct truth *truth,
                                   const struct eng_near_settings *settings,
-                                  const struct eng_near_result *result)
+                                  const struct eng_step_result *result)
 {
     const struct pccd_step_counters *counters = &result->counters;
     uint64_t counts[PCCD_KINDS_MAX] = {0};
@@ -471,7 +471,7 @@ static const char *check_counters(const struct truth *truth,
 
 const char *near_judge(const struct player *player,
                        const struct eng_near_settings *settings,
-                       const struct eng_near_result *result, uint64_t queries_max,
+                       const struct eng_step_result *result, uint64_t queries_max,
                        struct near_sums *sums)
 {
     struct moment moment;

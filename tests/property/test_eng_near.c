@@ -279,7 +279,7 @@ static void forget_due(struct due *due)
 /* ---- what is answered -------------------------------------------------------------- */
 
 static void check_bounds(const struct sequence *s, const struct due *due,
-                         const struct eng_near_result *result)
+                         const struct eng_step_result *result)
 {
     const double *bound = result->records;
     for (uint32_t i = s->object_count; i-- > 0;) { /* ids go down */
@@ -298,7 +298,7 @@ static void check_bounds(const struct sequence *s, const struct due *due,
 }
 
 static void check_records(const struct sequence *s, const struct oracle_nears *due,
-                          const struct eng_near_result *result)
+                          const struct eng_step_result *result)
 {
     const struct pccd_near *records = result->records;
     uint64_t hash[2];
@@ -314,7 +314,7 @@ static void check_records(const struct sequence *s, const struct oracle_nears *d
     sums.records += due->count;
 }
 
-static void check_answer(const struct sequence *s, const struct eng_near_result *result)
+static void check_answer(const struct sequence *s, const struct eng_step_result *result)
 {
     struct due due;
     find_due(s, &due);
@@ -364,7 +364,7 @@ static void ask(struct sequence *s, bool moves)
         PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES, PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS};
     static const double distances[] = {0, 0.25, 0.1, 0.5, 1e-3};
     const struct eng_step_settings defaults = ENG_STEP_SETTINGS_DEFAULT;
-    struct eng_near_result result;
+    struct eng_step_result result;
     s->settings = (struct eng_near_settings){.step = defaults,
                                              .what = questions[draw(s, 4)],
                                              .end = draw(s, 2),

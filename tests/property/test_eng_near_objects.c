@@ -252,7 +252,7 @@ static void begin_truth(const struct scene *scene, enum pccd_near_what what,
 
 /* All of it, and nothing else. */
 static void compare(const struct scene *scene, double distance,
-                    const struct eng_near_result *result, struct truth *truth)
+                    const struct eng_step_result *result, struct truth *truth)
 {
     for (uint64_t i = 0; i < result->count && i < truth->nears.count; i++) {
         const struct pccd_near *is = near_kit_record(result, i);
@@ -274,9 +274,9 @@ static void compare(const struct scene *scene, double distance,
 
 /* ---- questions ------------------------------------------------------------------ */
 
-static struct eng_near_result ask(struct scene *scene, struct eng_near_settings settings)
+static struct eng_step_result ask(struct scene *scene, struct eng_near_settings settings)
 {
-    struct eng_near_result result;
+    struct eng_step_result result;
     way_draw(&scene->prng, THREADS_MAX, &settings.step);
     settings.step.team_always = true;
     settings.end = scene->end;
@@ -287,7 +287,7 @@ static struct eng_near_result ask(struct scene *scene, struct eng_near_settings 
 }
 
 /* Which objects have a pair in an answer: they are added. */
-static void add_twos(const struct eng_near_result *result,
+static void add_twos(const struct eng_step_result *result,
                      bool twos[OBJECTS_MAX][OBJECTS_MAX])
 {
     for (uint64_t i = 0; i < result->count; i++) {
@@ -306,7 +306,7 @@ static void check_rule(struct scene *scene, const struct eng_near_settings *near
     bool twos[OBJECTS_MAX][OBJECTS_MAX] = {{false}};
     settings.objects[0] = settings.objects[1] = 0;
     settings.what = PCCD_NEAR_PAIRS;
-    struct eng_near_result result = ask(scene, settings);
+    struct eng_step_result result = ask(scene, settings);
     add_twos(&result, twos);
     settings.what = PCCD_NEAR_CROSSINGS;
     result = ask(scene, settings);
@@ -343,7 +343,7 @@ static void check_nearest(struct scene *scene)
     }
     sums.named += settings.objects[0] != 0 && settings.objects[1] != 0 &&
                   scene->is_apart[settings.objects[0] - 1][settings.objects[1] - 1];
-    struct eng_near_result result = ask(scene, settings);
+    struct eng_step_result result = ask(scene, settings);
     begin_truth(scene, PCCD_NEAR_NEAREST, &truth);
     assert_true(oracle_objects_nearest(&truth.moment, settings.objects, settings.distance,
                                        UINT64_MAX, &truth.nears));
@@ -363,7 +363,7 @@ static void check_nearest(struct scene *scene)
 }
 
 static void check_bounds(struct scene *scene, const struct eng_near_settings *settings,
-                         const struct eng_near_result *result, struct truth *truth)
+                         const struct eng_step_result *result, struct truth *truth)
 {
     const double *given = result->records;
     for (uint32_t i = 0; i < scene->kit.count; i++) {
@@ -385,7 +385,7 @@ static void check_pairs(struct scene *scene)
     struct oracle_nears features;
     struct truth truth;
     settings.distance = scene->scale * (double)draw(scene, 6) * 0.125;
-    struct eng_near_result result = ask(scene, settings);
+    struct eng_step_result result = ask(scene, settings);
     begin_truth(scene, settings.what, &truth);
     if (!oracle_near_pairs(&truth.moment, settings.distance, QUERIES_MAX, &truth.nears)) {
         return;
@@ -406,7 +406,7 @@ static void check_pairs(struct scene *scene)
 static void check_depth(struct scene *scene)
 {
     static const uint32_t all[2] = {0, 0};
-    struct eng_near_result result = ask(scene, near_kit_settings(PCCD_NEAR_DEPTH));
+    struct eng_step_result result = ask(scene, near_kit_settings(PCCD_NEAR_DEPTH));
     struct truth truth;
     uint64_t crossings;
     begin_truth(scene, PCCD_NEAR_DEPTH, &truth);

@@ -371,7 +371,7 @@ static void take_step(struct sequence *sequence)
             check_step(sequence, &settings, &result);
         }
         sums.interrupted += !is_complete;
-        sums.inside += is_complete ? result.thick.inside : 0;
+        sums.inside += is_complete ? result.inside : 0;
         sums.shortened += is_prefix && !is_complete;
     }
 }
@@ -450,7 +450,7 @@ static void draw_question(struct sequence *sequence)
     }
 }
 
-static void check_answer(struct sequence *sequence, const struct eng_near_result *result)
+static void check_answer(struct sequence *sequence, const struct eng_step_result *result)
 {
     const struct player *player = &sequence->stir.player;
     const struct eng_near_settings *question = &sequence->question;
@@ -478,7 +478,7 @@ static void ask(struct sequence *sequence)
 {
     struct player *player = &sequence->stir.player;
     struct eng_near_settings limited;
-    struct eng_near_result result;
+    struct eng_step_result result;
     atomic_bool cancel = true;
     uint32_t how = draw(sequence, 16);
     draw_question(sequence);

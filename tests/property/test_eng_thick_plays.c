@@ -174,7 +174,7 @@ static double draw_length(struct thick_play *play)
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-static void check_near(struct thick_play *play, const struct eng_near_result *result,
+static void check_near(struct thick_play *play, const struct eng_step_result *result,
                        double distance, uint32_t end)
 {
     const struct pccd_near *records = result->records;
@@ -199,7 +199,7 @@ static void check_near(struct thick_play *play, const struct eng_near_result *re
 /* The names of a step's pairs are those that are near at an end of it. */
 static void ask(struct thick_play *play)
 {
-    struct eng_near_result first;
+    struct eng_step_result first;
     double distance = draw_length(play);
     uint32_t end = (uint32_t)prng_below(&play->prng, 2);
     for (uint32_t i = 0; i < way_count(); i++) {
@@ -207,7 +207,7 @@ static void ask(struct thick_play *play)
                                              .what = PCCD_NEAR_PAIRS,
                                              .distance = distance,
                                              .end = end};
-        struct eng_near_result result;
+        struct eng_step_result result;
         assert_int_equal(eng_near(play->scenes[i], &settings, &result), PCCD_OK);
         if (i == 0) {
             check_near(play, &result, distance, end);

@@ -295,7 +295,7 @@ static const char *check_sums(const struct eng_step_result *result)
         toi = fmin(toi, contacts[i].toi);
     }
     if (result->toi_first != toi || result->initial != initial ||
-        result->possible != possible || result->thick.inside != inside) {
+        result->possible != possible || result->inside != inside) {
         return "what is counted of the records";
     }
     double safe = result->count == 0 ? 1 : toi == 0 ? 0 : nextafter(toi, 0);

@@ -66,8 +66,7 @@ const char *fresh_difference(const struct fresh_answer *fresh,
         result->initial != want->initial) {
         return "what is counted of the records";
     }
-    if (result->safe_step != want->safe_step ||
-        result->thick.inside != want->thick.inside) {
+    if (result->safe_step != want->safe_step || result->inside != want->inside) {
         return "how far it is safe, or what began inside";
     }
     if (result->crossings != want->crossings ||

@@ -22,7 +22,7 @@ void near_hash(const void *records, uint64_t count, uint32_t record_bytes,
     eng_hash_end(eng_hash_records(records, count, record_bytes), count, hash);
 }
 
-void near_keep(const struct eng_near_result *result, struct near_answer *answer)
+void near_keep(const struct eng_step_result *result, struct near_answer *answer)
 {
     size_t bytes = result->count * result->record_bytes;
     answer->result = *result;
@@ -41,9 +41,9 @@ void near_free(struct near_answer *answer)
 }
 
 const char *near_difference(const struct near_answer *answer,
-                            const struct eng_near_result *result)
+                            const struct eng_step_result *result)
 {
-    const struct eng_near_result *want = &answer->result;
+    const struct eng_step_result *want = &answer->result;
     if (result->what != want->what || result->incomplete != want->incomplete) {
         return "whether it is complete";
     }
@@ -73,7 +73,7 @@ void near_find_fresh(const struct player *player,
                      const struct eng_near_settings *settings, struct near_answer *answer)
 {
     struct eng_near_settings plain = *settings;
-    struct eng_near_result result;
+    struct eng_step_result result;
     struct player copy;
     enum pccd_method method = eng_method_of(&settings->step);
     plain.step = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;

@@ -15,7 +15,7 @@
 
 /* All of an answer but its counters, times and threads. `records` is ours. */
 struct near_answer {
-    struct eng_near_result result;
+    struct eng_step_result result;
     void *records;
 };
 
@@ -23,12 +23,12 @@ struct near_answer {
 void near_hash(const void *records, uint64_t count, uint32_t record_bytes,
                uint64_t hash[2]);
 
-void near_keep(const struct eng_near_result *result, struct near_answer *answer);
+void near_keep(const struct eng_step_result *result, struct near_answer *answer);
 void near_free(struct near_answer *answer);
 
 /* What is not the same, byte for byte, in words; NULL: everything is. */
 const char *near_difference(const struct near_answer *want,
-                            const struct eng_near_result *result);
+                            const struct eng_step_result *result);
 
 /* The same asked of the same objects at the same positions in a scene that has been
  * through nothing, in the same request that moves it there: one thread, the other method,

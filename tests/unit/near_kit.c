@@ -59,11 +59,11 @@ struct eng_near_settings near_kit_settings(enum pccd_near_what what)
     return settings;
 }
 
-struct eng_near_result near_kit_ask(struct near_kit *kit,
+struct eng_step_result near_kit_ask(struct near_kit *kit,
                                     const struct eng_near_settings *settings)
 {
     struct eng_near_settings way = *settings;
-    struct eng_near_result result = {0};
+    struct eng_step_result result = {0};
     void *kept = NULL;
     uint64_t count = 0;
     for (uint32_t i = 0; i < WAY_METHODS * way_kernels_count() * 3; i++) {

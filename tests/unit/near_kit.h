@@ -33,12 +33,12 @@ struct eng_mesh *near_kit_box(const double low[3], const double high[3], bool in
 struct eng_near_settings near_kit_settings(enum pccd_near_what what);
 
 /* Ask in every way: the same complete answer each time. Records are the last one's. */
-struct eng_near_result near_kit_ask(struct near_kit *kit,
+struct eng_step_result near_kit_ask(struct near_kit *kit,
                                     const struct eng_near_settings *settings);
 
 /* Record i of an answer. */
 static inline const struct pccd_near *
-near_kit_record(const struct eng_near_result *result, uint64_t i)
+near_kit_record(const struct eng_step_result *result, uint64_t i)
 {
     return (const struct pccd_near *)result->records + i;
 }

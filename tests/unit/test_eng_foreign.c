@@ -216,7 +216,7 @@ static uint64_t near(const struct play *play, const struct eng_step_settings *se
 {
     struct eng_near_settings ask = {
         .step = *settings, .what = what, .distance = 0.01, .end = 1};
-    struct eng_near_result result[SCENES];
+    struct eng_step_result result[SCENES];
     const void *records[SCENES];
     uint64_t counts[SCENES];
     for (uint32_t s = 0; s < SCENES; s++) {
@@ -236,7 +236,7 @@ static void check_bounds(const struct play *play,
 {
     const struct eng_near_settings ask = {
         .step = *settings, .what = PCCD_NEAR_VERTICES, .distance = 0.01, .end = 1};
-    struct eng_near_result result[SCENES];
+    struct eng_step_result result[SCENES];
     const double *bounds[SCENES];
     uint64_t unknown = 0;
     for (uint32_t s = 0; s < SCENES; s++) {

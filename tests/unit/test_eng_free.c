@@ -19,11 +19,11 @@
 
 #include "distance.h"
 #include "eng_kit.h"
+#include "feature.h"
 #include "kinds.h"
 #include "near.h"
 #include "near_kit.h"
 #include "thick.h"
-#include "feature.h"
 #include "topology.h"
 
 /* ---- meshes ------------------------------------------------------------------------ */
@@ -596,11 +596,11 @@ static void check_near(struct play *play, enum pccd_kind kind, const struct feat
     (void)play;
 }
 
-static struct eng_near_result ask(struct play *play, enum pccd_near_what what, uint32_t i)
+static struct eng_step_result ask(struct play *play, enum pccd_near_what what, uint32_t i)
 {
     const struct eng_near_settings settings = {
         .step = way(i, PCCD_MODE_ALL), .what = what, .distance = NEAR, .end = 1};
-    struct eng_near_result result;
+    struct eng_step_result result;
     assert_int_equal(eng_near(play->scenes[i], &settings, &result), PCCD_OK);
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     return result;
@@ -610,7 +610,7 @@ static struct eng_near_result ask(struct play *play, enum pccd_near_what what, u
  * them. */
 static void check_merged(struct play *play, struct near *near, uint32_t i, uint64_t pairs)
 {
-    struct eng_near_result result = ask(play, PCCD_NEAR_FEATURES, i);
+    struct eng_step_result result = ask(play, PCCD_NEAR_FEATURES, i);
     const struct pccd_near *records = result.records;
     uint64_t sum = 0;
     for (uint64_t k = 0; k < result.count; k++) {
@@ -643,7 +643,7 @@ static void near__has_free_points_and_edges(void **state)
     }
     assert_int_equal(eng_distances_init(&near.distances), PCCD_OK);
     for (uint32_t i = 0; i < way_count(); i++) {
-        struct eng_near_result result = ask(&play, PCCD_NEAR_PAIRS, i);
+        struct eng_step_result result = ask(&play, PCCD_NEAR_PAIRS, i);
         if (i == 0) {
             near.records = result.records;
             near.count = result.count;
@@ -679,7 +679,7 @@ static void near__refuses_by_name_what_it_has_no_answer_to(void **state)
     for (uint32_t i = 0; i < 2; i++) {
         const struct eng_near_settings settings = {
             .step = way(0, PCCD_MODE_ALL), .what = whats[i], .distance = 1, .end = 1};
-        struct eng_near_result result;
+        struct eng_step_result result;
         assert_int_equal(eng_near(play.scenes[0], &settings, &result), PCCD_E_INVAL);
         assert_int_equal(result.open_object, 1);
         assert_true(result.has_free);

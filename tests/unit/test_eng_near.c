@@ -40,7 +40,7 @@ static void stage_tip(struct near_kit *kit, double height)
                      PCCD_OK);
 }
 
-static struct eng_near_result ask_pairs(struct near_kit *kit, double distance,
+static struct eng_step_result ask_pairs(struct near_kit *kit, double distance,
                                         uint32_t end)
 {
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
@@ -57,7 +57,7 @@ static void near__has_what_is_exactly_that_far(void **state)
     struct near_kit kit;
     setup(&kit, 0.1);
     assert_int_equal(ask_pairs(&kit, nextafter(0.1, 0), 1).count, 0);
-    struct eng_near_result result = ask_pairs(&kit, 0.1, 1);
+    struct eng_step_result result = ask_pairs(&kit, 0.1, 1);
     assert_int_equal(result.count, 1);
     const struct pccd_near *record = near_kit_record(&result, 0);
     assert_true(record->kind == PCCD_VF && record->object_a == 2 &&
@@ -83,7 +83,7 @@ static void near__merges_pairs_to_their_features(void **state)
     near_kit_add(&kit, kit_mesh(right, 3, corners, 1));
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_FEATURES);
     settings.distance = 1;
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
     const struct pccd_near *record = near_kit_record(&result, 0);
     assert_true(record->kind == PCCD_VV && record->object_a == 1 &&
@@ -109,7 +109,7 @@ static void near__folds_features_before_it_cuts(void **state)
     near_kit_add(&kit, kit_sheet(40, 0x1p-10));
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_FEATURES);
     settings.distance = 0x1p-10;
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     uint64_t count = result.count;
     uint64_t pairs = 0;
     struct pccd_near *all = calloc(count, sizeof *all);
@@ -150,7 +150,7 @@ static void near__bounds_the_points_of_pairs(void **state)
     setup(&kit, 0.25);
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_VERTICES);
     settings.distance = 0.375;
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     const double *bounds = result.records;
     static const double want[7] = {0.25, 0.25, 0.25, 0.375, 0.25, 0.375, 0.375};
     assert_int_equal(result.count, 7);
@@ -191,7 +191,7 @@ static void near__takes_radii_off_bounds(void **state)
         more.radius = i == 2 ? 0.5 : thick.radius;
         assert_int_equal(eng_scene_set_thickness(kit.scene, kit.idx[0], &more), PCCD_OK);
         settings.distance = i == 1 ? 0.125 : 0.25;
-        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_memory_equal(result.records, want[i], sizeof want[i]);
         assert_true(result.distance_min == want[i][0] &&
                     result.distance_max == want[i][0]);
@@ -212,7 +212,7 @@ static void near__says_whether_anything_crosses_or_touches(void **state)
         struct near_kit kit;
         setup(&kit, heights[i]);
         struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_CROSSINGS);
-        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_int_equal(result.count, crossings[i]);
         assert_int_equal(result.crossings, crossings[i]);
         assert_int_equal(result.verdict, verdicts[i]);
@@ -238,7 +238,7 @@ static void near__is_of_the_end_that_was_asked_for(void **state)
 {
     (void)state;
     struct near_kit kit;
-    struct eng_near_result result;
+    struct eng_step_result result;
     setup(&kit, 0.5);
     assert_int_equal(ask_pairs(&kit, 0.5, 0).count, 1);
     assert_int_equal(ask_pairs(&kit, 0.5, 1).count, 1);
@@ -277,7 +277,7 @@ static void near__goes_by_no_staging_that_is_given_up(void **state)
         }
         stage_tip(&kit, -7);
         eng_stage_abort(kit.scene);
-        struct eng_near_result result = ask_pairs(&kit, is_trial ? 0.5 : 3, 0);
+        struct eng_step_result result = ask_pairs(&kit, is_trial ? 0.5 : 3, 0);
         assert_int_equal(result.count, 1);
         assert_true(near_kit_record(&result, 0)->d_lo == (is_trial ? 0.5 : 3));
         result = ask_pairs(&kit, 3, 1);
@@ -348,7 +348,7 @@ static void near__asked_once_more_allocates_nothing(void **state)
     (void)state;
     for (uint32_t i = 0; i < WHATS * WAY_METHODS * 2; i++) {
         struct near_kit kit;
-        struct eng_near_result result;
+        struct eng_step_result result;
         struct eng_near_settings settings = near_kit_settings(whats[i % WHATS]);
         settings.distance = 0.25;
         settings.step.method = way_methods[i / WHATS % WAY_METHODS];
@@ -371,7 +371,7 @@ static void near__refuses_settings_out_of_range(void **state)
 {
     (void)state;
     struct near_kit kit;
-    struct eng_near_result result;
+    struct eng_step_result result;
     setup(&kit, 0.5);
     for (uint32_t i = 0; i < 8; i++) {
         struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
@@ -441,7 +441,7 @@ static void near__finds_what_lies_beside_what_shrinks(void **state)
         settings.step.method = way_methods[m];
         settings.distance = 1;
         settings.end = 1;
-        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = near_kit_ask(&kit, &settings);
         uint64_t between = 0;
         for (uint64_t i = 0; i < result.count; i++) {
             const struct pccd_near *record = near_kit_record(&result, i);
@@ -464,7 +464,7 @@ static void near__of_any_distance_finds_all_pairs(void **state)
         settings.step.method = way_methods[m];
         settings.end = 1;
         for (settings.distance = 2e3; settings.distance < 1e18; settings.distance *= 30) {
-            struct eng_near_result result = near_kit_ask(&kit, &settings);
+            struct eng_step_result result = near_kit_ask(&kit, &settings);
             /* 3 vertices and 2 faces, 4 and 1, 3 edges and 5; within the floor 2 vertices
              * and faces, and a pair of edges on either side. */
             assert_int_equal(result.count, 3 * 2 + 4 + 3 * 5 + 2 + 2);

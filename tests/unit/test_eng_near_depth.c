@@ -50,7 +50,7 @@ static struct eng_mesh *spike(double x, double y, double z)
     return kit_mesh((const double(*)[3])corner, 4, faces, 4);
 }
 
-static struct eng_near_result ask(struct near_kit *kit, struct eng_mesh *a,
+static struct eng_step_result ask(struct near_kit *kit, struct eng_mesh *a,
                                   struct eng_mesh *b)
 {
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_DEPTH);
@@ -66,7 +66,7 @@ static void depth__is_of_the_vertices_inside(void **state)
 {
     (void)state;
     struct near_kit kit;
-    struct eng_near_result result = ask(&kit, cube(0, 2), cube(1.5, 4));
+    struct eng_step_result result = ask(&kit, cube(0, 2), cube(1.5, 4));
     assert_int_equal(result.count, 2); /* 0's corner (2, 2, 2) is in the other, too */
     const struct pccd_near *record = near_kit_record(&result, 0);
     assert_int_equal(record->kind, PCCD_VF);
@@ -86,7 +86,7 @@ static void depth__is_of_a_mesh_inside_another(void **state)
 {
     (void)state;
     struct near_kit kit;
-    struct eng_near_result result = ask(&kit, cube(0, 8), cube(3, 4));
+    struct eng_step_result result = ask(&kit, cube(0, 8), cube(3, 4));
     assert_int_equal(result.count, 8);
     for (uint64_t i = 0; i < 8; i++) {
         const struct pccd_near *record = near_kit_record(&result, i);
@@ -108,7 +108,7 @@ static void depth__leaves_out_what_is_on_the_surface(void **state)
                                        {2, 4, 1}, {0, 1, 2}, {1, 0, 2}, {1, 2, 0}};
     for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
         struct near_kit kit;
-        struct eng_near_result result =
+        struct eng_step_result result =
             ask(&kit, cube(0, 4), spike(places[i][0], places[i][1], places[i][2]));
         assert_int_equal(result.count, 0);
         near_kit_end(&kit);
@@ -122,7 +122,7 @@ static void depth__decides_rays_through_edges_and_vertices(void **state)
 {
     (void)state;
     struct near_kit kit;
-    struct eng_near_result result;
+    struct eng_step_result result;
     static const double x[6][3] = {{4, 0, 0},  {-4, 0, 0}, {0, 4, 0},
                                    {0, -4, 0}, {0, 0, 4},  {0, 0, -4}};
     static const uint32_t faces[8][3] = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
@@ -157,7 +157,7 @@ static void depth__goes_by_the_winding_number(void **state)
         struct near_kit kit;
         shells[0].inward = i % 2 == 1;
         shells[1].inward = i / 2 == 1;
-        struct eng_near_result result = ask(&kit, boxes(shells, 2), spike(4, 4, 3.5));
+        struct eng_step_result result = ask(&kit, boxes(shells, 2), spike(4, 4, 3.5));
         bool cancels = shells[0].inward != shells[1].inward;
         assert_int_equal(result.count, cancels ? 0 : 1);
         assert_true(cancels || result.distance_max == 1.5);
@@ -172,7 +172,7 @@ static void depth__counts_what_passes_through(void **state)
 {
     (void)state;
     struct near_kit kit;
-    struct eng_near_result result =
+    struct eng_step_result result =
         ask(&kit, boxes(&(struct box){{-8, -1, -1}, {8, 1, 1}, false}, 1),
             boxes(&(struct box){{-0.5, -9, -0.5}, {0.5, 9, 0.5}, false}, 1));
     assert_int_equal(result.count, 0);
@@ -193,7 +193,7 @@ static void depth__names_what_is_open(void **state)
     /* Without its fourth face; the third is turned round. */
     static const uint32_t faces[3][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}};
     struct near_kit kit;
-    struct eng_near_result result;
+    struct eng_step_result result;
     near_kit_begin(&kit);
     near_kit_add(&kit, cube(0, 1));
     near_kit_add(&kit, kit_mesh(x, 4, faces, 3));
@@ -238,7 +238,7 @@ static void depth__of_parts_is_that_of_their_own_vertices(void **state)
     static const struct box bar[2] = {{{-8, -1, -1}, {8, 1, 1}, false},
                                       {{-0.5, -9, -0.5}, {0.5, 9, 0.5}, false}};
     uint64_t crossings[3];
-    struct eng_near_result result[3];
+    struct eng_step_result result[3];
     struct pccd_near records[3][4];
     (void)state;
     for (int i = 0; i < 3; i++) {
@@ -273,7 +273,7 @@ static void depth__of_a_part_needs_only_what_rays_meet(void **state)
     struct eng_mesh *mesh = kit_mesh(x, 3, face, 1);
     (void)state;
     assert_int_equal(eng_mesh_set_own(mesh, &all, &all), PCCD_OK);
-    struct eng_near_result result = ask(&kit, mesh, part(inside, all, true));
+    struct eng_step_result result = ask(&kit, mesh, part(inside, all, true));
     assert_int_equal(result.count, 8); /* a ray from each vertex passes it */
     assert_int_equal(near_kit_record(&result, 0)->object_a, 2);
     assert_true(near_kit_record(&result, 0)->d_lo == 3);

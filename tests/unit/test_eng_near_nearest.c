@@ -41,7 +41,7 @@ static void nearest__is_a_vertex_above_a_face(void **state)
         near_kit_add(&kit, triangle(turned ? spike : floor));
         near_kit_add(&kit, triangle(turned ? floor : spike));
         struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
-        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_int_equal(result.count, 1);
         const struct pccd_near *record = near_kit_record(&result, 0);
         assert_int_equal(record->kind, PCCD_VF);
@@ -69,7 +69,7 @@ static void nearest__is_two_edges(void **state)
     near_kit_add(&kit, triangle(lower));
     near_kit_add(&kit, triangle(upper));
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
     const struct pccd_near *record = near_kit_record(&result, 0);
     assert_int_equal(record->kind, PCCD_EE);
@@ -96,7 +96,7 @@ static void nearest__of_what_crosses_is_the_first_crossing(void **state)
         struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
         for (int way = 0; way < 4; way++) { /* from anew, then warm */
             settings.distance = way % 2 == 0 ? INFINITY : 0;
-            struct eng_near_result result = near_kit_ask(&kit, &settings);
+            struct eng_step_result result = near_kit_ask(&kit, &settings);
             assert_int_equal(result.count, 1);
             assert_int_equal(result.counts[PCCD_EF], 1);
             const struct pccd_near *record = near_kit_record(&result, 0);
@@ -113,7 +113,7 @@ static void nearest__of_what_crosses_is_the_first_crossing(void **state)
         }
         struct pccd_near of_crossings[2];
         settings = near_kit_settings(PCCD_NEAR_NEAREST);
-        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = near_kit_ask(&kit, &settings);
         of_crossings[0] = *near_kit_record(&result, 0);
         settings = near_kit_settings(PCCD_NEAR_CROSSINGS);
         result = near_kit_ask(&kit, &settings);
@@ -141,7 +141,7 @@ static void nearest__of_a_box_inside_a_box_is_no_crossing(void **state)
     near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
     near_kit_add(&kit, near_kit_box(low, high, false));
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
     assert_true(near_kit_record(&result, 0)->d_lo == 2);
     settings = near_kit_settings(PCCD_NEAR_DEPTH);
@@ -161,7 +161,7 @@ static void nearest__of_equals_is_the_first_in_order(void **state)
     near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
     near_kit_add(&kit, box_at(1.5, 0, 0));
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
     const struct pccd_near *record = near_kit_record(&result, 0);
     /* The first vertex of object 1 with x = 1, and the first face of object 2 that has
@@ -191,7 +191,7 @@ static void nearest__is_told_from_one_that_is_hardly_farther(void **state)
     near_kit_add(&kit, triangle(floor));
     near_kit_add(&kit, kit_mesh((const double(*)[3])spikes, 6, corners, 2));
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(near_kit_record(&result, 0)->feature_a, 3);
     near_kit_end(&kit);
 }
@@ -209,7 +209,7 @@ static void nearest__touches_or_is_inside(void **state)
     static const double high[3] = {4, 4, 4};
     near_kit_add(&kit, near_kit_box(low, high, false));
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 3);
     for (uint64_t i = 0; i < 3; i++) {
         const struct pccd_near *record = near_kit_record(&result, i);
@@ -248,7 +248,7 @@ static void nearest__is_of_objects_that_may_meet(void **state)
 {
     (void)state;
     struct near_kit kit;
-    struct eng_near_result result;
+    struct eng_step_result result;
     near_kit_begin(&kit);
     for (int i = 0; i < 4; i++) {
         near_kit_add(&kit, box_at(2 * i, 0, 0));
@@ -286,7 +286,7 @@ static void nearest__with_a_gap_is_near_enough(void **state)
     near_kit_add(&kit, kit_sheet(9, 0.5));
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
     settings.gap = 0.25;
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
     assert_true(near_kit_record(&result, 0)->flags & PCCD_NEAR_GAP);
     assert_true(near_kit_record(&result, 0)->d_lo >= 0.5 &&
@@ -314,7 +314,7 @@ static void nearest__with_a_gap_has_a_record_as_without(void **state)
         struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
         settings.distance = 0.25;
         settings.gap = 0.5 * gap;
-        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_int_equal(result.count, 1);
         assert_true(result.distance_max <= 0.25);
         near_kit_end(&kit);
@@ -347,7 +347,7 @@ static void nearest__is_of_surfaces(void **state)
     static const double distances[] = {INFINITY, 2, 0.5};
     for (int i = 0; i < 3; i++) {
         settings.distance = distances[i];
-        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_int_equal(result.count, 1);
         assert_int_equal(near_kit_record(&result, 0)->feature_a, 3);
         assert_true(near_kit_record(&result, 0)->d_lo == 2);
@@ -371,7 +371,7 @@ static void nearest__tells_surfaces_apart_by_the_last_bit(void **state)
         struct near_kit kit;
         set_up_spikes(&kit, tips[i]);
         struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
-        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_int_equal(near_kit_record(&result, 0)->feature_a, want[i]);
         settings.distance = 1 - 0x1p-52;
         result = near_kit_ask(&kit, &settings);
@@ -390,7 +390,7 @@ static void nearest__does_not_depend_on_the_last_answer(void **state)
     near_kit_add(&kit, kit_sheet(6, 0));
     near_kit_add(&kit, kit_sheet(5, 1));
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_true(near_kit_record(&result, 0)->d_lo == 1);
     const struct eng_mesh *mesh = eng_scene_mesh(kit.scene, kit.idx[1]);
     uint32_t count = eng_scene_vertex_count(kit.scene, kit.idx[1]);
@@ -423,7 +423,7 @@ static void nearest__forgets_what_was_replaced(void **state)
     near_kit_add(&kit, kit_sheet(6, 0));
     near_kit_add(&kit, kit_sheet(5, 1));
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(near_kit_record(&result, 0)->object_a, 1);
     assert_int_equal(near_kit_record(&result, 0)->feature_a, 0);
     struct eng_mesh *mesh = kit_mesh(x, 4, corners, 1);
@@ -454,7 +454,7 @@ static void nearest__is_found_wherever_objects_are(void **state)
             near_kit_add(&kit, near_kit_box(low, high, false));
         }
         struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
-        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_int_equal(result.count, 3);
         double true_one = size * sqrt(2);
         assert_true(fabs(result.distance_min - true_one) < 1e-6 * true_one);

@@ -179,7 +179,7 @@ static void step__tests_thick_bodies_that_poses_move(void **state)
             assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
         }
         assert_true(result.counters.rigid_objects == 0 && result.count > 0 &&
-                    result.initial == result.count && result.thick.is_crowded);
+                    result.initial == result.count && result.crowded);
         eng_scene_free(scene);
     }
 }
@@ -227,7 +227,7 @@ static void step__is_crowded_by_thick_objects_alone(void **state)
             eng_stage_begin(scene);
             assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
             assert_true(result.count > 0 && result.initial == result.count);
-            assert_int_equal(result.thick.is_crowded, object < 2);
+            assert_int_equal(result.crowded, object < 2);
         }
         eng_scene_free(scene);
     }

@@ -425,7 +425,7 @@ static void chunks__take_no_more_memory_than_they_count(void **state)
     const struct record_radii radii = {.vertex_count = 4};
     const struct record_free free_ = {.vertex_count = 4, .point_count = 1};
     const struct record_records records = {.step = 1, .count = 1, .record_bytes = 64};
-    const struct record_near_records nears = {.step = 1, .count = 1, .record_bytes = 64};
+    const struct record_records nears = {.step = 1, .count = 1, .record_bytes = 64};
     const struct record_place place = {1, 1, RECORD_PLACED_FREELY, PCCD_FORMAT_F32};
     const struct record_frame frame = {.step = 1, .scene = 1, .segment_count = 2};
     const struct record_frame many = {.step = 1, .scene = 1, .segment_count = 65537};
@@ -531,13 +531,13 @@ static void payloads__of_what_is_near_are_judged(void **state)
               {1, RECORD_X1, PCCD_FORMAT_F64, 0, 4, 0, sizeof(struct record_segment)},
               {{0}}};
     struct {
-        struct record_near_records head;
+        struct record_records head;
         struct pccd_near records[2];
     } records = {{.step = 1, .count = 2, .record_bytes = sizeof(struct pccd_near)},
                  {{0}}};
     const struct record_near_answer answer = {.step = 1};
-    const size_t count = offsetof(struct record_near_records, count);
-    const size_t each = offsetof(struct record_near_records, record_bytes);
+    const size_t count = offsetof(struct record_records, count);
+    const size_t each = offsetof(struct record_records, record_bytes);
     const size_t what = offsetof(struct record_near, what);
     const size_t end = offsetof(struct record_near, end);
     const size_t segments = offsetof(struct record_near, segment_count);

@@ -13,8 +13,8 @@
 #include "json_text.h"
 #include "kinds.h"
 #include "names.h"
+#include "numbers.h"
 #include "report.h"
-#include "step_numbers.h"
 
 /* jansson's *_set_new and *_append_new take the value also when they fail, and fail on a
  * NULL value, so `ok` is all that has to be looked at. */
@@ -128,9 +128,9 @@ void report_kinds(json_t *object, const uint64_t counts[PCCD_KINDS_MAX], bool *o
 json_t *report_counters(const struct pccd_answer *answer, bool *ok)
 {
     json_t *object = json_object();
-#define SET(unused, name, need, member, meaning)                                         \
+#define SET(unused, type, name, of_step, of_near, member, meaning)                       \
     set_count(object, #name, answer->member, ok);
-    COMMON_STEP_COUNTERS(SET, )
+    COMMON_COUNTERS(SET, )
 #undef SET
     return object;
 }

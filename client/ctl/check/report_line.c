@@ -3,7 +3,7 @@
  * Room:     client/ctl.
  * Does:     name each number once, in a list that both directions go through.
  * Threads:  one.
- * Source:   report_line.h; step_numbers.h.
+ * Source:   report_line.h; numbers.h.
  */
 #include "report_line.h"
 
@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "kinds.h"
-#include "step_numbers.h"
+#include "numbers.h"
 
 /* X(key, member of struct report_step, its type). */
 #define NUMBERS(X)                                                                       \
@@ -97,9 +97,9 @@ json_t *report_line(const struct report_step *step)
 #define SET(key, member) ok = ok && set_real(object, #key, step->member);
     REALS(SET)
 #undef SET
-#define SET(unused, name, need, member, meaning)                                         \
+#define SET(unused, type, name, of_step, of_near, member, meaning)                       \
     ok = ok && set_number(object, #name, step->answer.member);
-    COMMON_STEP_COUNTERS(SET, )
+    COMMON_COUNTERS(SET, )
 #undef SET
     for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
         ok = ok && set_number(object, common_kinds[kind].name, step->answer.counts[kind]);
@@ -127,9 +127,9 @@ bool report_line_read(const json_t *line, struct report_step *step)
 #define GET(key, member) ok = ok && get_real(line, #key, &step->member);
     REALS(GET)
 #undef GET
-#define GET(unused, name, need, member, meaning)                                         \
+#define GET(unused, type, name, of_step, of_near, member, meaning)                       \
     ok = ok && get_number(line, #name, &step->answer.member);
-    COMMON_STEP_COUNTERS(GET, )
+    COMMON_COUNTERS(GET, )
 #undef GET
     for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
         ok = ok && get_number(line, common_kinds[kind].name, &step->answer.counts[kind]);

@@ -42,11 +42,6 @@ static int compare_pages(const void *a, const void *b)
                               : (x->first > y->first) - (x->first < y->first);
 }
 
-/* Heads of both kinds of records have the same beginning. */
-static_assert(offsetof(struct record_near_records, record_bytes) ==
-                  offsetof(struct record_records, record_bytes),
-              "heads of records");
-
 static bool take_page(struct answers *answers, const struct record_view *view)
 {
     struct record_records head;

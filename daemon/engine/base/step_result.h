@@ -1,5 +1,5 @@
-/* step_result.h - what a step returns: the answer, its counters, its times, and what each
- * thread did.
+/* step_result.h - what a step returns, or a question about what is near: the answer, its
+ * counters, its times, and what each thread did.
  *
  * Threads: [any]; types only.
  */
@@ -37,28 +37,36 @@ struct eng_thick_counters {
     uint64_t candidates; /* that were tested */
     uint64_t survivors;  /* of these, asked one by one; the rest was rejected in lanes */
     uint64_t exact;      /* of these, that took integers */
-    uint64_t inside;     /* records with PCCD_INSIDE that are not PCCD_INITIAL */
+};
+
+/* Of a step, or of a question about what is near: its numbers are those of numbers.h. */
+struct eng_step_result {
+    enum pccd_mode mode;      /* of a step */
+    enum pccd_near_what what; /* of a question */
+    enum pccd_method method;
+    enum pccd_incomplete incomplete;
+    enum pccd_verdict verdict; /* mode ANY and CROSSINGS, else PCCD_VERDICT_NONE */
+    /* pccd_contact[], (mode PAIRS) pccd_pair[], pccd_near[] or (VERTICES) double[]; valid
+     * until the scene's next step or question, removal or free. */
+    const void *records;
+    uint32_t record_bytes;
+    uint64_t count;                  /* of the whole answer */
+    uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
+    uint64_t possible;
+    uint64_t initial;
+    uint64_t inside;  /* records with PCCD_INSIDE that are not PCCD_INITIAL */
+    double toi_first; /* smallest toi; 2 without any record */
     /* More than half of the records begin within the distance, of a thick object or by
      * the separation: mostly a radius is above the length of an edge. Not in mode pairs
      * or any. */
-    bool is_crowded;
-};
-
-struct eng_step_result {
-    enum pccd_mode mode;
-    enum pccd_method method;
-    enum pccd_incomplete incomplete;
-    enum pccd_verdict verdict; /* mode ANY, else PCCD_VERDICT_NONE */
-    const void *records; /* pccd_contact[] or (mode PAIRS) pccd_pair[]; valid until the */
-    uint32_t record_bytes; /* scene's next step, removal or free */
-    uint64_t count;
-    uint64_t counts[PCCD_KINDS_MAX]; /* records by kind */
-    uint64_t possible;
-    uint64_t initial;
-    double toi_first; /* smallest toi; 2 without any record */
-    /* Of a step that tells how it begins: edges that pass through faces at t = 0; with an
-     * approach the pairs that are within their distance then. If there are any, the
-     * verdict is not NO: it is YES. */
+    bool crowded;
+    double distance_min; /* least d_lo; 2e18 without any record */
+    double distance_max; /* greatest d_hi; 0 likewise. VERTICES: the least and the
+                          * greatest bound by a pair, in the whole scene */
+    /* Edges that pass through faces: of DEPTH, CROSSINGS, and where they were asked for.
+     * Of a step that tells how it begins, at t = 0; with an approach also the pairs that
+     * are within their distance then. If there are any, the verdict is not NO: it is
+     * YES. */
     uint64_t crossings;
     uint64_t start_inside;
     /* On [0, safe_step] no pair meets, and each is farther apart than the distance at
@@ -66,12 +74,20 @@ struct eng_step_result {
      * is 0, if there are crossings, or not known: of an incomplete answer, or of mode any
      * or pairs that is not empty. */
     double safe_step;
-    uint64_t hash[2]; /* version 2 of the hash of the answer: result/hash.h */
+    uint64_t hash[2]; /* version 2 of the hash of the answer: result/hash.h; of VERTICES
+                       * over struct eng_vertex_bound; zeros with a gap */
     uint32_t threads;
     const struct eng_thread_record *thread_records; /* [threads]; valid as records */
     struct pccd_step_counters counters; /* times.queue is not the engine's: 0 */
     struct eng_thick_counters thick;
     struct pccd_step_times times;
+    /* Status PCCD_E_INVAL of NEAREST and DEPTH: the object whose mesh has free edges or
+     * points (has_free); of DEPTH: whose mesh is not closed, an edge of it, by vertices,
+     * and how often its faces run through it from the first to the second and back. */
+    uint32_t open_object;
+    bool has_free;
+    uint32_t open_edge[2];
+    uint32_t open_runs[2];
 };
 
 #endif

@@ -25,8 +25,7 @@ void srv_metrics_add_duration(struct srv_metrics *metrics, enum pccd_histogram_k
     histogram->ns_sum += took_ns;
 }
 
-void srv_metrics_add_step(struct srv_metrics *metrics,
-                          const struct proto_FRAME_SUBMIT_result *answer)
+void srv_metrics_add_step(struct srv_metrics *metrics, const struct proto_answer *answer)
 {
     struct proto_STATS_result *counters = &metrics->counters;
     counters->steps++;
@@ -90,8 +89,7 @@ void srv_metrics_add_all(struct srv_metrics *metrics, const struct srv_metrics *
     }
 }
 
-void srv_metrics_add_near(struct srv_metrics *metrics,
-                          const struct proto_SCENE_NEAR_result *answer)
+void srv_metrics_add_near(struct srv_metrics *metrics, const struct proto_answer *answer)
 {
     struct proto_STATS_result *counters = &metrics->counters;
     counters->nears++;

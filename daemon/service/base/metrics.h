@@ -17,16 +17,14 @@ void srv_metrics_add_duration(struct srv_metrics *metrics, enum pccd_histogram_k
                               uint64_t took_ns);
 
 /* Add what a finished step says of itself, and its failure if it has failed. */
-void srv_metrics_add_step(struct srv_metrics *metrics,
-                          const struct proto_FRAME_SUBMIT_result *answer);
+void srv_metrics_add_step(struct srv_metrics *metrics, const struct proto_answer *answer);
 
 /* Add all that was counted apart; what is of the last step is that of `more`, if it has
  * any. */
 void srv_metrics_add_all(struct srv_metrics *metrics, const struct srv_metrics *more);
 
 /* The same of an answer about what is near. */
-void srv_metrics_add_near(struct srv_metrics *metrics,
-                          const struct proto_SCENE_NEAR_result *answer);
+void srv_metrics_add_near(struct srv_metrics *metrics, const struct proto_answer *answer);
 
 /* Add an error answer. */
 void srv_metrics_add_error(struct srv_metrics *metrics, int status);

@@ -16,6 +16,7 @@ union srv_params {
 #define SRV_MEMBER(ID, name, since, flags, text) struct proto_##ID##_result ID;
 union srv_result {
     PROTO_METHODS(SRV_MEMBER)
+    struct proto_answer answer; /* of a step, scene.near and both fetches */
 };
 #undef SRV_MEMBER
 

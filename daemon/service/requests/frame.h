@@ -8,6 +8,7 @@
 #include "pccd_types.h"
 
 struct srv_call;
+struct srv_kept;
 struct srv_request;
 struct srv_scene;
 
@@ -26,6 +27,10 @@ int srv_frame_check(struct srv_call *call, const struct srv_wanted *wanted);
 struct eng_step_settings srv_frame_settings(struct srv_request *request,
                                             const struct srv_wanted *wanted);
 
+/* What the engine says, in the terms of the message, but for the page. [any] */
+void srv_answer_describe(const struct eng_step_result *result, uint32_t record_bytes,
+                         struct proto_answer *answer);
+
 /* Who makes a step. */
 struct srv_stepper {
     uint64_t session;
@@ -42,43 +47,12 @@ int srv_frame_compute(struct srv_scene *scene, const struct eng_step_settings *s
 /* The answer of a step that found nothing because it ended before it began; the page is
  * the caller's affair. [any] */
 void srv_frame_nothing(const struct proto_FRAME_SUBMIT_request *submit,
-                       enum pccd_incomplete why,
-                       struct proto_FRAME_SUBMIT_result *answer);
+                       enum pccd_incomplete why, struct proto_answer *answer);
 
-/* The records of an answer that its scene keeps. */
-struct srv_records {
-    const void *data; /* NULL: there are none */
-    uint32_t record_bytes;
-    uint64_t total;
-    uint32_t incomplete; /* enum pccd_incomplete */
-    bool is_of_step;
-};
-
-/* Those of them that have been written to the result region; `incomplete` counts that
- * further ones are left. */
-struct srv_records_page {
-    uint64_t first;
-    uint64_t count;
-    uint64_t cursor;
-    uint64_t offset;
-    uint64_t release;
-    uint32_t incomplete;
-};
-
-/* Copy records from `first` on into the result region, as many as fit. Returns 0 or a
- * status with the request's error set. [compute] */
-int srv_records_write(struct srv_request *request, const struct srv_records *records,
-                      uint64_t first, struct srv_records_page *page);
-#define SRV_RECORDS_PAGE(answer, page)                                                   \
-    ((answer)->first = (page)->first, (answer)->count = (page)->count,                   \
-     (answer)->cursor = (page)->cursor, (answer)->offset = (page)->offset,               \
-     (answer)->release = (page)->release, (answer)->incomplete = (page)->incomplete)
-
-/* The same of the scene's last answer to a step. [compute] */
-int srv_frame_page(struct srv_request *request, uint64_t first,
-                   struct proto_FRAME_SUBMIT_result *answer);
-/* And of its last answer about what is near. [compute] */
-int srv_near_page(struct srv_request *request, uint64_t first,
-                  struct proto_SCENE_NEAR_result *answer);
+/* Write a page of what the scene keeps to the result region: records from `first` on, as
+ * many as fit. *answer is set also without a page: others hear of a step. 0, or a status
+ * with the request's error set. [compute] */
+int srv_answer_page(struct srv_request *request, const struct srv_kept *kept,
+                    uint64_t first, struct proto_answer *answer);
 
 #endif

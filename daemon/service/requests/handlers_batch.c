@@ -125,8 +125,7 @@ static int step_scene(const struct work *work, const struct srv_batch_item *item
 }
 
 /* What came of it, but for where its records are. */
-static void describe(const struct proto_FRAME_SUBMIT_result *from,
-                     struct pccd_scene_answer *answer)
+static void describe(const struct proto_answer *from, struct pccd_scene_answer *answer)
 {
     answer->incomplete = from->incomplete;
     answer->verdict = from->verdict;
@@ -142,8 +141,9 @@ static void describe(const struct proto_FRAME_SUBMIT_result *from,
     answer->ns_step = from->ns_step;
     answer->threads = from->threads;
     answer->crowded = from->crowded;
-#define GET(unused, name, need, member, meaning) answer->member = from->name;
-    COMMON_STEP_KINDS(GET, )
+#define GET(unused, type, name, of_step, of_near, member, meaning)                       \
+    answer->member = from->name;
+    COMMON_KINDS(GET, )
 #undef GET
 }
 
@@ -151,7 +151,7 @@ static void describe(const struct proto_FRAME_SUBMIT_result *from,
 static void note(struct srv_batch_item *item, struct pccd_scene_answer *answer,
                  struct srv_batch_lane *lane)
 {
-    const struct proto_FRAME_SUBMIT_result *from = &item->scene->answer;
+    const struct proto_answer *from = &item->scene->stepped.answer;
     describe(from, answer);
     item->total = from->total;
     item->hash[0] = from->hash_hi;
@@ -225,7 +225,7 @@ static void work_shared(struct work *work, uint32_t i)
         const struct proto_FRAME_SUBMIT_request frame = frame_of(work, i);
         srv_held_take(item->scene, &shared->taken);
         srv_journal_step(item->scene, &frame, shared->member, shared->taken);
-        shared->answer = item->scene->answer;
+        shared->answer = item->scene->stepped.answer;
         shared->has_stepped = true;
     }
 }
@@ -346,7 +346,8 @@ static uint64_t units_of(const struct srv_batch_item *item)
     if (item->status != 0) {
         return 0;
     }
-    return (scene->answer.total * scene->answer.record_bytes + UNIT_BYTES - 1) /
+    return (scene->stepped.answer.total * scene->stepped.answer.record_bytes +
+            UNIT_BYTES - 1) /
            UNIT_BYTES;
 }
 
@@ -374,13 +375,13 @@ static int write_records(struct srv_request *request, struct work *work,
         if (units == 0) {
             continue;
         }
-        uint32_t record_bytes = item->scene->answer.record_bytes;
-        uint64_t total = item->scene->answer.total;
+        uint32_t record_bytes = item->scene->stepped.answer.record_bytes;
+        uint64_t total = item->scene->stepped.answer.total;
         uint64_t room = (page.count - used) * UNIT_BYTES / record_bytes;
         uint64_t count = total < room ? total : room;
         answer->count = count;
         answer->offset = page.position + used * UNIT_BYTES;
-        memcpy((uint8_t *)data + used * UNIT_BYTES, item->scene->records,
+        memcpy((uint8_t *)data + used * UNIT_BYTES, item->scene->stepped.records,
                count * record_bytes);
         used += units < page.count - used ? units : page.count - used;
         result->total += total;
@@ -579,12 +580,12 @@ static void tell_threads(struct srv_request *request)
     }
     last->batch = request->plan.batch->count;
     last->number = service->step_last;
-    last->answer = (struct proto_FRAME_SUBMIT_result){.ns_ingest = counted->ns_ingest,
-                                                      .ns_refit = counted->ns_refit,
-                                                      .ns_low = counted->ns_low,
-                                                      .ns_high = counted->ns_high,
-                                                      .ns_merge = counted->ns_merge,
-                                                      .ns_step = result->ns_batch};
+    last->answer = (struct proto_answer){.ns_ingest = counted->ns_ingest,
+                                         .ns_refit = counted->ns_refit,
+                                         .ns_low = counted->ns_low,
+                                         .ns_high = counted->ns_high,
+                                         .ns_merge = counted->ns_merge,
+                                         .ns_step = result->ns_batch};
     srv_laststep_set(&service->spare_step, &request->session->last_step, last);
     srv_laststep_set(&service->spare_step, &service->last_step, last);
 }

@@ -11,7 +11,6 @@
 #include "session.h"
 #include "shared.h"
 #include "srv_journal.h"
-#include "step_numbers.h"
 #include "stepping.h"
 #include "tracing.h"
 #include "watcher.h"
@@ -22,36 +21,13 @@
 
 /* ---- computed ---------------------------------------------------------------------- */
 
-/* What the engine says of the step, in the wire's terms, but for the page. [compute] */
-static void describe(const struct eng_step_result *step,
-                     struct proto_FRAME_SUBMIT_result *answer)
+static void describe(const struct eng_step_result *step, struct proto_answer *answer)
 {
-    *answer = (struct proto_FRAME_SUBMIT_result){
-        .mode = step->mode,
-        .incomplete = step->incomplete,
-        .verdict = step->verdict,
-        .total = step->count,
-        .record_bytes = step->mode == PCCD_MODE_PAIRS
+    srv_answer_describe(step,
+                        step->mode == PCCD_MODE_PAIRS
                             ? (uint32_t)sizeof(struct pccd_pair)
                             : (uint32_t)sizeof(struct pccd_contact),
-        .possible = step->possible,
-        .initial = step->initial,
-        .toi_first = step->toi_first,
-        .safe_step = step->safe_step,
-        .inside = step->thick.inside,
-        .crowded = step->thick.is_crowded,
-        .crossings = step->crossings,
-        .start_inside = step->start_inside,
-        .hash_hi = step->hash[0],
-        .hash_lo = step->hash[1],
-        .threads = step->threads,
-        .method = step->method,
-    };
-#define PUT(unused, name, need, member, meaning) answer->name = step->member;
-    COMMON_STEP_KINDS(PUT, )
-    COMMON_STEP_TIMES(PUT, )
-    COMMON_STEP_COUNTERS(PUT, )
-#undef PUT
+                        answer);
 }
 
 /* The engine's settings for a request that was checked. [compute] */
@@ -74,7 +50,8 @@ int srv_frame_compute(struct srv_scene *scene, const struct eng_step_settings *s
                       const struct srv_stepper *by, struct eng_step_result *step,
                       struct proto_error *error)
 {
-    scene->has_answer = false; /* the step takes the memory of the last one's records */
+    scene->stepped.is_there =
+        false; /* the step takes the memory of the last one's records */
     int status = eng_step(scene->engine, settings, step);
     if (status == PCCD_E_AGAIN) {
         return status;
@@ -82,18 +59,19 @@ int srv_frame_compute(struct srv_scene *scene, const struct eng_step_settings *s
     if (status != 0) {
         return proto_error_set(error, status, "the step: %s", proto_status_text(status));
     }
-    describe(step, &scene->answer);
-    eng_tuning_used(settings, step, scene->answer.tuning);
-    scene->answer.step = by->step;
+    describe(step, &scene->stepped.answer);
+    eng_tuning_used(settings, step, scene->stepped.answer.tuning);
+    scene->stepped.answer.step = by->step;
     scene->is_placed = by->places;
     if (!scene->is_placed) {
-        scene->answer.number = ++scene->number;
+        scene->stepped.answer.number = ++scene->number;
     }
-    scene->stepper = by->session;
-    scene->records = step->records;
+    scene->stepped.asker = by->session;
+    scene->stepped.records = step->records;
     scene->expected = step->count;
-    scene->has_answer = true;
-    PCCD_ASSERT(step->count == 0 || step->record_bytes == scene->answer.record_bytes);
+    scene->stepped.is_there = true;
+    PCCD_ASSERT(step->count == 0 ||
+                step->record_bytes == scene->stepped.answer.record_bytes);
     return 0;
 }
 
@@ -108,7 +86,8 @@ static void lend_page(const struct srv_request *request,
                       struct eng_step_settings *settings)
 {
     const struct srv_scene *scene = request->plan.scene;
-    uint32_t record_bytes = scene->answer.record_bytes; /* 0: there was no step yet */
+    uint32_t record_bytes =
+        scene->stepped.answer.record_bytes; /* 0: there was no step yet */
     if (request->session->service->lends_pages &&
         scene->expected * record_bytes >= LENT_BYTES_MIN) {
         settings->lent = srv_ring_next(request->plan.ring, record_bytes, scene->expected,
@@ -230,7 +209,7 @@ static int move_early(struct srv_request *request)
         *srv_stepping_owed(request) = request->error;
         return status;
     }
-    request->result.FRAME_SUBMIT = scene->answer;
+    request->result.answer = scene->stepped.answer;
     return 0;
 }
 
@@ -258,9 +237,9 @@ static int work_submit(struct srv_request *request)
     if (status != 0 || request->job.goes_on) {
         return status;
     }
-    struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
+    struct proto_answer *answer = &request->result.answer;
     uint64_t copy_ns = common_now_ns();
-    status = srv_frame_page(request, 0, answer);
+    status = srv_answer_page(request, &scene->stepped, 0, answer);
     uint64_t end_ns = common_now_ns();
     answer->ns_queue = start_ns - request->arrival_ns;
     answer->ns_merge += end_ns - copy_ns;
@@ -269,7 +248,7 @@ static int work_submit(struct srv_request *request)
 }
 
 void srv_frame_nothing(const struct proto_FRAME_SUBMIT_request *submit,
-                       enum pccd_incomplete why, struct proto_FRAME_SUBMIT_result *answer)
+                       enum pccd_incomplete why, struct proto_answer *answer)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result nothing;
@@ -304,7 +283,7 @@ static bool can_be_brief(struct srv_request *request)
 /* It is to end, and others are still before it: the answer is known. [loop] */
 static void answer_submit_early(struct srv_request *request, enum pccd_incomplete why)
 {
-    struct proto_FRAME_SUBMIT_result answer;
+    struct proto_answer answer;
     srv_frame_nothing(&request->params.FRAME_SUBMIT, why, &answer);
     answer.ns_queue = common_now_ns() - request->arrival_ns;
     srv_stepping_answer_early(request, &answer, &answer.release);
@@ -313,7 +292,7 @@ static void answer_submit_early(struct srv_request *request, enum pccd_incomplet
 /* Count the step where list.session and list.scene look. [loop] */
 static void tell_step(const struct srv_request *request, uint64_t number)
 {
-    const struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
+    const struct proto_answer *answer = &request->result.answer;
     struct proto_LIST_SESSION_result *session = &request->session->told;
     struct proto_LIST_SCENE_result *scene = &request->plan.scene->told;
     session->steps++;
@@ -340,7 +319,7 @@ static void tell_step(const struct srv_request *request, uint64_t number)
 static struct proto_STEP_request describe_to_watchers(const struct srv_request *request,
                                                       uint64_t number)
 {
-    const struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
+    const struct proto_answer *answer = &request->result.answer;
     struct proto_STEP_request step = {
         .number = number,
         .session = request->session->id,
@@ -367,22 +346,22 @@ static void finish_submit(struct srv_request *request)
     struct srv_service *service = request->session->service;
     struct srv_laststep *last = request->last_step;
     uint64_t number = 0;
-    srv_holding_answer(request->taken, &request->result.FRAME_SUBMIT);
+    srv_holding_answer(request->taken, &request->result.answer);
     request->taken = NULL;
     if (request->status == 0 || last != NULL) {
         number = ++service->step_last;
     }
     if (request->status == 0) {
-        srv_metrics_add_step(&service->metrics, &request->result.FRAME_SUBMIT);
+        srv_metrics_add_step(&service->metrics, &request->result.answer);
         tell_step(request, number);
     }
     if ((request->status == 0 || request->has_stepped) &&
         request->plan.scene->shared != NULL && !request->params.FRAME_SUBMIT.place) {
         srv_shared_stepped(request->plan.scene, request->session,
-                           &request->result.FRAME_SUBMIT);
+                           &request->result.answer);
     }
     if (last != NULL) {
-        last->answer = request->result.FRAME_SUBMIT;
+        last->answer = request->result.answer;
         last->number = number;
         srv_laststep_set(&service->spare_step, &request->session->last_step, last);
         srv_laststep_set(&service->spare_step, &service->last_step, last);

@@ -13,48 +13,25 @@
 #include "session.h"
 #include "shared.h"
 #include "srv_journal.h"
-#include "step_numbers.h"
 #include "stepping.h"
 #include "tracing.h"
 
 #define DISTANCE_NONE 2e18 /* distance_min of no records */
 
-static uint32_t record_bytes_of(uint32_t what)
-{
-    return what == PCCD_NEAR_VERTICES ? (uint32_t)sizeof(double)
-                                      : (uint32_t)sizeof(struct pccd_near);
-}
-
 /* ---- computed ---------------------------------------------------------------------- */
 
-/* What the engine says, in the wire's terms, but for the page. [compute] */
-static void describe(const struct eng_near_result *near,
-                     struct proto_SCENE_NEAR_result *answer)
+static void describe(const struct eng_step_result *near, struct proto_answer *answer)
 {
-    *answer = (struct proto_SCENE_NEAR_result){
-        .what = near->what,
-        .incomplete = near->incomplete,
-        .verdict = near->verdict,
-        .total = near->count,
-        .record_bytes = record_bytes_of(near->what),
-        .distance_min = near->distance_min,
-        .distance_max = near->distance_max,
-        .crossings = near->crossings,
-        .hash_hi = near->hash[0],
-        .hash_lo = near->hash[1],
-        .threads = near->threads,
-        .method = near->method,
-    };
-#define PUT(unused, name, need, member, meaning) answer->name = near->member;
-    COMMON_NEAR_KINDS(PUT, )
-    COMMON_STEP_TIMES(PUT, )
-    COMMON_STEP_COUNTERS(PUT, )
-#undef PUT
+    srv_answer_describe(near,
+                        near->what == PCCD_NEAR_VERTICES
+                            ? (uint32_t)sizeof(double)
+                            : (uint32_t)sizeof(struct pccd_near),
+                        answer);
 }
 
 /* What the engine has found fault with. [compute] */
 static int explain(struct srv_request *request, int status,
-                   const struct eng_near_result *near)
+                   const struct eng_step_result *near)
 {
     if (status == PCCD_E_INVAL && near->has_free) {
         return proto_error_set(
@@ -121,8 +98,8 @@ static int compute_near(struct srv_request *request, struct eng_scene *engine)
                                          .end = asked->end,
                                          .objects = {asked->object_a, asked->object_b},
                                          .tells_crossings = asked->tells_crossings};
-    struct eng_near_result near = {.open_object = 0};
-    scene->has_near = false; /* it takes the memory of the last one's records */
+    struct eng_step_result near = {.open_object = 0};
+    scene->near.is_there = false; /* it takes the memory of the last one's records */
     atomic_store_explicit(&request->job.end_ns, settings.step.deadline_ns,
                           memory_order_relaxed);
     settings.step.trace = srv_tracing_lend();
@@ -131,15 +108,13 @@ static int compute_near(struct srv_request *request, struct eng_scene *engine)
     if (status != 0) {
         return explain(request, status, &near);
     }
-    const struct eng_step_result shared = {.threads = near.threads,
-                                           .method = near.method};
-    describe(&near, &scene->near);
-    eng_tuning_used(&settings.step, &shared, scene->near.tuning);
-    scene->near.step = asked->step;
-    scene->near_asker = request->session->id;
-    scene->near_records = near.records;
-    scene->has_near = true;
-    PCCD_ASSERT(near.count == 0 || near.record_bytes == scene->near.record_bytes);
+    describe(&near, &scene->near.answer);
+    eng_tuning_used(&settings.step, &near, scene->near.answer.tuning);
+    scene->near.answer.step = asked->step;
+    scene->near.asker = request->session->id;
+    scene->near.records = near.records;
+    scene->near.is_there = true;
+    PCCD_ASSERT(near.count == 0 || near.record_bytes == scene->near.answer.record_bytes);
     return 0;
 }
 
@@ -187,7 +162,7 @@ static int move_early(struct srv_request *request)
 
 static int work_near(struct srv_request *request)
 {
-    struct proto_SCENE_NEAR_result *answer = &request->result.SCENE_NEAR;
+    struct proto_answer *answer = &request->result.answer;
     request->begin_ns = common_now_ns();
     if (srv_request_state(request) == SRV_REQUEST_EARLY) {
         return move_early(request);
@@ -200,7 +175,7 @@ static int work_near(struct srv_request *request)
         return status;
     }
     uint64_t copy_ns = common_now_ns();
-    status = srv_near_page(request, 0, answer);
+    status = srv_answer_page(request, &request->plan.scene->near, 0, answer);
     uint64_t end_ns = common_now_ns();
     answer->ns_queue = request->begin_ns - request->arrival_ns;
     answer->ns_merge += end_ns - copy_ns;
@@ -212,29 +187,26 @@ static int work_near(struct srv_request *request)
 
 /* The hash of no records is that of a step without any; with a gap there is none. */
 static void say_nothing(const struct proto_SCENE_NEAR_request *asked,
-                        enum pccd_incomplete why, struct proto_SCENE_NEAR_result *answer)
+                        enum pccd_incomplete why, struct proto_answer *answer)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result nothing;
-    bool has_gap = asked->what == PCCD_NEAR_NEAREST && asked->gap > 0.0;
     settings.method = (enum pccd_method)asked->method;
     eng_step_nothing(&settings, &nothing);
-    const struct eng_near_result near = {
-        .what = (enum pccd_near_what)asked->what,
-        .method = nothing.method,
-        .incomplete = why,
-        .verdict = PCCD_VERDICT_NONE,
-        .distance_min = DISTANCE_NONE,
-        .hash = {has_gap ? 0 : nothing.hash[0], has_gap ? 0 : nothing.hash[1]},
-        .threads = nothing.threads,
-    };
-    describe(&near, answer);
+    nothing.what = (enum pccd_near_what)asked->what;
+    nothing.incomplete = why;
+    nothing.toi_first = 0; /* it has none */
+    nothing.distance_min = DISTANCE_NONE;
+    if (asked->what == PCCD_NEAR_NEAREST && asked->gap > 0.0) {
+        nothing.hash[0] = nothing.hash[1] = 0;
+    }
+    describe(&nothing, answer);
     answer->step = asked->step;
 }
 
 static void answer_near_early(struct srv_request *request, enum pccd_incomplete why)
 {
-    struct proto_SCENE_NEAR_result answer;
+    struct proto_answer answer;
     say_nothing(&request->params.SCENE_NEAR, why, &answer);
     answer.ns_queue = common_now_ns() - request->arrival_ns;
     srv_stepping_answer_early(request, &answer, &answer.release);
@@ -245,7 +217,7 @@ static void answer_near_early(struct srv_request *request, enum pccd_incomplete 
 
 static void finish_near(struct srv_request *request)
 {
-    const struct proto_SCENE_NEAR_result *answer = &request->result.SCENE_NEAR;
+    const struct proto_answer *answer = &request->result.answer;
     struct srv_session *session = request->session;
     if (request->status == 0) {
         session->told.upload_bytes += request->upload_bytes;

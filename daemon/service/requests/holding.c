@@ -15,8 +15,7 @@
 /* ---- the end of waiting ------------------------------------------------------------ */
 
 /* What moves along and is answered without records of its own: frame.fetch has them. */
-static void leave_out_page(const struct srv_request *request,
-                           struct proto_FRAME_SUBMIT_result *answer)
+static void leave_out_page(const struct srv_request *request, struct proto_answer *answer)
 {
     answer->step = request->params.FRAME_SUBMIT.step;
     answer->first = 0;
@@ -42,7 +41,7 @@ static void part(struct srv_request *request)
 /* It ends before a step has taken it along. */
 static void say_nothing_yet(struct srv_request *request, enum pccd_incomplete why)
 {
-    struct proto_FRAME_SUBMIT_result *answer = &request->result.FRAME_SUBMIT;
+    struct proto_answer *answer = &request->result.answer;
     srv_frame_nothing(&request->params.FRAME_SUBMIT, why, answer);
     leave_out_page(request, answer);
     part(request);
@@ -84,8 +83,7 @@ static void cancel(struct srv_request *request)
     stop_waiting(request, PCCD_INCOMPLETE_CANCELLED);
 }
 
-void srv_holding_answer(struct srv_held *taken,
-                        const struct proto_FRAME_SUBMIT_result *step)
+void srv_holding_answer(struct srv_held *taken, const struct proto_answer *step)
 {
     srv_assert_loop();
     for (struct srv_held *held = taken; held != NULL; held = held->next) {
@@ -96,8 +94,8 @@ void srv_holding_answer(struct srv_held *taken,
         waiting->status = held->error.code;
         waiting->error = held->error;
         if (waiting->status == 0) {
-            waiting->result.FRAME_SUBMIT = *step;
-            leave_out_page(waiting, &waiting->result.FRAME_SUBMIT);
+            waiting->result.answer = *step;
+            leave_out_page(waiting, &waiting->result.answer);
         }
         part(waiting);
         srv_request_conclude(waiting);

@@ -18,8 +18,7 @@ int srv_holding_start(struct srv_call *call, struct srv_plan *plan);
 
 /* A step was answered with `step`: so are those whose frames it has taken along; free the
  * frames. */
-void srv_holding_answer(struct srv_held *taken,
-                        const struct proto_FRAME_SUBMIT_result *step);
+void srv_holding_answer(struct srv_held *taken, const struct proto_answer *step);
 
 /* The daemon ends: what waits is answered as cancelled, and nothing begins to. */
 void srv_holding_end_all(struct srv_service *service);

@@ -528,7 +528,7 @@ static void tell(struct srv_member *member)
 }
 
 void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,
-                        const struct proto_FRAME_SUBMIT_result *answer)
+                        const struct proto_answer *answer)
 {
     srv_assert_loop();
     struct srv_shared *shared = scene->shared;

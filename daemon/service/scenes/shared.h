@@ -86,7 +86,7 @@ void srv_shared_refund_journal(struct srv_member *member);
 
 /* A session has stepped it: tell the others. */
 void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,
-                        const struct proto_FRAME_SUBMIT_result *answer);
+                        const struct proto_answer *answer);
 /* A frame of the session waits for the scene's next step: tell it. */
 void srv_shared_waits(struct srv_member *member, uint64_t step);
 /* The session goes on over another connection: that a frame waits may not have come. */

@@ -21,10 +21,10 @@ struct srv_held;
 
 /* What the loop tells others of a step of a shared scene. */
 struct srv_batch_shared {
-    struct srv_member *member; /* with which the session takes part */
-    struct srv_held *taken;    /* [compute] then [loop]: held frames that went along */
-    bool has_stepped;          /* likewise */
-    struct proto_FRAME_SUBMIT_result answer; /* likewise: of the scene, if it has */
+    struct srv_member *member;  /* with which the session takes part */
+    struct srv_held *taken;     /* [compute] then [loop]: held frames that went along */
+    bool has_stepped;           /* likewise */
+    struct proto_answer answer; /* likewise: of the scene, if it has */
 };
 
 /* What a thread of the batch has for itself. [compute] */

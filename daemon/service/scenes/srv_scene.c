@@ -152,8 +152,8 @@ void srv_scene_count_ignored(struct srv_scene *scene)
 void srv_scene_forget_answers(struct srv_scene *scene)
 {
     srv_assert_compute();
-    scene->has_answer = false;
-    scene->has_near = false;
+    scene->stepped.is_there = false;
+    scene->near.is_there = false;
 }
 
 void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)

@@ -35,6 +35,14 @@ struct srv_placed {
     enum srv_lent lent;
 };
 
+/* An answer, whose records the engine keeps until the next one to such a request. */
+struct srv_kept {
+    bool is_there;
+    uint64_t asker; /* number of the session that asked */
+    const void *records;
+    struct proto_answer answer; /* but for the page */
+};
+
 struct srv_scene {
     struct srv_resource resource;
     struct srv_handles objects;          /* [loop] of struct srv_object */
@@ -56,17 +64,11 @@ struct srv_scene {
     struct srv_journal *diaries; /* of what is done to it (srv_journal.h) */
     uint64_t changes;            /* objects that went, or got another shape */
     uint64_t number;             /* of its last step */
-    uint64_t stepper;            /* number of the session that submitted that */
-    bool has_answer;             /* `records` and `answer` are of the last step */
-    const void *records;
-    struct proto_FRAME_SUBMIT_result answer; /* but for the page */
+    struct srv_kept stepped;     /* its last step's */
+    struct srv_kept near;        /* its last scene.near's */
     uint64_t expected; /* records of the next step: as many, or what its client said */
     bool is_placed; /* its last step only brought objects back: where the one began that
                      * had brought them there is not known */
-    bool has_near;  /* likewise, of the last scene.near */
-    uint64_t near_asker;
-    const void *near_records;
-    struct proto_SCENE_NEAR_result near;
 };
 
 /* The engine forgets the records of its answers. [compute] */

@@ -19,7 +19,7 @@ struct srv_laststep {
     uint32_t refs;   /* [loop] session, daemon */
     uint64_t number; /* [loop] of the step in this epoch; of a batch, its last one */
     uint32_t batch;  /* [loop] scenes of the batch; 0: it was a step */
-    struct proto_FRAME_SUBMIT_result answer;
+    struct proto_answer answer;
     uint32_t thread_count;
     uint32_t capacity;                    /* of threads */
     struct srv_laststep_thread threads[]; /* [thread_count] */
