@@ -74,9 +74,9 @@ struct cli_direct {
 struct cli_upcalls {
     /* The connection is lost: as cli_recover (recover.h). */
     int (*recover)(struct pccd_client *client, uint64_t deadline_ns);
-    /* A call is answered, or has failed; nobody has taken the answer yet (arrival.h). */
+    /* A call is answered, or has failed; nobody has taken the answer yet. */
     void (*answered)(struct pccd_client *client, struct cli_call *call);
-    /* The daemon tells something that nobody has asked for (arrival.h). */
+    /* The daemon tells something that nobody has asked for. */
     void (*notified)(struct pccd_client *client, const struct proto_envelope *envelope);
 };
 
@@ -95,7 +95,7 @@ struct pccd_client {
     struct cli_retired *retired;   /* oldest first */
     struct cli_shared *shared;     /* by scene; NULL: nothing was heard (shared.h) */
     uint32_t shared_room;          /* entries of it */
-    struct registry_map nears;     /* near_number.h */
+    struct registry_map nears;     /* keep.h */
     pid_t owner; /* process that connected; a forked copy must not stop the daemon */
     uint32_t pid, forks; /* of the daemon; of this process, by then (rpc.h) */
     char cpu[PROTO_STR_MAX + 1];

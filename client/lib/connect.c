@@ -9,18 +9,21 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "arrival.h"
 #include "attach.h"
 #include "batch.h"
 #include "client.h"
 #include "connection.h"
 #include "direct.h"
+#include "keep.h"
 #include "launch.h"
 #include "link.h"
 #include "page.h"
+#include "positions.h"
 #include "record.h"
+#include "recorder_events.h"
 #include "records.h" /* asserts that the records have the layout of the wire */
 #include "recover.h"
+#include "rpc.h"
 #include "seqpacket.h"
 #include "shared.h"
 #include "struct_size.h"
@@ -230,9 +233,48 @@ static int connect_any(struct pccd_client *client, const struct pccd_options *as
     return status;
 }
 
-static const struct cli_upcalls upcalls = {.recover = cli_recover,
-                                           .answered = cli_arrival_answered,
-                                           .notified = cli_arrival_notified};
+/* An answer has arrived: tell who keeps and who records. */
+static void take_answered(struct pccd_client *client, struct cli_call *call)
+{
+    if (call->status == 0 && !call->recovery) {
+        cli_keep_answer(client, call);
+        if (client->keeps && cli_call_is_step(call->method) &&
+            call->slot != CLI_SLOT_NONE) {
+            if (call->method == PROTO_METHOD_BATCH_SUBMIT) {
+                cli_positions_leave_out(client, call->slot,
+                                        cli_batch_answers(client, call));
+            }
+            cli_positions_answered(client, call->slot, call->step);
+        }
+        if (call->method == PROTO_METHOD_SCENE_NEAR) {
+            cli_near_answered(client, &call->params.SCENE_NEAR);
+        }
+    }
+    if (client->recorder != NULL) {
+        cli_record_answer(client, call);
+    }
+}
+
+static void take_notified(struct pccd_client *client,
+                          const struct proto_envelope *envelope)
+{
+    switch (envelope->method) {
+    case PROTO_NOTE_SCENE_STEP:
+        cli_shared_note(client, envelope);
+        break;
+    case PROTO_NOTE_SCENE_HELD:
+        cli_shared_held(client, envelope);
+        break;
+    case PROTO_NOTE_STEP:
+        cli_watch_take(client, envelope);
+        break;
+    default: /* of a newer protocol */
+        break;
+    }
+}
+
+static const struct cli_upcalls upcalls = {
+    .recover = cli_recover, .answered = take_answered, .notified = take_notified};
 
 int pccd_connect(const struct pccd_options *options, struct pccd_client **client)
 {

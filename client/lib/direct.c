@@ -13,8 +13,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "folder.h"
 #include "foreign.h"
+#include "launch.h"
 #include "proto_direct.h"
 #include "recorder.h"
 

@@ -9,7 +9,6 @@
 #include "attach.h"
 #include "connection.h"
 #include "coordinates.h"
-#include "slot_layout.h"
 #include "submit.h"
 
 #define RANGES_SLACK 16u /* bytes that the alignment of a segment's ranges can take */

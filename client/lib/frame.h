@@ -17,4 +17,13 @@ int cli_frame_write(struct pccd_client *client, uint32_t scene,
 int cli_frame_take(struct pccd_frame *frame, const uint64_t *step, uint32_t *scene,
                    uint32_t *slot);
 
+/* Where things lie in the payload of a slot. */
+#define CLI_PAYLOAD_ALIGN 64u /* of the first range: a cache line */
+#define CLI_RANGE_ALIGN   8u  /* of every range: the protocol's */
+
+static inline uint64_t cli_round_up(uint64_t bytes, uint64_t unit)
+{
+    return (bytes + unit - 1) / unit * unit;
+}
+
 #endif

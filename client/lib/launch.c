@@ -1,11 +1,13 @@
 /* launch.c - daemons that the library starts. */
 #include <dirent.h>
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
 #include <spawn.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +17,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "folder.h"
 #include "last_words.h"
 #include "launch.h"
 #include "openmp.h"
@@ -525,4 +526,33 @@ void cli_launch_stop(struct cli_child *child)
         remove_directory(child->directory);
     }
     child->directory[0] = '\0';
+}
+
+/* ---- folders ----------------------------------------------------------------------- */
+
+static void cut_name(char path[CLI_FOLDER_BYTES])
+{
+    char *slash = strrchr(path, '/');
+
+    *(slash != NULL ? slash : path) = '\0';
+}
+
+void cli_folder_of_library(char folder[CLI_FOLDER_BYTES])
+{
+    Dl_info info;
+
+    folder[0] = '\0';
+    if (dladdr((const void *)(uintptr_t)&cli_folder_of_library, &info) != 0 &&
+        info.dli_fname != NULL && strlen(info.dli_fname) < CLI_FOLDER_BYTES) {
+        memcpy(folder, info.dli_fname, strlen(info.dli_fname) + 1);
+    }
+    cut_name(folder);
+}
+
+void cli_folder_of_program(char folder[CLI_FOLDER_BYTES])
+{
+    ssize_t bytes = readlink("/proc/self/exe", folder, CLI_FOLDER_BYTES - 1);
+
+    folder[bytes > 0 ? bytes : 0] = '\0';
+    cut_name(folder);
 }

@@ -11,8 +11,6 @@ include_HEADERS += client/lib/pccd.h client/lib/pccd_batch.h client/lib/pccd_nea
 pkgconfig_DATA += client/lib/pccd.pc
 
 libclient_la_SOURCES = \
-    client/lib/arrival.c \
-    client/lib/arrival.h \
     client/lib/attach.c \
     client/lib/attach.h \
     client/lib/batch.c \
@@ -30,8 +28,6 @@ libclient_la_SOURCES = \
     client/lib/filter.c \
     client/lib/flight.c \
     client/lib/flight.h \
-    client/lib/folder.c \
-    client/lib/folder.h \
     client/lib/frame.c \
     client/lib/frame.h \
     client/lib/keep.c \
@@ -44,8 +40,6 @@ libclient_la_SOURCES = \
     client/lib/mesh.c \
     client/lib/mesh.h \
     client/lib/near.c \
-    client/lib/near_number.c \
-    client/lib/near_number.h \
     client/lib/page.c \
     client/lib/page.h \
     client/lib/positions.c \
@@ -61,7 +55,6 @@ libclient_la_SOURCES = \
     client/lib/recorder_shared.c \
     client/lib/recorder_shared.h \
     client/lib/recorder_snapshot.c \
-    client/lib/recorder_snapshot.h \
     client/lib/recover.c \
     client/lib/recover.h \
     client/lib/restore.c \
@@ -73,7 +66,6 @@ libclient_la_SOURCES = \
     client/lib/scene.c \
     client/lib/shared.c \
     client/lib/shared.h \
-    client/lib/slot_layout.h \
     client/lib/stats.c \
     client/lib/safe.c \
     client/lib/step.c \

@@ -7,12 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "filter.h"
 #include "numbers.h"
 #include "page.h"
+#include "payload.h"
 #include "recorder.h"
 #include "recorder_shared.h"
-#include "recorder_snapshot.h"
 
 /* ---- segments ---------------------------------------------------------------------- */
 

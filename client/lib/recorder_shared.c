@@ -8,9 +8,9 @@
 #include <unistd.h>
 
 #include "attach.h"
-#include "filter.h"
 #include "journal.h"
 #include "page.h"
+#include "payload.h"
 #include "rpc.h"
 
 /* Kept by the daemon until it is fetched, which each answered step is cause for. */

@@ -1,5 +1,5 @@
 /* recorder_snapshot.c - how a segment of a recording begins. */
-#include "recorder_snapshot.h"
+#include "recorder.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include <time.h>
 
 #include "coordinates.h"
-#include "filter.h"
+#include "payload.h"
 #include "positions.h"
 #include "recorder_shared.h"
 #include "rpc.h"

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "client.h"
-#include "near_number.h"
+#include "keep.h"
 #include "recorder_shared.h"
 #include "rpc.h"
 #include "shared.h"

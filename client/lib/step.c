@@ -12,7 +12,7 @@
  *     submit.c     frame.submit, with the number of the step
  *     rpc.c        is encoded and sent; a call waits for the answer
  *
- * The answer comes by receive.c, arrival.c tells the registry that the slot is done with,
+ * The answer comes by receive.c, connect.c tells the registry that the slot is done with,
  * and take_answer, below, hands it out.
  */
 #include "step.h"
@@ -22,7 +22,7 @@
 #include <string.h>
 
 #include "connection.h"
-#include "near_number.h"
+#include "keep.h"
 #include "numbers.h"
 #include "page.h"
 #include "receive.h"

@@ -8,7 +8,7 @@
 #include "chunk.h"
 
 #include "coordinates.h"
-#include "filter.h"
+#include "payload.h"
 #include "proto_limits.h"
 
 /* The layout of the file, whatever the compiler. */

@@ -7,12 +7,9 @@ librecord_la_SOURCES = \
     client/record/answer_hash.h \
     client/record/chunk.c \
     client/record/chunk.h \
-    client/record/filter.c \
-    client/record/filter.h \
     client/record/format.h \
-    client/record/former_tuning.c \
-    client/record/former_tuning.h \
     client/record/judge.c \
+    client/record/payload.c \
     client/record/payload.h \
     client/record/reader.c \
     client/record/reader.h

@@ -93,7 +93,7 @@ struct record_frame {
     uint32_t mode;
     uint32_t method;
     uint32_t threads;
-    uint32_t former_tuning[3]; /* zeros; of earlier recordings: former_tuning.h */
+    uint32_t former_tuning[3]; /* zeros; of earlier recordings: see below */
     double tolerance;
     uint64_t deadline_ns;
 };
@@ -222,5 +222,19 @@ struct record_end {
     uint32_t reserved;
     uint64_t frames; /* of this segment */
 };
+
+/* ---- FILTER, and the tuning of earlier recordings ---------------------------------- */
+
+/* Of `given`, those that `what` names (bits of enum pccd_object_what, or all). */
+void record_filter_make(struct record_filter *filter, uint32_t scene, uint32_t object,
+                        uint32_t what, const struct common_attributes *given);
+/* A payload that was judged. */
+void record_filter_read(const void *payload, uint64_t bytes, struct record_filter *filter,
+                        struct common_attributes *given);
+
+/* What the numbers of a frame say of how threads share it, in the words of today: ""
+ * where all three are 0, as in every frame that is written now; a number that has never
+ * had a meaning counts as 0. */
+void record_former_tuning(const struct record_frame *frame, char text[PCCD_TUNING_BYTES]);
 
 #endif

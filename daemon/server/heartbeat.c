@@ -35,7 +35,7 @@ static void add_status(struct srv_heartbeat *heartbeat, char *lines, size_t byte
 /* Whether all is well, and say once if it is not. */
 static bool is_well(struct srv_heartbeat *heartbeat)
 {
-    bool is_stuck = srv_stuck_look(&heartbeat->service->compute);
+    bool is_stuck = srv_compute_is_stuck(&heartbeat->service->compute);
     if (is_stuck && !heartbeat->is_stuck) {
         srv_log(SRV_LOG_ERROR, 0,
                 "a thread that computes is stuck; the watchdog is not "

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <uv.h>
 
-#include "stuck.h"
+#include "compute.h"
 
 struct srv_service;
 
@@ -16,7 +16,7 @@ struct srv_heartbeat {
     struct srv_service *service;
     uv_timer_t timer; /* to the next beat, or to the next word about clients */
     bool beats;       /* the manager has a watchdog: the timer never stops */
-    bool is_stuck; /* a thread that computes; said once */
+    bool is_stuck;    /* a thread that computes; said once */
     uint32_t told_clients;
     uint64_t told_steps;
 };

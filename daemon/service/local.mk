@@ -9,7 +9,6 @@ libservice_la_SOURCES = \
     daemon/service/base/metrics.c daemon/service/base/metrics.h \
     daemon/service/base/now.h \
     daemon/service/base/options.h \
-    daemon/service/queue/claim.h \
     daemon/service/queue/compute.c daemon/service/queue/compute.h \
     daemon/service/queue/crashnote.c daemon/service/queue/crashnote.h \
     daemon/service/queue/deadlines.c daemon/service/queue/deadlines.h \
@@ -17,7 +16,6 @@ libservice_la_SOURCES = \
     daemon/service/queue/workspace.c daemon/service/queue/workspace.h \
     daemon/service/queue/fairqueue.c daemon/service/queue/fairqueue.h \
     daemon/service/queue/relief.c daemon/service/queue/relief.h \
-    daemon/service/queue/stuck.c daemon/service/queue/stuck.h \
     daemon/service/memory/enginemem.c daemon/service/memory/enginemem.h \
     daemon/service/memory/quota.c daemon/service/memory/quota.h \
     daemon/service/memory/reclaim.c daemon/service/memory/reclaim.h \
@@ -35,7 +33,6 @@ libservice_la_SOURCES = \
     daemon/service/scenes/srv_batch.c daemon/service/scenes/srv_batch.h \
     daemon/service/scenes/srv_journal.c daemon/service/scenes/srv_journal.h \
     daemon/service/scenes/held.c daemon/service/scenes/held.h \
-    daemon/service/scenes/mesh_shape.c daemon/service/scenes/mesh_shape.h \
     daemon/service/scenes/meshes.c daemon/service/scenes/meshes.h \
     daemon/service/scenes/replacement.c daemon/service/scenes/replacement.h \
     daemon/service/scenes/member.h \
@@ -64,7 +61,6 @@ libservice_la_SOURCES = \
     daemon/service/requests/handlers_watch.c \
     daemon/service/requests/holding.c daemon/service/requests/holding.h \
     daemon/service/requests/teardown.c daemon/service/requests/teardown.h \
-    daemon/service/requests/plan.c daemon/service/requests/plan.h \
     daemon/service/requests/request.c daemon/service/requests/request.h \
     daemon/service/requests/stepping.c daemon/service/requests/stepping.h \
     daemon/service/setup.c daemon/service/setup.h

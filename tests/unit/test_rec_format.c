@@ -17,9 +17,8 @@
 
 #include <cmocka.h>
 
-#include "filter.h"
-#include "former_tuning.h"
 #include "object_attributes.h"
+#include "payload.h"
 #include "reader.h"
 
 #define CHUNKS_MAX 16

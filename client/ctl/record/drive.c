@@ -14,7 +14,7 @@
 #include <string.h>
 
 #include "drive_frame.h"
-#include "filter.h"
+#include "payload.h"
 
 static int failed(const struct drive *drive, int status, const char *what,
                   struct ctl_error *error)

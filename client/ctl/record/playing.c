@@ -22,7 +22,7 @@
 #include "answer_hash.h"
 #include "clock.h"
 #include "ctl.h"
-#include "former_tuning.h"
+#include "payload.h"
 #include "playing.h"
 #include "proto_limits.h"
 

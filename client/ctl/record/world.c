@@ -14,8 +14,8 @@
 #include <string.h>
 
 #include "coordinates.h"
-#include "filter.h"
 #include "oracle_scene.h"
+#include "payload.h"
 #include "registry_positions.h"
 
 static int no_memory(struct ctl_error *error)

@@ -167,4 +167,10 @@ bool srv_compute_is_idle(struct srv_compute *compute);
 /* Jobs that wait now. [any] */
 uint32_t srv_compute_queued(struct srv_compute *compute);
 
+/* Whether a thread is stuck. To be called at equal intervals, long enough that a thread
+ * which can run has run. It is stuck if its job goes on, but it has had no processor time
+ * since the look before last: it waits for something that does not come. Also if its step
+ * should have ended two looks ago, by its deadline or because it was cancelled. */
+bool srv_compute_is_stuck(struct srv_compute *compute);
+
 #endif

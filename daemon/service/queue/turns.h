@@ -9,8 +9,31 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "claim.h"
 #include "fairqueue.h"
+
+/* A thing that two jobs must not use at once, such as a shared scene. All zero: it is
+ * free. */
+struct srv_claim {
+    bool is_taken;
+};
+
+static inline bool srv_claims_are_free(struct srv_claim *const *claims, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (claims[i]->is_taken) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static inline void srv_claims_set(struct srv_claim *const *claims, uint32_t count,
+                                  bool is_taken)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        claims[i]->is_taken = is_taken;
+    }
+}
 
 struct srv_job;
 typedef void (*srv_job_fn)(struct srv_job *job);

@@ -16,9 +16,45 @@
 #include "replacement.h"
 #include "service.h"
 #include "session.h"
-#include "stray.h"
 #include "srv_batch.h"
+#include "stray.h"
 #include "tracing.h"
+
+/* A reference to each thing that the plan names, and back. [loop] */
+static void acquire(const struct srv_plan *plan)
+{
+    if (plan->ring != NULL) {
+        srv_resource_acquire(&plan->ring->resource);
+    }
+    if (plan->shape != NULL) {
+        srv_resource_acquire(&plan->shape->resource);
+    }
+    if (plan->scene != NULL) { /* list.pair's may be another session's: that stays */
+        srv_resource_acquire(&plan->scene->resource);
+        srv_owner_keep(plan->scene->resource.owner);
+    }
+    if (plan->tracing != NULL) {
+        srv_resource_acquire(&plan->tracing->resource);
+    }
+}
+
+static void release(const struct srv_plan *plan)
+{
+    if (plan->ring != NULL) {
+        srv_resource_drop(&plan->ring->resource);
+    }
+    if (plan->shape != NULL) {
+        srv_resource_drop(&plan->shape->resource);
+    }
+    if (plan->scene != NULL) {
+        struct srv_owner *owner = plan->scene->resource.owner;
+        srv_resource_drop(&plan->scene->resource);
+        srv_owner_release(owner);
+    }
+    if (plan->tracing != NULL) {
+        srv_resource_drop(&plan->tracing->resource);
+    }
+}
 
 #define SPARES_MAX 4u /* of a session */
 
@@ -318,7 +354,7 @@ void srv_request_conclude(struct srv_request *request)
         srv_ring_rest(request->plan.ring, &session->service->reclaim);
         srv_stray_use(session->service);
     }
-    srv_plan_release(&request->plan);
+    release(&request->plan);
     unlist(session, request);
     srv_request_move(request, SRV_REQUEST_OVER);
     give_memory(session, request);
@@ -441,7 +477,7 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
     request->fds[1] = -1;
     request->deadline =
         (struct srv_deadline){.at_ns = plan->deadline_ns, .place = SRV_DEADLINE_NOWHERE};
-    srv_plan_acquire(plan);
+    acquire(plan);
     enlist(session, request);
     request->outlet = open_outlet(session, plan);
     if (run_here(request)) {
@@ -454,7 +490,7 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
             srv_outlet_drop(request->outlet);
         }
         unlist(session, request);
-        srv_plan_release(plan);
+        release(plan);
         give_memory(session, request);
         return proto_error_set(&call->error, status,
                                "%u requests wait to be computed already",

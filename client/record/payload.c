@@ -1,8 +1,11 @@
-/* filter.c - the attributes of an object, as FILTER has them. */
-#include "filter.h"
+/* payload.c - the attributes of an object, as FILTER has them; the tuning of earlier
+ * recordings.
+ */
+#include "payload.h"
 
 #include <assert.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 void record_filter_make(struct record_filter *filter, uint32_t scene, uint32_t object,
@@ -29,4 +32,23 @@ void record_filter_read(const void *payload, uint64_t bytes, struct record_filte
     }
     *given = (struct common_attributes)COMMON_ATTRIBUTES_AT_FIRST;
     common_attributes_unpack(given, filter->words, count);
+}
+
+void record_former_tuning(const struct record_frame *frame, char text[PCCD_TUNING_BYTES])
+{
+    static const char *const words[3][3] = {
+        {"", "scheduler=steal", "scheduler=paper"},
+        {"", "high-level=round-robin", "high-level=disjoint"},
+        {"", "refit=even", "refit=paper"}};
+
+    text[0] = '\0';
+    for (size_t i = 0; i < 3; i++) {
+        uint32_t number = frame->former_tuning[i];
+        size_t used = strlen(text);
+
+        if (number == 1 || number == 2) {
+            (void)snprintf(text + used, PCCD_TUNING_BYTES - used, "%s%s",
+                           used > 0 ? "," : "", words[i][number]);
+        }
+    }
 }
