@@ -7,32 +7,19 @@
  */
 #include "report_line.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "kinds.h"
 #include "numbers.h"
 
-/* X(key, member of struct report_step, its type). */
+/* X(key, member of struct report_step, its type): beside those of the answer. */
 #define NUMBERS(X)                                                                       \
-    X(mode, answer.mode, enum pccd_mode)                                                 \
-    X(method, answer.method, enum pccd_method)                                           \
-    X(incomplete, answer.incomplete, enum pccd_incomplete)                               \
-    X(verdict, answer.verdict, enum pccd_verdict)                                        \
-    X(threads, answer.threads, uint32_t)                                                 \
     X(contacts, answer.total, uint64_t)                                                  \
-    X(possible, answer.possible, uint64_t)                                               \
-    X(initial, answer.initial, uint64_t)                                                 \
-    X(inside, answer.inside, uint64_t)                                                   \
-    X(crowded, answer.crowded, bool)                                                     \
     X(complete, is_complete, bool)                                                       \
     X(repeat, repeats, uint32_t)
 /* The same of doubles. */
 #define REALS(X)                                                                         \
-    X(toi_first, answer.toi_first)                                                       \
-    X(safe_step, answer.safe_step)                                                       \
     X(first_ms, first_ms)                                                                \
     X(round_trip_ms, round_trip_ms)
 
@@ -64,46 +51,38 @@ static bool get_real(const json_t *object, const char *key, double *value)
     return text != NULL && end != text && *end == '\0';
 }
 
-static bool set_texts(json_t *object, const struct report_step *step)
-{
-    char hash[40];
-    (void)snprintf(hash, sizeof hash, "%016" PRIx64 "%016" PRIx64, step->answer.hash[0],
-                   step->answer.hash[1]);
-    return json_object_set_new(object, "hash", json_string(hash)) == 0 &&
-           json_object_set_new(object, "tuning", json_string(step->answer.tuning)) == 0;
-}
-
-static bool get_texts(const json_t *object, struct report_step *step)
-{
-    const char *hash = json_string_value(json_object_get(object, "hash"));
-    const char *tuning = json_string_value(json_object_get(object, "tuning"));
-    uint64_t *to = step->answer.hash;
-    if (hash == NULL || tuning == NULL ||
-        sscanf(hash, "%16" SCNx64 "%16" SCNx64, &to[0], &to[1]) != 2) {
-        return false;
-    }
-    (void)snprintf(step->answer.tuning, sizeof step->answer.tuning, "%s", tuning);
-    return true;
-}
+/* By the type of a number (numbers.h). */
+#define SET_u32                 SET_NUMBER
+#define SET_u64                 SET_NUMBER
+#define SET_bool                SET_NUMBER
+#define SET_f64                 SET_REAL
+#define SET_NUMBER(key, member) ok = ok && set_number(object, key, (uint64_t)(member));
+#define SET_REAL(key, member)   ok = ok && set_real(object, key, member);
+#define GET_u32                 GET_NUMBER
+#define GET_u64                 GET_NUMBER
+#define GET_bool                GET_NUMBER
+#define GET_f64                 GET_REAL
+#define GET_NUMBER(key, member)                                                          \
+    ok = ok && get_number(line, key, &value);                                            \
+    member = (__typeof__(member))value;
+#define GET_REAL(key, member) ok = ok && get_real(line, key, &(member));
 
 json_t *report_line(const struct report_step *step)
 {
     json_t *object = json_object();
-    bool ok = object != NULL && set_texts(object, step);
-#define SET(key, member, type)                                                           \
-    ok = ok && set_number(object, #key, (uint64_t)step->member);
+    bool ok =
+        object != NULL &&
+        json_object_set_new(object, "tuning", json_string(step->answer.tuning)) == 0;
+#define SET(unused, type, name, of_step, of_near, member, meaning)                       \
+    SET_##type(#name, step->answer.member)
+    COMMON_NUMBERS(SET, )
+#undef SET
+#define SET(key, member, type) SET_NUMBER(#key, step->member)
     NUMBERS(SET)
 #undef SET
-#define SET(key, member) ok = ok && set_real(object, #key, step->member);
+#define SET(key, member) SET_REAL(#key, step->member)
     REALS(SET)
 #undef SET
-#define SET(unused, type, name, of_step, of_near, member, meaning)                       \
-    ok = ok && set_number(object, #name, step->answer.member);
-    COMMON_COUNTERS(SET, )
-#undef SET
-    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
-        ok = ok && set_number(object, common_kinds[kind].name, step->answer.counts[kind]);
-    }
     for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++) {
         ok = ok && set_real(object, report_phase_names[phase], step->ms[phase]);
     }
@@ -116,24 +95,22 @@ json_t *report_line(const struct report_step *step)
 
 bool report_line_read(const json_t *line, struct report_step *step)
 {
+    const char *tuning = json_string_value(json_object_get(line, "tuning"));
+    bool ok = tuning != NULL;
     uint64_t value = 0;
     memset(step, 0, sizeof *step);
-    bool ok = get_texts(line, step);
-#define GET(key, member, type)                                                           \
-    ok = ok && get_number(line, #key, &value);                                           \
-    step->member = (type)value;
+    (void)snprintf(step->answer.tuning, sizeof step->answer.tuning, "%s",
+                   ok ? tuning : "");
+#define GET(unused, type, name, of_step, of_near, member, meaning)                       \
+    GET_##type(#name, step->answer.member)
+    COMMON_NUMBERS(GET, )
+#undef GET
+#define GET(key, member, type) GET_NUMBER(#key, step->member)
     NUMBERS(GET)
 #undef GET
-#define GET(key, member) ok = ok && get_real(line, #key, &step->member);
+#define GET(key, member) GET_REAL(#key, step->member)
     REALS(GET)
 #undef GET
-#define GET(unused, type, name, of_step, of_near, member, meaning)                       \
-    ok = ok && get_number(line, #name, &step->answer.member);
-    COMMON_COUNTERS(GET, )
-#undef GET
-    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
-        ok = ok && get_number(line, common_kinds[kind].name, &step->answer.counts[kind]);
-    }
     for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++) {
         ok = ok && get_real(line, report_phase_names[phase], &step->ms[phase]);
     }
