@@ -37,11 +37,11 @@ enum role { AXIS_X, AXIS_Y, AXIS_Z, END_0, END_1, NAMED_ROLES, INDICES, SKIP };
 
 static const struct {
     const char *element, *property;
-} named_roles[NAMED_ROLES] = {[AXIS_X] = {"vertex", "x"},
-                              [AXIS_Y] = {"vertex", "y"},
-                              [AXIS_Z] = {"vertex", "z"},
-                              [END_0] = {"edge", "vertex1"},
-                              [END_1] = {"edge", "vertex2"}};
+} named_roles[NAMED_ROLES] = {{"vertex", "x"},
+                              {"vertex", "y"},
+                              {"vertex", "z"},
+                              {"edge", "vertex1"},
+                              {"edge", "vertex2"}};
 
 struct property {
     const struct type *type;       /* of the value, or of the list's items */
@@ -170,11 +170,6 @@ static enum role role_of(struct ply *ply, struct element *element,
     return element->has_faces ? INDICES : SKIP;
 }
 
-static bool is_list(const struct ctl_word words[2])
-{
-    return ctl_word_is(&words[1], "list");
-}
-
 static int read_property(struct ply *ply, const struct ctl_word words[5])
 {
     if (ply->element_count == 0) {
@@ -184,10 +179,11 @@ static int read_property(struct ply *ply, const struct ctl_word words[5])
         return ctl_file_fail(ply->file, PCCD_E_LIMIT, "more than %u properties",
                              PROPERTIES_MAX);
     }
-    const struct ctl_word *last = &words[is_list(words) ? 4 : 2];
+    bool is_list = ctl_word_is(&words[1], "list");
+    const struct ctl_word *last = &words[is_list ? 4 : 2];
     struct element *element = &ply->elements[ply->element_count - 1];
     struct property *property = &ply->properties[ply->property_count++];
-    property->count_type = is_list(words) ? read_type(ply, &words[2]) : NULL;
+    property->count_type = is_list ? read_type(ply, &words[2]) : NULL;
     property->type = read_type(ply, last - 1);
     property->role = role_of(ply, element, property, last);
     bool is_narrow = property->type->bytes < (property->type->kind == REAL ? 8 : 4);
@@ -228,7 +224,7 @@ static int read_header_line(struct ply *ply, struct ctl_word line, bool *is_end)
         return ctl_file_refuse(ply->file, "unknown header line \"%.*s\"",
                                CTL_QUOTE(words[0]));
     }
-    uint32_t needed = i == 0 && is_list(words) ? 5 : lines[i].count;
+    uint32_t needed = i == 0 && ctl_word_is(&words[1], "list") ? 5 : lines[i].count;
     if (count > needed) {
         return ctl_file_refuse(ply->file, "\"%.*s\" is too much on a header line",
                                CTL_QUOTE(words[needed]));
@@ -435,14 +431,13 @@ static double read_value(struct ply *ply, const struct type *type, bool is_wante
     struct ctl_file *file = ply->file;
     struct ctl_word word;
     double value = 0;
+    if (ply->encoding != ASCII && !ctl_file_more(file, type->bytes)) {
+        ctl_file_refuse(file, "the file ends here");
+        return 0;
+    }
     if (ply->encoding != ASCII) {
-        if (!ctl_file_more(file, type->bytes)) {
-            ctl_file_refuse(file, "the file ends here");
-            return 0;
-        }
-        value = decode(file->at, type, ply->encoding == HIGHEST_FIRST);
         file->at += type->bytes;
-        return value;
+        return decode(file->at - type->bytes, type, ply->encoding == HIGHEST_FIRST);
     }
     bool is_there = ctl_word_next(&ply->line, &word);
     while (!is_there && ply->has_value_a_line && ctl_file_line(file, &ply->line)) {

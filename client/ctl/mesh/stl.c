@@ -89,11 +89,11 @@ static uint32_t vertex_at(struct stl *stl, const float x[3])
     return *entry;
 }
 
-static void add_facet(struct stl *stl, float x[3][3])
+static void add_facet(struct stl *stl, const float x[9])
 {
     uint32_t corners[3];
     for (int k = 0; k < 3; k++) {
-        corners[k] = stl->file->status == PCCD_OK ? vertex_at(stl, x[k]) : 0;
+        corners[k] = stl->file->status == PCCD_OK ? vertex_at(stl, x + 3 * k) : 0;
     }
     if (stl->file->status == PCCD_OK) {
         stl->file->status = ctl_mesh_add(stl->mesh, CTL_TRIANGLES, corners);
@@ -113,7 +113,7 @@ static void read_binary(struct stl *stl)
 {
     struct ctl_file *file = stl->file;
     uint32_t count = ctl_file_word(file->data + 80);
-    float x[3][3];
+    float x[9];
     file->at = file->data + HEADER_BYTES;
     for (uint32_t i = 0; i < count && file->status == PCCD_OK; i++) {
         if (!ctl_file_more(file, FACET_BYTES)) {
@@ -123,13 +123,12 @@ static void read_binary(struct stl *stl)
         }
         for (uint32_t k = 0; k < 9; k++) {
             uint32_t bits = ctl_file_word(file->at + NORMAL_BYTES + 4 * k);
-            float *value = &x[k / 3][k % 3];
-            memcpy(value, &bits, sizeof bits);
-            if (!common_is_coordinate((double)*value)) {
+            memcpy(&x[k], &bits, sizeof bits);
+            if (!common_is_coordinate((double)x[k])) {
                 ctl_file_fail(file, PCCD_E_NOTFINITE,
                               "facet %" PRIu32 ", corner %" PRIu32
                               ": coordinate %c is %g; |x| <= 1e18 is needed",
-                              i, k / 3, "xyz"[k % 3], (double)*value);
+                              i, k / 3, "xyz"[k % 3], (double)x[k]);
             }
         }
         add_facet(stl, x);
@@ -199,7 +198,7 @@ static void read_ascii(struct stl *stl)
                                         "vertex", "vertex", "endloop", "endfacet"};
     struct ctl_file *file = stl->file;
     struct ctl_word line, word;
-    float x[3][3] = {{0}};
+    float x[9] = {0};
     uint32_t due = 0; /* of these lines */
     bool has_begun = false;
     while (ctl_file_line(file, &line)) {
@@ -214,7 +213,7 @@ static void read_ascii(struct stl *stl)
             ctl_file_refuse(file, "\"%.*s\" where \"%s\" is needed", CTL_QUOTE(word),
                             lines[due]);
         } else if (due >= 3 && due < 6) {
-            read_place(file, &line, x[due - 3]);
+            read_place(file, &line, x + 3 * (due - 3));
         } else if (due == 7) {
             add_facet(stl, x);
         }
