@@ -897,6 +897,42 @@ static void animation__is_chosen_and_told(void **state)
     finish();
 }
 
+/* Bytes that this process has read. */
+static unsigned long long bytes_read(void)
+{
+    unsigned long long bytes = 0;
+    FILE *io = fopen("/proc/self/io", "r");
+    assert_non_null(io);
+    assert_int_equal(fscanf(io, "rchar: %llu", &bytes), 1);
+    fclose(io);
+    return bytes;
+}
+
+/* If it failed: a file that moves would be read once to count its frames, and then once
+ * more for its shape, or where it is not the first. */
+static void animation__is_read_once(void **state)
+{
+    static const struct ctl_frames_options as_it_is = {.weld = -1};
+    static char rest[8192];
+    struct ctl_frames frames;
+    struct ctl_mesh frame = {0};
+    (void)state;
+    begin_animation();
+    snprintf(rest, sizeof rest, "%s%6000s",
+             MOVED(SAMPLER("1", "2", ""), CHANNEL("0", "0", "translation")), "");
+    write_glb(rest);
+    unsigned long long before = bytes_read();
+    assert_int_equal(
+        ctl_frames_open(&frames, (char *[]){path, path}, 2, &as_it_is, &error), PCCD_OK);
+    for (uint32_t i = 0; i < frames.count; i++) {
+        assert_int_equal(ctl_frames_read(&frames, i, &frame, &error), PCCD_OK);
+    }
+    assert_int_equal(frames.count, 6);
+    assert_true(bytes_read() - before < 3 * 6000); /* two files */
+    ctl_mesh_deinit(&frame);
+    ctl_frames_close(&frames);
+}
+
 /* If it failed: two files that move would be taken for one mesh, whose faces differ. */
 static void animation__goes_on_in_another_file_of_the_same_mesh(void **state)
 {
@@ -1108,6 +1144,7 @@ int main(void)
         cmocka_unit_test(animation__turns_the_shorter_way_on_a_circle),
         cmocka_unit_test(animation__is_chosen_and_told),
         cmocka_unit_test(animation__moves_joints),
+        cmocka_unit_test(animation__is_read_once),
         cmocka_unit_test(animation__goes_on_in_another_file_of_the_same_mesh),
         cmocka_unit_test(animation__names_what_is_wrong),
         cmocka_unit_test(file__with_changed_bytes_is_refused_or_read),
