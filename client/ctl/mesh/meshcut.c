@@ -1,9 +1,4 @@
-/* client/ctl/mesh/meshcut.c - polygons of a mesh, and what two frames of it share.
- *
- * Room:     client/ctl.
- * Does:     cut polygons where their corners are, or as another frame was cut; name what
- *           differs first between two frames.
- */
+/* client/ctl/mesh/meshcut.c - polygons of a mesh, and what two frames of it share. */
 #include "meshfile.h"
 
 #include <inttypes.h>

@@ -1,9 +1,4 @@
-/* client/ctl/mesh/meshfile.c - the arrays of a mesh.
- *
- * Room:     client/ctl.
- * Does:     hold them, or a part of them.
- * Does not: read files (meshread.c); cut polygons (meshcut.c).
- */
+/* client/ctl/mesh/meshfile.c - the arrays of a mesh, or of a part of it. */
 #include "meshfile.h"
 
 #include <inttypes.h>

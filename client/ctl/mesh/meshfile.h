@@ -1,10 +1,8 @@
 /* client/ctl/mesh/meshfile.h - a mesh, and how it is read from a file.
  *
- * Room:     client/ctl.
- * Does:     read PLY, OBJ, STL and glTF, and cut polygons into triangles (polygon.h).
- * Does not: merge, reorder or drop vertices or faces: vertex i of one frame stays vertex
- *           i of the next (meshframes.h joins them). STL alone has no vertices, and gets
- *           them where corners are at the same place.
+ * Vertices and faces are neither merged nor reordered nor dropped: vertex i of one frame
+ * stays vertex i of the next (meshframes.h joins them). STL alone has no vertices, and
+ * gets them where corners are at the same place.
  */
 #ifndef CTL_MESHFILE_H
 #define CTL_MESHFILE_H

@@ -1,9 +1,4 @@
-/* client/ctl/mesh/meshframes.c - one mesh, frame by frame.
- *
- * Room:     client/ctl.
- * Does:     find out how many frames each file has; join vertices that are at one place
- *           in all of them.
- */
+/* client/ctl/mesh/meshframes.c - one mesh, frame by frame. */
 #include "meshframes.h"
 
 #include <inttypes.h>

@@ -1,11 +1,8 @@
 /* client/ctl/mesh/meshframes.h - the frames of one mesh, from files.
  *
- * Room:     client/ctl.
- * Does:     open the files that were named, in the order of sequence.h: a mesh file is
- *           a frame, or as many as it has; a file of positions alone (PC2, MDD) has those
- *           of the mesh file before it, whose own positions are no frame then. All frames
- *           have the first one's shape; one at a time is read. Vertices at one place are
- *           joined.
+ * In the order of sequence.h a mesh file is a frame, or as many as it has; a file of
+ * positions alone (PC2, MDD) has those of the mesh file before it, whose own positions
+ * are no frame then. All frames have the first one's shape; one at a time is read.
  */
 #ifndef CTL_MESHFRAMES_H
 #define CTL_MESHFRAMES_H
@@ -63,8 +60,7 @@ struct ctl_frames {
 
 /* Open `paths`, names or patterns; `frames` is ctl_frames_close's to give back then, also
  * on error. Errors: those of ctl_sequence_expand, ctl_mesh_read and of the readers of
- * motions; E_INVAL for positions without a mesh file, or of other vertices than it has.
- */
+ * motions; E_INVAL for positions of other vertices than the mesh file has. */
 int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path_count,
                     const struct ctl_frames_options *options, struct ctl_error *error);
 /* Fill `frame`, which is empty or another frame, with the positions of frame `index`, and

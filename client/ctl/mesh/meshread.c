@@ -1,9 +1,4 @@
-/* client/ctl/mesh/meshread.c - a mesh read from a file.
- *
- * Room:     client/ctl.
- * Does:     tells the format, has it parsed, and polygons cut.
- * Does not: parse (ply.c, obj.c, stl.c, gltf_scene.c); compare frames (meshcut.c).
- */
+/* client/ctl/mesh/meshread.c - tells what a file is, and has a mesh read from it. */
 #include <ctype.h>
 #include <fcntl.h>
 #include <stdlib.h>

@@ -1,11 +1,4 @@
-/* client/ctl/mesh/motion.h - the positions that one file has for several frames.
- *
- * Room:     client/ctl. May include: error.h, pccd_types.h.
- * Does:     what an animated glTF file, PC2 and MDD have in common: frames of one shape,
- *           of which one at a time is read.
- * Does not: say what the shape is: a mesh file does (meshfile.h).
- * Threads:  one at a time.
- */
+/* client/ctl/mesh/motion.h - the frames that one file has: a glTF file, PC2 or MDD. */
 #ifndef CTL_MOTION_H
 #define CTL_MOTION_H
 
@@ -48,10 +41,10 @@ struct ctl_motion {
     void (*close)(struct ctl_motion *motion);
 };
 
-/* All frames of a file. Of glTF without a wish for one all animations that
- * move a mesh are played at once, if no two of them move the same thing; else the first
- * of them. E_INVAL: there is no animation that is wished for. Of point caches, of which
- * nothing is wished for, a piece of 64 KiB is in memory, of a pipe all. */
+/* All frames of a file. Of glTF without a wish for one all animations that move a mesh
+ * are played at once, if no two of them move the same thing; else the first of them.
+ * E_INVAL: there is no animation that is wished for. Of point caches, of which nothing is
+ * wished for, a piece of 64 KiB is in memory, of a pipe all. */
 int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
                   struct ctl_motion *motion, struct ctl_error *error);
 int ctl_pc2_open(const char *path, const struct ctl_motion_wish *wish,

@@ -1,10 +1,7 @@
 /* client/ctl/mesh/polygon.c - ears of a polygon.
  *
- * Room:     client/ctl.
- * Does:     decide on which side of a line a point is, exactly; find out whether a
- *           polygon is simple; cut off ears.
- * Source:   Shewchuk, "Adaptive Precision Floating-Point Arithmetic" (1997),
- *           for the bound of the error.
+ * Source: Shewchuk, "Adaptive Precision Floating-Point Arithmetic" (1997), for the bound
+ *         of the error.
  */
 #include "polygon.h"
 
@@ -133,21 +130,27 @@ static int compare_sides(const void *a, const void *b)
                    ((const struct cutter_side *)b)->from);
 }
 
-static bool is_simple(const struct cutter_corner *corners, struct cutter_side *sides,
-                      uint32_t count)
+static bool is_simple(struct ctl_cutter *cutter, uint32_t count)
 {
+    const struct cutter_corner *corners = cutter->corners;
+    struct cutter_side *sides = cutter->sides;
+    bool turns_back = false;
     for (uint32_t i = 0; i < count; i++) {
         const struct cutter_corner *corner = &corners[i];
         const double *before = corners[corner->before].p, *p = corner->p;
         const double *after = corners[corner->after].p;
-        if (turn(before, p, after) == 0 && compare(before, p) * compare(p, after) <= 0) {
-            return false; /* it turns back */
-        }
+        bool turns = turn(before, p, after) != 0;
+        cutter->turns = cutter->turns || turns;
+        turns_back =
+            turns_back || (!turns && compare(before, p) * compare(p, after) <= 0);
         for (int axis = 0; axis < 2; axis++) {
             sides[i].from[axis] = fmin(p[axis], after[axis]);
             sides[i].to[axis] = fmax(p[axis], after[axis]);
         }
         sides[i].number = i;
+    }
+    if (turns_back) {
+        return false;
     }
     qsort(sides, count, sizeof *sides, compare_sides);
     for (const struct cutter_side *a = sides; a < sides + count; a++) {
@@ -283,7 +286,7 @@ static bool cut_along(struct ctl_cutter *cutter, uint32_t count, int axis)
     }
     corners[0].before = left - 1;
     corners[left - 1].after = 0;
-    return left >= 3 && is_simple(corners, cutter->sides, left) && cut_ears(cutter, left);
+    return left >= 3 && is_simple(cutter, left) && cut_ears(cutter, left);
 }
 
 /* Two triangles on both sides of a line between two corners are all of a polygon of four;
@@ -303,28 +306,6 @@ static bool cut_four(struct ctl_cutter *cutter, int axis)
         }
     }
     return cutter->made > 0;
-}
-
-/* ---- what has no plane ------------------------------------------------------------- */
-
-static bool is_on_a_line(double (*x)[3], uint32_t count)
-{
-    uint32_t other = 0; /* elsewhere than the first */
-    for (uint32_t i = 1; i < count && other == 0; i++) {
-        other = is_same(x[i], x[0]) ? 0 : i;
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        for (int axis = 0; axis < 3; axis++) {
-            double a[2], b[2], c[2];
-            see(x[0], axis, a);
-            see(x[other], axis, b);
-            see(x[i], axis, c);
-            if (turn(a, b, c) != 0) {
-                return false;
-            }
-        }
-    }
-    return true;
 }
 
 /* Whether four corners are surely not in one plane. Two triangles that share an edge meet
@@ -348,6 +329,7 @@ bool ctl_cutter_cut(struct ctl_cutter *cutter, uint32_t count)
 {
     double facing[3];
     bool is_cut = false;
+    cutter->turns = false;
     find_facing(cutter->x, count, facing);
     for (int tries = 0; tries < 3 && !is_cut; tries++) {
         int axis = facing[1] > facing[0] ? 1 : 0;
@@ -355,8 +337,8 @@ bool ctl_cutter_cut(struct ctl_cutter *cutter, uint32_t count)
         facing[axis] = -1;
         is_cut = (count == 4 && cut_four(cutter, axis)) || cut_along(cutter, count, axis);
     }
-    if (!is_cut &&
-        ((count == 4 && is_bent(cutter->x)) || is_on_a_line(cutter->x, count))) {
+    /* What turns along no axis is on a line. */
+    if (!is_cut && (!cutter->turns || (count == 4 && is_bent(cutter->x)))) {
         cutter->made = 0;
         for (uint32_t i = 0; i + 2 < count; i++) {
             put(cutter, 0, i + 1, i + 2);

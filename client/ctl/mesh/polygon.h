@@ -1,12 +1,11 @@
 /* client/ctl/mesh/polygon.h - cuts a polygon into triangles.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     cut off ears, by exact signs, of the polygon as it is seen along the axis
- *           that it faces most; if it is not simple there, along the others. A convex
- *           polygon of four corners is cut between its first and its third corner; any
- *           other cut depends on where the corners are, not on which is the first.
- * Does not: cut polygons with holes, or such as touch or cross themselves.
- * Source:   Meisters, "Polygons have ears" (1975).
+ * Ears are cut off, by exact signs, of the polygon as it is seen along the axis that it
+ * faces most; if it is not simple there, along the others. A convex polygon of four
+ * corners is cut between its first and its third corner; any other cut depends on where
+ * the corners are, not on which is the first.
+ *
+ * Source: Meisters, "Polygons have ears" (1975).
  */
 #ifndef CTL_POLYGON_H
 #define CTL_POLYGON_H
@@ -22,6 +21,7 @@ struct ctl_cutter {
     uint32_t made;      /* of them */
     struct cutter_corner *corners;
     struct cutter_side *sides;
+    bool turns; /* somewhere, along an axis */
 };
 
 /* Make room for so many corners; false: there is no memory. */
