@@ -29,8 +29,8 @@ static const struct kind pc2 = {false, 32, 28, 16}, mdd = {true, 8, 0, 4};
 struct cache {
     struct kind kind;
     struct ctl_file file; /* a large one: its beginning */
-    char *path;
-    uint64_t first_byte; /* of the first frame's positions */
+    uint64_t first_byte;  /* of the first frame's positions */
+    char path[];
 };
 
 static uint32_t word_at(const struct cache *cache, const char *at)
@@ -182,25 +182,21 @@ static void name_frame(const struct ctl_motion *motion, uint32_t frame, char *te
                        size_t bytes)
 {
     const struct cache *cache = motion->state;
+    bool is_mdd = cache->kind.is_mdd;
+    uint64_t at = is_mdd ? cache->kind.header_bytes + 4 * (uint64_t)frame : 20;
     struct ctl_error ignored;
-    char number[4] = {0};
-    if (cache->kind.is_mdd) {
-        (void)read_at(cache, cache->kind.header_bytes + 4 * (uint64_t)frame, number, 4,
-                      &ignored);
-        (void)snprintf(text, bytes, "%.9g s", (double)float_at(cache, number));
-    } else {
-        const char *start = cache->file.data + 20;
-        (void)snprintf(text, bytes, "frame %.9g",
-                       (double)float_at(cache, start) +
-                           (double)float_at(cache, start + 4) * frame);
-    }
+    char numbers[8] = {0};
+    (void)read_at(cache, at, numbers, is_mdd ? 4 : 8, &ignored);
+    double first = (double)float_at(cache, numbers);
+    double step = (double)float_at(cache, numbers + 4);
+    (void)snprintf(text, bytes, is_mdd ? "%.9g s" : "frame %.9g",
+                   is_mdd ? first : first + step * frame);
 }
 
 static void close_cache(struct ctl_motion *motion)
 {
     struct cache *cache = motion->state;
     ctl_file_deinit(&cache->file);
-    free(cache->path);
     free(cache);
     *motion = (struct ctl_motion){.state = NULL};
 }
@@ -208,21 +204,18 @@ static void close_cache(struct ctl_motion *motion)
 static int open_cache(const char *path, const struct kind *kind,
                       struct ctl_motion *motion, struct ctl_error *error)
 {
-    struct cache *cache = calloc(1, sizeof *cache);
-    char *name = strdup(path);
+    struct cache *cache = calloc(1, sizeof *cache + strlen(path) + 1);
     struct ctl_motion opened = {.format = PCCD_FORMAT_F32,
                                 .state = cache,
                                 .read = read_frame,
                                 .name = name_frame,
                                 .close = close_cache};
-    if (cache == NULL || name == NULL) {
-        free(cache);
-        free(name);
+    if (cache == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", path);
     }
-    cache->path = name;
+    strcpy(cache->path, path);
     cache->kind = *kind;
-    int status = ctl_file_open(name, &cache->file, error);
+    int status = ctl_file_open(cache->path, &cache->file, error);
     if (status == PCCD_OK && cache->file.size == 0) {
         status = ctl_file_load(&cache->file, error); /* a pipe */
     }
