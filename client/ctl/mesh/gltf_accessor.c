@@ -45,31 +45,28 @@ static size_t bytes_of(enum gltf_type type)
     return type != 0 ? types[type - GLTF_I8].bytes : 0;
 }
 
-static double value_at(const char *at, enum gltf_type type)
+static inline double value_at(const char *at, enum gltf_type type)
 {
-    const unsigned char *bytes = (const unsigned char *)at;
+    uint32_t bits;
     float value;
     switch (type) {
     case GLTF_I8:
         return (double)(signed char)at[0];
-    case GLTF_U8:
-        return (double)bytes[0];
     case GLTF_I16:
-        return (double)(int16_t)(bytes[0] | bytes[1] << 8);
-    case GLTF_U16:
-        return (double)(bytes[0] | bytes[1] << 8);
+        return (double)(int16_t)gltf_integer_at(at, 2);
     case GLTF_FLOAT:
-        memcpy(&value, &(uint32_t){ctl_file_word(at)}, sizeof value);
+        bits = gltf_integer_at(at, 4);
+        memcpy(&value, &bits, sizeof value);
         return (double)value;
     default:
-        return (double)ctl_file_word(at);
+        return (double)gltf_integer_at(at, bytes_of(type));
     }
 }
 
 static size_t sparse_index(const struct gltf_accessor *accessor, size_t k)
 {
-    enum gltf_type type = accessor->sparse_type;
-    return (size_t)value_at(accessor->sparse_at + k * bytes_of(type), type);
+    size_t bytes = bytes_of(accessor->sparse_type);
+    return gltf_integer_at(accessor->sparse_at + k * bytes, bytes);
 }
 
 /* ---- finding ----------------------------------------------------------------------- */
@@ -205,8 +202,12 @@ static const char *place_of(const struct gltf_accessor *accessor, size_t i)
 void gltf_read(const struct gltf_accessor *accessor, size_t i, double *values)
 {
     const char *at = place_of(accessor, i);
+    size_t bytes = accessor->bytes;
     for (size_t k = 0; k < accessor->components; k++) {
-        values[k] = at == NULL ? 0 : value_at(at + k * accessor->bytes, accessor->type);
+        values[k] = at == NULL ? 0
+                    : accessor->type == GLTF_FLOAT
+                        ? value_at(at + k * 4, GLTF_FLOAT)
+                        : value_at(at + k * bytes, accessor->type);
         if (accessor->greatest > 0) {
             values[k] /= accessor->greatest;
             values[k] = values[k] < -1 ? -1 : values[k];

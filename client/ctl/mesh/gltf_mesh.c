@@ -166,16 +166,18 @@ static size_t corner_of(long long mode, size_t i, size_t k, size_t count)
 
 /* The vertex of a run that corner `at` of a primitive is. Without a type there are no
  * indices: it is that corner. */
-static uint32_t vertex_of(struct gltf *gltf, const struct gltf_accessor *indices,
-                          size_t vertices, size_t at)
+static inline uint32_t vertex_of(struct gltf *gltf, const struct gltf_accessor *indices,
+                                 size_t vertices, size_t at)
 {
-    double number = (double)at;
-    uint32_t restart = UINT32_MAX;
-    if (indices->type != 0) {
+    uint32_t vertex = (uint32_t)at, restart = UINT32_MAX;
+    double number;
+    if (indices->at != NULL && indices->sparse_count == 0) {
+        vertex = gltf_integer_at(indices->at + at * indices->stride, indices->bytes);
+    } else if (indices->type != 0) {
         gltf_read(indices, at, &number);
-        restart >>= 32 - 8 * indices->bytes;
+        vertex = (uint32_t)number;
     }
-    uint32_t vertex = (uint32_t)number;
+    restart >>= indices->type != 0 ? 32 - 8 * indices->bytes : 0;
     if (vertex >= vertices || vertex == restart) {
         gltf_check(gltf, vertex != restart,
                    "accessor %zu: index %zu is %" PRIu32
