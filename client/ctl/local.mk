@@ -60,7 +60,6 @@ libctl_la_SOURCES = \
     client/ctl/inspect/page_file.c client/ctl/inspect/page_file.h \
     client/ctl/inspect/page_template.h \
     client/ctl/mesh/meshframes.c client/ctl/mesh/meshframes.h \
-    client/ctl/mesh/gltf_accessor.c \
     client/ctl/mesh/gltf_animation.c \
     client/ctl/mesh/gltf_file.c client/ctl/mesh/gltf_file.h \
     client/ctl/mesh/gltf_mesh.c \

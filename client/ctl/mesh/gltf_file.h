@@ -17,12 +17,6 @@
 #include "pccd_types.h"
 #include "text.h"
 
-struct gltf_buffer {
-    const char *at; /* NULL: not asked for yet */
-    size_t bytes;
-    struct ctl_file file; /* another file that has it, or nothing */
-};
-
 struct gltf {
     struct ctl_file *file; /* of which the rest is read when it is asked for */
     struct ctl_error *error;
@@ -60,10 +54,6 @@ void gltf_numbers(struct gltf *gltf, const json_t *object, const char *name, siz
                   double *values, const char *what, size_t index);
 /* The extension by which an object is compressed; NULL: by none. */
 const char *gltf_compression(const json_t *object);
-
-/* A buffer: the file's own, of a data: URI, or of a file in the folder of this one or
- * below it. NULL: it is not there. */
-const struct gltf_buffer *gltf_buffer(struct gltf *gltf, long long index);
 
 /* ---- accessors: elements of a buffer, as doubles; nothing is copied ---------------- */
 
