@@ -586,7 +586,8 @@ static void read_row(struct ply *ply, const struct element *element)
             ctl_mesh_set(ply->mesh, (size_t)file->item_number * 3 + (size_t)role, value);
         }
     }
-    if (ply->encoding == ASCII && ctl_word_next(&ply->line, &surplus)) {
+    bool has_line = ply->encoding == ASCII && file->status == PCCD_OK;
+    if (has_line && ctl_word_next(&ply->line, &surplus)) {
         ctl_file_refuse(file, "\"%.*s\" is too much on the line", CTL_QUOTE(surplus));
     }
     if (element == ply->edge && file->status == PCCD_OK) {
