@@ -20,7 +20,7 @@ struct ctl_mesh;
 /* Filled by whoever opens the file; then close() ends it. */
 struct ctl_motion {
     uint32_t frame_count; /* at least 1 */
-    uint32_t vertex_count;
+    uint32_t vertex_count; /* 0: shape() alone reads the only frame (glTF at rest) */
     enum pccd_format format; /* of what read() fills */
     void *state;             /* the reader's */
     /* Fill x[vertex_count][3], float or double, of a frame: 0 to frame_count - 1, in any
