@@ -475,6 +475,16 @@ static void read_polygon(struct ply *ply, const struct type *type, uint64_t coun
         ctl_file_refuse(file, "%" PRIu64 " %s where a face needs at least 3", count,
                         proto_plural(count, "vertex", "vertices"));
     }
+    if (count == 3) { /* most are, and need no more */
+        uint32_t corners[3];
+        for (int k = 0; k < 3; k++) {
+            corners[k] = index_of(ply, read_value(ply, type, true));
+        }
+        if (file->status == PCCD_OK) {
+            file->status = ctl_mesh_add(ply->mesh, CTL_TRIANGLES, corners);
+        }
+        return;
+    }
     for (uint64_t i = 0; i < count && file->status == PCCD_OK; i++) {
         uint32_t corner = index_of(ply, read_value(ply, type, true));
         if (file->status == PCCD_OK) {
