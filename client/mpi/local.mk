@@ -52,6 +52,8 @@ mpi_program_sources = \
     client/mpi/program/main.c \
     client/mpi/program/near.c \
     client/mpi/program/part.c client/mpi/program/part.h \
+    client/mpi/program/part_open.c \
+    client/mpi/program/part_weld.c \
     client/mpi/program/recordings.c client/mpi/program/recordings.h \
     client/mpi/program/replay.c \
     client/mpi/program/results.c client/mpi/program/results.h \

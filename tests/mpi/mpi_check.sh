@@ -42,7 +42,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
         tap_skip "mpi__mistake_${mistake}_is_told_to_all_ranks" "no --with-mpi"
     done
     tap_skip mpi__answers_do_not_show_how_ranks_round "no --with-mpi"
-    for name in files numbered_files missing_file usage $scenes; do
+    for name in files numbered_files seams objects motions other_files missing_file usage $scenes; do
         tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
     done
     tap_skip mpi__work_lies_evenly_on_four_ranks "no --with-mpi"
@@ -195,15 +195,174 @@ if [ $status -eq 0 ]; then
 fi
 tap_result $status mpi__check_of_files_says_what_pccdctl_says "$log"
 
-# If it failed, a pattern would be a file that is not there; or of a cache one frame would be read.
+# If it failed, a pattern would be a file that is not there.
 mkdir "$work/many" && cp "$work/f0.ply" "$work/many/s9.ply" && cp "$work/f1.ply" "$work/many/s10.ply" &&
-    cp "$work/f2.ply" "$work/many/s11.ply" && printf 'POINTCACHE2\0' >"$work/a.pc2" &&
+    cp "$work/f2.ply" "$work/many/s11.ply" &&
     same_report pattern 2 "$work/many/s%d.ply" && grep -q 's9.ply' "$work/ranks.json" &&
-    { ranks 2 "$top_builddir/pccd-mpi" check "$work/f0.ply" "$work/a.pc2" >"$work/out" 2>"$log"; [ $? -eq 4 ]; } &&
-    grep -q 'a.pc2 has several frames: ranks read a file for each' "$log" && rm "$work"/many/s1?.ply &&
+    same_report shell_order 3 "$work"/many/s*.ply && grep -q '^pccd-mpi: warning: .*s9.ply comes after' "$log" &&
+    [ "$(grep -c 'warning:' "$log")" -eq 2 ] && rm "$work"/many/s1?.ply &&
     { ranks 2 "$top_builddir/pccd-mpi" check "$work/many/s%d.ply" >"$work/out" 2>"$log"; [ $? -eq 4 ]; } &&
     grep -q 's9.ply is one frame: a step has two' "$log"
 tap_result $? mpi__check_of_numbered_files_says_what_pccdctl_says "$log"
+
+# A cube of which each face has its own corners, as an exporter of normals writes it.
+awk 'BEGIN {
+    print "ply\nformat ascii 1.0\nelement vertex 24"
+    print "property float x\nproperty float y\nproperty float z"
+    print "element face 6\nproperty list uchar int vertex_indices\nend_header"
+    for (face = 0; face < 6; face++)
+        for (i = 0; i < 4; i++) {
+            axis = face % 3
+            x[axis] = face < 3 ? -1 : 1
+            x[(axis + 1) % 3] = i == 1 || i == 2 ? 1 : -1
+            x[(axis + 2) % 3] = i > 1 ? 1 : -1
+            print x[0], x[1], x[2]
+        }
+    for (face = 0; face < 6; face++)
+        print 4, 4 * face, 4 * face + 1, 4 * face + 2, 4 * face + 3
+}' >"$work/cube.ply"
+# A sheet of two strips, each with its own vertices where they are sewn, and needles above it.
+# There the seam opens at two of six vertices, and the strips are nearly at one place at another.
+sewn() { # DROP OPENING
+    awk -v drop="$1" -v opening="$2" 'BEGIN {
+        n = 6
+        print "ply\nformat ascii 1.0\nelement vertex " 4 * n + 9
+        print "property double x\nproperty double y\nproperty double z"
+        print "element face " 2 * (n - 1) + 3 "\nproperty list uchar int vertex_indices\nend_header"
+        for (row = 0; row < 4; row++)
+            for (i = 0; i < n; i++)
+                printf "%.17g %d %g\n", i + (row == 2 && i == 5 ? 2 ^ -42 : 0), int((row + 1) / 2),
+                    row == 2 && i < 2 ? opening : 0
+        for (i = 0; i < 3; i++) {
+            print i + 0.5, 1, 1 - drop; print i + 0.5, 1, 5 - drop; print i + 0.75, 1, 5 - drop
+        }
+        for (strip = 0; strip < 2; strip++)
+            for (i = 0; i + 1 < n; i++) {
+                v = 2 * n * strip + i
+                print 4, v, v + 1, v + n + 1, v + n
+            }
+        for (i = 0; i < 3; i++)
+            print 3, 4 * n + 3 * i, 4 * n + 3 * i + 1, 4 * n + 3 * i + 2
+    }'
+}
+sewn 0 0 >"$work/w0.ply"
+sewn 2 0 >"$work/w1.ply"
+sewn 2 0.25 >"$work/w2.ply"
+told_welded() { # FILE: what of its members says what became of seams
+    sed -n 's/^ *"weld[a-z_]*": \([0-9]*\),*$/\1/p' "$1" | tr '\n' ' '
+}
+
+# If it failed, what stands still would touch itself at each seam, or a seam that opens would stay.
+status=0
+for count in 1 2 3 4; do
+    ranks "$count" "$top_builddir/pccd-mpi" check "$work/cube.ply" "$work/cube.ply" >"$work/out" 2>"$log" &&
+        grep -qx 'welded     16 vertices to others at the same place in every frame' "$work/out" &&
+        grep -q '^contacts   0:' "$work/out" &&
+        same_report seams "$count" "$work"/w[012].ply &&
+        [ "$(told_welded "$work/ranks.json")" = '3 0 2 0 1 ' ] || { status=1; break; }
+done
+[ $status -eq 0 ] && same_report sewn 3 --weld 0.001 "$work"/w[01].ply &&
+    [ "$(told_welded "$work/ranks.json")" = '6 0 0 0 0 ' ] &&
+    same_report off 2 --weld off "$work"/w[012].ply &&
+    same_report flat 4 --weld 1.0625 "$work"/w[01].ply &&
+    told_welded "$work/ranks.json" | grep -q '^[1-9][0-9]* 0 0 [1-9]' &&
+    { ranks 3 "$top_builddir/pccd-mpi" check --deal --json "$work"/w[012].ply >"$work/ranks.json" 2>"$log"; [ $? -eq 1 ]; } &&
+    [ "$(told_welded "$work/ranks.json")" = '3 0 2 0 1 ' ]
+tap_result $? mpi__check_of_seams_says_what_pccdctl_says "$log"
+
+# A floor, two spikes that are one object and touch at a seam, and a rod.
+objects() { # HEIGHT
+    cat <<END
+o Floor
+v -9 -9 0
+v 9 -9 0
+v 0 9 0
+f 1 2 3
+o Spikes
+v -1 0 $1
+v -1 0 30
+v -1 1 30
+f 4 5 6
+v 1 0 $1
+v -1 0 30
+v -1 1 30
+f 7 8 9
+o Rod
+v -4 -12 $1
+v -1 1 30
+l 10 11
+END
+}
+mkdir "$work/objects" && objects 1 >"$work/objects/a9.obj" && objects -1 >"$work/objects/a10.obj"
+# If it failed, who has a scene would be told of features over ranks, and not of what they see in it.
+status=0
+for count in 1 4; do
+    same_report objects "$count" "$work/objects/a%d.obj" &&
+        grep -A3 '"objects": \[' "$work/ranks.json" | grep -q '"b": "Spikes"' || { status=1; break; }
+done
+sed '/^o Spikes/d; /^o Rod/d' "$work/objects/a9.obj" >"$work/one9.obj"
+sed '/^o Spikes/d; /^o Rod/d' "$work/objects/a10.obj" >"$work/one10.obj"
+[ $status -eq 0 ] && [ "$(told_welded "$work/ranks.json")" = '3 1 0 0 0 ' ] &&
+    same_report one_object 3 "$work/one%d.obj" && same_report pairs 3 --mode pairs "$work/objects/a%d.obj" &&
+    # Without the CSV, for which the first rank reads all.
+    { ranks 3 "$top_builddir/pccd-mpi" check "$work/objects/a%d.obj" "$work/objects/a9.obj" >"$work/out" 2>"$log"; [ $? -eq 1 ]; } &&
+    grep -qx '           "Floor", "Spikes": [0-9]*' "$work/out" &&
+    { ranks 3 "$top_builddir/pccd-mpi" check --mode any "$work/objects/a%d.obj" >"$work/out" 2>"$log"; [ $? -eq 1 ]; }
+tap_result $? mpi__check_of_objects_says_what_pccdctl_says "$log"
+
+# A spike that comes down on a floor, as a cache of points and as an animation of glTF.
+low='\0\0\200\277' zero='\0\0\0\0' one='\0\0\200\077' two='\0\0\0\100'
+floor=$low$low$zero$two$low$zero$low$two$zero
+cat >"$work/spike.obj" <<'END'
+v -1 -1 0
+v 2 -1 0
+v -1 2 0
+v 0 0 1
+v 0 0 2
+v 1 0 2
+f 1 2 3
+f 4 5 6
+END
+{
+    printf 'POINTCACHE2\0\1\0\0\0\6\0\0\0'
+    # shellcheck disable=SC2059 # the bytes are in the format
+    printf "$zero$one\\3\\0\\0\\0"
+    for tip in "$one" "$zero" "$low"; do
+        # shellcheck disable=SC2059
+        printf "$floor$zero$zero$tip$zero$zero$two$one$zero$two"
+    done
+} >"$work/spike.pc2"
+bytes=$(# shellcheck disable=SC2059
+    printf "$floor$zero$zero$one$zero$zero$two$one$zero$two$zero$one$zero$zero$zero$zero$zero$low$low" | base64 -w 0)
+cat >"$work/spike.gltf" <<END
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+"nodes": [{"name": "Floor", "mesh": 0}, {"name": "Spike", "mesh": 1}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}, {"primitives": [{"attributes": {"POSITION": 1}}]}],
+"animations": [{"name": "fall", "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}],
+    "samplers": [{"input": 2, "output": 3}]}],
+"buffers": [{"byteLength": 108, "uri": "data:application/octet-stream;base64,$bytes"}],
+"bufferViews": [{"buffer": 0, "byteLength": 108}],
+"accessors": [
+    {"bufferView": 0, "byteOffset": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [2, 2, 0]},
+    {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 1], "max": [1, 0, 2]},
+    {"bufferView": 0, "byteOffset": 72, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+    {"bufferView": 0, "byteOffset": 80, "componentType": 5126, "count": 2, "type": "VEC3"}]}
+END
+# If it failed, one frame of a file that moves would be read, or none.
+status=0
+for count in 1 3; do
+    same_report cache "$count" "$work/spike.obj" "$work/spike.pc2" &&
+        [ "$(grep -c '"from":' "$work/ranks.json")" -eq 2 ] &&
+        same_report animation "$count" "$work/spike.gltf" &&
+        same_report rate "$count" --rate 4 --animation fall "$work/spike.gltf" || { status=1; break; }
+done
+[ $status -eq 0 ] && [ "$(grep -c '"b": "Spike"' "$work/ranks.json")" -gt 0 ] &&
+    same_report faces_of_another 2 --weld 0.5 "$work/spike.obj" "$work/spike.pc2" &&
+    { ranks 2 "$top_builddir/pccd-mpi" check "$work/spike.pc2" >"$work/out" 2>"$log"; [ $? -eq 4 ]; } &&
+    grep -q 'spike.pc2 has positions alone' "$log" &&
+    { ranks 2 "$top_builddir/pccd-mpi" check --animation 1 "$work/spike.gltf" >"$work/out" 2>"$log"; [ $? -eq 4 ]; } &&
+    grep -q 'no animation has the name or number "1"' "$log"
+tap_result $? mpi__check_of_motions_says_what_pccdctl_says "$log"
 
 # A box whose corners are at LOW and HIGH along each axis.
 box() { # LOW HIGH
@@ -247,6 +406,11 @@ same_near 3 --distance 0.5 "$work"/f[01].ply &&
     same_near 3 --what nearest "$work"/b[0-3].ply &&
     same_near 2 --what crossings "$work"/b[0-3].ply "$work/f2.ply" &&
     same_near 3 --what depth "$work"/b[0-3].ply &&
+    # Files with seams; an animation, of which a warning tells that one frame is read.
+    same_near 3 --what features --distance 0.5 --self "$work/cube.ply" "$work/w0.ply" "$work/spike.gltf" &&
+    [ "$(grep -c 'warning: .*spike.gltf has 2 frames' "$log")" -eq 2 ] &&
+    grep -q '"welded": 16' "$work/ranks.json" &&
+    same_near 2 --what vertices --distance 0.5 --weld 0.001 "$work/w0.ply" "$work/objects/a9.obj" &&
     # A text as pccdctl's, with the file.
     ! ranks 2 "$top_builddir/pccd-mpi" near --what depth "$work"/[bf]0.ply >"$work/out" 2>"$log" &&
     grep -q '^pccd-mpi: .*the mesh of .*/f0.ply has free edges or points' "$log"
@@ -267,8 +431,26 @@ RANKS_SECONDS=60 ranks 3 bash "$work/rank.sh" "$work" "$top_builddir/pccd-mpi" c
     f2.ply >"$work/out" 2>"$log"
 status=$?
 [ $status -ne 0 ] && [ $status -ne 124 ] &&
-    grep -q '^pccd-mpi: rank 2: .*f2.ply.*step 1 was the last one' "$log"
+    grep -q '^pccd-mpi: rank 2: .*f2.ply.*step 1 was the last one' "$log" &&
+    # The same while it is looked for vertices at one place.
+    sed -i 's/f\[012\]/w[012]/; s/f2.ply/w2.ply/' "$work/rank.sh" &&
+    { RANKS_SECONDS=60 ranks 3 bash "$work/rank.sh" "$work" "$top_builddir/pccd-mpi" check w0.ply w1.ply \
+        w2.ply >"$work/out" 2>"$log"; [ $? -eq 4 ]; } && grep -q '^pccd-mpi: rank 2: w2.ply: cannot open' "$log"
 tap_result $? mpi__check_of_missing_file_says_what_pccdctl_says "$log"
+
+# If one failed, a rank with another file would hang the others; or of a pipe each would read a
+# part, for which there are no words but these.
+status=0
+mkfifo "$work/pipe.ply"
+for what in 'cp "$1/f0.ply"' 'cp "$1/b0.ply"' 'cp "$1/spike.pc2"' 'cp "$1/objects/a9.obj"'; do
+    sed "s|^\[ \"\$rank\" -ne 2 \].*|[ \"\$rank\" -ne 2 ] \|\| $what \"\$1/of\$rank/w0.ply\"|" "$work/rank.sh" >"$work/other.sh"
+    { RANKS_SECONDS=60 ranks 3 bash "$work/other.sh" "$work" "$top_builddir/pccd-mpi" check w0.ply w0.ply \
+        >"$work/out" 2>"$log"; [ $? -eq 4 ]; } && grep -Eq '^pccd-mpi: rank 2: w0.ply( and what follows: other files than on rank 0|:)' "$log" ||
+        { echo "$what" >>"$log" && status=1 && break; }
+done
+[ $status -eq 0 ] && { RANKS_SECONDS=60 ranks 3 "$top_builddir/pccd-mpi" check "$work/pipe.ply" "$work/f0.ply" \
+    >"$work/out" 2>"$log"; [ $? -eq 4 ]; } && grep -q 'pipe.ply is a pipe, which can be read once' "$log"
+tap_result $? mpi__check_of_other_files_says_what_pccdctl_says "$log"
 
 # If it failed, a script could not tell wrong usage, or help would be printed by each rank.
 ranks 2 "$top_builddir/pccd-mpi" check "$work/f0.ply" >"$work/out" 2>"$log"

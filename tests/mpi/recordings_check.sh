@@ -330,6 +330,16 @@ for count in 1 3; do
         [ "$(wc -l <"$work/some")" -eq 8 ] || status=1
 done
 cp "$work/a.obj" "$work/c.obj"
+# What begins crossed has no contacts to be known by, and is not free, also where it is read again.
+printf 'v %d %d %d\n' -1 -1 0 2 -1 0 -1 2 0 0 0 -1 0 0 1 1 0 1 >"$work/x.obj"
+printf 'f 1 2 3\nf 4 5 6\n' >>"$work/x.obj"
+"$PCCDCTL" check --url direct: --json "$work"/{x,x,x}.obj >"$work/one" 2>>"$log"
+[ $? -eq 1 ] && grep -q '"crossings": 2' "$work/one" || status=1
+rm -f "$work/lines-x"
+for count in 2 1; do
+    program "$count" check --deal --json --results "$work/lines-x" "$work"/{x,x,x}.obj >"$work/ranks" 2>>"$log"
+    [ $? -eq 1 ] && diff <(told_of "$work/one") <(told_of "$work/ranks") >>"$log" || status=1
+done
 [ $status -eq 0 ] && refused 'other recordings, options' "$work/lines" check --deal \
     --results "$work/lines" "$work/c.obj" "${sequence[@]:1}" &&
     { program 2 check --deal "$work/a.obj" "$work/none.obj" "$work/b.obj" >"$work/out" 2>"$log"; [ $? -eq 4 ]; } &&

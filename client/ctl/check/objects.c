@@ -17,10 +17,20 @@
 
 /* ---- the object of a feature ------------------------------------------------------- */
 
+bool objects_are_one(const struct ctl_mesh *mesh)
+{
+    bool is_one = mesh->object_count == 1;
+    for (int kind = 0; kind < CTL_KINDS && is_one; kind++) {
+        is_one = mesh->objects->first[kind] == 0;
+    }
+    return is_one;
+}
+
 uint32_t objects_of(const struct objects *objects, uint32_t points, uint32_t feature)
 {
-    return points == 1   ? objects->of_vertex[feature]
-           : points == 2 ? objects->of_edge[feature]
+    return objects->of_vertex == NULL ? 0
+           : points == 1              ? objects->of_vertex[feature]
+           : points == 2              ? objects->of_edge[feature]
                          : ctl_mesh_object_at(objects->mesh, CTL_TRIANGLES, feature);
 }
 
@@ -69,19 +79,24 @@ int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
                  struct ctl_error *error)
 {
     const size_t edge_bytes = ((size_t)edge_count + 1) * sizeof(uint32_t);
+    const bool is_one = objects_are_one(mesh);
     *objects = (struct objects){.mesh = mesh,
-                                .of_vertex = ctl_mesh_object_of_vertices(mesh),
-                                .of_edge = malloc(edge_bytes),
                                 .pairs = calloc(PAIRS_MIN, sizeof *objects->pairs),
                                 .capacity = PAIRS_MIN};
-    if (objects->of_vertex == NULL || objects->of_edge == NULL ||
-        objects->pairs == NULL) {
+    if (!is_one) {
+        objects->of_vertex = ctl_mesh_object_of_vertices(mesh);
+        objects->of_edge = malloc(edge_bytes);
+    }
+    if (objects->pairs == NULL ||
+        (!is_one && (objects->of_vertex == NULL || objects->of_edge == NULL))) {
         return ctl_error_set(error, PCCD_E_NOMEM,
                              "no memory for the objects of %" PRIu32 " edges",
                              edge_count);
     }
-    memset(objects->of_edge, 0xff, edge_bytes);
-    number_edges(objects, edges, edge_count);
+    if (!is_one) {
+        memset(objects->of_edge, 0xff, edge_bytes);
+        number_edges(objects, edges, edge_count);
+    }
     return PCCD_OK;
 }
 

@@ -10,6 +10,7 @@
 #ifndef CTL_OBJECTS_H
 #define CTL_OBJECTS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "error.h"
@@ -19,13 +20,16 @@
 
 struct objects {
     const struct ctl_mesh *mesh;
-    uint32_t *of_vertex, *of_edge; /* ours: object numbers */
+    uint32_t *of_vertex, *of_edge; /* ours: object numbers; NULL: there is one object */
     struct report_pair *pairs;     /* of this step; a table by a hash of both objects */
     uint32_t pair_count, capacity; /* a power of 2, more than there are pairs */
 };
 
-/* Of a mesh with objects, and its edges as they were registered. Both stay as they are
- * until objects_deinit, which is called also on error. Errors: E_NOMEM. */
+/* Whether all of a mesh is of one object. */
+bool objects_are_one(const struct ctl_mesh *mesh);
+/* Of a mesh with objects, and its edges as they were registered, unless all are of one.
+ * Both stay as they are until objects_deinit, which is called also on error. Errors:
+ * E_NOMEM. */
 int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
                  const struct pccd_edge *edges, uint32_t edge_count,
                  struct ctl_error *error);

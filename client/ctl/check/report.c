@@ -17,6 +17,7 @@
 #include "shown.h"
 
 #define PAIRS_TOLD 10u
+#define NOTE_BYTES 512
 #define NO_TOI     1.5 /* above any time; the daemon says 2 when there is no record */
 
 const char *const report_phase_names[REPORT_PHASE_COUNT] = {
@@ -89,6 +90,19 @@ static void print_sources(FILE *to, const struct ctl_frames *files)
             fprintf(to, "; faces of %s", tool_shown(files->mesh.path));
         }
         fputc('\n', to);
+    }
+}
+
+void report_print_notes(FILE *to, const struct ctl_frames *files)
+{
+    for (uint32_t i = 0; i < files->source_count; i++) {
+        const struct ctl_frames_source *source = &files->sources[i];
+        char text[NOTE_BYTES];
+        if (source->motion.note != NULL &&
+            source->motion.note(&source->motion, text, sizeof text)) {
+            fprintf(to, "note       %s: %s\n", tool_shown(source->path),
+                    tool_shown(text));
+        }
     }
 }
 

@@ -72,6 +72,8 @@ struct report_step {
 
 /* For people: the mesh once, then each step, long or as one line. */
 void report_print_mesh(FILE *to, const struct report_mesh *mesh);
+/* What readers have to say of their frames. */
+void report_print_notes(FILE *to, const struct ctl_frames *files);
 void report_print_step(FILE *to, const struct report_mesh *mesh,
                        const struct report_step *step);
 /* What the report of any answer ends with: whether it is complete, its hash, work and

@@ -20,8 +20,6 @@
 #include "shown.h"
 #include "trace_file.h"
 
-#define NOTE_BYTES 512
-
 enum { OPTION_TRACE = 256 + 32, OPTION_MIN_US, OPTION_EVENTS };
 
 struct command {
@@ -52,11 +50,15 @@ static void check_usage(const struct argp_state *state, const struct trace_optio
     }
 }
 
-/* The options of the recording. */
-static error_t parse_trace(int key, char *text, const struct argp_state *state)
+static error_t parse(int key, char *text, struct argp_state *state)
 {
-    struct trace_options *trace = &((struct command *)state->input)->trace;
+    struct command *command = state->input;
+    struct trace_options *trace = &command->trace;
     switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &command->check;
+        state->child_inputs[1] = &command->check.ask.link;
+        break;
     case OPTION_TRACE:
         trace->path = text;
         break;
@@ -67,25 +69,13 @@ static error_t parse_trace(int key, char *text, const struct argp_state *state)
         trace->events =
             (uint32_t)ctl_option_count(state, "events", text, 1, TRACE_EVENTS_MAX);
         break;
+    case ARGP_KEY_END:
+        check_usage(state, trace);
+        break;
     default:
         return ARGP_ERR_UNKNOWN;
     }
     return 0;
-}
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct command *command = state->input;
-    if (key == ARGP_KEY_INIT) {
-        state->child_inputs[0] = &command->check;
-        state->child_inputs[1] = &command->check.ask.link;
-        return 0;
-    }
-    if (key == ARGP_KEY_END) {
-        check_usage(state, &command->trace);
-        return 0;
-    }
-    return parse_trace(key, text, state);
 }
 
 static const struct argp_child children[] = {
@@ -203,8 +193,9 @@ static int begin(struct check *check, struct ctl_error *error)
     run->mesh.welded = check->files.welded;
     run->mesh.object_what = options->ask.object.what;
     bool has_objects = first.object_count > 0;
-    int status =
-        check_run_begin(run, &first, options->ask.csv != NULL || has_objects, error);
+    bool with_edges =
+        options->ask.csv != NULL || (has_objects && !objects_are_one(&first));
+    int status = check_run_begin(run, &first, with_edges, error);
     if (status == PCCD_OK && has_objects) {
         run->objects = &check->objects;
         check->csv.objects = &check->objects;
@@ -219,21 +210,6 @@ static int begin(struct check *check, struct ctl_error *error)
         status = contacts_csv_open(&check->csv, error);
     }
     return status;
-}
-
-/* What a reader has to say of its frames. */
-static void print_notes(const struct check *check)
-{
-    FILE *to = check->options->ask.is_json ? stderr : check->report;
-    for (uint32_t i = 0; i < check->files.source_count; i++) {
-        const struct ctl_frames_source *source = &check->files.sources[i];
-        char text[NOTE_BYTES];
-        if (source->motion.note != NULL &&
-            source->motion.note(&source->motion, text, sizeof text)) {
-            fprintf(to, "note       %s: %s\n", tool_shown(source->path),
-                    tool_shown(text));
-        }
-    }
 }
 
 /* The two first frames are read before a daemon is asked for, so that a bad file costs
@@ -270,7 +246,7 @@ static int check_all(struct check *check, struct ctl_error *error)
     if (status == PCCD_OK && !ask->is_json) {
         report_print_mesh(check->report, &check->run.mesh);
     }
-    print_notes(check);
+    report_print_notes(ask->is_json ? stderr : check->report, &check->files);
     return status != PCCD_OK ? status : walk_recorded(check, error);
 }
 

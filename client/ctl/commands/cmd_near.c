@@ -6,8 +6,6 @@
  * Threads:  one.
  * Source:   near_run.h, near_report.h, near_csv.h.
  */
-#include <inttypes.h>
-
 #include "ctl.h"
 #include "near_csv.h"
 #include "near_options.h"
@@ -48,18 +46,11 @@ static int ask(struct near_run *near, const struct near_options *options,
                struct near_csv *csv, struct ctl_error *error)
 {
     const struct ask_options *asked = &options->ask;
-    int status = near_run_read(near, asked->paths, asked->path_count, 0, 0, error);
-    for (uint32_t i = 0; i < asked->path_count && status == PCCD_OK; i++) {
-        uint32_t frames = near->objects[i].frame_count;
-        if (frames > 1) {
-            (void)ctl_complain("warning: %s has %" PRIu32
-                               " frames, and the first is read",
-                               asked->paths[i], frames);
-        }
-    }
+    int status = near_run_read(near, asked->paths, asked->path_count, error);
     if (status != PCCD_OK) {
         return status; /* before a daemon is asked for: a bad file costs nothing else */
     }
+    near_report_warn(near);
     if (ctl_link_open(&asked->link, &near->run.client) != CTL_DONE) {
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", "");
     }

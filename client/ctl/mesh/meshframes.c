@@ -302,9 +302,8 @@ static bool is_flat(const uint32_t corners[3])
            corners[2] == corners[0];
 }
 
-/* Of the mesh the vertices that stand for others; the shape keeps its own. */
-static int rename_vertices(struct ctl_frames *frames, const uint32_t *to,
-                           struct ctl_error *error)
+int ctl_frames_rename(struct ctl_frames *frames, const uint32_t *to,
+                      struct ctl_error *error)
 {
     for (size_t kind = 0; kind < CTL_KINDS; kind++) {
         struct ctl_list *list = &frames->mesh.lists[kind];
@@ -349,7 +348,7 @@ static int weld_shape(struct ctl_frames *frames, const struct ctl_frames_options
         status = count_between(frames, to, error);
     }
     if (status == PCCD_OK && counts.joined > 0) {
-        status = rename_vertices(frames, to, error);
+        status = ctl_frames_rename(frames, to, error);
     }
     frames->welded.joined = counts.joined;
     frames->welded.apart = counts.apart;

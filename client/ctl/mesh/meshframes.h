@@ -68,6 +68,10 @@ int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path
  * its shape is another one. */
 int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *frame,
                     struct ctl_error *error);
+/* For who joins vertices of a shape by himself: its rows to the mesh, with those that
+ * stand for each, and how many triangles are flat because of that. Errors: E_NOMEM. */
+int ctl_frames_rename(struct ctl_frames *frames, const uint32_t *to,
+                      struct ctl_error *error);
 void ctl_frames_close(struct ctl_frames *frames);
 /* The first frame of one file or pattern, what became of its vertices, and how many
  * frames there are. `mesh` is empty before. Errors: those of ctl_frames_open. */

@@ -11,6 +11,7 @@
 #include <jansson.h>
 #include <math.h>
 
+#include "ctl.h"
 #include "json_text.h"
 #include "kinds.h"
 #include "names.h"
@@ -88,6 +89,18 @@ static void print_found(FILE *to, const struct near_run *near)
     } else if (what != PCCD_NEAR_CROSSINGS && has_distance(answer)) {
         fprintf(to, "distance   %.17g to %.17g\n", answer->distance_min,
                 answer->distance_max);
+    }
+}
+
+void near_report_warn(const struct near_run *near)
+{
+    for (uint32_t i = 0; i < near->object_count; i++) {
+        const struct near_object *object = &near->objects[i];
+        if (object->frame_count > 1) {
+            (void)ctl_complain("warning: %s has %" PRIu32
+                               " frames, and the first is read",
+                               object->path, object->frame_count);
+        }
     }
 }
 

@@ -18,7 +18,7 @@
 #include "shown.h"
 
 int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count,
-                  uint32_t number, uint32_t pieces, struct ctl_error *error)
+                  struct ctl_error *error)
 {
     int status = PCCD_OK;
     near->objects = calloc(path_count, sizeof *near->objects);
@@ -27,14 +27,11 @@ int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count
                              path_count);
     }
     near->object_count = path_count;
-    const struct ctl_reading part = {.number = number, .count = pieces};
     for (uint32_t i = 0; i < path_count && status == PCCD_OK; i++) {
-        near->objects[i].path = paths[i];
         struct near_object *object = &near->objects[i];
-        status = pieces > 0 ? ctl_mesh_read_as(paths[i], &part, &object->mesh, error)
-                            : ctl_frames_read_one(paths[i], &near->run.ask->frames,
-                                                  &object->mesh, &object->welded,
-                                                  &object->frame_count, error);
+        object->path = paths[i];
+        status = ctl_frames_read_one(paths[i], &near->run.ask->frames, &object->mesh,
+                                     &object->welded, &object->frame_count, error);
     }
     return status;
 }

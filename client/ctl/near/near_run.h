@@ -25,7 +25,7 @@ struct near_object {
     struct pccd_edge *edges; /* ours; NULL unless asked for */
     struct pccd_mesh_info info;
     uint32_t handle;
-    uint32_t frame_count; /* of the file, of which the first is read; 0: not counted */
+    uint32_t frame_count; /* of the file, of which the first is read */
 };
 
 /* All zero, but for what is the caller's, before near_run_read. */
@@ -37,10 +37,9 @@ struct near_run {
     struct report_step step; /* the answer; no names of files */
 };
 
-/* Read the files, and keep piece `number` of `pieces` of each, as ctl_mesh_read_as
- * does; 0 pieces: all, and join vertices (run.ask). Errors: those of ctl_frames_open. */
+/* Read the files, and join vertices as run.ask says. Errors: those of ctl_frames_open. */
 int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count,
-                  uint32_t number, uint32_t pieces, struct ctl_error *error);
+                  struct ctl_error *error);
 /* Register all; with_edges: get their edges, too. */
 int near_run_begin(struct near_run *near, bool with_edges, struct ctl_error *error);
 /* Ask. The pages of the last answer go to `page`, unless that is NULL. */

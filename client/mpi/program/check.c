@@ -66,13 +66,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
         options->is_dealt = true;
         return 0;
     case ARGP_KEY_END:
-        const struct ctl_frames_options *frames = &options->check.ask.frames;
-        if (frames->wish.rate > 0 || frames->wish.animation != NULL) {
-            tool_misused(state, "--rate, --animation: over ranks a file is one frame");
-        }
-        if (frames->weld > 0) {
-            tool_misused(state, "--weld: over ranks no vertices are joined");
-        }
         if (!options->is_dealt && options->results != NULL) {
             tool_misused(state, "--results wants --deal");
         }
@@ -106,11 +99,11 @@ struct check {
     struct pccd_mpi *world;
     struct check_run run; /* its client stays NULL */
     struct contacts_csv csv;
+    struct part part;
+    struct objects objects; /* on the root */
     uint32_t object;
-    /* This rank's parts. The shape is that of both, and kept once, while a frame comes
-     * that is to have it, too. */
-    struct ctl_mesh before, after;
-    struct report_step *steps; /* [path_count - 1] */
+    struct ctl_mesh frames[2]; /* before and after the step, by turns: this rank's part */
+    struct report_step *steps; /* [part.files.count - 1] */
     uint32_t number;           /* of the step, from 1 */
     FILE *report;
 };
@@ -122,45 +115,48 @@ static int fail(const struct check *check, int status, struct ctl_error *error)
 
 /* ---- frames ----------------------------------------------------------------------- */
 
-/* Read a frame; it has one format with the one before. */
-static int read_after(struct check *check, uint32_t index, struct ctl_error *error)
+/* Read frame `index` beside the one before, and let both have one format. */
+static int read_frame(struct check *check, uint32_t index, struct ctl_error *error)
 {
-    char **paths = check->options->check.ask.paths;
-    int status = part_read(paths[index], &check->before, &check->after, error);
-    if (status == PCCD_OK && check->before.format != check->after.format) {
-        status = ctl_mesh_promote(&check->before, error);
+    struct ctl_mesh *frame = &check->frames[index % 2];
+    struct ctl_mesh *before = &check->frames[(index + 1) % 2];
+    int status = part_read(&check->part, index, frame, error);
+    if (status == PCCD_OK && index > 0 && before->format != frame->format) {
+        status = ctl_mesh_promote(before, error);
         if (status == PCCD_OK) {
-            status = ctl_mesh_promote(&check->after, error);
+            status = ctl_mesh_promote(frame, error);
         }
     }
-    ctl_mesh_drop_shape(&check->after);
     return together_agree(status, error);
 }
 
-static void keep_frame(struct check *check)
+/* Whether it is told which objects meet. */
+static bool tells_objects(const struct check *check)
 {
-    free(check->before.x);
-    check->before.x = check->after.x;
-    check->before.format = check->after.format;
-    check->before.path = check->after.path;
-    check->after = (struct ctl_mesh){.x = NULL};
+    return check->part.files.mesh.object_count > 0 &&
+           check->options->check.settings.mode != PCCD_MODE_ANY;
 }
 
-/* Names of features are those of the whole mesh, which the root reads once more. */
-static int open_csv(struct check *check, struct ctl_error *error)
+/* On the root: names of objects, and of features those of the whole mesh. */
+static int begin_names(struct check *check, struct ctl_error *error)
 {
-    struct ctl_mesh whole = {0};
-    int status = part_read_whole(check->options->check.ask.paths[0], &whole,
-                                 &check->run.edges, error);
-    if (status == PCCD_OK) {
-        check->csv.triangles = (const uint32_t(*)[3])whole.triangles.vertices;
-        whole.triangles.vertices = NULL; /* it is the CSV's now */
-        check->csv.edges = check->run.edges;
-        check->csv.has_step = check->options->check.ask.path_count > 2;
+    struct part *part = &check->part;
+    const struct ctl_mesh *named =
+        part->named.path != NULL ? &part->named : &part->files.mesh;
+    int status = PCCD_OK;
+    if (tells_objects(check)) {
+        check->run.objects = &check->objects;
+        check->csv.objects = &check->objects;
+        status =
+            objects_init(&check->objects, named, part->edges, part->edge_count, error);
+    }
+    if (status == PCCD_OK && check->options->check.ask.csv != NULL) {
+        check->csv.triangles = (const uint32_t(*)[3])named->triangles.vertices;
+        check->csv.edges = part->edges;
+        check->csv.has_step = part->files.count > 2;
         check->csv.path = check->options->check.ask.csv;
         status = contacts_csv_open(&check->csv, error);
     }
-    ctl_mesh_deinit(&whole);
     return status;
 }
 
@@ -171,11 +167,11 @@ static int begin(struct check *check, struct ctl_error *error)
     const struct pccd_object_settings *object = &check->options->check.ask.object;
     uint32_t mesh = 0;
     uint64_t begin_ns = common_now_ns();
-    int status = check_run_times(&check->run, error);
+    int status = together_agree(check_run_times(&check->run, error), error);
     if (status != PCCD_OK) {
         return status;
     }
-    const struct pccd_mpi_part part = part_to_put(&check->before);
+    const struct pccd_mpi_part part = part_to_put(&check->part, &check->frames[0]);
     status = pccd_mpi_mesh_put(check->world, &part, &mesh, &check->run.mesh.info);
     if (status == PCCD_OK) {
         status = pccd_mpi_add(check->world, mesh, &check->object);
@@ -192,11 +188,13 @@ static int begin(struct check *check, struct ctl_error *error)
 static int move_once(void *context, bool is_again, struct pccd_answer *answer)
 {
     const struct check *check = context;
+    const struct ctl_mesh *after = &check->frames[check->number % 2];
+    const struct ctl_mesh *before = &check->frames[(check->number + 1) % 2];
     const struct pccd_motion motion = {.object = check->object,
-                                       .count = check->after.vertex_count,
-                                       .format = check->after.format,
-                                       .x0 = is_again ? check->before.x : NULL,
-                                       .x1 = check->after.x};
+                                       .count = after->vertex_count,
+                                       .format = after->format,
+                                       .x0 = is_again ? before->x : NULL,
+                                       .x1 = after->x};
     int status = pccd_mpi_step(check->world, &motion, 1, &check->run.settings, answer);
     answer->contacts = NULL;
     answer->pairs = NULL;
@@ -204,58 +202,73 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
     return status;
 }
 
-/* Records that were gathered, to the CSV. */
-static int write_records(void *context, const void *records, uint64_t count)
+/* Records that were gathered. A return other than 0 ends that: there was no memory. */
+static int take_records(void *context, const void *records, uint64_t count)
 {
-    const struct check *check = context;
+    struct check *check = context;
     struct pccd_answer page = {.count = count};
     if (check->run.settings.mode == PCCD_MODE_PAIRS) {
         page.pairs = records;
     } else {
         page.contacts = records;
     }
-    contacts_csv_page(&check->csv, check->number, &page);
-    return 0;
+    if (check->options->check.ask.csv != NULL) {
+        contacts_csv_page(&check->csv, check->number, &page);
+    }
+    return check->run.objects == NULL || objects_count(&check->objects, &page) ? 0 : -1;
 }
 
-static int make_step(struct check *check, struct ctl_error *error)
+/* All records, to the root, if it shows them or the objects that they are of. */
+static int show(struct check *check, struct report_step *step, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    if (check->options->check.ask.csv != NULL || tells_objects(check)) {
+        status = pccd_mpi_gather(check->world, 0, take_records, check);
+    }
+    if (status != PCCD_OK) {
+        return fail(check, status, error);
+    }
+    if (check->run.objects != NULL) {
+        status = objects_take(&check->objects, step, error);
+    }
+    return together_agree(status, error);
+}
+
+static int make_step(struct check *check, struct report_step *step,
+                     struct ctl_error *error)
 {
     const struct check_ask ask = {
         .once = move_once, .failed = "the step failed", .context = check};
-    struct report_step *step = &check->steps[check->number - 1];
     int status = check_run_repeat(&check->run, &ask, check->number, step, error);
     if (status != PCCD_OK) {
         return pccd_mpi_error_text(check->world)[0] != '\0' ? fail(check, status, error)
                                                             : status;
     }
-    if (check->options->check.ask.csv != NULL) {
-        status = pccd_mpi_gather(check->world, 0, write_records, check);
-    }
-    return status == PCCD_OK ? PCCD_OK : fail(check, status, error);
+    return show(check, step, error);
 }
 
 static int walk(struct check *check, struct ctl_error *error)
 {
-    const struct ask_options *ask = &check->options->check.ask;
+    const uint32_t step_count = check->part.files.count - 1;
+    const bool is_told = step_count > 1 && !check->options->check.ask.is_json;
     int status = PCCD_OK;
-    for (uint32_t i = 1; i < ask->path_count && status == PCCD_OK; i++) {
+    for (uint32_t i = 1; i <= step_count && status == PCCD_OK; i++) {
         struct report_step *step = &check->steps[i - 1];
-        step->from = ask->paths[i - 1];
-        step->to = ask->paths[i];
+        step->from = check->part.files.names[i - 1];
+        step->to = check->part.files.names[i];
         check->number = i;
         if (i > 1) {
-            keep_frame(check);
-            status = read_after(check, i, error);
+            status = read_frame(check, i, error);
         }
-        if (i + 1 == ask->path_count) {
-            ctl_mesh_drop_shape(&check->before);
+        if (i == step_count) {
+            part_drop_rows(&check->part);
         }
         if (status == PCCD_OK) {
-            status = make_step(check, error);
+            status = make_step(check, step, error);
         }
-        if (status == PCCD_OK && ask->path_count > 2 && !ask->is_json &&
-            together_is_root()) {
+        if (status == PCCD_OK && is_told && together_is_root()) {
             report_print_line(check->report, i, step);
+            report_print_pairs(check->report, &check->run.mesh, step);
         }
     }
     if (status != PCCD_OK && check->number > 1) {
@@ -268,13 +281,23 @@ static int walk(struct check *check, struct ctl_error *error)
 
 /* ---- the command ------------------------------------------------------------------ */
 
-static int check_all(struct check *check, struct ctl_error *error)
+static void print_mesh(const struct check *check)
+{
+    const bool is_json = check->options->check.ask.is_json;
+    if (together_is_root() && !is_json) {
+        report_print_mesh(check->report, &check->run.mesh);
+    }
+    if (together_is_root()) {
+        report_print_notes(is_json ? stderr : check->report, &check->part.files);
+    }
+}
+
+static int check_together(struct check *check, struct ctl_error *error)
 {
     const struct ask_options *ask = &check->options->check.ask;
-    int status =
-        together_agree(part_read(ask->paths[0], NULL, &check->before, error), error);
+    int status = read_frame(check, 0, error);
     if (status == PCCD_OK) {
-        status = read_after(check, 1, error);
+        status = read_frame(check, 1, error);
     }
     if (status != PCCD_OK) {
         return status;
@@ -285,50 +308,92 @@ static int check_all(struct check *check, struct ctl_error *error)
     if (status != PCCD_OK) {
         return ctl_error_set(error, status, "%s", pccd_mpi_error_text(NULL));
     }
-    check->run.settings = check_step_settings(&check->options->check);
-    check->run.mesh.settings = check->options->check.scene_settings;
-    check->run.mesh.object_what = ask->object.what;
     status = begin(check, error);
+    if (status == PCCD_OK) {
+        status = together_agree(together_is_root() ? begin_names(check, error) : PCCD_OK,
+                                error);
+    }
     if (status != PCCD_OK) {
         return status;
     }
-    if (ask->csv != NULL) {
-        status =
-            together_agree(together_is_root() ? open_csv(check, error) : PCCD_OK, error);
-    }
-    if (status == PCCD_OK && !ask->is_json && together_is_root()) {
-        report_print_mesh(check->report, &check->run.mesh);
-    }
-    return status == PCCD_OK ? walk(check, error) : status;
+    print_mesh(check);
+    return walk(check, error);
 }
 
 /* All steps, each by one rank. */
 static int check_dealt(struct check *check, struct ctl_error *error)
 {
     const struct ask_options *ask = &check->options->check.ask;
-    int status =
-        check_apart(&check->options->check, check->run.repeats, check->options->results,
-                    &check->run.mesh, check->steps, error);
-    if (status != PCCD_OK || ask->is_json || !together_is_root()) {
+    int status = check_apart(&check->options->check, &check->part, &check->run,
+                             check->options->results, check->steps, error);
+    if (status != PCCD_OK || !together_is_root()) {
         return status;
     }
-    report_print_mesh(check->report, &check->run.mesh);
-    for (uint32_t i = 1; i < ask->path_count && ask->path_count > 2; i++) {
+    print_mesh(check);
+    const uint32_t step_count = check->part.files.count - 1;
+    for (uint32_t i = 1; i <= step_count && step_count > 1 && !ask->is_json; i++) {
         report_print_line(check->report, i, &check->steps[i - 1]);
     }
     return PCCD_OK;
 }
 
-static int report_all(struct check *check, struct ctl_error *error)
+/* The files, and a place for each step. */
+static int open_files(struct check *check, struct ctl_error *error)
 {
     const struct ask_options *ask = &check->options->check.ask;
-    uint32_t step_count = ask->path_count - 1;
-    if (ask->is_json &&
+    const struct ctl_frames *files = &check->part.files;
+    const struct part_options options = {
+        .frames = ask->frames,
+        .is_whole = check->options->is_dealt,
+        .names_features = ask->csv != NULL,
+        .names_objects = !check->options->is_dealt &&
+                         check->options->check.settings.mode != PCCD_MODE_ANY};
+    int status = part_open(&check->part, ask->paths, ask->path_count, &options, error);
+    if (together_is_root()) {
+        ctl_sequence_warn(&files->sequence);
+    }
+    if (status == PCCD_OK && files->count < 2) {
+        return ctl_error_set(error, PCCD_E_INVAL,
+                             "%s is one frame: a step has two, before and after it",
+                             files->names[0]);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    uint32_t default_repeats = files->count == 2 ? 1 : 0;
+    check->run.repeats = ask->has_repeats ? ask->repeats : default_repeats;
+    check->steps = calloc(files->count - 1, sizeof *check->steps);
+    status = check->steps == NULL ? ctl_error_set(error, PCCD_E_NOMEM, "out of memory")
+                                  : PCCD_OK;
+    return together_agree(status, error);
+}
+
+static int check_all(struct check *check, struct ctl_error *error)
+{
+    int status = open_files(check, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    const struct check_options *options = &check->options->check;
+    check->run.settings = check_step_settings(options);
+    check->run.mesh = (struct report_mesh){.files = &check->part.files,
+                                           .settings = options->scene_settings,
+                                           .welded = check->part.files.welded,
+                                           .object_what = options->ask.object.what};
+    return check->options->is_dealt ? check_dealt(check, error)
+                                    : check_together(check, error);
+}
+
+static int report_all(struct check *check, struct ctl_error *error)
+{
+    const bool is_json = check->options->check.ask.is_json;
+    uint32_t step_count = check->part.files.count - 1;
+    if (is_json &&
         !report_json(check->report, &check->run.mesh, check->steps, step_count)) {
         return ctl_error_set(error, PCCD_E_SYSTEM,
                              "the JSON report could not be written");
     }
-    if (!ask->is_json && step_count == 1) {
+    if (!is_json && step_count == 1) {
         report_print_step(check->report, &check->run.mesh, &check->steps[0]);
     }
     return PCCD_OK;
@@ -359,21 +424,12 @@ static void tell_shares(const struct check *check)
 
 static int run_check(const struct mpi_options *options)
 {
-    const struct ask_options *ask = &options->check.ask;
     struct ctl_error error = {.text = ""};
-    struct check check = {.options = options, .report = ask_report_to(ask)};
+    struct check check = {.options = options,
+                          .report = ask_report_to(&options->check.ask)};
     bool is_free = true;
-    uint32_t default_repeats = ask->path_count == 2 ? 1 : 0;
-    check.run.repeats = ask->has_repeats ? ask->repeats : default_repeats;
-    check.steps = calloc(ask->path_count - 1, sizeof *check.steps);
-    int status = check.steps == NULL
-                     ? ctl_error_set(&error, PCCD_E_NOMEM, "out of memory")
-                     : PCCD_OK;
-    status = together_agree(status, &error);
-    if (status == PCCD_OK) {
-        status =
-            options->is_dealt ? check_dealt(&check, &error) : check_all(&check, &error);
-    }
+    int status = check_all(&check, &error);
+    const uint32_t step_count = check.steps != NULL ? check.part.files.count - 1 : 0;
     if (status == PCCD_OK && options->tells_shares) {
         tell_shares(&check);
     }
@@ -383,84 +439,21 @@ static int run_check(const struct mpi_options *options)
     int closed = contacts_csv_close(&check.csv, status == PCCD_OK, &error);
     status = status == PCCD_OK ? closed : status;
     if (status == PCCD_OK && together_is_root()) {
-        status = check_run_judge(check.steps, ask->path_count - 1, &is_free, &error);
+        status = check_run_judge(check.steps, step_count, &is_free, &error);
     }
     together_complain(&error);
     status = (int)ctl_exit_of(status, is_free);
     together_tell(&status, sizeof status);
     check_run_deinit(&check.run);
     pccd_mpi_close(check.world);
-    ctl_mesh_deinit(&check.before);
-    ctl_mesh_deinit(&check.after);
-    free((void *)(uintptr_t)check.csv.triangles);
+    ctl_mesh_deinit(&check.frames[0]);
+    ctl_mesh_deinit(&check.frames[1]);
+    for (uint32_t i = 0; i < step_count; i++) {
+        free(check.steps[i].pairs);
+    }
     free(check.steps);
-    return status;
-}
-
-/* Whether a file is one frame: parts of others are not read. */
-static int judge_file(const char *path, struct ctl_error *error)
-{
-    enum ctl_mesh_holds holds = ctl_mesh_holds(path);
-    struct ctl_motion motion = {.frame_count = 1};
-    int status = holds == CTL_HOLDS_BOTH
-                     ? ctl_mesh_open_motion(path, NULL, &motion, error)
-                     : PCCD_OK;
-    bool has_more = holds == CTL_HOLDS_POSITIONS || motion.frame_count > 1;
-    if (motion.close != NULL) {
-        motion.close(&motion);
-    }
-    return status != PCCD_OK || !has_more
-               ? status
-               : ctl_error_set(error, PCCD_E_FORMAT,
-                               "%s has several frames: ranks read a file for each; "
-                               "pccdctl check reads it",
-                               path);
-}
-
-/* The files of the frames. Every rank looks for itself, and has as many. */
-static int list_files(const struct ask_options *ask, struct ctl_sequence *files,
-                      struct ctl_error *error)
-{
-    int status = ctl_sequence_expand(files, ask->paths, ask->path_count, error);
-    for (uint32_t i = 0; i < files->count && status == PCCD_OK; i++) {
-        status = judge_file(files->paths[i], error);
-    }
-    if (status == PCCD_OK && files->count < 2) {
-        status = ctl_error_set(error, PCCD_E_INVAL,
-                               "%s is one frame: a step has two, before and after it",
-                               files->paths[0]);
-    }
-    status = together_agree(status, error);
-    uint32_t count = files->count;
-    together_tell(&count, sizeof count);
-    if (status == PCCD_OK && count != files->count) {
-        status = ctl_error_set(error, PCCD_E_STATE,
-                               "%" PRIu32 " files, and %" PRIu32 " on rank 0",
-                               files->count, count);
-    }
-    if (together_is_root()) {
-        ctl_sequence_warn(files);
-    }
-    return together_agree(status, error);
-}
-
-static int run_files(struct mpi_options *options)
-{
-    struct ask_options *ask = &options->check.ask;
-    char **given = ask->paths;
-    struct ctl_sequence files;
-    struct ctl_error error = {.text = ""};
-    int status = list_files(ask, &files, &error);
-    together_complain(&error);
-    if (status == PCCD_OK) {
-        ask->paths = files.paths;
-        ask->path_count = files.count;
-        status = run_check(options);
-        ask->paths = given;
-    } else {
-        status = (int)ctl_exit_of(status, true);
-    }
-    ctl_sequence_deinit(&files);
+    objects_deinit(&check.objects);
+    part_close(&check.part);
     return status;
 }
 
@@ -478,7 +471,7 @@ int program_check(int argc, char **argv)
     }
     int status = together_parse(&program_argp_check, argc, argv, &options);
     if (status == CTL_DONE) {
-        status = run_files(&options);
+        status = run_check(&options);
     }
     ask_options_deinit(ask);
     return status;

@@ -25,9 +25,9 @@
 struct apart {
     const struct check_options *options;
     struct check_run run;
-    struct ctl_mesh first;      /* of all, which the others match */
+    struct part *part;          /* all of each frame */
     struct ctl_mesh frames[2];  /* at the ends of the last step */
-    uint64_t end;               /* the file of frames[1]; 0: there is none yet */
+    uint64_t end;               /* the frame of frames[1]; 0: there is none yet */
     uint64_t bytes, changed_ns; /* of all files, on the root */
 };
 
@@ -37,10 +37,7 @@ struct apart {
 static int read_frame(struct apart *apart, uint64_t index, struct ctl_mesh *frame,
                       struct ctl_error *error)
 {
-    char **paths = apart->options->ask.paths;
-    ctl_mesh_deinit(frame);
-    const struct ctl_reading reading = {.like = index > 0 ? &apart->first : NULL};
-    int status = ctl_mesh_read_as(paths[index], &reading, frame, error);
+    int status = part_read(apart->part, (uint32_t)index, frame, error);
     if (status == PCCD_OK && frame->format == PCCD_FORMAT_F32) {
         status = ctl_mesh_promote(frame, error);
     }
@@ -102,17 +99,17 @@ static void describe(void *context, uint64_t item, char *text, size_t bytes)
 {
     const struct apart *apart = context;
     (void)snprintf(text, bytes, "step %" PRIu64 ", to %.300s,", item + 1,
-                   apart->options->ask.paths[item + 1]);
+                   apart->part->files.names[item + 1]);
 }
 
 /* Files by size and time of change: to read all of them takes as long as the steps. */
 static int look_at_files(struct apart *apart, struct ctl_error *error)
 {
-    const struct ask_options *ask = &apart->options->ask;
-    for (uint32_t i = 0; i < ask->path_count; i++) {
+    const struct ctl_sequence *files = &apart->part->files.sequence;
+    for (uint32_t i = 0; i < files->count; i++) {
         struct stat info;
-        if (stat(ask->paths[i], &info) != 0) {
-            return ctl_error_set(error, PCCD_E_SYSTEM, "%s: %s", ask->paths[i],
+        if (stat(files->paths[i], &info) != 0) {
+            return ctl_error_set(error, PCCD_E_SYSTEM, "%s: %s", files->paths[i],
                                  strerror(errno));
         }
         uint64_t changed =
@@ -129,17 +126,20 @@ static json_t *depends(void *context)
     const struct pccd_step_settings *step = &apart->run.settings;
     const struct pccd_scene_settings *scene = &apart->run.mesh.settings;
     const struct pccd_object_settings *object = &apart->options->ask.object;
-    char sum[40], numbers[200];
+    const struct ctl_frames_options *frames = &apart->options->ask.frames;
+    char sum[40], numbers[300];
     (void)snprintf(sum, sizeof sum, "%016" PRIx64 "%016" PRIx64, apart->bytes,
                    apart->changed_ns);
-    (void)snprintf(numbers, sizeof numbers, "%d %d %a %a %a %a %a %d %a %d", step->mode,
-                   (int)step->method, step->tolerance, step->separation, step->approach,
-                   object->radius, object->rest_distance, (int)object->rest_rings,
-                   scene->rebuild_ratio, (int)scene->quality);
-    return json_pack("{s:I, s:s, s:s, s:I, s:I, s:s}", "steps",
-                     (json_int_t)apart->options->ask.path_count - 1, "files", sum,
-                     "settings", numbers, "deadline", (json_int_t)step->deadline_ns,
-                     "repeat", (json_int_t)apart->run.repeats, "tuning",
+    (void)snprintf(numbers, sizeof numbers, "%d %d %a %a %a %a %a %d %a %d %a %a",
+                   step->mode, (int)step->method, step->tolerance, step->separation,
+                   step->approach, object->radius, object->rest_distance,
+                   (int)object->rest_rings, scene->rebuild_ratio, (int)scene->quality,
+                   frames->weld, frames->wish.rate);
+    return json_pack("{s:I, s:s, s:s*, s:s, s:I, s:I, s:s}", "steps",
+                     (json_int_t)apart->part->files.count - 1, "files", sum, "animation",
+                     frames->wish.animation, "settings", numbers, "deadline",
+                     (json_int_t)step->deadline_ns, "repeat",
+                     (json_int_t)apart->run.repeats, "tuning",
                      step->tuning != NULL ? step->tuning : "");
 }
 
@@ -151,14 +151,17 @@ static int open_all(struct apart *apart, struct ctl_error *error)
     const struct ctl_link link = {.url = (char[]){"direct:"},
                                   .result_bytes = options->ask.link.result_bytes};
     struct check_run *run = &apart->run;
+    struct ctl_mesh first = apart->part->files.mesh;
     int status = look_at_files(apart, error);
     if (status == PCCD_OK) {
-        status = read_frame(apart, 0, &apart->first, error);
+        status = read_frame(apart, 0, &apart->frames[0], error);
     }
     if (status == PCCD_OK && ctl_link_open(&link, &run->client) != CTL_DONE) {
         status = ctl_error_set(error, PCCD_E_NODAEMON, "%s", "no connection");
     }
-    return status == PCCD_OK ? check_run_begin(run, &apart->first, false, error) : status;
+    first.x = apart->frames[0].x;
+    first.format = apart->frames[0].format;
+    return status == PCCD_OK ? check_run_begin(run, &first, false, error) : status;
 }
 
 /* Every rank has files of the same sizes. */
@@ -170,23 +173,23 @@ static int compare_files(const struct apart *apart, struct ctl_error *error)
                                      : ctl_error_set(error, PCCD_E_STATE,
                                                      "%s and what follows: other files "
                                                      "than on rank 0",
-                                                     apart->options->ask.paths[0]);
+                                                     apart->part->files.names[0]);
     return together_agree(status, error);
 }
 
-int check_apart(const struct check_options *options, uint32_t repeats,
-                const char *results, struct report_mesh *mesh, struct report_step *steps,
+int check_apart(const struct check_options *options, struct part *part,
+                struct check_run *run, const char *results, struct report_step *steps,
                 struct ctl_error *error)
 {
-    const struct ask_options *ask = &options->ask;
     struct apart apart = {.options = options,
-                          .run = {.settings = check_step_settings(options),
-                                  .ask = ask,
-                                  .repeats = repeats,
+                          .part = part,
+                          .run = {.settings = run->settings,
+                                  .ask = &options->ask,
+                                  .repeats = run->repeats,
                                   .is_apart = true,
-                                  .mesh.settings = options->scene_settings}};
+                                  .mesh = run->mesh}};
     const struct items_work work = {.name = "check",
-                                    .count = ask->path_count - 1,
+                                    .count = part->files.count - 1,
                                     .result_bytes = sizeof(struct report_step),
                                     .context = &apart,
                                     .compute = compute,
@@ -211,14 +214,13 @@ int check_apart(const struct check_options *options, uint32_t repeats,
     }
     for (uint64_t i = 0; i < work.count && status == PCCD_OK && together_is_root(); i++) {
         steps[i] = *(const struct report_step *)items_result(&items, i);
-        steps[i].from = ask->paths[i];
-        steps[i].to = ask->paths[i + 1];
+        steps[i].from = part->files.names[i];
+        steps[i].to = part->files.names[i + 1];
     }
-    *mesh = apart.run.mesh;
+    run->mesh = apart.run.mesh;
     items_deinit(&items);
     check_run_deinit(&apart.run);
     pccd_close(apart.run.client);
-    ctl_mesh_deinit(&apart.first);
     ctl_mesh_deinit(&apart.frames[0]);
     ctl_mesh_deinit(&apart.frames[1]);
     return status;

@@ -1,6 +1,6 @@
 /* check_apart.h - pccd-mpi check --deal: each step by one rank.
  *
- * Room:     client/mpi/program. May include: check_options.h, report.h.
+ * Room:     client/mpi/program. May include: check_run.h, part.h.
  * Does:     deal the steps of a sequence of frames out to the ranks; what a step is found
  *           to have is what all ranks together would find.
  * Threads:  as items.h says.
@@ -9,14 +9,15 @@
 #define PROGRAM_CHECK_APART_H
 
 #include "check_options.h"
-#include "report.h"
+#include "check_run.h"
+#include "part.h"
 
-/* Collective: compute all steps between the files of `options`, and time `repeats` more
- * runs of each. On the root `mesh` and
- * `steps` ([path_count - 1]) are filled in. `results` NULL: no file. The same status on
- * every rank. */
-int check_apart(const struct check_options *options, uint32_t repeats,
-                const char *results, struct report_mesh *mesh, struct report_step *steps,
+/* Collective: compute all steps between the frames of `part`, which are whole, as `run`
+ * says: its settings, repeats, and what of run->mesh is of the options and the files. On
+ * the root the rest of that and `steps` ([frames - 1]) are filled in. `results` NULL: no
+ * file. The same status on every rank. */
+int check_apart(const struct check_options *options, struct part *part,
+                struct check_run *run, const char *results, struct report_step *steps,
                 struct ctl_error *error);
 
 #endif

@@ -44,15 +44,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
         options->world.timeout_ms =
             (int)ctl_option_count(state, "timeout", text, 1, 3600000);
         return 0;
-    case ARGP_KEY_END:
-        const struct ctl_frames_options *frames = &options->near.ask.frames;
-        if (frames->wish.rate > 0 || frames->wish.animation != NULL) {
-            tool_misused(state, "--rate, --animation: over ranks a file is one frame");
-        }
-        if (frames->weld > 0) {
-            tool_misused(state, "--weld: over ranks no vertices are joined");
-        }
-        return 0;
     default:
         return ARGP_ERR_UNKNOWN;
     }
@@ -71,6 +62,7 @@ const struct argp program_argp_near = {
 
 struct asking {
     struct near_run near; /* its client stays NULL */
+    struct part *parts;   /* of its objects */
     struct pccd_mpi *world;
     struct near_csv csv;
     uint64_t written; /* records that are in the CSV */
@@ -83,14 +75,57 @@ static int fail(const struct asking *asking, int status, struct ctl_error *error
     return status;
 }
 
-static int add_object(struct asking *asking, struct near_object *object,
-                      struct ctl_error *error)
+/* The first frame of a file, with vertices joined that are at one place there. */
+static int read_object(struct asking *asking, uint32_t i, struct ctl_error *error)
 {
+    const struct ask_options *asked = asking->near.run.ask;
+    struct part_options options = {.frames = asked->frames,
+                                   .names_features = asked->csv != NULL};
+    struct near_object *object = &asking->near.objects[i];
+    struct part *part = &asking->parts[i];
+    options.frames.first_alone = true;
+    object->path = asked->paths[i];
+    int status = part_open(part, &asked->paths[i], 1, &options, error);
+    if (status == PCCD_OK) {
+        status = together_agree(part_read(part, 0, &object->mesh, error), error);
+    }
+    object->welded = part->files.welded;
+    object->frame_count = part->files.count;
+    return status;
+}
+
+static int read_objects(struct asking *asking, struct ctl_error *error)
+{
+    const uint32_t count = asking->near.run.ask->path_count;
+    struct near_run *near = &asking->near;
+    near->objects = calloc(count, sizeof *near->objects);
+    asking->parts = calloc(count, sizeof *asking->parts);
+    int status = near->objects == NULL || asking->parts == NULL
+                     ? ctl_error_set(error, PCCD_E_NOMEM, "out of memory")
+                     : PCCD_OK;
+    status = together_agree(status, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    near->object_count = count;
+    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
+        status = read_object(asking, i, error);
+    }
+    if (status == PCCD_OK && together_is_root()) {
+        near_report_warn(near);
+    }
+    return status;
+}
+
+static int add_object(struct asking *asking, uint32_t i, struct ctl_error *error)
+{
+    struct near_object *object = &asking->near.objects[i];
     const struct pccd_object_settings *settings = &asking->near.run.ask->object;
-    const struct pccd_mpi_part part = part_to_put(&object->mesh);
+    const struct pccd_mpi_part part = part_to_put(&asking->parts[i], &object->mesh);
     uint32_t mesh = 0;
     int status = pccd_mpi_mesh_put(asking->world, &part, &mesh, &object->info);
     ctl_mesh_deinit(&object->mesh);
+    part_drop_rows(&asking->parts[i]);
     if (status == PCCD_OK) {
         status = pccd_mpi_add(asking->world, mesh, &object->handle);
     }
@@ -106,22 +141,34 @@ static int add_objects(struct asking *asking, struct ctl_error *error)
     uint64_t begin_ns = common_now_ns();
     int status = check_run_times(&near->run, error);
     for (uint32_t i = 0; i < near->object_count && status == PCCD_OK; i++) {
-        status = add_object(asking, &near->objects[i], error);
+        status = add_object(asking, i, error);
     }
     near->run.mesh.build_ms = (double)(common_now_ns() - begin_ns) / 1e6;
     return status;
 }
 
-/* On the root: the CSV has vertices of edges and faces. */
+/* On the root: the CSV has vertices of edges and faces, which are those of the parts. */
 static int open_csv(struct asking *asking, struct ctl_error *error)
 {
     struct near_run *near = &asking->near;
-    int status = PCCD_OK;
-    for (uint32_t i = 0; i < near->object_count && status == PCCD_OK; i++) {
-        struct near_object *object = &near->objects[i];
-        status = part_read_whole(object->path, &object->mesh, &object->edges, error);
+    for (uint32_t i = 0; i < near->object_count; i++) {
+        near->objects[i].mesh.triangles = asking->parts[i].named.triangles;
+        near->objects[i].edges = asking->parts[i].edges;
     }
-    return status == PCCD_OK ? near_csv_open(&asking->csv, error) : status;
+    return near_csv_open(&asking->csv, error);
+}
+
+static void close_all(struct asking *asking)
+{
+    struct near_run *near = &asking->near;
+    for (uint32_t i = 0; i < near->object_count; i++) {
+        near->objects[i].mesh.triangles.vertices = NULL;
+        near->objects[i].edges = NULL;
+        part_close(&asking->parts[i]);
+    }
+    free(asking->parts);
+    pccd_mpi_close(asking->world);
+    near_run_deinit(near);
 }
 
 /* What check_run_repeat asks for: the answer without its records, which stay here until
@@ -172,10 +219,7 @@ static int ask_all(struct asking *asking, const struct mpi_near_options *options
 {
     const struct ask_options *asked = &options->near.ask;
     struct pccd_mpi_options world = options->world;
-    int status =
-        near_run_read(&asking->near, asked->paths, asked->path_count,
-                      (uint32_t)together_rank(), (uint32_t)together_size(), error);
-    status = together_agree(status, error);
+    int status = read_objects(asking, error);
     if (status != PCCD_OK) {
         return status;
     }
@@ -214,8 +258,7 @@ static int run_near(const struct mpi_near_options *options)
     int closed = near_csv_close(&asking.csv, status == PCCD_OK, &error);
     status = status == PCCD_OK ? closed : status;
     together_complain(&error);
-    pccd_mpi_close(asking.world);
-    near_run_deinit(&asking.near);
+    close_all(&asking);
     return (int)ctl_exit_of(status, true);
 }
 

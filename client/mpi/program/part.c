@@ -1,24 +1,21 @@
-/* part.c - this rank's part of a mesh file.
+/* part.c - this rank's part of a mesh, frame by frame.
  *
  * Room:     client/mpi/program.
- * Does:     read the piece with the rank's number; compare it with that of the frame
- *           before.
+ * Does:     read the piece with the rank's number, or keep that of what was read whole.
  * Threads:  one.
  * Source:   part.h.
  */
 #include "part.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-#include "check_run.h"
 #include "together.h"
 
 /* What differs is told of the files, which are read once more. */
-static int explain(const char *path, const char *before_path, struct ctl_error *error)
+static int explain(const char *path, const char *first_path, struct ctl_error *error)
 {
     struct ctl_mesh one = {0}, other = {0};
-    int status = ctl_mesh_read(before_path, &one, error);
+    int status = ctl_mesh_read(first_path, &one, error);
     if (status == PCCD_OK) {
         const struct ctl_reading like = {.like = &one};
         status = ctl_mesh_read_as(path, &like, &other, error);
@@ -27,65 +24,88 @@ static int explain(const char *path, const char *before_path, struct ctl_error *
     ctl_mesh_deinit(&other);
     return status == PCCD_OK
                ? ctl_error_set(error, PCCD_E_INVAL, "%s or %s changed while it was read",
-                               before_path, path)
+                               first_path, path)
                : status;
 }
 
-int part_read(const char *path, const struct ctl_mesh *before, struct ctl_mesh *part,
+int part_read(struct part *part, uint32_t index, struct ctl_mesh *frame,
               struct ctl_error *error)
 {
+    struct ctl_frames *files = &part->files;
+    int status = PCCD_OK;
+    if (part->is_whole) {
+        status = ctl_frames_read(files, index, frame, error);
+        if (status == PCCD_OK && !part->is_kept) {
+            ctl_mesh_keep_part(frame, (uint32_t)together_rank(),
+                               (uint32_t)together_size());
+        }
+        return status;
+    }
+    ctl_mesh_deinit(frame);
+    if (index == 0) {
+        *frame = (struct ctl_mesh){.path = files->mesh.path,
+                                   .x = files->mesh.x,
+                                   .format = files->mesh.format,
+                                   .vertex_count = files->mesh.vertex_count,
+                                   .part = files->mesh.part};
+        files->mesh.x = NULL;
+        return PCCD_OK;
+    }
     const struct ctl_reading reading = {.number = (uint32_t)together_rank(),
                                         .count = (uint32_t)together_size(),
-                                        .like = before};
-    int status = ctl_mesh_read_as(path, &reading, part, error);
-    return before != NULL && status == PCCD_E_INVAL ? explain(path, before->path, error)
-                                                    : status;
+                                        .like = &files->shape};
+    status = ctl_mesh_read_as(files->names[index], &reading, frame, error);
+    ctl_mesh_drop_shape(frame);
+    return status == PCCD_E_INVAL ? explain(files->names[index], files->mesh.path, error)
+                                  : status;
 }
 
-struct pccd_mpi_part part_to_put(const struct ctl_mesh *part)
+/* Of a list that is this rank's, or of all ranks, what this one puts; *count: of it. */
+static const uint32_t *rows_of(const struct part *part, enum ctl_kind kind,
+                               uint32_t *count)
 {
-    return (struct pccd_mpi_part){.struct_bytes = sizeof(struct pccd_mpi_part),
-                                  .vertex_total = part->part.vertex_total,
-                                  .triangle_total = part->triangles.total,
-                                  .vertex_count = part->vertex_count,
-                                  .format = part->format,
-                                  .x = part->x,
-                                  .triangle_count = part->triangles.count,
-                                  .edge_count = part->edges.count,
-                                  .point_count = part->points.count,
-                                  .triangles = part->triangles.vertices,
-                                  .edges = part->edges.vertices,
-                                  .points = part->points.vertices};
+    const struct ctl_list *list = &part->files.mesh.lists[kind];
+    const uint64_t ranks = (uint64_t)together_size(), rank = (uint64_t)together_rank();
+    uint64_t first = part->is_whole ? list->count * rank / ranks : 0;
+    uint64_t end = part->is_whole ? list->count * (rank + 1) / ranks : list->count;
+    *count = (uint32_t)(end - first);
+    return *count > 0 ? list->vertices + first * ((uint64_t)kind + 1) : NULL;
 }
 
-static int find_edges(const struct ctl_mesh *mesh, struct pccd_edge **edges,
-                      struct ctl_error *error)
+struct pccd_mpi_part part_to_put(const struct part *part, const struct ctl_mesh *first)
 {
-    const struct pccd_options options = {
-        .struct_bytes = sizeof options, .url = "direct:", .no_keep = true};
-    struct pccd_client *client = NULL;
-    uint32_t handle = 0;
-    struct pccd_mesh_info info;
-    int status = pccd_connect(&options, &client);
-    if (status == PCCD_OK) {
-        status = check_run_put_mesh(client, mesh, &handle, &info);
-    }
-    if (status == PCCD_OK) {
-        *edges = malloc(((size_t)info.edge_count + 1) * sizeof **edges);
-        status = *edges == NULL
-                     ? PCCD_E_NOMEM
-                     : pccd_mesh_edges(client, handle, *edges, info.edge_count);
-    }
-    if (status != PCCD_OK) {
-        (void)ctl_error_set(error, status, "edges: %s", pccd_status_text(status));
-    }
-    pccd_close(client);
-    return status;
+    struct pccd_mpi_part put = {.struct_bytes = sizeof put,
+                                .vertex_total = first->part.vertex_total,
+                                .triangle_total = part->files.mesh.triangles.total,
+                                .vertex_count = first->vertex_count,
+                                .format = first->format,
+                                .x = first->x};
+    put.triangles = rows_of(part, CTL_TRIANGLES, &put.triangle_count);
+    put.edges = rows_of(part, CTL_EDGES, &put.edge_count);
+    put.points = rows_of(part, CTL_POINTS, &put.point_count);
+    return put;
 }
 
-int part_read_whole(const char *path, struct ctl_mesh *whole, struct pccd_edge **edges,
-                    struct ctl_error *error)
+void part_drop_rows(struct part *part)
 {
-    int status = ctl_mesh_read(path, whole, error);
-    return status == PCCD_OK ? find_edges(whole, edges, error) : status;
+    struct ctl_mesh *mesh = &part->files.mesh, *shape = &part->files.shape;
+    for (int kind = 0; kind < CTL_KINDS && !part->is_whole; kind++) {
+        struct ctl_list *list = &mesh->lists[kind], *other = &shape->lists[kind];
+        if (list->vertices != other->vertices) {
+            free(list->vertices);
+        }
+        free(other->vertices);
+        *list = *other = (struct ctl_list){.count = 0};
+    }
+}
+
+void part_close(struct part *part)
+{
+    if (!part->is_whole) {
+        part->files.names = NULL; /* they are the sequence's */
+        ctl_mesh_deinit(&part->named);
+    }
+    free(part->edges);
+    ctl_frames_close(&part->files);
+    *part = (struct part){.edges = NULL};
 }

@@ -1,28 +1,56 @@
-/* part.h - this rank's part of a mesh file.
+/* part.h - this rank's part of a mesh, frame by frame.
  *
- * Room:     client/mpi/program. May include: meshfile.h, pccd_mpi.h.
- * Does:     read a file, of which all ranks have a copy, and keep a run of its vertices,
- *           triangles, edges and points; tell the root of the whole what only it names.
+ * Room:     client/mpi/program. May include: meshframes.h, pccd_mpi.h.
+ * Does:     read files, of which all ranks have a copy, and keep a run of the vertices,
+ *           triangles, edges and points. Of PLY and OBJ no rank has more at any time;
+ *           others are read whole by each.
  * Threads:  one.
  */
 #ifndef PROGRAM_PART_H
 #define PROGRAM_PART_H
 
-#include "meshfile.h"
+#include "meshframes.h"
 #include "pccd_mpi.h"
 
-/* The part of `path`; `before`, if it is not NULL, is the part of another file that this
- * rank has, and the files have to be two frames of one mesh (ctl_mesh_match). Errors:
- * those of ctl_mesh_read_as. Not collective. */
-int part_read(const char *path, const struct ctl_mesh *before, struct ctl_mesh *part,
+struct part_options {
+    struct ctl_frames_options frames;
+    bool is_whole;       /* each rank keeps all */
+    bool names_features; /* the root wants part.named */
+    bool names_objects;  /* likewise, where the file has several */
+};
+
+/* Filled by part_open. */
+struct part {
+    bool is_whole; /* each rank has all of the shape */
+    bool is_kept;  /* and of the positions */
+    /* As pccdctl has them; of the shape this rank's part, unless it is whole. */
+    struct ctl_frames files;
+    /* On the root, if it is wanted: the shape, with vertices that are joined, and its
+     * edges. */
+    struct ctl_mesh named;
+    struct pccd_edge *edges;
+    uint32_t edge_count;
+};
+
+/* Collective. Open `paths`, names or patterns; `part` is part_close's to give back then,
+ * also on error. Errors: those of ctl_frames_open, and of libpccd, which is asked about
+ * edges; E_INVAL for a pipe, which can be read once; E_STATE where ranks have other
+ * files. */
+int part_open(struct part *part, char *const *paths, uint32_t path_count,
+              const struct part_options *options, struct ctl_error *error);
+/* Fill `frame`, which is empty or another frame, with the positions of frame `index` that
+ * this rank keeps. Not collective. Errors: those of ctl_frames_read. */
+int part_read(struct part *part, uint32_t index, struct ctl_mesh *frame,
               struct ctl_error *error);
-
-/* As pccd_mpi_mesh_put asks for it. */
-struct pccd_mpi_part part_to_put(const struct ctl_mesh *part);
-
-/* In this rank alone: the whole mesh of a file, and all its edges, allocated. Errors:
- * those of ctl_mesh_read and of libpccd, which is asked about the mesh. */
-int part_read_whole(const char *path, struct ctl_mesh *whole, struct pccd_edge **edges,
-                    struct ctl_error *error);
+/* Collective. *to: of each vertex of the mesh the least one that it is joined to, the
+ * caller's to free; it stays NULL where none is joined. part->files.welded: how many are,
+ * but for what only who has all rows knows. `distance`, 0 or more, is as in struct
+ * ctl_frames_options. Errors: E_NOMEM, and those of part_read. */
+int part_weld(struct part *part, double distance, uint32_t **to, struct ctl_error *error);
+/* As pccd_mpi_mesh_put asks for it; `first` is frame 0. */
+struct pccd_mpi_part part_to_put(const struct part *part, const struct ctl_mesh *first);
+/* No further frame is read: what only that wants, is given back. */
+void part_drop_rows(struct part *part);
+void part_close(struct part *part);
 
 #endif

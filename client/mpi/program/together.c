@@ -52,6 +52,14 @@ void together_tell(void *what, size_t bytes)
     together_wait(&request);
 }
 
+void together_add(uint32_t *count)
+{
+    MPI_Request request;
+    MPI_Iallreduce(MPI_IN_PLACE, count, 1, MPI_UINT32_T, MPI_SUM, MPI_COMM_WORLD,
+                   &request);
+    together_wait(&request);
+}
+
 int together_agree(int status, struct ctl_error *error)
 {
     struct {

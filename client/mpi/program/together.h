@@ -11,6 +11,7 @@
 #include <mpi.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "error.h"
 
@@ -26,6 +27,8 @@ static inline bool together_is_root(void)
 void together_wait(MPI_Request *request);
 /* Collective: what the root has, to all. */
 void together_tell(void *what, size_t bytes);
+/* Collective: the sum over all ranks, to all. */
+void together_add(uint32_t *count);
 
 /* Collective: the status of the lowest rank that has one, and its text, which begins with
  * "rank N: " then. */
