@@ -126,7 +126,7 @@ static void with_filter(struct records *records, const struct bench_candidates *
         uint32_t n = c->count - i < ENG_CHUNK_MAX ? c->count - i : ENG_CHUNK_MAX;
         if (!answers) {
             uint32_t kept =
-                kernels->apart(c->kind, records->points, quads, n, batch->left);
+                kernels->reject_axes(c->kind, records->points, quads, n, batch->left);
             use(kernels->filter(c->kind, records->points, quads, batch->left, kept,
                                 batch->left));
             continue;

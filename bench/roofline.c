@@ -250,7 +250,7 @@ static void test_chunk(struct bench *bench, enum pccd_kind kind,
     test_pairs(bench, kind, chunk);
     make_quads(bench, kind, chunk);
     uint64_t begin_ns = common_now_ns();
-    uint32_t kept = kernels->apart(kind, points, quads, chunk->count, bench->pairs);
+    uint32_t kept = kernels->reject_axes(kind, points, quads, chunk->count, bench->pairs);
     count_part(bench, is_vf ? PART_APART_VF : PART_APART_EE, begin_ns, chunk->count);
     for (uint32_t i = 0; i < kept; i++) {
         bench->sifted.a[i] = chunk->a[bench->pairs[i]];

@@ -43,8 +43,8 @@ struct said {
     struct eng_measured measured[WANTED]; /* by what is wanted */
     uint32_t index[WANTED][FUZZ_LANES_MAX];
     struct eng_distance found[WANTED][FUZZ_LANES_MAX];
-    uint32_t vague[WANTED][FUZZ_LANES_MAX];
-    uint32_t open[WANTED][FUZZ_LANES_MAX];
+    uint32_t imprecise[WANTED][FUZZ_LANES_MAX];
+    uint32_t undecided[WANTED][FUZZ_LANES_MAX];
     struct eng_crossed crossed;
     uint32_t crossing[FUZZ_LANES_MAX];
     uint32_t open_crossing[FUZZ_LANES_MAX];
@@ -162,16 +162,17 @@ static void ask(const struct eng_kernels *kernels, const struct chunk *chunk,
     for (uint32_t i = 0; i < chunk->count; i++) {
         all[i] = i;
     }
-    said->kept_count = kernels->beyond(chunk->kind, chunk->points, chunk->quads,
-                                       chunk->count, chunk->end, chunk->d, said->kept);
+    said->kept_count =
+        kernels->reject_at_end(chunk->kind, chunk->points, chunk->quads, chunk->count,
+                               chunk->end, chunk->d, said->kept);
     said->crossed =
-        (struct eng_crossed){.index = said->crossing, .open = said->open_crossing};
+        (struct eng_crossed){.index = said->crossing, .undecided = said->open_crossing};
     for (int k = 0; k < WANTED; k++) {
         said->measured[k] = (struct eng_measured){.wanted = (enum eng_distance_wanted)k,
                                                   .index = said->index[k],
                                                   .found = said->found[k],
-                                                  .vague = said->vague[k],
-                                                  .open = said->open[k]};
+                                                  .imprecise = said->imprecise[k],
+                                                  .undecided = said->undecided[k]};
         kernels->measure(chunk->kind, chunk->points, chunk->quads, all, chunk->count,
                          chunk->end, chunk->d, &said->measured[k]);
     }
@@ -222,10 +223,10 @@ static uint32_t judge_measured(const struct chunk *chunk, const struct eng_measu
 {
     bool named[FUZZ_LANES_MAX] = {false};
     uint32_t near = all_within(chunk, out->index, out->near_count, named);
-    uint32_t vague = all_within(chunk, out->vague, out->vague_count, named);
+    uint32_t imprecise = all_within(chunk, out->imprecise, out->imprecise_count, named);
     *what = "sure, but not within d";
-    if (near < out->near_count || vague < out->vague_count) {
-        return near < out->near_count ? out->index[near] : out->vague[vague];
+    if (near < out->near_count || imprecise < out->imprecise_count) {
+        return near < out->near_count ? out->index[near] : out->imprecise[imprecise];
     }
     *what = "numbers";
     for (uint32_t i = 0; i < out->near_count; i++) {
@@ -234,8 +235,8 @@ static uint32_t judge_measured(const struct chunk *chunk, const struct eng_measu
         }
     }
     *what = "left out, but within d";
-    for (uint32_t i = 0; i < out->open_count; i++) {
-        named[out->open[i]] = true;
+    for (uint32_t i = 0; i < out->undecided_count; i++) {
+        named[out->undecided[i]] = true;
     }
     for (uint32_t i = 0; i < chunk->count; i++) {
         if (chunk->is_within[i] && !named[i]) {
@@ -272,7 +273,7 @@ static uint32_t judge_crossed(const struct chunk *chunk, const struct said *said
         }
     }
     *what = "crosses";
-    for (uint32_t i = 0; i < said->crossed.open_count; i++) {
+    for (uint32_t i = 0; i < said->crossed.undecided_count; i++) {
         named[said->open_crossing[i]] = true;
     }
     for (uint32_t i = 0; i < chunk->count; i++) {
@@ -372,11 +373,11 @@ static bool are_same(const uint32_t *a, const uint32_t *b, uint32_t count)
 /* `found` was compared with distance.h's numbers, bit for bit. */
 static bool measured_the_same(const struct eng_measured *a, const struct eng_measured *b)
 {
-    return a->near_count == b->near_count && a->vague_count == b->vague_count &&
-           a->open_count == b->open_count &&
+    return a->near_count == b->near_count && a->imprecise_count == b->imprecise_count &&
+           a->undecided_count == b->undecided_count &&
            are_same(a->index, b->index, a->near_count) &&
-           are_same(a->vague, b->vague, a->vague_count) &&
-           are_same(a->open, b->open, a->open_count);
+           are_same(a->imprecise, b->imprecise, a->imprecise_count) &&
+           are_same(a->undecided, b->undecided, a->undecided_count);
 }
 
 static bool said_the_same(const struct said *a, const struct said *b)
@@ -386,29 +387,29 @@ static bool said_the_same(const struct said *a, const struct said *b)
            measured_the_same(&a->measured[1], &b->measured[1]) &&
            measured_the_same(&a->measured[2], &b->measured[2]) &&
            a->crossed.count == b->crossed.count &&
-           a->crossed.open_count == b->crossed.open_count &&
+           a->crossed.undecided_count == b->crossed.undecided_count &&
            are_same(a->crossing, b->crossing, a->crossed.count) &&
-           are_same(a->open_crossing, b->open_crossing, a->crossed.open_count);
+           are_same(a->open_crossing, b->open_crossing, a->crossed.undecided_count);
 }
 
 static void count(struct fuzz_lanes_run *run, const struct chunk *chunk,
                   const struct said *said)
 {
     const struct eng_measured *out = &said->measured[ENG_DISTANCE_WHOLE];
-    uint32_t named = out->near_count + out->vague_count + out->open_count;
+    uint32_t named = out->near_count + out->imprecise_count + out->undecided_count;
     run->chunks++;
     run->cases += chunk->count;
     run->beyond += chunk->count - said->kept_count;
     run->measured += chunk->count - named;
     run->sure += out->near_count;
-    run->vague += out->vague_count;
-    run->open += out->open_count;
+    run->vague += out->imprecise_count;
+    run->open += out->undecided_count;
     for (uint32_t i = 0; i < out->near_count; i++) {
         run->types[out->found[i].type]++;
     }
     run->crossings += said->crossed.count;
-    run->open_crossings += said->crossed.open_count;
-    run->past += chunk->count - said->crossed.count - said->crossed.open_count;
+    run->open_crossings += said->crossed.undecided_count;
+    run->past += chunk->count - said->crossed.count - said->crossed.undecided_count;
 }
 
 void fuzz_lanes_more(struct fuzz_lanes_run *run, uint64_t chunks)

@@ -333,7 +333,7 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
     static uint32_t kept[PAIRS];
     uint64_t apart = DIGEST_BEGIN;
     uint64_t filter = DIGEST_BEGIN;
-    uint64_t stay_beyond = DIGEST_BEGIN;
+    uint64_t reject_thick = DIGEST_BEGIN;
     uint64_t advance = DIGEST_BEGIN;
     uint64_t describe = DIGEST_BEGIN;
     double reach[PAIRS];
@@ -343,20 +343,21 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
     for (uint32_t i = 0; i < 2 * 40; i++) {
         enum pccd_kind kind = i % 2 ? PCCD_EE : PCCD_VF;
         uint32_t count = PAIRS - i / 2;
-        uint32_t left = kernels->apart(kind, ground->points, ground->quads, count, kept);
+        uint32_t left =
+            kernels->reject_axes(kind, ground->points, ground->quads, count, kept);
         apart = digest(digest(apart, &left, sizeof left), kept, left * sizeof *kept);
         left = kernels->filter(kind, ground->points, ground->quads, ground->all, count,
                                kept);
         filter = digest(digest(filter, &left, sizeof left), kept, left * sizeof *kept);
-        left = kernels->stay_beyond(1 + i % 2, ground->points, ground->quads, count,
-                                    reach, kept);
-        stay_beyond =
-            digest(digest(stay_beyond, &left, sizeof left), kept, left * sizeof *kept);
+        left = kernels->reject_thick(1 + i % 2, ground->points, ground->quads, count,
+                                     reach, kept);
+        reject_thick =
+            digest(digest(reject_thick, &left, sizeof left), kept, left * sizeof *kept);
         digest_advance(kernels, ground, i, kept, left, &advance, &describe);
     }
-    say(kernels, "apart", apart);
+    say(kernels, "reject_axes", apart);
     say(kernels, "filter", filter);
-    say(kernels, "stay_beyond", stay_beyond);
+    say(kernels, "reject_thick", reject_thick);
     say(kernels, "advance", advance);
     say(kernels, "describe", describe);
 }
@@ -479,8 +480,10 @@ static void run_bracket(const struct eng_kernels *kernels, const struct ground *
 static uint64_t digest_measured(uint64_t before, const struct eng_measured *out)
 {
     before = digest(before, out->index, out->near_count * sizeof *out->index);
-    before = digest(before, out->vague, out->vague_count * sizeof *out->vague);
-    before = digest(before, out->open, out->open_count * sizeof *out->open);
+    before =
+        digest(before, out->imprecise, out->imprecise_count * sizeof *out->imprecise);
+    before =
+        digest(before, out->undecided, out->undecided_count * sizeof *out->undecided);
     for (uint32_t i = 0; i < out->near_count && out->wanted != ENG_DISTANCE_WITHIN; i++) {
         const struct eng_distance *found = &out->found[i];
         before = digest(before, &found->lo, sizeof found->lo);
@@ -498,8 +501,8 @@ static void run_distances(const struct eng_kernels *kernels, const struct ground
 {
     static uint32_t kept[PAIRS];
     static uint32_t index[PAIRS];
-    static uint32_t vague[PAIRS];
-    static uint32_t open[PAIRS];
+    static uint32_t imprecise[PAIRS];
+    static uint32_t undecided[PAIRS];
     static struct eng_distance found[PAIRS];
     uint64_t beyond = DIGEST_BEGIN;
     uint64_t measure = DIGEST_BEGIN;
@@ -510,17 +513,17 @@ static void run_distances(const struct eng_kernels *kernels, const struct ground
         struct eng_measured out = {.wanted = (enum eng_distance_wanted)(i / 4 % 3),
                                    .index = index,
                                    .found = found,
-                                   .vague = vague,
-                                   .open = open};
+                                   .imprecise = imprecise,
+                                   .undecided = undecided};
         double d = 0.25 * (1 + i / 12);
-        uint32_t left =
-            kernels->beyond(kind, ground->points, ground->quads, count, end, d, kept);
+        uint32_t left = kernels->reject_at_end(kind, ground->points, ground->quads, count,
+                                               end, d, kept);
         beyond = digest(digest(beyond, &left, sizeof left), kept, left * sizeof *kept);
         kernels->measure(kind, ground->points, ground->quads, ground->all, count, end, d,
                          &out);
         measure = digest_measured(measure, &out);
     }
-    say(kernels, "beyond", beyond);
+    say(kernels, "reject_at_end", beyond);
     say(kernels, "measure", measure);
 }
 
@@ -529,18 +532,18 @@ static void run_cross_faces(const struct eng_kernels *kernels,
 {
     static uint32_t fives[PAIRS][5];
     static uint32_t index[PAIRS];
-    static uint32_t open[PAIRS];
+    static uint32_t undecided[PAIRS];
     uint64_t crossed = DIGEST_BEGIN;
     for (uint32_t i = 0; i < PAIRS; i++) {
         memcpy(fives[i], ground->quads[i], sizeof ground->quads[i]);
         fives[i][4] = ground->quads[(i + 4) % PAIRS][0];
     }
     for (uint32_t i = 0; i < 2 * 10; i++) {
-        struct eng_crossed out = {.index = index, .open = open};
+        struct eng_crossed out = {.index = index, .undecided = undecided};
         kernels->cross_faces(ground->points, (const uint32_t(*)[5])fives, PAIRS - i / 2,
                              i % 2, &out);
         crossed = digest(crossed, index, out.count * sizeof *index);
-        crossed = digest(crossed, open, out.open_count * sizeof *open);
+        crossed = digest(crossed, undecided, out.undecided_count * sizeof *undecided);
     }
     say(kernels, "cross_faces", crossed);
 }

@@ -23,7 +23,7 @@ static uint32_t filter(const struct eng_kernels *kernels, enum pccd_kind kind,
 {
     uint32_t *left = batch->left;
     if (batch->from == ENG_FROM_AXES) {
-        count = kernels->apart(kind, points, quads, count, left);
+        count = kernels->reject_axes(kind, points, quads, count, left);
     } else {
         for (uint32_t i = 0; i < count; i++) {
             left[i] = i;

@@ -78,12 +78,13 @@ uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
     struct eng_measured out = {.wanted = question->wanted,
                                .index = batch->index,
                                .found = batch->found,
-                               .vague = batch->vague,
-                               .open = batch->open};
-    uint32_t left = question->is_sifted
-                        ? all_of(count, batch->left)
-                        : kernels->beyond(form, points, quads, count, question->end,
-                                          question->distance, batch->left);
+                               .imprecise = batch->imprecise,
+                               .undecided = batch->undecided};
+    uint32_t left =
+        question->is_sifted
+            ? all_of(count, batch->left)
+            : kernels->reject_at_end(form, points, quads, count, question->end,
+                                     question->distance, batch->left);
     kernels->measure(form, points, quads, batch->left, left, question->end,
                      question->distance, &out);
     uint32_t found = out.near_count;
@@ -91,12 +92,12 @@ uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
     for (uint32_t i = 0; i < found && is_placed; i++) {
         eng_distance_place(question->kind, &batch->found[i]);
     }
-    for (uint32_t i = 0; i < out.vague_count + out.open_count; i++) {
+    for (uint32_t i = 0; i < out.imprecise_count + out.undecided_count; i++) {
         uint64_t before = distances->decided[ENG_DISTANCE_BY_INTEGERS];
-        bool is_near = i < out.vague_count;
+        bool is_near = i < out.imprecise_count;
         ask(question, points, quads,
-            is_near ? batch->vague[i] : batch->open[i - out.vague_count], is_near,
-            distances, batch, &found);
+            is_near ? batch->imprecise[i] : batch->undecided[i - out.imprecise_count],
+            is_near, distances, batch, &found);
         if (stops(batch, i, distances->decided[ENG_DISTANCE_BY_INTEGERS] - before)) {
             break;
         }
@@ -111,14 +112,14 @@ uint32_t eng_distance_batch_cross(const struct eng_kernels *kernels, uint32_t en
                                   struct eng_distance_batch *batch)
 {
     assert(count <= ENG_CHUNK_MAX && end <= 1);
-    struct eng_crossed out = {.index = batch->index, .open = batch->open};
+    struct eng_crossed out = {.index = batch->index, .undecided = batch->undecided};
     kernels->cross_faces(points, fives, count, end, &out);
-    for (uint32_t i = 0; i < out.open_count; i++) {
+    for (uint32_t i = 0; i < out.undecided_count; i++) {
         uint64_t before = distances->decided[ENG_DISTANCE_BY_INTEGERS];
         double x[5][3];
-        load(points, fives[out.open[i]], 5, end, x);
+        load(points, fives[out.undecided[i]], 5, end, x);
         if (eng_distance_crosses(distances, (const double(*)[3])x)) {
-            out.index[out.count++] = out.open[i];
+            out.index[out.count++] = out.undecided[i];
         }
         if (stops(batch, i, distances->decided[ENG_DISTANCE_BY_INTEGERS] - before)) {
             break;

@@ -31,8 +31,8 @@ struct eng_distance_batch {
     uint32_t index[ENG_CHUNK_MAX]; /* of the pairs that are near enough, in no order */
     struct eng_distance found[ENG_CHUNK_MAX]; /* likewise, what was wanted */
     uint32_t left[ENG_CHUNK_MAX];             /* scratch: pairs on their way through */
-    uint32_t vague[ENG_CHUNK_MAX];
-    uint32_t open[ENG_CHUNK_MAX];
+    uint32_t imprecise[ENG_CHUNK_MAX];
+    uint32_t undecided[ENG_CHUNK_MAX];
 };
 
 /* Decide `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`, as in

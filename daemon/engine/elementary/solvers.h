@@ -2,7 +2,7 @@
  *
  * The same for all kinds: features of one mesh that share a vertex are not tested; a pair
  * is a candidate if the moving boxes around its features overlap; the first test is
- * `apart` of kernel.h; the exact decision is behind `search`, which asks for it.
+ * `reject_axes` of kernel.h; the exact decision is behind `search`, which asks for it.
  */
 #ifndef ENG_SOLVERS_H
 #define ENG_SOLVERS_H
@@ -11,7 +11,8 @@
 
 struct eng_solver {
     /* Do sift, filter and bracket of kernel.h reject and decide its pairs, as many at a
-     * time as a vector has lanes? If not, each pair that `apart` leaves is searched. */
+     * time as a vector has lanes? If not, each pair that `reject_axes` leaves is
+     * searched. */
     bool has_kernels;
     /* Decides any query, by exact arithmetic where rounding hides the answer. True: a
      * contact that begins before or at `t_end`, and *hit is set; [toi, toi_hi] is at most

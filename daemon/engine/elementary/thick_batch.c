@@ -35,8 +35,8 @@ static uint32_t keep(const struct eng_kernels *kernels,
     for (uint32_t i = 0; i < count; i++) {
         batch->reach[i] = eng_thick_reach(radius[i]);
     }
-    return kernels->stay_beyond(common_kinds[question->kind].points[0], points, quads,
-                                count, batch->reach, batch->left);
+    return kernels->reject_thick(common_kinds[question->kind].points[0], points, quads,
+                                 count, batch->reach, batch->left);
 }
 
 /* How each pair left has advanced. */

@@ -16,6 +16,13 @@
 #define ENG_LOST       0x1p-900
 #define ENG_SQUARE_MIN 0x1p-850
 
+/* The square of d, and what rounding could have lost of it and of what is compared with
+ * it. */
+ENG_INLINE double eng_square_most(double d)
+{
+    return d * d * (1 + 32 * ENG_U) + ENG_LOST;
+}
+
 /* Of the dot product of two differences of these sizes. */
 ENG_INLINE eng_d eng_dot_error(eng_d size_a, eng_d size_b)
 {

@@ -98,6 +98,7 @@ void ENG_KERNEL(cross_faces)(const struct eng_point *points, const uint32_t (*pa
         uint32_t yes = eng_dm_bits(crossing.yes) & all;
         uint32_t open = all & ~(yes | eng_dm_bits(crossing.no));
         out->count += eng_keep(out->index + out->count, index, n, yes);
-        out->open_count += eng_keep(out->open + out->open_count, index, n, open);
+        out->undecided_count +=
+            eng_keep(out->undecided + out->undecided_count, index, n, open);
     }
 }

@@ -45,20 +45,20 @@ struct eng_bracketed {
 struct eng_measured {
     enum eng_distance_wanted wanted;
     uint32_t near_count;
-    uint32_t vague_count;
-    uint32_t open_count;
+    uint32_t imprecise_count;
+    uint32_t undecided_count;
     uint32_t *index;            /* of pairs within d, in their order */
     struct eng_distance *found; /* of these, what is wanted */
-    uint32_t *vague;            /* within d, but some number is not known */
-    uint32_t *open;             /* nobody knows whether they are within d */
+    uint32_t *imprecise;        /* within d, but some number is not known */
+    uint32_t *undecided;        /* nobody knows whether they are within d */
 };
 
 /* What `cross_faces` says of a chunk. Edges that are not named do not pass through. */
 struct eng_crossed {
     uint32_t count;
-    uint32_t open_count;
-    uint32_t *index; /* of those that do, in no order */
-    uint32_t *open;  /* nobody knows of these */
+    uint32_t undecided_count;
+    uint32_t *index;     /* of those that do, in no order */
+    uint32_t *undecided; /* nobody knows of these */
 };
 
 /* What `advance` says of a pair of thick features (elementary/thick.h). */
@@ -155,9 +155,9 @@ struct eng_kernels {
                                                  uint32_t *out_a, uint32_t *out_b,
                                                  uint32_t room);
 
-    /* Elementary tests of `count` pairs of one kind; quads as in batch.h. `apart` knows
-     * every kind; sift, filter and bracket know those with has_kernels in eng_solvers: VF
-     * and EE, which the cubic of query.h decides. */
+    /* Elementary tests of `count` pairs of one kind; quads as in batch.h. `reject_axes`
+     * knows every kind; sift, filter and bracket know those with has_kernels in
+     * eng_solvers: VF and EE, which the cubic of query.h decides. */
 
     /* The pairs a[count + ENG_SIEVE_SPARE], b[..] that neither axes and time nor the
      * cubic nor face diagonals reject, from their marks: to the front in the same order;
@@ -167,8 +167,8 @@ struct eng_kernels {
 
     /* Write the pairs 0 .. count-1 that no axis separates over the whole step to
      * kept[count]; returns how many. */
-    uint32_t (*apart)(enum pccd_kind kind, const struct eng_point *points,
-                      const uint32_t (*quads)[4], uint32_t count, uint32_t *kept);
+    uint32_t (*reject_axes)(enum pccd_kind kind, const struct eng_point *points,
+                            const uint32_t (*quads)[4], uint32_t count, uint32_t *kept);
     /* The same by face diagonals and by the cubic, of the pairs pairs[count]; kept may be
      * `pairs`. */
     uint32_t (*filter)(enum pccd_kind kind, const struct eng_point *points,
@@ -191,9 +191,9 @@ struct eng_kernels {
 
     /* Write the pairs 0 .. count-1 that are not certainly farther apart than d, by their
      * boxes and by the planes across both, to kept[count]; returns how many. */
-    uint32_t (*beyond)(enum pccd_kind kind, const struct eng_point *points,
-                       const uint32_t (*quads)[4], uint32_t count, uint32_t end, double d,
-                       uint32_t *kept);
+    uint32_t (*reject_at_end)(enum pccd_kind kind, const struct eng_point *points,
+                              const uint32_t (*quads)[4], uint32_t count, uint32_t end,
+                              double d, uint32_t *kept);
     /* Compare pairs[count] with d, and append to `out`. What is said is what distance.h
      * would say. */
     void (*measure)(enum pccd_kind kind, const struct eng_point *points,
@@ -203,13 +203,13 @@ struct eng_kernels {
      * than reach[..], all over the step, to kept[count]; returns how many. quads: the
      * points of the kind, the last one repeated; points_a of them, 1 or 2, are feature
      * a's. reach: 0 or more, and not below the pair's r. */
-    uint32_t (*stay_beyond)(uint32_t points_a, const struct eng_point *points,
-                            const uint32_t (*quads)[4], uint32_t count,
-                            const double *reach, uint32_t *kept);
+    uint32_t (*reject_thick)(uint32_t points_a, const struct eng_point *points,
+                             const uint32_t (*quads)[4], uint32_t count,
+                             const double *reach, uint32_t *kept);
 
     /* Of pairs of marks, like `sift`: those of VF and EE stay that are not certainly
      * farther apart than `reach`, in cells of the grid, all over the step. What goes,
-     * `stay_beyond` would reject with any reach that is not more. */
+     * `reject_thick` would reject with any reach that is not more. */
     uint32_t (*sift_thick)(enum pccd_kind kind, struct eng_sieve *sieve, float reach,
                            uint32_t *a, uint32_t *b, uint32_t count);
 

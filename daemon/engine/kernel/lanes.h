@@ -60,4 +60,32 @@ ENG_INLINE eng_f eng_f_abs(eng_f a)
     return (eng_f)((eng_fi)a & INT32_MAX);
 }
 
+/* eng_n: the numbers that vectors.h and reject.h compute with. Doubles, or floats in a
+ * file that defines ENG_IN_FLOATS before it includes anything. */
+#ifdef ENG_IN_FLOATS
+#define ENG_N(name)  eng_f_##name
+#define ENG_NM(name) eng_fm_##name
+#define ENG_N_U      0x1p-24f /* what u is of doubles */
+typedef eng_f eng_n;
+typedef eng_fm eng_nm;
+#else
+#define ENG_N(name)  eng_d_##name
+#define ENG_NM(name) eng_dm_##name
+#define ENG_N_U      0x1p-53
+typedef eng_d eng_n;
+typedef eng_dm eng_nm;
+#endif
+
+#define eng_n_all     ENG_N(all)
+#define eng_n_abs     ENG_N(abs)
+#define eng_n_less    ENG_N(less)
+#define eng_n_max     ENG_N(max)
+#define eng_n_max_abs ENG_N(max_abs)
+#define eng_n_min     ENG_N(min)
+#define eng_n_select  ENG_N(select)
+#define eng_n_sqrt    ENG_N(sqrt)
+#define eng_nm_and    ENG_NM(and)
+#define eng_nm_bits   ENG_NM(bits)
+#define eng_nm_or     ENG_NM(or)
+
 #endif

@@ -6,8 +6,6 @@
 kernel_sources = \
     daemon/engine/kernel/across.h \
     daemon/engine/kernel/advance.c \
-    daemon/engine/kernel/apart.c \
-    daemon/engine/kernel/axes.h \
     daemon/engine/kernel/begin.h \
     daemon/engine/kernel/bounds.c \
     daemon/engine/kernel/make_boxes.c \
@@ -16,9 +14,7 @@ kernel_sources = \
     daemon/engine/kernel/come_before.c \
     daemon/engine/kernel/cross_faces.c \
     daemon/engine/kernel/cubic.h \
-    daemon/engine/kernel/directions.h \
     daemon/engine/kernel/enclose.h \
-    daemon/engine/kernel/filter.c \
     daemon/engine/kernel/halves.h \
     daemon/engine/kernel/interval.h \
     daemon/engine/kernel/join_blocks.c \
@@ -34,7 +30,6 @@ kernel_sources = \
     daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/marks.c \
     daemon/engine/kernel/marks.h \
-    daemon/engine/kernel/marks_end.h \
     daemon/engine/kernel/marks_turn.h \
     daemon/engine/kernel/measure.c \
     daemon/engine/kernel/meeting.h \
@@ -42,6 +37,9 @@ kernel_sources = \
     daemon/engine/kernel/make_quantised.c \
     daemon/engine/kernel/quantised.h \
     daemon/engine/kernel/reach.h \
+    daemon/engine/kernel/reject.c \
+    daemon/engine/kernel/reject.h \
+    daemon/engine/kernel/reject_axes.c \
     daemon/engine/kernel/overlap.h \
     daemon/engine/kernel/pieces.h \
     daemon/engine/kernel/place.h \
@@ -51,18 +49,14 @@ kernel_sources = \
     daemon/engine/kernel/rims.h \
     daemon/engine/kernel/sieve.h \
     daemon/engine/kernel/sift.c \
-    daemon/engine/kernel/sift.h \
     daemon/engine/kernel/sift_near.c \
-    daemon/engine/kernel/sift_thick.c \
     daemon/engine/kernel/spot.h \
-    daemon/engine/kernel/stay_beyond.c \
     daemon/engine/kernel/still.h \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/table.h \
     daemon/engine/kernel/thick_cells.h \
     daemon/engine/kernel/thick_motion.h \
     daemon/engine/kernel/thick_way.h \
-    daemon/engine/kernel/times.h \
     daemon/engine/kernel/vectors.h \
     daemon/engine/kernel/within.c
 kernel_cppflags = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)

@@ -34,6 +34,16 @@ ENG_INLINE struct eng_corners eng_corners_of(uint32_t kind, const struct eng_sie
          &marks[sieve->b_corner[0][b]], &marks[sieve->b_corner[1][b]]}};
 }
 
+/* A group that is short of pairs repeats its first. */
+ENG_INLINE void eng_marks_fill(const uint32_t *a, const uint32_t *b, uint32_t n,
+                               uint32_t full[2][ENG_F_LANES])
+{
+    for (uint32_t lane = 0; lane < ENG_F_LANES; lane++) {
+        full[0][lane] = a[lane < n ? lane : 0];
+        full[1][lane] = b[lane < n ? lane : 0];
+    }
+}
+
 /* d[end][k] of pairs 0 .. ENG_F_LANES - 1: the marks 1, 2, 3 minus mark 0. No difference
  * overflows (sieve.h). */
 #if ENG_VECTOR_BYTES == 64

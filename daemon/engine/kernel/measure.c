@@ -1,8 +1,7 @@
 /* measure.c - distances of pairs at one end of the step, a pair to each lane.
  *
- * Leave out pairs that are certainly farther apart than d, and write the distances of
- * those that are certainly within, where every rounded number is sure. What is not
- * certain is left to distance.c.
+ * Write the distances of pairs that are certainly within d, where every rounded number is
+ * sure. What is not certain is left to distance.c.
  *
  * Source: BOUNDS.md, "Distances in lanes".
  */
@@ -12,92 +11,8 @@
 #include "rims.h"
 #include "table.h"
 
-/* What a square that is compared may be off by, relatively; BOUNDS.md. */
-#define SLACK (1 + 32 * ENG_U)
-
 /* Doubles of 33 bits: the last 20 of 53 are cut off. */
 #define BITS_CUT ((INT64_C(1) << 20) - 1)
-
-/* d^2 and what rounding could have lost. */
-static double square_of(double d)
-{
-    return d * d * SLACK + ENG_LOST;
-}
-
-ENG_INLINE eng_d gap_along(enum pccd_kind kind, eng_d x0, eng_d x1, eng_d x2, eng_d x3)
-{
-    const eng_d zero = {0};
-    bool is_vf = kind == PCCD_VF;
-    eng_d low_a = is_vf ? x0 : eng_d_min(x0, x1);
-    eng_d high_a = is_vf ? x0 : eng_d_max(x0, x1);
-    eng_d low_b = is_vf ? eng_d_min(eng_d_min(x1, x2), x3) : eng_d_min(x2, x3);
-    eng_d high_b = is_vf ? eng_d_max(eng_d_max(x1, x2), x3) : eng_d_max(x2, x3);
-    return eng_d_max(eng_d_max(low_a - high_b, low_b - high_a), zero);
-}
-
-/* Are the boxes around the features farther apart than d? */
-ENG_INLINE eng_dm boxes_apart(enum pccd_kind kind, const struct eng_v x[4], eng_d square)
-{
-    struct eng_v gap = {gap_along(kind, x[0].x, x[1].x, x[2].x, x[3].x),
-                        gap_along(kind, x[0].y, x[1].y, x[2].y, x[3].y),
-                        gap_along(kind, x[0].z, x[1].z, x[2].z, x[3].z)};
-    return eng_d_less(square, eng_v_dot(gap, gap));
-}
-
-/* Are the planes through the features, across n = u x v, farther apart than d? */
-ENG_INLINE eng_dm planes_apart(enum pccd_kind kind, const struct eng_v x[4], eng_d square)
-{
-    bool is_vf = kind == PCCD_VF;
-    const eng_d zero = {0};
-    struct eng_v w = eng_v_sub(x[0], is_vf ? x[1] : x[2]);
-    struct eng_v u = eng_v_sub(is_vf ? x[2] : x[1], is_vf ? x[1] : x[0]);
-    struct eng_v v = eng_v_sub(x[3], is_vf ? x[1] : x[2]);
-    struct eng_across n = eng_across(u, eng_v_size(u), v, eng_v_size(v));
-    eng_d nn = eng_v_dot(n.v, n.v) + eng_across_error(&n, &n);
-    eng_d height = eng_d_abs(eng_v_dot(w, n.v)) - eng_height_error(eng_v_size(w), &n);
-    return eng_dm_and(eng_d_less(zero, height),
-                      eng_d_less(square * nn + ENG_LOST, height * height));
-}
-
-ENG_INLINE void load(const struct eng_group *group, uint32_t end, struct eng_v x[4])
-{
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; i++) {
-        x[i] = eng_group_load_end(group, i, end);
-    }
-}
-
-ENG_INLINE uint32_t beyond(enum pccd_kind kind, const struct eng_point *points,
-                           const uint32_t (*quads)[4], uint32_t count, uint32_t end,
-                           double d, uint32_t *kept)
-{
-    uint32_t kept_count = 0;
-    eng_d square = eng_d_all(square_of(d));
-    for (uint32_t i = 0; i < count; i += ENG_D_LANES) {
-        uint32_t pairs[ENG_D_LANES];
-        uint32_t n = count - i < ENG_D_LANES ? count - i : ENG_D_LANES;
-#pragma GCC unroll 8
-        for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
-            pairs[lane] = i + lane;
-        }
-        struct eng_group group = eng_group_of(points, quads, pairs, n);
-        struct eng_v x[4];
-        load(&group, end, x);
-        eng_dm gone =
-            eng_dm_or(boxes_apart(kind, x, square), planes_apart(kind, x, square));
-        kept_count +=
-            eng_keep(kept + kept_count, pairs, n, ENG_D_ALL & ~eng_dm_bits(gone));
-    }
-    return kept_count;
-}
-
-uint32_t ENG_KERNEL(beyond)(enum pccd_kind kind, const struct eng_point *points,
-                            const uint32_t (*quads)[4], uint32_t count, uint32_t end,
-                            double d, uint32_t *kept)
-{
-    return kind == PCCD_VF ? beyond(PCCD_VF, points, quads, count, end, d, kept)
-                           : beyond(PCCD_EE, points, quads, count, end, d, kept);
-}
 
 /* What struct eng_distance has, in lanes. */
 struct numbers {
@@ -346,29 +261,30 @@ ENG_INLINE void measure(enum pccd_kind kind, enum eng_distance_wanted wanted,
                         const uint32_t *pairs, uint32_t count, uint32_t end, double d,
                         struct eng_measured *out)
 {
-    eng_d square = eng_d_all(square_of(d));
+    eng_d square = eng_d_all(eng_square_most(d));
     for (uint32_t i = 0; i < count; i += ENG_D_LANES) {
         uint32_t n = count - i < ENG_D_LANES ? count - i : ENG_D_LANES;
         uint32_t all = ENG_D_ALL >> (ENG_D_LANES - n);
         struct eng_group group = eng_group_of(points, quads, pairs + i, n);
         struct eng_v x[4];
         struct numbers numbers;
-        load(&group, end, x);
+        eng_group_load_end(&group, end, x);
         struct known known = measure_lanes(kind, x, d, wanted, &numbers);
         uint32_t near = eng_dm_bits(known.near) & all;
         uint32_t sure = eng_dm_bits(known.sure) & all;
-        uint32_t open = all & ~(near | eng_dm_bits(known.beyond));
-        if (open != 0) {
+        uint32_t undecided = all & ~(near | eng_dm_bits(known.beyond));
+        if (undecided != 0) {
             struct eng_rims rims = eng_rims_of(kind, x, eng_d_all(d), square);
-            near |= open & eng_dm_bits(rims.near);
-            open &= ~(eng_dm_bits(rims.near) | eng_dm_bits(rims.beyond));
+            near |= undecided & eng_dm_bits(rims.near);
+            undecided &= ~(eng_dm_bits(rims.near) | eng_dm_bits(rims.beyond));
         }
         sure = wanted == ENG_DISTANCE_WITHIN ? near : sure;
         write_near(&numbers, pairs + i, n, sure, wanted, out);
-        if ((open | (near & ~sure)) != 0) {
-            out->vague_count +=
-                eng_keep(out->vague + out->vague_count, pairs + i, n, near & ~sure);
-            out->open_count += eng_keep(out->open + out->open_count, pairs + i, n, open);
+        if ((undecided | (near & ~sure)) != 0) {
+            out->imprecise_count += eng_keep(out->imprecise + out->imprecise_count,
+                                             pairs + i, n, near & ~sure);
+            out->undecided_count +=
+                eng_keep(out->undecided + out->undecided_count, pairs + i, n, undecided);
         }
     }
 }

@@ -116,33 +116,38 @@ ENG_INLINE struct eng_group eng_group_of(const struct eng_point *points,
     return group;
 }
 
-/* Point `corner` of each pair at both ends of the step. */
-ENG_INLINE void eng_group_load(const struct eng_group *group, int corner,
-                               struct eng_v x[2])
+/* The four points of each pair at both ends of the step: x[point][end]. */
+ENG_INLINE void eng_group_load(const struct eng_group *group, struct eng_v x[4][2])
 {
-    const double *at0[ENG_D_LANES];
-    const double *at1[ENG_D_LANES];
+#pragma GCC unroll 4
+    for (int corner = 0; corner < 4; corner++) {
+        const double *at0[ENG_D_LANES];
+        const double *at1[ENG_D_LANES];
 #pragma GCC unroll 8
-    for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
-        const struct eng_point *point = &group->points[group->quad[lane][corner]];
-        at0[lane] = point->x0;
-        at1[lane] = point->x1;
+        for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
+            const struct eng_point *point = &group->points[group->quad[lane][corner]];
+            at0[lane] = point->x0;
+            at1[lane] = point->x1;
+        }
+        x[corner][0] = eng_points_turn(at0);
+        x[corner][1] = eng_points_turn(at1);
     }
-    x[0] = eng_points_turn(at0);
-    x[1] = eng_points_turn(at1);
 }
 
-/* Point `corner` of each pair at one end of the step, 0 or 1. */
-ENG_INLINE struct eng_v eng_group_load_end(const struct eng_group *group, int corner,
-                                           uint32_t end)
+/* The same at one end, 0 or 1. */
+ENG_INLINE void eng_group_load_end(const struct eng_group *group, uint32_t end,
+                                   struct eng_v x[4])
 {
-    const double *at[ENG_D_LANES];
+#pragma GCC unroll 4
+    for (int corner = 0; corner < 4; corner++) {
+        const double *at[ENG_D_LANES];
 #pragma GCC unroll 8
-    for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
-        const struct eng_point *point = &group->points[group->quad[lane][corner]];
-        at[lane] = end == 0 ? point->x0 : point->x1;
+        for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
+            const struct eng_point *point = &group->points[group->quad[lane][corner]];
+            at[lane] = end == 0 ? point->x0 : point->x1;
+        }
+        x[corner] = eng_points_turn(at);
     }
-    return eng_points_turn(at);
 }
 
 /* Append those of pairs[0 .. n-1] whose bit is set to `kept`, which may be a part of

@@ -1,67 +1,226 @@
-/* sift.c - cheap certain rejections in floats, a pair to each lane.
+/* sift.c - rejects pairs by their marks, in floats, a pair to each lane: twice as many at
+ * a time as by doubles, at margins that hold what the grid and the floats round off.
+ * Leaves in a while only where features are small beside the grid.
  *
- * What filter.c does, from points on a grid: twice as many pairs at a time, at margins
- * that hold what the grid and the floats round off. Leaves in a while only where features
- * are small beside the grid.
+ * `sift`: pairs that do not meet. `sift_thick`: pairs that stay farther apart than a
+ * reach all over the step.
  *
- * Source: the margins are derived in BOUNDS.md.
+ * Source: BOUNDS.md, the chapters that begin with "The sieve".
  */
-#include "sift.h"
-#include "axes.h"
+#define ENG_IN_FLOATS
+#include "reject.h"
 #include "table.h"
 
-/* Do x, y and z together leave no time up to t_end? A true gap is less than two units
- * smaller than the one on the grid. */
-ENG_INLINE uint32_t never_together(enum pccd_kind kind, const struct eng_g d[2][3],
-                                   eng_f t_end)
+/* ---- axes of swept pairs ----------------------------------------------------------- */
+
+/* Marks are compared in the layout that they have in memory, for the many pairs whose
+ * features an axis separates for the whole step: what reject_axes.c does, from half the
+ * bytes. A gap of two units at both ends is one all the time. */
+
+/* Pairs whose comparisons are kept as bytes and looked at afterwards: moving each to a
+ * register of its own takes longer, and so does to wait for it. */
+#define AXES_BYTES 256u
+
+/* A byte for each pair, bits x0 y0 z0 word x1 y1 z1 word: b lies above a there by two
+ * units or more; a lies above b. */
+struct axes {
+    uint8_t below[AXES_BYTES];
+    uint8_t above[AXES_BYTES];
+};
+
+#if ENG_VECTOR_BYTES == 8
+
+/* Smallest and largest coordinate of marks first .. last - 1. */
+ENG_INLINE void extent_of(const struct eng_corners *pair, int first, int last, int end,
+                          int axis, int32_t *low, int32_t *high)
 {
-    const eng_f zero = {0};
-    struct span span = {zero, zero + 1, -t_end, zero - 1};
-#pragma GCC unroll 3
-    for (int axis = 0; axis < 3; axis++) {
-        eng_f gaps[2][2];
-#pragma GCC unroll 2
-        for (int end = 0; end < 2; end++) {
-            eng_fi x[3];
-            eng_fi g[2];
-#pragma GCC unroll 3
-            for (int k = 0; k < 3; k++) {
-                x[k] = coordinate(d[end][k], axis);
-            }
-            gaps_of(kind, x, g);
-            gaps[end][0] = rounded(g[0] - 2);
-            gaps[end][1] = rounded(g[1] - 2);
-        }
-        cut(&span, gaps[0], gaps[1]);
+    for (int i = first; i < last; i++) {
+        const struct eng_mark *mark = pair->mark[i];
+        int32_t x = end ? mark->q1[axis] : mark->q0[axis];
+        *low = i == first || x < *low ? x : *low;
+        *high = i == first || x > *high ? x : *high;
     }
-    return eng_fm_bits(
-        eng_f_less(span.from_n * span.to_d, span.to_n * span.from_d * SLACK));
 }
 
-/* Separated along x+-y, y+-z or z+-x? Halves of coordinates, rounded down, so that their
- * sums fit; a gap of four in them is one. */
-ENG_INLINE uint32_t separated(enum pccd_kind kind, const struct eng_g d[2][3])
+ENG_INLINE void compare_axes(enum pccd_kind kind, const struct eng_sieve *sieve,
+                             const uint32_t *a, const uint32_t *b, uint8_t *below,
+                             uint8_t *above)
 {
-    const eng_fi zero = {0};
-    eng_fi widest = zero;
-#pragma GCC unroll 6
-    for (int direction = 0; direction < 6; direction++) {
-        eng_fi gaps[2][2];
-#pragma GCC unroll 2
-        for (int end = 0; end < 2; end++) {
-            eng_fi s[3];
-#pragma GCC unroll 3
-            for (int k = 0; k < 3; k++) {
-                eng_fi first = coordinate(d[end][k], direction / 2) >> 1;
-                eng_fi second = coordinate(d[end][k], direction / 2 + 1) >> 1;
-                s[k] = direction % 2 ? first - second : first + second;
-            }
-            gaps_of(kind, s, gaps[end]);
-        }
-        widest = eng_fi_max(widest, eng_fi_min(gaps[0][0], gaps[1][0]));
-        widest = eng_fi_max(widest, eng_fi_min(gaps[0][1], gaps[1][1]));
+    struct eng_corners pair = eng_corners_of(kind, sieve, *a, *b);
+    const int split = kind == PCCD_VF ? 1 : 2;
+    *below = *above = 0;
+    for (int i = 0; i < 6; i++) {
+        int32_t low[2] = {0, 0};
+        int32_t high[2] = {0, 0};
+        extent_of(&pair, 0, split, i / 3, i % 3, &low[0], &high[0]);
+        extent_of(&pair, split, 4, i / 3, i % 3, &low[1], &high[1]);
+        uint8_t bit = (uint8_t)(1u << (i + i / 3));
+        *below = (uint8_t)(*below | (low[1] > high[0] + 1 ? bit : 0));
+        *above = (uint8_t)(*above | (low[0] > high[1] + 1 ? bit : 0));
     }
-    return eng_fi_no_signs(widest - 4);
+}
+
+#else
+
+/* Marks as they lie in memory: two pairs', one's, or one's at one end. */
+#if ENG_VECTOR_BYTES == 64
+#define AXES_PAIRS 2u
+#else
+#define AXES_PAIRS 1u
+#endif
+
+ENG_INLINE eng_fi mark_of(const struct eng_corners *pairs, int corner, int end)
+{
+#if ENG_VECTOR_BYTES == 64
+    (void)end;
+    return (eng_fi)eng_marks_two(pairs[0].mark[corner], pairs[1].mark[corner]);
+#else
+    return eng_fi_of(end ? pairs->mark[corner]->q1 : pairs->mark[corner]->q0);
+#endif
+}
+
+/* The lanes of a > b + 1. */
+ENG_INLINE uint32_t is_above(eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 64
+    return _mm512_cmpgt_epi32_mask((__m512i)a, (__m512i)(b + 1));
+#else
+    return ~eng_fi_no_signs(b + 1 - a) & ENG_F_ALL;
+#endif
+}
+
+/* The bits of ENG_F_LANES pairs. */
+ENG_INLINE void compare_axes(enum pccd_kind kind, const struct eng_sieve *sieve,
+                             const uint32_t *a, const uint32_t *b, uint8_t *below,
+                             uint8_t *above)
+{
+#pragma GCC unroll 8
+    for (uint32_t i = 0; i < ENG_F_LANES; i += AXES_PAIRS) {
+        struct eng_corners pairs[AXES_PAIRS];
+        uint32_t bits[2] = {0, 0};
+#pragma GCC unroll 2
+        for (uint32_t k = 0; k < AXES_PAIRS; k++) {
+            pairs[k] = eng_corners_of(kind, sieve, a[i + k], b[i + k]);
+        }
+#pragma GCC unroll 2
+        for (int end = 0; end < (ENG_F_LANES == 4 ? 2 : 1); end++) {
+            eng_fi mark[4];
+#pragma GCC unroll 4
+            for (int k = 0; k < 4; k++) {
+                mark[k] = mark_of(pairs, k, end);
+            }
+            eng_fi low = eng_fi_min(mark[2], mark[3]);
+            eng_fi high = eng_fi_max(mark[2], mark[3]);
+            if (kind == PCCD_VF) {
+                low = eng_fi_min(mark[1], low);
+                high = eng_fi_max(mark[1], high);
+                bits[0] |= is_above(low, mark[0]) << 4 * end;
+                bits[1] |= is_above(mark[0], high) << 4 * end;
+            } else {
+                bits[0] |= is_above(low, eng_fi_max(mark[0], mark[1])) << 4 * end;
+                bits[1] |= is_above(eng_fi_min(mark[0], mark[1]), high) << 4 * end;
+            }
+        }
+        memcpy(below + i, &bits[0], AXES_PAIRS);
+        memcpy(above + i, &bits[1], AXES_PAIRS);
+    }
+}
+
+#endif
+
+/* Of ENG_F_LANES pairs, bit i: pair i has an axis with both ends. */
+ENG_INLINE uint32_t axes_between(const uint8_t *below, const uint8_t *above)
+{
+#if ENG_VECTOR_BYTES == 64
+    __m128i up = _mm_loadu_si128((const __m128i *)(const void *)below);
+    __m128i down = _mm_loadu_si128((const __m128i *)(const void *)above);
+    __m128i both = _mm_or_si128(_mm_and_si128(up, _mm_srli_epi16(up, 4)),
+                                _mm_and_si128(down, _mm_srli_epi16(down, 4)));
+    return _mm_test_epi8_mask(both, _mm_set1_epi8(7));
+#elif ENG_VECTOR_BYTES == 32
+    uint64_t up;
+    uint64_t down;
+    memcpy(&up, below, sizeof up);
+    memcpy(&down, above, sizeof down);
+    uint64_t both = (up & up >> 4) | (down & down >> 4);
+    /* 1 to 7 and 127 set the highest bit, and carry nothing into the next byte. */
+    both = (both & 0x0707070707070707u) + 0x7f7f7f7f7f7f7f7fu;
+    return (uint32_t)_pext_u64(both, 0x8080808080808080u);
+#else
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
+        uint32_t both = (below[i] & below[i] >> 4) | (above[i] & above[i] >> 4);
+        bits |= (uint32_t)((both & 7u) != 0) << i;
+    }
+    return bits;
+#endif
+}
+
+/* The pairs that no axis separates move to the front; returns how many. */
+ENG_INLINE uint32_t pass_axes(enum pccd_kind kind, const struct eng_sieve *sieve,
+                              uint32_t *a, uint32_t *b, uint32_t count)
+{
+    struct axes axes;
+    uint32_t kept = 0;
+    for (uint32_t first = 0; first < count; first += AXES_BYTES) {
+        uint32_t n = count - first < AXES_BYTES ? count - first : AXES_BYTES;
+        uint32_t *a_in = a + first;
+        uint32_t *b_in = b + first;
+        uint32_t i = 0;
+        for (; i + ENG_F_LANES <= n; i += ENG_F_LANES) {
+            compare_axes(kind, sieve, a_in + i, b_in + i, axes.below + i, axes.above + i);
+        }
+        if (i < n) {
+            uint32_t full[2][ENG_F_LANES];
+            eng_marks_fill(a_in + i, b_in + i, n - i, full);
+            compare_axes(kind, sieve, full[0], full[1], axes.below + i, axes.above + i);
+        }
+        for (i = 0; i < n; i += ENG_F_LANES) {
+            uint32_t out = axes_between(axes.below + i, axes.above + i);
+            uint32_t lanes = n - i < ENG_F_LANES ? (1u << (n - i)) - 1 : ENG_F_ALL;
+            kept += eng_keep_both(a + kept, b + kept, a_in + i, b_in + i, lanes & ~out);
+        }
+    }
+    return kept;
+}
+
+/* ---- planes ------------------------------------------------------------------------ */
+
+/* What is asked of the pairs; but for the numbers, constants of the code. */
+struct question {
+    enum pccd_kind kind;
+    bool is_thick; /* there is a reach */
+    bool is_cut;   /* t_end < 1 */
+    eng_f t_end;
+    eng_f reach; /* in cells, ENG_SLACK times as much */
+};
+
+ENG_INLINE struct eng_g less(struct eng_g a, struct eng_g b)
+{
+    return (struct eng_g){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+/* Thick: sides of both features. Else it does not matter which vectors lie in a plane
+ * where the features do: differences to one vertex. */
+ENG_INLINE struct sides sides_of(const struct question *question,
+                                 const struct eng_g d[2][DIFFERENCES])
+{
+    bool is_vf = question->kind == PCCD_VF;
+    struct sides sides;
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+        const struct eng_g *own = d[end];
+        if (!question->is_thick) {
+            sides.w[end] = vector_of(own[0]);
+            sides.u[end] = vector_of(own[1]);
+            sides.v[end] = vector_of(own[2]);
+            continue;
+        }
+        sides.w[end] = vector_of(own[is_vf ? 0 : 1]);
+        sides.u[end] = vector_of(is_vf ? less(own[1], own[0]) : own[0]);
+        sides.v[end] = vector_of(less(own[2], own[is_vf ? 0 : 1]));
+    }
+    return sides;
 }
 
 ENG_INLINE eng_f mix(eng_f s, eng_f a, eng_f t, eng_f b)
@@ -82,120 +241,87 @@ ENG_INLINE void cut_cubic(eng_f f[4], eng_f t)
     f[3] = mix(s, quad[0], t, quad[1]);
 }
 
-/* Bernstein coefficients of the cubic up to t_end, the middle ones times three, all
- * beyond their error on one side? */
-ENG_INLINE uint32_t one_sided(const struct eng_g d[2][3], bool is_cut, eng_f t_end)
+ENG_INLINE uint32_t planes_reject(const struct question *question,
+                                  const struct eng_g d[2][DIFFERENCES])
 {
-    struct vector p[3];
-    struct vector q[3];
-#pragma GCC unroll 3
-    for (int k = 0; k < 3; k++) {
-        p[k] = vector_of(d[0][k]);
-        q[k] = vector_of(d[1][k]);
-    }
-    eng_f a = reach(p[0], q[0]);
-    eng_f b = reach(p[1], q[1]);
-    eng_f c = reach(p[2], q[2]);
+    struct sides sides = sides_of(question, d);
+    eng_f a = eng_v_reach(sides.w[0], sides.w[1]) + OFF_GRID;
+    eng_f b = eng_v_reach(sides.u[0], sides.u[1]) + OFF_GRID;
+    eng_f c = eng_v_reach(sides.v[0], sides.v[1]) + OFF_GRID;
     eng_f volume = a * b * c;
-    eng_f areas = a * b + (a + b) * c;
-    eng_f e = (is_cut ? 144 * U24 : 64 * U24) * volume + 7 * areas;
-    struct vector n00 = cross(p[1], p[2]);
-    struct vector n11 = cross(q[1], q[2]);
-    struct vector mixed = add(cross(p[1], q[2]), cross(q[1], p[2]));
-    eng_f f[4] = {dot(p[0], n00), dot(q[0], n00) + dot(p[0], mixed),
-                  dot(p[0], n11) + dot(q[0], mixed), dot(q[0], n11)};
-    if (is_cut) {
-        cut_cubic(f, t_end);
+    eng_f areas = 7 * (a * b + (a + b) * c);
+    if (question->is_thick) {
+        eng_f length = 48 * ENG_N_U * (b * c) + 12 * (b + c);
+        return planes_are_beyond(&sides, question->reach, 72 * ENG_N_U * volume + areas,
+                                 length);
     }
-    eng_f e3 = 3 * e;
-    eng_fm above = eng_fm_and(eng_f_less(e, eng_f_min(f[0], f[3])),
-                              eng_f_less(e3, eng_f_min(f[1], f[2])));
-    eng_fm below = eng_fm_and(eng_f_less(eng_f_max(f[0], f[3]), -e),
-                              eng_f_less(eng_f_max(f[1], f[2]), -e3));
-    return eng_fm_bits(eng_fm_or(above, below));
+    struct eng_v n[3];
+    eng_f f[4];
+    heights_of(&sides, n, f);
+    if (question->is_cut) {
+        cut_cubic(f, question->t_end);
+    }
+    return heights_miss(f, (question->is_cut ? 144 : 64) * ENG_N_U * volume + areas);
 }
 
-enum tests { CUBIC = 1, TIME = 2, DIAGONALS = 4 };
+/* ---- one test after the other ------------------------------------------------------ */
 
-/* The pairs that no axis separates move to the front; returns how many. */
-ENG_INLINE uint32_t pass_axes(enum pccd_kind kind, const struct eng_sieve *sieve,
-                              uint32_t *a, uint32_t *b, uint32_t count)
-{
-    struct eng_axes axes;
-    uint32_t kept = 0;
-    for (uint32_t first = 0; first < count; first += ENG_AXES_BYTES) {
-        uint32_t n = count - first < ENG_AXES_BYTES ? count - first : ENG_AXES_BYTES;
-        uint32_t *a_in = a + first;
-        uint32_t *b_in = b + first;
-        uint32_t i = 0;
-        for (; i + ENG_F_LANES <= n; i += ENG_F_LANES) {
-            eng_axes_look(kind, sieve, a_in + i, b_in + i, axes.below + i,
-                          axes.above + i);
-        }
-        if (i < n) {
-            uint32_t full[2][ENG_F_LANES];
-            fill(a_in + i, b_in + i, n - i, full);
-            eng_axes_look(kind, sieve, full[0], full[1], axes.below + i, axes.above + i);
-        }
-        for (i = 0; i < n; i += ENG_F_LANES) {
-            uint32_t out = eng_axes_apart(axes.below + i, axes.above + i);
-            uint32_t lanes = n - i < ENG_F_LANES ? (1u << (n - i)) - 1 : ENG_F_ALL;
-            kept += eng_keep_both(a + kept, b + kept, a_in + i, b_in + i, lanes & ~out);
-        }
-    }
-    return kept;
-}
+enum tests { PLANES = 1, TIME = 2, DIAGONALS = 4 };
 
 /* The pairs that none of `tests` rejects move to the front; returns how many. *gone: how
  * many the first of the tests, of this order, has rejected. */
-ENG_INLINE uint32_t pass(enum pccd_kind kind, enum tests tests, bool is_cut,
+ENG_INLINE uint32_t pass(const struct question *question, enum tests tests,
                          const struct eng_sieve *sieve, uint32_t *a, uint32_t *b,
                          uint32_t count, uint32_t *gone)
 {
     uint32_t kept = 0;
-    eng_f t_end = eng_f_all(sieve->t_end);
     *gone = 0;
     for (uint32_t i = 0; i < count; i += ENG_F_LANES) {
         uint32_t n = count - i < ENG_F_LANES ? count - i : ENG_F_LANES;
         uint32_t lanes = ENG_F_ALL >> (ENG_F_LANES - n);
-        struct eng_g d[2][3];
-        load(kind, sieve, a + i, b + i, n, d);
-        uint32_t out = tests & CUBIC  ? one_sided(d, is_cut, t_end)
-                       : tests & TIME ? never_together(kind, d, t_end)
+        uint32_t full[2][ENG_F_LANES];
+        struct eng_g d[2][DIFFERENCES];
+        if (n == ENG_F_LANES) {
+            eng_marks_load(question->kind, sieve, a + i, b + i, d);
+        } else {
+            eng_marks_fill(a + i, b + i, n, full);
+            eng_marks_load(question->kind, sieve, full[0], full[1], d);
+        }
+        uint32_t out = tests & PLANES ? planes_reject(question, d)
+                       : tests & TIME ? leave_no_time(question->kind, d, question->t_end,
+                                                      question->reach)
                                       : 0;
         *gone += (uint32_t)__builtin_popcount(out & lanes);
         if (tests & DIAGONALS) {
-            out |= separated(kind, d);
+            out |= are_beyond(question->kind, d, AXES, DIRECTIONS,
+                              DIAGONAL * question->reach);
         }
         kept += eng_keep_both(a + kept, b + kept, a + i, b + i, lanes & ~out);
     }
     return kept;
 }
 
-/* Which of cubic and time rejects more depends on the scene, nine of ten pairs with balls
- * in flight by the one, with draped cloth by the other: the better one goes first, over
- * all pairs, the second with the diagonals over what that leaves. What is rejected does
- * not depend on the order. */
-ENG_INLINE uint32_t sift(enum pccd_kind kind, bool is_cut, struct eng_sieve *sieve,
+/* Which of planes and time rejects more depends on the scene, nine of ten pairs with
+ * balls in flight by the one, with draped cloth by the other: the better one goes first,
+ * over all pairs, the second with the diagonals over what that leaves. What is rejected
+ * does not depend on the order. */
+ENG_INLINE uint32_t sift(const struct question *question, struct eng_sieve *sieve,
                          uint32_t *a, uint32_t *b, uint32_t count)
 {
     uint32_t first;
     uint32_t second;
     uint32_t left;
     uint32_t kept;
-    if (sieve->swept) {
-        count = pass_axes(kind, sieve, a, b, count);
-    }
-    if (sieve->in_time && !is_cut) {
-        left = pass(kind, CUBIC, is_cut, sieve, a, b, count, &first);
-        return pass(kind, DIAGONALS, is_cut, sieve, a, b, left, &second);
+    if (sieve->in_time && !question->is_cut) {
+        left = pass(question, PLANES, sieve, a, b, count, &first);
+        return pass(question, DIAGONALS, sieve, a, b, left, &second);
     }
     if (sieve->cubic_first) {
-        left = pass(kind, CUBIC, is_cut, sieve, a, b, count, &first);
-        kept = pass(kind, TIME | DIAGONALS, is_cut, sieve, a, b, left, &second);
+        left = pass(question, PLANES, sieve, a, b, count, &first);
+        kept = pass(question, TIME | DIAGONALS, sieve, a, b, left, &second);
     } else {
-        left = pass(kind, TIME, is_cut, sieve, a, b, count, &first);
-        kept = pass(kind, CUBIC | DIAGONALS, is_cut, sieve, a, b, left, &second);
+        left = pass(question, TIME, sieve, a, b, count, &first);
+        kept = pass(question, PLANES | DIAGONALS, sieve, a, b, left, &second);
     }
     if ((uint64_t)second * count > (uint64_t)first * left) {
         sieve->cubic_first = !sieve->cubic_first;
@@ -203,20 +329,48 @@ ENG_INLINE uint32_t sift(enum pccd_kind kind, bool is_cut, struct eng_sieve *sie
     return kept;
 }
 
+ENG_INLINE uint32_t sift_thin(enum pccd_kind kind, bool is_cut, struct eng_sieve *sieve,
+                              uint32_t *a, uint32_t *b, uint32_t count)
+{
+    const struct question question = {
+        .kind = kind, .is_cut = is_cut, .t_end = eng_f_all(sieve->t_end)};
+    if (sieve->swept) {
+        count = pass_axes(kind, sieve, a, b, count);
+    }
+    return sift(&question, sieve, a, b, count);
+}
+
 static uint32_t sift_vf(struct eng_sieve *sieve, uint32_t *a, uint32_t *b, uint32_t count)
 {
-    return sieve->t_end < 1 ? sift(PCCD_VF, true, sieve, a, b, count)
-                            : sift(PCCD_VF, false, sieve, a, b, count);
+    return sieve->t_end < 1 ? sift_thin(PCCD_VF, true, sieve, a, b, count)
+                            : sift_thin(PCCD_VF, false, sieve, a, b, count);
 }
 
 static uint32_t sift_ee(struct eng_sieve *sieve, uint32_t *a, uint32_t *b, uint32_t count)
 {
-    return sieve->t_end < 1 ? sift(PCCD_EE, true, sieve, a, b, count)
-                            : sift(PCCD_EE, false, sieve, a, b, count);
+    return sieve->t_end < 1 ? sift_thin(PCCD_EE, true, sieve, a, b, count)
+                            : sift_thin(PCCD_EE, false, sieve, a, b, count);
 }
 
 uint32_t ENG_KERNEL(sift)(enum pccd_kind kind, struct eng_sieve *sieve, uint32_t *a,
                           uint32_t *b, uint32_t count)
 {
     return kind == PCCD_VF ? sift_vf(sieve, a, b, count) : sift_ee(sieve, a, b, count);
+}
+
+ENG_INLINE uint32_t sift_thick(enum pccd_kind kind, struct eng_sieve *sieve, float reach,
+                               uint32_t *a, uint32_t *b, uint32_t count)
+{
+    const struct question question = {.kind = kind,
+                                      .is_thick = true,
+                                      .t_end = eng_f_all(1),
+                                      .reach = eng_f_all(reach * ENG_SLACK)};
+    return sift(&question, sieve, a, b, count);
+}
+
+uint32_t ENG_KERNEL(sift_thick)(enum pccd_kind kind, struct eng_sieve *sieve, float reach,
+                                uint32_t *a, uint32_t *b, uint32_t count)
+{
+    return kind == PCCD_VF ? sift_thick(PCCD_VF, sieve, reach, a, b, count)
+                           : sift_thick(PCCD_EE, sieve, reach, a, b, count);
 }

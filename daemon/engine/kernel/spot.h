@@ -48,10 +48,7 @@ ENG_INLINE struct eng_motion_lanes eng_motion_load(enum pccd_kind kind,
                                                    const struct eng_group *group)
 {
     struct eng_v x[4][2];
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; i++) {
-        eng_group_load(group, i, x[i]);
-    }
+    eng_group_load(group, x);
     return eng_motion_of(kind, x);
 }
 

@@ -24,14 +24,14 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .join_features[PCCD_##NAME] = ENG_KERNEL(join_##name),
     PCCD_KIND_LIST(JOIN_FEATURES) JOIN_FEATURES(EF, 4, ef, )
 #undef JOIN_FEATURES
-        .apart = ENG_KERNEL(apart),
+        .reject_axes = ENG_KERNEL(reject_axes),
     .sift = ENG_KERNEL(sift),
     .sift_near = ENG_KERNEL(sift_near),
     .filter = ENG_KERNEL(filter),
     .bracket = ENG_KERNEL(bracket),
-    .beyond = ENG_KERNEL(beyond),
+    .reject_at_end = ENG_KERNEL(reject_at_end),
     .measure = ENG_KERNEL(measure),
-    .stay_beyond = ENG_KERNEL(stay_beyond),
+    .reject_thick = ENG_KERNEL(reject_thick),
     .sift_thick = ENG_KERNEL(sift_thick),
     .advance = ENG_KERNEL(advance),
     .describe = ENG_KERNEL(describe),

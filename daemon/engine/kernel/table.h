@@ -7,8 +7,9 @@
 
 bool ENG_KERNEL(all_within)(const double *x, size_t count, double limit);
 bool ENG_KERNEL(widen_within)(double *out, const float *x, size_t count, double limit);
-uint32_t ENG_KERNEL(apart)(enum pccd_kind kind, const struct eng_point *points,
-                           const uint32_t (*quads)[4], uint32_t count, uint32_t *kept);
+uint32_t ENG_KERNEL(reject_axes)(enum pccd_kind kind, const struct eng_point *points,
+                                 const uint32_t (*quads)[4], uint32_t count,
+                                 uint32_t *kept);
 uint32_t ENG_KERNEL(filter)(enum pccd_kind kind, const struct eng_point *points,
                             const uint32_t (*quads)[4], const uint32_t *pairs,
                             uint32_t count, uint32_t *kept);
@@ -56,16 +57,16 @@ ENG_JOIN_FEATURES(EF, 4, ef, )
 void ENG_KERNEL(bracket)(enum pccd_kind kind, const struct eng_point *points,
                          const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
                          double tolerance, double t_end, struct eng_bracketed *out);
-uint32_t ENG_KERNEL(beyond)(enum pccd_kind kind, const struct eng_point *points,
-                            const uint32_t (*quads)[4], uint32_t count, uint32_t end,
-                            double d, uint32_t *kept);
+uint32_t ENG_KERNEL(reject_at_end)(enum pccd_kind kind, const struct eng_point *points,
+                                   const uint32_t (*quads)[4], uint32_t count,
+                                   uint32_t end, double d, uint32_t *kept);
 void ENG_KERNEL(measure)(enum pccd_kind kind, const struct eng_point *points,
                          const uint32_t (*quads)[4], const uint32_t *pairs,
                          uint32_t count, uint32_t end, double d,
                          struct eng_measured *out);
-uint32_t ENG_KERNEL(stay_beyond)(uint32_t points_a, const struct eng_point *points,
-                                 const uint32_t (*quads)[4], uint32_t count,
-                                 const double *reach, uint32_t *kept);
+uint32_t ENG_KERNEL(reject_thick)(uint32_t points_a, const struct eng_point *points,
+                                  const uint32_t (*quads)[4], uint32_t count,
+                                  const double *reach, uint32_t *kept);
 uint32_t ENG_KERNEL(sift_thick)(enum pccd_kind kind, struct eng_sieve *sieve, float reach,
                                 uint32_t *a, uint32_t *b, uint32_t count);
 void ENG_KERNEL(advance)(uint32_t kind, const struct eng_point *points,

@@ -37,10 +37,7 @@ ENG_INLINE void eng_thick_differences(enum pccd_kind form, const struct eng_grou
     const bool is_vf = form == PCCD_VF;
     struct eng_v x[4][2];
     motion->count = is_vf ? 3 : 4;
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; i++) {
-        eng_group_load(group, i, x[i]);
-    }
+    eng_group_load(group, x);
 #pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
         struct eng_thick_pose *pose = &motion->at[end];

@@ -339,9 +339,9 @@ static uint32_t leave_beyond(struct eng_worker *worker, enum pccd_kind kind,
     for (uint32_t i = 0; i < taken; i++) {
         work->reach[i] = eng_thick_reach((const double *)work->radius[i]);
     }
-    return worker->kernels->stay_beyond(common_kinds[kind].points[0], points,
-                                        (const uint32_t(*)[4])work->quads, taken,
-                                        work->reach, work->left);
+    return worker->kernels->reject_thick(common_kinds[kind].points[0], points,
+                                         (const uint32_t(*)[4])work->quads, taken,
+                                         work->reach, work->left);
 }
 
 /* Of the pairs taken those stay that are not left thin for their rest. To find out takes

@@ -163,7 +163,7 @@ static void keep_group(struct eng_worker *worker, enum pccd_kind kind,
     struct group group;
     uint32_t kept[GROUP];
     load_thin(worker, kind, chunk, first, &group);
-    uint32_t count = worker->kernels->apart(
+    uint32_t count = worker->kernels->reject_axes(
         kind, group.points, (const uint32_t(*)[4])group.quads, group.count, kept);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t pair = group.pair[kept[i]];

@@ -128,7 +128,7 @@ static void keep_candidates(struct eng_worker *worker, enum pccd_kind kind,
     struct eng_wide_work *work = eng_wide_work_of(worker);
     uint32_t *left = work->batch.left;
     make_quads(wide, kind, chunk, work->quads);
-    uint32_t count = work->join.kernels->apart(
+    uint32_t count = work->join.kernels->reject_axes(
         kind, wide->points, (const uint32_t(*)[4])work->quads, chunk->count, left);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t pair = left[i];

@@ -1,4 +1,4 @@
-/* apart.c - pairs that an axis separates all the time.
+/* reject_axes.c - pairs that an axis separates all the time.
  *
  * If all points of one feature lie above all points of the other along an axis at t = 0
  * and at t = 1, the differences of their coordinates, linear in t, are positive at every
@@ -149,8 +149,9 @@ ENG_INLINE uint32_t not_apart(uint32_t points_a, const struct eng_point *points,
 
 #endif
 
-uint32_t ENG_KERNEL(apart)(enum pccd_kind kind, const struct eng_point *points,
-                           const uint32_t (*quads)[4], uint32_t count, uint32_t *kept)
+uint32_t ENG_KERNEL(reject_axes)(enum pccd_kind kind, const struct eng_point *points,
+                                 const uint32_t (*quads)[4], uint32_t count,
+                                 uint32_t *kept)
 {
     assert(common_kinds[kind].points[0] <= 2);
     return common_kinds[kind].points[0] == 1 ? not_apart(1, points, quads, count, kept)
