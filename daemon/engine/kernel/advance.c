@@ -12,9 +12,276 @@
  * Source: Mirtich 1996, and Li et al., Codimensional incremental potential contact, 2021,
  * for conservative advancement; BOUNDS.md, "Thick features by doubles".
  */
+#include "lanes.h"
+#include "points.h"
 #include "table.h"
-#include "thick_cells.h"
-#include "thick_way.h"
+
+/* ---- cells of time --------------------------------------------------------------- */
+
+/* The cells of time of thick contacts, a pair to each lane. */
+
+/* Into which part of a cell of plain halves a cell begins. */
+#define ENG_THICK_CELLS_OFFSET (1365 / 4096.0)
+
+/* Numbers of cells are doubles: whole, from -1 to 2^40. */
+struct eng_thick_cells {
+    eng_d count; /* in the step, and its inverse: powers of two */
+    eng_d length;
+    eng_d last;
+};
+
+/* Where a cell begins that is not the first; exactly. */
+ENG_INLINE eng_d eng_thick_border(const struct eng_thick_cells *cells, eng_d cell)
+{
+    return (cell + ENG_THICK_CELLS_OFFSET) * cells->length;
+}
+
+/* Of a time, 0 <= t <= 1. What rounds to a whole number may be one too many. */
+ENG_INLINE eng_d eng_thick_cell(const struct eng_thick_cells *cells, eng_d t)
+{
+    const eng_d whole = eng_d_all(0x1.8p52);
+    eng_d near = (t * cells->count - ENG_THICK_CELLS_OFFSET + whole) - whole;
+    return eng_d_select(eng_d_less(t, eng_thick_border(cells, near)), near - 1, near);
+}
+
+/* Its first time, and its last. */
+ENG_INLINE eng_d eng_thick_begin(const struct eng_thick_cells *cells, eng_d cell)
+{
+    return eng_d_max(eng_thick_border(cells, cell), eng_d_all(0));
+}
+
+ENG_INLINE eng_d eng_thick_end(const struct eng_thick_cells *cells, eng_d cell)
+{
+    eng_d next = eng_thick_border(cells, cell + 1);
+    return eng_d_min(eng_d_of(eng_di_of(next) - 1), eng_d_all(1));
+}
+
+ENG_INLINE struct eng_thick_cells eng_thick_cells_of(int depth, double t_end)
+{
+    struct eng_thick_cells cells = {.count = eng_d_all((double)(INT64_C(1) << depth))};
+    cells.length = 1 / cells.count;
+    cells.last = eng_thick_cell(&cells, eng_d_all(t_end));
+    return cells;
+}
+
+/* ---- how two features move ------------------------------------------------------- */
+
+/* How two thick features move, a pair to each lane. */
+
+/* From a point of feature b to one of a. */
+#define ENG_THICK_DIFFERENCES 4
+
+/* A distance beyond those of all points. */
+#define ENG_THICK_FAR 16.0
+
+struct eng_thick_pose {
+    struct eng_v p, b, c; /* query.h */
+};
+
+struct eng_thick_motion {
+    int count;
+    struct eng_v w[2][ENG_THICK_DIFFERENCES]; /* at t = 0 and 1 */
+    struct eng_thick_pose at[2];
+    eng_d scale[2]; /* a length is multiplied by both */
+};
+
+/* VE and VV are VF whose corners coincide. */
+ENG_INLINE enum pccd_kind eng_thick_form(uint32_t kind)
+{
+    return kind == PCCD_EE ? PCCD_EE : PCCD_VF;
+}
+
+ENG_INLINE void eng_thick_differences(enum pccd_kind form, const struct eng_group *group,
+                                      struct eng_thick_motion *motion)
+{
+    const bool is_vf = form == PCCD_VF;
+    struct eng_v x[4][2];
+    motion->count = is_vf ? 3 : 4;
+    eng_group_load(group, x);
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+        struct eng_thick_pose *pose = &motion->at[end];
+#pragma GCC unroll 4
+        for (int k = 0; k < motion->count; k++) {
+            motion->w[end][k] =
+                eng_v_sub(x[is_vf ? 0 : k / 2][end], x[is_vf ? 1 + k : 2 + k % 2][end]);
+        }
+        pose->p = eng_v_sub(x[is_vf ? 0 : 2][end], x[is_vf ? 1 : 0][end]);
+        pose->b = eng_v_sub(x[is_vf ? 2 : 1][end], x[is_vf ? 1 : 0][end]);
+        pose->c = eng_v_sub(x[is_vf ? 3 : 2][end], x[is_vf ? 1 : 3][end]);
+    }
+}
+
+ENG_INLINE eng_d eng_thick_size(const struct eng_thick_motion *motion)
+{
+    eng_d size = {0};
+#pragma GCC unroll 4
+    for (int k = 0; k < motion->count; k++) {
+        size = eng_d_max(size, eng_v_reach(motion->w[0][k], motion->w[1][k]));
+    }
+    return size;
+}
+
+ENG_INLINE void eng_thick_scale(struct eng_thick_motion *motion, eng_d factor)
+{
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+        struct eng_thick_pose *pose = &motion->at[end];
+#pragma GCC unroll 4
+        for (int k = 0; k < motion->count; k++) {
+            motion->w[end][k] = eng_v_times(factor, motion->w[end][k]);
+        }
+        pose->p = eng_v_times(factor, pose->p);
+        pose->b = eng_v_times(factor, pose->b);
+        pose->c = eng_v_times(factor, pose->c);
+    }
+}
+
+/* 2^-e of a number in [2^(e - 1), 2^e) that is normal, and not above 2^1000; of less, a
+ * power of two. */
+ENG_INLINE eng_d eng_thick_inverse(eng_d size)
+{
+    const eng_di exponent = {0};
+    eng_di bits = eng_di_of(size) & (exponent + INT64_C(0x7ff0000000000000));
+    return eng_d_of((exponent + INT64_C(0x7fd0000000000000)) - bits);
+}
+
+/* Sizes below are first multiplied: then they and their inverse are normal. */
+#define ENG_THICK_TINY  0x1p-900
+#define ENG_THICK_RAISE 0x1p200
+
+ENG_INLINE struct eng_thick_motion eng_thick_load(enum pccd_kind form,
+                                                  const struct eng_group *group)
+{
+    struct eng_thick_motion motion;
+    eng_thick_differences(form, group, &motion);
+    eng_d size = eng_thick_size(&motion);
+    eng_dm is_tiny = eng_d_less(size, eng_d_all(ENG_THICK_TINY));
+    motion.scale[0] = eng_d_all(1);
+    if (eng_dm_bits(is_tiny) != 0) {
+        motion.scale[0] = eng_d_select(is_tiny, eng_d_all(ENG_THICK_RAISE), eng_d_all(1));
+        eng_thick_scale(&motion, motion.scale[0]);
+        size *= motion.scale[0];
+    }
+    motion.scale[1] = eng_thick_inverse(size);
+    eng_thick_scale(&motion, motion.scale[1]);
+    return motion;
+}
+
+ENG_INLINE struct eng_thick_pose eng_thick_pose_at(const struct eng_thick_motion *motion,
+                                                   eng_d t)
+{
+    const struct eng_thick_pose *at = motion->at;
+    eng_d s = 1 - t;
+    return (struct eng_thick_pose){eng_v_mix(s, at[0].p, t, at[1].p),
+                                   eng_v_mix(s, at[0].b, t, at[1].b),
+                                   eng_v_mix(s, at[0].c, t, at[1].c)};
+}
+
+/* ---- between the nearest points -------------------------------------------------- */
+
+/* The way between the nearest points of two thick features, a pair to each
+ * lane. */
+
+struct eng_thick_way {
+    eng_d beta, gamma; /* in the domain of the kind */
+    struct eng_v gap;  /* about from the nearest point of b to that of a */
+};
+
+/* Of the square of the sine between b and c: below the one, what rounding leaves of their
+ * cross product may point anywhere; below the other, nobody asks. */
+#define ENG_THICK_SURE_SINE2 0x1p-60
+#define ENG_THICK_SINE2      0x1p-100
+
+/* The foot of p on the plane of b and c, where it falls into the domain. `is_sure`: there
+ * is no nearer place. */
+ENG_INLINE eng_dm eng_thick_foot(enum pccd_kind form, const struct eng_thick_pose *pose,
+                                 struct eng_thick_way *way, eng_dm *is_sure)
+{
+    const eng_d zero = {0};
+    struct eng_v n = eng_v_cross(pose->b, pose->c);
+    eng_d nn = eng_v_dot(n, n);
+    eng_d size = eng_v_dot(pose->b, pose->b) * eng_v_dot(pose->c, pose->c);
+    way->beta = eng_v_dot(eng_v_cross(pose->p, pose->c), n) / nn;
+    way->gamma = eng_v_dot(eng_v_cross(pose->b, pose->p), n) / nn;
+    eng_d most = eng_d_max(way->beta, way->gamma);
+    if (form == PCCD_VF) {
+        most = way->beta + way->gamma;
+    }
+    eng_dm inside = eng_dm_and(
+        eng_d_less(ENG_THICK_SINE2 * size, nn),
+        eng_dm_and(eng_d_at_most(zero, way->beta), eng_d_at_most(zero, way->gamma)));
+    inside = eng_dm_and(inside, eng_d_at_most(most, zero + 1));
+    *is_sure = eng_dm_and(inside, eng_d_less(ENG_THICK_SURE_SINE2 * size, nn));
+    way->gap = eng_v_sub(eng_v_sub(pose->p, eng_v_times(way->beta, pose->b)),
+                         eng_v_times(way->gamma, pose->c));
+    return inside;
+}
+
+/* A side of the domain: start + s along, 0 <= s <= 1; from where, and which params move,
+ * by s or by -s. */
+struct eng_thick_side {
+    struct eng_v start, along;
+    double from[2];
+    double moves[2];
+};
+
+ENG_INLINE void eng_thick_try_side(const struct eng_thick_side *side, eng_d *best,
+                                   struct eng_thick_way *way)
+{
+    const eng_d zero = {0};
+    eng_d aa = eng_v_dot(side->along, side->along);
+    eng_d s = eng_v_dot(side->start, side->along) / aa;
+    s = eng_d_select(eng_dm_and(eng_d_less(zero, aa), eng_d_less(zero, s)), s, zero);
+    s = eng_d_min(s, zero + 1);
+    struct eng_v gap = eng_v_sub(side->start, eng_v_times(s, side->along));
+    eng_d square = eng_v_dot(gap, gap);
+    eng_dm is_better = eng_d_less(square, *best);
+    *best = eng_d_select(is_better, square, *best);
+    way->beta = eng_d_select(is_better, side->from[0] + s * side->moves[0], way->beta);
+    way->gamma = eng_d_select(is_better, side->from[1] + s * side->moves[1], way->gamma);
+    way->gap = eng_v_select(is_better, gap, way->gap);
+}
+
+/* What a lane gets does not depend on the others. */
+ENG_INLINE struct eng_thick_way
+eng_thick_way_at(enum pccd_kind form, const struct eng_thick_motion *motion, eng_d t)
+{
+    const eng_d zero = {0};
+    struct eng_thick_pose pose = eng_thick_pose_at(motion, t);
+    struct eng_thick_way way;
+    eng_dm is_sure;
+    eng_dm inside = eng_thick_foot(form, &pose, &way, &is_sure);
+    if (eng_dm_bits(is_sure) != ENG_D_ALL) {
+        struct eng_v next = eng_v_sub(pose.p, pose.b);
+        struct eng_thick_side last =
+            form == PCCD_VF ? (struct eng_thick_side){next,
+                                                      eng_v_sub(pose.c, pose.b),
+                                                      {1, 0},
+                                                      {-1, 1}}
+                            : (struct eng_thick_side){next, pose.c, {1, 0}, {0, 1}};
+        eng_d best =
+            eng_d_select(inside, eng_v_dot(way.gap, way.gap), zero + __builtin_inf());
+        best = eng_d_select(is_sure, zero - 1, best);
+        eng_thick_try_side(&(struct eng_thick_side){pose.p, pose.b, {0, 0}, {1, 0}},
+                           &best, &way);
+        eng_thick_try_side(&(struct eng_thick_side){pose.p, pose.c, {0, 0}, {0, 1}},
+                           &best, &way);
+        eng_thick_try_side(&last, &best, &way);
+        if (form == PCCD_EE) {
+            eng_thick_try_side(
+                &(struct eng_thick_side){
+                    eng_v_sub(pose.p, pose.c), pose.b, {0, 1}, {1, 0}},
+                &best, &way);
+        }
+    }
+    if (form == PCCD_EE) {
+        way.gap = (struct eng_v){-way.gap.x, -way.gap.y, -way.gap.z};
+    }
+    return way;
+}
+
+/* ---- advance --------------------------------------------------------------------- */
 
 /* Turns that are tried before integers take over; the first ones ask planes. */
 #define TURNS_MAX   48

@@ -22,8 +22,7 @@
  * few groups of pairs go through one stage after the other: to its root a cubic takes a
  * chain of divisions, and so those of many are under way at a time.
  */
-#include "enclose.h"
-#include "pieces.h"
+#include "bracket.h"
 #include "table.h"
 
 /* Pairs that go through the stages together: what is known of them stays in the first

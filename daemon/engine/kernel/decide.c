@@ -2,8 +2,7 @@
  *
  * Source: BOUNDS.md. A part of the scalar set alone: other vectors have lanes to spare.
  */
-#include "enclose.h"
-#include "pieces.h"
+#include "bracket.h"
 #include "table.h"
 
 ENG_INLINE void find_root(enum look look, struct lanes *lanes)

@@ -12,15 +12,590 @@
 
 #include <assert.h>
 
-#include "begin.h"
+#include "boxes.h"
+#include "lanes.h"
 #include "lanes_pack.h"
-#include "meeting.h"
-#include "movers.h"
-#include "overlap.h"
 #include "quantised.h"
-#include "reach.h"
-#include "still.h"
 #include "table.h"
+
+/* ---- one box against sixteen ----------------------------------------------------- */
+
+/* One box against sixteen takes, a register of sixteen lanes wide: per axis four sums and
+ * two ands of sign bits, 18 operations in all, 9 cycles where two are done at a time (12
+ * with compares, of which one is). No box has a zero with a sign (make_boxes.c), so the
+ * sum of two bounds that touch is 0 without one. Boxes that stand still take half of
+ * that: plain swept ones, and those up to a time that is near (below).
+ *
+ * Boxes in whole numbers (quantised.h) take half of either: features that move are
+ * compared so where the scene allows it.
+ *
+ * Up to a time. The gap along an axis, g(t) = (1 - t) g0 + t g1, is linear: where g0 > 0,
+ * it stays positive up to t_end if g(t_end) > 0. What is computed here is h = -g: h0 and
+ * h1 are sums of two floats, with a relative error of u = 2^-24 each. If h1 < 0 as well
+ * the boxes are apart for the whole step. Else h0 < 0 <= h1, and
+ *     s h0 + t h1 < 0 with s = (1 - t_end) - 2^-20, t = t_end + 2^-20
+ * says it, if h0 and h1 are exact: it is the wanted sum and 2^-20 (|h0| + |h1|) more.
+ * What is computed is (s / t) h0 + h1, that over t. s is off by 2 u at most, then t, h0,
+ * the quotient and the product by u of themselves each: all in all by less than
+ * 6 u |h0| / t, and h1 by u |h1|, of 2^-20 (|h0| + |h1|) / t. The sum of the two has the
+ * sign that it should have. 2^-120 covers products below the normal range. */
+
+#define PARTS (ENG_WIDE / ENG_F_LANES)
+
+/* Before a loop over the parts. One lane at a time, sixteen of them written out in all
+ * kinds of joins would be 0.7 MB of code. */
+#if ENG_F_LANES == 1
+#define UNROLL_PARTS
+#else
+#define UNROLL_PARTS _Pragma("GCC unroll 16")
+#endif
+
+/* What pairs are tested for: moving boxes over the step, or up to a time; boxes that
+ * stand still, as they are, or around the way up to a time. In whole numbers: the same
+ * but for boxes as they are, and, up to a time, as they begin (below). */
+enum rule {
+    RULE_STEP,
+    RULE_UNTIL,
+    RULE_SWEPT,
+    RULE_NEAR,
+    RULE_QUANTISED_STEP,
+    RULE_QUANTISED_UNTIL,
+    RULE_QUANTISED_NEAR,
+    RULE_QUANTISED_BEGIN
+};
+
+ENG_INLINE bool is_quantised(enum rule rule)
+{
+    return rule >= RULE_QUANTISED_STEP;
+}
+
+/* s / t of the comment above. */
+ENG_INLINE eng_f until_of(float t_end)
+{
+    return eng_f_all((1.0f - t_end - 0x1p-20f) / (t_end + 0x1p-20f));
+}
+
+/* One box, or rows of sixteen: floats, or the two ends' pairs of whole numbers. Sides and
+ * axes are so many numbers of four bytes apart. */
+struct bounds {
+    const void *x;
+    uint32_t side;
+    uint32_t axis;
+};
+
+/* Where a bound is, that of the box in lane `at`. */
+ENG_INLINE const uint32_t *place_of(struct bounds bounds, uint32_t side, uint32_t axis,
+                                    uint32_t at)
+{
+    return (const uint32_t *)bounds.x + (side * bounds.side + axis * bounds.axis + at);
+}
+
+ENG_INLINE uint32_t word_of(struct bounds box, uint32_t side, uint32_t axis)
+{
+    uint32_t word;
+    memcpy(&word, place_of(box, side, axis, 0), sizeof word);
+    return word;
+}
+
+ENG_INLINE eng_f bound(struct bounds box, uint32_t side, uint32_t axis)
+{
+    uint32_t word = word_of(box, side, axis);
+    float x;
+    memcpy(&x, &word, sizeof x);
+    return eng_f_all(x);
+}
+
+ENG_INLINE eng_f row_of(struct bounds rows, uint32_t side, uint32_t axis, uint32_t at)
+{
+    eng_f row;
+    memcpy(&row, place_of(rows, side, axis, at), sizeof row);
+    return row;
+}
+
+/* Signs: those of `signs`, and where the boxes are apart one way. */
+ENG_INLINE eng_fi apart_one_way(eng_fi signs, eng_f h0, eng_f h1, enum rule rule,
+                                eng_f until)
+{
+    if (rule == RULE_UNTIL) {
+        h1 = until * h0 + (h1 + 0x1p-120f);
+    }
+    return eng_fi_or_and(signs, (eng_fi)h0, (eng_fi)h1);
+}
+
+/* Signs of the lanes from `at` on that the box does not meet. */
+ENG_INLINE eng_fi apart_as_floats(struct bounds box, struct bounds rows, uint32_t at,
+                                  enum rule rule, eng_f until)
+{
+    eng_fi signs = {0};
+#pragma GCC unroll 3
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        eng_f up0 = bound(box, ENG_LOW0, axis) + row_of(rows, ENG_HIGH0, axis, at);
+        eng_f down0 = bound(box, ENG_HIGH0, axis) + row_of(rows, ENG_LOW0, axis, at);
+        if (rule == RULE_SWEPT || rule == RULE_NEAR) {
+            signs = eng_fi_or_or(signs, (eng_fi)up0, (eng_fi)down0);
+            continue;
+        }
+        eng_f up1 = bound(box, ENG_LOW1, axis) + row_of(rows, ENG_HIGH1, axis, at);
+        eng_f down1 = bound(box, ENG_HIGH1, axis) + row_of(rows, ENG_LOW1, axis, at);
+        signs = apart_one_way(signs, up0, up1, rule, until);
+        signs = apart_one_way(signs, down0, down1, rule, until);
+    }
+    return signs;
+}
+
+/* The same in whole numbers, of either half. */
+ENG_INLINE eng_fi apart_as_pairs(struct bounds box, struct bounds rows, uint32_t at,
+                                 enum rule rule)
+{
+    eng_fi h0[3];
+    eng_fi signs = {0};
+#pragma GCC unroll 3
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        h0[axis] = eng_fi_add_halves(eng_fi_all(word_of(box, 0, axis)),
+                                     eng_fi_load(place_of(rows, 0, axis, at)));
+        if (rule != RULE_QUANTISED_NEAR) {
+            eng_fi h1 = eng_fi_add_halves(eng_fi_all(word_of(box, 1, axis)),
+                                          eng_fi_load(place_of(rows, 1, axis, at)));
+            signs = eng_fi_or_and(signs, h0[axis], h1);
+        }
+    }
+    return rule == RULE_QUANTISED_NEAR ? eng_fi_or_or(h0[0], h0[1], h0[2]) : signs;
+}
+
+/* Bit i: the box may meet that in lane i. */
+ENG_INLINE uint32_t overlap(struct bounds box, struct bounds rows, enum rule rule,
+                            eng_f until)
+{
+    uint32_t bits = 0;
+    UNROLL_PARTS
+    for (uint32_t part = 0; part < PARTS; part++) {
+        uint32_t at = part * ENG_F_LANES;
+        eng_left left = is_quantised(rule)
+                            ? eng_left_of_halves(apart_as_pairs(box, rows, at, rule))
+                            : eng_left_of(apart_as_floats(box, rows, at, rule, until));
+        bits |= eng_left_bits(left) << at;
+    }
+    return bits;
+}
+
+/* ---- boxes that stand still ------------------------------------------------------ */
+
+/* Sixteen boxes that stand still, kept in registers while many other boxes are
+ * compared with them. */
+
+/* Rows of boxes that stand still, in registers where there are as many. */
+struct held_rows {
+    eng_f low[3][PARTS];
+    eng_f high[3][PARTS];
+};
+
+ENG_INLINE void hold_rows(struct bounds rows, struct held_rows *held)
+{
+#pragma GCC unroll 3
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        memcpy(held->low[axis], place_of(rows, ENG_LOW0, axis, 0), sizeof held->low[0]);
+        memcpy(held->high[axis], place_of(rows, ENG_HIGH0, axis, 0), sizeof held->low[0]);
+    }
+}
+
+/* Lanes of a part that a box meets that stands still. */
+ENG_INLINE eng_left met_by_held(struct bounds box, const struct held_rows *held,
+                                uint32_t part)
+{
+    eng_fi signs = {0};
+#pragma GCC unroll 3
+    for (uint32_t i = 0; i < 3; i++) {
+        signs =
+            eng_fi_or_or(signs, (eng_fi)(bound(box, ENG_LOW0, i) + held->high[i][part]),
+                         (eng_fi)(bound(box, ENG_HIGH0, i) + held->low[i][part]));
+    }
+    return eng_left_of(signs);
+}
+
+/* ---- boxes around the way up to a time, or at an end ----------------------------- */
+
+/* Make one box that stands still of a moving one: around its way from t = 0 to
+ * a time t_end, or as it is at one end of the step, grown by a distance.
+ *
+ * A bound's outward distance goes from x0 to x1: up to t_end it is at most x0 + p with
+ * p = t_end (x1 - x0), or x0 if that is less. Difference and product are off by
+ * u = 2^-24 of themselves each, which `reach`, t_end and 2^-20 of it more, makes up for;
+ * for products below the normal range, and for p < 0, 2^-120 is taken instead. So with
+ * exact sums of x0 and p two boxes are apart up to t_end if a + b < 0. The sum is off by
+ * u of itself at most. One of the two, a, is made larger for that: by 2^-21 |a| less
+ * u |a| of rounding, 7 u |a|, of which 6 u |a| are left after a's own u |a|. If
+ * |b| <= 4 |a| they cover the u |b|. Else b < 0, because a + b < 0, and the true sum is
+ * less than 1.01 |a| - (1 - u) |b| < 0. */
+
+/* Of t_end, 0 .. 1. */
+ENG_INLINE float reach_of(float t_end)
+{
+    return t_end * (1 + 0x1p-20f);
+}
+
+ENG_INLINE eng_f reached(eng_f x0, eng_f x1, eng_f reach)
+{
+    return x0 + eng_f_max(reach * (x1 - x0), eng_f_all(0x1p-120f));
+}
+
+/* Not NaN, nor infinite. */
+ENG_INLINE eng_f larger_by_rounding(eng_f x)
+{
+    return eng_f_max(x * (1 + 0x1p-21f), x * (1 - 0x1p-21f));
+}
+
+/* `wider`: of the one that is made larger. */
+ENG_INLINE void near_rows(const struct eng_wide_block *block, float t_end, bool wider,
+                          struct eng_near_block *near)
+{
+    eng_f reach = eng_f_all(reach_of(t_end));
+#pragma GCC unroll 6
+    for (uint32_t i = 0; i < 6; i++) {
+        enum eng_side side = i < 3 ? ENG_LOW0 : ENG_HIGH0;
+        for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+            eng_f x0 = eng_f_load(block->row[side][i % 3] + at);
+            eng_f x1 = eng_f_load(block->row[side + 1][i % 3] + at);
+            eng_f x = reached(x0, x1, reach);
+            eng_f_store(near->row[i / 3][i % 3] + at, wider ? larger_by_rounding(x) : x);
+        }
+    }
+}
+
+/* At one end of the step. Where x + growth is rounded, `larger_by_rounding` makes up for
+ * it: so boxes are apart, in sums of two, only if they are farther apart than that. */
+ENG_INLINE void rows_at_end(const struct eng_wide_block *block, uint32_t end,
+                            float growth, struct eng_near_block *near)
+{
+    const eng_f more = eng_f_all(growth);
+#pragma GCC unroll 6
+    for (uint32_t i = 0; i < 6; i++) {
+        enum eng_side side = i < 3 ? ENG_LOW0 : ENG_HIGH0;
+        for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+            eng_f x = eng_f_load(block->row[side + end][i % 3] + at);
+            eng_f_store(near->row[i / 3][i % 3] + at,
+                        growth > 0 ? larger_by_rounding(x + more) : x);
+        }
+    }
+}
+
+/* The same of one box, which does not grow. */
+ENG_INLINE void box_at_end(const struct eng_extents *box, uint32_t end,
+                           struct eng_extents *near)
+{
+    memcpy(near->side[ENG_LOW0], box->side[ENG_LOW0 + end], sizeof near->side[0]);
+    memcpy(near->side[ENG_HIGH0], box->side[ENG_HIGH0 + end], sizeof near->side[0]);
+}
+
+/* The same of one box, made no larger. */
+ENG_INLINE void near_box(const struct eng_extents *box, float t_end,
+                         struct eng_extents *near)
+{
+    float reach = reach_of(t_end);
+#pragma GCC unroll 2
+    for (int side = ENG_LOW0; side < ENG_SIDES; side += 2) {
+        eng_four end[2];
+        memcpy(end, box->side[side], sizeof end);
+        eng_four way = reach * (end[1] - end[0]);
+        end[0] += eng_four_max(way, (eng_four){0} + 0x1p-120f);
+        memcpy(near->side[side], &end[0], sizeof end[0]);
+    }
+}
+
+/* ---- quantised boxes as the step begins ------------------------------------------ */
+
+/* Compare quantised boxes as they are at the beginning of the step, for a
+ * search that ends shortly after t = 0.
+ *
+ * A number (quantised.h) grows by at most `farthest` from the one end of the step to the
+ * other, so a sum of two by 2 t_end farthest until t_end. Where that and the sum are
+ * negative the boxes are apart all the while. The same holds of a box around others,
+ * whose numbers are the largest of theirs. */
+
+/* What two boxes around the way up to a time grow by for their rounding alone
+ * (quantised.h): as long as they grow by less, boxes that are compared as they begin are
+ * the smaller ones. */
+#define ENG_QUANTISED_GROWTH_MAX (2 * ENG_QUANTISED_REACH_SPARE)
+
+/* What two numbers that grow by `farthest` or less grow by together until t_end, 0 .. 1,
+ * rounded up to a whole number >= 1; 0: more than ENG_QUANTISED_GROWTH_MAX. */
+ENG_INLINE uint32_t quantised_growth(uint32_t farthest, float t_end)
+{
+    float growth = 2 * t_end * (float)farthest; /* off by 2^-23 of itself */
+    return growth < ENG_QUANTISED_GROWTH_MAX ? 1 + (uint32_t)growth : 0;
+}
+
+/* Bit i: the box may meet that in lane i while numbers grow by `growth` together.
+ * `turned`: the box, against rows that are not (quantised.h). */
+ENG_INLINE uint32_t overlap_from_begin(struct bounds box, struct bounds rows, bool turned,
+                                       uint32_t growth)
+{
+    eng_fi grown[3];
+    uint32_t bits = 0;
+#pragma GCC unroll 3
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        eng_fi words = eng_fi_all(word_of(box, 0, axis));
+        words = turned ? eng_fi_turn_halves(words) : words;
+        grown[axis] = eng_fi_add_halves(words, eng_fi_all(growth << 16 | growth));
+    }
+    UNROLL_PARTS
+    for (uint32_t part = 0; part < PARTS; part++) {
+        uint32_t at = part * ENG_F_LANES;
+        eng_fi h[3];
+#pragma GCC unroll 3
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            h[axis] =
+                eng_fi_add_halves(grown[axis], eng_fi_load(place_of(rows, 0, axis, at)));
+        }
+        bits |= eng_left_bits(eng_left_of_halves(eng_fi_or_or(h[0], h[1], h[2]))) << at;
+    }
+    return bits;
+}
+
+/* ---- axes and time --------------------------------------------------------------- */
+
+/* Reject pairs of moving boxes that overlap along each axis at some time,
+ * but never along all axes at the same time.
+ *
+ * What moving boxes let through may be apart along x up to some time and along y from an
+ * earlier one on. With h0, h1 as above boxes can meet along an axis, one way,
+ * while (1 - t) h0 + t h1 >= 0: from -h0 / (-h0 + h1) on where h0 < 0, up to h0 / (h0 -
+ * h1) where h1 < 0 (both are not: such pairs are gone). At one end of the step boxes are
+ * not apart both ways, for the two h0 add up to their sizes: so the lesser is looked at.
+ * Where it is not below 0 the first time is to be 0 and the last 1: 0 / (0 + |h1|), and
+ * |h0| / (|h0| + 0). Another 2^-100, so that no denominator is 0, makes the first time
+ * sooner and the last one later, which rejects less. Numerators have a relative error of
+ * 2 u, denominators, sums of terms of one sign, of 3 u. Of several times that which
+ * products show to be the latest (soonest) is kept; to take another one rejects less.
+ * The last comparison is of two products of a numerator and a denominator each: 2 (2 u +
+ * 3 u + u) and u for the factor, and that, 1 + 2^-19, leaves 32 u. 2^-120 covers products
+ * below the normal range.
+ *
+ * In whole numbers (quantised.h) the h of either end are sums of two of 16 bits, exact as
+ * floats, and at least those of the boxes, in cells: so is what is between them, and what
+ * can meet along an axis can by these numbers, too. Whatever they tell apart is. Here,
+ * too, the two h0 add up to no less than the boxes' sizes: so do the two numbers of a box
+ * (make_quantised.c). None may be saturated, though: one that is too small at the one end
+ * would shorten the time. */
+
+/* The h of both ways, at both ends, of an axis. */
+struct gaps {
+    eng_f up[2];
+    eng_f down[2];
+};
+
+ENG_INLINE struct gaps gaps_as_floats(struct bounds box, struct bounds rows,
+                                      uint32_t axis, uint32_t at)
+{
+    struct gaps gaps;
+#pragma GCC unroll 2
+    for (uint32_t end = 0; end < 2; end++) {
+        gaps.up[end] =
+            bound(box, ENG_LOW0 + end, axis) + row_of(rows, ENG_HIGH0 + end, axis, at);
+        gaps.down[end] =
+            bound(box, ENG_HIGH0 + end, axis) + row_of(rows, ENG_LOW0 + end, axis, at);
+    }
+    return gaps;
+}
+
+ENG_INLINE struct gaps gaps_as_pairs(struct bounds box, struct bounds rows, uint32_t axis,
+                                     uint32_t at)
+{
+    struct gaps gaps;
+#pragma GCC unroll 2
+    for (uint32_t end = 0; end < 2; end++) {
+        eng_fi a = eng_fi_all(word_of(box, end, axis));
+        eng_fi b = eng_fi_load(place_of(rows, end, axis, at));
+        eng_fi up = eng_fi_sum_halves((a & 0xffff) | (b & ~0xffff));
+        eng_fi down = eng_fi_sum_halves((b & 0xffff) | (a & ~0xffff));
+        gaps.up[end] = __builtin_convertvector(up, eng_f);
+        gaps.down[end] = __builtin_convertvector(down, eng_f);
+    }
+    return gaps;
+}
+
+/* A time, n / d. */
+struct fraction {
+    eng_f n, d;
+};
+
+/* Of the two ways of being apart along an axis that which is at one end of the step, if
+ * any: how far apart, and the gap that way at the other end. */
+struct parting {
+    eng_f apart; /* 0 or more */
+    eng_f other; /* |.| and 2^-100: more than 0 */
+};
+
+ENG_INLINE struct parting parting_of(eng_f up, eng_f down, eng_f other_up,
+                                     eng_f other_down)
+{
+    const eng_f zero = {0};
+    eng_f other = eng_f_select(eng_f_less(up, down), other_up, other_down);
+    return (struct parting){zero - eng_f_min(eng_f_min(up, down), zero),
+                            eng_f_abs(other) + 0x1p-100f};
+}
+
+/* The later, or the sooner, of two times. */
+ENG_INLINE struct fraction later(struct fraction a, struct fraction b)
+{
+    eng_fm is_b = eng_f_less(a.n * b.d, b.n * a.d);
+    return (struct fraction){eng_f_select(is_b, b.n, a.n), eng_f_select(is_b, b.d, a.d)};
+}
+
+ENG_INLINE struct fraction sooner(struct fraction a, struct fraction b)
+{
+    eng_fm is_b = eng_f_less(b.n * a.d, a.n * b.d);
+    return (struct fraction){eng_f_select(is_b, b.n, a.n), eng_f_select(is_b, b.d, a.d)};
+}
+
+/* Between which times an axis lets the boxes meet. */
+ENG_INLINE void meeting_along(const struct gaps *gaps, struct fraction *from,
+                              struct fraction *to)
+{
+    struct parting first =
+        parting_of(gaps->up[0], gaps->down[0], gaps->up[1], gaps->down[1]);
+    struct parting last =
+        parting_of(gaps->up[1], gaps->down[1], gaps->up[0], gaps->down[0]);
+    *from = (struct fraction){first.apart, first.apart + first.other};
+    *to = (struct fraction){last.other, last.apart + last.other};
+}
+
+/* Bit i: no time brings the box and that of lane i together. Only for pairs that
+ * overlap; `quantised`: both are in whole numbers. */
+ENG_INLINE uint32_t never_together(struct bounds box, struct bounds rows, bool quantised)
+{
+    uint32_t bits = 0;
+    for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+        struct fraction from[3];
+        struct fraction to[3];
+#pragma GCC unroll 3
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            struct gaps gaps = quantised ? gaps_as_pairs(box, rows, axis, at)
+                                         : gaps_as_floats(box, rows, axis, at);
+            meeting_along(&gaps, &from[axis], &to[axis]);
+        }
+        struct fraction begin = later(later(from[0], from[1]), from[2]);
+        struct fraction end = sooner(sooner(to[0], to[1]), to[2]);
+        eng_f ends = end.n * begin.d * (1 + 0x1p-19f) + 0x1p-120f;
+        bits |= eng_fm_bits(eng_f_less(ends, begin.n * end.d)) << at;
+    }
+    return bits;
+}
+
+/* ---- what moves, and what is foreign --------------------------------------------- */
+
+/* Leave out boxes and pairs of which nothing moves, or all is foreign.
+ *
+ * Boxes are left out where they are bits: one by one they would take a tenth of what
+ * it is to compare them. Lanes are by a pass over the list, which is in the first
+ * cache. */
+
+/* Lanes of a block of b which with a box of a, `slot`, are pairs of which either is
+ * marked. */
+ENG_INLINE uint32_t marked_lanes(const uint16_t *a_marks, uint32_t b_marks, uint32_t slot)
+{
+    uint32_t is_marked = a_marks[slot / ENG_WIDE] >> slot % ENG_WIDE & 1;
+    return (b_marks | (0u - is_marked)) & 0xffff;
+}
+
+ENG_INLINE uint32_t own_of(const struct eng_join *job, uint32_t block)
+{
+    return job->b_own ? job->b_own[block] : 0;
+}
+
+/* Of these boxes of block n of a those that have pairs with block m of b of which either
+ * moves, and either is not foreign. */
+ENG_INLINE uint32_t keep_marked_boxes(struct eng_join *job, uint32_t boxes, uint32_t n,
+                                      uint32_t m)
+{
+    uint32_t kept = boxes;
+    if (job->a_own && own_of(job, m) == 0) {
+        kept &= job->a_own[n];
+    }
+    if (job->a_moving && job->b_moving[m] == 0) {
+        boxes = kept;
+        kept &= job->a_moving[n];
+        job->still += (uint32_t)__builtin_popcount(boxes ^ kept);
+    }
+    return kept;
+}
+
+/* Of the `count` boxes with lanes of b those lanes that are such pairs. */
+ENG_INLINE uint32_t keep_moving_lanes(struct eng_join *job, struct eng_join_round *round,
+                                      uint32_t count)
+{
+    uint32_t kept = 0;
+    uint32_t still = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t box = round->box[i];
+        uint32_t lanes = round->lanes[i];
+        uint32_t moving = lanes & marked_lanes(job->a_moving,
+                                               job->b_moving[round->first_b + (box >> 8)],
+                                               round->first_a * ENG_WIDE + (box & 0xff));
+        still += (uint32_t)__builtin_popcount(lanes ^ moving);
+        round->box[kept] = box;
+        round->lanes[kept] = moving;
+        kept += moving != 0;
+    }
+    job->still += still;
+    return kept;
+}
+
+/* Is anything foreign in the next `pairs` blocks of the round, whichever side may be
+ * first? */
+ENG_INLINE bool has_foreign(const struct eng_join *job,
+                            const struct eng_join_round *round, uint32_t pairs)
+{
+    uint32_t own = 0xffff;
+    for (uint32_t i = round->count; i < round->count + pairs; i++) {
+        own &= job->a_own[round->a[i]] & job->b_own[round->b[i]];
+    }
+    return own != 0xffff;
+}
+
+ENG_INLINE uint64_t key_of(const struct eng_join *job, uint32_t slot)
+{
+    return job->keys[(size_t)slot * job->key_stride];
+}
+
+/* Lanes that are pairs of an own and a foreign feature, `slot` and those from `first` on:
+ * those of which the own one comes first. They are few. */
+ENG_INLINE uint32_t own_before(const struct eng_join *job, uint32_t slot, bool is_own,
+                               uint32_t first, uint32_t lanes)
+{
+    const uint64_t key = key_of(job, slot);
+    for (uint32_t left = lanes; left != 0; left &= left - 1) {
+        uint32_t lane = (uint32_t)__builtin_ctz(left);
+        bool is_first = key < key_of(job, first + lane);
+        lanes ^= (uint32_t)(is_first != is_own) << lane;
+    }
+    return lanes;
+}
+
+/* Of the `count` boxes with lanes of b, either of which may come first, those lanes that
+ * are pairs which are not left out. */
+ENG_INLINE uint32_t keep_own_lanes(const struct eng_join *job,
+                                   struct eng_join_round *round, uint32_t count)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t box = round->box[i];
+        uint32_t slot = round->first_a * ENG_WIDE + (box & 0xff);
+        uint32_t block = round->first_b + (box >> 8);
+        uint32_t is_own = job->a_own[slot / ENG_WIDE] >> slot % ENG_WIDE & 1;
+        uint32_t b_own = job->b_own[block];
+        uint32_t both = round->lanes[i] & b_own & (0u - is_own);
+        uint32_t one = round->lanes[i] & (b_own ^ (0u - is_own));
+        if (one != 0 && job->keys) {
+            one = own_before(job, slot, is_own != 0, block * ENG_WIDE, one);
+        }
+        round->box[kept] = box;
+        round->lanes[kept] = both | one;
+        kept += (both | one) != 0;
+    }
+    return kept;
+}
+
+/* ---- rounds ---------------------------------------------------------------------- */
 
 /* Blocks as a rule compares them, from the first of the run of ENG_WIDE that a round is
  * in. */

@@ -98,4 +98,15 @@ ENG_INLINE eng_f eng_f_all(float x)
     return x - (eng_f){0};
 }
 
+/* A vector of four floats on every instruction set: one side of one box. */
+typedef float eng_four __attribute__((vector_size(16), may_alias));
+typedef int32_t eng_four_bits __attribute__((vector_size(16), may_alias));
+
+/* a > b ? a : b */
+static inline __attribute__((always_inline)) eng_four eng_four_max(eng_four a, eng_four b)
+{
+    eng_four_bits is_a = a > b;
+    return (eng_four)((is_a & (eng_four_bits)a) | (~is_a & (eng_four_bits)b));
+}
+
 #endif

@@ -6,20 +6,15 @@
 kernel_sources = \
     daemon/engine/kernel/across.h \
     daemon/engine/kernel/advance.c \
-    daemon/engine/kernel/begin.h \
     daemon/engine/kernel/bounds.c \
     daemon/engine/kernel/make_boxes.c \
     daemon/engine/kernel/boxes.h \
     daemon/engine/kernel/bracket.c \
+    daemon/engine/kernel/bracket.h \
     daemon/engine/kernel/come_before.c \
     daemon/engine/kernel/cross_faces.c \
-    daemon/engine/kernel/cubic.h \
-    daemon/engine/kernel/enclose.h \
-    daemon/engine/kernel/halves.h \
-    daemon/engine/kernel/interval.h \
     daemon/engine/kernel/join_blocks.c \
     daemon/engine/kernel/join.h \
-    daemon/engine/kernel/four.h \
     daemon/engine/kernel/gaps.c \
     daemon/engine/kernel/kernel.h \
     daemon/engine/kernel/lane_types.h \
@@ -30,33 +25,18 @@ kernel_sources = \
     daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/marks.c \
     daemon/engine/kernel/marks.h \
-    daemon/engine/kernel/marks_turn.h \
     daemon/engine/kernel/measure.c \
-    daemon/engine/kernel/meeting.h \
-    daemon/engine/kernel/movers.h \
     daemon/engine/kernel/make_quantised.c \
     daemon/engine/kernel/quantised.h \
-    daemon/engine/kernel/reach.h \
     daemon/engine/kernel/reject.c \
     daemon/engine/kernel/reject.h \
     daemon/engine/kernel/reject_axes.c \
-    daemon/engine/kernel/overlap.h \
-    daemon/engine/kernel/pieces.h \
-    daemon/engine/kernel/place.h \
-    daemon/engine/kernel/place_edges.h \
-    daemon/engine/kernel/place_face.h \
     daemon/engine/kernel/points.h \
-    daemon/engine/kernel/rims.h \
     daemon/engine/kernel/sieve.h \
     daemon/engine/kernel/sift.c \
     daemon/engine/kernel/sift_near.c \
-    daemon/engine/kernel/spot.h \
-    daemon/engine/kernel/still.h \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/table.h \
-    daemon/engine/kernel/thick_cells.h \
-    daemon/engine/kernel/thick_motion.h \
-    daemon/engine/kernel/thick_way.h \
     daemon/engine/kernel/vectors.h \
     daemon/engine/kernel/within.c
 kernel_cppflags = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)

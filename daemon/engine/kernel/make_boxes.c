@@ -1,5 +1,4 @@
 /* make_boxes.c - boxes of points, features and blocks. */
-#include "four.h"
 #include "table.h"
 
 typedef float half __attribute__((vector_size(ENG_D_LANES * 4), may_alias));

@@ -8,7 +8,6 @@
  */
 #include "quantised.h"
 
-#include "four.h"
 #include "table.h"
 
 #define WHOLE 0x1.8p23f
