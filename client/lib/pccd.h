@@ -563,13 +563,19 @@ struct pccd_answer {
                       * modes any and pairs 0 */
     bool crowded;    /* more than half of the records have PCCD_INITIAL or PCCD_INSIDE, of
                       * a thick object or by the separation: mostly a radius above the
-                      * length of the edges, for which rest_rings and rest_distance are */
+                      * length of the edges, for which rest_rings and rest_distance are;
+                      * or more than half are coincident */
     /* Of a step with tells_start and an approach: pairs within their distance at t = 0,
      * as PAIRS of pccd_near.h finds them; without an approach they are contacts, which
      * `initial` counts. If there are any, or crossings, mode any does not say NO: it says
      * YES. What is inside another, and passes through nothing, is not told: DEPTH of
      * pccd_near.h tells it. */
     uint64_t start_inside;
+    /* Records with PCCD_INITIAL that touch in a vertex of both features. Many are a sign
+     * of a surface that is split, at seams of its texture for example, and whose parts
+     * touch for ever: pccd_weld of pccd_weld.h tells which vertices are one. 0 if
+     * anything is thick, and in modes any and pairs. */
+    uint64_t coincident;
 };
 
 /* An answer that is ready to be filled in: struct pccd_answer answer = PCCD_ANSWER_INIT;

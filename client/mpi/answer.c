@@ -31,10 +31,23 @@ struct totals {
 /* Of struct ranks_sums what is added up. */
 #define SUMS_WORDS ((int)(offsetof(struct ranks_sums, toi_first) / sizeof(uint64_t)))
 
+static bool has_thickness(const struct ranks_object *object)
+{
+    return object->settings.radius > 0 || object->mesh->radius_max > 0;
+}
+
 static bool is_thick(const struct pccd_mpi *world, uint32_t handle, uint32_t *at)
 {
-    const struct ranks_object *object = ranks_find_object_from(world, handle, at);
-    return object->settings.radius > 0 || object->mesh->radius_max > 0;
+    return has_thickness(ranks_find_object_from(world, handle, at));
+}
+
+static bool is_any_thick(const struct pccd_mpi *world)
+{
+    bool is_any = false;
+    for (uint32_t i = 0; i < world->object_count; i++) {
+        is_any = is_any || has_thickness(world->objects[i]);
+    }
+    return is_any;
 }
 
 /* Of this rank's records, whatever the step's separation. */
@@ -108,10 +121,13 @@ static void write_answer(const struct pccd_mpi *world,
     answer->verdict = verdict_of(totals, answer->mode);
     answer->incomplete =
         why_incomplete(totals, settings->tells_start ? PCCD_MODE_ALL : answer->mode);
+    answer->coincident =
+        settings->separation > 0 || is_any_thick(world) ? 0 : sums->coincident;
     answer->crowded =
+        answer->coincident > sums->total / 2 ||
         answer->mode != PCCD_MODE_ANY &&
-        sums->initial + sums->inside - (settings->separation > 0 ? 0 : totals->thin) >
-            sums->total / 2;
+            sums->initial + sums->inside - (settings->separation > 0 ? 0 : totals->thin) >
+                sums->total / 2;
     answer->counters = totals->counters;
     answer->threads = (uint32_t)totals->threads;
     answer->safe_step = safe_step(answer);

@@ -219,6 +219,7 @@ static void count_contact(const struct pccd_contact *contact, struct ranks_sums 
     sums->possible += (contact->flags & PCCD_PROVED) == 0;
     sums->initial += is_initial;
     sums->inside += (contact->flags & PCCD_INSIDE) != 0 && !is_initial;
+    sums->coincident += is_initial && common_is_at_vertices(contact->param);
     sums->toi_first = contact->toi < sums->toi_first ? contact->toi : sums->toi_first;
 }
 
@@ -411,6 +412,7 @@ void ranks_records_told(const struct pccd_mpi *world, const struct pccd_answer *
     *sums = (struct ranks_sums){.possible = answer->possible,
                                 .initial = answer->initial,
                                 .inside = answer->inside,
+                                .coincident = answer->coincident,
                                 .total = world->record_count,
                                 .toi_first = answer->toi_first};
     memcpy(sums->counts, answer->counts, sizeof sums->counts);

@@ -13,7 +13,7 @@
 /* What is counted of kept records. */
 struct ranks_sums {
     uint64_t counts[PCCD_KINDS_MAX];
-    uint64_t possible, initial, inside, total;
+    uint64_t possible, initial, inside, coincident, total;
     uint64_t hash[4]; /* the sum of their hashes, 32 bits each, the lowest first */
     double toi_first; /* 2: there is none */
 };

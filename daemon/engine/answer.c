@@ -221,7 +221,9 @@ static int put_together(struct eng_step_memory *memory, const struct eng_team *t
     result->possible = counts->possible;
     result->initial = counts->initial;
     result->inside = counts->inside;
-    result->crowded = eng_kept_is_crowded(team->scene, &memory->sorted, counts);
+    result->coincident = team->scene->thickness.is_on ? 0 : counts->coincident;
+    result->crowded = result->coincident > result->count / 2 ||
+                      eng_kept_is_crowded(team->scene, &memory->sorted, counts);
     result->toi_first = counts->toi_first;
     if (!memory->merge->no_hash) {
         eng_hash_end(counts->hash, result->count, result->hash);

@@ -9,6 +9,7 @@
 #define COMMON_KINDS_H
 
 #include <assert.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "pccd_types.h"
@@ -32,6 +33,12 @@ static const struct common_kind common_kinds[COMMON_KIND_COUNT] = {
 
 /* By its points: "vertex", "edge", "face". */
 static const char *const common_feature_names[4] = {"", "vertex", "edge", "face"};
+
+/* Whether a contact with these parameters is at a vertex of both features. */
+static inline bool common_is_at_vertices(const float param[2])
+{
+    return (param[0] == 0 || param[0] == 1) && (param[1] == 0 || param[1] == 1);
+}
 
 /* Where a contact with these parameters lies on its features: the weights of the points
  * of a, w[0], and of b, w[1]. The parameters are the weights of all points but the first

@@ -118,9 +118,13 @@
       "records with the flag 4 and not 2; modes any, pairs: 0")                          \
     X(F, bool, crowded, OPT, OPT, crowded,                                               \
       "more than half of the records begin at their distance or nearer, of a thick "     \
-      "object or by the separation: mostly a radius above the length of the edges")      \
+      "object or by the separation: mostly a radius above the length of the edges; or "  \
+      "more than half are coincident")                                                   \
     X(F, u64, start_inside, OPT, OPT, start_inside,                                      \
-      "tells_start, with an approach: pairs within their distance at t = 0")
+      "tells_start, with an approach: pairs within their distance at t = 0")             \
+    X(F, u64, coincident, OPT, OPT, coincident,                                          \
+      "records that touch at t = 0 in a vertex of both features, as where a surface is " \
+      "split; modes any, pairs, or if anything is thick: 0")
 
 #define COMMON_NUMBERS(X, F)                                                             \
     COMMON_OUTCOME(X, F)                                                                 \

@@ -337,7 +337,7 @@ static void batch__keeps_its_layout(void **state)
 static void answer__keeps_its_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_answer, 656);
+    SIZE(pccd_answer, 664);
     AT(pccd_answer, struct_bytes, 0);
     AT(pccd_answer, step, 8);
     AT(pccd_answer, status, 16);
@@ -373,6 +373,7 @@ static void answer__keeps_its_layout(void **state)
     AT(pccd_answer, inside, 632);
     AT(pccd_answer, crowded, 640);
     AT(pccd_answer, start_inside, 648);
+    AT(pccd_answer, coincident, 656);
     SIZE(pccd_frame, 32);
     AT(pccd_frame, client, 0);
     AT(pccd_frame, scene, 8);

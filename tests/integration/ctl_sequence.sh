@@ -171,6 +171,15 @@ check 1 --weld 0.25 split%d.obj && grep -qx 'welded     1 vertex to one within 0
     grep -qx 'welded     2 vertices to others at the same place' out && ! grep -q kept out
 tap_result $? weld__tells_of_what_was_looked_at "$log"
 
+# If it failed, a surface that is split would have contacts, and nobody would say why.
+check 1 --weld off split1.obj split1.obj && grep -q '^warning    most contacts touch in vertices' out &&
+    check 1 --weld off --json split1.obj split1.obj && python3 - out <<'END' && check 0 split1.obj split1.obj
+import json, sys
+step = json.load(open(sys.argv[1]))
+sys.exit(not (step["crowded"] and step["coincident"] == step["contacts"] > 0))
+END
+tap_result $? split__is_said_to_be_the_cause "$log"
+
 # asks NAME ARGUMENT...: what the command says of these arguments, to `out` and `err`.
 asks() {
     local name=$1

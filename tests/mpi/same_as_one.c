@@ -502,7 +502,8 @@ static void compare_answers(const struct pccd_answer *a, const struct pccd_answe
     }
     if (a->total == b->total && memcmp(a->counts, b->counts, sizeof a->counts) == 0 &&
         a->possible == b->possible && a->initial == b->initial &&
-        a->inside == b->inside && a->crowded == b->crowded &&
+        a->inside == b->inside && a->coincident == b->coincident &&
+        a->crowded == b->crowded &&
         a->crossings == b->crossings && a->start_inside == b->start_inside &&
         same_double(a->toi_first, b->toi_first) &&
         same_double(a->safe_step, b->safe_step) && a->verdict == b->verdict &&

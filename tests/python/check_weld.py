@@ -56,6 +56,19 @@ class Weld(unittest.TestCase):
         self.assertEqual(welded.triangles.tolist(), [[1, 3, 4], [1, 4, 3]])
         self.assertEqual((welded.joined, welded.points.tolist()), (1, [4]))
 
+    # If this failed, who registers a split surface would not be told.
+    def test_split__is_counted(self):
+        x = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+        triangles = [[0, 1, 2], [3, 5, 4]]
+        with pccd.connect(private=True) as client:
+            for joined in (False, True):
+                scene = client.scene_create()
+                corners = pccd.weld([x], triangles).triangles if joined else triangles
+                body = client.scene_add(scene, client.mesh_create(x, corners))
+                with client.step_x1(scene, body, x) as answer:
+                    self.assertEqual(answer.crowded, not joined)
+                    self.assertEqual(answer.coincident, answer.total)
+
     # If this failed, what is no index would be cut to another vertex.
     def test_weld__refuses_what_is_no_mesh(self):
         x = np.zeros((3, 3))

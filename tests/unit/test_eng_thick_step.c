@@ -32,14 +32,19 @@ static struct eng_mesh *two_triangles(void)
 }
 
 /* A triangle of length 20 along x. */
-static void add_long_triangle(struct eng_scene *scene, uint32_t id, double x)
+static void add_triangle(struct eng_scene *scene, uint32_t id, double x, double y)
 {
-    const double at[3][3] = {{x, 0, 0}, {x + 20, 0.5, 0}, {x, 0, 0.5}};
+    const double at[3][3] = {{x, y, 0}, {x + 20, y + 0.5, 0}, {x, y, 0.5}};
     static const uint32_t corners[1][3] = {{0, 1, 2}};
     struct eng_mesh *mesh = kit_mesh(at, 3, corners, 1);
     uint32_t idx;
     assert_int_equal(eng_scene_add(scene, mesh, id, &idx), PCCD_OK);
     eng_mesh_release(mesh);
+}
+
+static void add_long_triangle(struct eng_scene *scene, uint32_t id, double x)
+{
+    add_triangle(scene, id, x, 0);
 }
 
 /* Objects far from the origin, of which one is far from the others. Two, 50 apart, go 60
@@ -233,6 +238,37 @@ static void step__is_crowded_by_thick_objects_alone(void **state)
     }
 }
 
+/* Two triangles touch from the beginning: corner at corner, or a corner on an edge. If it
+ * failed: who registers a surface that is split would not be told, or who has bodies that
+ * rest on each other would be. */
+static void step__counts_what_touches_in_vertices(void **state)
+{
+    (void)state;
+    static const struct eng_object_thickness thick = {.has_radius = true, .radius = 1};
+    for (uint32_t i = 0; i < 4 * WAY_METHODS; i++) {
+        bool is_split = i % 2 == 0;
+        struct eng_step_settings settings =
+            way(i / 4, i % 4 < 2 ? PCCD_MODE_ALL : PCCD_MODE_FIRST, 0);
+        struct eng_step_result result;
+        struct eng_scene *scene;
+        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        add_long_triangle(scene, 1, 0);
+        add_triangle(scene, 2, is_split ? 0 : 10, is_split ? 0 : 0.25);
+        for (uint32_t again = 0; again < 2; again++) { /* the second is kept */
+            eng_stage_begin(scene);
+            assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+            assert_true(result.count > 0 && result.initial == result.count);
+            assert_int_equal(result.coincident, is_split ? result.count : 0);
+            assert_int_equal(result.crowded, is_split);
+        }
+        assert_int_equal(eng_scene_set_thickness(scene, 0, &thick), PCCD_OK);
+        eng_stage_begin(scene);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        assert_true(result.coincident == 0 && result.crowded);
+        eng_scene_free(scene);
+    }
+}
+
 /* If it failed: nonsense would be taken for a length. */
 static void step__refuses_what_is_no_length(void **state)
 {
@@ -323,6 +359,7 @@ int main(void)
         cmocka_unit_test(step__leaves_thin_what_is_nearer_at_rest),
         cmocka_unit_test(rings__are_not_kept_when_they_were_cancelled),
         cmocka_unit_test(step__is_crowded_by_thick_objects_alone),
+        cmocka_unit_test(step__counts_what_touches_in_vertices),
         cmocka_unit_test(step__refuses_what_is_no_length),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

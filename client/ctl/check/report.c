@@ -276,17 +276,16 @@ static void print_records(FILE *to, const struct report_mesh *mesh,
     }
     print_first(to, answer);
     fprintf(to, "safe step  %.17g\n", answer->safe_step);
-    if (answer->crowded) {
+    if (answer->coincident > answer->total / 2) {
+        fputs(
+            "warning    most contacts touch in vertices at the start. Is a surface split "
+            "there?\n           --weld joins vertices at one place\n",
+            to);
+    } else if (answer->crowded) {
         fprintf(to,
                 "warning    most pairs are within their distance at the start. Is the "
                 "thickness above\n           the length of the edges? %s\n",
                 advice_of_thin(mesh->object_what));
-    } else if (answer->initial > answer->total / 2 &&
-               mesh->welded.more + mesh->welded.apart > 0) {
-        fputs(
-            "warning    most contacts are there at the start, and vertices at one place "
-            "are not joined\n",
-            to);
     }
 }
 

@@ -205,6 +205,7 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
     set(object, "safe_step", json_real(answer->safe_step), ok);
     set_count(object, "inside", answer->inside, ok);
     set(object, "crowded", json_boolean(answer->crowded), ok);
+    set_count(object, "coincident", answer->coincident, ok);
     set_count(object, "crossings", answer->crossings, ok);
     set_count(object, "start_inside", answer->start_inside, ok);
     set(object, "objects", pairs_array(mesh, step, ok), ok);

@@ -15,11 +15,12 @@
 #include <string.h>
 
 #include "answer_hash.h"
+#include "kinds.h"
 #include "verify.h"
 
 /* The numbers that records have. */
 struct numbers {
-    uint64_t total, counts[PCCD_KINDS_MAX], possible, initial, inside;
+    uint64_t total, counts[PCCD_KINDS_MAX], possible, initial, inside, coincident;
     double toi_first, safe_step;
     uint64_t hash[2];
 };
@@ -31,6 +32,7 @@ static void count_contact(struct numbers *is, const struct pccd_contact *contact
     is->possible += (contact->flags & PCCD_PROVED) == 0;
     is->initial += is_initial;
     is->inside += !is_initial && (contact->flags & PCCD_INSIDE) != 0;
+    is->coincident += is_initial && common_is_at_vertices(contact->param);
     is->toi_first = fmin(is->toi_first, contact->toi);
 }
 
@@ -150,6 +152,9 @@ static bool check_daemon(const struct play_step *step, const struct numbers *is,
 #undef SAME
     name = name == NULL && (uint32_t)now->verdict != verdict ? "verdict" : name;
     name = name == NULL && (uint32_t)now->mode != step->frame->mode ? "mode" : name;
+    name = name == NULL && now->coincident != 0 && now->coincident != is->coincident
+               ? "coincident"
+               : name;
     name = name == NULL && now->crowded && is->initial + is->inside <= is->total / 2
                ? "crowded"
                : name;

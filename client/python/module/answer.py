@@ -99,7 +99,9 @@ class Answer(abi.pccd_answer, Held):
     counts      of these, by kind: answer.counts[Kind.VF]
     toi_first   smallest toi; 2 without any record
     safe_step   from t = 0 to this t no pair meets; 0 .. 1, 1: none does
-    inside, crowded    records that began within their distance; whether most did
+    inside, crowded    records that began within their distance; whether most did,
+                or most are coincident
+    coincident  records that touch at t = 0 in a vertex of both features
     crossings, start_inside    of a step with tells_start: edges that pass through faces
                 at t = 0 (then safe_step is 0); with an approach, pairs within their
                 distance then. If there are any, the verdict is not NO

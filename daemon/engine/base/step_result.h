@@ -57,9 +57,12 @@ struct eng_step_result {
     uint64_t inside;  /* records with PCCD_INSIDE that are not PCCD_INITIAL */
     double toi_first; /* smallest toi; 2 without any record */
     /* More than half of the records begin within the distance, of a thick object or by
-     * the separation: mostly a radius is above the length of an edge. Not in mode pairs
-     * or any. */
+     * the separation: mostly a radius is above the length of an edge. Or more than half
+     * are coincident. Not in mode pairs or any. */
     bool crowded;
+    /* Records that touch at t = 0 in a vertex of both features, as where a surface is
+     * split; 0 if anything is thick. */
+    uint64_t coincident;
     double distance_min; /* least d_lo; 2e18 without any record */
     double distance_max; /* greatest d_hi; 0 likewise. VERTICES: the least and the
                           * greatest bound by a pair, in the whole scene */

@@ -8,6 +8,7 @@
 #include <stdbool.h>
 
 #include "hash.h"
+#include "kinds.h"
 #include "order.h"
 #include "radix.h"
 #include "result.h"
@@ -18,9 +19,10 @@ struct eng_counts {
     uint64_t kind[PCCD_KINDS_MAX]; /* records of each */
     uint64_t possible;
     uint64_t initial;
-    uint64_t inside;   /* PCCD_INSIDE without PCCD_INITIAL */
-    double toi_first;  /* 2: none */
-    eng_hash_sum hash; /* of the records, without their number */
+    uint64_t inside;     /* PCCD_INSIDE without PCCD_INITIAL */
+    uint64_t coincident; /* PCCD_INITIAL, in a vertex of both features */
+    double toi_first;    /* 2: none */
+    eng_hash_sum hash;   /* of the records, without their number */
 };
 #define ENG_COUNTS_NONE ((struct eng_counts){.toi_first = 2})
 
@@ -33,6 +35,9 @@ static inline void eng_counts_contact(struct eng_counts *counts,
     counts->possible += !(flags & PCCD_PROVED);
     counts->initial += (flags & PCCD_INITIAL) != 0;
     counts->inside += (flags & (PCCD_INITIAL | PCCD_INSIDE)) == PCCD_INSIDE;
+    if ((flags & PCCD_INITIAL) != 0) {
+        counts->coincident += common_is_at_vertices(contact->param);
+    }
     counts->toi_first =
         contact->toi < counts->toi_first ? contact->toi : counts->toi_first;
 }
@@ -45,6 +50,7 @@ static inline void eng_counts_add(struct eng_counts *to, const struct eng_counts
     to->possible += from->possible;
     to->initial += from->initial;
     to->inside += from->inside;
+    to->coincident += from->coincident;
     to->hash += from->hash;
     to->toi_first = from->toi_first < to->toi_first ? from->toi_first : to->toi_first;
 }
