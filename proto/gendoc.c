@@ -254,10 +254,6 @@ static void print_answer_enums(void)
 /* Of scenes and objects, and of what shows what a daemon does. */
 static void print_other_enums(void)
 {
-    print_enum("pccd_quality");
-    VALUE(PCCD_QUALITY_DEFAULT, "median");
-    VALUE(PCCD_QUALITY_MEDIAN, "median of the centroids along the longest axis");
-    VALUE(PCCD_QUALITY_SAH, "surface area heuristic: slower to build");
     print_enum("pccd_share");
     VALUE(PCCD_SHARE_CREATE, "make the scene; there must be none of that name");
     VALUE(PCCD_SHARE_OPEN, "make it unless there is one");

@@ -13,12 +13,13 @@
 #include "machine.h"
 #include "memory.h"
 #include "method.h"
-#include "paper_method.h"
+#include "paper.h"
 #include "paper_work.h"
 #include "report.h"
 #include "resident.h"
 #include "schedule_paper.h"
 #include "step_memory.h"
+#include "taskunit.h"
 
 #define TRIANGLES 8192u
 #define REPEATS   31
@@ -52,7 +53,7 @@ static double run(struct eng_scene *scene, bool by_paper)
     settings.method = PCCD_METHOD_PAPER;
     eng_stop_init(&stop, &settings);
     eng_pool_reset(memory->pool, 1);
-    if (eng_schedule_paper_reserve(scene, 1) != PCCD_OK ||
+    if (eng_assignment_reserve(&eng_paper_of(scene)->assignment, 1) != PCCD_OK ||
         eng_paper_work_reserve(memory->workers[0], scene) != PCCD_OK) {
         exit(2);
     }
@@ -64,7 +65,7 @@ static double run(struct eng_scene *scene, bool by_paper)
         eng_schedule_paper_begin(&team, memory->workers[0]);
         eng_schedule_paper(&team, memory->workers[0]);
     } else {
-        eng_schedule_serial(memory->workers[0]);
+        eng_taskunit_perform_all(memory->workers[0]);
     }
     return (double)(common_now_ns() - begin_ns);
 }

@@ -15,9 +15,9 @@
 
 #include "measure.h"
 #include "report.h"
-#include "schedule_paper.h"
 #include "sim.h"
 #include "table.h"
+#include "taskunit.h"
 #include "world.h"
 
 #define VALIDATE_MAX 7

@@ -14,7 +14,7 @@
 #include "highlevel.h"
 #include "method.h"
 #include "paper.h"
-#include "paper_method.h"
+#include "paper_work.h"
 #include "refit.h"
 #include "report.h"
 #include "schedule_paper.h"
@@ -22,7 +22,7 @@
 #include "taskunit.h"
 #include "walker.h"
 
-/* ---- task units, as by eng_schedule_serial --------------------------------------- */
+/* ---- task units, as by eng_taskunit_perform_all ---------------------------------- */
 
 static void walk_units(struct model_record *record, struct model_walker *walker,
                        struct model_tasks *tasks)
@@ -30,12 +30,12 @@ static void walk_units(struct model_record *record, struct model_walker *walker,
     static struct model_recorder recorder;
     const struct eng_node *nodes = eng_trees_of(record->scene)->nodes;
     struct eng_worker *worker = model_walker_begin(walker);
-    struct eng_task_queue *units = &worker->units;
+    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
     tasks->count = 0;
     eng_units_push(units, eng_trees_of(record->scene)->root);
     model_record_begin(&recorder, worker, tasks, record->clock_ns);
     while (eng_units_count(units) > 0) {
-        uint32_t node = (uint32_t)eng_units_take_newest(units);
+        uint32_t node = eng_units_take_newest(units);
         if (nodes[node].left == ENG_LEAF) {
             continue;
         }
@@ -85,10 +85,10 @@ static void push_children(struct steal_stack *stack, struct model_tasks *tasks,
 
 static void subtree(struct eng_worker *worker, uint32_t node)
 {
-    struct eng_task_queue *units = &worker->units;
+    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
     eng_taskunit_perform(worker, node, true);
     while (eng_units_count(units) > 0) {
-        eng_taskunit_perform(worker, (uint32_t)eng_units_take_newest(units), true);
+        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
     }
 }
 
@@ -194,8 +194,7 @@ static void record_high(struct model_division *division,
                             .workers = workers,
                             .count = division->threads,
                             .method = &eng_method_paper};
-    model_must(eng_schedule_paper_reserve(record->scene, division->threads) == PCCD_OK,
-               "seats");
+    model_must(eng_assignment_reserve(assignment, division->threads) == PCCD_OK, "seats");
     struct eng_worker *worker = model_walker_begin(division->walker);
     for (uint32_t i = 0; i < division->threads; i++) {
         workers[i] = worker; /* what is dealt out comes to one queue, in order */
@@ -204,9 +203,9 @@ static void record_high(struct model_division *division,
     eng_schedule_paper_begin(&team, worker);
     division->begin_ns = (double)(common_now_ns() - begin_ns);
     for (uint32_t i = 0; i < division->threads; i++) {
-        division->first_node[i] = eng_units_count(&worker->units) > 0
-                                      ? (uint32_t)eng_units_take_front(&worker->units)
-                                      : ENG_NO_NODE;
+        struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
+        division->first_node[i] =
+            eng_units_count(units) > 0 ? eng_units_take_front(units) : ENG_NO_NODE;
     }
     division->high_count = assignment->high_count;
     division->levels = eng_highlevel_levels(division->threads);

@@ -14,7 +14,7 @@
 #ifndef MODEL_RECORD_H
 #define MODEL_RECORD_H
 
-#include "refit_plan.h"
+#include "refit.h"
 #include "step.h"
 #include "task.h"
 #include "walker.h"

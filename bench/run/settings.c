@@ -267,6 +267,9 @@ static error_t parse_side(int key, char *text, struct argp_state *state)
         if (side->sends != RUN_SENDS_ALL && side->via == RUN_VIA_ENGINE) {
             argp_error(state, "--sends: only with --via daemon or direct");
         }
+        if (side->rebuild_ratio != 0 && side->via != RUN_VIA_ENGINE) {
+            argp_error(state, "--rebuild-ratio: only with --via engine");
+        }
         if (side->is_team && side->via != RUN_VIA_ENGINE) {
             argp_error(state, "--team: only with --via engine");
         }

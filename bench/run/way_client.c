@@ -109,8 +109,7 @@ static struct run_asked *open_client(const struct run_side *side,
                                 .sends = side->sends};
     asked->objects = bench_alloc(frames->scene->object_count, sizeof *asked->objects);
     asked->meshes = bench_alloc(frames->scene->object_count, sizeof *asked->meshes);
-    const struct pccd_scene_settings scene = {.rebuild_ratio = side->rebuild_ratio};
-    bench_must(pccd_scene_create(asked->client, &scene, &asked->scene), "scene",
+    bench_must(pccd_scene_create(asked->client, NULL, &asked->scene), "scene",
                asked->client);
     for (uint32_t i = 0; i < frames->scene->object_count; i++) {
         add_object(asked, frames, i);

@@ -23,13 +23,8 @@ static void add_scene(struct pccd_client *client, const struct cli_call *call)
 {
     const struct proto_SCENE_CREATE_request *asked = &call->params.SCENE_CREATE;
     const struct proto_SCENE_CREATE_result *result = call->result;
-    struct registry_settings settings = {.rebuild_ratio = asked->rebuild_ratio,
-                                         .quality = asked->quality,
-                                         .rebuild_triangles_max =
-                                             asked->rebuild_triangles_max,
-                                         .share = asked->share,
-                                         .rights = asked->rights,
-                                         .owner = asked->owner};
+    struct registry_settings settings = {
+        .share = asked->share, .rights = asked->rights, .owner = asked->owner};
 
     static_assert(sizeof settings.name == sizeof asked->name, "the whole name");
     memcpy(settings.name, asked->name, sizeof settings.name);

@@ -341,15 +341,8 @@ int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge 
                     uint32_t edge_count);
 int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh);
 
-/* How the trees that the method paper uses are built and kept. All zeros are the
- * defaults; the answers never depend on any of it. */
+/* Who shares a scene. All zeros: nobody does. */
 struct pccd_scene_settings {
-    enum pccd_quality quality;      /* 0 = median */
-    uint32_t rebuild_triangles_max; /* a subtree of up to so many is rebuilt at once;
-                                       larger ones in the background; 0 = 1024 */
-    double rebuild_ratio; /* a subtree is rebuilt when its halves overlap so much that its
-                             box has less than this times the volume of their two boxes
-                             together; up to 1; 0 = 0.9; negative: never */
     const char *name; /* of a shared scene (below), 1 .. 255 bytes; NULL: not shared */
     enum pccd_share share; /* with a name: make the scene, or take part in it */
     uint32_t rights;       /* of a scene that is made: like a file's, bits of 0666;
@@ -465,8 +458,9 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
  *     still=kept|anew                  boxes and records of what stands still come from
  *                                      the last step, or are made anew (to compare)
  *
- * It never changes the answer. A text that is wrong makes the step fail (E_INVAL), and
- * pccd_error_text names what is wrong in it. */
+ * All but `still` are choices of the method paper, and `still` one of wide: wide always
+ * steals, and paper makes everything anew. None changes the answer. A text that is wrong
+ * makes the step fail (E_INVAL), and pccd_error_text names what is wrong in it. */
 
 /* Motion is linear: in a step every vertex goes straight from its start to its end with
  * constant speed, also where transforms are given. So a point that turns, at a distance

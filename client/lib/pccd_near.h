@@ -63,7 +63,8 @@ struct pccd_near_settings {
                         first step both are the registered positions */
     uint32_t object_a, object_b; /* NEAREST, DEPTH: these two objects, or one with all
                         others; VERTICES: object_a alone; 0: all */
-    /* These four have the meaning that they have in struct pccd_step_settings. */
+    /* These four have the meaning that they have in struct pccd_step_settings. NEAREST
+     * and DEPTH are always found by the method wide. */
     uint32_t threads;
     uint64_t deadline_ns;
     enum pccd_method method;

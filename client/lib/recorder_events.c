@@ -336,11 +336,7 @@ static void add_change(struct pccd_client *client, const struct cli_call *call)
         if (result == NULL) {
             return; /* it came too late: nobody knows its handle */
         }
-        scene = (struct record_scene){
-            .scene = result->scene,
-            .quality = params->SCENE_CREATE.quality,
-            .rebuild_triangles_max = params->SCENE_CREATE.rebuild_triangles_max,
-            .rebuild_ratio = params->SCENE_CREATE.rebuild_ratio};
+        scene = (struct record_scene){.scene = result->scene};
         part = (struct record_part){&scene, sizeof scene};
         kind = RECORD_SCENE;
         break;

@@ -32,11 +32,7 @@ static int write_begin(struct pccd_client *client)
 
 static int write_scene(struct pccd_client *client, const struct registry_scene *kept)
 {
-    struct record_scene scene = {.scene = kept->handle,
-                                 .quality = kept->settings.quality,
-                                 .rebuild_triangles_max =
-                                     kept->settings.rebuild_triangles_max,
-                                 .rebuild_ratio = kept->settings.rebuild_ratio};
+    struct record_scene scene = {.scene = kept->handle};
 
     return cli_record_add(client, RECORD_SCENE,
                           &(struct record_part){&scene, sizeof scene}, 1);

@@ -106,11 +106,7 @@ static int restore_filters(struct cli_flight *flight, struct registry_scene *sce
 static int restore_scene(struct cli_flight *flight, const struct registry_scene *scene)
 {
     const struct registry_settings *settings = &scene->settings;
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = settings->rebuild_ratio,
-                                                .quality = settings->quality,
-                                                .rebuild_triangles_max =
-                                                    settings->rebuild_triangles_max,
-                                                .want = scene->handle,
+    struct proto_SCENE_CREATE_request create = {.want = scene->handle,
                                                 .share = settings->share,
                                                 .rights = settings->rights,
                                                 .owner = settings->owner};

@@ -69,7 +69,7 @@ static int create(struct pccd_client *client, struct proto_SCENE_CREATE_request 
 int pccd_scene_create(struct pccd_client *client,
                       const struct pccd_scene_settings *settings, uint32_t *scene)
 {
-    struct proto_SCENE_CREATE_request request = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request request = {.share = PCCD_SHARE_CREATE};
     int status = 0;
 
     CLI_ENTER_OR_RETURN(client);
@@ -77,9 +77,6 @@ int pccd_scene_create(struct pccd_client *client,
         return cli_fail(client, PCCD_E_INVAL, "scene.create: scene is NULL");
     }
     if (settings != NULL) {
-        request.rebuild_ratio = settings->rebuild_ratio;
-        request.quality = (uint32_t)settings->quality;
-        request.rebuild_triangles_max = settings->rebuild_triangles_max;
         status = share(client, settings, &request);
     }
     return status != 0 ? status : create(client, &request, scene);

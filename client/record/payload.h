@@ -37,10 +37,9 @@ struct record_mesh {
 
 struct record_scene {
     uint32_t scene;
-    uint32_t quality;
-    uint32_t rebuild_triangles_max;
     uint32_t reserved;
-    double rebuild_ratio;
+    uint64_t former_trees[2]; /* zeros; of earlier recordings: how the method paper built
+                               * its trees, on which no answer depends */
 };
 
 struct record_object {

@@ -69,9 +69,6 @@ struct registry_object {
 
 /* Of a scene, as when it was made. */
 struct registry_settings {
-    double rebuild_ratio;
-    uint32_t quality;
-    uint32_t rebuild_triangles_max;
     uint32_t share; /* enum pccd_share */
     uint32_t rights;
     uint32_t owner;

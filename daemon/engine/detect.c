@@ -15,7 +15,6 @@
 #include "moving.h"
 #include "parallel.h"
 #include "rigid.h"
-#include "schedule_paper.h"
 #include "schedule_steal.h"
 #include "thick_work.h"
 #include "wait.h"
@@ -66,9 +65,6 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *
     int status = eng_step_memory_reserve(
         memory, team->count, settings->near ? &memory->near.threads : &memory->threads);
     team->workers = memory->workers;
-    if (status == PCCD_OK && settings->tuning.scheduler == ENG_SCHEDULER_PAPER) {
-        status = eng_schedule_paper_reserve(scene, team->count);
-    }
     if (status == PCCD_OK) {
         status = team->method->prepare(team, settings);
     }
@@ -155,7 +151,7 @@ static void begin_tasks(struct eng_team *team, struct eng_worker *worker, bool b
         team->method->enter(worker);
         team->method->ready(worker);
         if (by_paper) {
-            eng_schedule_paper_begin(team, worker);
+            team->method->assign(team, worker);
         } else {
             eng_schedule_steal_begin(team, worker);
         }
@@ -192,7 +188,7 @@ static void perform(struct eng_team *team, struct eng_worker *worker, bool has_b
         beside(team, worker);
     }
     if (by_paper) {
-        eng_schedule_paper(team, worker);
+        team->method->perform_assigned(team, worker);
     } else {
         eng_schedule_steal(team, worker);
     }
@@ -212,7 +208,8 @@ static uint64_t run_together(struct eng_team *team, struct pccd_step_times *time
 {
     assert(team->count > 1 && team->count <= ENG_THREADS_MAX);
     uint64_t begin_ns = common_now_ns();
-    bool by_paper = team->workers[0]->settings->tuning.scheduler == ENG_SCHEDULER_PAPER;
+    bool by_paper = team->method->assign &&
+                    team->workers[0]->settings->tuning.scheduler == ENG_SCHEDULER_PAPER;
     struct eng_parallel region = eng_parallel_open();
 #pragma omp parallel num_threads((int)team->count)
     {

@@ -143,7 +143,6 @@ libengine_la_SOURCES = \
     daemon/engine/team/team.h \
     daemon/engine/team/trace.c \
     daemon/engine/team/trace.h \
-    daemon/engine/team/units.h \
     daemon/engine/team/wait.c \
     daemon/engine/team/wait.h \
     daemon/engine/team/worker.c \
@@ -195,40 +194,24 @@ libengine_la_SOURCES = \
     daemon/engine/paper/grow.h \
     daemon/engine/paper/highlevel.c \
     daemon/engine/paper/highlevel.h \
-    daemon/engine/paper/metric.h \
-    daemon/engine/paper/object.c \
     daemon/engine/paper/paper.c \
     daemon/engine/paper/paper.h \
-    daemon/engine/paper/paper_faces.c \
-    daemon/engine/paper/paper_faces.h \
     daemon/engine/paper/paper_features.h \
     daemon/engine/paper/paper_method.c \
-    daemon/engine/paper/paper_method.h \
     daemon/engine/paper/paper_work.c \
     daemon/engine/paper/paper_work.h \
     daemon/engine/paper/rebuild.c \
     daemon/engine/paper/rebuild.h \
     daemon/engine/paper/refit.c \
     daemon/engine/paper/refit.h \
-    daemon/engine/paper/refit_box.h \
-    daemon/engine/paper/refit_plan.c \
-    daemon/engine/paper/refit_plan.h \
-    daemon/engine/paper/refit_still.c \
-    daemon/engine/paper/refit_still.h \
-    daemon/engine/paper/sah.c \
-    daemon/engine/paper/sah.h \
     daemon/engine/paper/schedule_paper.c \
     daemon/engine/paper/schedule_paper.h \
-    daemon/engine/paper/schedule_serial.c \
-    daemon/engine/paper/subtree.c \
-    daemon/engine/paper/subtree.h \
     daemon/engine/paper/taskunit.c \
     daemon/engine/paper/taskunit.h \
     daemon/engine/paper/test.c \
     daemon/engine/paper/test.h \
     daemon/engine/paper/trees.c \
     daemon/engine/paper/trees.h \
-    daemon/engine/paper/validate.c \
     daemon/engine/wide/wide.c \
     daemon/engine/wide/wide.h \
     daemon/engine/wide/wide_faces.c \

@@ -1,7 +1,7 @@
 /* methods.c - the methods that a step can use, by number. */
 #include "methods.h"
 
-#include "paper_method.h"
+#include "paper.h"
 #include "wide_method.h"
 
 const struct eng_method_calls *const eng_methods[PCCD_METHOD_COUNT] = {

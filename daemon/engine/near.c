@@ -59,6 +59,13 @@ static bool is_by_objects(enum pccd_near_what what)
     return what == PCCD_NEAR_NEAREST || what == PCCD_NEAR_DEPTH;
 }
 
+/* Only `wide` has faces to walk through. */
+static enum pccd_method method_of(const struct eng_near_settings *settings)
+{
+    return is_by_objects(settings->what) ? PCCD_METHOD_WIDE
+                                         : eng_method_of(&settings->step);
+}
+
 static uint32_t kinds_for(const struct eng_near_settings *settings)
 {
     uint32_t pairs = 1u << PCCD_VF | 1u << PCCD_EE | 1u << PCCD_VE | 1u << PCCD_VV;
@@ -442,11 +449,12 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
 {
     struct eng_near_query query;
     struct eng_step_settings step = settings->step;
-    enum pccd_method method = eng_method_of(&step);
+    enum pccd_method method = method_of(settings);
     struct eng_step_memory *memory = eng_step_memory_of(scene);
     struct eng_effort *effort = &memory->near.effort[method][settings->what];
     struct eng_stop stop;
     struct eng_team team;
+    step.method = method;
     step.mode = PCCD_MODE_ALL;
     step.tolerance = 1;
     step.brief = false;
@@ -514,7 +522,7 @@ int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
         return PCCD_E_INVAL;
     }
     struct eng_step_result r = {.what = settings->what,
-                                .method = eng_method_of(&settings->step),
+                                .method = method_of(settings),
                                 .verdict = PCCD_VERDICT_NONE,
                                 .record_bytes = settings->what == PCCD_NEAR_VERTICES
                                                     ? (uint32_t)sizeof(double)

@@ -1,6 +1,4 @@
-/* names.h - the names of modes, methods and other choices, such as "first", "wide" and
- * "sah".
- */
+/* names.h - the names of modes, methods and questions, such as "first" and "wide". */
 #ifndef COMMON_NAMES_H
 #define COMMON_NAMES_H
 
@@ -14,8 +12,6 @@ static const char *const common_mode_names[PCCD_MODE_COUNT + 1] = {"all", "first
                                                                    "pairs"};
 static const char *const common_method_names[PCCD_METHOD_COUNT + 1] = {"default", "paper",
                                                                        "wide"};
-static const char *const common_quality_names[PCCD_QUALITY_COUNT + 1] = {"default",
-                                                                         "median", "sah"};
 static const char *const common_near_names[PCCD_NEAR_COUNT + 1] = {
     "pairs", "features", "vertices", "nearest", "crossings", "depth"};
 
@@ -28,11 +24,6 @@ static inline const char *common_mode_name(uint32_t mode)
 static inline const char *common_method_name(uint32_t method)
 {
     return method < PCCD_METHOD_COUNT ? common_method_names[method] : NULL;
-}
-
-static inline const char *common_quality_name(uint32_t quality)
-{
-    return quality < PCCD_QUALITY_COUNT ? common_quality_names[quality] : NULL;
 }
 
 static inline const char *common_near_name(uint32_t what)

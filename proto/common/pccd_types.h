@@ -78,14 +78,6 @@ enum pccd_method {
  * such as "scheduler=paper,refit=paper" (pccd.h). */
 #define PCCD_TUNING_BYTES 64
 
-/* How the trees of the method paper are built. The answer never depends on it. */
-enum pccd_quality {
-    PCCD_QUALITY_DEFAULT = 0,
-    PCCD_QUALITY_MEDIAN = 1, /* median of the centroids along the longest axis */
-    PCCD_QUALITY_SAH = 2,    /* surface area heuristic: slower to build */
-    PCCD_QUALITY_COUNT = 3
-};
-
 /* Coordinates in a slot: x, y, z per vertex, tightly packed, little-endian IEEE 754. */
 enum pccd_format {
     PCCD_FORMAT_F32 = 0, /* float[3], 12 bytes a vertex */

@@ -182,13 +182,10 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_object_settings, radius, 32);
     AT(pccd_object_settings, rest_distance, 40);
     AT(pccd_object_settings, rest_rings, 48);
-    SIZE(pccd_scene_settings, 32);
-    AT(pccd_scene_settings, quality, 0);
-    AT(pccd_scene_settings, rebuild_triangles_max, 4);
-    AT(pccd_scene_settings, rebuild_ratio, 8);
-    AT(pccd_scene_settings, name, 16);
-    AT(pccd_scene_settings, share, 24);
-    AT(pccd_scene_settings, rights, 28);
+    SIZE(pccd_scene_settings, 16);
+    AT(pccd_scene_settings, name, 0);
+    AT(pccd_scene_settings, share, 8);
+    AT(pccd_scene_settings, rights, 12);
     SIZE(pccd_scene_news, 40);
     AT(pccd_scene_news, number, 0);
     AT(pccd_scene_news, mode, 8);
@@ -471,9 +468,6 @@ static void enums__keep_their_values(void **state)
     VALUE(PCCD_METHOD_DEFAULT, 0);
     VALUE(PCCD_METHOD_PAPER, 1);
     VALUE(PCCD_METHOD_WIDE, 2);
-    VALUE(PCCD_QUALITY_DEFAULT, 0);
-    VALUE(PCCD_QUALITY_MEDIAN, 1);
-    VALUE(PCCD_QUALITY_SAH, 2);
     VALUE(PCCD_OBJECT_GROUP, 1);
     VALUE(PCCD_OBJECT_MASK, 2);
     VALUE(PCCD_OBJECT_SELF, 4);

@@ -62,9 +62,8 @@ static struct eng_scene_settings some_scene(struct fuzz *fuzz)
     static const double ratios[] = {0, 0.5, 0.9, 0.9, 1};
     static const uint32_t regions[] = {1, 8, 16, 20, 30, 40, 100, 1024};
     struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
-    made.quality = (enum pccd_quality)(1 + draw(fuzz, 2));
     made.rebuild_ratio = ratios[draw(fuzz, 5)];
-    made.rebuild_triangles_max = regions[draw(fuzz, 8)];
+    made.region_triangles = regions[draw(fuzz, 8)];
     return made;
 }
 

@@ -259,18 +259,13 @@ meets --json --threads 1 t0.ply t1.ply && [ "$(json_value threads)" = 1 ] &&
 report "threads and method do not change the hash"
 
 meets --json --threads 2 --tuning scheduler=paper,high-level=disjoint,refit=paper \
-    --quality sah --rebuild-ratio 0.5 s0.ply s1.ply && whole=$(json_value hash) &&
-    says '"quality": "sah"' '"rebuild_ratio": 0\.5' &&
-    meets --json --tuning scheduler=steal --rebuild-ratio 0 s0.ply s1.ply &&
+    s0.ply s1.ply && whole=$(json_value hash) &&
+    meets --json --tuning scheduler=steal s0.ply s1.ply &&
     [ "$(json_value hash)" = "$whole" ] && [ -n "$whole" ] &&
-    says '"quality": "default"' '"rebuild_ratio": 0\.0' '"tuning": ' \
-        '"low": [0-9]' '"high": [0-9]' '"rebuild": [0-9]' &&
-    meets t0.ply t1.ply && says '^trees +quality default, rebuild ratio default$' &&
-    meets --rebuild-ratio 0 t0.ply t1.ply && says '^trees .* never rebuilt$' &&
+    says '"tuning": ' '"low": [0-9]' '"high": [0-9]' '"rebuild": [0-9]' &&
     fails 4 'scheduler: "slow" is not steal or paper' \
-        check --json --tuning scheduler=slow t0.ply t1.ply &&
-    fails 2 'is not a number from 0 to 1' check --rebuild-ratio 2 t0.ply t1.ply
-report "tuning, quality and reconstruction are chosen and told, and change no hash"
+        check --json --tuning scheduler=slow t0.ply t1.ply
+report "tuning is chosen and told, and changes no hash"
 
 meets --mode any t0.ply t1.ply && says '^contact +yes$' &&
     ctl check --mode any t0.ply t0.ply && says '^contact +no$'

@@ -463,7 +463,7 @@ static struct proto_BATCH_SUBMIT_request write_batch(struct test_raw *raw,
 static void request__that_makes_no_sense_is_refused(void **state)
 {
     static struct test_raw raw;
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result scene;
     struct proto_BATCH_SUBMIT_request batch;
     struct proto_BATCH_SUBMIT_result result;

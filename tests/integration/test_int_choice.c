@@ -1,11 +1,10 @@
 /* test_int_choice.c - the ways to compute that a client may choose between.
  *
  * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     every method, tuning, quality and rebuild ratio gives the same bytes, and
+ * Does:     every method and tuning gives the same bytes, and
  *           every answer says which were used.
  * Threads:  one.
  */
-#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,14 +30,14 @@ static int start(void **state)
     return test_shared_start_with(options);
 }
 
-/* Two turns of a grid in a scene of these settings; *answer is the second's. */
-static void turn(struct pccd_client *client, const struct pccd_scene_settings *scene,
-                 const struct pccd_step_settings *settings, struct pccd_answer *answer)
+/* Two turns of a grid; *answer is the second's. */
+static void turn(struct pccd_client *client, const struct pccd_step_settings *settings,
+                 struct pccd_answer *answer)
 {
     struct test_grid grid;
     uint64_t step = 0;
 
-    assert_int_equal(test_grid_make_with(client, SIDE_LARGE, scene, &grid), 0);
+    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(test_grid_submit(&grid, settings, &step), 0);
         assert_int_equal(pccd_wait(client, step, -1, answer), 0);
@@ -63,8 +62,7 @@ static void choose(char tuning[PCCD_TUNING_BYTES], const char *first, const char
 
 /* The records of different scenes differ in the handles of the objects, so each hash is
  * compared with one of the same scene: turns down, and turns up again. */
-static void expect_same_hash(struct pccd_client *client,
-                             const struct pccd_scene_settings *scene)
+static void expect_same_hash(struct pccd_client *client)
 {
     struct pccd_step_settings settings = {
         .struct_bytes = sizeof(struct pccd_step_settings), .threads = 1};
@@ -73,7 +71,7 @@ static void expect_same_hash(struct pccd_client *client,
     uint64_t step = 0;
     uint64_t hash[2][2];
 
-    assert_int_equal(test_grid_make_with(client, SIDE, scene, &grid), 0);
+    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
     for (uint32_t i = 0; i < 2 + 3 * 3 * 3 * 3 * 2; i++) {
         char tuning[PCCD_TUNING_BYTES] = "";
         uint32_t choice = i < 2 ? 0 : (i - 2) / 2;
@@ -102,17 +100,8 @@ static void expect_same_hash(struct pccd_client *client,
 static void choice__no_way_to_compute_changes_the_hash(void **state)
 {
     struct test_crossing *crossing = *state;
-    const struct pccd_scene_settings scenes[] = {
-        {.quality = PCCD_QUALITY_DEFAULT},
-        {.quality = PCCD_QUALITY_SAH, .rebuild_ratio = -1},
-        {.quality = PCCD_QUALITY_MEDIAN, .rebuild_ratio = 1, .rebuild_triangles_max = 1},
-        {.rebuild_ratio = 0.25, .rebuild_triangles_max = UINT32_MAX},
-    };
 
-    expect_same_hash(crossing->client, NULL);
-    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
-        expect_same_hash(crossing->client, &scenes[i]);
-    }
+    expect_same_hash(crossing->client);
 }
 
 /* If it failed, a client could not tell by which way its step was computed. */
@@ -124,35 +113,35 @@ static void choice__the_answer_says_what_was_used(void **state)
         .struct_bytes = sizeof(struct pccd_step_settings), .threads = THREADS};
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    turn(client, NULL, &settings, &answer);
+    turn(client, &settings, &answer);
     assert_int_equal(answer.threads, THREADS);
     assert_string_equal(answer.tuning, "scheduler=steal,refit=even");
 
     settings.tuning = "refit=even,high-level=disjoint,scheduler=steal";
-    turn(client, NULL, &settings, &answer); /* stealing has no high-level nodes */
+    turn(client, &settings, &answer); /* stealing has no high-level nodes */
     assert_string_equal(answer.tuning, "scheduler=steal,refit=even");
 
     settings.tuning = "scheduler=paper,high-level=disjoint,refit=paper";
-    turn(client, NULL, &settings, &answer);
+    turn(client, &settings, &answer);
     assert_string_equal(answer.tuning, settings.tuning);
     settings.tuning = "scheduler=paper";
-    turn(client, NULL, &settings, &answer);
+    turn(client, &settings, &answer);
     assert_string_equal(answer.tuning,
                         "scheduler=paper,high-level=round-robin,refit=even");
 
     settings.tuning = "scheduler=paper,high-level=disjoint,refit=paper";
-    settings.method = PCCD_METHOD_WIDE; /* refits in one way, has no high-level nodes */
-    turn(client, NULL, &settings, &answer);
-    assert_string_equal(answer.tuning, "scheduler=paper,refit=even");
+    settings.method = PCCD_METHOD_WIDE; /* always steals, refits in one way */
+    turn(client, &settings, &answer);
+    assert_string_equal(answer.tuning, "scheduler=steal,refit=even");
     settings.method = PCCD_METHOD_DEFAULT;
 
     settings.threads = 1;
-    turn(client, NULL, &settings, &answer);
+    turn(client, &settings, &answer);
     assert_int_equal(answer.threads, 1);
     assert_string_equal(answer.tuning, "");
     for (int method = PCCD_METHOD_PAPER; method < PCCD_METHOD_COUNT; method++) {
         settings.method = (enum pccd_method)method;
-        turn(client, NULL, &settings, &answer);
+        turn(client, &settings, &answer);
         assert_int_equal(answer.method, method);
     }
 }
@@ -194,33 +183,6 @@ static void choice__unknown_values_are_refused_by_name(void **state)
     assert_true(test_crossing_turn(crossing)); /* from where it was */
 }
 
-/* If it failed, a scene would be made with settings that nobody asked for. */
-static void choice__scene_settings_out_of_range_are_refused(void **state)
-{
-    struct test_crossing *crossing = *state;
-    struct pccd_client *client = crossing->client;
-    const struct {
-        struct pccd_scene_settings settings;
-        const char *text;
-    } wrong[] = {
-        {{.rebuild_ratio = 1.5}, "rebuild_ratio is 1.5"},
-        {{.rebuild_ratio = INFINITY}, "rebuild_ratio is inf"},
-        {{.rebuild_ratio = NAN}, "rebuild_ratio is "},
-        {{.quality = PCCD_QUALITY_COUNT}, "unknown quality 3"},
-        {{.quality = (enum pccd_quality)UINT32_MAX}, "unknown quality 4294967295"},
-    };
-    uint64_t scenes = test_stat(client, "scenes_now");
-    uint32_t scene = 99;
-
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        assert_int_equal(pccd_scene_create(client, &wrong[i].settings, &scene),
-                         PCCD_E_INVAL);
-        assert_non_null(strstr(pccd_error_text(client), wrong[i].text));
-    }
-    assert_int_equal(scene, 99);
-    assert_int_equal(test_stat(client, "scenes_now"), scenes);
-}
-
 #define CHOICE_TEST(name)                                                                \
     cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
 
@@ -230,7 +192,6 @@ int main(void)
         CHOICE_TEST(choice__no_way_to_compute_changes_the_hash),
         CHOICE_TEST(choice__the_answer_says_what_was_used),
         CHOICE_TEST(choice__unknown_values_are_refused_by_name),
-        CHOICE_TEST(choice__scene_settings_out_of_range_are_refused),
     };
 
     return cmocka_run_group_tests_name("choice", tests, start, test_shared_stop);

@@ -307,7 +307,7 @@ static void filter__refuses_what_the_library_would_not_send(void **state)
 {
     static const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     static struct test_raw raw;
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result scene;
     struct proto_SCENE_ADD_request add = {.mesh = 0};
     struct proto_SCENE_ADD_result object;

@@ -462,7 +462,7 @@ static uint32_t flood_steps(uint32_t scene, uint32_t count,
  * it. */
 static void flood__of_steps_is_answered_busy(void **state)
 {
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_CANCEL_request cancel = {0};
 
@@ -484,7 +484,7 @@ static void flood__of_steps_is_answered_busy(void **state)
  * them behind a long step of its own would fill the daemon's memory. */
 static void flood__of_scenes_behind_a_step_is_bounded(void **state)
 {
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_SCENE_DESTROY_request destroy = {0};
     struct proto_CANCEL_request cancel = {0};

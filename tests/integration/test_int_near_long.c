@@ -446,7 +446,7 @@ static int say_hello(const struct proto_HELLO_result *resume,
 /* A triangle over a floor; the triangle. */
 static uint32_t open_raw_scene(uint32_t *scene)
 {
-    const struct proto_SCENE_CREATE_request create = {.quality = 0};
+    const struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result made;
     struct proto_SCENE_ADD_request add = {.mesh = 0};
     struct proto_SCENE_ADD_result object = {.object = 0};

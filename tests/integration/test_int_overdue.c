@@ -201,7 +201,7 @@ static int submit_doomed(uint32_t scene, uint32_t object,
  * that the daemon has not. */
 static void overdue__what_goes_wrong_later_is_said_by_the_next_step(void **state)
 {
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_FRAME_SUBMIT_request still = {.segments = 0};
     struct proto_FRAME_SUBMIT_result result;

@@ -83,10 +83,8 @@ static void take(struct stage *stage, struct pccd_frame *frame)
 
 static void make_stage(struct pccd_client *client, struct stage *stage)
 {
-    const struct pccd_scene_settings settings = {.rebuild_ratio = 0.5};
-
     *stage = (struct stage){.client = client};
-    assert_int_equal(pccd_scene_create(client, &settings, &stage->scene), 0);
+    assert_int_equal(pccd_scene_create(client, NULL, &stage->scene), 0);
     assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3,
                                       test_triangle, 1, &stage->floor_mesh, NULL),
                      0);

@@ -415,7 +415,7 @@ struct bare {
 
 static void open_bare(struct bare *bare)
 {
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_SCENE_ADD_request add = {0};
     struct proto_SCENE_ADD_result added;

@@ -91,7 +91,7 @@ static void session__version_range_that_overlaps_is_agreed(void **state)
 /* If it failed, a peer could use the daemon without having agreed on a version. */
 static void session__requests_before_hello_are_refused(void **state)
 {
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_PING_request ping = {.token = 77};
     struct proto_PING_result pong;
     static struct test_raw raw;

@@ -35,7 +35,7 @@ static uint32_t removed; /* an object that is not there any more */
 
 static int open_raw(void **state)
 {
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_SCENE_ADD_request add = {0};
     struct proto_SCENE_ADD_result added;
@@ -141,7 +141,7 @@ static void slot__answers_come_in_the_order_of_the_steps(void **state)
 /* If it failed, a submit without a ring would touch memory that is not there. */
 static void slot__without_a_ring_is_refused(void **state)
 {
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_FRAME_SUBMIT_request request = {.seq = 2, .segments = 1};
 

@@ -452,7 +452,7 @@ static void make_knot(struct test_raw *raw, struct proto_OBJECT_SET_request *set
     const uint32_t vertices = KNOT * KNOT / 128;
     uint32_t(*triangles)[3] = calloc(KNOT * KNOT / 2, sizeof *triangles);
     float(*x)[3] = calloc(vertices, sizeof *x);
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_SCENE_ADD_request add = {0};
     struct proto_SCENE_ADD_result added;

@@ -107,10 +107,9 @@ static void judge_play(const struct golden *golden, uint32_t triangle_count,
     player_init(&player, made);
     judge_watch_init(&judge, &sums[golden->kind], manner->tolerance);
     snprintf(judge.context, sizeof judge.context,
-             "%s, %u triangles, seed %llu, tolerance %g, quality %d, ratio %g, region %u",
+             "%s, %u triangles, seed %llu, tolerance %g, ratio %g, region %u",
              play_name(golden->kind), triangle_count, (unsigned long long)golden->seed,
-             manner->tolerance, (int)made->quality, made->rebuild_ratio,
-             made->rebuild_triangles_max);
+             manner->tolerance, made->rebuild_ratio, made->region_triangles);
     for (uint32_t i = 0; i < play.act_count; i++) {
         if (play.acts[i].what == PLAY_STEP) {
             if (manner->is_filtered && prng_below(&manner->prng, 3) == 0) {
@@ -146,9 +145,8 @@ static struct eng_scene_settings some_scene(struct prng *prng)
     static const double ratios[] = {0, 0.9, 0.9, 1};
     static const uint32_t regions[] = {1, 8, 16, 40, 1024};
     struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
-    made.quality = (enum pccd_quality)(1 + prng_below(prng, 2));
     made.rebuild_ratio = ratios[prng_below(prng, 4)];
-    made.rebuild_triangles_max = regions[prng_below(prng, 5)];
+    made.region_triangles = regions[prng_below(prng, 5)];
     return made;
 }
 

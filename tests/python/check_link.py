@@ -243,7 +243,7 @@ class Losses(Case):
     # If this failed, what was moved in part or rigidly would jump after a crash.
     def test_objects__come_back_where_they_were(self):
         client = self.connect(slot_count=2)
-        scene = client.scene_create(quality=pccd.Quality.SAH)
+        scene = client.scene_create()
         mesh = client.mesh_create(TENT, TENT_TRIANGLES)
         wide = client.mesh_create(TENT.astype(float) + [9, 0, 0], TENT_TRIANGLES)
         parts, rigid, still, double = (client.scene_add(scene, which)

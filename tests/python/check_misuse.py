@@ -360,7 +360,7 @@ class Arguments(Case):
                              (pccd.Mode.FIRST, pccd.Method.PAPER))
             self.assertEqual(len(self.client.scene_boxes(scene, "triangles", 0)),
                              len(self.client.scene_boxes(scene, pccd.Tree.TRIANGLES, 0)))
-        self.client.scene_create("median", name="names", share="open")
+        self.client.scene_create(name="names", share="open")
         self.assertEqual(self.client.near(scene, "crossings").what,
                          pccd.NearWhat.CROSSINGS)
         self.client.histogram("steps")
@@ -372,7 +372,7 @@ class Arguments(Case):
                 (lambda: pccd.StepSettings(mode="best"), "mode is 'best', not one of"),
                 (lambda: pccd.StepSettings(mode=None), "mode is None"),
                 (lambda: pccd.Part(1, 2, 3, way="bent"), "way is 'bent'"),
-                (lambda: self.client.scene_create("best"), "quality is 'best'"),
+                (lambda: self.client.scene_create(share="best"), "share is 'best'"),
                 (lambda: self.client.histogram("best"), "kind is 'best'"),
                 (lambda: self.client.scene_boxes(scene, "oak", 0), "tree is 'oak'")):
             self.assertIn(names, self.fails(pccd.Status.E_INVAL, call).text)

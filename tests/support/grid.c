@@ -80,13 +80,6 @@ int test_grid_replace(struct test_grid *grid)
 
 int test_grid_make(struct pccd_client *client, uint32_t side, struct test_grid *grid)
 {
-    return test_grid_make_with(client, side, NULL, grid);
-}
-
-int test_grid_make_with(struct pccd_client *client, uint32_t side,
-                        const struct pccd_scene_settings *settings,
-                        struct test_grid *grid)
-{
     uint32_t floor_mesh = 0;
     int status;
 
@@ -100,7 +93,7 @@ int test_grid_make_with(struct pccd_client *client, uint32_t side,
         return PCCD_E_NOMEM;
     }
     test_grid_positions(grid, grid->z);
-    status = pccd_scene_create(client, settings, &grid->scene);
+    status = pccd_scene_create(client, NULL, &grid->scene);
     if (status == 0) {
         status = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle,
                                   1, &floor_mesh, NULL);

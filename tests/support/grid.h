@@ -28,10 +28,6 @@ struct test_grid {
 
 /* Build the scene; grid->x is allocated. Returns a status. */
 int test_grid_make(struct pccd_client *client, uint32_t side, struct test_grid *grid);
-/* The same with settings for its scene. */
-int test_grid_make_with(struct pccd_client *client, uint32_t side,
-                        const struct pccd_scene_settings *settings,
-                        struct test_grid *grid);
 void test_grid_free(struct test_grid *grid);
 
 /* The grid's 2 (side - 1)^2 triangles; the caller frees them. NULL: no memory. */

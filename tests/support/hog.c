@@ -109,7 +109,7 @@ static bool add(struct hog *hog)
 bool test_hog_open(struct hog *hog, const char *socket, enum hog_kind kind,
                    uint32_t triangles)
 {
-    const struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    const struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     hog->kind = kind;
     hog->triangles = triangles;

@@ -67,7 +67,7 @@ uint32_t test_witness_long_step(struct test_raw *raw)
     static float x[3 * SOUP][3];
     static uint32_t triangles[SOUP][3];
     struct prng prng = {SOUP};
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_SCENE_ADD_request add = {0};
     struct proto_FRAME_SUBMIT_request submit = {.segments = 0};

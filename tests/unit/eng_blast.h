@@ -27,7 +27,7 @@ struct blast {
     double velocity[BLAST_VERTICES][3];
 };
 
-/* `rebuild_triangles_max` small: many regions, and high nodes above them. */
+/* `region_triangles` small: many regions, and high nodes above them. */
 void blast_init(struct blast *blast, const struct eng_scene_settings *settings);
 void blast_deinit(struct blast *blast);
 

@@ -35,9 +35,8 @@ struct eng_scene_settings stir_draw_scene(struct prng *prng)
     static const double ratios[] = {0, 0.9, 0.9, 1};
     static const uint32_t regions[] = {1, 16, 40, 1024};
     struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
-    made.quality = (enum pccd_quality)(1 + prng_below(prng, 2));
     made.rebuild_ratio = ratios[prng_below(prng, 4)];
-    made.rebuild_triangles_max = regions[prng_below(prng, 4)];
+    made.region_triangles = regions[prng_below(prng, 4)];
     return made;
 }
 

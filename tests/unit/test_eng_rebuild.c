@@ -14,7 +14,6 @@
 #include <time.h>
 
 #include "build.h"
-#include "metric.h"
 #include "rebuild.h"
 
 #define STEPS 8u
@@ -22,9 +21,9 @@
 
 static struct blast blast;
 
-static void start(double ratio, uint32_t triangles_max, enum pccd_quality quality)
+static void start(double ratio, uint32_t region_triangles)
 {
-    blast_init(&blast, &(struct eng_scene_settings){quality, ratio, triangles_max, 1});
+    blast_init(&blast, &(struct eng_scene_settings){ratio, region_triangles, 1});
 }
 
 static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler scheduler)
@@ -56,10 +55,10 @@ static struct eng_step_result stand_still(double t)
 /* Box tests of each step without reconstruction, with hierarchies built for it, and with
  * the default. */
 static void count_box_tests(uint64_t never[STEPS], uint64_t every[STEPS],
-                            uint64_t lazy[STEPS], enum pccd_quality quality)
+                            uint64_t lazy[STEPS])
 {
     for (int way = 0; way < 3; way++) {
-        start(way == 2 ? 0.9 : 0, BLAST_TRIANGLES, quality);
+        start(way == 2 ? 0.9 : 0, BLAST_TRIANGLES);
         for (uint32_t step = 0; step < STEPS; step++) {
             if (way == 1) {
                 blast_rebuild(&blast);
@@ -80,14 +79,10 @@ static void rebuild__poor_nodes_are_built_anew(void **state)
     uint64_t never[STEPS];
     uint64_t every[STEPS];
     uint64_t lazy[STEPS];
-    for (int q = PCCD_QUALITY_MEDIAN; q <= PCCD_QUALITY_SAH; q++) {
-        count_box_tests(never, every, lazy, (enum pccd_quality)q);
-        for (uint32_t step = STEPS / 2; step < STEPS; step++) {
-            assert_true(never[step] > 3 * every[step]);
-            /* By medians, whatever the first hierarchy was built by. */
-            assert_true((double)lazy[step] <
-                        (q == PCCD_QUALITY_SAH ? 2 : 1.3) * (double)every[step]);
-        }
+    count_box_tests(never, every, lazy);
+    for (uint32_t step = STEPS / 2; step < STEPS; step++) {
+        assert_true(never[step] > 3 * every[step]);
+        assert_true((double)lazy[step] < 1.3 * (double)every[step]);
     }
 }
 
@@ -95,7 +90,7 @@ static void rebuild__poor_nodes_are_built_anew(void **state)
 static void rebuild__next_step_refits_what_this_one_left(void **state)
 {
     (void)state;
-    start(0.9, BLAST_TRIANGLES, PCCD_QUALITY_MEDIAN);
+    start(0.9, BLAST_TRIANGLES);
     stand_still(0.3);
     uint32_t root = eng_trees_of(blast.scene)->root;
     size_t bytes = eng_planted_of(&blast.scene->objects[blast.idx])->nodes.count *
@@ -118,7 +113,7 @@ static void rebuild__good_nodes_are_left_alone(void **state)
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
     struct eng_step_result result;
-    start(0.9, 300, PCCD_QUALITY_MEDIAN);
+    start(0.9, 300);
     for (uint32_t step = 1; step < STEPS; step++) {
         for (uint32_t v = 0; v < BLAST_VERTICES; v++) {
             for (int k = 0; k < 3; k++) {
@@ -173,7 +168,7 @@ static void rebuild__threshold_decides(void **state)
     const double ratios[] = {0, 0.3, 0.7, 0.9, 1};
     uint64_t before = 0;
     for (size_t i = 0; i < sizeof ratios / sizeof *ratios; i++) {
-        start(ratios[i], BLAST_TRIANGLES, PCCD_QUALITY_MEDIAN);
+        start(ratios[i], BLAST_TRIANGLES);
         uint64_t triangles = 0;
         for (uint32_t step = 0; step < 4; step++) {
             triangles += run_alone(step).counters.rebuilt_triangles;
@@ -224,7 +219,7 @@ static void rebuild__touched_regions_are_made_good_and_no_others(void **state)
     for (int way = 0; way < 8; way++) {
         struct eng_step_settings settings =
             team_of(1u << way / 2, way & 1 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL);
-        start(0.9, 40, PCCD_QUALITY_MEDIAN);
+        start(0.9, 40);
         assert_int_equal(eng_plant_objects(blast.scene), PCCD_OK);
         struct eng_range nodes = eng_planted_of(&blast.scene->objects[blast.idx])->nodes;
         uint64_t rebuilds = 0;
@@ -262,22 +257,21 @@ static void rebuild__answers_are_those_of_fresh_trees(void **state)
 {
     (void)state;
     struct answer expected[STEPS];
-    start(0, 1024, PCCD_QUALITY_MEDIAN);
+    start(0, 1024);
     for (uint32_t step = 0; step < STEPS; step++) {
         struct eng_step_result result = run_alone(step);
         expected[step] = answer_of(&result);
         assert_true(result.count > 100);
     }
     blast_deinit(&blast);
-    for (int way = 0; way < 16; way++) {
-        enum pccd_quality quality = way & 1 ? PCCD_QUALITY_SAH : PCCD_QUALITY_MEDIAN;
+    for (int way = 0; way < 8; way++) {
         enum eng_scheduler scheduler =
-            way & 2 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL;
+            way & 1 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL;
         uint64_t rebuilds = 0;
-        start(0.9, 60, quality);
+        start(0.9, 60);
         for (uint32_t step = 0; step < STEPS; step++) {
             struct eng_step_result result =
-                run_step(step, team_of(1u << way / 4, scheduler));
+                run_step(step, team_of(1u << way / 2, scheduler));
             struct answer answer = answer_of(&result);
             assert_memory_equal(&answer, &expected[step], sizeof answer);
             rebuilds += result.counters.rebuilds;
@@ -293,7 +287,7 @@ static void rebuild__same_trees_by_any_number_of_threads(void **state)
     (void)state;
     struct pccd_step_counters expected[STEPS];
     for (int way = 0; way < 8; way++) {
-        start(0.9, 200, PCCD_QUALITY_MEDIAN);
+        start(0.9, 200);
         /* High nodes are built in the background, and when depends on the clock. */
         for (uint32_t step = 0; step < 1; step++) {
             struct eng_step_result result =
@@ -316,13 +310,13 @@ static void rebuild__steps_cut_short_leave_good_trees(void **state)
 {
     (void)state;
     struct answer expected[STEPS];
-    start(0, 1024, PCCD_QUALITY_MEDIAN);
+    start(0, 1024);
     for (uint32_t step = 0; step < STEPS; step++) {
         struct eng_step_result result = run_alone(step);
         expected[step] = answer_of(&result);
     }
     blast_deinit(&blast);
-    start(0.9, 100, PCCD_QUALITY_SAH);
+    start(0.9, 100);
     for (uint32_t step = 0; step < STEPS; step++) {
         for (int i = 0; i < 8; i++) {
             struct eng_step_settings settings =
@@ -345,7 +339,7 @@ static void rebuild__steps_cut_short_leave_good_trees(void **state)
 static void rebuild__warm_steps_allocate_nothing(void **state)
 {
     (void)state;
-    start(0.9, BLAST_TRIANGLES, PCCD_QUALITY_MEDIAN);
+    start(0.9, BLAST_TRIANGLES);
     stand_still(0.1); /* contacts take memory too: as many as will ever be */
     for (uint32_t step = 0; step < STEPS; step++) {
         blast_run(&blast, 0.1 * step, 0.1 * step + 0.1, team_of(2, ENG_SCHEDULER_STEAL));

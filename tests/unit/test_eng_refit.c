@@ -2,7 +2,7 @@
  *
  * Room:     engine (refit.h, world.h).
  * Does:     containment and tightness after random steps; refitting twice is as once;
- *           boxes that are kept, and marks of what moves.
+ *           by one thread and by a team.
  * Does not: change the shape of trees.
  * Threads:  teams of one and two.
  * Source:   daemon/engine/paper/refit.h; paper section 6.1.
@@ -14,7 +14,6 @@
 #include <string.h>
 
 #include "build.h"
-#include "moving.h"
 #include "refit.h"
 #include "step.h"
 #include "world.h"
@@ -251,7 +250,7 @@ static void refit__still_objects_have_equal_boxes_at_both_ends(void **state)
     eng_scene_free(scene);
 }
 
-/* Boxes alone: marks of what moves are left out, as are words of the records. */
+/* Boxes alone: words of the records are left out. */
 static void check_same_boxes(const void *a, const void *b, size_t count)
 {
     const struct eng_box *boxes = a;
@@ -261,44 +260,6 @@ static void check_same_boxes(const void *a, const void *b, size_t count)
         assert_memory_equal(boxes[i].hi0, others[i].hi0, sizeof boxes->hi0);
         assert_memory_equal(boxes[i].lo1, others[i].lo1, sizeof boxes->lo1);
         assert_memory_equal(boxes[i].hi1, others[i].hi1, sizeof boxes->hi1);
-    }
-}
-
-/* Do the marks say of each vertex, edge and node whether it moves? */
-static void check_marks(const struct eng_scene *scene)
-{
-    const struct eng_trees *trees = eng_trees_of(scene);
-    assert_true(trees->mark > 0);
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        const struct eng_object *object = &scene->objects[i];
-        if (!object->mesh) {
-            continue;
-        }
-        const struct eng_planted *planted = eng_planted_of(object);
-        for (uint32_t k = 0; k < object->vertices.count; k++) {
-            assert_int_equal(trees->vertices[object->vertices.first + k].moved ==
-                                 trees->mark,
-                             eng_moves_vertex(scene, object, k));
-        }
-        for (uint32_t k = 0; k < planted->edges.count; k++) {
-            assert_int_equal(trees->edges[planted->edges.first + k].moved == trees->mark,
-                             eng_moves_edge(scene, object, k));
-        }
-        for (uint32_t k = planted->nodes.first;
-             k < planted->nodes.first + planted->nodes.count; k++) {
-            const struct eng_node *node = &trees->nodes[k];
-            bool moves = node->left == ENG_LEAF
-                             ? eng_moves_face(scene, object,
-                                              node->right - planted->triangles.first)
-                             : eng_node_moves(trees, node->left) ||
-                                   eng_node_moves(trees, node->right);
-            assert_int_equal(eng_node_moves(trees, k), moves);
-        }
-    }
-    for (uint32_t k = trees->top.first; k < trees->top.first + trees->top.count; k++) {
-        assert_int_equal(eng_node_moves(trees, k),
-                         eng_node_moves(trees, trees->nodes[k].left) ||
-                             eng_node_moves(trees, trees->nodes[k].right));
     }
 }
 
@@ -315,30 +276,22 @@ static void move_some(struct kit_random *random, struct eng_scene *scene)
     assert_int_equal(eng_stage_x1(scene, idx, PCCD_FORMAT_F64, first, count, x), PCCD_OK);
 }
 
-/* The boxes and marks of a step after which nothing is rebuilt. Returns whether it kept
- * some. */
-static bool check_kept(struct eng_scene *scene)
+static void check_as_alone(struct eng_scene *scene)
 {
-    bool keeps = eng_trees_of(scene)->keeps;
-    if (eng_trees_of(scene)->marks) {
-        check_marks(scene);
-    }
-    struct snapshot kept = snap(scene);
+    struct snapshot made = snap(scene);
     eng_refit(scene);
-    check_same_boxes(eng_trees_of(scene)->nodes, kept.nodes,
+    check_same_boxes(eng_trees_of(scene)->nodes, made.nodes,
                      eng_trees_of(scene)->node_ranges.end);
-    check_same_boxes(eng_trees_of(scene)->edges, kept.edges,
+    check_same_boxes(eng_trees_of(scene)->edges, made.edges,
                      eng_trees_of(scene)->edge_ranges.end);
-    check_same_boxes(eng_trees_of(scene)->vertices, kept.vertices,
+    check_same_boxes(eng_trees_of(scene)->vertices, made.vertices,
                      scene->vertex_ranges.end);
-    drop(&kept);
-    return keeps;
+    drop(&made);
 }
 
-/* If this failed, what stands would have the boxes of another step, or a pair would be
- * left out of which a feature moves, or told twice: by the search and by the last answer.
- * Marks go round on the way. */
-static void refit__keeps_the_boxes_that_it_would_make(void **state)
+/* If this failed, boxes would depend on the number of threads, or some would be those of
+ * another step. */
+static void refit__by_a_team_makes_the_boxes_of_one_thread(void **state)
 {
     (void)state;
     static const enum eng_refit_scheme schemes[] = {ENG_REFIT_EVEN, ENG_REFIT_PAPER};
@@ -347,30 +300,21 @@ static void refit__keeps_the_boxes_that_it_would_make(void **state)
         struct eng_scene *scene = new_scene(&random, 3);
         struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
         struct eng_step_result result;
-        uint32_t kept = 0;
-        uint64_t features = 0;
         settings.method = PCCD_METHOD_PAPER;
         settings.threads = 1 + way / 2;
         settings.team_always = true;
         settings.tuning.refit = schemes[way % 2];
         for (uint32_t step = 0; step < 60; step++) {
-            if (step == 20) {
-                eng_trees_of(scene)->mark = ENG_MARK_MAX - 5;
-            }
             eng_stage_begin(scene);
             if (kit_below(&random, 5) > 0) {
                 move_some(&random, scene);
             }
             settings.mode =
                 kit_below(&random, 8) == 0 ? PCCD_MODE_FIRST : PCCD_MODE_PAIRS;
-            settings.tuning.still =
-                kit_below(&random, 8) == 0 ? ENG_STILL_ANEW : ENG_STILL_KEPT;
             assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
-            kept += check_kept(scene);
-            features += result.counters.still_features;
+            assert_int_equal(result.counters.still_features, 0);
+            check_as_alone(scene);
         }
-        assert_true(kept > 30 && features > 0);
-        assert_true(eng_trees_of(scene)->mark < 100); /* they have gone round */
         eng_scene_free(scene);
     }
 }
@@ -406,7 +350,7 @@ int main(void)
         cmocka_unit_test(refit__root_is_as_tight_as_the_vertices),
         cmocka_unit_test(refit__repeated_refit_does_not_inflate),
         cmocka_unit_test(refit__still_objects_have_equal_boxes_at_both_ends),
-        cmocka_unit_test(refit__keeps_the_boxes_that_it_would_make),
+        cmocka_unit_test(refit__by_a_team_makes_the_boxes_of_one_thread),
         cmocka_unit_test(refit_plan__covers_every_node_within_its_memory),
     };
     return cmocka_run_group_tests_name("eng_refit", tests, NULL, NULL);

@@ -1,15 +1,15 @@
 /* tests/unit/test_eng_subtree.c - which nodes are below which; disjoint task units.
  *
- * Room:     engine (subtree.h, step.h).
+ * Room:     engine (trees.h, step.h).
  * Does:     hold the order of nodes against the links; run teams whose threads check each
  *           other where the build validates.
  * Threads:  up to eight.
- * Source:   daemon/engine/paper/subtree.h; paper section 4.1.
+ * Source:   daemon/engine/paper/trees.h; paper section 4.1.
  */
 #include "eng_crew.h"
 
 #include "build.h"
-#include "subtree.h"
+#include "trees.h"
 
 /* Parents of all nodes; the root's is ENG_NO_NODE. */
 static void find_parents(const struct eng_scene *scene, uint32_t *parents)

@@ -19,7 +19,7 @@
 
 static const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 static const uint32_t faces[1][3] = {{0, 1, 2}};
-static const struct registry_settings plain = {.rebuild_ratio = 0.5, .name = ""};
+static const struct registry_settings plain = {.rights = 0600, .name = ""};
 
 static struct registry_mesh *triangle(void)
 {

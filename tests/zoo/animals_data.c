@@ -103,7 +103,7 @@ bool zoo_batches_nonsense(struct zoo_cage *cage)
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
     EXPECT(cage, zoo_build(cage, &raw, &scene));
     for (uint32_t i = 0; i < BATCH_SCENES / 2; i++) {
-        struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+        struct proto_SCENE_CREATE_request create = {.want = 0};
         struct proto_SCENE_CREATE_result created;
 
         EXPECT(cage,

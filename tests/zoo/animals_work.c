@@ -94,7 +94,7 @@ bool zoo_cancels_everything(struct zoo_cage *cage)
  * E_LIMIT, or E_BUSY while those it dropped are being freed. */
 bool zoo_makes_tiny_scenes(struct zoo_cage *cage)
 {
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_SCENE_ADD_request add = {0};
     uint32_t made = 0;

@@ -198,7 +198,7 @@ bool zoo_enter(struct zoo_cage *cage, struct test_raw *raw, uint64_t slot_bytes)
 
 bool zoo_build(struct zoo_cage *cage, struct test_raw *raw, struct zoo_scene *scene)
 {
-    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_SCENE_ADD_request add = {0};
     struct proto_SCENE_ADD_result added;

@@ -19,8 +19,6 @@
 enum {
     OPTION_MODE = 256 + 64,
     OPTION_CONTACTS,
-    OPTION_QUALITY,
-    OPTION_REBUILD_RATIO,
     OPTION_TOLERANCE,
     OPTION_SEPARATION,
     OPTION_APPROACH
@@ -35,12 +33,6 @@ static const struct argp_option option_list[] = {
      "Write the contacts as CSV; - is the standard output, and the report then goes to "
      "the "
      "standard error",
-     0},
-    {"quality", OPTION_QUALITY, "median|sah", 0,
-     "Method paper: build hierarchies by median (the default) or sah", 0},
-    {"rebuild-ratio", OPTION_REBUILD_RATIO, "R", 0,
-     "Method paper: rebuild a subtree when its box has less than R times the volume of "
-     "its two halves, 0 (never) to 1 (default: 0.9)",
      0},
     {"tolerance", OPTION_TOLERANCE, "T", 0,
      "Largest toi_hi - toi of a proved contact (default: 1e-6)", 0},
@@ -89,15 +81,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
         settings->mode = (enum pccd_mode)ctl_option_name(
             state, "mode", text, common_mode_names, PCCD_MODE_COUNT);
         break;
-    case OPTION_QUALITY:
-        options->scene_settings.quality = (enum pccd_quality)ctl_option_name(
-            state, "quality", text, common_quality_names, PCCD_QUALITY_COUNT);
-        break;
-    case OPTION_REBUILD_RATIO: {
-        double ratio = ctl_option_real(state, "rebuild-ratio", text, 0.0, 1.0);
-        options->scene_settings.rebuild_ratio = ratio == 0.0 ? -1.0 : ratio;
-        break;
-    }
     case OPTION_CONTACTS:
         options->ask.csv = text;
         break;

@@ -2,8 +2,8 @@
  * check` and of `pccd-mpi check`.
  *
  * Room:     client/ctl. May include: ask_options.h, pccd.h.
- * Does:     provide the files, --mode, --contacts, --quality, --rebuild-ratio,
- *           --tolerance, --separation, --approach, and those of ask_options.h.
+ * Does:     provide the files, --mode, --contacts, --tolerance, --separation,
+ *           --approach, and those of ask_options.h.
  * Does not: know who computes.
  * Threads:  one.
  */
@@ -15,7 +15,6 @@
 struct check_options {
     struct ask_options ask; /* its CSV: of contacts */
     struct pccd_step_settings settings;
-    struct pccd_scene_settings scene_settings;
 };
 
 /* An argp child without a heading; its input is a struct check_options. */

@@ -86,7 +86,7 @@ int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool wit
     if (status != PCCD_OK) {
         return check_run_fail(run, status, "the mesh was not accepted", error);
     }
-    status = pccd_scene_create(run->client, &run->mesh.settings, &run->scene);
+    status = pccd_scene_create(run->client, NULL, &run->scene);
     if (status != PCCD_OK) {
         return check_run_fail(run, status, "no scene", error);
     }

@@ -30,10 +30,10 @@ struct check_run {
     uint32_t repeats;              /* timed runs after the first; 0: only the first */
     bool is_apart; /* steps do not follow each other: each says where it begins */
     uint32_t scene, object;
-    struct pccd_edge *edges;   /* ours, of the registered mesh; NULL unless asked for */
-    struct report_mesh mesh;   /* mesh.settings is the caller's */
+    struct pccd_edge *edges; /* ours, of the registered mesh; NULL unless asked for */
+    struct report_mesh mesh;
     struct progress *progress; /* the caller's, of all runs of all steps; or NULL */
-    struct objects *objects; /* the caller's, or NULL: of each step, which ones meet */
+    struct objects *objects;   /* the caller's, or NULL: of each step, which ones meet */
     double *times; /* ours: [REPORT_PHASE_COUNT + 1][repeats], scratch for medians */
 };
 
@@ -41,8 +41,8 @@ struct check_run {
 int check_run_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
                        uint32_t *handle, struct pccd_mesh_info *info);
 
-/* Register `mesh` and place it; with_edges: get its edges too. client, settings,
- * mesh.settings and repeats are set before. Errors: those of pccd.h, E_NOMEM. */
+/* Register `mesh` and place it; with_edges: get its edges too. client, settings
+ * and repeats are set before. Errors: those of pccd.h, E_NOMEM. */
 int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool with_edges,
                     struct ctl_error *error);
 /* One step from `before`, where the object stands now, to `after`: once, then `repeats`

@@ -60,19 +60,6 @@ static const char *why_incomplete(enum pccd_incomplete incomplete)
     return "records are missing";
 }
 
-static void print_trees(FILE *to, const struct pccd_scene_settings *settings)
-{
-    fprintf(to, "trees      quality %s, ",
-            or_unknown(common_quality_name(settings->quality)));
-    if (settings->rebuild_ratio < 0) {
-        fputs("never rebuilt\n", to);
-    } else if (settings->rebuild_ratio > 0) {
-        fprintf(to, "rebuild ratio %g\n", settings->rebuild_ratio);
-    } else {
-        fputs("rebuild ratio default\n", to);
-    }
-}
-
 /* What several frames come from, and which ones. */
 static void print_sources(FILE *to, const struct ctl_frames *files)
 {
@@ -161,7 +148,6 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
     }
     report_print_welded(to, &mesh->welded);
     if (info->duplicate_count + info->degenerate_count + info->isolated_count == 0) {
-        print_trees(to, &mesh->settings);
         return;
     }
     fputs("           of these ", to);
@@ -171,7 +157,6 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
     fputs(", ", to);
     print_count(to, info->isolated_count, "unused vertex", "unused vertices");
     fputc('\n', to);
-    print_trees(to, &mesh->settings);
 }
 
 /* Kinds of free points are told where there are any. */

@@ -44,7 +44,6 @@ void report_phases(const struct pccd_step_times *times, double ms[REPORT_PHASE_C
 struct report_mesh {
     const struct ctl_frames *files; /* or NULL: what has several frames is told */
     struct pccd_mesh_info info;
-    struct pccd_scene_settings settings;
     struct ctl_welded welded;
     uint32_t object_what; /* that options have set: bits of pccd_object_what */
     double build_ms;      /* edges and feature ownership, then the hierarchy; paid once */
@@ -65,7 +64,7 @@ struct report_step {
     uint32_t repeats; /* timed runs; 0: the first run is the timed one */
     double first_ms;  /* `step` of the first run, which warms up */
     double ms[REPORT_PHASE_COUNT]; /* medians of the timed runs */
-    double round_trip_ms; /* the same, from submit to answer as the client sees it */
+    double round_trip_ms;      /* the same, from submit to answer as the client sees it */
     struct report_pair *pairs; /* whose free() is the caller's; NULL: no objects */
     uint32_t pair_count;
 };

@@ -40,15 +40,6 @@ static json_t *mode_text(const char *name)
     return name != NULL ? json_string(name) : json_null();
 }
 
-static void add_settings(json_t *object, const struct pccd_scene_settings *settings,
-                         bool *ok)
-{
-    double ratio = settings->rebuild_ratio;
-    set(object, "quality", mode_text(common_quality_name(settings->quality)), ok);
-    set(object, "rebuild_ratio",
-        ratio == 0 ? json_null() : json_real(ratio < 0 ? 0.0 : ratio), ok);
-}
-
 static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
 {
     const struct pccd_mesh_info *info = &mesh->info;
@@ -61,7 +52,6 @@ static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
     set_count(object, "free_edges", info->free_edge_count, ok);
     set_count(object, "free_points", info->free_point_count, ok);
     report_welded(object, &mesh->welded, ok);
-    add_settings(object, &mesh->settings, ok);
 }
 
 /* Of each file that has several frames, how many, and which ones. */

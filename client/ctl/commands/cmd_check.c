@@ -188,7 +188,6 @@ static int begin(struct check *check, struct ctl_error *error)
     first.format = check->frames[0].format;
     run->settings = check_step_settings(options);
     run->ask = &options->ask;
-    run->mesh.settings = options->scene_settings;
     run->mesh.files = &check->files;
     run->mesh.welded = check->files.welded;
     run->mesh.object_what = options->ask.object.what;

@@ -39,17 +39,11 @@ static int expect(uint32_t wanted, uint32_t given, const char *what,
 
 /* ---- meshes, scenes, objects ------------------------------------------------------- */
 
-static int make_scene(struct drive *drive, uint32_t scene, double rebuild_ratio,
-                      uint32_t quality, uint32_t rebuild_triangles_max,
-                      struct ctl_error *error)
+static int make_scene(struct drive *drive, uint32_t scene, struct ctl_error *error)
 {
-    const struct pccd_scene_settings settings = {.quality = (enum pccd_quality)quality,
-                                                 .rebuild_triangles_max =
-                                                     rebuild_triangles_max,
-                                                 .rebuild_ratio = rebuild_ratio};
     uint32_t made = 0;
     pccd_want(drive->client, scene);
-    int status = pccd_scene_create(drive->client, &settings, &made);
+    int status = pccd_scene_create(drive->client, NULL, &made);
     if (status != PCCD_OK) {
         return failed(drive, status, "a recorded scene", error);
     }
@@ -210,9 +204,7 @@ static int begin_objects(struct drive *drive, const struct registry *world,
     int status = PCCD_OK;
     for (struct registry_scene *scene = world->scenes; scene != NULL && status == PCCD_OK;
          scene = scene->next) {
-        const struct registry_settings *settings = &scene->settings;
-        status = make_scene(drive, scene->handle, settings->rebuild_ratio,
-                            settings->quality, settings->rebuild_triangles_max, error);
+        status = make_scene(drive, scene->handle, error);
         for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
             const struct registry_object *object = &scene->objects[i];
             if (!object->mesh->is_destroyed) {
@@ -363,8 +355,7 @@ int drive_follow(struct drive *drive, const struct registry *world,
         return follow_mesh(drive, world, view, error);
     case RECORD_SCENE:
         memcpy(&scene, view->payload, sizeof scene);
-        return make_scene(drive, scene.scene, scene.rebuild_ratio, scene.quality,
-                          scene.rebuild_triangles_max, error);
+        return make_scene(drive, scene.scene, error);
     case RECORD_OBJECT:
         memcpy(&object, view->payload, sizeof object);
         return add_object(drive, object.scene, object.mesh, object.object, error);

@@ -217,10 +217,7 @@ static int follow_scene(struct registry *world, const struct record_view *view,
 {
     struct record_scene head;
     memcpy(&head, view->payload, sizeof head);
-    const struct registry_settings settings = {.rebuild_ratio = head.rebuild_ratio,
-                                               .quality = head.quality,
-                                               .rebuild_triangles_max =
-                                                   head.rebuild_triangles_max};
+    const struct registry_settings settings = {.name = ""};
     if (registry_scene(world, head.scene) != NULL) {
         return twice(error, "makes scene", head.scene);
     }

@@ -90,7 +90,7 @@ const struct argp program_argp_check = {
     .doc = "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, "
            "then to MESH_T2 and so on, by all ranks of an MPI program. Files, options, "
            "output and exit status are those of pccdctl check; every rank has to be able "
-           "to read the files. --quality and --rebuild-ratio change nothing here.",
+           "to read the files.",
     .children = children};
 
 /* Everything that lives while the frames are walked through. */
@@ -377,7 +377,6 @@ static int check_all(struct check *check, struct ctl_error *error)
     const struct check_options *options = &check->options->check;
     check->run.settings = check_step_settings(options);
     check->run.mesh = (struct report_mesh){.files = &check->part.files,
-                                           .settings = options->scene_settings,
                                            .welded = check->part.files.welded,
                                            .object_what = options->ask.object.what};
     return check->options->is_dealt ? check_dealt(check, error)

@@ -124,16 +124,14 @@ static json_t *depends(void *context)
 {
     const struct apart *apart = context;
     const struct pccd_step_settings *step = &apart->run.settings;
-    const struct pccd_scene_settings *scene = &apart->run.mesh.settings;
     const struct pccd_object_settings *object = &apart->options->ask.object;
     const struct ctl_frames_options *frames = &apart->options->ask.frames;
     char sum[40], numbers[300];
     (void)snprintf(sum, sizeof sum, "%016" PRIx64 "%016" PRIx64, apart->bytes,
                    apart->changed_ns);
-    (void)snprintf(numbers, sizeof numbers, "%d %d %a %a %a %a %a %d %a %d %a %a",
-                   step->mode, (int)step->method, step->tolerance, step->separation,
-                   step->approach, object->radius, object->rest_distance,
-                   (int)object->rest_rings, scene->rebuild_ratio, (int)scene->quality,
+    (void)snprintf(numbers, sizeof numbers, "%d %d %a %a %a %a %a %d %a %a", step->mode,
+                   (int)step->method, step->tolerance, step->separation, step->approach,
+                   object->radius, object->rest_distance, (int)object->rest_rings,
                    frames->weld, frames->wish.rate);
     return json_pack("{s:I, s:s, s:s*, s:s, s:I, s:I, s:s}", "steps",
                      (json_int_t)apart->part->files.count - 1, "files", sum, "animation",

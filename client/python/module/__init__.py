@@ -38,7 +38,7 @@ wait for it.
 
 from . import abi
 from .abi import (BatchWay, ContactFlag, Format, HistogramKind, Incomplete, Kind, Method,
-                  Mode, NearFlag, NearKind, NearWhat, ObjectWhat, Quality, Share,
+                  Mode, NearFlag, NearKind, NearWhat, ObjectWhat, Share,
                   Status, TraceKind, Tree, Verdict)
 from .answer import Answer
 from .batch import SCENE, Batch, BatchAnswer, Part
@@ -58,7 +58,7 @@ __all__ = [
     "Format", "Frame", "Histogram", "HistogramKind", "Incomplete", "Kind",
     "LinkInfo", "MeshInfo", "Method", "Mode", "Motions", "NEAR", "NearFlag", "NearKind",
     "NearWhat", "ObjectSettings", "ObjectWhat",
-    "PAIR", "Part", "PccdError", "Quality", "RecordInfo", "SCENE", "SceneNews",
+    "PAIR", "Part", "PccdError", "RecordInfo", "SCENE", "SceneNews",
     "Setting", "Share", "Status", "StepCounters", "StepEvent", "StepSettings",
     "StepTimes", "TRACE_EVENT", "TraceInfo", "TraceKind", "Tree", "Verdict", "weld",
     "Welded",

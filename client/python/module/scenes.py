@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import abi
-from .abi import Quality, Share, Status, Tree
+from .abi import Share, Status, Tree
 from .answer import Answer
 from .library import PccdError, failure, lib, new_turn
 from .values import (BOX, EDGE, MeshInfo, ObjectSettings, SceneNews, enumerator,
@@ -134,13 +134,10 @@ class Scenes:
 
     # -- scenes and objects --
 
-    def scene_create(self, quality: Union[int, str] = Quality.DEFAULT,
-                     rebuild_ratio: float = 0.0, rebuild_triangles_max: int = 0, *,
-                     name: Optional[str] = None,
+    def scene_create(self, *, name: Optional[str] = None,
                      share: Union[int, str] = Share.CREATE, rights: int = 0,
                      owner: Optional[int] = None) -> int:
-        """An empty scene. The first three say how its hierarchies are built and kept;
-        zeros are the defaults, and the answers never depend on any of it.
+        """An empty scene.
 
         With a name the scene is shared with other clients of the daemon. share: make it
         (E_STATE: there is one), make it unless there is one, or take part (E_AGAIN: there
@@ -164,10 +161,7 @@ class Scenes:
                                             byref(scene)))
             return scene.value
         settings = with_size(abi.pccd_scene_settings(
-            quality=enumerator(Quality, "quality", quality), name=text,
-            rebuild_ratio=rebuild_ratio, share=share,
-            rebuild_triangles_max=u32("rebuild_triangles_max", rebuild_triangles_max),
-            rights=u32("rights", rights)))
+            name=text, share=share, rights=u32("rights", rights)))
         self._check(lib.pccd_scene_create(self._handle, byref(settings), byref(scene)))
         return scene.value
 

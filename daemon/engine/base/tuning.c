@@ -115,13 +115,14 @@ void eng_tuning_used(const struct eng_step_settings *settings,
     if (result->threads < 2) {
         return;
     }
-    int bytes =
-        snprintf(text, PCCD_TUNING_BYTES, "%s=%s%s%s%s%s,%s=%s", choices[SCHEDULER].name,
-                 choices[SCHEDULER].values[tuning->scheduler], has_high ? "," : "",
-                 has_high ? choices[HIGH_LEVEL].name : "", has_high ? "=" : "",
-                 has_high ? choices[HIGH_LEVEL].values[tuning->high_level] : "",
-                 choices[REFIT].name,
-                 choices[REFIT].values[is_paper ? tuning->refit : ENG_REFIT_EVEN]);
+    int bytes = snprintf(
+        text, PCCD_TUNING_BYTES, "%s=%s%s%s%s%s,%s=%s", choices[SCHEDULER].name,
+        choices[SCHEDULER].values[is_paper ? tuning->scheduler : ENG_SCHEDULER_STEAL],
+        has_high ? "," : "", has_high ? choices[HIGH_LEVEL].name : "",
+        has_high ? "=" : "",
+        has_high ? choices[HIGH_LEVEL].values[tuning->high_level] : "",
+        choices[REFIT].name,
+        choices[REFIT].values[is_paper ? tuning->refit : ENG_REFIT_EVEN]);
     assert(bytes > 0 && bytes < PCCD_TUNING_BYTES);
     (void)bytes;
 }

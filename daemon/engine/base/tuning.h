@@ -17,7 +17,8 @@ int eng_tuning_read(const char *text, struct eng_tuning *tuning,
                     char why[ENG_TUNING_WHY_BYTES]);
 
 /* What a step has used, as eng_tuning_read takes it: "" where a thread was alone, and so
- * shared nothing. The method wide refits in one way, and has no high-level nodes. */
+ * shared nothing. The method wide always steals, refits in one way, and has no
+ * high-level nodes. */
 void eng_tuning_used(const struct eng_step_settings *settings,
                      const struct eng_step_result *result, char text[PCCD_TUNING_BYTES]);
 

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "memory.h"
-#include "subtree.h"
 
 void eng_assignment_init(struct eng_assignment *assignment)
 {

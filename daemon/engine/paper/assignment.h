@@ -34,7 +34,7 @@ struct eng_seat {
     uint32_t request_count;
     uint32_t *requests; /* [threads] who waits for a node of ours, oldest first */
     enum eng_reply reply;
-    uint64_t given; /* task unit, with ENG_REPLY_GIVEN */
+    uint32_t given; /* node of a task unit, with ENG_REPLY_GIVEN */
     /* Read by all without the lock, written by the owner (offers) or under the lock
      * (requests): hints for the choice of a victim, checked under the lock afterwards. */
     _Alignas(128) atomic_uint offers[ENG_OFFERS_MAX];

@@ -4,10 +4,9 @@
 #include <assert.h>
 #include <string.h>
 
-#include "build.h"
 #include "memory.h"
-#include "metric.h"
 #include "rebuild.h"
+#include "refit.h"
 
 /* The share of a step, at least: less than this is not worth beginning. */
 #define BUDGET_MIN_NS 200000u
@@ -26,52 +25,28 @@ void eng_background_init(struct eng_background *background)
     background->budget_ns = BUDGET_MIN_NS;
 }
 
-static void free_arrays(struct eng_background *background)
-{
-    eng_free(background->items);
-    eng_free(background->triangles);
-    eng_free(background->links);
-    eng_free(background->boxes);
-    background->items = NULL;
-    background->triangles = NULL;
-    background->links = NULL;
-    background->boxes = NULL;
-    background->capacity = 0;
-}
-
 void eng_background_deinit(struct eng_background *background)
 {
-    free_arrays(background);
+    eng_free(background->items);
+    background->items = NULL;
+    background->capacity = 0;
 }
 
 uint64_t eng_background_bytes(const struct eng_background *background)
 {
-    return (uint64_t)background->capacity *
-           (sizeof *background->items + sizeof *background->triangles +
-            2 * sizeof *background->links +
-            (background->boxes ? sizeof *background->boxes : 0));
+    return (uint64_t)background->capacity * sizeof *background->items;
 }
 
 /* Nothing of the old batch is needed any more. */
-static bool reserve(struct eng_background *background, const struct eng_scene *scene,
-                    uint32_t capacity)
+static bool reserve(struct eng_background *background, uint32_t capacity)
 {
-    bool by_sah = scene->settings.quality == PCCD_QUALITY_SAH;
     if (capacity <= background->capacity) {
         return true;
     }
-    free_arrays(background);
+    eng_background_deinit(background);
     background->items = eng_alloc(capacity, sizeof *background->items);
-    background->triangles = eng_alloc(capacity, sizeof *background->triangles);
-    background->links = eng_alloc(capacity, 2 * sizeof *background->links);
-    background->boxes = by_sah ? eng_alloc(capacity, sizeof *background->boxes) : NULL;
-    if (!background->items || !background->triangles || !background->links ||
-        (by_sah && !background->boxes)) {
-        free_arrays(background);
-        return false;
-    }
-    background->capacity = capacity;
-    return true;
+    background->capacity = background->items ? capacity : 0;
+    return background->items != NULL;
 }
 
 void eng_background_forget(struct eng_background *background, struct eng_range nodes)
@@ -84,56 +59,28 @@ void eng_background_forget(struct eng_background *background, struct eng_range n
     }
 }
 
-/* Write the links of a subtree over those of its old self. */
-static void put_in_place(struct eng_background *background, struct eng_scene *scene,
-                         const struct eng_background_part *part)
-{
-    struct eng_trees *trees = eng_trees_of(scene);
-    const struct eng_link *links = background->links + 2 * (size_t)part->first;
-    const uint32_t *triangles = background->triangles + part->first;
-    for (uint32_t i = 0; i < 2 * part->count - 1; i++) {
-        struct eng_node *node = &trees->nodes[part->root + i];
-        bool is_leaf = links[i].count == 1;
-        node->left = is_leaf ? ENG_LEAF : part->root + i + 1;
-        node->right = is_leaf ? triangles[links[i].right] : part->root + links[i].right;
-        node->count = links[i].count;
-        node->gate = ENG_GATE_NONE;
-        node->foreign = 0;
-    }
-}
-
 static struct eng_range nodes_of(const struct eng_background_part *part)
 {
     return (struct eng_range){part->root, 2 * part->count - 1};
 }
 
-bool eng_background_swap(struct eng_background *background, struct eng_scene *scene)
+void eng_background_swap(struct eng_background *background, struct eng_scene *scene)
 {
+    struct eng_trees *trees = eng_trees_of(scene);
     background->swaps = 0;
     background->swapped_triangles = 0;
     for (uint32_t i = 0; i < background->part_count; i++) {
         struct eng_background_part *part = &background->parts[i];
         if (part->state == ENG_BACKGROUND_BUILT) {
-            put_in_place(background, scene, part);
-            eng_regions_mark(scene, nodes_of(part));
+            eng_grow_leaves(trees, nodes_of(part), background->items + part->first);
+            if (trees->has_foreign) {
+                eng_foreign_mark(trees, nodes_of(part));
+            }
             part->state = ENG_BACKGROUND_FRESH;
             background->swaps++;
             background->swapped_triangles += part->count;
         }
     }
-    return background->swaps > 0;
-}
-
-/* Levels between the root of an object and a node of it. */
-static uint32_t depth_of(const struct eng_scene *scene, uint32_t root, uint32_t node_idx)
-{
-    struct eng_trees *trees = eng_trees_of(scene);
-    uint32_t depth = 0;
-    for (uint32_t i = root; i != node_idx; depth++) {
-        const struct eng_node *node = &trees->nodes[i];
-        i = node_idx < node->right ? node->left : node->right;
-    }
-    return depth;
 }
 
 /* Take the largest poor subtrees of an object into the batch. */
@@ -141,21 +88,17 @@ static void examine_object(struct eng_background *background,
                            const struct eng_scene *scene, struct eng_range nodes)
 {
     struct eng_trees *trees = eng_trees_of(scene);
-    uint32_t levels = eng_object_levels(scene, trees->nodes[nodes.first].count);
     uint32_t end = nodes.first + nodes.count;
     for (uint32_t i = nodes.first; i < end;) {
         const struct eng_node *node = &trees->nodes[i];
-        bool is_high = node->count > scene->settings.rebuild_triangles_max;
+        bool is_high = node->count > scene->settings.region_triangles;
         bool is_poor = is_high && node->count >= ENG_EXAMINE_MIN &&
                        eng_metric_is_poor(eng_metric(trees->nodes, node),
                                           trees->upkeep[i].built_ratio,
                                           (float)scene->settings.rebuild_ratio);
         if (is_poor && background->part_count < ENG_BACKGROUND_PARTS_MAX) {
             background->parts[background->part_count++] = (struct eng_background_part){
-                .state = ENG_BACKGROUND_FOUND,
-                .root = i,
-                .count = node->count,
-                .levels = levels - depth_of(scene, nodes.first, i)};
+                .state = ENG_BACKGROUND_FOUND, .root = i, .count = node->count};
         }
         i += is_high && !is_poor ? 1 : 2 * node->count - 1;
     }
@@ -175,7 +118,7 @@ static void find_parts(struct eng_background *background, const struct eng_scene
         background->parts[i].first = triangles;
         triangles += background->parts[i].count;
     }
-    if (!reserve(background, scene, triangles)) {
+    if (!reserve(background, triangles)) {
         background->part_count = 0;
     }
     background->listing = 0;
@@ -188,19 +131,9 @@ static void find_parts(struct eng_background *background, const struct eng_scene
 static void list_leaf(struct eng_background *background, const struct eng_node *leaf)
 {
     assert(leaf->left == ENG_LEAF);
-    uint32_t own = background->next_item++;
-    uint32_t place = background->parts[background->listing].first + own;
-    const struct eng_box *box = eng_box_of_const(leaf);
-    background->items[place] = eng_split_item_of(leaf, own);
-    background->triangles[place] = leaf->right;
-    if (background->boxes) {
-        eng_f4 lo = eng_min4(eng_bounds(box, 0), eng_bounds(box, 2));
-        eng_f4 hi = eng_max4(eng_bounds(box, 1), eng_bounds(box, 3));
-        for (int k = 0; k < 3; k++) {
-            background->boxes[place].lo[k] = lo[k];
-            background->boxes[place].hi[k] = hi[k];
-        }
-    }
+    uint32_t first = background->parts[background->listing].first;
+    background->items[first + background->next_item++] =
+        eng_split_item_of(leaf, leaf->right);
 }
 
 /* The next node above regions, or the next region as a whole: later steps may move
@@ -210,7 +143,7 @@ static void list_some(struct eng_background *background, const struct eng_scene 
     struct eng_trees *trees = eng_trees_of(scene);
     uint32_t first = background->next_node;
     uint32_t count = trees->nodes[first].count;
-    bool is_high = count > scene->settings.rebuild_triangles_max;
+    bool is_high = count > scene->settings.region_triangles;
     background->next_node += is_high ? 1 : 2 * count - 1;
     for (uint32_t i = first; i < background->next_node; i++) {
         if (trees->nodes[i].left == ENG_LEAF) {
@@ -274,12 +207,8 @@ static void begin_part(struct eng_background *background,
     struct eng_grower *grower = &background->grower;
     grower->items = background->items + part->first;
     grower->nodes = NULL;
-    grower->links = background->links + 2 * (size_t)part->first;
-    grower->base = 0;
     grower->over_roots = false;
-    grower->sah.boxes = background->boxes ? background->boxes + part->first : NULL;
-    grower->sah.first_id = 0;
-    eng_grow_begin(grower, part->count, 0, part->levels);
+    eng_grow_begin(grower, part->count, part->root);
     background->has_begun = true;
 }
 

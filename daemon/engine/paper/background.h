@@ -7,10 +7,10 @@
  *
  * Source: paper sections 6.2 and 7.1; Ize et al. 2007 (asynchronous construction).
  *
- * A subtree is built from the positions that its triangles had when the build began, in
- * an array of its own that no traversal reads. It holds the same triangles when it is
- * swapped in: regions change only inside, and there is one swap for each subtree.
- * Positions that are a few steps old cost a little quality and nothing else.
+ * A subtree is built from the positions that its triangles had when the build began, as
+ * an order of its triangles that no traversal reads. They are still its triangles when
+ * they are swapped in: regions change only inside, and there is one swap for each
+ * subtree. Positions that are a few steps old cost a little quality and nothing else.
  *
  *   examined -> listed -> built -> swapped in        each subtree; one at a time is built
  */
@@ -34,9 +34,8 @@ enum eng_background_state {
 struct eng_background_part {
     enum eng_background_state state;
     uint32_t root;
-    uint32_t count;  /* triangles */
-    uint32_t levels; /* that the object's depth leaves to it */
-    uint32_t first;  /* its place in the arrays below; of links: twice as much */
+    uint32_t count; /* triangles */
+    uint32_t first; /* its place in `items` */
 };
 
 struct eng_background {
@@ -48,10 +47,7 @@ struct eng_background {
     uint32_t building;   /* the part being built */
     bool has_begun;      /* the grower is at work on it */
     struct eng_grower grower;
-    struct eng_split_item *items; /* [capacity] with places in `triangles` as ids */
-    uint32_t *triangles;          /* [capacity] */
-    struct eng_link *links;       /* [2 capacity] */
-    struct eng_sah_box *boxes;    /* [capacity], build quality SAH only */
+    struct eng_split_item *items; /* [capacity] */
     uint32_t capacity;            /* triangles */
     uint64_t budget_ns;           /* of a step's share */
     uint64_t swaps;               /* of this step, with their triangles */
@@ -65,8 +61,8 @@ uint64_t eng_background_bytes(const struct eng_background *background);
 /* The object with these nodes goes away. [compute] */
 void eng_background_forget(struct eng_background *background, struct eng_range nodes);
 
-/* Put what is built in place. Before the refit; true: the tree has changed. [compute] */
-bool eng_background_swap(struct eng_background *background, struct eng_scene *scene);
+/* Put what is built in place. Before the refit. [compute] */
+void eng_background_swap(struct eng_background *background, struct eng_scene *scene);
 
 /* After the refit, while nobody traverses: note the metric of what was swapped in, look
  * for poor subtrees, list their triangles. By one thread. Without memory nothing is

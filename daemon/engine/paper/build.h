@@ -21,10 +21,6 @@ int eng_plant_objects(struct eng_scene *scene);
 /* Give back what eng_plant_objects took for an object, if it did. */
 void eng_object_fell(struct eng_scene *scene, struct eng_object *object);
 
-/* Levels that the hierarchy of an object may have, the root being 0; within a region one
- * more after a reconstruction (rebuild.h). */
-uint32_t eng_object_levels(const struct eng_scene *scene, uint32_t triangle_count);
-
 /* Make room in the arrays of binary hierarchies up to the end of each range allocator.
  * PCCD_E_NOMEM: can be tried again. */
 int eng_tree_reserve(struct eng_scene *scene);

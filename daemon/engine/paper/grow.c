@@ -1,4 +1,4 @@
-/* grow.c - a hierarchy from the top down, in pieces. */
+/* grow.c - builds a tree from the top down, in pieces. */
 #include "grow.h"
 
 #include <assert.h>
@@ -8,27 +8,13 @@
 /* Items below which a subtree is one piece: about 0.1 ms. */
 #define PIECE_ITEMS 1024u
 
-/* Items below which the heuristic is not asked: there is hardly a choice. */
-#define SAH_ITEMS_MIN 5u
-
-uint32_t eng_grow_levels(uint32_t count)
+void eng_grow_begin(struct eng_grower *grower, uint32_t count, uint32_t root)
 {
-    uint32_t levels = 0;
-    while ((uint64_t)1 << levels < count) {
-        levels++;
-    }
-    return levels;
-}
-
-void eng_grow_begin(struct eng_grower *grower, uint32_t count, uint32_t root,
-                    uint32_t levels)
-{
-    assert(count >= 1 && grower->items && (grower->nodes || grower->links));
-    assert(count > 0 && levels >= eng_grow_levels(count));
-    assert(levels < ENG_GROW_STACK_MAX);
-    grower->stage = ENG_GROW_NEXT;
+    assert(count >= 1 && grower->items);
+    assert(!grower->over_roots || (count >= 2 && grower->nodes));
+    grower->is_splitting = false;
     grower->stack_count = 1;
-    grower->stack[0] = (struct eng_grow_job){0, count, root, levels};
+    grower->stack[0] = (struct eng_grow_job){0, count, root};
 }
 
 /* Nodes that a subtree of `count` items takes. */
@@ -53,17 +39,14 @@ static uint32_t triangles_below(const struct eng_grower *grower,
 static void write_node(const struct eng_grower *grower, const struct eng_grow_job *job,
                        uint32_t left, uint32_t right)
 {
-    uint32_t count = triangles_below(grower, job);
     if (grower->nodes) {
         struct eng_node *node = &grower->nodes[job->node];
         node->left = left;
         node->right = right;
-        node->count = count;
+        node->count = triangles_below(grower, job);
         node->gate = ENG_GATE_NONE;
         node->foreign = 0;
-        node->moved = 0;
-    } else {
-        grower->links[job->node - grower->base] = (struct eng_link){right, count};
+        node->reserved = 0;
     }
 }
 
@@ -78,102 +61,69 @@ static uint32_t place_child(struct eng_grower *grower, struct eng_grow_job child
     return child.node;
 }
 
-/* The items of `job` are in order: the first `half` go left. */
-static void split_at(struct eng_grower *grower, const struct eng_grow_job *job,
-                     uint32_t half)
+/* The items of the job are in order: the first half goes left. */
+static void split(struct eng_grower *grower)
 {
-    struct eng_grow_job left = {job->first, half, job->node + 1, job->levels - 1};
+    const struct eng_grow_job *job = &grower->job;
+    uint32_t half = job->count / 2;
+    struct eng_grow_job left = {job->first, half, job->node + 1};
     struct eng_grow_job right = {job->first + half, job->count - half,
-                                 job->node + 1 + nodes_of(grower, half), job->levels - 1};
+                                 job->node + 1 + nodes_of(grower, half)};
     /* The right one waits: depth first along the left keeps the stack short. */
     uint32_t right_node = place_child(grower, right);
     uint32_t left_node = place_child(grower, left);
     write_node(grower, job, left_node, right_node);
 }
 
-static struct eng_split_item *items_of(const struct eng_grower *grower,
-                                       const struct eng_grow_job *job)
-{
-    return grower->items + job->first;
-}
-
-static void begin_median(struct eng_grower *grower)
-{
-    const struct eng_grow_job *job = &grower->job;
-    grower->stage = ENG_GROW_MEDIAN;
-    eng_median_begin(&grower->median, job->count, job->count / 2,
-                     eng_median_axis(items_of(grower, job), job->count),
-                     eng_kernels()->come_before);
-}
-
-/* Take the next job. */
-static void begin_job(struct eng_grower *grower)
-{
-    struct eng_grow_job *job = &grower->job;
-    *job = grower->stack[--grower->stack_count];
-    if (job->count == 1) {
-        write_node(grower, job, ENG_LEAF, items_of(grower, job)->id);
-    } else if (grower->sah.boxes && job->count >= SAH_ITEMS_MIN) {
-        grower->stage = ENG_GROW_SAH;
-        eng_sah_begin(&grower->sah, job->count);
-    } else {
-        begin_median(grower);
-    }
-}
-
-/* Follow the heuristic where the depth allows it. */
-static void end_sah(struct eng_grower *grower)
-{
-    const struct eng_grow_job *job = &grower->job;
-    uint32_t left = grower->sah.left;
-    uint32_t larger = left > job->count - left ? left : job->count - left;
-    if (left == 0 || eng_grow_levels(larger) > job->levels - 1) {
-        begin_median(grower);
-    } else {
-        grower->stage = ENG_GROW_NEXT;
-        split_at(grower, job, left);
-    }
-}
-
 /* One pass over the items of one job, or the start of the next. */
 static void advance(struct eng_grower *grower)
 {
-    const struct eng_grow_job *job = &grower->job;
-    switch (grower->stage) {
-    case ENG_GROW_NEXT:
-        begin_job(grower);
-        break;
-    case ENG_GROW_MEDIAN:
-        if (eng_median_round(&grower->median, items_of(grower, job))) {
-            grower->stage = ENG_GROW_NEXT;
-            split_at(grower, job, job->count / 2);
+    struct eng_grow_job *job = &grower->job;
+    if (grower->is_splitting) {
+        if (eng_median_round(&grower->median, grower->items + job->first)) {
+            grower->is_splitting = false;
+            split(grower);
         }
-        break;
-    case ENG_GROW_SAH:
-        if (eng_sah_pass(&grower->sah, items_of(grower, job), job->count)) {
-            end_sah(grower);
-        }
-        break;
+        return;
+    }
+    *job = grower->stack[--grower->stack_count];
+    struct eng_split_item *items = grower->items + job->first;
+    if (job->count == 1) {
+        write_node(grower, job, ENG_LEAF, items->id);
+    } else {
+        grower->is_splitting = true;
+        eng_median_begin(&grower->median, job->count, job->count / 2,
+                         eng_median_axis(items, job->count), eng_kernels()->come_before);
     }
 }
 
 bool eng_grow_piece(struct eng_grower *grower)
 {
-    if (grower->stage != ENG_GROW_NEXT) {
+    if (grower->is_splitting) {
         advance(grower);
     } else if (grower->stack_count > 0) {
         uint32_t others = grower->stack_count - 1;
         bool is_small = grower->stack[others].count <= PIECE_ITEMS;
         do {
             advance(grower);
-        } while (is_small &&
-                 (grower->stage != ENG_GROW_NEXT || grower->stack_count > others));
+        } while (is_small && (grower->is_splitting || grower->stack_count > others));
     }
-    return grower->stage != ENG_GROW_NEXT || grower->stack_count > 0;
+    return grower->is_splitting || grower->stack_count > 0;
 }
 
 void eng_grow(struct eng_grower *grower)
 {
     while (eng_grow_piece(grower)) {
+    }
+}
+
+void eng_grow_leaves(struct eng_trees *trees, struct eng_range nodes,
+                     const struct eng_split_item *items)
+{
+    assert(nodes.count % 2 == 1);
+    for (uint32_t i = nodes.first; i < nodes.first + nodes.count; i++) {
+        if (trees->nodes[i].left == ENG_LEAF) {
+            trees->nodes[i].right = items++->id;
+        }
     }
 }

@@ -7,7 +7,7 @@
 
 #include "assignment.h"
 #include "background.h"
-#include "refit_plan.h"
+#include "refit.h"
 #include "trees.h"
 
 struct eng_paper {
@@ -25,5 +25,8 @@ static inline struct eng_paper *eng_paper_of(const struct eng_scene *scene)
 }
 
 extern const struct eng_slot_calls eng_paper_slot;
+
+/* What a step calls. */
+extern const struct eng_method_calls eng_method_paper;
 
 #endif

@@ -112,14 +112,4 @@ ENG_FEATURE_INLINE const struct eng_box *eng_feature_box(const struct eng_trees 
                          : eng_box_of_const(leaf);
 }
 
-/* Does it move, in a step that marks what does? */
-ENG_FEATURE_INLINE bool eng_feature_moves(const struct eng_trees *trees, uint32_t points,
-                                          const struct eng_node *leaf, uint32_t feature)
-{
-    assert(trees->marks);
-    return (points == 1   ? trees->vertices[feature].moved
-            : points == 2 ? trees->edges[feature].moved
-                          : leaf->moved) == trees->mark;
-}
-
 #endif

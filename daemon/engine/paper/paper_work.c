@@ -32,7 +32,7 @@ static int reserve_split(struct eng_paper_work *work, const struct eng_scene *sc
     const struct eng_trees *trees = eng_trees_of(scene);
     uint32_t leaf_count =
         trees->root == ENG_NO_NODE ? 0 : trees->nodes[trees->root].count;
-    uint32_t most = scene->settings.rebuild_triangles_max;
+    uint32_t most = scene->settings.region_triangles;
     uint32_t capacity = leaf_count < most ? leaf_count : most;
     if (scene->settings.rebuild_ratio <= 0 || capacity <= work->split_capacity) {
         return PCCD_OK;
@@ -73,7 +73,8 @@ void eng_paper_work_begin(struct eng_worker *worker)
 {
     assert(eng_paper_work_of(worker)); /* reserved */
     struct eng_paper_work *work = eng_paper_work_of(worker);
-    worker->leaves_out = worker->prunes || eng_trees_of(worker->scene)->has_foreign;
+    work->units.head = 0;
+    work->units.tail = 0;
     work->pairs.count = 0;
     for (unsigned kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         work->chunks[kind].count = 0;

@@ -5,9 +5,8 @@
 
 #include "grow.h"
 #include "kernel.h"
-#include "metric.h"
 #include "paper_work.h"
-#include "refit_still.h"
+#include "refit.h"
 #include "wait.h"
 
 /* Nodes of a part of the tree over the objects that is worth a look: two objects can be
@@ -28,7 +27,7 @@ void eng_regions_mark(struct eng_scene *scene, struct eng_range nodes)
     }
     for (uint32_t i = nodes.first; i < end;) {
         struct eng_node *node = &trees->nodes[i];
-        if (node->count > scene->settings.rebuild_triangles_max) {
+        if (node->count > scene->settings.region_triangles) {
             i++;
             continue;
         }
@@ -88,48 +87,29 @@ static void list_triangles(const struct eng_scene *scene, struct eng_range nodes
     }
 }
 
-/* Build items[count] at `node`. */
-static void build(const struct eng_scene *scene, struct eng_split_item *items,
-                  uint32_t count, uint32_t node)
-{
-    struct eng_trees *trees = eng_trees_of(scene);
-    struct eng_grower grower;
-    grower.items = items;
-    grower.nodes = trees->nodes;
-    grower.over_roots = false;
-    grower.sah.boxes = NULL;
-    eng_grow_begin(&grower, count, node, eng_grow_levels(count));
-    eng_grow(&grower);
-}
-
-/* Build the subtree at `node_idx` anew; of a region's root only what is below it. */
+/* Build the subtree at `node_idx` anew: all of it is below that node. */
 static void rebuild_subtree(struct eng_worker *worker, uint32_t node_idx)
 {
     struct eng_scene *scene = worker->scene;
     struct eng_trees *trees = eng_trees_of(scene);
     struct eng_paper_work *work = eng_paper_work_of(worker);
-    const struct eng_node *node = &trees->nodes[node_idx];
-    struct eng_split_item *items = work->split_items;
-    struct eng_range range = {node_idx, node_count_of(node)};
+    uint32_t count = trees->nodes[node_idx].count;
+    struct eng_range range = {node_idx, node_count_of(&trees->nodes[node_idx])};
     uint64_t begin_ns = eng_worker_slice(worker);
-    assert(node->count <= work->split_capacity);
-    list_triangles(scene, range, items);
-    if (node->gate == ENG_GATE_REGION) {
-        uint32_t left_count = trees->nodes[node->left].count;
-        eng_median_split(items, node->count, left_count,
-                         eng_median_axis(items, node->count),
-                         worker->kernels->come_before);
-        build(scene, items, left_count, node->left);
-        build(scene, items + left_count, node->count - left_count, node->right);
-        eng_still_refit_anew(scene, (struct eng_range){node_idx + 1, range.count - 1});
-    } else {
-        build(scene, items, node->count, node_idx);
-        eng_still_refit_anew(scene, range);
-    }
+    assert(count <= work->split_capacity);
+    list_triangles(scene, range, work->split_items);
+    struct eng_grower grower;
+    grower.items = work->split_items;
+    grower.nodes = NULL;
+    grower.over_roots = false;
+    eng_grow_begin(&grower, count, node_idx);
+    eng_grow(&grower);
+    eng_grow_leaves(trees, range, work->split_items);
+    eng_refit_anew(scene, (struct eng_range){node_idx + 1, range.count - 1});
     eng_rebuild_note(scene, range);
     worker->record.rebuilds++;
-    worker->tally.rebuilt_triangles += node->count;
-    eng_worker_trace(worker, PCCD_TRACE_REBUILD, begin_ns, node_idx, node->count);
+    worker->tally.rebuilt_triangles += count;
+    eng_worker_trace(worker, PCCD_TRACE_REBUILD, begin_ns, node_idx, count);
 }
 
 /* Build what is below the object roots in a part of the tree over the objects anew: the
@@ -154,10 +134,9 @@ static void rebuild_objects(struct eng_worker *worker, uint32_t first, uint32_t 
     grower.items = trees->top_items;
     grower.nodes = trees->nodes;
     grower.over_roots = true;
-    grower.sah.boxes = NULL;
-    eng_grow_begin(&grower, count, first, eng_grow_levels(count));
+    eng_grow_begin(&grower, count, first);
     eng_grow(&grower);
-    eng_still_refit_anew(scene, (struct eng_range){first, end - first});
+    eng_refit_anew(scene, (struct eng_range){first, end - first});
     note_objects(scene, first, end);
     worker->record.rebuilds++;
     worker->tally.rebuilt_triangles += count;

@@ -5,12 +5,12 @@
  * that have become poor; the same for the tree over the objects, after the refit.
  *
  * Threads: [team] where it says so.
- * Source: paper sections 6.2 (selective, lazy reconstruction) and 5.1 (lock); metric.h.
+ * Source: paper sections 6.2 (selective, lazy reconstruction) and 5.1 (lock).
  *
  * Regions. A region is a largest subtree of an object with at most
- * settings.rebuild_triangles_max triangles: every node is in one region, or is a high
- * node above them. A reconstruction stays inside a region: a subtree of n triangles keeps
- * its 2n - 1 nodes, its root and its box.
+ * settings.region_triangles triangles: every node is in one region, or is a high node
+ * above them. A reconstruction stays inside a region: it puts the triangles of a subtree
+ * in other leaves, and every node keeps its place, its children and its count (grow.h).
  *
  * The gate. A thread that needs the children of a region's root calls eng_node_open
  * first. The first one to do so in a step examines the region and rebuilds what is poor;
@@ -25,7 +25,7 @@
  * keep their sizes and so their places, and its box, the union of the same leaves, stays.
  *
  * A step that is stopped leaves no reconstruction half done: the thread that holds a gate
- * finishes the region first, at most rebuild_triangles_max triangles.
+ * finishes the region first, at most region_triangles triangles.
  */
 #ifndef ENG_REBUILD_H
 #define ENG_REBUILD_H
@@ -36,6 +36,54 @@
 /* Subtrees with fewer triangles are not looked at: what they could save is less than
  * looking costs (`bench/tables.sh rebuild`). */
 #define ENG_EXAMINE_MIN 16u
+
+/* ---- the metric -------------------------------------------------------------------- */
+
+/* How good a node is (Larsson and Akenine-Moeller 2006): poor, if its children overlap
+ * much. A moving box has a volume at each end of the step; they are added. Boxes of a
+ * flat sheet have none: where one of the three is zero, half of the surface takes its
+ * place. */
+struct eng_extent {
+    double volume; /* 1e54 at most */
+    double area;   /* of half the surface */
+};
+
+static inline struct eng_extent eng_extent_of(const struct eng_box *box)
+{
+    eng_f4 size0 = eng_bounds(box, 1) - eng_bounds(box, 0);
+    eng_f4 size1 = eng_bounds(box, 3) - eng_bounds(box, 2);
+    double x0 = (double)size0[0];
+    double y0 = (double)size0[1];
+    double z0 = (double)size0[2];
+    double x1 = (double)size1[0];
+    double y1 = (double)size1[1];
+    double z1 = (double)size1[2];
+    return (struct eng_extent){x0 * y0 * z0 + x1 * y1 * z1,
+                               x0 * y0 + y0 * z0 + z0 * x0 + x1 * y1 + y1 * z1 + z1 * x1};
+}
+
+/* The ratio for an inner node; 1 if it is a point. Children that overlap much make it
+ * small. */
+static inline float eng_metric(const struct eng_node *nodes, const struct eng_node *node)
+{
+    struct eng_extent whole = eng_extent_of(eng_box_of_const(node));
+    struct eng_extent left = eng_extent_of(eng_box_of_const(&nodes[node->left]));
+    struct eng_extent right = eng_extent_of(eng_box_of_const(&nodes[node->right]));
+    if (whole.volume > 0 && left.volume > 0 && right.volume > 0) {
+        return (float)(whole.volume / (left.volume + right.volume));
+    }
+    double parts = left.area + right.area;
+    return parts > 0 ? (float)(whole.area / parts) : 1.0f;
+}
+
+/* Is it worth building anew? Less than `threshold`, and less than that times what it was
+ * when it was built: children that overlap by nature do so again. */
+static inline bool eng_metric_is_poor(float ratio, float built_ratio, float threshold)
+{
+    return ratio < threshold && ratio < threshold * built_ratio;
+}
+
+/* ---- the gates --------------------------------------------------------------------- */
 
 /* What the gate of a region says when its examination in this step has ended; one less
  * while it is going on; anything else before. Step numbers go round after 2^31 steps: a

@@ -1,30 +1,77 @@
 /* schedule_paper.c - the paper's own scheduler.
  *
- * Deal out task units, of the method paper one low-level node to each thread; a thread
- * that runs out asks another for its front unit and sleeps until it is answered; when all
- * are done, what all threads do together follows: the high-level nodes of the method
- * paper (highlevel.c).
+ * Deal out one low-level node to each thread; a thread that runs out asks another for its
+ * front unit and sleeps until it is answered; when all are done, all threads together
+ * perform the high-level nodes (highlevel.c).
  *
  * Source: paper sections 4.2 (initial assignment), 4.3 (dynamic assignment).
  *
- * A unit is only ever one thread's (and, of the method paper, disjoint from the others'
- * units), so the main loop takes no lock: after each task unit a thread looks at the
- * length of its scheduling queue, and at the number of threads that sleep because nobody
- * had one to spare. `active` counts threads that have work or to whom work is on its way;
- * it is zero when all units are done. A step that is stopped ends like one that is done:
- * every thread gives up its units and leaves.
+ * A unit is only ever one thread's and disjoint from the others' units, so the main loop
+ * takes no lock: after each task unit a thread looks at the length of its scheduling
+ * queue, and at the number of threads that sleep because nobody had one to spare.
+ * `active` counts threads that have work or to whom work is on its way; it is zero when
+ * all units are done. A step that is stopped ends like one that is done: every thread
+ * gives up its units and leaves.
  */
 #include "schedule_paper.h"
 
 #include <assert.h>
 
-#include "method.h"
+#include "highlevel.h"
 #include "paper.h"
+#include "paper_work.h"
+#include "rebuild.h"
+#include "taskunit.h"
 #include "wait.h"
 
-int eng_schedule_paper_reserve(struct eng_scene *scene, uint32_t threads)
+/* Write a node whose task unit is wanted to `place`; returns whether it is. */
+static uint32_t add_wanted(struct eng_worker *worker, uint32_t node, uint32_t *place)
 {
-    return eng_assignment_reserve(&eng_paper_of(scene)->assignment, threads);
+    bool is_wanted = eng_taskunit_is_wanted(worker, node);
+    if (is_wanted) {
+        *place = node;
+    }
+    return is_wanted;
+}
+
+/* Breadth-first until the queue `front` holds a node for each thread; the nodes opened on
+ * the way are the high-level ones. Leaves wait in front of the queue. Returns the length
+ * of the queue. */
+static uint32_t choose_front(struct eng_team *team, struct eng_worker *worker,
+                             uint32_t front[2 * ENG_THREADS_MAX])
+{
+    assert(eng_trees_of(worker->scene)->root != ENG_NO_NODE);
+    struct eng_assignment *assignment = &eng_paper_of(team->scene)->assignment;
+    uint32_t head = 0;
+    uint32_t tail = 0;
+    uint32_t leaves = 0;
+    assignment->high_count = 0;
+    tail += add_wanted(worker, eng_trees_of(worker->scene)->root, &front[tail]);
+    while (head < tail && leaves + tail - head < team->count) {
+        uint32_t idx = front[head++];
+        const struct eng_node *node = eng_node_open(worker, idx);
+        if (node->left == ENG_LEAF) {
+            front[leaves++] = idx;
+            continue;
+        }
+        assignment->high[assignment->high_count++] = idx;
+        tail += add_wanted(worker, node->left, &front[tail]);
+        tail += add_wanted(worker, node->right, &front[tail]);
+    }
+    while (head < tail) {
+        front[leaves++] = front[head++];
+    }
+    return leaves;
+}
+
+/* Each opened node adds two and is one less. */
+static void assign(struct eng_team *team, struct eng_worker *worker)
+{
+    uint32_t front[2 * ENG_THREADS_MAX];
+    uint32_t count = choose_front(team, worker, front);
+    for (uint32_t i = 0; i < count; i++) {
+        eng_units_push(&eng_paper_work_of(team->workers[i])->units, front[i]);
+    }
 }
 
 void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
@@ -32,10 +79,11 @@ void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
     assert(eng_paper_of(team->scene)->assignment.capacity >= team->count);
     struct eng_assignment *assignment = &eng_paper_of(team->scene)->assignment;
     uint32_t active = 0;
-    team->method->assign(team, worker);
+    assign(team, worker);
     for (uint32_t i = 0; i < team->count; i++) {
         struct eng_seat *seat = &assignment->seats[i];
-        seat->takes_requests = eng_units_count(&team->workers[i]->units) > 0;
+        seat->takes_requests =
+            eng_units_count(&eng_paper_work_of(team->workers[i])->units) > 0;
         active += seat->takes_requests;
         seat->request_count = 0;
         atomic_store_explicit(&seat->requests_seen, 0, memory_order_relaxed);
@@ -48,23 +96,22 @@ void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
 }
 
 /* Let others see how large the front units are. Relaxed: a hint; the lock decides. */
-static void publish(const struct eng_team *team, struct eng_seat *seat,
-                    const struct eng_worker *worker)
+static void publish(struct eng_seat *seat, const struct eng_worker *worker)
 {
-    const struct eng_task_queue *units = &worker->units;
+    const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
+    const struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
     for (uint32_t k = 0; k < ENG_OFFERS_MAX; k++) {
-        uint32_t size = k < eng_units_count(units)
-                            ? team->method->unit_size(worker, eng_units_look(units, k))
-                            : 0;
+        uint32_t size =
+            k < eng_units_count(units) ? nodes[eng_units_peek(units, k)].count : 0;
         atomic_store_explicit(&seat->offers[k], size, memory_order_relaxed);
     }
 }
 
-static void answer(struct eng_seat *asker, enum eng_reply reply, uint64_t unit)
+static void answer(struct eng_seat *asker, enum eng_reply reply, uint32_t node)
 {
     pthread_mutex_lock(&asker->lock);
     asker->reply = reply;
-    asker->given = unit;
+    asker->given = node;
     pthread_cond_signal(&asker->wake);
     pthread_mutex_unlock(&asker->lock);
 }
@@ -74,7 +121,7 @@ static void answer(struct eng_seat *asker, enum eng_reply reply, uint64_t unit)
 static void serve(struct eng_assignment *assignment, struct eng_seat *seat,
                   struct eng_worker *worker, bool close)
 {
-    struct eng_task_queue *units = &worker->units;
+    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
     pthread_mutex_lock(&seat->lock);
     uint32_t served = 0;
     while (served < seat->request_count && (close || eng_units_count(units) > 1)) {
@@ -98,25 +145,35 @@ static void serve(struct eng_assignment *assignment, struct eng_seat *seat,
     pthread_mutex_unlock(&seat->lock);
 }
 
+static void perform_unit(const struct eng_team *team, struct eng_worker *worker,
+                         uint32_t node)
+{
+    struct eng_assignment *assignment = &eng_paper_of(team->scene)->assignment;
+    eng_assignment_enter(assignment, team->count, team->scene, worker->thread, node);
+    eng_taskunit_perform(worker, node, true);
+    eng_assignment_enter(assignment, team->count, team->scene, worker->thread,
+                         ENG_NO_NODE);
+}
+
 /* The main loop of section 4.3: no lock unless somebody asks or sleeps. */
 static void perform_units(struct eng_team *team, struct eng_seat *seat,
                           struct eng_worker *worker)
 {
     struct eng_assignment *assignment = &eng_paper_of(team->scene)->assignment;
-    struct eng_task_queue *units = &worker->units;
+    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
     while (eng_units_count(units) > 0 && !eng_worker_should_stop(worker)) {
-        team->method->perform_unit(team, worker, eng_units_take_newest(units));
-        publish(team, seat, worker);
+        perform_unit(team, worker, eng_units_take_newest(units));
+        publish(seat, worker);
         if (atomic_load_explicit(&seat->requests_seen, memory_order_relaxed) > 0) {
             serve(assignment, seat, worker, false);
-            publish(team, seat, worker);
+            publish(seat, worker);
         }
         if (eng_units_count(units) > 1) {
             eng_lounge_call(assignment, eng_units_count(units) - 1);
         }
     }
     units->head = units->tail; /* when stopped */
-    publish(team, seat, worker);
+    publish(seat, worker);
     serve(assignment, seat, worker, true);
     eng_assignment_leave(assignment);
 }
@@ -146,7 +203,7 @@ static struct eng_seat *choose_victim(const struct eng_team *team, uint32_t thre
 
 /* Place a request and sleep until it is answered. False: not taken, or denied. */
 static bool request(struct eng_seat *victim, struct eng_seat *seat,
-                    struct eng_worker *worker, uint64_t *unit)
+                    struct eng_worker *worker, uint32_t *node)
 {
     seat->reply = ENG_REPLY_NONE; /* nobody else knows of us yet */
     pthread_mutex_lock(&victim->lock);
@@ -166,7 +223,7 @@ static bool request(struct eng_seat *victim, struct eng_seat *seat,
     while (seat->reply == ENG_REPLY_NONE) {
         pthread_cond_wait(&seat->wake, &seat->lock);
     }
-    *unit = seat->given;
+    *node = seat->given;
     bool given = seat->reply == ENG_REPLY_GIVEN;
     pthread_mutex_unlock(&seat->lock);
     worker->record.steals += given;
@@ -175,7 +232,7 @@ static bool request(struct eng_seat *victim, struct eng_seat *seat,
 
 /* Work from another thread; false: there is none anywhere. */
 static bool find_work(struct eng_team *team, struct eng_seat *seat,
-                      struct eng_worker *worker, uint64_t *unit)
+                      struct eng_worker *worker, uint32_t *node)
 {
     uint64_t begin_ns = common_now_ns();
     bool found = false;
@@ -183,7 +240,7 @@ static bool find_work(struct eng_team *team, struct eng_seat *seat,
                                           memory_order_acquire) > 0) {
         struct eng_seat *victim = choose_victim(team, worker->thread);
         if (victim) {
-            found = request(victim, seat, worker, unit);
+            found = request(victim, seat, worker, node);
         } else {
             worker->record.sleeps++;
             eng_lounge_sleep(&eng_paper_of(team->scene)->assignment);
@@ -203,21 +260,22 @@ static void open_seat(struct eng_seat *seat)
 static void perform_all_units(struct eng_team *team, struct eng_worker *worker)
 {
     struct eng_seat *seat = &eng_paper_of(team->scene)->assignment.seats[worker->thread];
-    uint64_t unit;
-    bool has_work = eng_units_count(&worker->units) > 0;
-    if (!has_work && find_work(team, seat, worker, &unit)) {
-        eng_units_push(&worker->units, unit);
+    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
+    uint32_t node;
+    bool has_work = eng_units_count(units) > 0;
+    if (!has_work && find_work(team, seat, worker, &node)) {
+        eng_units_push(units, node);
         has_work = true;
     }
     while (has_work) {
         uint64_t begin_ns = common_now_ns();
         open_seat(seat);
         perform_units(team, seat, worker);
-        team->method->flush(worker);
+        eng_taskunit_flush(worker);
         worker->record.low_ns += common_now_ns() - begin_ns;
-        has_work = find_work(team, seat, worker, &unit);
+        has_work = find_work(team, seat, worker, &node);
         if (has_work) {
-            eng_units_push(&worker->units, unit);
+            eng_units_push(units, node);
         }
     }
 }
@@ -228,5 +286,5 @@ void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker)
     perform_all_units(team, worker);
     eng_wait_for_all(worker);
     worker->low_end_ns = common_now_ns();
-    team->method->finish_units(team, worker);
+    eng_highlevel_perform(team, worker);
 }

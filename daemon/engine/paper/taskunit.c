@@ -52,36 +52,17 @@ static inline bool may_meet(const struct eng_worker *worker, uint32_t n, uint32_
            (!eng_masks_is_on(&scene->masks) || is_allowed(scene, n, m));
 }
 
-static bool stand(const struct eng_worker *worker, uint32_t n, uint32_t m)
+/* Is the pair left out because all of both is foreign? Nothing is in most scenes. */
+static inline bool are_foreign(const struct eng_worker *worker, uint32_t n, uint32_t m)
 {
     const struct eng_trees *trees = eng_trees_of(worker->scene);
-    return worker->prunes && !eng_node_moves(trees, n) && !eng_node_moves(trees, m);
-}
-
-static bool are_foreign(const struct eng_worker *worker, uint32_t n, uint32_t m)
-{
-    const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
-    return nodes[n].foreign && nodes[m].foreign;
-}
-
-/* Is the pair left out because neither moves, or both are foreign? */
-static inline bool is_left_out(const struct eng_worker *worker, uint32_t n, uint32_t m)
-{
-    return worker->leaves_out && (stand(worker, n, m) || are_foreign(worker, n, m));
-}
-
-/* The same; those are counted of which neither moves. */
-static inline bool leave_out(struct eng_worker *worker, uint32_t n, uint32_t m)
-{
-    bool left_out = is_left_out(worker, n, m);
-    worker->tally.still_pairs += left_out && stand(worker, n, m);
-    return left_out;
+    return trees->has_foreign && trees->nodes[n].foreign && trees->nodes[m].foreign;
 }
 
 bool eng_taskunit_is_wanted(struct eng_worker *worker, uint32_t node)
 {
     const struct eng_scene *scene = worker->scene;
-    if (leave_out(worker, node, node)) {
+    if (are_foreign(worker, node, node)) {
         return false;
     }
     return !eng_masks_is_on(&scene->masks) || is_allowed(scene, node, node);
@@ -125,25 +106,14 @@ ENG_FEATURE_INLINE bool have_common(const uint32_t *v, uint32_t v_count,
     return false;
 }
 
-/* Is the pair of feature of[0] of the triangle below n and feature of[1] of that below m
- * left out, because neither moves, or the first one is foreign? */
-ENG_FEATURE_INLINE bool leave_out_features(struct eng_worker *worker, enum pccd_kind kind,
-                                           const struct eng_node *n,
-                                           const struct eng_node *m, const uint32_t of[2])
+/* Of a pair of feature i of the triangle ta and k of tb: is the one that comes first
+ * foreign? */
+ENG_FEATURE_INLINE bool is_first_foreign(enum pccd_kind kind, bool a_is_first,
+                                         const struct eng_triangle *ta, uint32_t i,
+                                         const struct eng_triangle *tb, uint32_t k)
 {
-    const struct eng_trees *trees = eng_trees_of(worker->scene);
-    const uint32_t points_a = common_kinds[kind].points[0];
-    const uint32_t points_b = common_kinds[kind].points[1];
-    uint32_t a = eng_feature_of(trees, points_a, n, of[0]);
-    uint32_t b = eng_feature_of(trees, points_b, m, of[1]);
-    if (worker->prunes && !eng_feature_moves(trees, points_a, n, a) &&
-        !eng_feature_moves(trees, points_b, m, b)) {
-        worker->tally.still_pairs++;
-        return true;
-    }
-    return points_a != points_b || comes_first(worker->scene, points_a, a, b)
-               ? eng_feature_is_foreign(&trees->triangles[n->right], points_a, of[0])
-               : eng_feature_is_foreign(&trees->triangles[m->right], points_b, of[1]);
+    return a_is_first ? eng_feature_is_foreign(ta, common_kinds[kind].points[0], i)
+                      : eng_feature_is_foreign(tb, common_kinds[kind].points[1], k);
 }
 
 /* Features that the triangle below n owns, as a, against those of the one below m, as b.
@@ -177,11 +147,11 @@ ENG_FEATURE_INLINE void features_against(struct eng_worker *worker, enum pccd_ki
                 !overlap(worker, box_a, eng_feature_box(trees, points_b, m, b))) {
                 continue;
             }
-            if (worker->leaves_out &&
-                leave_out_features(worker, kind, n, m, (const uint32_t[2]){i, k})) {
+            bool a_is_first = points_a != points_b || comes_first(scene, points_a, a, b);
+            if (trees->has_foreign && is_first_foreign(kind, a_is_first, ta, i, tb, k)) {
                 continue;
             }
-            if (points_a != points_b || comes_first(scene, points_a, a, b)) {
+            if (a_is_first) {
                 emit(worker, kind, a, b);
             } else {
                 emit(worker, kind, b, a);
@@ -290,7 +260,7 @@ static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
     const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
     struct eng_pair_queue *pairs = &eng_paper_work_of(worker)->pairs;
-    if (leave_out(worker, n, m)) {
+    if (are_foreign(worker, n, m)) {
         return;
     }
     worker->record.box_tests++;
@@ -364,7 +334,7 @@ uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
 {
     assert(n != m);
     const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
-    if (leave_out(worker, n, m)) {
+    if (are_foreign(worker, n, m)) {
         return 0;
     }
     worker->record.box_tests++;
@@ -384,7 +354,7 @@ uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
 {
     const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
     bool are_leaves = nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF;
-    if (are_leaves || is_left_out(worker, n, m) || !may_meet(worker, n, m)) {
+    if (are_leaves || are_foreign(worker, n, m) || !may_meet(worker, n, m)) {
         return 0;
     }
     return refine(worker, n, m, n_out, m_out);
@@ -393,7 +363,7 @@ uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
 static void push_unit(struct eng_worker *worker, uint32_t node)
 {
     if (eng_taskunit_is_wanted(worker, node)) {
-        eng_units_push(&worker->units, node);
+        eng_units_push(&eng_paper_work_of(worker)->units, node);
     }
 }
 
@@ -422,4 +392,18 @@ void eng_taskunit_flush(struct eng_worker *worker)
     for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         eng_test_chunk(worker, kind);
     }
+}
+
+void eng_taskunit_perform_all(struct eng_worker *worker)
+{
+    uint32_t root = eng_trees_of(worker->scene)->root;
+    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
+    if (root == ENG_NO_NODE) {
+        return;
+    }
+    eng_taskunit_perform(worker, root, true);
+    while (eng_units_count(units) > 0 && !eng_stop_is_set(worker->stop)) {
+        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
+    }
+    eng_taskunit_flush(worker);
 }

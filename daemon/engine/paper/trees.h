@@ -37,7 +37,7 @@ struct eng_node {
     uint8_t gate;    /* enum eng_gate */
     uint8_t foreign; /* no feature below it is first in a pair that is looked for; 0: it
                       * may be */
-    uint16_t moved; /* the mark of a step in which something below it moved */
+    uint16_t reserved;
 };
 
 struct eng_edge {
@@ -48,14 +48,14 @@ struct eng_edge {
     float lo1[3];
     uint32_t object;
     float hi1[3];
-    uint32_t moved; /* as in a node */
+    uint32_t reserved;
 };
 
 struct eng_vertex {
     _Alignas(64) float lo0[3];
     uint32_t object;
     float hi0[3];
-    uint32_t moved; /* as in a node */
+    uint32_t reserved0;
     float lo1[3];
     uint32_t reserved1;
     float hi1[3];
@@ -98,14 +98,10 @@ struct eng_triangle {
     uint32_t object; /* index */
 };
 
-/* Levels of a scene's tree, at most. An object of n triangles has ceil(log2 n) levels by
- * medians, 16 more by the other build quality, one more in a reconstructed region
- * (build.h, rebuild.h); k objects have ceil(log2 k) above them. With n + k <= 2^31 the
- * sum is largest for n = k = 2^30. */
-#define ENG_LEVELS_MAX (30u + 30u + 16u + 1u)
-
-/* Marks are 1 .. ENG_MARK_MAX. */
-#define ENG_MARK_MAX UINT16_MAX
+/* Levels of a scene's tree, at most. Medians give an object of n triangles ceil(log2 n)
+ * levels; k objects have ceil(log2 k) above them. With n + k <= 2^31 the sum is largest
+ * for n = k = 2^30. */
+#define ENG_LEVELS_MAX (30u + 30u)
 
 /* What an object has of the arrays below. All counts are 0 until a step asks for it. */
 struct eng_planted {
@@ -136,13 +132,8 @@ struct eng_trees {
     bool top_is_fresh;    /* built since the last step */
     uint64_t frames;      /* framing.number of the last step by `paper` */
     uint64_t thickness;   /* thickness.number likewise */
-
-    /* What stands still (refit_still.h). */
-    uint64_t boxes_of; /* the step whose boxes they are (moving.h); 0: of none */
-    bool keeps;        /* this step keeps the boxes of what stands */
-    bool marks;        /* this step marks what moves, by `mark` */
-    bool has_foreign;  /* some objects have foreign features */
-    uint32_t mark;     /* the last one given; 0: none yet */
+    uint64_t boxes_of;    /* the step whose boxes they are (moving.h); 0: of none */
+    bool has_foreign;     /* some objects have foreign features */
 
     struct eng_split_item *top_items; /* [top_item_capacity] scratch to build it */
     uint32_t top_item_capacity;
@@ -168,12 +159,20 @@ static inline bool eng_is_above_objects(const struct eng_scene *scene, uint32_t 
     return node_idx - trees->top.first < trees->top.count;
 }
 
-/* In a step that marks what moves: does anything below a node? */
-static inline bool eng_node_moves(const struct eng_trees *trees, uint32_t node_idx)
+/* All nodes of the subtree of a node that belongs to an object: of n triangles 2 n - 1
+ * consecutive ones, in pre-order. */
+static inline struct eng_range eng_subtree_in_object(const struct eng_scene *scene,
+                                                     uint32_t root)
 {
-    assert(trees->marks);
-    return trees->nodes[node_idx].moved == trees->mark;
+    const struct eng_trees *trees = eng_trees_of(scene);
+    return (struct eng_range){root, 2 * trees->nodes[root].count - 1};
 }
+
+/* The nodes above objects in the subtree of one of them: consecutive, too. */
+struct eng_range eng_subtree_above_objects(const struct eng_scene *scene, uint32_t root);
+
+/* Is `node` in the subtree of `root`, or `root` itself? O(objects below root). */
+bool eng_node_is_below(const struct eng_scene *scene, uint32_t root, uint32_t node);
 
 void eng_trees_init(struct eng_trees *trees);
 void eng_trees_deinit(struct eng_trees *trees);

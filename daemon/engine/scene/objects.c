@@ -12,8 +12,8 @@
 
 static bool settings_are_valid(const struct eng_scene_settings *settings)
 {
-    return settings->quality < PCCD_QUALITY_COUNT && settings->rebuild_ratio >= 0 &&
-           settings->rebuild_ratio <= 1 && settings->rebuild_triangles_max >= 1;
+    return settings->rebuild_ratio >= 0 && settings->rebuild_ratio <= 1 &&
+           settings->region_triangles >= 1;
 }
 
 int eng_world_new(const struct eng_scene_settings *settings,

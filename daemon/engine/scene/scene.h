@@ -17,20 +17,20 @@ struct eng_affinity;
 struct eng_scene;
 
 struct eng_scene_settings {
-    enum pccd_quality quality;
-    /* A node whose volume is less than this times the sum of its children's, which
-     * overlap then, is reconstructed (paper section 6.2). 0: never; at most 1. */
+    /* Of the trees of `paper`. A node whose volume is less than this times the sum of its
+     * children's, which overlap then, is reconstructed (paper section 6.2). 0: never; at
+     * most 1. */
     double rebuild_ratio;
-    /* Triangles below which a subtree is reconstructed at once when the traversal touches
-     * it; larger ones are built in the background, a share in every step. */
-    uint32_t rebuild_triangles_max;
+    /* A subtree of up to so many triangles is reconstructed at once when the traversal
+     * touches it; larger ones are built in the background, a share in every step. */
+    uint32_t region_triangles;
     /* That put an added object's features in order; 0: one. Changes nothing else. */
     uint32_t threads;
 };
 
 #define ENG_SCENE_SETTINGS_DEFAULT                                                       \
     {                                                                                    \
-        PCCD_QUALITY_MEDIAN, 0.9, 1024, 1                                                \
+        0.9, 1024, 1                                                                     \
     }
 
 /* NULL is allowed. A scene is made by eng_scene_new (step.h). */

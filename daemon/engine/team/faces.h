@@ -1,4 +1,4 @@
-/* faces.h - the faces of one object in the tree of a method, as a search for what is near
+/* faces.h - the faces of one object in the trees of `wide`, as a search for what is near
  * sees them: sixteen boxes at a time.
  *
  * Threads: [any] while nothing is refitted; types only.
@@ -13,28 +13,27 @@
 
 struct eng_scene;
 
-/* Of the method's own: nodes are numbers. */
+/* Nodes are numbers. */
 struct eng_faces {
     const struct eng_scene *scene;
     uint32_t object; /* index */
     uint32_t end;    /* of the step: 0 or 1 */
     uint32_t root;
-    uint32_t first; /* what belongs to the object, as the method likes it */
+    uint32_t first; /* slots of the object's faces */
     uint32_t count;
 };
 
-/* What is below a node. Below a face, which `paper` may have at any level, is itself. */
+/* What is below a node. */
 struct eng_faces_below {
     const float (*low)[ENG_WIDE]; /* [axis][child], outward distances (boxes.h) */
     const float (*high)[ENG_WIDE];
     uint32_t children; /* a bit for each that there is: at INFINITY is none, either */
     uint32_t faces;    /* a bit for each of them that is a face */
     uint32_t child[ENG_WIDE];
-    _Alignas(64) float own[2][3][ENG_WIDE]; /* where a method writes low and high */
+    _Alignas(64) float own[2][3][ENG_WIDE]; /* room for low and high */
 };
 
-/* Below a node there are at most so many levels of opened nodes, itself included: of
- * `wide` 8, of `paper` a quarter of the binary ones. */
-#define ENG_FACES_LEVELS_MAX 20u
+/* Below a node there are at most so many levels of opened nodes, itself included. */
+#define ENG_FACES_LEVELS_MAX 8u
 
 #endif

@@ -1,8 +1,8 @@
 /* method.h - what a method must provide so that a step can use it.
  *
  * Define the table of functions that differ between the methods: trees, boxes, tasks. A
- * task is a 64-bit word whose meaning belongs to the method, so that one scheduler serves
- * both.
+ * task is a 64-bit word whose meaning belongs to the method, so that one scheduler steals
+ * for both.
  */
 #ifndef ENG_METHOD_H
 #define ENG_METHOD_H
@@ -55,20 +55,17 @@ struct eng_method_calls {
     /* Do a task, or push what it divides into to the worker's own deque. [team] */
     void (*perform)(struct eng_worker *worker, uint64_t task);
 
-    /* The paper's dynamic assignment: task units that wait in worker->units.
+    /* The paper's dynamic assignment, in the place of deal and perform. NULL: there is
+     * none, and threads steal whatever is asked for.
      *
-     * Choose those to begin with, some for each thread if there are as many, largest
-     * first, and push them to the threads' queues. [team], one thread */
+     * Choose what each thread begins with. [team], one thread */
     void (*assign)(struct eng_team *team, struct eng_worker *worker);
-    /* Do a task unit; those that it divides into are pushed. [team] */
-    void (*perform_unit)(struct eng_team *team, struct eng_worker *worker, uint64_t unit);
-    /* How large it is, >= 1: who asks for one takes it where they are largest. [team] */
-    uint32_t (*unit_size)(const struct eng_worker *worker, uint64_t unit);
-    /* When all of them are done: what all threads do together. [team] */
-    void (*finish_units)(struct eng_team *team, struct eng_worker *worker);
+    /* A thread's part of all tasks, until none is left anywhere. [team] */
+    void (*perform_assigned)(struct eng_team *team, struct eng_worker *worker);
 
-    /* After a refit, and until what the scene has moves on: the faces of an object at an
-     * end of the step, and what is below a node of them (faces.h). [any] */
+    /* Of `wide` alone, which all questions about the faces of two objects go to. After a
+     * refit, and until what the scene has moves on: the faces of an object at an end of
+     * the step, and what is below a node of them (faces.h). [any] */
     void (*faces_of)(const struct eng_scene *scene, uint32_t object_idx, uint32_t end,
                      struct eng_faces *faces);
     void (*faces_open)(const struct eng_faces *faces, uint32_t node,

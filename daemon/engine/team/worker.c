@@ -40,9 +40,6 @@ void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
     worker->time_bound = 1;
     worker->box_bound = 1;
     worker->prunes = false;
-    worker->leaves_out = false;
-    worker->units.head = 0;
-    worker->units.tail = 0;
     worker->exact.queries = 0;
     worker->low_end_ns = 0;
     worker->possible_seen = 0;

@@ -16,7 +16,6 @@
 #include "step_result.h"
 #include "step_settings.h"
 #include "trace.h"
-#include "units.h"
 
 struct eng_kernels;
 struct eng_near_work;
@@ -67,16 +66,14 @@ struct eng_worker {
     const struct eng_step_settings *settings;
     const struct eng_kernels *kernels; /* of the settings, never NULL */
     struct eng_stop *stop;
-    uint32_t thread;             /* place in the team */
-    double time_bound;           /* the shared one as last seen */
-    float box_bound;             /* the same and the tolerance, rounded up */
-    struct eng_deque deque;      /* work stealing: tasks others may take */
-    uint32_t victim;             /* whom to rob next */
-    bool is_dealt;               /* the step began with tasks for it */
-    bool prunes;                 /* that of the team */
-    bool leaves_out;             /* (paper) it does, or there is what is foreign */
-    struct eng_task_queue units; /* the paper's scheduler: tasks of its own */
-    struct eng_found found;      /* records */
+    uint32_t thread;        /* place in the team */
+    double time_bound;      /* the shared one as last seen */
+    float box_bound;        /* the same and the tolerance, rounded up */
+    struct eng_deque deque; /* work stealing: tasks others may take */
+    uint32_t victim;        /* whom to rob next */
+    bool is_dealt;          /* the step began with tasks for it */
+    bool prunes;            /* that of the team */
+    struct eng_found found; /* records */
     struct eng_exact exact;
     void *work[PCCD_METHOD_COUNT];     /* by method, which casts it; NULL: none yet */
     struct eng_near_work *near_work;   /* of whoever asks what is near; likewise */

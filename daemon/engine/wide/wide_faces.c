@@ -5,6 +5,8 @@
 
 #define BLOCK_BITS 28u /* blocks are fewer than 2^28 */
 
+static_assert(ENG_WIDE_LEVELS_MAX <= ENG_FACES_LEVELS_MAX, "levels of opened nodes");
+
 static uint32_t node_of(uint32_t level, uint32_t block)
 {
     assert(level < ENG_WIDE_LEVELS_MAX && block < 1u << BLOCK_BITS);

@@ -1,9 +1,8 @@
 /* wide_method.c - the method wide, as a step sees it.
  *
- * Keep the wide trees. A task, for stealing and as a unit of the dynamic assignment, is a
- * pair of nodes of one level, of the trees of one kind of pair; a node with itself, of
- * one tree, stands for all pairs below it. Tasks are divided down to nodes of 256
- * features.
+ * Keep the wide trees. A task is a pair of nodes of one level, of the trees of one kind
+ * of pair; a node with itself, of one tree, stands for all pairs below it. Tasks are
+ * divided down to nodes of 256 features.
  *
  * Trees do not change while they are searched, so any task may go to any thread. A worker
  * divides depth first, and what finds no room in its deque is done at once.
@@ -53,10 +52,9 @@ static uint32_t level_of(uint64_t task)
     return task >> 2 * NODE_BITS & ((1u << LEVEL_BITS) - 1);
 }
 
-/* Do a task, or hand the pairs that it divides into to `push`, which says whether it had
- * room. */
-static void perform_or_divide(struct eng_worker *worker, uint64_t task,
-                              bool (*push)(struct eng_worker *worker, uint64_t task))
+static_assert(PCCD_KINDS_MAX * ENG_JOIN_MAX <= ENG_DEQUE_MAX / 2, "tasks");
+
+static void perform(struct eng_worker *worker, uint64_t task)
 {
     assert(level_of(task) < ENG_WIDE_LEVELS_MAX);
     const uint32_t node_mask = (1u << NODE_BITS) - 1;
@@ -78,25 +76,13 @@ static void perform_or_divide(struct eng_worker *worker, uint64_t task,
         for (uint32_t i = 0; i < below->count; i++) {
             uint32_t a = below->a[i];
             uint32_t b = below->b[i];
-            if (!push(worker, task_of(kind, level - 1, a, b))) {
+            if (!eng_deque_push(&worker->deque, task_of(kind, level - 1, a, b))) {
                 eng_wide_join_nodes(join, kind, level - 1, a, b);
             }
         }
         below->count = 0;
     }
     eng_worker_trace(worker, PCCD_TRACE_UNIT, begin_ns, n, m);
-}
-
-static_assert(PCCD_KINDS_MAX * ENG_JOIN_MAX <= ENG_DEQUE_MAX / 2, "tasks");
-
-static bool push_task(struct eng_worker *worker, uint64_t task)
-{
-    return eng_deque_push(&worker->deque, task);
-}
-
-static void perform(struct eng_worker *worker, uint64_t task)
-{
-    perform_or_divide(worker, task, push_task);
 }
 
 static uint32_t top_level(const struct eng_worker *worker)
@@ -156,63 +142,6 @@ static void deal(struct eng_team *team, struct eng_worker *worker)
             deal_kind(team, worker, kind);
         }
     }
-}
-
-/* ---- dynamic assignment ------------------------------------------------------------ */
-
-static_assert(ENG_WIDE_LEVELS_MAX * ENG_JOIN_MAX <= ENG_UNITS_MAX / 2, "task units");
-
-static bool push_unit(struct eng_worker *worker, uint64_t unit)
-{
-    eng_units_push(&worker->units, unit);
-    return true;
-}
-
-/* Divide from the top, the oldest first, until there is a unit for each thread, and deal
- * them out. */
-static void assign(struct eng_team *team, struct eng_worker *worker)
-{
-    struct eng_task_queue *units = &worker->units;
-    uint32_t top = top_level(worker);
-    if (has_no_boxes(worker)) {
-        return;
-    }
-    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
-        if (is_wanted(worker, kind)) {
-            push_unit(worker, task_of(kind, top, 0, 0));
-        }
-    }
-    while (eng_units_count(units) > 0 && eng_units_count(units) < team->count &&
-           level_of(eng_units_look(units, 0)) > GRAIN_LEVEL) {
-        perform_or_divide(worker, eng_units_take_front(units), push_unit);
-    }
-    uint32_t count = eng_units_count(units);
-    for (uint32_t i = 0; i < count; i++) {
-        uint64_t unit = eng_units_take_front(units);
-        eng_units_push(&team->workers[i % team->count]->units, unit);
-    }
-}
-
-static void perform_unit(struct eng_team *team, struct eng_worker *worker, uint64_t unit)
-{
-    (void)team;
-    perform_or_divide(worker, unit, push_unit);
-}
-
-/* Features of a node: two nodes have twice as many, but a node with itself has more
- * pairs. */
-static uint32_t unit_size(const struct eng_worker *worker, uint64_t unit)
-{
-    uint32_t bits = (level_of(unit) + 1) * ENG_WIDE_BITS;
-    (void)worker;
-    return bits < 31 ? 1u << bits : 1u << 31;
-}
-
-/* Nothing is left for all threads: any pair may go to any thread. */
-static void no_high_level(struct eng_team *team, struct eng_worker *worker)
-{
-    (void)team;
-    (void)worker;
 }
 
 /* ---- the step ---------------------------------------------------------------------- */
@@ -481,10 +410,6 @@ const struct eng_method_calls eng_method_wide = {.can_prune = true,
                                                  .perform_all = perform_all,
                                                  .deal = deal,
                                                  .perform = perform,
-                                                 .assign = assign,
-                                                 .perform_unit = perform_unit,
-                                                 .unit_size = unit_size,
-                                                 .finish_units = no_high_level,
                                                  .faces_of = eng_wide_faces_of,
                                                  .faces_open = eng_wide_faces_open,
                                                  .faces_index = eng_wide_faces_index,

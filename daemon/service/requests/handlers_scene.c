@@ -19,43 +19,11 @@ static struct srv_scene *find_scene(struct srv_call *call, uint32_t handle)
     return scene;
 }
 
-/* The wire's zeros are the engine's defaults. */
-static int scene_settings(struct srv_call *call, struct eng_scene_settings *settings)
-{
-    const struct proto_SCENE_CREATE_request *request = &call->params.SCENE_CREATE;
-    const struct eng_scene_settings defaults = ENG_SCENE_SETTINGS_DEFAULT;
-    double ratio = request->rebuild_ratio;
-    *settings = defaults;
-    settings->threads = call->session->service->options->threads_max;
-    if (!(ratio <= 1.0)) { /* NaN too */
-        return proto_error_set(&call->error, PCCD_E_INVAL,
-                               "rebuild_ratio is %g; it is 0, at most 1, or negative",
-                               ratio);
-    }
-    if (request->quality >= PCCD_QUALITY_COUNT) {
-        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown quality %u",
-                               request->quality);
-    }
-    if (ratio != 0.0) {
-        settings->rebuild_ratio = ratio < 0.0 ? 0.0 : ratio;
-    }
-    if (request->quality != PCCD_QUALITY_DEFAULT) {
-        settings->quality = (enum pccd_quality)request->quality;
-    }
-    if (request->rebuild_triangles_max != 0) {
-        settings->rebuild_triangles_max = request->rebuild_triangles_max;
-    }
-    return 0;
-}
-
 int srv_on_SCENE_CREATE(struct srv_call *call)
 {
     struct srv_session *session = call->session;
-    struct eng_scene_settings settings;
-    int status = scene_settings(call, &settings);
-    if (status != 0) {
-        return status;
-    }
+    struct eng_scene_settings settings = ENG_SCENE_SETTINGS_DEFAULT;
+    settings.threads = session->service->options->threads_max;
     const struct proto_SCENE_CREATE_request *request = &call->params.SCENE_CREATE;
     if (request->name[0] == '\0' &&
         (request->share != 0 || request->rights != 0 || request->owner != 0)) {
@@ -78,8 +46,8 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
         return call->error.code;
     }
     uint32_t want = call->params.SCENE_CREATE.want;
-    status = srv_session_handle(session, &session->scenes, "scene", scene, want,
-                                &call->result.SCENE_CREATE.scene, &call->error);
+    int status = srv_session_handle(session, &session->scenes, "scene", scene, want,
+                                    &call->result.SCENE_CREATE.scene, &call->error);
     if (status != 0) {
         srv_resource_drop(&scene->resource);
         return status;
