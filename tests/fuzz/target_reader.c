@@ -39,20 +39,17 @@ static void check_mesh(const struct ctl_mesh *mesh)
 }
 
 /* Frames of a point cache, which is opened by its name. */
-static void
-read_frames(int (*open_cache)(const char *path, const struct ctl_motion_wish *wish,
-                              struct ctl_motion *motion, struct ctl_error *error),
-            const struct fuzz_input *input)
+static void read_frames(ctl_motion_reader *open_cache, const struct fuzz_input *input)
 {
     struct ctl_error error = {0};
     struct ctl_motion motion = {.state = NULL};
-    char path[32];
+    char path[32], name[64];
     fuzz_scarcity_pause();
     int fd = memfd_create("fuzz", MFD_CLOEXEC);
     FUZZ_CHECK(fd >= 0 && write(fd, input->at, input->left) == (ssize_t)input->left);
     (void)snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
     fuzz_scarcity_resume();
-    int status = open_cache(path, NULL, &motion, &error);
+    int status = ctl_motion_open(path, open_cache, NULL, &motion, &error);
     FUZZ_CHECK(status == PCCD_OK || strncmp(error.text, path, strlen(path)) == 0);
     if (status == PCCD_OK) {
         /* The size is that of the header, so all that is said is there. */
@@ -65,10 +62,10 @@ read_frames(int (*open_cache)(const char *path, const struct ctl_motion_wish *wi
         for (uint32_t i = 0; i < motion.frame_count; i++) {
             status = motion.read(&motion, i, x, &error);
             FUZZ_CHECK(status == PCCD_OK || status == PCCD_E_NOTFINITE);
-            motion.name(&motion, i, path, sizeof path);
+            motion.name(&motion, i, name, sizeof name);
         }
         free(x);
-        motion.close(&motion);
+        ctl_motion_close(&motion);
     }
     (void)close(fd);
 }
@@ -78,8 +75,7 @@ read_frames(int (*open_cache)(const char *path, const struct ctl_motion_wish *wi
 static const struct reader {
     const char *path;
     int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh);
-    int (*open)(const char *path, const struct ctl_motion_wish *wish,
-                struct ctl_motion *motion, struct ctl_error *error);
+    ctl_motion_reader *open;
 } readers[3][2] = {
     {{"fuzz.ply", ctl_ply_parse, NULL}, {"fuzz.obj", ctl_obj_parse, NULL}},
     {{"fuzz.stl", ctl_stl_parse, NULL}, {"fuzz.glb", ctl_gltf_parse, NULL}},

@@ -129,17 +129,14 @@ static void write_glb(const char *rest)
 static void finish(void)
 {
     ctl_mesh_deinit(&mesh);
-    if (motion.close != NULL) {
-        motion.close(&motion);
-    }
-    motion = (struct ctl_motion){.read = NULL};
+    ctl_motion_close(&motion);
 }
 
 static int open_path(void)
 {
     finish();
     error.text[0] = '\0';
-    int status = ctl_gltf_open(path, &wish, &motion, &error);
+    int status = ctl_motion_open(path, ctl_gltf_open, &wish, &motion, &error);
     if (status == PCCD_OK) {
         status = ctl_mesh_read_shape(&motion, path, &mesh, &error);
     }

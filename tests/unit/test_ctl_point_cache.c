@@ -79,13 +79,13 @@ static void make(bool is_mdd, uint32_t frames, uint32_t vertices)
 static int open_as(bool is_mdd, const char *path, struct ctl_motion *motion,
                    struct ctl_error *error)
 {
-    return is_mdd ? ctl_mdd_open(path, NULL, motion, error)
-                  : ctl_pc2_open(path, NULL, motion, error);
+    return ctl_motion_open(path, is_mdd ? ctl_mdd_open : ctl_pc2_open, NULL, motion,
+                           error);
 }
 
 static int open_data(bool is_mdd, struct ctl_motion *motion, struct ctl_error *error)
 {
-    char path[KIT_PATH_BYTES];
+    static char path[KIT_PATH_BYTES];
     kit_write_file(is_mdd ? "a.mdd" : "a.pc2", data, data_bytes, path);
     return open_as(is_mdd, path, motion, error);
 }
@@ -122,7 +122,7 @@ static void cache__has_the_frames_that_were_written(void **state)
         check_frames(&motion, FRAMES, VERTICES);
         motion.name(&motion, 2, name, sizeof name);
         assert_string_equal(name, is_mdd ? "0.75 s" : "frame 11");
-        motion.close(&motion);
+        ctl_motion_close(&motion);
     }
 }
 
@@ -145,7 +145,7 @@ static void cache__mdd_may_have_its_first_frame_twice(void **state)
         assert_int_equal(status, is_same ? PCCD_OK : PCCD_E_FORMAT);
         if (is_same) {
             check_frames(&motion, 3, 30011);
-            motion.close(&motion);
+            ctl_motion_close(&motion);
         }
     }
     assert_non_null(strstr(error.text, "3 frames of 30011 vertices, it has 1080416 bytes;"
@@ -163,7 +163,7 @@ static void cache__may_be_large(void **state)
         assert_true(data_bytes > 1u << 20);
         assert_int_equal(open_data(is_mdd, &motion, &error), PCCD_OK);
         check_frames(&motion, 5, 30011);
-        motion.close(&motion);
+        ctl_motion_close(&motion);
     }
 }
 
@@ -187,7 +187,7 @@ static void cache__may_be_a_pipe(void **state)
         }
         assert_int_equal(open_as(is_mdd, path, &motion, &error), PCCD_OK);
         check_frames(&motion, 5, 30011);
-        motion.close(&motion);
+        ctl_motion_close(&motion);
         assert_int_equal(waitpid(child, &status, 0), child);
         assert_int_equal(status, 0);
         assert_int_equal(unlink(path), 0);
@@ -264,7 +264,7 @@ static void cache__coordinate_that_is_none_is_named(void **state)
     assert_int_equal(motion.read(&motion, 1, x, &error), PCCD_E_NOTFINITE);
     assert_non_null(
         strstr(error.text, "a.pc2: byte 96, frame 1, vertex 1: coordinate y is nan"));
-    motion.close(&motion);
+    ctl_motion_close(&motion);
 }
 
 /* If it failed, a device would be read for ever. */
@@ -273,7 +273,8 @@ static void cache__is_no_device(void **state)
     (void)state;
     struct ctl_motion motion;
     struct ctl_error error;
-    assert_int_equal(ctl_pc2_open("/dev/zero", NULL, &motion, &error), PCCD_E_FORMAT);
+    assert_int_equal(ctl_motion_open("/dev/zero", ctl_pc2_open, NULL, &motion, &error),
+                     PCCD_E_FORMAT);
     assert_string_equal(error.text, "/dev/zero: a device, neither file nor pipe");
 }
 
@@ -308,7 +309,7 @@ static void cache__that_was_changed_is_read_or_refused(void **state)
                 assert_true(status == PCCD_OK || status == PCCD_E_NOTFINITE);
                 read_count += status == PCCD_OK;
             }
-            motion.close(&motion);
+            ctl_motion_close(&motion);
         }
     }
     assert_true(read_count > MUTANTS / 4);

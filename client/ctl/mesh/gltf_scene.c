@@ -560,17 +560,11 @@ int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh)
 
 /* ---- frames ------------------------------------------------------------------------ */
 
-struct state {
-    struct ctl_file file;
-    struct gltf_scene scene;
-    char path[];
-};
-
 static void name_frame(const struct ctl_motion *motion, uint32_t frame, char *text,
                        size_t bytes)
 {
-    const struct state *state = motion->state;
-    const struct gltf_animation *animation = &state->scene.animation;
+    const struct gltf_scene *scene = motion->state;
+    const struct gltf_animation *animation = &scene->animation;
     if (animation->frame_count == 0) {
         snprintf(text, bytes, "at rest");
         return;
@@ -586,7 +580,7 @@ static void name_frame(const struct ctl_motion *motion, uint32_t frame, char *te
 static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
                       struct ctl_error *error)
 {
-    struct gltf_scene *scene = &((struct state *)motion->state)->scene;
+    struct gltf_scene *scene = motion->state;
     struct ctl_error why;
     scene->gltf.error = &why;
     scene->gltf.status = PCCD_OK;
@@ -601,7 +595,7 @@ static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
 
 static int read_shape(const struct ctl_motion *motion, struct ctl_mesh *mesh)
 {
-    struct gltf_scene *scene = &((struct state *)motion->state)->scene;
+    struct gltf_scene *scene = motion->state;
     scene->gltf.error = mesh->error;
     scene->gltf.status = PCCD_OK;
     make_mesh(scene, mesh);
@@ -613,7 +607,7 @@ static int read_shape(const struct ctl_motion *motion, struct ctl_mesh *mesh)
 
 static bool note(const struct ctl_motion *motion, char *text, size_t bytes)
 {
-    const struct gltf_scene *scene = &((const struct state *)motion->state)->scene;
+    const struct gltf_scene *scene = motion->state;
     const struct gltf_animation *animation = &scene->animation;
     size_t length = 0;
     text[0] = '\0';
@@ -639,49 +633,31 @@ static bool note(const struct ctl_motion *motion, char *text, size_t bytes)
     return text[0] != '\0';
 }
 
-static void close_motion(struct ctl_motion *motion)
+static void close_scene(struct ctl_motion *motion)
 {
-    struct state *state = motion->state;
-    gltf_close(&state->scene.gltf);
-    ctl_file_deinit(&state->file);
-    free(state);
-    *motion = (struct ctl_motion){.state = NULL};
+    struct gltf_scene *scene = motion->state;
+    gltf_close(&scene->gltf);
 }
 
-int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
-                  struct ctl_motion *motion, struct ctl_error *error)
+int ctl_gltf_open(struct ctl_motion *motion, const struct ctl_motion_wish *wish)
 {
-    struct state *state = calloc(1, sizeof *state + strlen(path) + 1);
-    if (state == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", path);
+    struct ctl_file *file = &motion->file;
+    struct gltf_scene *scene = motion->state = calloc(1, sizeof *scene);
+    if (scene == NULL) {
+        return ctl_error_set(file->error, PCCD_E_NOMEM, "%s: no memory", file->path);
     }
-    struct gltf_scene *scene = &state->scene;
-    struct ctl_motion opened = {.format = PCCD_FORMAT_F64,
-                                .state = state,
-                                .read = read_frame,
-                                .shape = read_shape,
-                                .name = name_frame,
-                                .note = note,
-                                .close = close_motion};
-    strcpy(state->path, path);
-    int status = ctl_file_open(state->path, &state->file, error);
-    if (status == PCCD_OK && state->file.size == 0) {
-        status = ctl_file_load(&state->file, error); /* a pipe */
+    motion->format = PCCD_FORMAT_F64;
+    motion->read = read_frame;
+    motion->shape = read_shape;
+    motion->name = name_frame;
+    motion->note = note;
+    motion->close = close_scene;
+    open_scene(file, wish, file->error, scene);
+    uint32_t frames = scene->animation.frame_count;
+    if (frames > 1) {
+        load_scene(scene);
     }
-    if (status == PCCD_OK) {
-        open_scene(&state->file, wish, error, scene);
-        if (scene->animation.frame_count > 1) {
-            load_scene(scene);
-        }
-        status = scene->gltf.status;
-    }
-    if (status != PCCD_OK) {
-        close_motion(&opened);
-        return status;
-    }
-    opened.frame_count =
-        scene->animation.frame_count > 0 ? scene->animation.frame_count : 1;
-    opened.vertex_count = scene->vertex_count;
-    *motion = opened;
-    return PCCD_OK;
+    motion->frame_count = frames > 0 ? frames : 1;
+    motion->vertex_count = scene->vertex_count;
+    return scene->gltf.status;
 }

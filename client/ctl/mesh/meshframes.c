@@ -155,7 +155,7 @@ static int open_file(struct ctl_frames *frames, uint32_t i,
         frames->shape = frames->mesh;
     }
     if (motion->shape != NULL && source->frame_count == 1) { /* read as others are */
-        motion->close(motion);
+        ctl_motion_close(motion);
     }
     frames->source_count += !is_shape;
     frames->count += is_shape ? 0 : source->frame_count;
@@ -424,9 +424,7 @@ int ctl_frames_read_one(const char *path, const struct ctl_frames_options *optio
 void ctl_frames_close(struct ctl_frames *frames)
 {
     for (uint32_t i = 0; i < frames->source_count; i++) {
-        if (frames->sources[i].motion.read != NULL) {
-            frames->sources[i].motion.close(&frames->sources[i].motion);
-        }
+        ctl_motion_close(&frames->sources[i].motion);
         ctl_mesh_deinit(&frames->sources[i].held);
     }
     for (uint32_t i = 0; frames->names != NULL && i < frames->count; i++) {

@@ -16,9 +16,7 @@ static const struct format {
     enum ctl_mesh_holds holds;
     bool makes_all; /* parse does, also of a part */
     int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh);
-    /* NULL: it has one frame. */
-    int (*open_motion)(const char *path, const struct ctl_motion_wish *wish,
-                       struct ctl_motion *motion, struct ctl_error *error);
+    ctl_motion_reader *open_motion; /* NULL: it has one frame */
 } formats[] = {
     {"ply", ".ply", CTL_HOLDS_MESH, false, ctl_ply_parse, NULL},
     {"glTF", ".glb", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_open},
@@ -100,7 +98,7 @@ enum ctl_mesh_holds ctl_mesh_holds(const char *path)
 int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
                          struct ctl_motion *motion, struct ctl_error *error)
 {
-    return format_of_path(path)->open_motion(path, wish, motion, error);
+    return ctl_motion_open(path, format_of_path(path)->open_motion, wish, motion, error);
 }
 
 /* NULL, with an error: none that is known. */
@@ -226,6 +224,34 @@ int ctl_mesh_read_as(const char *path, const struct ctl_reading *reading,
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
 {
     return ctl_mesh_read_as(path, &(const struct ctl_reading){.count = 0}, mesh, error);
+}
+
+int ctl_motion_open(const char *path, ctl_motion_reader *reader,
+                    const struct ctl_motion_wish *wish, struct ctl_motion *motion,
+                    struct ctl_error *error)
+{
+    *motion = (struct ctl_motion){.state = NULL};
+    int status = ctl_file_open(path, &motion->file, error);
+    if (status == PCCD_OK && motion->file.size == 0) {
+        status = ctl_file_load(&motion->file, error); /* a pipe */
+    }
+    if (status == PCCD_OK) {
+        status = reader(motion, wish);
+    }
+    if (status != PCCD_OK) {
+        ctl_motion_close(motion);
+    }
+    return status;
+}
+
+void ctl_motion_close(struct ctl_motion *motion)
+{
+    if (motion->close != NULL) {
+        motion->close(motion);
+    }
+    free(motion->state);
+    ctl_file_deinit(&motion->file);
+    *motion = (struct ctl_motion){.state = NULL};
 }
 
 int ctl_mesh_read_shape(const struct ctl_motion *motion, const char *path,

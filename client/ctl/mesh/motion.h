@@ -8,6 +8,7 @@
 
 #include "error.h"
 #include "pccd_types.h"
+#include "text.h"
 
 /* What is wanted of a file whose frames are not numbered; of others nothing. */
 struct ctl_motion_wish {
@@ -17,12 +18,13 @@ struct ctl_motion_wish {
 
 struct ctl_mesh;
 
-/* Filled by whoever opens the file; then close() ends it. */
+/* Open until ctl_motion_close; it stays where it is, as does the path. */
 struct ctl_motion {
-    uint32_t frame_count; /* at least 1 */
-    uint32_t vertex_count; /* 0: shape() alone reads the only frame (glTF at rest) */
+    struct ctl_file file;
+    uint32_t frame_count;    /* at least 1 */
+    uint32_t vertex_count;   /* 0: shape() alone reads the only frame (glTF at rest) */
     enum pccd_format format; /* of what read() fills */
-    void *state;             /* the reader's */
+    void *state;             /* the reader's; of malloc */
     /* Fill x[vertex_count][3], float or double, of a frame: 0 to frame_count - 1, in any
      * order. Errors: E_SYSTEM, E_NOMEM, E_FORMAT, E_NOTFINITE; the text names file, frame
      * and byte. */
@@ -38,18 +40,26 @@ struct ctl_motion {
     /* What a user should know of these frames, a sentence or two; false: nothing. NULL:
      * there never is. */
     bool (*note)(const struct ctl_motion *motion, char *text, size_t bytes);
+    /* Give back what the state has. NULL: nothing. */
     void (*close)(struct ctl_motion *motion);
 };
+
+/* Fill a motion whose file was opened; a pipe has been read to its end. */
+typedef int ctl_motion_reader(struct ctl_motion *motion,
+                              const struct ctl_motion_wish *wish);
+
+/* Open a file, and fill an empty motion by the reader. Errors: E_SYSTEM, E_NOMEM,
+ * E_FORMAT and those of the reader; the motion is empty then. */
+int ctl_motion_open(const char *path, ctl_motion_reader *reader,
+                    const struct ctl_motion_wish *wish, struct ctl_motion *motion,
+                    struct ctl_error *error);
+/* Also an empty one. */
+void ctl_motion_close(struct ctl_motion *motion);
 
 /* All frames of a file. Of glTF without a wish for one all animations that move a mesh
  * are played at once, if no two of them move the same thing; else the first of them.
  * E_INVAL: there is no animation that is wished for. Of point caches, of which nothing is
  * wished for, a piece of 64 KiB is in memory, of a pipe all. */
-int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
-                  struct ctl_motion *motion, struct ctl_error *error);
-int ctl_pc2_open(const char *path, const struct ctl_motion_wish *wish,
-                 struct ctl_motion *motion, struct ctl_error *error);
-int ctl_mdd_open(const char *path, const struct ctl_motion_wish *wish,
-                 struct ctl_motion *motion, struct ctl_error *error);
+ctl_motion_reader ctl_gltf_open, ctl_pc2_open, ctl_mdd_open;
 
 #endif
