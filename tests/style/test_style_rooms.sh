@@ -143,7 +143,7 @@ tests               ipc/ccd/additive_ccd.hpp ipc/collisions/normal/normal_collis
 tests               ipc/utils/logger.hpp ompl/base/spaces/SE3StateSpace.h pccd_motion.hpp
 '
 
-c_library='argp.h assert.h ctype.h dirent.h dlfcn.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h
+c_library='argp.h assert.h ctype.h dirent.h dlfcn.h endian.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h
     arm_neon.h glob.h grp.h immintrin.h inttypes.h limits.h linux/filter.h linux/futex.h
     linux/seccomp.h locale.h malloc.h math.h netinet/in.h
     poll.h pthread.h pwd.h sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h

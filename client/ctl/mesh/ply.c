@@ -6,6 +6,7 @@
  *
  * Source: "The PLY Polygon File Format" (Turk 1994).
  */
+#include <endian.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -391,23 +392,39 @@ static int read_header(struct ply *ply)
 
 /* Values of all types are exact in a double but the largest of 64 bits, which are no
  * indices. */
-static double decode(const char *at, const struct type *type, bool is_highest_first)
+static inline double decode(const char *at, const struct type *type,
+                            bool is_highest_first)
 {
-    uint64_t bits = 0;
-    for (uint32_t i = 0; i < type->bytes; i++) {
-        uint32_t from = is_highest_first ? i : type->bytes - 1 - i;
-        bits = bits << 8 | (unsigned char)at[from];
+    bool is_signed = type->kind == SIGNED;
+    uint16_t two;
+    uint32_t four;
+    uint64_t eight;
+    switch (type->bytes) {
+    case 1:
+        return is_signed ? (double)(int8_t)at[0] : (double)(uint8_t)at[0];
+    case 2:
+        memcpy(&two, at, sizeof two);
+        two = is_highest_first ? be16toh(two) : le16toh(two);
+        return is_signed ? (double)(int16_t)two : (double)two;
+    case 4:
+        memcpy(&four, at, sizeof four);
+        four = is_highest_first ? be32toh(four) : le32toh(four);
+        if (type->kind == REAL) {
+            float real;
+            memcpy(&real, &four, sizeof real);
+            return (double)real;
+        }
+        return is_signed ? (double)(int32_t)four : (double)four;
+    default:
+        memcpy(&eight, at, sizeof eight);
+        eight = is_highest_first ? be64toh(eight) : le64toh(eight);
+        if (type->kind == REAL) {
+            double real;
+            memcpy(&real, &eight, sizeof real);
+            return real;
+        }
+        return is_signed ? (double)(int64_t)eight : (double)eight;
     }
-    if (type->kind == REAL) {
-        uint32_t low = (uint32_t)bits;
-        float narrow;
-        double wide;
-        memcpy(&narrow, &low, sizeof narrow);
-        memcpy(&wide, &bits, sizeof wide);
-        return type->bytes == 4 ? (double)narrow : wide;
-    }
-    uint64_t sign = type->kind == SIGNED ? (uint64_t)1 << (8 * type->bytes - 1) : 0;
-    return sign > 0 ? (double)(int64_t)((bits ^ sign) - sign) : (double)bits;
 }
 
 static bool parse(const struct ctl_word *word, const struct type *type, double *value)
@@ -425,17 +442,17 @@ static bool parse(const struct ctl_word *word, const struct type *type, double *
     return true;
 }
 
-/* The next value of the row; in text, what is not wanted may be anything, and is 0. */
-static double read_value(struct ply *ply, const struct type *type, bool is_wanted)
+/* Where the line of the row, or the window of the file, may be at its end. */
+static double read_beyond(struct ply *ply, const struct type *type, bool is_wanted)
 {
     struct ctl_file *file = ply->file;
     struct ctl_word word;
     double value = 0;
-    if (ply->encoding != ASCII && !ctl_file_more(file, type->bytes)) {
-        ctl_file_refuse(file, "the file ends here");
-        return 0;
-    }
     if (ply->encoding != ASCII) {
+        if (!ctl_file_more(file, type->bytes)) {
+            ctl_file_refuse(file, "the file ends here");
+            return 0;
+        }
         file->at += type->bytes;
         return decode(file->at - type->bytes, type, ply->encoding == HIGHEST_FIRST);
     }
@@ -452,10 +469,24 @@ static double read_value(struct ply *ply, const struct type *type, bool is_wante
     return value;
 }
 
+/* The next value of the row; in text, what is not wanted may be anything, and is 0. Most
+ * binary ones are in the window, and cost no call. */
+static inline double read_value(struct ply *ply, const struct type *type, bool is_wanted)
+{
+    struct ctl_file *file = ply->file;
+    const char *at = file->at;
+    if (ply->encoding == ASCII ||
+        file->data + file->bytes - at < (ptrdiff_t)type->bytes) {
+        return read_beyond(ply, type, is_wanted);
+    }
+    file->at = at + type->bytes;
+    return decode(at, type, ply->encoding == HIGHEST_FIRST);
+}
+
 static uint32_t index_of(const struct ply *ply, double value)
 {
     uint64_t count = ply->vertex->count;
-    if (value >= 0 && value < (double)count && value == floor(value)) {
+    if (value >= 0 && value < (double)count && value == (double)(uint32_t)value) {
         return (uint32_t)value;
     }
     ctl_file_fail(ply->file, PCCD_E_INDEX,
