@@ -319,6 +319,24 @@ timeout 10 "$PCCDCTL" check --private one.stl pipe.stl >out 2>&1 || cat out >>"$
 [ ! -s "$log" ]
 tap_result $? files__a_mesh_is_a_file_or_a_pipe "$log"
 
+# If it failed, OBJ and STL would be read from files alone whose names say so, not from a pipe of
+# the shell or a file of a temporary name.
+: >"$log"
+{ printf '# of a program\n\n'; cat a.obj; } >nameless_obj
+cp one.stl nameless_stl
+first() { "$PCCDCTL" check --private "$1" "$2" 2>&1 | sed -n 's/^\(mesh\|contacts\) //p'; }
+for kind in obj stl; do
+    cp nameless_$kind nameless.$kind
+    want=$(first nameless.$kind nameless.$kind)
+    [ -n "$want" ] && [ "$(first nameless_$kind nameless_$kind)" = "$want" ] &&
+        [ "$(first <(cat nameless_$kind) <(cat nameless_$kind))" = "$want" ] || echo "$kind: $want" >>"$log"
+done
+echo "hello, world" >letter
+"$PCCDCTL" check --private letter letter >out 2>&1
+[ $? -eq 4 ] && grep -q 'letter: neither .* nor what begins as OBJ or STL' out || cat out >>"$log"
+[ ! -s "$log" ]
+tap_result $? files__are_known_by_how_they_begin "$log"
+
 # If it failed, a scene that moves by itself would be one frame, or a pipe be waited for twice.
 cat >fall.gltf <<'END'
 {"asset": {"version": "2.0"}, "buffers": [{"byteLength": 100, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/AAAAAAAAAD4AAAA+AACAPwAAAD4AAAA+AACAvw=="}],

@@ -103,7 +103,7 @@ struct ctl_reading {
 };
 
 /* Read `path`; the kind is told by the first bytes "ply" or "glTF", else by the ending
- * .ply, .obj, .stl, .glb or .gltf.
+ * .ply, .obj, .stl, .glb or .gltf, else by how OBJ and STL begin.
  * A mesh has at least one vertex and one triangle, edge or point, finite coordinates and
  * valid indices. It keeps `path`.
  * Errors: E_SYSTEM, E_NOMEM, E_FORMAT, E_NOTFINITE, E_INDEX, E_LIMIT; the text names the
@@ -184,6 +184,9 @@ uint32_t *ctl_mesh_object_of_vertices(const struct ctl_mesh *mesh);
  * after, also on error. */
 int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh);
 int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh);
+/* Whether the first bytes of a file are those of OBJ, of STL, whatever its name. */
+bool ctl_obj_begins(const struct ctl_file *file);
+bool ctl_stl_begins(const struct ctl_file *file);
 int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh);
 int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh);
 

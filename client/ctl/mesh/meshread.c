@@ -17,14 +17,16 @@ static const struct format {
     bool makes_all; /* parse does, also of a part */
     int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh);
     ctl_motion_reader *open_motion; /* NULL: it has one frame */
+    /* Whether a file that neither a word nor its name tells begins so; or NULL. */
+    bool (*begins)(const struct ctl_file *file);
 } formats[] = {
-    {"ply", ".ply", CTL_HOLDS_MESH, false, ctl_ply_parse, NULL},
-    {"glTF", ".glb", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_open},
-    {NULL, ".gltf", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_open},
-    {NULL, ".obj", CTL_HOLDS_MESH, false, ctl_obj_parse, NULL},
-    {NULL, ".stl", CTL_HOLDS_CORNERS, true, ctl_stl_parse, NULL},
-    {"POINTCACHE2", ".pc2", CTL_HOLDS_POSITIONS, false, NULL, ctl_pc2_open},
-    {NULL, ".mdd", CTL_HOLDS_POSITIONS, false, NULL, ctl_mdd_open},
+    {"ply", ".ply", CTL_HOLDS_MESH, false, ctl_ply_parse, NULL, NULL},
+    {"glTF", ".glb", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_open, NULL},
+    {NULL, ".gltf", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_open, NULL},
+    {NULL, ".obj", CTL_HOLDS_MESH, false, ctl_obj_parse, NULL, ctl_obj_begins},
+    {NULL, ".stl", CTL_HOLDS_CORNERS, true, ctl_stl_parse, NULL, ctl_stl_begins},
+    {"POINTCACHE2", ".pc2", CTL_HOLDS_POSITIONS, false, NULL, ctl_pc2_open, NULL},
+    {NULL, ".mdd", CTL_HOLDS_POSITIONS, false, NULL, ctl_mdd_open, NULL},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
@@ -51,7 +53,7 @@ bool ctl_mesh_is_named(const char *path)
     return format_of_name(path) != NULL;
 }
 
-/* By the first bytes of a file, or its name; NULL: none that is known. */
+/* By the first word of a file, its name, or how it begins; NULL: none that is known. */
 static const struct format *find_format(const struct ctl_file *file)
 {
     const char *at = ctl_file_start(file);
@@ -64,7 +66,12 @@ static const struct format *find_format(const struct ctl_file *file)
             return &formats[i];
         }
     }
-    return format_of_name(file->path);
+    const struct format *found = format_of_name(file->path);
+    for (int i = 0; i < FORMATS && found == NULL && bytes > 0; i++) {
+        bool is_it = formats[i].begins != NULL && formats[i].begins(file);
+        found = is_it ? &formats[i] : NULL;
+    }
+    return found;
 }
 
 bool ctl_mesh_is_pipe(const char *path)
@@ -76,14 +83,18 @@ bool ctl_mesh_is_pipe(const char *path)
 /* Its first bytes, if it is no pipe, which has them once. */
 static const struct format *format_of_path(const char *path)
 {
-    char begin[16];
+    char begin[512];
     struct ctl_file file = {.path = path, .data = begin};
+    struct stat info;
     int fd = ctl_mesh_is_pipe(path) ? -1 : open(path, O_RDONLY | O_CLOEXEC);
     if (fd >= 0) {
-        ssize_t got = read(fd, begin, sizeof begin);
+        ssize_t got = read(fd, begin, sizeof begin - 1);
         file.bytes = got > 0 ? (size_t)got : 0;
+        file.size = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
+        file.rest_bytes = file.size > file.bytes ? file.size - file.bytes : 0;
         (void)close(fd);
     }
+    begin[file.bytes] = '\0';
     return find_format(&file);
 }
 
@@ -119,7 +130,8 @@ static const struct format *format_of(const struct ctl_file *file,
         (void)ctl_error_set(
             error, PCCD_E_FORMAT,
             "%s: neither PLY (first line \"ply\") nor glTF (first word "
-            "\"glTF\") nor a name ending in .ply, .obj, .stl, .glb or .gltf%s%s; %s",
+            "\"glTF\") nor what begins as OBJ or STL, nor a name ending in .ply, .obj, "
+            ".stl, .glb or .gltf%s%s; %s",
             file->path, ending[0] != '\0' ? ", but in " : "", ending,
             strcasecmp(ending, ".fbx") == 0
                 ? "of FBX Blender makes glTF, animations included"

@@ -48,6 +48,20 @@ static uint32_t kind_of(struct ctl_word line)
     return kind;
 }
 
+bool ctl_obj_begins(const struct ctl_file *file)
+{
+    const char *end = file->data + file->bytes;
+    struct ctl_word line = {ctl_file_start(file), NULL}, word;
+    bool is_said = false;
+    while (line.at < end && !is_said) {
+        line.end = line.at + strcspn(line.at, "\r\n"); /* data ends with a byte 0 */
+        struct ctl_word rest = line;
+        is_said = ctl_word_next(&rest, &word) && *word.at != '#';
+        line.at = is_said ? line.at : line.end + 1;
+    }
+    return is_said && kind_of(line) < UNKNOWN;
+}
+
 static bool has_name(uint32_t kind)
 {
     return kind >= OBJECT && kind < NAMES_END;

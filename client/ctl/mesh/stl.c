@@ -140,10 +140,15 @@ static void read_binary(struct stl *stl)
 static bool is_ascii(const struct ctl_file *file)
 {
     static const char blanks[] = " \t\r\n\v\f";
-    const char *word = file->at + strspn(file->at, blanks);
+    const char *start = ctl_file_start(file), *word = start + strspn(start, blanks);
     size_t left = (size_t)(file->data + file->bytes - word);
     return strncasecmp(word, "solid", 5) == 0 && strchr(blanks, word[5]) != NULL &&
            memchr(word, 0, left < LOOK_BYTES ? left : LOOK_BYTES) == NULL;
+}
+
+bool ctl_stl_begins(const struct ctl_file *file)
+{
+    return is_binary(file) || is_ascii(file);
 }
 
 static void refuse_kind(struct ctl_file *file)
