@@ -216,10 +216,8 @@ static void add_primitive(struct gltf *gltf, const json_t *primitive,
                                    corner_of(mode, i, k, indices.count));
         }
         /* Strips use triangles without area to go on elsewhere: they show nothing. */
-        bool is_empty = corners[0] == corners[1] || corners[1] == corners[2] ||
-                        corners[2] == corners[0];
         bool is_strip = mode == STRIP || mode == FAN;
-        if (gltf->status == PCCD_OK && !(is_strip && is_empty)) {
+        if (gltf->status == PCCD_OK && !(is_strip && ctl_is_flat(corners))) {
             gltf->status = ctl_mesh_add(to, modes[mode].kind, corners);
         }
     }

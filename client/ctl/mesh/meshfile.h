@@ -161,6 +161,12 @@ int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
 void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value);
 /* What is added next is of this row, of so many. */
 void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count);
+/* Whether a triangle has a vertex twice. */
+static inline bool ctl_is_flat(const uint32_t vertices[3])
+{
+    return vertices[0] == vertices[1] || vertices[1] == vertices[2] ||
+           vertices[2] == vertices[0];
+}
 int ctl_mesh_add(struct ctl_mesh *mesh, enum ctl_kind kind, const uint32_t *vertices);
 /* The corners of a face, three or more, one after the other; then its place. */
 int ctl_mesh_add_corner(struct ctl_mesh *mesh, uint32_t vertex);

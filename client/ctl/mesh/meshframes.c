@@ -219,6 +219,39 @@ static void hold(struct ctl_frames_source *source, struct ctl_mesh *frame)
     ctl_mesh_deinit(frame);
 }
 
+/* Join what is at one place in the first frame, and part what moves apart in a later one.
+ * Of corners those of STL alone are looked at. */
+static int weld_frames(struct ctl_frames *frames, const struct pccd_mesh_data *shape,
+                       double within, bool are_corners, struct pccd_weld **weld,
+                       struct ctl_error *error)
+{
+    const struct ctl_mesh *mesh = &frames->mesh;
+    struct pccd_weld_counts counts = {.joined = 0};
+    struct progress progress;
+    uint32_t count = frames->welded.frame_count;
+    int status = pccd_weld_begin(shape, within, !are_corners, weld);
+    status = status == PCCD_OK ? pccd_weld_frame(*weld, mesh->x, mesh->format) : status;
+    status = told(frames, status, error);
+    (void)pccd_weld_read(*weld, &counts);
+    progress_begin(&progress, "frames", count);
+    for (uint32_t i = 1; i < count && status == PCCD_OK; i++) {
+        struct ctl_frames_source *source = source_of(frames, i);
+        struct ctl_mesh frame = {0};
+        if (are_corners ? !source->is_stl : counts.joined + counts.more == 0) {
+            continue;
+        }
+        status = read_frame(frames, i, &frame, error);
+        if (status == PCCD_OK) {
+            status = told(frames, pccd_weld_frame(*weld, frame.x, frame.format), error);
+            (void)pccd_weld_read(*weld, &counts);
+        }
+        hold(source, &frame);
+        progress_update(&progress, i + 1);
+    }
+    progress_clear(&progress);
+    return status;
+}
+
 /* The shape of STL has a vertex for all corners that are at one place in each frame. It
  * has three of each triangle still, and gets them in the order of their first corners. */
 static int join_corners(struct ctl_frames *frames, struct ctl_error *error)
@@ -226,24 +259,8 @@ static int join_corners(struct ctl_frames *frames, struct ctl_error *error)
     struct ctl_mesh *mesh = &frames->mesh;
     const struct pccd_mesh_data all = {.vertex_count = mesh->vertex_count};
     uint32_t *vertices = mesh->triangles.vertices, made = 0;
-    uint32_t count = frames->welded.frame_count > 1 ? frames->source_count : 1;
     struct pccd_weld *weld = NULL;
-    int status = pccd_weld_begin(&all, 0, false, &weld);
-    status = status == PCCD_OK ? pccd_weld_frame(weld, mesh->x, mesh->format) : status;
-    status = told(frames, status, error);
-    for (uint32_t s = 1; s < count && status == PCCD_OK; s++) {
-        struct ctl_frames_source *source = &frames->sources[s];
-        struct ctl_mesh corners = {0};
-        if (source->is_stl) {
-            status = read_corners(frames, source, &corners, error);
-        }
-        if (source->is_stl && status == PCCD_OK) {
-            status =
-                told(frames, pccd_weld_frame(weld, corners.x, corners.format), error);
-        }
-        ctl_mesh_drop_shape(&corners);
-        hold(source, &corners);
-    }
+    int status = weld_frames(frames, &all, 0, true, &weld, error);
     const uint32_t *to = pccd_weld_read(weld, NULL);
     for (uint32_t i = 0; status == PCCD_OK && i < mesh->vertex_count; i++) {
         vertices[i] = to[i] == i ? made++ : vertices[to[i]];
@@ -261,29 +278,6 @@ static int join_corners(struct ctl_frames *frames, struct ctl_error *error)
     return status;
 }
 
-/* Part what moves apart in a later frame. */
-static int weld_frames(struct ctl_frames *frames, struct pccd_weld *weld,
-                       struct pccd_weld_counts *counts, struct ctl_error *error)
-{
-    int status = PCCD_OK;
-    struct progress progress;
-    uint32_t count = frames->welded.frame_count;
-    progress_begin(&progress, "frames", count);
-    for (uint32_t i = 1;
-         i < count && status == PCCD_OK && counts->joined + counts->more > 0; i++) {
-        struct ctl_mesh frame = {0};
-        status = read_frame(frames, i, &frame, error);
-        if (status == PCCD_OK) {
-            status = told(frames, pccd_weld_frame(weld, frame.x, frame.format), error);
-            (void)pccd_weld_read(weld, counts);
-        }
-        hold(source_of(frames, i), &frame);
-        progress_update(&progress, i + 1);
-    }
-    progress_clear(&progress);
-    return status;
-}
-
 /* Objects that touch there cannot meet there any more, so that is told. */
 static int count_between(struct ctl_frames *frames, const uint32_t *to,
                          struct ctl_error *error)
@@ -294,12 +288,6 @@ static int count_between(struct ctl_frames *frames, const uint32_t *to,
     }
     free(objects);
     return objects != NULL ? PCCD_OK : no_memory(error);
-}
-
-static bool is_flat(const uint32_t corners[3])
-{
-    return corners[0] == corners[1] || corners[1] == corners[2] ||
-           corners[2] == corners[0];
 }
 
 int ctl_frames_rename(struct ctl_frames *frames, const uint32_t *to,
@@ -318,8 +306,8 @@ int ctl_frames_rename(struct ctl_frames *frames, const uint32_t *to,
         list->vertices = renamed;
     }
     for (size_t i = 0; i < (size_t)frames->mesh.triangles.count * 3; i += 3) {
-        frames->welded.flat += is_flat(frames->mesh.triangles.vertices + i) &&
-                               !is_flat(frames->shape.triangles.vertices + i);
+        frames->welded.flat += ctl_is_flat(frames->mesh.triangles.vertices + i) &&
+                               !ctl_is_flat(frames->shape.triangles.vertices + i);
     }
     return PCCD_OK;
 }
@@ -339,11 +327,8 @@ static int weld_shape(struct ctl_frames *frames, const struct ctl_frames_options
     };
     struct pccd_weld_counts counts = {.joined = 0};
     struct pccd_weld *weld = NULL;
-    int status = pccd_weld_begin(&named, options->weld, true, &weld);
-    status = status == PCCD_OK ? pccd_weld_frame(weld, mesh->x, mesh->format) : status;
+    int status = weld_frames(frames, &named, options->weld, false, &weld, error);
     const uint32_t *to = pccd_weld_read(weld, &counts);
-    status = status == PCCD_OK ? weld_frames(frames, weld, &counts, error)
-                               : told(frames, status, error);
     if (status == PCCD_OK && counts.joined > 0 && mesh->object_count > 1) {
         status = count_between(frames, to, error);
     }
