@@ -25,12 +25,13 @@ const struct gltf_path_kind gltf_path_kinds[GLTF_PATHS] = {
 
 /* ---- nodes ------------------------------------------------------------------------- */
 
+/* A node, and of which others it is the parent. */
 static void read_node(struct gltf_scene *scene, size_t index)
 {
     struct gltf *gltf = &scene->gltf;
     struct gltf_node *node = &scene->nodes[index];
     const json_t *json = node->json = gltf_entry(gltf, "nodes", (long long)index);
-    node->parent = -1;
+    const json_t *children = json_object_get(json, "children");
     node->has_matrix = json_object_get(json, "matrix") != NULL;
     gltf_numbers(gltf, json, "matrix", 16, node->matrix, "node", index);
     for (int i = 0; i < GLTF_POSE_PATHS; i++) {
@@ -40,22 +41,17 @@ static void read_node(struct gltf_scene *scene, size_t index)
         memcpy(node->pose[i], kind->still, sizeof kind->still);
         gltf_numbers(gltf, json, kind->name, kind->numbers, node->pose[i], "node", index);
     }
-}
-
-static void read_children(struct gltf_scene *scene, size_t index)
-{
-    struct gltf *gltf = &scene->gltf;
-    const json_t *children = json_object_get(scene->nodes[index].json, "children");
     for (size_t k = 0; k < json_array_size(children) && gltf->status == PCCD_OK; k++) {
         long long child = gltf_value(json_array_get(children, k), -1);
         if (gltf_check_as(
                 gltf, child >= 0 && (size_t)child < scene->node_count, PCCD_E_INDEX,
                 "node %zu: there is no node %lld for its children", index, child)) {
             struct gltf_node *below = &scene->nodes[child];
-            gltf_check(gltf, below->parent < 0,
-                       "node %lld: is a child of node %zu and of node %lld", child, index,
-                       below->parent);
-            below->parent = (long long)index;
+            const struct gltf_node *other = below->parent != NULL ? below->parent : node;
+            gltf_check(gltf, below->parent == NULL,
+                       "node %lld: is a child of node %zu and of node %td", child, index,
+                       other - scene->nodes);
+            below->parent = node;
         }
     }
 }
@@ -95,7 +91,7 @@ static void read_order(struct gltf_scene *scene, size_t *waiting)
                           root) &&
             gltf_check(gltf, !nodes[root].is_listed,
                        "scene %lld: node %lld is there twice", index, root)) {
-            if (nodes[root].parent >= 0) {
+            if (nodes[root].parent != NULL) {
                 below = root;
             } else {
                 list_from(scene, (size_t)root, waiting);
@@ -104,7 +100,7 @@ static void read_order(struct gltf_scene *scene, size_t *waiting)
     }
     scene->shown_count = scene->listed_count;
     for (size_t i = 0; i < scene->node_count; i++) {
-        if (nodes[i].parent < 0 && !nodes[i].is_listed) {
+        if (nodes[i].parent == NULL && !nodes[i].is_listed) {
             list_from(scene, i, waiting);
         }
     }
@@ -117,11 +113,10 @@ static void read_order(struct gltf_scene *scene, size_t *waiting)
 }
 
 /* It and its parents move a mesh. */
-static void mark(struct gltf_scene *scene, long long node)
+static void mark(struct gltf_node *node)
 {
-    for (; node >= 0 && !scene->nodes[node].moves_mesh;
-         node = scene->nodes[node].parent) {
-        scene->nodes[node].moves_mesh = true;
+    for (; node != NULL && !node->moves_mesh; node = node->parent) {
+        node->moves_mesh = true;
     }
 }
 
@@ -141,7 +136,7 @@ static void read_skin(struct gltf_scene *scene, struct gltf_object *object)
         if (gltf_check_as(gltf, node >= 0 && (size_t)node < scene->node_count,
                           PCCD_E_INDEX, "skin %lld: joint %zu is node %lld of %zu", index,
                           i, node, scene->node_count)) {
-            mark(scene, node);
+            mark(&scene->nodes[node]);
         }
     }
 }
@@ -181,7 +176,7 @@ static void read_object(struct gltf_scene *scene, size_t index)
     if (json_object_get(node->json, "skin") != NULL) {
         read_skin(scene, object);
     } else {
-        mark(scene, (long long)index);
+        mark(node);
     }
 }
 
@@ -199,9 +194,6 @@ static void open_scene(struct ctl_file *file, const struct ctl_motion_wish *wish
     size_t *waiting = gltf_alloc(gltf, count, sizeof *waiting, "nodes");
     for (size_t i = 0; i < count && gltf->status == PCCD_OK; i++) {
         read_node(scene, i);
-    }
-    for (size_t i = 0; i < count && gltf->status == PCCD_OK; i++) {
-        read_children(scene, i);
     }
     if (gltf->status == PCCD_OK) {
         read_order(scene, waiting);
@@ -361,8 +353,8 @@ static void place_nodes(struct gltf_scene *scene)
                        ? "node %zu: the last row of its matrix is not 0 0 0 1"
                        : "node %zu: its rotation has no length",
                    scene->order[i]);
-        if (node->parent >= 0) {
-            node->world = product(&scene->nodes[node->parent].world, &node->world);
+        if (node->parent != NULL) {
+            node->world = product(&node->parent->world, &node->world);
         }
     }
 }

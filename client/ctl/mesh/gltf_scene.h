@@ -29,7 +29,7 @@ struct gltf_place {
 
 struct gltf_node {
     const json_t *json;
-    long long parent; /* -1: none */
+    struct gltf_node *parent; /* NULL: none */
     bool is_listed;
     bool moves_mesh; /* it or what is below it has vertices, or is a joint */
     bool has_matrix; /* of these columns, instead of a pose */
