@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "array.h"
+
 static const char *const names[CTL_KINDS] = {"points", "edges", "triangles"};
 
 static int no_memory(const struct ctl_mesh *mesh, uint64_t count, const char *what)
@@ -167,19 +169,11 @@ void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value)
 static int grow(struct ctl_mesh *mesh, void *items, size_t bytes, size_t count,
                 size_t *capacity, const char *what)
 {
-    void *before;
-    if (count < *capacity) {
-        return PCCD_OK;
-    }
-    size_t wanted = *capacity * 2 + 1024;
-    memcpy(&before, items, sizeof before);
-    void *grown = wanted < SIZE_MAX / bytes ? realloc(before, wanted * bytes) : NULL;
-    if (grown == NULL) {
-        return no_memory(mesh, wanted, what);
-    }
-    memcpy(items, &grown, sizeof grown);
-    *capacity = wanted;
-    return PCCD_OK;
+    void *array;
+    memcpy(&array, items, sizeof array);
+    bool has_room = array_reserve(&array, count, capacity, bytes);
+    memcpy(items, &array, sizeof array);
+    return has_room ? PCCD_OK : no_memory(mesh, count, what);
 }
 
 int ctl_mesh_add(struct ctl_mesh *mesh, enum ctl_kind kind, const uint32_t *vertices)

@@ -112,32 +112,26 @@ int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
     return ctl_motion_open(path, format_of_path(path)->open_motion, wish, motion, error);
 }
 
-/* NULL, with an error: none that is known. */
-static const struct format *format_of(const struct ctl_file *file,
-                                      struct ctl_error *error)
+/* Of a file that is no mesh, by its format, or NULL. */
+static int refuse(const struct ctl_file *file, const struct format *format,
+                  struct ctl_error *error)
 {
-    const struct format *format = find_format(file);
     const char *ending = ending_of(file->path);
-    if (format != NULL && format->parse != NULL) {
-        return format;
-    }
     if (format != NULL) {
-        (void)ctl_error_set(error, PCCD_E_FORMAT,
-                            "%s has positions alone: name the mesh file with its faces "
-                            "before it",
-                            file->path);
-    } else {
-        (void)ctl_error_set(
-            error, PCCD_E_FORMAT,
-            "%s: neither PLY (first line \"ply\") nor glTF (first word "
-            "\"glTF\") nor what begins as OBJ or STL, nor a name ending in .ply, .obj, "
-            ".stl, .glb or .gltf%s%s; %s",
-            file->path, ending[0] != '\0' ? ", but in " : "", ending,
-            strcasecmp(ending, ".fbx") == 0
-                ? "of FBX Blender makes glTF, animations included"
-                : "python3 -m pccd check reads what meshio does, such as VTU and PVD");
+        return ctl_error_set(error, PCCD_E_FORMAT,
+                             "%s has positions alone: name the mesh file with its faces "
+                             "before it",
+                             file->path);
     }
-    return NULL;
+    return ctl_error_set(
+        error, PCCD_E_FORMAT,
+        "%s: neither PLY (first line \"ply\") nor glTF (first word \"glTF\") nor what "
+        "begins as OBJ or STL, nor a name ending in .ply, .obj, .stl, .glb or .gltf%s%s; "
+        "%s",
+        file->path, ending[0] != '\0' ? ", but in " : "", ending,
+        strcasecmp(ending, ".fbx") == 0
+            ? "of FBX Blender makes glTF, animations included"
+            : "python3 -m pccd check reads what meshio does, such as VTU and PVD");
 }
 
 /* ---- reading ----------------------------------------------------------------------- */
@@ -148,10 +142,10 @@ static int parse(struct ctl_file *file, struct ctl_mesh *mesh)
         return ctl_error_set(mesh->error, PCCD_E_FORMAT, "%s: the file is empty",
                              file->path);
     }
-    const struct format *format = format_of(file, mesh->error);
+    const struct format *format = find_format(file);
     const struct ctl_part part = mesh->part;
-    if (format == NULL) {
-        return PCCD_E_FORMAT;
+    if (format == NULL || format->parse == NULL) {
+        return refuse(file, format, mesh->error);
     }
     /* A pipe is read to its end, once it is known what it brings. */
     if (file->size == 0 && ctl_file_load(file, mesh->error) != PCCD_OK) {
