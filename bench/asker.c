@@ -1,9 +1,4 @@
-/* bench/asker.c - a client of a private daemon, and what it asks.
- *
- * Room:     bench.
- * Does:     see asker.h.
- * Threads:  one.
- */
+/* asker.c - a client of a private daemon, and what it asks. */
 #include "asker.h"
 
 #include <sched.h>

@@ -1,10 +1,7 @@
-/* bench/asker.h - the client with which the benchmarks ask a private daemon: ping, an
- * empty step, a large step.
+/* asker.h - the client with which the benchmarks ask a private daemon: ping, an empty
+ * step, a large step.
  *
- * Room:     bench. May include: the public header of the client library.
- * Does:     connect; ping; submit an empty step; move a scene of many vertices. Any
- *           failure ends the program with 2.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_ASKER_H
 #define BENCH_ASKER_H

@@ -1,9 +1,4 @@
-/* bareend.c - how long until the end of a bare process is seen, and another answers.
- *
- * Room:     bench. See bareend.h.
- * Does:     all processes anew for each turn, so that nothing is left of the last one.
- * Threads:  one a process.
- */
+/* bareend.c - how long until the end of a bare process is seen, and another answers. */
 #include "bareend.h"
 
 #include <poll.h>

@@ -1,10 +1,7 @@
-/* bench/batch.c - steps of many small scenes: one batch beside as many single requests.
+/* batch.c - steps of many small scenes: one batch beside as many single requests.
  *
- * Room:     bench; the public header of the client library.
- * Does:     the same steps of the same scenes, by turns: a batch by one thread and by
- *           two, single requests one after the other, and 16 at a time. All must have the
- *           same hashes.
- * Threads:  one; the daemon is a private one.
+ * The same steps of the same scenes, by turns: a batch by one thread and by two, single
+ * requests one after the other, and 16 at a time. All must have the same hashes.
  */
 #include <dirent.h>
 #include <inttypes.h>

@@ -1,12 +1,12 @@
-/* bench/connect.c - what it costs to begin: to connect, to ask for the first time.
+/* connect.c - what it costs to begin: to connect, to ask for the first time.
  *
- * Room:     bench. May include: pccd.h, tests/support.
- * Does:     measure attaching the shared memory; from pccd_connect to the first answer of
- *           1000 triangles that share no vertex; `pccdctl check` of two triangles, by a
- *           daemon that runs and by one that it starts; the first step of 178 802
- *           triangles beside the second; and the memory that each takes. What is asked
- *           of each is what the ratios are to: below 1 it is kept.
- * Threads:  one, and processes. Needs PCCDD and PCCDCTL, which make sets.
+ * Measure attaching the shared memory; from pccd_connect to the first answer of 1000
+ * triangles that share no vertex; `pccdctl check` of two triangles, by a daemon that runs
+ * and by one that it starts; the first step of 178 802 triangles beside the second; and
+ * the memory that each takes. What is asked of each is what the ratios are to: below 1 it
+ * is kept.
+ *
+ * Threads: one, and processes. Needs PCCDD and PCCDCTL, which make sets.
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,14 +1,11 @@
 /* death.c - from kill -9 of the daemon to each client's next answer.
  *
- * Room:     bench. May include: pccd.h, tests/support.
- * Does:     one process a client; each waits on its socket, sees the daemon go, and asks
- *           for its next step at once. The daemon is pccdd --supervise. Prints p50, p99
- *           and the longest over all clients and kills: from the kill to the answer, and
- *           of it what telling the new daemon anew took. With -e nothing is
- *           registered, and the answer is that to a ping. After each kill a bare process
- *           is killed, too, and one that has a bare successor (bareend.h): what of the
- *           times is the machine's.
- * Threads:  one a process; times are handed over in shared memory.
+ * One process a client; each waits on its socket, sees the daemon go, and asks for its
+ * next step at once. The daemon is pccdd --supervise. Prints p50, p99 and the longest
+ * over all clients and kills: from the kill to the answer, and of it what telling the new
+ * daemon anew took. With -e nothing is registered, and the answer is that to a ping.
+ * After each kill a bare process is killed, too, and one that has a bare successor
+ * (bareend.h): what of the times is the machine's.
  */
 #include <poll.h>
 #include <signal.h>

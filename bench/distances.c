@@ -1,13 +1,9 @@
-/* bench/distances.c - what the exact distance of one pair costs.
+/* distances.c - what the exact distance of one pair costs.
  *
- * Room:     bench (engine: distance.h, distance_batch.h).
- * Does:     make pairs of features by family, ask of each alone whether it is within a
- *           distance and what its distance is, and report the times; a slow one is asked
- *           three times, and its best time counts. Then the same of many pairs in turn,
- *           of which doubles decide nearly all; and of chunks of those, beside one by
- *           one.
- * Does not: judge the answers (tests/fuzz does).
- * Threads:  one.
+ * Make pairs of features by family, ask of each alone whether it is within a distance and
+ * what its distance is, and report the times; a slow one is asked three times, and its
+ * best time counts. Then the same of many pairs in turn, of which doubles decide nearly
+ * all; and of chunks of those, beside one by one.
  */
 #include <math.h>
 #include <stdio.h>

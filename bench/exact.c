@@ -1,13 +1,10 @@
-/* bench/exact.c - what one pair costs that floating point cannot decide.
+/* exact.c - what one pair costs that floating point cannot decide.
  *
- * Room:     bench (engine: exact.h, solve.h, thick.h).
- * Does:     make pairs of features by family of their coordinates' exponents and by
- *           shape, decide each alone, and report those that took exact arithmetic. A slow
- *           one is decided three times, and its best time counts. The maximum is the
- *           point: nobody waits longer for a deadline or for one pair of another user.
- *           The same for thick features, of which all are put to integers.
- * Does not: judge the answers (tests/fuzz does).
- * Threads:  one.
+ * Make pairs of features by family of their coordinates' exponents and by shape, decide
+ * each alone, and report those that took exact arithmetic. A slow one is decided three
+ * times, and its best time counts. The maximum is the point: nobody waits longer for a
+ * deadline or for one pair of another user. The same for thick features, of which all are
+ * put to integers.
  */
 #include <math.h>
 #include <string.h>

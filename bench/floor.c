@@ -1,9 +1,4 @@
-/* bench/floor.c - what this machine cannot do faster.
- *
- * Room:     bench.
- * Does:     see floor.h.
- * Threads:  one.
- */
+/* floor.c - what this machine cannot do faster. */
 #include "floor.h"
 
 #include <stdint.h>

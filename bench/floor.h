@@ -1,9 +1,6 @@
-/* bench/floor.h - the speed limits of this machine, for comparison with measured times.
+/* floor.h - the speed limits of this machine, for comparison with measured times.
  *
- * Room:     bench. May include: the C library.
- * Does:     measure the clock, copying and reading; compute from bytes and operations how
- *           long a kernel takes at least.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_FLOOR_H
 #define BENCH_FLOOR_H

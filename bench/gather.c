@@ -1,9 +1,4 @@
-/* bench/gather.c - what the kernels are measured on: the work of a real step.
- *
- * Room:     bench.
- * Does:     see gather.h.
- * Threads:  one.
- */
+/* gather.c - what the kernels are measured on: the work of a real step. */
 #include "gather.h"
 
 #include <stdlib.h>

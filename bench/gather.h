@@ -1,10 +1,6 @@
-/* bench/gather.h - collects the work of a real step, as input for benchmarks of single
- * kernels.
+/* gather.h - collects the work of a real step, as input for benchmarks of single kernels.
  *
- * Room:     bench; engine headers.
- * Does:     run one step of a scene and keep its candidates as queries, its tested node
- *           pairs and its records, in the order in which they were found.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_GATHER_H
 #define BENCH_GATHER_H

@@ -1,10 +1,8 @@
-/* bench/ipc.c - what it costs to ask another process.
+/* ipc.c - what it costs to ask another process.
  *
- * Room:     bench; the public header of the client library.
- * Does:     ping, an empty step and an update of many vertices, against the bare
- *           kernel: a SOCK_SEQPACKET ping-pong of two processes, and memcpy into shared
- *           memory. Both sides of a ratio take turns.
- * Threads:  one; the daemon is a private one.
+ * Ping, an empty step and an update of many vertices, against the bare kernel: a
+ * SOCK_SEQPACKET ping-pong of two processes, and memcpy into shared memory. Both sides of
+ * a ratio take turns.
  */
 #include <errno.h>
 #include <sched.h>

@@ -1,11 +1,8 @@
-/* bench/kernels.c - the engine's inner loops, each against a plain version of itself.
+/* kernels.c - the engine's inner loops, each against a plain version of itself.
  *
- * Room:     bench; engine headers.
- * Does:     filter with solver against the solver alone, the same candidates with a
- *           radius against those without, exact queries, the box test
- *           against scalar code, the merge against qsort, ingest against memcpy. Results
- *           are compared before a time is printed.
- * Threads:  one.
+ * Filter with solver against the solver alone, the same candidates with a radius against
+ * those without, exact queries, the box test against scalar code, the merge against
+ * qsort, ingest against memcpy. Results are compared before a time is printed.
  */
 #include <math.h>
 #include <stdlib.h>

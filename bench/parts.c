@@ -1,10 +1,4 @@
-/* bench/parts.c - what `roofline` measures, one by one.
- *
- * Room:     bench; engine headers.
- * Does:     see parts.h.
- * Does not: count what the compiler made: operations are those of the sources.
- * Threads:  any.
- */
+/* parts.c - what `roofline` measures, one by one. */
 #include "parts.h"
 
 static const char *const part_names[PART_COUNT] = {

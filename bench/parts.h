@@ -1,10 +1,6 @@
-/* bench/parts.h - the parts of a step that `roofline` compares with the limits of the
- * machine.
+/* parts.h - the parts of a step that `roofline` compares with the limits of the machine.
  *
- * Room:     bench; engine headers.
- * Does:     name the kernels and phases of the method `wide`, and the bytes and
- *           operations that each needs at least.
- * Threads:  any.
+ * Threads: any.
  */
 #ifndef BENCH_PARTS_H
 #define BENCH_PARTS_H

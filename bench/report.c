@@ -1,10 +1,4 @@
-/* bench/report.c - samples, their order statistics, and how they are printed.
- *
- * Room:     bench.
- * Does:     see report.h.
- * Does not: average: a mean hides what a busy machine did to a few samples.
- * Threads:  one.
- */
+/* report.c - samples, their order statistics, and how they are printed. */
 #include "report.h"
 
 #include <stdio.h>

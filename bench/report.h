@@ -1,9 +1,6 @@
-/* bench/report.h - collects measured samples and prints them as a table or as JSON.
+/* report.h - collects measured samples and prints them as a table or as JSON.
  *
- * Room:     bench. May include: the C library.
- * Does:     parse the common options; keep samples; print one row a quantity, with
- *           compiler, flags and processor; remember failed checks.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_REPORT_H
 #define BENCH_REPORT_H

@@ -1,9 +1,4 @@
-/* bench/resident.c - a measured scene inside the engine.
- *
- * Room:     bench.
- * Does:     see resident.h.
- * Threads:  one.
- */
+/* resident.c - a measured scene inside the engine. */
 #include "resident.h"
 
 #include <stdio.h>

@@ -1,10 +1,6 @@
-/* bench/resident.h - puts a benchmark scene into the engine.
+/* resident.h - puts a benchmark scene into the engine.
  *
- * Room:     bench; engine headers.
- * Does:     register the meshes, add the objects, stage the positions of a step or of a
- *           question about what is near.
- * Does not: make frames: the caller does, once for all the scenes that it compares.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_RESIDENT_H
 #define BENCH_RESIDENT_H

@@ -1,11 +1,9 @@
-/* bench/roofline.c - every kernel and phase of the method `wide` beside its floor.
+/* roofline.c - every kernel and phase of the method `wide` beside its floor.
  *
- * Room:     bench; engine headers.
- * Does:     run the kernels of every instruction set by turns on the same step of a
- *           scene, with the boxes around both ends of the step: refit, join, filters,
- *           elementary tests. Compare what they make with the scalar set's before a time
- *           is printed, and say how many times the floor it takes.
- * Threads:  one.
+ * Run the kernels of every instruction set by turns on the same step of a scene, with the
+ * boxes around both ends of the step: refit, join, filters, elementary tests. Compare
+ * what they make with the scalar set's before a time is printed, and say how many times
+ * the floor it takes.
  */
 #include <stdio.h>
 #include <stdlib.h>

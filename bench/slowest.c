@@ -1,14 +1,8 @@
-/* bench/slowest.c - the slowest pair that a search finds.
+/* slowest.c - the slowest pair that a search finds.
  *
- * Room:     bench (engine: distance.h, distance_order.h, exact.h, solve.h, winding.h).
- * Does:     begin with pairs that are hard by their exponents and shapes, change their
- *           coordinates, and keep what takes longer to decide; report the longest of each
- *           start, and print the points of the slowest.
- * Does not: judge the answers (tests/fuzz does), or prove anything: a bound follows from
- *           the lengths of numbers (BOUNDS.md).
- * Threads:  one.
- * Source:   slowest [--seconds N] [QUESTION], so long for each; PCCD_SEED begins
- *           elsewhere.
+ * Begin with pairs that are hard by their exponents and shapes, change their coordinates,
+ * and keep what takes longer to decide; report the longest of each start, and print the
+ * points of the slowest.
  */
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,4 @@
-/* bench/sorting.c - the merge of records against plainer ways to sort them.
- *
- * Room:     bench; engine headers.
- * Does:     compare every byte with qsort's before a time is printed.
- * Threads:  one; it opens regions of two.
+/* sorting.c - the merge of records against plainer ways to sort them.
  *
  * Floor, bytes moved for a contact of 64 bytes: 64 read for the key, key and address of
  * 16 written and read three times, 64 read, 64 fetched and written, 64 read by the hash:

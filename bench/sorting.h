@@ -1,9 +1,6 @@
-/* bench/sorting.h - compares the engine's sort of records with plainer ways to sort them.
+/* sorting.h - compares the engine's sort of records with plainer ways to sort them.
  *
- * Room:     bench; engine headers.
- * Does:     time the canonical sort of a step's records by one thread and by two, a radix
- *           sort of the whole names, and qsort.
- * Threads:  one; it opens regions of two.
+ * Threads: one; it opens regions of two.
  */
 #ifndef BENCH_SORTING_H
 #define BENCH_SORTING_H

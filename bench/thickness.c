@@ -1,12 +1,8 @@
-/* bench/thickness.c - what thickness adds to a step.
+/* thickness.c - what thickness adds to a step.
  *
- * Room:     bench (engine: step.h).
- * Does:     take the same step of a scene without thickness and with a separation of some
- *           part of the median edge, in turn; report both times, how many pairs were
- *           tested, how many of them by themselves, and what one took.
- * Does not: judge the answers (tests/unit does).
- * Threads:  one.
- * Source:   thickness [NAME], a part of a scene's name.
+ * Take the same step of a scene without thickness and with a separation of some part of
+ * the median edge, in turn; report both times, how many pairs were tested, how many of
+ * them by themselves, and what one took.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,12 +1,8 @@
-/* bench/thin.c - steps of points and rods.
+/* thin.c - steps of points and rods.
  *
- * Room:     bench (engine: step.h, scene.h).
- * Does:     take the same step of a cloud above a sheet, with and without pairs within
- *           the cloud, and of hair, by one thread, in turn with a step of cloth-ball;
- *           report times, pairs and contacts.
- * Does not: judge the answers (tests/unit does).
- * Threads:  one.
- * Source:   thin [NAME], a part of a row's name.
+ * Take the same step of a cloud above a sheet, with and without pairs within the cloud,
+ * and of hair, by one thread, in turn with a step of cloth-ball; report times, pairs and
+ * contacts.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,6 @@
-/* bench/traverse.c - the traversal of the engine's tree, with nothing else in it.
+/* traverse.c - the traversal of the engine's tree, with nothing else in it.
  *
- * Room:     bench.
- * Does:     visit what eng_taskunit_perform visits, in the order of a depth-first search.
- * Threads:  one.
- * Source:   paper/taskunit.c; the same refinement, so that counts are comparable.
+ * Source: paper/taskunit.c; the same refinement, so that counts are comparable.
  */
 #include "traverse.h"
 

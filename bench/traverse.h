@@ -1,8 +1,6 @@
-/* bench/traverse.h - the traversal of the engine's tree alone, without tests, to time it.
+/* traverse.h - the traversal of the engine's tree alone, without tests, to time it.
  *
- * Room:     bench; engine headers.
- * Does:     record which nodes the traversal of the method `paper` tests, in order.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_TRAVERSE_H
 #define BENCH_TRAVERSE_H

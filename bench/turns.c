@@ -1,11 +1,9 @@
-/* bench/turns.c - the C side of make bench-python.
+/* turns.c - the C side of make bench-python.
  *
- * Room:     bench; the public header of the client library.
- * Does:     a client at the URL of its argument, with a scene of 8 rigid bodies and one
- *           of a cloth of 46 656 vertices. Each line of standard input has it make steps
- *           and answer with their nanoseconds: "bodies N", "cloth N"; "check": the hash
- *           of a step of the bodies that has contacts. python.py does the same.
- * Threads:  one; steps are asked for one thread.
+ * A client at the URL of its argument, with a scene of 8 rigid bodies and one of a cloth
+ * of 46 656 vertices. Each line of standard input has it make steps and answer with their
+ * nanoseconds: "bodies N", "cloth N"; "check": the hash of a step of the bodies that has
+ * contacts. python.py does the same.
  */
 #include <math.h>
 #include <stdio.h>

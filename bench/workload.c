@@ -1,9 +1,4 @@
-/* bench/workload.c - the scenes that are measured.
- *
- * Room:     bench.
- * Does:     list them; scenes/ makes them.
- * Threads:  one.
- */
+/* workload.c - the scenes that are measured. */
 #include "workload.h"
 
 #include <string.h>

@@ -1,9 +1,6 @@
-/* bench/workload.h - the list of benchmark scenes.
+/* workload.h - the list of benchmark scenes.
  *
- * Room:     bench. May include: report.h, scenes/bench_scene.h.
- * Does:     list them by name; say what their objects are called.
- * Does not: know the engine.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_WORKLOAD_H
 #define BENCH_WORKLOAD_H

@@ -1,12 +1,8 @@
-/* bench/growth/growth.c - time and memory against the size of a scene, and its contacts.
+/* growth.c - time and memory against the size of a scene, and its contacts.
  *
- * Room:     bench; engine headers.
- * Does:     step stacks of layers of 1 K to 10 M triangles, as many contacts a triangle
- *           in each, and ask what is near where they stand; step two sheets of one size
- *           of which more and more passes through the other. A line of CSV each: size.csv
- *           and contacts.csv.
- * Does not: fit or draw: fit.awk and *.gp do.
- * Threads:  one, but for the team of --threads.
+ * Step stacks of layers of 1 K to 10 M triangles, as many contacts a triangle in each,
+ * and ask what is near where they stand; step two sheets of one size of which more and
+ * more passes through the other. A line of CSV each: size.csv and contacts.csv.
  */
 #include <argp.h>
 #include <math.h>

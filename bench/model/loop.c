@@ -1,10 +1,8 @@
-/* bench/model/loop.c - what a turn of the paper's main loop costs.
+/* loop.c - what a turn of the paper's main loop costs.
  *
- * Room:     bench/model.
- * Does:     run the paper's scheduler and the serial one, each by one thread, over a
- *           scene in which nothing is near anything else: all units are one box test, and
- *           the difference is what section 4.3 adds to each.
- * Threads:  one.
+ * Run the paper's scheduler and the serial one, each by one thread, over a scene in which
+ * nothing is near anything else: all units are one box test, and the difference is what
+ * section 4.3 adds to each.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,8 @@
-/* bench/model/machine.c - what it costs here that threads meet.
+/* machine.c - what it costs here that threads meet.
  *
- * Room:     bench/model.
- * Does:     see machine.h. What one thread does alone is timed in loops; what takes two,
- *           turn by turn: one prepares, tells the other through a line of its own, and
- *           the other times one operation.
- * Threads:  see machine.h.
+ * See machine.h. What one thread does alone is timed in loops; what takes two, turn by
+ * turn: one prepares, tells the other through a line of its own, and the other times one
+ * operation.
  */
 #include "machine.h"
 

@@ -1,11 +1,10 @@
-/* bench/model/machine.h - measures what it costs on this machine when threads meet:
- * locks, wake-ups, barriers.
+/* machine.h - measures what it costs on this machine when threads meet: locks, wake-ups,
+ * barriers.
  *
- * Room:     bench/model; engine headers.
- * Does:     measure deque, lock, wake-up, sleep, barrier, start of a region and shared
- *           cache lines with at most two threads at a time, each on a processor of its
- *           own; give medians.
- * Threads:  starts and ends its own.
+ * Measure deque, lock, wake-up, sleep, barrier, start of a region and shared cache lines
+ * with at most two threads at a time, each on a processor of its own; give medians.
+ *
+ * Threads: starts and ends its own.
  *
  * All in nanoseconds. With one processor the costs between two are those of one.
  */

@@ -1,9 +1,4 @@
-/* bench/model/measure.c - real steps, to take the serial parts from and to compare with.
- *
- * Room:     bench/model.
- * Does:     see measure.h.
- * Threads:  the engine's team.
- */
+/* measure.c - real steps, to take the serial parts from and to compare with. */
 #include "measure.h"
 
 #include <string.h>

@@ -1,10 +1,10 @@
-/* bench/model/measure.h - measures real steps, to compare the model's predictions with.
+/* measure.h - measures real steps, to compare the model's predictions with.
  *
- * Room:     bench/model; engine headers.
- * Does:     run the same step, or question about what is near, by one thread and by each
- *           scheduler with more threads, in turns, so that other work on the machine hits
- *           all of them; give medians. The serial parts of a step are taken from here.
- * Threads:  the engine's team.
+ * Run the same step, or question about what is near, by one thread and by each scheduler
+ * with more threads, in turns, so that other work on the machine hits all of them; give
+ * medians. The serial parts of a step are taken from here.
+ *
+ * Threads: the engine's team.
  */
 #ifndef MODEL_MEASURE_H
 #define MODEL_MEASURE_H

@@ -1,12 +1,9 @@
-/* bench/model/model.c - how a step would scale on a machine with more processors.
+/* model.c - how a step would scale on a machine with more processors.
  *
- * Room:     bench/model.
- * Does:     record what every task of a real step costs, or of a question about what is
- *           near (--near), measure what it costs that threads meet, replay both
- *           schedulers of the method paper and the method wide for 1 to 64 threads, check
- *           the replay against itself and against steps measured here, write CSV for the
- *           figures.
- * Threads:  one, but for the steps that are measured.
+ * Record what every task of a real step costs, or of a question about what is near
+ * (--near), measure what it costs that threads meet, replay both schedulers of the method
+ * paper and the method wide for 1 to 64 threads, check the replay against itself and
+ * against steps measured here, write CSV for the figures.
  */
 #include <math.h>
 #include <stdio.h>

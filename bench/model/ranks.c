@@ -1,14 +1,8 @@
 /* ranks.c - what ranks have, do and send in a step: counted and timed.
  *
- * Room:     bench/model; pccd_mpi.h.
- * Does:     step a scene that libpccd-mpi spreads over the ranks of this program, and
- *           write a line of CSV for each rank and step. With "link", measure what it
- *           takes that two ranks meet. ranks.awk makes the model of it.
- * Threads:  one a rank, or THREADS.
- *
- *     mpirun -n R ranks SCENE PARTS ON FRO [THREADS]
- *     mpirun -n R ranks SCENE PARTS ON FRO alone
- *     mpirun -n 2 ranks link
+ * Step a scene that libpccd-mpi spreads over the ranks of this program, and write a line
+ * of CSV for each rank and step. With "link", measure what it takes that two ranks meet.
+ * ranks.awk makes the model of it.
  *
  * SCENE is layers=SIDE or sheet=SIDE (layers.c; one of its sheets), or NAME=FRAME,FRAME
  * of $PCCD_DATA. A step goes a part of the way between two frames, one in PARTS. ON steps

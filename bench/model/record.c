@@ -1,9 +1,4 @@
-/* bench/model/record.c - every task that a step has, for each scheduler and thread count.
- *
- * Room:     bench/model.
- * Does:     see record.h.
- * Threads:  one.
- */
+/* record.c - every task that a step has, for each scheduler and thread count. */
 #include "record.h"
 
 #include <stdio.h>

@@ -1,12 +1,12 @@
-/* bench/model/record.h - lists every task of a step, for each scheduler and number of
- * threads, as input of the model.
+/* record.h - lists every task of a step, for each scheduler and number of threads, as
+ * input of the model.
  *
- * Room:     bench/model; engine headers.
- * Does:     walk over the scene as its last step left it, with one worker, in the order
- *           of one thread: all task units (the paper's scheduler), all tasks of work
- *           stealing, the high-level nodes for one number of threads, the refit. Of the
- *           method wide: the tasks and the chunks of the refit.
- * Threads:  one.
+ * Walk over the scene as its last step left it, with one worker, in the order of one
+ * thread: all task units (the paper's scheduler), all tasks of work stealing, the high-
+ * level nodes for one number of threads, the refit. Of the method wide: the tasks and the
+ * chunks of the refit.
+ *
+ * Threads: one.
  *
  * The walk calls the engine's own functions for what takes time; which node belongs to
  * whom is asked of the engine (eng_schedule_paper_begin, eng_refit_plan).

@@ -1,10 +1,4 @@
-/* bench/model/record_merge.c - what the merge costs, part by part.
- *
- * Room:     bench/model.
- * Does:     deal out the records of the whole step to as many lists as there are threads,
- *           block by block, and merge them as the threads would, one after another.
- * Threads:  one.
- */
+/* record_merge.c - what the merge costs, part by part. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,9 +1,4 @@
-/* bench/model/record_refit.c - what the refit costs, part by part.
- *
- * Room:     bench/model.
- * Does:     time vertices, edges and every subtree of the engine's plan; medians.
- * Threads:  one.
- */
+/* record_refit.c - what the refit costs, part by part. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,10 +1,4 @@
-/* bench/model/record_wide.c - what the method wide costs, part by part.
- *
- * Room:     bench/model.
- * Does:     perform every task of the traversal by one worker, the newest first, and make
- *           every chunk of boxes; ask the engine what it deals out, and to whom.
- * Threads:  one.
- */
+/* record_wide.c - what the method wide costs, part by part. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,9 +1,4 @@
-/* bench/model/sim.c - a step by p threads, replayed from recorded costs.
- *
- * Room:     bench/model.
- * Does:     the phases around the schedulers, and what both use.
- * Threads:  one.
- */
+/* sim.c - a step by p threads, replayed from recorded costs. */
 #include "sim.h"
 
 #include <math.h>

@@ -1,13 +1,7 @@
-/* bench/model/sim.h - predicts how long a step takes with p threads, from recorded costs
- * of its tasks.
+/* sim.h - predicts how long a step takes with p threads, from recorded costs of its
+ * tasks.
  *
- * Room:     bench/model.
- * Does:     move p threads through time, event by event. Each decision is taken as the
- *           engine's scheduler takes it, with what a thread can see at that moment.
- * Does not: model caches and memory that threads share: a task costs on every thread what
- *           it cost on one. It uses no random numbers: the same input gives the same
- *           output.
- * Threads:  one.
+ * Threads: one.
  *
  * Times are nanoseconds since the step began, in doubles. Ties go to the lower thread.
  */

@@ -1,11 +1,10 @@
-/* bench/model/sim_paper.c - schedule_paper.c, replayed.
+/* sim_paper.c - schedule_paper.c, replayed.
  *
- * Room:     bench/model.
- * Does:     low-level nodes with requests, sleep, hand-over of the front node and
- *           wake-up; then the high-level nodes, each expanded by one thread and dealt out
- *           round robin between barriers.
- * Threads:  one.
- * Source:   paper sections 4.2, 4.3, 5.1.
+ * Low-level nodes with requests, sleep, hand-over of the front node and wake-up; then the
+ * high-level nodes, each expanded by one thread and dealt out round robin between
+ * barriers.
+ *
+ * Source: paper sections 4.2, 4.3, 5.1.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,10 +1,4 @@
-/* bench/model/sim_refit.c - eng_refit_by_team, replayed.
- *
- * Room:     bench/model.
- * Does:     chunks of vertices, subtrees with the nodes above them, chunks of edges, all
- *           taken on demand; the last thread to end lets the others go.
- * Threads:  one.
- */
+/* sim_refit.c - eng_refit_by_team, replayed. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

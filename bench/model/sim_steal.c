@@ -1,10 +1,8 @@
-/* bench/model/sim_steal.c - schedule_steal.c, replayed.
+/* sim_steal.c - schedule_steal.c, replayed.
  *
- * Room:     bench/model.
- * Does:     each thread pops its newest task; one without tasks tests what its chunks
- *           hold, then looks at the others' deques from the victim that gave last on,
- *           with longer and longer pauses between rounds.
- * Threads:  one.
+ * Each thread pops its newest task; one without tasks tests what its chunks hold, then
+ * looks at the others' deques from the victim that gave last on, with longer and longer
+ * pauses between rounds.
  *
  * The count of threads that have tasks is one cache line: each change of it waits for the
  * one before, and costs a transfer when another thread has changed it since, or looks at

@@ -1,10 +1,8 @@
-/* bench/model/sim_wide.c - eng_wide_refit_by_team, replayed.
+/* sim_wide.c - eng_wide_refit_by_team, replayed.
  *
- * Room:     bench/model.
- * Does:     chunks of vertices, then of edges and faces, one's own share first, then what
- *           is left of others'; the last thread to end makes the boxes above them, deals
- *           out the first tasks and lets the others go.
- * Threads:  one.
+ * Chunks of vertices, then of edges and faces, one's own share first, then what is left
+ * of others'; the last thread to end makes the boxes above them, deals out the first
+ * tasks and lets the others go.
  */
 #include <math.h>
 #include <string.h>

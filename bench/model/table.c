@@ -1,9 +1,4 @@
-/* bench/model/table.c - predictions as lines of CSV.
- *
- * Room:     bench/model.
- * Does:     see table.h.
- * Threads:  one.
- */
+/* table.c - predictions as lines of CSV. */
 #include "table.h"
 
 #include <stddef.h>

@@ -1,8 +1,6 @@
-/* bench/model/table.h - writes the model's predictions as CSV.
+/* table.h - writes the model's predictions as CSV.
  *
- * Room:     bench/model.
- * Does:     name the columns once; write milliseconds with four decimals.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef MODEL_TABLE_H
 #define MODEL_TABLE_H

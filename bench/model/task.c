@@ -1,9 +1,4 @@
-/* bench/model/task.c - what the tasks of a step cost, one by one.
- *
- * Room:     bench/model.
- * Does:     see task.h.
- * Threads:  one.
- */
+/* task.c - what the tasks of a step cost, one by one. */
 #include "task.h"
 
 #include <stdlib.h>

@@ -1,10 +1,10 @@
-/* bench/model/task.h - measures what each task of a step costs.
+/* task.h - measures what each task of a step costs.
  *
- * Room:     bench/model; engine headers, bench/report.h.
- * Does:     time tasks as one worker performs them, without the clock's own cost; add to
- *           each task its share of the elementary tests of its candidates; take the
- *           median of several passes over the same tasks.
- * Threads:  one.
+ * Time tasks as one worker performs them, without the clock's own cost; add to each task
+ * its share of the elementary tests of its candidates; take the median of several passes
+ * over the same tasks.
+ *
+ * Threads: one.
  *
  * Candidates are tested in chunks of 1024, so the task that fills a chunk pays for the
  * tests of candidates that others have found. The time of a chunk is divided among the

@@ -1,9 +1,4 @@
-/* bench/model/walker.c - one worker outside a step.
- *
- * Room:     bench/model.
- * Does:     see walker.h.
- * Threads:  one.
- */
+/* walker.c - one worker outside a step. */
 #include "walker.h"
 
 #include <stdio.h>

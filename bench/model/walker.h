@@ -1,10 +1,6 @@
-/* bench/model/walker.h - one worker that performs tasks outside a step, so that they can
- * be timed.
+/* walker.h - one worker that performs tasks outside a step, so that they can be timed.
  *
- * Room:     bench/model; engine headers.
- * Does:     hold what a worker needs to perform tasks of a scene as its last step left
- *           it.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef MODEL_WALKER_H
 #define MODEL_WALKER_H

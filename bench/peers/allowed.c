@@ -1,12 +1,5 @@
 /* allowed.c - how much of a step is safe at a distance, asked of us and of ipc-toolkit.
  *
- * Room:     bench/peers; engine headers.
- * Does:     ask both for the share of a step's way on which all pairs stay farther apart
- *           than r; let exact arithmetic bracket the true share; time both by turns.
- * Does not: time ipc-toolkit's building of its mesh, or ours of trees, which stay. Boxes
- *           are within the time of both.
- * Threads:  one.
- *
  * The true share is the time at which the first pair is at r. Ours names that pair, and
  * exact arithmetic says when it is there: after our share, and when at the latest. That
  * no other pair is sooner is what tests of the engine show. What another method allows is

@@ -1,11 +1,8 @@
 /* bullet.cc - Bullet: its dynamic bounding volume tree.
  *
- * Room:     bench/peers. May include: peer.h, Bullet.
- * Does:     one tree each for vertices, edges and faces, built top down once; then the
- *           leaves get their new boxes and inner nodes the union of their children, which
- *           costs less than taking each leaf out and putting it in again.
- * Threads:  one.
- * Source:   BulletCollision/BroadphaseCollision/btDbvt.h.
+ * One tree each for vertices, edges and faces, built top down once; then the leaves get
+ * their new boxes and inner nodes the union of their children, which costs less than
+ * taking each leaf out and putting it in again.
  */
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 

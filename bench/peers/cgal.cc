@@ -1,11 +1,7 @@
 /* cgal.cc - CGAL: intersections of sequences of boxes by streamed segment trees.
  *
- * Room:     bench/peers. May include: peer.h, CGAL.
- * Does:     keep the memory of the boxes; nothing else can be kept: the algorithm sorts
- *           them anew each time.
- * Threads:  one.
- * Source:   CGAL/box_intersection_d.h (closed boxes, cutoff 10, both the defaults);
- *           Zomorodian, Edelsbrunner: Fast software for box intersections.
+ * Source: CGAL/box_intersection_d.h (closed boxes, cutoff 10, both the defaults);
+ * Zomorodian, Edelsbrunner: Fast software for box intersections.
  */
 #include <CGAL/Box_intersection_d/Box_d.h>
 #include <CGAL/box_intersection_d.h>

@@ -1,11 +1,10 @@
 /* embree.cc - Embree: BVHs over user geometries that are refitted, rtcCollide.
  *
- * Room:     bench/peers. May include: peer.h, Embree.
- * Does:     three scenes of one geometry each: vertices, edges, faces. A scene of low
- *           build quality keeps a hierarchy for each geometry, which a geometry of
- *           quality refit only refits when it is committed again.
- * Threads:  as many as the device is told; each finds a sink of its own.
- * Source:   manual pages rtcCollide, rtcSetGeometryBuildQuality, rtcNewDevice.
+ * Three scenes of one geometry each: vertices, edges, faces. A scene of low build quality
+ * keeps a hierarchy for each geometry, which a geometry of quality refit only refits when
+ * it is committed again.
+ *
+ * Threads: as many as the device is told; each finds a sink of its own.
  */
 #include <embree3/rtcore.h>
 

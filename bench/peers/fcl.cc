@@ -1,11 +1,4 @@
-/* fcl.cc - FCL: the dynamic AABB tree of its broad phase.
- *
- * Room:     bench/peers. May include: peer.h, FCL.
- * Does:     one collision manager each for vertices, edges and faces, of objects whose
- *           boxes are given instead of computed from a shape; update() refits.
- * Threads:  one.
- * Source:   fcl/broadphase/broadphase_dynamic_AABB_tree_array.h
- */
+/* fcl.cc - FCL: the dynamic AABB tree of its broad phase. */
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree_array.h>
 #include <fcl/config.h>
 #include <fcl/geometry/shape/sphere.h>

@@ -1,12 +1,8 @@
 /* ipc_toolkit.cc - ipc-toolkit: its hierarchy, candidates, collision set.
  *
- * Room:     bench/peers. May include: near_peer.h, ipc-toolkit.
- * Does:     ask it what is near, and how far a step may go, as a simulation does in every
- *           iteration: boxes and hierarchy (LBVH) anew, candidates, then distances, the
- *           set or the times.
- * Threads:  one; its own are held to that.
- * Source:   ipc/candidates/candidates.hpp, ipc/collisions/normal/normal_collisions.hpp,
- *           ipc/ccd/narrow_phase_ccd.hpp
+ * Ask it what is near, and how far a step may go, as a simulation does in every
+ * iteration: boxes and hierarchy (LBVH) anew, candidates, then distances, the set or the
+ * times.
  */
 #include <ipc/broad_phase/lbvh.hpp>
 #include <ipc/candidates/candidates.hpp>

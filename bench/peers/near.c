@@ -1,12 +1,8 @@
 /* near.c - what is near, asked of us and of ipc-toolkit, in one run.
  *
- * Room:     bench/peers; engine headers.
- * Does:     ask both for the pairs within a distance, their closest features and a bound
- *           for each vertex; let exact integers decide who is right (near_judge.h), then
- *           time both by turns, beside a step that looks for contacts.
- * Does not: time ipc-toolkit's building of its mesh, or ours of trees, which stay. Boxes
- *           are within the time of both: the positions are new ones.
- * Threads:  one, and a team of two; ipc-toolkit has one.
+ * Ask both for the pairs within a distance, their closest features and a bound for each
+ * vertex; let exact integers decide who is right (near_judge.h), then time both by turns,
+ * beside a step that looks for contacts.
  */
 #include <math.h>
 #include <stdio.h>

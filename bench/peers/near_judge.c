@@ -1,9 +1,4 @@
-/* near_judge.c - who is right about what is near.
- *
- * Room:     bench/peers.
- * Does:     see near_judge.h.
- * Threads:  one.
- */
+/* near_judge.c - who is right about what is near. */
 #include "near_judge.h"
 
 #include <math.h>

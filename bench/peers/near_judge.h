@@ -1,11 +1,10 @@
 /* near_judge.h - who is right about what is near: exact integers decide.
  *
- * Room:     bench/peers. May include: near_peer.h, client/oracle.
- * Does:     take all pairs that ours and another library have found; ask the oracle of
- *           each whether it is within the distance, how far apart it is, and between
- *           which features; merge these, and bound each vertex; count the differences.
- * Does not: find a pair that nobody has found: both sides find them in ways of their own.
- * Threads:  one.
+ * Take all pairs that ours and another library have found; ask the oracle of each whether
+ * it is within the distance, how far apart it is, and between which features; merge
+ * these, and bound each vertex; count the differences.
+ *
+ * Threads: one.
  */
 #ifndef NEAR_JUDGE_H
 #define NEAR_JUDGE_H

@@ -1,9 +1,4 @@
-/* near_ours.c - what the engine says is near.
- *
- * Room:     bench/peers.
- * Does:     see near_ours.h.
- * Threads:  near_ours.h.
- */
+/* near_ours.c - what the engine says is near. */
 #include "near_ours.h"
 
 #include <stdlib.h>

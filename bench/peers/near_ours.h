@@ -1,9 +1,6 @@
 /* near_ours.h - what the engine says is near, under the names of the libraries.
  *
- * Room:     bench/peers. May include: near_judge.h, bench, engine headers.
- * Does:     put a scene into the engine and into what other libraries take; ask it for
- *           pairs, closest features and bounds of vertices, and keep the answers.
- * Threads:  one asks; a team answers.
+ * Threads: one asks; a team answers.
  */
 #ifndef NEAR_OURS_H
 #define NEAR_OURS_H

@@ -1,9 +1,4 @@
-/* ours.c - the method `wide`, asked as the libraries are.
- *
- * Room:     bench/peers.
- * Does:     see ours.h.
- * Threads:  ours.h.
- */
+/* ours.c - the method `wide`, asked as the libraries are. */
 #include "ours.h"
 
 #include <omp.h>

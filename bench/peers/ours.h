@@ -1,9 +1,7 @@
 /* ours.h - asks the method `wide` for candidate pairs, in the same way as the other
  * libraries are asked.
  *
- * Room:     bench/peers. May include: peer.h, bench, engine headers.
- * Does:     refit to swept boxes and give all pairs.
- * Threads:  one opens it; a team of as many as are asked for does the work.
+ * Threads: one opens it; a team of as many as are asked for does the work.
  */
 #ifndef PEERS_OURS_H
 #define PEERS_OURS_H

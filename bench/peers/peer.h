@@ -1,10 +1,7 @@
 /* peer.h - the interface through which every compared library finds pairs of overlapping
  * boxes.
  *
- * Room:     bench/peers; C and C++. May include: the C library.
- * Does:     define what goes into a library and what is taken from it, the same for all.
- * Does not: know the engine, or any library.
- * Threads:  a sink belongs to one thread of the library.
+ * Threads: a sink belongs to one thread of the library.
  *
  * A library is asked for the candidates of a step: a vertex and a face, or two edges,
  * whose boxes overlap (touching counts) and that share no vertex. A box encloses a

@@ -1,12 +1,8 @@
 /* peers.c - candidate pairs: the libraries that are installed, in one run.
  *
- * Room:     bench/peers; engine headers.
- * Does:     give every library, and the method `wide`, the same boxes, compare the sets
- *           of pairs that come back, then time them by turns: refit or whatever the
- *           library has for boxes that moved, and all pairs; and whole steps (steps.h).
- * Does not: time the building: what can be kept from step to step is kept, built for the
- *           very boxes that are asked about, the best case for a hierarchy.
- * Threads:  one; the libraries have their own.
+ * Give every library, and the method `wide`, the same boxes, compare the sets of pairs
+ * that come back, then time them by turns: refit or whatever the library has for boxes
+ * that moved, and all pairs; and whole steps (steps.h).
  */
 #include <stdio.h>
 #include <stdlib.h>

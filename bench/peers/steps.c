@@ -1,9 +1,4 @@
-/* steps.c - whole steps: a library's pairs, then elementary tests, against the engine.
- *
- * Room:     bench/peers.
- * Does:     see steps.h.
- * Threads:  steps.h.
- */
+/* steps.c - whole steps: a library's pairs, then elementary tests, against the engine. */
 #include "steps.h"
 
 #include <stdio.h>

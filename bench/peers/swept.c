@@ -1,9 +1,4 @@
-/* swept.c - the swept boxes of a scene's step.
- *
- * Room:     bench/peers.
- * Does:     see swept.h.
- * Threads:  one.
- */
+/* swept.c - the swept boxes of a scene's step. */
 #include "swept.h"
 
 #include <stdlib.h>

@@ -1,9 +1,6 @@
 /* swept.h - the swept boxes of a step, the input that all compared libraries get.
  *
- * Room:     bench/peers. May include: peer.h, bench, engine headers.
- * Does:     list vertices, edges and faces of a resident scene with one box each around
- *           both ends of its last step, rounded outward as the engine rounds.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef PEERS_SWEPT_H
 #define PEERS_SWEPT_H

@@ -1,9 +1,4 @@
-/* tests.c - the elementary tests of a library's pairs.
- *
- * Room:     bench/peers.
- * Does:     see tests.h.
- * Threads:  tests.h.
- */
+/* tests.c - the elementary tests of a library's pairs. */
 #include "tests.h"
 
 #include <stdlib.h>

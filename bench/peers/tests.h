@@ -1,10 +1,10 @@
 /* tests.h - the elementary tests of the pairs that a compared library has found.
  *
- * Room:     bench/peers. May include: peer.h, bench, engine headers.
- * Does:     test every pair that goes into a sink, 1024 of a kind at a time, by the
- *           engine's own exact tests with its filters before them. These are the fastest
- *           available, so that no library looks slower because of somebody else's tests.
- * Threads:  one thread a sink.
+ * Test every pair that goes into a sink, 1024 of a kind at a time, by the engine's own
+ * exact tests with its filters before them. These are the fastest available, so that no
+ * library looks slower because of somebody else's tests.
+ *
+ * Threads: one thread a sink.
  */
 #ifndef PEERS_TESTS_H
 #define PEERS_TESTS_H

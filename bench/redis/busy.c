@@ -1,10 +1,4 @@
-/* busy.c - ping while a step computes for a second.
- *
- * Room:     bench/redis.
- * Does:     pings, one a millisecond, while nothing else happens, and while another
- *           client's step is at work, by turns; each turn's 99th percentiles.
- * Threads:  one; the daemon's compute with all of theirs.
- */
+/* busy.c - ping while a step computes for a second. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,10 +1,4 @@
-/* crowd.c - fifty connections with a ping each in flight.
- *
- * Room:     bench/redis; proto, for the message and the daemon's kind of socket.
- * Does:     the same loop for both: wait for answers, read each, ask again; we on one
- *           processor, the servers on another.
- * Threads:  one.
- */
+/* crowd.c - fifty connections with a ping each in flight. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

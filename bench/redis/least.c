@@ -1,9 +1,4 @@
-/* least.c - the least that a process can do that sleeps until it is asked.
- *
- * Room:     bench/redis.
- * Does:     see least.h.
- * Threads:  one, and one of the server.
- */
+/* least.c - the least that a process can do that sleeps until it is asked. */
 #include "least.h"
 
 #include <errno.h>

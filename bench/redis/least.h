@@ -1,14 +1,14 @@
 /* least.h - a minimal server that sleeps until it is asked: the lower bound for any
  * daemon's round trip.
  *
- * Room:     bench/redis. May include: the C library.
- * Does:     do what all such servers have in common with the daemon: wait in epoll, read
- *           one message from a socket that keeps messages apart, with room for
- *           descriptors, and send one of the same length, under a filter of system calls.
- *           On request it copies shared memory in between, and says when it had its copy,
- *           by the clock that all processes share. It decodes nothing, knows no client
- *           and computes nothing: the time it takes is the machine's.
- * Threads:  one, and one of the server.
+ * Do what all such servers have in common with the daemon: wait in epoll, read one
+ * message from a socket that keeps messages apart, with room for descriptors, and send
+ * one of the same length, under a filter of system calls. On request it copies shared
+ * memory in between, and says when it had its copy, by the clock that all processes
+ * share. It decodes nothing, knows no client and computes nothing: the time it takes is
+ * the machine's.
+ *
+ * Threads: one, and one of the server.
  */
 #ifndef BENCH_LEAST_H
 #define BENCH_LEAST_H

@@ -1,9 +1,4 @@
-/* main.c - what it costs to ask pccdd, beside what it costs to ask Redis.
- *
- * Room:     bench/redis; the public header of the client library.
- * Does:     start both, measure each row by turns, print the table.
- * Threads:  one; the daemon is a private one.
- */
+/* main.c - what it costs to ask pccdd, beside what it costs to ask Redis. */
 #include <stdio.h>
 
 #include "asker.h"

@@ -1,11 +1,4 @@
-/* pairs.c - what is measured by turns, and the table of it.
- *
- * Room:     bench/redis.
- * Does:     see pairs.h.
- * Does not: divide one median by another: the machine's speed changes from second to
- *           second, and both sides of a turn had the same.
- * Threads:  one.
- */
+/* pairs.c - what is measured by turns, and the table of it. */
 #include "pairs.h"
 
 #include <stdio.h>

@@ -1,9 +1,6 @@
 /* pairs.h - compares two things that are measured in turn, and prints the table.
  *
- * Room:     bench/redis. May include: report.h.
- * Does:     keep for each turn the time of ours and of the reference; print both medians,
- *           the median of the turns' ratios, the target, and whether it is met.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_PAIRS_H
 #define BENCH_PAIRS_H

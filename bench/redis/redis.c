@@ -1,10 +1,4 @@
-/* redis.c - a Redis of one's own, and the two things asked of it.
- *
- * Room:     bench/redis.
- * Does:     see redis.h.
- * Threads:  one.
- * Source:   the protocol's specification, RESP2: a request is an array of strings.
- */
+/* redis.c - a Redis of one's own, and the two things asked of it. */
 #include "redis.h"
 
 #include <errno.h>

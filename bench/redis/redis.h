@@ -1,9 +1,6 @@
 /* redis.h - a Redis server of the benchmark's own, and the two commands that it is asked.
  *
- * Room:     bench/redis. May include: the C library.
- * Does:     start redis-server on a socket in a temporary directory, without persistence;
- *           send PING and SET over one connection.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_REDIS_H
 #define BENCH_REDIS_H

@@ -1,9 +1,6 @@
 /* rows.h - the rows of the comparison with Redis.
  *
- * Room:     bench/redis. May include: least.h, redis.h, the public header of the client
- *           library.
- * Does:     measure ours and Redis in turn, and print.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_REDIS_ROWS_H
 #define BENCH_REDIS_ROWS_H

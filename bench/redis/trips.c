@@ -1,14 +1,12 @@
 /* trips.c - one client, one message at a time.
  *
- * Room:     bench/redis.
- * Does:     ping and empty steps beside Redis's PING, fifty of each a turn.
+ * Ping and empty steps beside Redis's PING, fifty of each a turn.
  *
- *           Where the two ends run decides most: a wake-up across processors takes some
- *           forty microseconds, one on the same processor two. Left to itself the kernel
- *           keeps a pair wherever it has begun. So pings are put on two processors, then
- *           on one. Steps are left alone: they need threads of the daemon that have
- *           places of their own; they are judged by what two processors take.
- * Threads:  one.
+ * Where the two ends run decides most: a wake-up across processors takes some forty
+ * microseconds, one on the same processor two. Left to itself the kernel keeps a pair
+ * wherever it has begun. So pings are put on two processors, then on one. Steps are left
+ * alone: they need threads of the daemon that have places of their own; they are judged
+ * by what two processors take.
  */
 #include <stdio.h>
 #include <unistd.h>

@@ -1,22 +1,19 @@
 /* updates.c - positions of many vertices, from one process to the other.
  *
- * Room:     bench/redis.
- * Does:     a step of many vertices beside a copy of them into shared memory, and beside
- *           Redis's SET of the same bytes.
+ * A step of many vertices beside a copy of them into shared memory, and beside Redis's
+ * SET of the same bytes.
  *
- *           The client makes its positions in the slot, as pccd_frame_x1 has it, and as
- *           it makes them in a buffer of its own before SET; what it takes to make them
- *           is on neither side. Row 4, publish to private checked copy: from the client's
- *           publishing to where the daemon's step begins, as the recorded trace of a
- *           daemon that serves no other row has it; both read one clock. It is the way
- *           there, with whoever must be woken, and the copy out of the slot with its
- *           checks. Told, too: the same of floats by the least server, which copies them
- *           as they are; and all of an update but what is computed with the copy, that is
- *           with the answer's way back, by a client that spins for 50 us and by one that
- *           waits in the kernel. Row 5 is the latter beside SET, which computes nothing
- *           either. Told, too: the same where the client has its positions elsewhere, and
- *           copies them into the slot; and the update with all that the step computes.
- * Threads:  one.
+ * The client makes its positions in the slot, as pccd_frame_x1 has it, and as it makes
+ * them in a buffer of its own before SET; what it takes to make them is on neither side.
+ * Row 4, publish to private checked copy: from the client's publishing to where the
+ * daemon's step begins, as the recorded trace of a daemon that serves no other row has
+ * it; both read one clock. It is the way there, with whoever must be woken, and the copy
+ * out of the slot with its checks. Told, too: the same of floats by the least server,
+ * which copies them as they are; and all of an update but what is computed with the copy,
+ * that is with the answer's way back, by a client that spins for 50 us and by one that
+ * waits in the kernel. Row 5 is the latter beside SET, which computes nothing either.
+ * Told, too: the same where the client has its positions elsewhere, and copies them into
+ * the slot; and the update with all that the step computes.
  */
 #include <stdio.h>
 #include <string.h>

@@ -1,9 +1,4 @@
-/* bench/run/frame.c - what is kept of one step.
- *
- * Room:     bench/run.
- * Does:     see frame.h.
- * Threads:  any.
- */
+/* frame.c - what is kept of one step. */
 #include "frame.h"
 
 #include <inttypes.h>

@@ -1,9 +1,6 @@
-/* bench/run/frame.h - the times and counts of one measured step.
+/* frame.h - the times and counts of one measured step.
  *
- * Room:     bench/run. May include: hash_text.h, pccd_types.h.
- * Does:     define them for every way to have a step computed and for every form of
- *           output.
- * Threads:  any.
+ * Threads: any.
  */
 #ifndef RUN_FRAME_H
 #define RUN_FRAME_H

@@ -1,10 +1,4 @@
-/* bench/run/output.c - what a measurement is written as: order statistics, text, CSV.
- *
- * Room:     bench/run.
- * Does:     see output.h; JSON is in output_json.c.
- * Does not: average times: a mean hides what a busy machine did to a few steps.
- * Threads:  one.
- */
+/* output.c - what a measurement is written as: order statistics, text, CSV. */
 #include "output.h"
 
 #include <inttypes.h>

@@ -1,8 +1,6 @@
-/* bench/run/output.h - writes the measurements of pccd-bench.
+/* output.h - writes the measurements of pccd-bench.
  *
- * Room:     bench/run. May include: play.h.
- * Does:     write text, CSV (a line for each step and way) or one JSON object.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RUN_OUTPUT_H
 #define RUN_OUTPUT_H

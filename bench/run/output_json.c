@@ -1,9 +1,4 @@
-/* bench/run/output_json.c - a measurement as one JSON object.
- *
- * Room:     bench/run.
- * Does:     see output.h: settings, summary, steps.
- * Threads:  one.
- */
+/* output_json.c - a measurement as one JSON object. */
 #include <inttypes.h>
 #include <jansson.h>
 

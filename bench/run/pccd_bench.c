@@ -1,10 +1,4 @@
-/* bench/run/pccd_bench.c - pccd-bench: one scene, one or more ways to compute each step.
- *
- * Room:     bench/run.
- * Does:     read the command line, make the scene, play it, write what was measured.
- * Does not: compare two builds: bench/compare does, by turns.
- * Threads:  one; steps have as many as asked for.
- */
+/* pccd_bench.c - pccd-bench: one scene, one or more ways to compute each step. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,4 @@
-/* bench/run/play.c - the steps of a scene, pass after pass.
- *
- * Room:     bench/run.
- * Does:     see play.h.
- * Threads:  one.
- */
+/* play.c - the steps of a scene, pass after pass. */
 #include "play.h"
 
 #include <inttypes.h>

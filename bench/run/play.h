@@ -1,10 +1,6 @@
-/* bench/run/play.h - runs and times the steps of a scene, several passes over.
+/* play.h - runs and times the steps of a scene, several passes over.
  *
- * Room:     bench/run. May include: bench, bench/scenes.
- * Does:     warm up, time every step, keep the fastest pass; say by a hash which
- *           positions they were.
- * Does not: keep frames: each is made when it is wanted, outside the timed part.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RUN_PLAY_H
 #define RUN_PLAY_H

@@ -1,9 +1,4 @@
-/* bench/run/settings.c - what pccd-bench was asked for.
- *
- * Room:     bench/run.
- * Does:     see settings.h.
- * Threads:  one.
- */
+/* settings.c - what pccd-bench was asked for. */
 #include "settings.h"
 
 #include <argp.h>

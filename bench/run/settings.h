@@ -1,8 +1,6 @@
-/* bench/run/settings.h - the command line of pccd-bench.
+/* settings.h - the command line of pccd-bench.
  *
- * Room:     bench/run. May include: bench/scenes, pccd.h.
- * Does:     read it; name the choices.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RUN_SETTINGS_H
 #define RUN_SETTINGS_H

@@ -1,9 +1,4 @@
-/* bench/run/setup.c - under what a measurement was made.
- *
- * Room:     bench/run.
- * Does:     see setup.h.
- * Threads:  one.
- */
+/* setup.c - under what a measurement was made. */
 #include "setup.h"
 
 #include <stdio.h>

@@ -1,8 +1,6 @@
-/* bench/run/setup.h - the conditions of a measurement: build, machine, settings.
+/* setup.h - the conditions of a measurement: build, machine, settings.
  *
- * Room:     bench/run. May include: play.h.
- * Does:     list what one has to know to repeat a run.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RUN_SETUP_H
 #define RUN_SETUP_H

@@ -1,9 +1,7 @@
-/* bench/run/way.h - the ways to have a step computed that pccd-bench compares: in the
- * engine, by libpccd without a daemon, by a daemon.
+/* way.h - the ways to have a step computed that pccd-bench compares: in the engine, by
+ * libpccd without a daemon, by a daemon.
  *
- * Room:     bench/run. May include: bench, bench/scenes.
- * Does:     define the functions that each of them provides.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RUN_WAY_H
 #define RUN_WAY_H

@@ -1,10 +1,4 @@
-/* bench/run/way_client.c - libpccd: a private daemon, or none.
- *
- * Room:     bench/run; the public header of the client library.
- * Does:     see way.h. Positions are copied into the frame's memory within the timed
- *           part, as a client does that has them elsewhere.
- * Threads:  one, and with direct: those of a step.
- */
+/* way_client.c - libpccd: a private daemon, or none. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,7 @@
-/* bench/run/way_engine.c - the engine in this process.
+/* way_engine.c - the engine in this process.
  *
- * Room:     bench/run; engine headers.
- * Does:     see way.h.
- * Threads:  one; the engine uses as many as it is told. The team is placed as the
- *           daemon's is.
+ * Threads: one; the engine uses as many as it is told. The team is placed as the daemon's
+ * is.
  */
 #include <assert.h>
 #include <stdlib.h>

@@ -1,9 +1,4 @@
-/* bench_scene.c - a scene that is measured: meshes, and positions on demand.
- *
- * Room:     bench/scenes.
- * Does:     see bench_scene.h.
- * Threads:  one.
- */
+/* bench_scene.c - a scene that is measured: meshes, and positions on demand. */
 #include "bench_scene.h"
 
 #include <math.h>

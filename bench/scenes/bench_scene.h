@@ -1,10 +1,6 @@
 /* bench_scene.h - a benchmark scene: meshes, and their positions at every frame.
  *
- * Room:     bench/scenes. May include: the C library.
- * Does:     define a scene; add objects to one; hold two consecutive frames.
- * Does not: keep all frames: a quarter of a million triangles times a hundred frames do
- *           not fit. A frame is made when it is wanted, with the same bytes each time.
- * Threads:  one for one scene.
+ * Threads: one for one scene.
  */
 #ifndef BENCH_SCENE_H
 #define BENCH_SCENE_H

@@ -1,12 +1,11 @@
 /* bodies.c - hundreds of bodies that fall together.
  *
- * Room:     bench/scenes. May include: tests/support/prng.h.
- * Does:     let bumpy balls, rings, rounded blocks and stars, each an object, half of
- *           them rigid and half of them beating, be drawn towards an axis and fall on a
- *           ground, where they pile up. Lengths are in units of about a body's diameter.
- * Threads:  one.
- * Source:   the N-body simulation of paper section 7, of which only the numbers
- *           of triangles, 146 000, and of steps, 375, and the story are published.
+ * Let bumpy balls, rings, rounded blocks and stars, each an object, half of them rigid
+ * and half of them beating, be drawn towards an axis and fall on a ground, where they
+ * pile up. Lengths are in units of about a body's diameter.
+ *
+ * Source: the N-body simulation of paper section 7, of which only the numbers of
+ * triangles, 146 000, and of steps, 375, and the story are published.
  */
 #include <math.h>
 #include <stdlib.h>

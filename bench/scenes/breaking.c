@@ -1,14 +1,12 @@
 /* breaking.c - a body hits another, which breaks into pieces.
  *
- * Room:     bench/scenes. May include: tests/support/prng.h.
- * Does:     fly a closed bumpy body with ears into a long knotted one with scales, spikes
- *           and thin parts, which writhes a little; at the impact a wave runs through it,
- *           behind which it is some 400 closed shards that fly apart, tumble, collide
- *           with each other and fall on a ground. Lengths are in units of about half the
- *           knot's extent.
- * Threads:  one.
- * Source:   the breaking dragon of paper section 7, of which only the numbers of
- *           triangles, 252 000, and of steps, 480, and the story are published.
+ * Fly a closed bumpy body with ears into a long knotted one with scales, spikes and thin
+ * parts, which writhes a little; at the impact a wave runs through it, behind which it is
+ * some 400 closed shards that fly apart, tumble, collide with each other and fall on a
+ * ground. Lengths are in units of about half the knot's extent.
+ *
+ * Source: the breaking dragon of paper section 7, of which only the numbers of triangles,
+ * 252 000, and of steps, 480, and the story are published.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,10 +1,6 @@
 /* cloth.c - a cloth that falls over a ball, which spins and winds it up.
  *
- * Room:     bench/scenes.
- * Does:     make the frames of a simulation (drape.h) one after the other; go on from the
- *           frame that it stands at, or begin anew.
- * Threads:  one.
- * Source:   the cloth of paper section 7: 92 000 triangles, 465 steps.
+ * Source: the cloth of paper section 7: 92 000 triangles, 465 steps.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,4 @@
-/* drape.c - a cloth that falls over a ball, which then spins.
- *
- * Room:     bench/scenes. May include: tests/support/prng.h.
- * Does:     see drape.h.
- * Threads:  one.
- */
+/* drape.c - a cloth that falls over a ball, which then spins. */
 #include "drape.h"
 
 #include <math.h>

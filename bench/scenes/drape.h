@@ -1,15 +1,13 @@
 /* drape.h - simulates a cloth that falls over a ball, which then spins.
  *
- * Room:     bench/scenes. May include: the C library.
- * Does:     move the particles of a square cloth by position-based dynamics: stretch,
- *           shear and bending as distances, the ball and the ground with friction, and
- *           particles that keep a distance from each other. In metres and seconds.
- * Does not: keep the cloth from passing through itself between its particles: this
- *           happens here and there, as it does in recorded cloth.
- * Threads:  one. The same numbers everywhere: sums, products, quotients and roots, each
- *           rounded once, in one order; nothing of libm, whose last bits differ.
- * Source:   Mueller et al., Position Based Dynamics, 2007; Macklin et al., Small Steps in
- *           Physics Simulation, 2019 (one iteration of many short steps).
+ * Move the particles of a square cloth by position-based dynamics: stretch, shear and
+ * bending as distances, the ball and the ground with friction, and particles that keep a
+ * distance from each other. In metres and seconds.
+ *
+ * Threads: one. The same numbers everywhere: sums, products, quotients and roots, each
+ * rounded once, in one order; nothing of libm, whose last bits differ.
+ * Source: Mueller et al., Position Based Dynamics, 2007; Macklin et al., Small Steps in
+ * Physics Simulation, 2019 (one iteration of many short steps).
  */
 #ifndef BENCH_DRAPE_H
 #define BENCH_DRAPE_H

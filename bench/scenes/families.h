@@ -1,9 +1,6 @@
 /* families.h - the functions that make the benchmark scenes, a file for each family.
  *
- * Room:     bench/scenes. May include: bench_scene.h.
- * Does:     declare them. Each fills in an empty scene; `small` asks for a few thousand
- *           triangles at most, to see whether everything works.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_FAMILIES_H
 #define BENCH_FAMILIES_H

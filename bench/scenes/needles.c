@@ -1,11 +1,9 @@
 /* needles.c - pairs of triangles that are nearly segments.
  *
- * Room:     bench/scenes. May include: tests/support/prng.h.
- * Does:     lay pairs of triangles of length 1 and a width of 1e-8 on a grid, each pair
- *           far from all others. The two of every other pair are nearly parallel, from
- *           0.3 down to 3e-5 beside each other. A normal of such a triangle has half of
- *           its bits left. All 6 VF and 9 EE pairs of two are nearer than 2.
- * Threads:  one.
+ * Lay pairs of triangles of length 1 and a width of 1e-8 on a grid, each pair far from
+ * all others. The two of every other pair are nearly parallel, from 0.3 down to 3e-5
+ * beside each other. A normal of such a triangle has half of its bits left. All 6 VF and
+ * 9 EE pairs of two are nearer than 2.
  */
 #include <math.h>
 

@@ -1,10 +1,4 @@
-/* over_box.c - a small cloth that comes down on a box.
- *
- * Room:     bench/scenes.
- * Does:     move a waving sheet of 392 triangles in one step, part of which ends in a box
- *           of 12: what a program that goes no farther than is safe asks again and again.
- * Threads:  one.
- */
+/* over_box.c - a small cloth that comes down on a box. */
 #include <math.h>
 
 #include "families.h"

@@ -1,10 +1,4 @@
-/* overlap.c - triangles that all fill the same cube; one alone.
- *
- * Room:     bench/scenes. May include: tests/support/prng.h.
- * Does:     make a soup in which no box test rejects anything, and a scene in which
- *           there is none: what is left is what any step takes.
- * Threads:  one.
- */
+/* overlap.c - triangles that all fill the same cube; one alone. */
 #include "families.h"
 #include "prng.h"
 

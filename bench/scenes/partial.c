@@ -1,10 +1,4 @@
-/* partial.c - a scene of which only a part moves.
- *
- * Room:     bench/scenes.
- * Does:     let chosen objects or vertices of another scene go to and fro between two of
- *           its frames, while all others stand where they are in the first of these.
- * Threads:  one.
- */
+/* partial.c - a scene of which only a part moves. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,4 @@
-/* passing.c - two bodies that pass each other and meet.
- *
- * Room:     bench/scenes.
- * Does:     move two bumpy balls of diameter 2 towards each other, turning, from 0.6
- *           apart until the one is 0.2 deep in the other.
- * Threads:  one.
- */
+/* passing.c - two bodies that pass each other and meet. */
 #include <math.h>
 
 #include "families.h"

@@ -1,10 +1,4 @@
-/* recorded.c - two frames of $PCCD_DATA.
- *
- * Room:     bench/scenes. May include: tests/support/{data,ply}.h.
- * Does:     read frames that have the same faces, as one object; the frames between them
- *           lie on straight lines, as the motion within a step does.
- * Threads:  one.
- */
+/* recorded.c - two frames of $PCCD_DATA. */
 #include "data.h"
 #include "families.h"
 #include "ply.h"

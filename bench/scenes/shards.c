@@ -1,10 +1,4 @@
-/* shards.c - a surface cut into pieces.
- *
- * Room:     bench/scenes.
- * Does:     see shards.h. Pieces grow by a ring of triangles at a time, all of them in
- *           turn, so their sizes vary with the distances between their seeds.
- * Threads:  one.
- */
+/* shards.c - a surface cut into pieces. */
 #include "shards.h"
 
 #include <math.h>

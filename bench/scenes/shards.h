@@ -1,9 +1,9 @@
 /* shards.h - cuts a surface into pieces, for scenes in which something breaks.
  *
- * Room:     bench/scenes. May include: surface.h, tests/support/prng.h.
- * Does:     grow connected pieces from random triangles; give each piece vertices of its
- *           own and, on request, an inner side and walls, so that it is a closed shard.
- * Threads:  one.
+ * Grow connected pieces from random triangles; give each piece vertices of its own and,
+ * on request, an inner side and walls, so that it is a closed shard.
+ *
+ * Threads: one.
  */
 #ifndef BENCH_SHARDS_H
 #define BENCH_SHARDS_H

@@ -1,10 +1,4 @@
-/* sheets.c - sheets that are crushed, fly through each other, jump.
- *
- * Room:     bench/scenes. May include: tests/support/prng.h.
- * Does:     analytic motions with fixed constants and seeds: what they cost depends on
- *           the detector alone. Lengths are in units of a sheet's side.
- * Threads:  one.
- */
+/* sheets.c - sheets that are crushed, fly through each other, jump. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,9 +1,4 @@
-/* surface.c - sheets, balls and rings as grids of triangles.
- *
- * Room:     bench/scenes.
- * Does:     see surface.h.
- * Threads:  one.
- */
+/* surface.c - sheets, balls and rings as grids of triangles. */
 #include "surface.h"
 
 #include <math.h>

@@ -1,9 +1,6 @@
 /* surface.h - makes sheets, balls and rings as grids of triangles.
  *
- * Room:     bench/scenes. May include: the C library.
- * Does:     list the triangles; number the vertices so that the place in the grid gives
- *           the vertex. The caller supplies positions.
- * Threads:  one for one surface.
+ * Threads: one for one surface.
  */
 #ifndef BENCH_SURFACE_H
 #define BENCH_SURFACE_H

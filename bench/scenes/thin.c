@@ -1,9 +1,4 @@
-/* thin.c - a cloud above a sheet, and hair.
- *
- * Room:     bench/scenes. May include: tests/support/prng.h.
- * Does:     make meshes of points and edges that no triangle has, at two frames.
- * Threads:  one.
- */
+/* thin.c - a cloud above a sheet, and hair. */
 #include <math.h>
 
 #include "families.h"

@@ -1,10 +1,4 @@
-/* tumble.c - where bodies are that fall, collide and tumble.
- *
- * Room:     bench/scenes.
- * Does:     see tumble.h. Impulses along the line of centres, a share of the sliding
- *           turned into spin, overlaps taken back by a fifth a substep.
- * Threads:  one.
- */
+/* tumble.c - where bodies are that fall, collide and tumble. */
 #include "tumble.h"
 
 #include <math.h>

@@ -1,11 +1,6 @@
 /* tumble.h - simulates bodies that fall, collide and tumble.
  *
- * Room:     bench/scenes. May include: the C library.
- * Does:     move rigid bodies, each with the collisions of a ball, over a ground at
- *           height 0; keep the pose of each in every frame.
- * Does not: collide the real shapes of the bodies: they sink into one another a little,
- *           which is what a detector meets between two steps of a simulation.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef BENCH_TUMBLE_H
 #define BENCH_TUMBLE_H

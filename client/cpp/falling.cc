@@ -1,12 +1,4 @@
-/* falling.cc - a body that falls on a floor, in C++: how to begin.
- *
- * Room:     client/cpp. May include: pccd.hpp.
- * Does:     move a tetrahedron through a floor in steps, tell the first contact, and go
- *           only as far as is safe.
- * Threads:  one.
- *
- *     c++ -std=c++17 falling.cc $(pkg-config --cflags --libs pccd) && ./a.out
- */
+/* falling.cc - a body that falls on a floor, in C++: how to begin. */
 #include <array>
 #include <cstdio>
 #include <vector>

@@ -1,10 +1,4 @@
-/* client/ctl/array.c - arrays that grow.
- *
- * Room:     client/ctl.
- * Does:     see array.h.
- * Threads:  any, one for each array.
- * Source:   array.h.
- */
+/* array.c - arrays that grow. */
 #include "array.h"
 
 #include <stdlib.h>

@@ -1,10 +1,6 @@
-/* client/ctl/array.h - arrays that grow by doubling.
+/* array.h - arrays that grow by doubling.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     make room for one element more, and allocate twice as much as before when
- *           there is none.
- * Threads:  any, one for each array.
- * Source:   used wherever something is read whose length is not known before.
+ * Threads: any, one for each array.
  */
 #ifndef CTL_ARRAY_H
 #define CTL_ARRAY_H

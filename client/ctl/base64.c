@@ -1,10 +1,4 @@
-/* client/ctl/base64.c - bytes as text.
- *
- * Room:     client/ctl.
- * Does:     three bytes become four characters, and four characters three bytes.
- * Threads:  [any].
- * Source:   base64.h.
- */
+/* base64.c - bytes as text. */
 #include "base64.h"
 
 #include <stdint.h>

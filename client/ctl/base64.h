@@ -1,10 +1,4 @@
-/* client/ctl/base64.h - bytes as text (base64), and text as bytes.
- *
- * Room:     client/ctl. May include: the C library.
- * Does:     follow RFC 4648, with padding (which may be missing in what is read), without
- *           line ends.
- * Threads:  [any].
- */
+/* base64.h - bytes as text (base64), and text as bytes. */
 #ifndef CTL_BASE64_H
 #define CTL_BASE64_H
 

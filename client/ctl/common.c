@@ -1,11 +1,4 @@
-/* client/ctl/common.c - messages and numbers of the command line.
- *
- * Room:     client/ctl.
- * Does:     what every command does in the same way.
- * Does not: talk to a daemon; see link.c.
- * Threads:  one.
- * Source:   ctl.h.
- */
+/* common.c - messages and numbers of the command line. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdarg.h>

@@ -1,11 +1,4 @@
-/* client/ctl/completion.c - commands and options as shells complete them.
- *
- * Room:     client/ctl.
- * Does:     one walk over the tables, and a printer for each shell.
- * Threads:  one.
- * Source:   completion.h; bash(1) "Programmable Completion", zshcompsys(1), fish(1)
- *           "complete".
- */
+/* completion.c - commands and options as shells complete them. */
 #include "completion.h"
 
 #include <stdbool.h>

@@ -1,12 +1,6 @@
-/* client/ctl/completion.h - completes the commands and options of a program in a shell.
+/* completion.h - completes the commands and options of a program in a shell.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     walk the table of commands and their tables of options, which also make
- *           --help, and write them as a script for a shell.
- * Does not: name a command or an option itself.
- * Threads:  one.
- * Source:   an option's argument "a|b|c" is one of those words; FILE, PATH, PROGRAM and
- *           MESH are names of files; others are the user's own. So it is for arguments.
+ * Threads: one.
  */
 #ifndef CTL_COMPLETION_H
 #define CTL_COMPLETION_H

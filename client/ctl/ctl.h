@@ -1,10 +1,6 @@
-/* client/ctl/ctl.h - the list of pccdctl's commands.
+/* ctl.h - the list of pccdctl's commands.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     hold the table from which dispatch, help and prototypes come.
- * Does not: do anything itself.
- * Threads:  the program has one.
- * Source:   main.c runs what is listed here.
+ * Threads: the program has one.
  */
 #ifndef CTL_H
 #define CTL_H

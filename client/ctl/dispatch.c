@@ -1,10 +1,4 @@
-/* client/ctl/dispatch.c - the first word of a command line.
- *
- * Room:     client/ctl.
- * Does:     look it up in the program's table.
- * Threads:  one.
- * Source:   dispatch.h.
- */
+/* dispatch.c - the first word of a command line. */
 #include "dispatch.h"
 
 #include <argp.h>

@@ -1,10 +1,9 @@
-/* client/ctl/dispatch.h - finds the command of a program and runs it.
+/* dispatch.h - finds the command of a program and runs it.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     do for pccdctl and pccd-mpi what comes before the command: help, version, and
- *           a name that there is not; and see that all that was printed has gone out.
- * Does not: know a command.
- * Threads:  one.
+ * Do for pccdctl and pccd-mpi what comes before the command: help, version, and a name
+ * that there is not; and see that all that was printed has gone out.
+ *
+ * Threads: one.
  */
 #ifndef CTL_DISPATCH_H
 #define CTL_DISPATCH_H

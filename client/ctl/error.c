@@ -1,11 +1,4 @@
-/* client/ctl/error.c - one error text, filled where the fault is found.
- *
- * Room:     client/ctl.
- * Does:     formats the text of a fault.
- * Does not: print or end the program.
- * Threads:  [any]
- * Source:   error.h.
- */
+/* error.c - one error text, filled where the fault is found. */
 #include "error.h"
 
 #include <stdarg.h>

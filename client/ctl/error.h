@@ -1,11 +1,5 @@
-/* client/ctl/error.h - an error: a status and a sentence for the user, written where the
- * fault is found.
- *
- * Room:     client/ctl. May include: pccd_types.h.
- * Does:     carry a status of enum pccd_status together with the sentence.
- * Does not: print; the commands do.
- * Threads:  [any]
- * Source:   the status list in pccd_types.h.
+/* error.h - an error: a status and a sentence for the user, written where the fault is
+ * found.
  */
 #ifndef CTL_ERROR_H
 #define CTL_ERROR_H

@@ -1,10 +1,6 @@
-/* client/ctl/json_text.h - makes a JSON string of any bytes, such as a file name that is
- * not UTF-8.
+/* json_text.h - makes a JSON string of any bytes, such as a file name that is not UTF-8.
  *
- * Room:     client/ctl. May include: jansson, shown.h.
- * Does:     do what json_string does; for names that are not UTF-8, which JSON cannot
- *           hold, write what a terminal would be shown.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_JSON_TEXT_H
 #define CTL_JSON_TEXT_H

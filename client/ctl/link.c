@@ -1,11 +1,4 @@
-/* client/ctl/link.c - which daemon a command talks to.
- *
- * Room:     client/ctl.
- * Does:     reads the common options and connects.
- * Does not: keep the connection.
- * Threads:  one.
- * Source:   link.h.
- */
+/* link.c - which daemon a command talks to. */
 #include "link.h"
 
 #include <stdio.h>

@@ -1,11 +1,6 @@
-/* client/ctl/link.h - connects a command to the daemon that its options name.
+/* link.h - connects a command to the daemon that its options name.
  *
- * Room:     client/ctl. May include: pccd.h.
- * Does:     provide the options --url, --socket, --private, --daemon and --timeout, with
- *           --json beside them, and open the connection.
- * Does not: keep the connection; that is the command's.
- * Threads:  one.
- * Source:   used as an argp child by every command.
+ * Threads: one.
  */
 #ifndef CTL_LINK_H
 #define CTL_LINK_H

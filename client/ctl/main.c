@@ -1,11 +1,4 @@
-/* client/ctl/main.c - pccdctl: ask a pccd daemon from the command line.
- *
- * Room:     client/ctl; the program.
- * Does:     finds the command in the manifest and runs it.
- * Does not: talk to a daemon; see cmd_*.c.
- * Threads:  one.
- * Source:   ctl.h.
- */
+/* main.c - pccdctl: ask a pccd daemon from the command line. */
 #include "ctl.h"
 #include "dispatch.h"
 #include "pccd.h"

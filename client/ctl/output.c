@@ -1,10 +1,4 @@
-/* client/ctl/output.c - the files that commands write.
- *
- * Room:     client/ctl.
- * Does:     says which file it was, and why.
- * Threads:  one.
- * Source:   output.h.
- */
+/* output.c - the files that commands write. */
 #include "output.h"
 
 #include <errno.h>

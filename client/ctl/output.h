@@ -1,10 +1,6 @@
-/* client/ctl/output.h - the files that commands write.
+/* output.h - the files that commands write.
  *
- * Room:     client/ctl. May include: error.h, whole_file.h.
- * Does:     open and finish a file that appears whole or not at all, with a sentence for
- *           the user where this fails.
- * Does not: know what is in it.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_OUTPUT_H
 #define CTL_OUTPUT_H

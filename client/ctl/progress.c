@@ -1,11 +1,4 @@
-/* client/ctl/progress.c - a progress bar.
- *
- * Room:     client/ctl.
- * Does:     draws on stderr when that is a terminal.
- * Does not: print anything otherwise.
- * Threads:  one.
- * Source:   progress.h.
- */
+/* progress.c - a progress bar. */
 #include "progress.h"
 
 #include <inttypes.h>

@@ -1,10 +1,6 @@
-/* client/ctl/progress.h - a progress bar on stderr.
+/* progress.h - a progress bar on stderr.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     draw when stderr is a terminal, at most 20 times a second.
- * Does not: print anything when stderr is a file or a pipe.
- * Threads:  one.
- * Source:   ECMA-48 "erase in line".
+ * Threads: one.
  */
 #ifndef CTL_PROGRESS_H
 #define CTL_PROGRESS_H

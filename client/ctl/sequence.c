@@ -1,10 +1,4 @@
-/* client/ctl/sequence.c - files by the numbers in their names.
- *
- * Room:     client/ctl.
- * Does:     look into the folder of a pattern; compare names.
- * Threads:  one at a time.
- * Source:   sequence.h.
- */
+/* sequence.c - files by the numbers in their names. */
 #include "sequence.h"
 
 #include <dirent.h>

@@ -1,12 +1,10 @@
-/* client/ctl/sequence.h - the order of files that are frames.
+/* sequence.h - the order of files that are frames.
  *
- * Room:     client/ctl. May include: error.h, ctl.h.
- * Does:     turn a pattern such as seq%d.obj or seq%04d.obj into the files that are
- *           there, by their numbers; notice names whose numbers go down, and files that a
- *           pattern leaves out for the zeros before their number.
- * Does not: read the files.
- * Threads:  one at a time.
- * Source:   used by meshframes.c and the options of its users.
+ * Turn a pattern such as seq%d.obj or seq%04d.obj into the files that are there, by their
+ * numbers; notice names whose numbers go down, and files that a pattern leaves out for
+ * the zeros before their number.
+ *
+ * Threads: one at a time.
  */
 #ifndef CTL_SEQUENCE_H
 #define CTL_SEQUENCE_H

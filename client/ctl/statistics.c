@@ -1,11 +1,4 @@
-/* client/ctl/statistics.c - medians and quantiles.
- *
- * Room:     client/ctl.
- * Does:     order statistics of a small array.
- * Does not: means, which hide what matters.
- * Threads:  [any]
- * Source:   statistics.h.
- */
+/* statistics.c - medians and quantiles. */
 #include "statistics.h"
 
 #include <math.h>

@@ -1,11 +1,4 @@
-/* client/ctl/statistics.h - medians and quantiles of measured values.
- *
- * Room:     client/ctl. May include: the C library.
- * Does:     give order statistics of a small array.
- * Does not: give means, which hide what matters.
- * Threads:  [any]
- * Source:   nearest-rank quantiles.
- */
+/* statistics.h - medians and quantiles of measured values. */
 #ifndef CTL_STATISTICS_H
 #define CTL_STATISTICS_H
 

@@ -1,10 +1,4 @@
-/* client/ctl/terminal.c - colours, live screens and interrupts.
- *
- * Room:     client/ctl.
- * Does:     asks the environment once, and writes escape sequences.
- * Threads:  one.
- * Source:   terminal.h.
- */
+/* terminal.c - colours, live screens and interrupts. */
 #include "terminal.h"
 
 #include <poll.h>

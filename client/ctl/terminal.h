@@ -1,12 +1,6 @@
-/* client/ctl/terminal.h - colours, screens that update, and interrupts, for programs on a
- * terminal.
+/* terminal.h - colours, screens that update, and interrupts, for programs on a terminal.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     use colours and redraw only on a terminal, unless NO_COLOR or --no-color say
- *           otherwise; end an endless command on an interrupt.
- * Does not: need a terminal description: it uses only what every terminal has.
- * Threads:  one.
- * Source:   ECMA-48; no-color.org.
+ * Threads: one.
  */
 #ifndef CTL_TERMINAL_H
 #define CTL_TERMINAL_H

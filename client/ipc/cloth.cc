@@ -1,15 +1,10 @@
 /* cloth.cc - an implicit cloth that falls on a ball, by ipc-toolkit with its broad phase
  * and with ours, side by side.
  *
- * Room:     client/ipc; an example. May include: pccd_ipc.hpp, ipc-toolkit, Eigen.
- * Does:     solve each step twice, from the same positions: once with ipc-toolkit's LBVH
- *           and additive CCD, once with pccd, whose solution goes on. Each minimises the
- *           incremental potential of Li et al. 2020 (masses, springs, barriers) by
- *           projected Newton with a line search. Tell how long each part took.
- * Does not: know friction, or more of cloth than springs.
- * Threads:  as --threads says, of both libraries; the solver has one.
- *
- *     client/ipc/cloth [--threads N] [--side N] [--steps N] [--smoke]
+ * Solve each step twice, from the same positions: once with ipc-toolkit's LBVH and
+ * additive CCD, once with pccd, whose solution goes on. Each minimises the incremental
+ * potential of Li et al. 2020 (masses, springs, barriers) by projected Newton with a line
+ * search. Tell how long each part took.
  */
 #include <ipc/barrier/barrier.hpp>
 #include <ipc/ccd/additive_ccd.hpp>

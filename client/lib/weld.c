@@ -1,11 +1,4 @@
-/* weld.c - vertices at one place.
- *
- * Room:     client/lib. May include: client.h, struct_size.h.
- * Does:     look for them in a table of cells, each four times the distance wide, so that
- *           most are looked for in one or two.
- * Threads:  one at a time; nothing is shared.
- * Source:   pccd_weld.h.
- */
+/* weld.c - vertices at one place. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>

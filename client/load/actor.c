@@ -1,10 +1,4 @@
-/* actor.c - one client of a run.
- *
- * Room:     client/load.
- * Does:     the life of a connection, and turns. See actor.h.
- * Does not: judge answers (judge.c).
- * Threads:  actor.h.
- */
+/* actor.c - one client of a run. */
 #include "actor.h"
 
 #include <math.h>

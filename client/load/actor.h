@@ -1,11 +1,9 @@
 /* actor.h - simulates one client of a load test.
  *
- * Room:     client/load. May include: actor_state.h.
- * Does:     connect, register its shape, keep some steps in flight, and check each
- *           answer: does it belong to a request that waits, and is it what a lone client
- *           got?
- * Does not: wait: a process with many actors lets them take turns (crowd.h).
- * Threads:  one process for one actor.
+ * Connect, register its shape, keep some steps in flight, and check each answer: does it
+ * belong to a request that waits, and is it what a lone client got?
+ *
+ * Threads: one process for one actor.
  */
 #ifndef LOAD_ACTOR_H
 #define LOAD_ACTOR_H

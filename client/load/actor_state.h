@@ -1,10 +1,9 @@
 /* actor_state.h - the state of one simulated client of pccd-load.
  *
- * Room:     client/load. May include: load.h, pace.h, pccd.h.
- * Does:     hold the client's connection, its shape and the steps it waits for, for the
- *           files that move it (actor.h), couple it with another (couple.h) and check its
- *           answers (judge.h).
- * Threads:  one process for one actor.
+ * Hold the client's connection, its shape and the steps it waits for, for the files that
+ * move it (actor.h), couple it with another (couple.h) and check its answers (judge.h).
+ *
+ * Threads: one process for one actor.
  *
  * The kind of a client follows from its number:
  */

@@ -1,9 +1,4 @@
-/* assault.c - random kills, of clients and of the daemon's worker.
- *
- * Room:     client/load.
- * Does:     see assault.h.
- * Threads:  one.
- */
+/* assault.c - random kills, of clients and of the daemon's worker. */
 #include "assault.h"
 
 #include <math.h>

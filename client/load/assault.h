@@ -1,10 +1,7 @@
 /* assault.h - kills clients and the daemon's worker at random moments, to see whether the
  * rest goes on.
  *
- * Room:     client/load. May include: load.h.
- * Does:     keep processes of one client each that work until they are killed, at any
- *           moment from their start on; kill the process that serves, again and again.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef LOAD_ASSAULT_H
 #define LOAD_ASSAULT_H

@@ -1,9 +1,4 @@
-/* common.c - the clock, and what is said.
- *
- * Room:     client/load.
- * Does:     see load.h.
- * Threads:  one in each process.
- */
+/* common.c - the clock, and what is said. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <time.h>

@@ -1,9 +1,4 @@
-/* couple.c - a client that shares its scene with a second one of the same process.
- *
- * Room:     client/load.
- * Does:     see couple.h.
- * Threads:  as actor.h.
- */
+/* couple.c - a client that shares its scene with a second one of the same process. */
 #include "couple.h"
 
 #include <stdio.h>

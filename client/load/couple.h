@@ -1,11 +1,10 @@
 /* couple.h - two simulated clients that share one scene.
  *
- * Room:     client/load. May include: actor_state.h, pccd.h.
- * Does:     let the first client hold the motion of its sheet, and let the second, which
- *           owns the floor, step the scene until the first is answered. One answer has
- *           the records, the other the numbers of the same step: both are checked as one.
- * Does not: connect (actor.c).
- * Threads:  as actor_state.h.
+ * Let the first client hold the motion of its sheet, and let the second, which owns the
+ * floor, step the scene until the first is answered. One answer has the records, the
+ * other the numbers of the same step: both are checked as one.
+ *
+ * Threads: as actor_state.h.
  */
 #ifndef LOAD_COUPLE_H
 #define LOAD_COUPLE_H

@@ -1,9 +1,4 @@
-/* crowd.c - processes with many clients each.
- *
- * Room:     client/load.
- * Does:     see crowd.h.
- * Threads:  crowd.h.
- */
+/* crowd.c - processes with many clients each. */
 #include "crowd.h"
 
 #include <math.h>

@@ -1,9 +1,6 @@
 /* crowd.h - a process that simulates many clients in turn.
  *
- * Room:     client/load. May include: load.h.
- * Does:     start a process; in it, the clients with number = index modulo the number of
- *           processes take turns until each has done its requests or the run ends.
- * Threads:  one in each process.
+ * Threads: one in each process.
  */
 #ifndef LOAD_CROWD_H
 #define LOAD_CROWD_H

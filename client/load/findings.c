@@ -1,9 +1,4 @@
-/* findings.c - is all as it must be?
- *
- * Room:     client/load.
- * Does:     see report.h.
- * Threads:  one.
- */
+/* findings.c - is all as it must be? */
 #include <string.h>
 
 #include "report.h"

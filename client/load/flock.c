@@ -1,9 +1,4 @@
-/* flock.c - a client that steps many scenes by one request.
- *
- * Room:     client/load.
- * Does:     see flock.h.
- * Threads:  as actor.h.
- */
+/* flock.c - a client that steps many scenes by one request. */
 #include "flock.h"
 
 #include <math.h>

@@ -1,11 +1,10 @@
 /* flock.h - a simulated client that steps many scenes by one request.
  *
- * Room:     client/load. May include: actor_state.h, pccd.h.
- * Does:     give the client further scenes like its first, whose objects have the same
- *           handles; step all of them as a batch. Each must be answered as the step of a
- *           lone client, who makes no batch.
- * Does not: connect (actor.c).
- * Threads:  as actor_state.h.
+ * Give the client further scenes like its first, whose objects have the same handles;
+ * step all of them as a batch. Each must be answered as the step of a lone client, who
+ * makes no batch.
+ *
+ * Threads: as actor_state.h.
  */
 #ifndef LOAD_FLOCK_H
 #define LOAD_FLOCK_H

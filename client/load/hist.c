@@ -1,10 +1,4 @@
-/* hist.c - how often which time was seen.
- *
- * Room:     client/load.
- * Does:     see hist.h.
- * Threads:  hist.h.
- * Source:   G. Tene's HdrHistogram: linear bins within each power of two.
- */
+/* hist.c - how often which time was seen. */
 #include "hist.h"
 
 #include <math.h>

@@ -1,11 +1,6 @@
 /* hist.h - a histogram of times, for percentiles.
  *
- * Room:     client/load. May include: the C library.
- * Does:     count times in bins whose width is at most 1/128 of their value, from a
- *           nanosecond to 18 minutes; add histograms, and subtract an earlier state.
- * Does not: lock: one process writes. Others may read meanwhile: each bin is one word,
- *           written and read whole.
- * Threads:  one writer, any readers.
+ * Threads: one writer, any readers.
  */
 #ifndef LOAD_HIST_H
 #define LOAD_HIST_H

@@ -1,10 +1,4 @@
-/* json.c - what a run has shown, as one JSON object.
- *
- * Room:     client/load.
- * Does:     see report.h. Times are in microseconds; names and numbers are ours, so that
- *           nothing needs escaping.
- * Threads:  one.
- */
+/* json.c - what a run has shown, as one JSON object. */
 #include <inttypes.h>
 #include <stdio.h>
 

@@ -1,9 +1,4 @@
-/* judge.c - is it the answer?
- *
- * Room:     client/load.
- * Does:     see judge.h.
- * Threads:  judge.h.
- */
+/* judge.c - is it the answer? */
 #include "judge.h"
 
 #include <string.h>

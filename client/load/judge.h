@@ -1,9 +1,6 @@
 /* judge.h - checks that an answer is the right one.
  *
- * Room:     client/load. May include: actor_state.h.
- * Does:     find the request that an answer belongs to, compare the answer's hash, and a
- *           sum over its records, with what a lone client got; count the outcome.
- * Threads:  one process for one actor.
+ * Threads: one process for one actor.
  */
 #ifndef LOAD_JUDGE_H
 #define LOAD_JUDGE_H

@@ -1,8 +1,6 @@
 /* load.h - the settings of a run of pccd-load, and the memory that its processes share.
  *
- * Room:     client/load. May include: tally.h, shape.h, size.h.
- * Does:     define both.
- * Threads:  processes: constant once the crowd is started, but for what says otherwise.
+ * Threads: processes: constant once the crowd is started, but for what says otherwise.
  */
 #ifndef LOAD_LOAD_H
 #define LOAD_LOAD_H

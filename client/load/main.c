@@ -1,9 +1,4 @@
-/* main.c - pccd-load: many clients at once, and whether each gets its own answers.
- *
- * Room:     client/load; the program.
- * Does:     the order of a run: truth, load with kills, baseline, report.
- * Threads:  one, and the processes that it starts.
- */
+/* main.c - pccd-load: many clients at once, and whether each gets its own answers. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,9 +1,4 @@
-/* options.c - what the command line of pccd-load says.
- *
- * Room:     client/load.
- * Does:     see options.h.
- * Threads:  one.
- */
+/* options.c - what the command line of pccd-load says. */
 #include "options.h"
 
 #include <argp.h>

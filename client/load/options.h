@@ -1,8 +1,6 @@
 /* options.h - the command line of pccd-load.
  *
- * Room:     client/load. May include: load.h.
- * Does:     define the table of options (--help), and read settings from it.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef LOAD_OPTIONS_H
 #define LOAD_OPTIONS_H

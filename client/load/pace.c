@@ -1,9 +1,4 @@
-/* pace.c - when each request of a client is due.
- *
- * Room:     client/load.
- * Does:     see pace.h.
- * Threads:  pace.h.
- */
+/* pace.c - when each request of a client is due. */
 #include "pace.h"
 
 #include <math.h>

@@ -1,10 +1,10 @@
 /* pace.h - decides when each simulated client sends its next request.
  *
- * Room:     client/load. May include: load.h.
- * Does:     in the open loop, follow a plan that does not depend on answers: clients join
- *           one by one, spread over the period, and send at even or at random intervals.
- *           In the closed loop, send when the client has paused after its answer.
- * Threads:  one process for one client.
+ * In the open loop, follow a plan that does not depend on answers: clients join one by
+ * one, spread over the period, and send at even or at random intervals. In the closed
+ * loop, send when the client has paused after its answer.
+ *
+ * Threads: one process for one client.
  */
 #ifndef LOAD_PACE_H
 #define LOAD_PACE_H

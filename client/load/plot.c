@@ -1,9 +1,4 @@
-/* plot.c - a picture of a run.
- *
- * Room:     client/load.
- * Does:     see plot.h. Data and commands go to gnuplot through a pipe: no file is left.
- * Threads:  one.
- */
+/* plot.c - a picture of a run. */
 #include "plot.h"
 
 #include <fcntl.h>

@@ -1,8 +1,6 @@
 /* plot.h - plots the latencies of a run.
  *
- * Room:     client/load. May include: series.h.
- * Does:     draw latency by percentile, and by second, as a PNG by gnuplot.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef LOAD_PLOT_H
 #define LOAD_PLOT_H

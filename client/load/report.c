@@ -1,9 +1,4 @@
-/* report.c - what a run has shown, a line for each figure.
- *
- * Room:     client/load.
- * Does:     see report.h.
- * Threads:  one.
- */
+/* report.c - what a run has shown, a line for each figure. */
 #include "report.h"
 
 #include <inttypes.h>

@@ -1,8 +1,6 @@
 /* report.h - prints the results of a run and judges them.
  *
- * Room:     client/load. May include: assault.h, target.h, watch.h.
- * Does:     judge the figures, and print a line for each, or one JSON object.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef LOAD_REPORT_H
 #define LOAD_REPORT_H

@@ -1,9 +1,4 @@
-/* series.c - a run, second by second.
- *
- * Room:     client/load.
- * Does:     see series.h.
- * Threads:  series.h.
- */
+/* series.c - a run, second by second. */
 #include "series.h"
 
 #include <stdlib.h>

@@ -1,9 +1,6 @@
 /* series.h - the figures of a run, second by second.
  *
- * Room:     client/load. May include: load.h.
- * Does:     collect once a second what all processes have measured since: for a live line
- *           on a terminal, for a CSV file, and for the plot.
- * Threads:  one; the processes go on meanwhile.
+ * Threads: one; the processes go on meanwhile.
  */
 #ifndef LOAD_SERIES_H
 #define LOAD_SERIES_H

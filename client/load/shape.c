@@ -1,9 +1,4 @@
-/* shape.c - a scene for each client, unlike any other's.
- *
- * Room:     client/load.
- * Does:     see shape.h.
- * Threads:  [any].
- */
+/* shape.c - a scene for each client, unlike any other's. */
 #include "shape.h"
 
 #include <math.h>

@@ -1,11 +1,8 @@
 /* shape.h - makes the meshes of each simulated client, different from all others.
  *
- * Room:     client/load. May include: the C library.
- * Does:     make, from a seed and a client's number, a floor and a sheet that passes
- *           through it in LOAD_FRAMES positions, again and again: step n takes it from
- *           position n to n + 1, and the answers to n and n + LOAD_FRAMES are the same.
- * Does not: keep positions: each is computed anew, with the same bytes every time.
- * Threads:  [any].
+ * Make, from a seed and a client's number, a floor and a sheet that passes through it in
+ * LOAD_FRAMES positions, again and again: step n takes it from position n to n + 1, and
+ * the answers to n and n + LOAD_FRAMES are the same.
  */
 #ifndef LOAD_SHAPE_H
 #define LOAD_SHAPE_H

@@ -1,9 +1,4 @@
-/* size.c - how many triangles each client has.
- *
- * Room:     client/load.
- * Does:     see size.h.
- * Threads:  [any].
- */
+/* size.c - how many triangles each client has. */
 #include "size.h"
 
 #include <math.h>

@@ -1,10 +1,4 @@
-/* size.h - chooses how many triangles each simulated client has.
- *
- * Room:     client/load. May include: the C library.
- * Does:     read "1k", "200..5k" (every octave equally likely) or "1k:3,20k:1" (sizes
- *           with weights, ranges too), and draw from it.
- * Threads:  [any].
- */
+/* size.h - chooses how many triangles each simulated client has. */
 #ifndef LOAD_SIZE_H
 #define LOAD_SIZE_H
 

@@ -1,9 +1,4 @@
-/* tally.c - what became of requests.
- *
- * Room:     client/load.
- * Does:     see tally.h.
- * Threads:  tally.h.
- */
+/* tally.c - what became of requests. */
 #include "tally.h"
 
 void load_tally_add(struct load_tally *sum, const struct load_tally *tally)

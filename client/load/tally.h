@@ -1,10 +1,6 @@
 /* tally.h - counts what became of requests: answered, refused, lost, and how fast.
  *
- * Room:     client/load. May include: hist.h.
- * Does:     count by outcome, and keep histograms of latencies.
- * Does not: lock: a tally has one writer. Its counts may be read when the writer has
- *           ended, its histograms at any time.
- * Threads:  one writer.
+ * Threads: one writer.
  */
 #ifndef LOAD_TALLY_H
 #define LOAD_TALLY_H

@@ -1,9 +1,4 @@
-/* target.c - the daemon under load.
- *
- * Room:     client/load.
- * Does:     see target.h.
- * Threads:  one.
- */
+/* target.c - the daemon under load. */
 #include "target.h"
 
 #include <dirent.h>

@@ -1,9 +1,6 @@
 /* target.h - starts and asks the daemon under load.
  *
- * Room:     client/load. May include: load.h, pccd.h.
- * Does:     start a supervised daemon in a folder of its own, and stop it; ask any daemon
- *           for its process and for what it holds.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef LOAD_TARGET_H
 #define LOAD_TARGET_H

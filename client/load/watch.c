@@ -1,9 +1,4 @@
-/* watch.c - what a daemon holds over time, and whether that grows.
- *
- * Room:     client/load.
- * Does:     see watch.h.
- * Threads:  one.
- */
+/* watch.c - what a daemon holds over time, and whether that grows. */
 #include "watch.h"
 
 #include <math.h>

@@ -1,15 +1,14 @@
 /* watch.h - detects leaks: measures what a daemon holds over time, and whether that
  * grows.
  *
- * Room:     client/load. May include: load.h.
- * Does:     sample memory, descriptors and mappings once a second; fit a line through the
- *           floors of each by least squares. A floor is the least value of a minute:
- *           memory above it comes and goes, with sessions that wait for their clients and
- *           with free pages that the daemon returns now and then; a leak lifts the floor.
- *           Each worker process has a level of its own, because a restarted worker begins
- *           elsewhere, and all have one slope. The first seconds of a worker are left
- *           out: it takes what it needs then.
- * Threads:  one.
+ * Sample memory, descriptors and mappings once a second; fit a line through the floors of
+ * each by least squares. A floor is the least value of a minute: memory above it comes
+ * and goes, with sessions that wait for their clients and with free pages that the daemon
+ * returns now and then; a leak lifts the floor. Each worker process has a level of its
+ * own, because a restarted worker begins elsewhere, and all have one slope. The first
+ * seconds of a worker are left out: it takes what it needs then.
+ *
+ * Threads: one.
  */
 #ifndef LOAD_WATCH_H
 #define LOAD_WATCH_H

@@ -1,10 +1,4 @@
-/* answer.c - the answer of all ranks.
- *
- * Room:     client/mpi.
- * Does:     reductions over the ranks; the rest is computed alike by all of them.
- * Threads:  one.
- * Source:   answer.h.
- */
+/* answer.c - the answer of all ranks. */
 #include "answer.h"
 
 #include <assert.h>

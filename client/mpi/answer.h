@@ -1,9 +1,6 @@
 /* answer.h - makes one answer of what the ranks found.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     add up counts, hashes and counters; take the least time, and of mode first
- *           drop what begins later than the first contact of all.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_ANSWER_H
 #define RANKS_ANSWER_H

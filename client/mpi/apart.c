@@ -1,10 +1,4 @@
-/* apart.c - a question about some leaves alone.
- *
- * Room:     client/mpi.
- * Does:     make the scene, ask, and take all of it away again.
- * Threads:  one.
- * Source:   apart.h.
- */
+/* apart.c - a question about some leaves alone. */
 #include "apart.h"
 
 #include <stdlib.h>

@@ -1,9 +1,6 @@
 /* apart.h - a question about some leaves alone, in a scene of their own.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     give leaves of several objects, where they are at one moment, to libpccd;
- *           have one question answered for them; turn its names into those of the whole.
- * Threads:  one.
+ * Threads: one.
  *
  * The meshes of such a scene are parts of the whole ones, numbered in the same order. So
  * of equally near pairs the first one is the same, and so is all that a record says.

@@ -1,10 +1,4 @@
-/* balance.c - work of the ranks.
- *
- * Room:     client/mpi.
- * Does:     compare the work of the ranks.
- * Threads:  one.
- * Source:   balance.h.
- */
+/* balance.c - work of the ranks. */
 #include "balance.h"
 
 #include <math.h>

@@ -1,8 +1,6 @@
 /* balance.h - how evenly the work of steps lies on the ranks, and when it is cut anew.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     count work, which is the same in every run, unlike time.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_BALANCE_H
 #define RANKS_BALANCE_H

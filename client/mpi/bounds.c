@@ -1,10 +1,6 @@
 /* bounds.c - bounds of vertices.
  *
- * Room:     client/mpi.
- * Does:     send them by the plan of positions, backwards; know the numbers of the given
- *           vertices, by which bounds are hashed.
- * Threads:  one.
- * Source:   bounds.h; proto/PROTOCOL.md, "The hash of an answer".
+ * Source: proto/PROTOCOL.md, "The hash of an answer".
  */
 #include "bounds.h"
 

@@ -1,10 +1,7 @@
 /* bounds.h - bounds of vertices: for each, the least distance of the pairs that it is
  * part of.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     bring what the ranks know of a vertex to the rank that was given it; take the
- *           least.
- * Threads:  one.
+ * Threads: one.
  *
  * A pair is found by the rank that owns its first feature. A vertex of it may have been
  * given to another rank. So bounds go the way back on which positions came (places.h).

@@ -1,11 +1,4 @@
-/* boxes.c - boxes around leaves.
- *
- * Room:     client/mpi.
- * Does:     cut the own leaves of each object into runs of equal length, and where the
- *           curve jumps.
- * Threads:  one.
- * Source:   boxes.h.
- */
+/* boxes.c - boxes around leaves. */
 #include "boxes.h"
 
 #include <stdlib.h>

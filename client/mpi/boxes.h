@@ -1,9 +1,6 @@
 /* boxes.h - boxes around leaves over some steps, and around blocks of them.
  *
- * Room:     client/mpi. May include: world.h, moving.h.
- * Does:     bound what a leaf can meet: both ends of the step, some more for later ones,
- *           and half of the distance at which it meets; rounded outward to floats.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_BOXES_H
 #define RANKS_BOXES_H

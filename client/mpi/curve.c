@@ -1,10 +1,4 @@
-/* curve.c - Hilbert's curve in three dimensions.
- *
- * Room:     client/mpi.
- * Does:     compute the place from the bits of three whole numbers.
- * Threads:  [any].
- * Source:   curve.h.
- */
+/* curve.c - Hilbert's curve in three dimensions. */
 #include "curve.h"
 
 #define BITS 21u

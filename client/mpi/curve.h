@@ -1,9 +1,6 @@
 /* curve.h - a curve through all of space: what is near along it is near in space.
  *
- * Room:     client/mpi. May include: the C library.
- * Does:     give the place of a point on Hilbert's curve of 21 bits an axis.
- * Threads:  [any].
- * Source:   Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707 (2004).
+ * Source: Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707 (2004).
  */
 #ifndef RANKS_CURVE_H
 #define RANKS_CURVE_H

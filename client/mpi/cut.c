@@ -1,10 +1,4 @@
-/* cut.c - the scene in pieces along a curve.
- *
- * Room:     client/mpi.
- * Does:     find the place of each leaf on the curve; move each leaf once.
- * Threads:  one.
- * Source:   cut.h.
- */
+/* cut.c - the scene in pieces along a curve. */
 #include "cut.h"
 
 #include <float.h>

@@ -1,9 +1,6 @@
 /* cut.h - which rank computes for which leaves.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     order the leaves of all objects along a curve and cut it into pieces of equal
- *           weight, one for each rank.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_CUT_H
 #define RANKS_CUT_H

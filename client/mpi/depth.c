@@ -1,11 +1,8 @@
 /* depth.c - how deep the vertices of closed meshes are in others.
  *
- * Room:     client/mpi.
- * Does:     find out whether meshes are closed; send the faces that a ray from any vertex
- *           may pass through, and edges, and then those that may be nearest to a vertex
- *           inside, to the rank that has it.
- * Threads:  one.
- * Source:   near_objects.h; daemon/engine/scene/closed.h and elementary/winding.h.
+ * Find out whether meshes are closed; send the faces that a ray from any vertex may pass
+ * through, and edges, and then those that may be nearest to a vertex inside, to the rank
+ * that has it.
  *
  * How often a surface winds around a vertex is a sum over its faces. Only those add to it
  * that a ray along +x passes through. So the rank that owns a vertex needs those alone,

@@ -1,10 +1,4 @@
-/* features.c - the vertices of features, for those who read records.
- *
- * Room:     client/mpi.
- * Does:     make tables of the local features' vertices when they are first asked for.
- * Threads:  one.
- * Source:   pccd_mpi.h.
- */
+/* features.c - the vertices of features, for those who read records. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,5 @@
-/* gather.c - the records of all ranks on one of them; what a rank can tell of its share.
- *
- * Room:     client/mpi.
- * Does:     merge what the ranks have, each of them sorted: the root asks a rank for its
- *           next records when it has used up those that it had.
- * Threads:  one.
- * Source:   pccd_mpi.h.
+/* gather.c - the records of all ranks on one of them; what a rank can tell of its
+ * share.
  */
 #include <stdlib.h>
 #include <string.h>

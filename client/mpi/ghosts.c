@@ -1,10 +1,4 @@
-/* ghosts.c - leaves that ranks have to know of each other.
- *
- * Room:     client/mpi.
- * Does:     compare own leaves with the blocks of others, send, and let libpccd know.
- * Threads:  one; a look at many vertices is shared (team.h).
- * Source:   ghosts.h.
- */
+/* ghosts.c - leaves that ranks have to know of each other. */
 #include "ghosts.h"
 
 #include <math.h>

@@ -1,9 +1,6 @@
 /* ghosts.h - which leaves of others a rank has to know.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     send each leaf to the ranks of which some leaves come near it in a step; let
- *           libpccd have them.
- * Threads:  one.
+ * Threads: one.
  *
  * A pair is found by the rank that owns its first feature, so that rank needs a leaf
  * with the second one. If the two features come together, so do the boxes of all leaves

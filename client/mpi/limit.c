@@ -1,10 +1,4 @@
-/* limit.c - answers that are too long.
- *
- * Room:     client/mpi.
- * Does:     find the name before which there are as many records as are kept, bit by bit.
- * Threads:  one.
- * Source:   limit.h.
- */
+/* limit.c - answers that are too long. */
 #include "limit.h"
 
 #include "records.h"

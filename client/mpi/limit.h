@@ -1,8 +1,6 @@
 /* limit.h - answers that are too long.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     of the records of all ranks, keep those that come first.
- * Threads:  one.
+ * Threads: one.
  *
  * The limit is of the whole answer, as in one process: the first records in canonical
  * order are kept. Each rank's libpccd keeps as many of its own, so those are among them.

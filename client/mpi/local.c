@@ -1,10 +1,4 @@
-/* local.c - an object's mesh in this rank.
- *
- * Room:     client/mpi.
- * Does:     sort what leaves name; a number of the whole is found by its place then.
- * Threads:  one.
- * Source:   local.h.
- */
+/* local.c - an object's mesh in this rank. */
 #include "local.h"
 
 #include <stdlib.h>

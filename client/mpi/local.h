@@ -1,9 +1,6 @@
 /* local.h - the mesh that libpccd has of an object in this rank.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     number the own leaves and the ghosts of an object by themselves, in the order
- *           of the whole; give that to libpccd.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_LOCAL_H
 #define RANKS_LOCAL_H

@@ -1,10 +1,4 @@
-/* merge.c - closest features that several ranks have found.
- *
- * Room:     client/mpi.
- * Does:     let every rank see what others have that is not theirs; take the own ones.
- * Threads:  one.
- * Source:   merge.h.
- */
+/* merge.c - closest features that several ranks have found. */
 #include "merge.h"
 
 #include <stdlib.h>

@@ -1,9 +1,6 @@
 /* merge.h - closest features that several ranks have found.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     bring each to the rank that owns its first feature, and add up how many pairs
- *           it stands for.
- * Threads:  one.
+ * Threads: one.
  *
  * A pair is found by the rank that owns its first feature. The closest features of the
  * pair may begin with another one: an end of its second edge, say.

@@ -1,10 +1,4 @@
-/* meshes.c - the meshes of a world.
- *
- * Room:     client/mpi.
- * Does:     make, replace and forget them.
- * Threads:  one.
- * Source:   pccd_mpi.h.
- */
+/* meshes.c - the meshes of a world. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>

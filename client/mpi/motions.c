@@ -1,10 +1,4 @@
-/* motions.c - what the caller says that moves.
- *
- * Room:     client/mpi.
- * Does:     copy positions, and compute those that are given by matrices.
- * Threads:  one; a loop over many positions is shared (team.h).
- * Source:   motions.h.
- */
+/* motions.c - what the caller says that moves. */
 #include "motions.h"
 
 #include <inttypes.h>

@@ -1,8 +1,6 @@
 /* motions.h - takes the motions of a step that a caller gives.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     check them, and write both ends of this rank's given vertices.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_MOTIONS_H
 #define RANKS_MOTIONS_H

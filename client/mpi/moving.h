@@ -1,15 +1,9 @@
 /* moving.h - boxes that go on as what is in them does.
  *
- * Room:     client/mpi. May include: nothing of it.
- * Does:     bound where a vertex may be in some steps; tell whether two such bounds meet.
- * Threads:  [any].
- *
  * Where vertices go on as they went, boxes do, too: two that fall side by side do not
  * meet, though one box around the whole way of each would meet the other one's. Such a
  * box is larger than what is checked later (ranks_is_covered) by more than all
  * roundings of doubles in here. Positions are finite, and at most 1e18.
- *
- * More than 200 lines: all of it is inline, as it is done for each vertex and leaf.
  */
 #ifndef RANKS_MOVING_H
 #define RANKS_MOVING_H

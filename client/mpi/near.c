@@ -1,10 +1,4 @@
-/* near.c - what is near in the whole scene at one moment.
- *
- * Room:     client/mpi.
- * Does:     check the question; what answers it is in step.c and near_objects.c.
- * Threads:  one.
- * Source:   pccd_mpi.h, pccd_near.h.
- */
+/* near.c - what is near in the whole scene at one moment. */
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>

@@ -1,11 +1,4 @@
-/* near_objects.c - what is asked of objects two by two.
- *
- * Room:     client/mpi.
- * Does:     check who is asked; fetch where everything is; let each record come to the
- *           rank that has its first feature.
- * Threads:  one.
- * Source:   near_objects.h; daemon/engine/near/near_objects.c says who is asked.
- */
+/* near_objects.c - what is asked of objects two by two. */
 #include "near_objects.h"
 
 #include <inttypes.h>

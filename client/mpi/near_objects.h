@@ -1,10 +1,7 @@
 /* near_objects.h - what is asked of objects two by two, over ranks: which of their
  * features are nearest, and how deep one is in the other.
  *
- * Room:     client/mpi. May include: apart.h.
- * Does:     let ranks have those leaves of others that the question needs, mostly other
- *           ones than a step needs; have libpccd answer for these alone (apart.h).
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_NEAR_OBJECTS_H
 #define RANKS_NEAR_OBJECTS_H

@@ -1,11 +1,8 @@
 /* nearest.c - the nearest pair of each two objects.
  *
- * Room:     client/mpi.
- * Does:     bound how far two objects are apart by distances of some of their vertices;
- *           send leaves that are not farther from the other object than that; have the
- *           nearest pair of each rank found; decide between these.
- * Threads:  one.
- * Source:   near_objects.h.
+ * Bound how far two objects are apart by distances of some of their vertices; send leaves
+ * that are not farther from the other object than that; have the nearest pair of each
+ * rank found; decide between these.
  *
  * The nearest pair of two objects is also that of any leaves of theirs of which it is
  * part: so fewer and fewer leaves are asked about, and the answer stays.

@@ -1,11 +1,4 @@
-/* neighbours.c - leaves that few edges join to a rank's own.
- *
- * Room:     client/mpi.
- * Does:     ring by ring: ask the directory which ranks have leaves at some vertices, and
- *           these for the leaves.
- * Threads:  one.
- * Source:   neighbours.h.
- */
+/* neighbours.c - leaves that few edges join to a rank's own. */
 #include "neighbours.h"
 
 #include <stdlib.h>

@@ -1,8 +1,6 @@
 /* neighbours.h - leaves of other ranks that few edges join to a rank's own.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     find them, for objects with rest_rings.
- * Threads:  one.
+ * Threads: one.
  *
  * A pair loses its thickness if at most n = rest_rings edges lead from a vertex of one
  * feature to a vertex of the other. libpccd walks over the edges of its own mesh, so the

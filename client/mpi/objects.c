@@ -1,11 +1,4 @@
-/* objects.c - the objects of a world.
- *
- * Room:     client/mpi.
- * Does:     let every rank's libpccd have each object, whether the rank has any of its
- *           leaves or none: so handles are those of one process.
- * Threads:  one.
- * Source:   pccd_mpi.h.
- */
+/* objects.c - the objects of a world. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,11 +1,4 @@
-/* parts.c - a mesh in parts.
- *
- * Room:     client/mpi.
- * Does:     copy positions and leaves; fill the directory of vertices; find what two
- *           ranks have or none.
- * Threads:  one.
- * Source:   parts.h.
- */
+/* parts.c - a mesh in parts. */
 #include "parts.h"
 
 #include <inttypes.h>

@@ -1,10 +1,6 @@
 /* parts.h - takes a mesh in parts.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     copy what this rank gives, check that the parts are one mesh, and let every
- *           leaf know its number, the numbers of its sides, and what belongs to it.
- * Does not: deal leaves out (cut.h).
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_PARTS_H
 #define RANKS_PARTS_H

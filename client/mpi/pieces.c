@@ -1,16 +1,14 @@
 /* pieces.c - pieces of the curve that are even in two ways.
  *
- * Room:     client/mpi.
- * Does:     halve the ranks, and the curve with them, until each rank is alone. The curve
- *           is taken for a circle. One half of the ranks gets an arc of it, the other one
- *           the rest. Wherever the arc begins, it can end so that it has half of the
- *           weight. It begins where the curve does, unless a half would have too many
- *           leaves then: then as little away from there as does. For as the begin goes
- *           round the circle the arc becomes the rest, and the rest the arc; so somewhere
- *           on the way both have half of the leaves, too.
- * Threads:  one.
- * Source:   pieces.h; Stromquist and Woodall, "Sets on which several measures agree",
- *           J. Math. Anal. Appl. 108 (1985).
+ * Halve the ranks, and the curve with them, until each rank is alone. The curve is taken
+ * for a circle. One half of the ranks gets an arc of it, the other one the rest. Wherever
+ * the arc begins, it can end so that it has half of the weight. It begins where the curve
+ * does, unless a half would have too many leaves then: then as little away from there as
+ * does. For as the begin goes round the circle the arc becomes the rest, and the rest the
+ * arc; so somewhere on the way both have half of the leaves, too.
+ *
+ * Source: Stromquist and Woodall, "Sets on which several measures agree", J. Math. Anal.
+ * Appl. 108 (1985).
  */
 #include "pieces.h"
 

@@ -1,9 +1,6 @@
 /* pieces.h - which rank gets which pieces of the curve.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     cut the order of all leaves in short slices, and give each rank some runs of
- *           these: as much weight as each other rank, and not far more leaves.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_PIECES_H
 #define RANKS_PIECES_H

@@ -1,10 +1,4 @@
-/* places.c - where vertices were given, and how their positions travel.
- *
- * Room:     client/mpi.
- * Does:     ask the directories, and remember what they said as a plan.
- * Threads:  one; a loop over many positions is shared (team.h).
- * Source:   places.h.
- */
+/* places.c - where vertices were given, and how their positions travel. */
 #include "places.h"
 
 #include <stdlib.h>

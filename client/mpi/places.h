@@ -1,10 +1,7 @@
 /* places.h - who was given which vertices, and how their positions come to where they are
  * needed.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     ask the directory; fetch registered positions once; make the plan of a step,
- *           and send by it.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_PLACES_H
 #define RANKS_PLACES_H

@@ -1,10 +1,4 @@
-/* rank_link.c - what ranks say to each other.
- *
- * Room:     client/mpi.
- * Does:     nonblocking operations of MPI-3.1, awaited by looking at the clock.
- * Threads:  one.
- * Source:   rank_link.h.
- */
+/* rank_link.c - what ranks say to each other. */
 #include "rank_link.h"
 
 #include <inttypes.h>

@@ -1,10 +1,6 @@
 /* rank_link.h - what ranks say to each other, with a bound on the time.
  *
- * Room:     client/mpi. May include: mpi.h, pccd_types.h.
- * Does:     exchange arrays of any size between all ranks; reduce; let all ranks agree on
- *           whether a call goes on.
- * Does not: know what is sent.
- * Threads:  one.
+ * Threads: one.
  *
  * Nothing here blocks in MPI: whoever waits looks at the clock and lets others run, so
  * that ranks may outnumber processors. After the timeout, or an error of MPI, the link is

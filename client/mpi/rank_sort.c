@@ -1,11 +1,4 @@
-/* rank_sort.c - radix sort, the lowest digit first.
- *
- * Room:     client/mpi.
- * Does:     leave out bits in which all keys agree: numbers of vertices are sorted in two
- *           passes, of leaves of a few objects, too.
- * Threads:  [any].
- * Source:   rank_sort.h.
- */
+/* rank_sort.c - radix sort, the lowest digit first. */
 #include "rank_sort.h"
 
 #include <string.h>

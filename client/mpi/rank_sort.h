@@ -1,9 +1,4 @@
-/* rank_sort.h - sorts numbers with something attached, in linear time.
- *
- * Room:     client/mpi. May include: the C library.
- * Does:     sort by a key of 64 bits; what is equal stays in its order.
- * Threads:  [any].
- */
+/* rank_sort.h - sorts numbers with something attached, in linear time. */
 #ifndef RANKS_SORT_H
 #define RANKS_SORT_H
 

@@ -1,10 +1,4 @@
-/* rank_stop.c - ends a step or a question on all ranks before it is done.
- *
- * Room:     client/mpi.
- * Does:     empty messages with a tag of their own; a flag for other threads.
- * Threads:  one; the flag is atomic.
- * Source:   rank_stop.h.
- */
+/* rank_stop.c - ends a step or a question on all ranks before it is done. */
 #include "rank_stop.h"
 
 #include <stdlib.h>

@@ -1,9 +1,6 @@
 /* rank_stop.h - ends a step or a question on all ranks before it is done.
  *
- * Room:     client/mpi. May include: rank_link.h, pccd_types.h.
- * Does:     know why a call ends early: it was cancelled, its deadline passed, or another
- *           rank has said that it needs nothing more; let the others know.
- * Threads:  one, but for ranks_stop_cancel.
+ * Threads: one, but for ranks_stop_cancel.
  *
  * Who says "stop" sends an empty message to each other rank, once in a call at most. The
  * others look for one while they compute, and while they wait for those who do: between

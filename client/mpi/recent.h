@@ -1,10 +1,10 @@
 /* recent.h - what was said of numbers that came shortly before.
  *
- * Room:     client/mpi. May include: the C library.
- * Does:     remember a value for each of some thousand numbers. Leaves along the curve
- *           name a vertex, or an edge, again soon after the first time, so that it need
- *           be looked for only then.
- * Threads:  [any]; the memory is one caller's.
+ * Remember a value for each of some thousand numbers. Leaves along the curve name a
+ * vertex, or an edge, again soon after the first time, so that it need be looked for only
+ * then.
+ *
+ * Threads: [any]; the memory is one caller's.
  */
 #ifndef RANKS_RECENT_H
 #define RANKS_RECENT_H

@@ -1,9 +1,6 @@
 /* records.c - this rank's part of an answer.
  *
- * Room:     client/mpi.
- * Does:     translate numbers by the arrays of local.h.
- * Threads:  one; a loop over many records is shared (team.h).
- * Source:   records.h; proto/PROTOCOL.md, "The hash of an answer".
+ * Source: proto/PROTOCOL.md, "The hash of an answer".
  */
 #include "records.h"
 

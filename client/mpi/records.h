@@ -1,9 +1,6 @@
 /* records.h - turns what libpccd found in this rank into this rank's part of the answer.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     give records the numbers of the whole, keep those whose first feature belongs
- *           to this rank, count and hash them.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_RECORDS_H
 #define RANKS_RECORDS_H

@@ -1,11 +1,4 @@
-/* rooms.c - how much larger than a step boxes are.
- *
- * Room:     client/mpi.
- * Does:     see how far vertices go, and how large leaves are; weigh what choosing ghosts
- *           takes against what ghosts take.
- * Threads:  one.
- * Source:   rooms.h.
- */
+/* rooms.c - how much larger than a step boxes are. */
 #include "rooms.h"
 
 #include <float.h>

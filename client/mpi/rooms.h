@@ -1,10 +1,7 @@
 /* rooms.h - how much room boxes leave around what moves, so that ghosts stay right for
  * some steps.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     see how well the last step told where vertices go; find the room of each
- *           object; change it by what it costs.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_ROOMS_H
 #define RANKS_ROOMS_H

@@ -1,10 +1,4 @@
-/* sending.c - the positions of a step.
- *
- * Room:     client/mpi.
- * Does:     have them received where the engine has them, or in a frame of libpccd.
- * Threads:  one.
- * Source:   sending.h.
- */
+/* sending.c - the positions of a step. */
 #include "sending.h"
 
 #include <stdlib.h>

@@ -1,8 +1,6 @@
 /* sending.h - the positions of a step, on their way to libpccd.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     send what each rank needs of those that moved, and tell libpccd.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_SENDING_H
 #define RANKS_SENDING_H

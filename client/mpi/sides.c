@@ -1,11 +1,8 @@
 /* sides.c - edges of a mesh in parts, and what belongs to which leaf.
  *
- * Room:     client/mpi.
- * Does:     send what leaves say of their sides and corners to the rank whose directory
- *           has the higher vertex; number the edges there as one process does, by
- *           (higher, lower) vertex; send the numbers back, and the lowest leaf of each.
- * Threads:  one.
- * Source:   parts.h; daemon/engine/scene/feature.c does the same for one process.
+ * Send what leaves say of their sides and corners to the rank whose directory has the
+ * higher vertex; number the edges there as one process does, by (higher, lower) vertex;
+ * send the numbers back, and the lowest leaf of each.
  */
 #include <math.h>
 #include <stdlib.h>

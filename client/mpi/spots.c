@@ -1,10 +1,4 @@
-/* spots.c - where the leaves of objects are at one moment.
- *
- * Room:     client/mpi.
- * Does:     cut the own leaves of each object into runs of equal length.
- * Threads:  one.
- * Source:   spots.h.
- */
+/* spots.c - where the leaves of objects are at one moment. */
 #include "spots.h"
 
 #include <string.h>

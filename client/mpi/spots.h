@@ -1,8 +1,6 @@
 /* spots.h - where the leaves of objects are at one moment, some at a time.
  *
- * Room:     client/mpi. May include: near_objects.h.
- * Does:     put boxes around runs of own leaves.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_SPOTS_H
 #define RANKS_SPOTS_H

@@ -1,11 +1,8 @@
 /* step.c - a step of the whole scene.
  *
- * Room:     client/mpi.
- * Does:     let all ranks know what moves; choose ghosts where those at hand may not do;
- *           send positions; let libpccd compute; put the answer together; look whether
- *           that is to end early.
- * Threads:  one.
- * Source:   pccd_mpi.h, step.h.
+ * Let all ranks know what moves; choose ghosts where those at hand may not do; send
+ * positions; let libpccd compute; put the answer together; look whether that is to end
+ * early.
  */
 #include "step.h"
 

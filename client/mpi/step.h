@@ -1,9 +1,6 @@
 /* step.h - one question about the whole scene, and the motion that goes with it.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     take the motions of all ranks; have libpccd in each rank compute, or whoever
- *           knows better; put the answer together; let the scene move on.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_STEP_H
 #define RANKS_STEP_H

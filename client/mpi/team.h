@@ -1,7 +1,6 @@
 /* team.h - how the threads of a rank share a loop over much.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     say how many threads a loop gets, and which part of it each has:
+ * Say how many threads a loop gets, and which part of it each has:
  *
  *     const int team = ranks_team(world, count);
  *     #pragma omp parallel for num_threads(team) schedule(static, 1)
@@ -9,8 +8,7 @@
  *         ... from ranks_part(count, t, team) to ranks_part(count, t + 1, team) - 1
  *     }
  *
- * Does not: call MPI or ranks_fail in there: only the calling thread may.
- * Threads:  [team] is such a thread; all else one.
+ * Threads: [team] is such a thread; all else one.
  *
  * libpccd computes by the calling thread, so both have the same OpenMP team; it is of one
  * size, because the runtime ends threads where it shrinks and starts them where it grows.

@@ -1,11 +1,8 @@
 /* weigh.c - the weights of leaves.
  *
- * Room:     client/mpi.
- * Does:     sort the boxes of own leaves and ghosts along the curve, put boxes around
- *           each eight of them, and so on; ask for each own leaf what its box meets, and
- *           for each of its features what that is tested with.
- * Threads:  one.
- * Source:   weigh.h.
+ * Sort the boxes of own leaves and ghosts along the curve, put boxes around each eight of
+ * them, and so on; ask for each own leaf what its box meets, and for each of its features
+ * what that is tested with.
  */
 #include "weigh.h"
 

@@ -1,9 +1,6 @@
 /* weigh.h - how much work a leaf is in a step.
  *
- * Room:     client/mpi. May include: world.h.
- * Does:     count the pairs whose first feature belongs to each own leaf, and whose boxes
- *           meet: these are what libpccd has to test for it in this rank.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef RANKS_WEIGH_H
 #define RANKS_WEIGH_H

@@ -1,10 +1,4 @@
-/* world.c - opening and closing a world.
- *
- * Room:     client/mpi.
- * Does:     connect to libpccd; free everything; what all files need.
- * Threads:  one.
- * Source:   pccd_mpi.h, world.h.
- */
+/* world.c - opening and closing a world. */
 #include "world.h"
 
 #include <inttypes.h>

@@ -1,8 +1,6 @@
 /* world.h - what a rank keeps of a world: its meshes, its objects, and who needs what.
  *
- * Room:     client/mpi. May include: moving.h, rank_link.h, pccd_mpi.h.
- * Does:     define the structs that the files of this folder share; find and make them.
- * Threads:  one.
+ * Threads: one.
  *
  * Three parts of a mesh lie on different ranks as a rule:
  * - the vertices that the caller gave to this rank, with their positions: *given*;
@@ -15,8 +13,6 @@
  * In each rank libpccd has, of each object, a mesh of the own leaves and the ghosts, all
  * sorted by the numbers of the whole. So what is lower there is lower in the whole, and
  * orientation, order and numbers of a record are those of one process.
- *
- * More than 200 lines: all that a rank keeps is in one place.
  */
 #ifndef RANKS_WORLD_H
 #define RANKS_WORLD_H

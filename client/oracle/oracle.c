@@ -1,10 +1,5 @@
 /* oracle.c - the exact truth about one elementary test.
  *
- * Room:     client/oracle.
- * Does:     decide whether and when a point meets a triangle or two edges meet, in
- *           integers, without rounding.
- * Threads:  [any].
- *
  * The coordinates are scaled to integers. Four points in a plane is a cubic in t:
  *
  *     VF  f = det[p - a, b - a, c - a]

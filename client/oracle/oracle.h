@@ -1,14 +1,7 @@
 /* oracle.h - the exact answer to one elementary test: does a vertex meet a triangle, or
  * an edge an edge, and when?
  *
- * Room:     client/oracle. May include: the C library, GMP.
- * Does:     decide by the definition, on the binary inputs and without rounding, whether
- *           and when a vertex meets a closed triangle or two closed edges meet.
- * Does not: share a line of code with the engine, which it checks.
- * Threads:  [any]; no global state.
- * Source:   the definition: there is a t in [0, 1] at which the vertex lies on the closed
- *           triangle, or the closed edges have a common point, all points moving
- *           linearly. Triangles and edges may be degenerate at any time.
+ * Threads: [any]; no global state.
  */
 #ifndef ORACLE_ORACLE_H
 #define ORACLE_ORACLE_H

@@ -1,9 +1,4 @@
-/* oracle_candidates.c - pairs of features that may be near.
- *
- * Room:     client/oracle.
- * Does:     see oracle_candidates.h.
- * Threads:  [any].
- */
+/* oracle_candidates.c - pairs of features that may be near. */
 #include "oracle_candidates.h"
 
 #include <stdlib.h>

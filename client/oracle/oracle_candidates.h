@@ -1,11 +1,4 @@
-/* oracle_candidates.h - pairs of features that may be near, and their records.
- *
- * Room:     client/oracle. May include: oracle_features.h, oracle_near.h.
- * Does:     list what no boxes keep apart; load a pair's points; name it and write what
- *           is known of it as a record does.
- * Does not: decide anything.
- * Threads:  [any].
- */
+/* oracle_candidates.h - pairs of features that may be near, and their records. */
 #ifndef ORACLE_ORACLE_CANDIDATES_H
 #define ORACLE_ORACLE_CANDIDATES_H
 

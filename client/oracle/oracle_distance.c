@@ -1,10 +1,5 @@
 /* oracle_distance.c - the exact distance of two features at one moment.
  *
- * Room:     client/oracle.
- * Does:     scale the points to integers, find the shortest way between every two parts
- *           of the features by solving for it, and compare the lengths as fractions.
- * Threads:  [any].
- *
  * A way has a vector g and a denominator: g / den is the difference of its ends. With w
  * between the vertices and u, v along the edges, each minimum solves a linear system of
  * their products (Gram): one unknown on an edge, two in a triangle or on two edges.

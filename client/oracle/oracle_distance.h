@@ -1,16 +1,11 @@
 /* oracle_distance.h - the exact distance of two features at one moment: of a vertex and a
  * triangle, or of two edges.
  *
- * Room:     client/oracle. May include: oracle.h.
- * Does:     find by the definition, in integers, how far two closed features are from
- *           each other, between which parts of them that is, and where; whether an edge
- *           passes through a triangle.
- * Does not: share a line of code with the engine, which it checks.
- * Threads:  [any]; no global state.
- * Source:   the definition: the least distance of a point of the one and a point of the
- *           other. It is that of two vertices, of a vertex and its foot on an edge, of a
- *           vertex and its foot on the plane, or of the feet of a common perpendicular;
- *           all of them are computed, and the least is taken.
+ * Find by the definition, in integers, how far two closed features are from each other,
+ * between which parts of them that is, and where; whether an edge passes through a
+ * triangle.
+ *
+ * Threads: [any]; no global state.
  */
 #ifndef ORACLE_ORACLE_DISTANCE_H
 #define ORACLE_ORACLE_DISTANCE_H

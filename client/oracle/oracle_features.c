@@ -1,9 +1,4 @@
-/* oracle_features.c - the vertices, edges and faces of a scene.
- *
- * Room:     client/oracle.
- * Does:     see oracle_features.h.
- * Threads:  [any].
- */
+/* oracle_features.c - the vertices, edges and faces of a scene. */
 #include "oracle_features.h"
 
 #include <stdlib.h>

@@ -1,9 +1,5 @@
-/* oracle_features.h - lists the vertices, edges and faces of a scene, for whoever tries
- * every pair of them.
- *
- * Room:     client/oracle. May include: oracle_scene.h.
- * Does:     list features of one number of points, with the boxes of their motion.
- * Threads:  [any].
+/* oracle_features.h - lists the vertices, edges and faces of a scene, for whoever
+ * tries every pair of them.
  */
 #ifndef ORACLE_ORACLE_FEATURES_H
 #define ORACLE_ORACLE_FEATURES_H

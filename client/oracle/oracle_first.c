@@ -1,10 +1,4 @@
-/* oracle_first.c - the first of several times, each an exact root.
- *
- * Room:     client/oracle.
- * Does:     see oracle_first.h; compare the least of the times, and put it between
- *           fractions.
- * Threads:  one thread for one struct oracle_first.
- */
+/* oracle_first.c - the first of several times, each an exact root. */
 #include "oracle_first.h"
 
 #include <stdlib.h>

@@ -1,9 +1,6 @@
 /* oracle_first.h - the first of several times, each an exact root.
  *
- * Room:     client/oracle. May include: oracle.h, oracle_root.h.
- * Does:     hold what struct oracle_first of oracle.h is: the times at which the parts of
- *           two features first meet, of which the least is the answer.
- * Threads:  one thread for one struct oracle_first.
+ * Threads: one thread for one struct oracle_first.
  */
 #ifndef ORACLE_ORACLE_FIRST_H
 #define ORACLE_ORACLE_FIRST_H

@@ -1,11 +1,9 @@
 /* oracle_inside.c - is a point inside a surface of triangles?
  *
- * Room:     client/oracle.
- * Does:     scale everything to integers. A ray from p along d passes through a triangle
- *           a b c if d . (a - p) x (b - p), and the same of b c and of c a, have one
- *           sign; that is the side it comes from. Whether this is ahead, the sign of
- *           (a - p) . (b - a) x (c - a) says beside that of d . (b - a) x (c - a).
- * Threads:  [any].
+ * Scale everything to integers. A ray from p along d passes through a triangle a b c if d
+ * . (a - p) x (b - p), and the same of b c and of c a, have one sign; that is the side it
+ * comes from. Whether this is ahead, the sign of (a - p) . (b - a) x (c - a) says beside
+ * that of d . (b - a) x (c - a).
  */
 #include "oracle_inside.h"
 

@@ -1,11 +1,10 @@
 /* oracle_inside.h - is a point inside a surface of triangles?
  *
- * Room:     client/oracle. May include: the C library.
- * Does:     count in integers how often a closed surface winds around a point: by the
- *           triangles that a ray passes through, in a direction that is drawn at random
- *           until the ray meets no edge and no vertex.
- * Does not: share a line of code, or the direction, with the engine, which it checks.
- * Threads:  [any]; no global state.
+ * Count in integers how often a closed surface winds around a point: by the triangles
+ * that a ray passes through, in a direction that is drawn at random until the ray meets
+ * no edge and no vertex.
+ *
+ * Threads: [any]; no global state.
  */
 #ifndef ORACLE_ORACLE_INSIDE_H
 #define ORACLE_ORACLE_INSIDE_H

@@ -1,9 +1,4 @@
-/* oracle_near.c - everything that is near, by brute force.
- *
- * Room:     client/oracle.
- * Does:     list what no boxes keep apart, then decide each pair exactly.
- * Threads:  [any].
- */
+/* oracle_near.c - everything that is near, by brute force. */
 #include "oracle_near.h"
 
 #include <assert.h>

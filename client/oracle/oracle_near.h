@@ -1,15 +1,9 @@
 /* oracle_near.h - finds everything that is near in a small scene at one moment, by brute
  * force and exact arithmetic.
  *
- * Room:     client/oracle. May include: oracle_distance.h, oracle_scene.h, pccd_types.h.
- * Does:     give all vertex-face and edge-edge pairs that share no vertex, and those of
- *           free points, to oracle_distance.h, and all edges and faces; merge pairs to
- *           the features between which their distance is; find each vertex's least
- *           distance.
- * Does not: use a tree of boxes; it skips a pair only where the boxes of the two features
- *           are farther apart than the distance and what rounding could hide.
- * Threads:  [any].
- * Source:   pccd_types.h says what a record has; pccd_near.h, what is asked.
+ * Give all vertex-face and edge-edge pairs that share no vertex, and those of free
+ * points, to oracle_distance.h, and all edges and faces; merge pairs to the features
+ * between which their distance is; find each vertex's least distance.
  *
  * Everywhere objects stand still: their x0 is their x1, the positions at the moment.
  */

@@ -1,10 +1,4 @@
-/* oracle_objects.c - what is near of objects two by two, by brute force.
- *
- * Room:     client/oracle.
- * Does:     take two objects out of the scene, list what no boxes keep apart, then
- *           compare pairs exactly.
- * Threads:  [any].
- */
+/* oracle_objects.c - what is near of objects two by two, by brute force. */
 #include "oracle_objects.h"
 
 #include <math.h>

@@ -1,13 +1,6 @@
 /* oracle_objects.h - the nearest features of objects, and how deep objects are in each
  * other, by brute force and exact arithmetic.
  *
- * Room:     client/oracle. May include: oracle_near.h.
- * Does:     for each two objects look at all that is not farther than two of their
- *           vertices; for each vertex look at all faces of the other objects.
- * Does not: use a tree of boxes.
- * Threads:  [any].
- * Source:   pccd_types.h says what a record has; pccd_near.h, what is asked.
- *
  * `asked`: two objects by id; or one, or none (0), with all others; of them those that
  * may meet. All functions end the process where memory ends.
  */

@@ -1,10 +1,4 @@
-/* oracle_poly.c - polynomials in t with integer coefficients, without rounding.
- *
- * Room:     client/oracle.
- * Does:     plain school arithmetic: degrees are at most 6, coefficients may have
- *           thousands of bits.
- * Threads:  one thread for one polynomial.
- */
+/* oracle_poly.c - polynomials in t with integer coefficients, without rounding. */
 #include "oracle_poly.h"
 
 #include <assert.h>

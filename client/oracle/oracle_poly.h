@@ -1,10 +1,6 @@
 /* oracle_poly.h - exact polynomials in t, with integer coefficients.
  *
- * Room:     client/oracle. May include: the C library, GMP.
- * Does:     compute sums, products, greatest common divisors, square-free parts, signs at
- *           dyadic points and sign variations on dyadic intervals, up to degree 6.
- * Does not: find roots (oracle_root.h).
- * Threads:  one thread for one polynomial.
+ * Threads: one thread for one polynomial.
  */
 #ifndef ORACLE_ORACLE_POLY_H
 #define ORACLE_ORACLE_POLY_H

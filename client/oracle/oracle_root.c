@@ -1,10 +1,4 @@
-/* oracle_root.c - real algebraic numbers in [0, 1].
- *
- * Room:     client/oracle.
- * Does:     bisection; it ends because the polynomials are square-free, so that roots are
- *           apart, and because a sign is looked for only where it is not zero.
- * Threads:  one thread for one root.
- */
+/* oracle_root.c - real algebraic numbers in [0, 1]. */
 #include "oracle_root.h"
 
 #include <assert.h>

@@ -1,10 +1,7 @@
 /* oracle_root.h - exact roots of polynomials in [0, 1].
  *
- * Room:     client/oracle. May include: oracle_poly.h.
- * Does:     isolate the roots of a polynomial, narrow them, and find the exact sign of
- *           another polynomial at them.
- * Threads:  one thread for one root.
- * Source:   Descartes' rule of signs on Bernstein coefficients, with bisection.
+ * Threads: one thread for one root.
+ * Source: Descartes' rule of signs on Bernstein coefficients, with bisection.
  */
 #ifndef ORACLE_ORACLE_ROOT_H
 #define ORACLE_ORACLE_ROOT_H

@@ -1,9 +1,4 @@
-/* oracle_scene.c - every contact of a small scene, by brute force.
- *
- * Room:     client/oracle.
- * Does:     try every pair of features.
- * Threads:  [any].
- */
+/* oracle_scene.c - every contact of a small scene, by brute force. */
 #include "oracle_scene.h"
 
 #include <stdlib.h>

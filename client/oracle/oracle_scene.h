@@ -1,11 +1,5 @@
 /* oracle_scene.h - finds every contact of a small scene by brute force and exact
  * arithmetic.
- *
- * Room:     client/oracle. May include: oracle.h.
- * Does:     give all vertex-face and edge-edge pairs that share no vertex to the oracle.
- * Does not: use a tree of boxes; it skips a pair only where the boxes of the two motions,
- *           compared without rounding, are apart.
- * Threads:  [any].
  */
 #ifndef ORACLE_ORACLE_SCENE_H
 #define ORACLE_ORACLE_SCENE_H

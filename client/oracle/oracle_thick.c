@@ -1,12 +1,9 @@
 /* oracle_thick.c - the exact truth about two features and a distance.
  *
- * Room:     client/oracle.
- * Does:     see oracle_thick.h. The square of the distance of two features is, at any
- *           time, num / den of one pair of their parts: two vertices, a vertex and its
- *           foot on an edge, its foot in a triangle, or the feet of the perpendicular
- *           common to two edges. It is at most r^2 where some pair of parts has its feet
- *           inside, den > 0, and num - r^2 den <= 0.
- * Threads:  [any].
+ * See oracle_thick.h. The square of the distance of two features is, at any time, num /
+ * den of one pair of their parts: two vertices, a vertex and its foot on an edge, its
+ * foot in a triangle, or the feet of the perpendicular common to two edges. It is at most
+ * r^2 where some pair of parts has its feet inside, den > 0, and num - r^2 den <= 0.
  */
 #include "oracle_thick.h"
 

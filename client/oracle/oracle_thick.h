@@ -1,17 +1,11 @@
 /* oracle_thick.h - the exact answer to one test of thick features: do they come within a
  * distance of each other, and when?
  *
- * Room:     client/oracle. May include: oracle.h.
- * Does:     decide by the definition, on the binary inputs and without rounding, whether
- *           and when two vertices, a vertex and an edge, a vertex and a triangle or two
- *           edges are at most a distance apart.
- * Does not: share a line of code with the engine, which it checks.
- * Threads:  [any]; no global state.
- * Source:   the definition: there is a t in [0, 1] at which the least distance of a point
- *           of the one closed feature and a point of the other is at most r, all points
- *           moving linearly. Whatever the features are between which the distance is, at
- *           the first such time it is r exactly, so one of at most nine polynomials is 0;
- *           at each of their roots the whole definition is asked.
+ * Decide by the definition, on the binary inputs and without rounding, whether and when
+ * two vertices, a vertex and an edge, a vertex and a triangle or two edges are at most a
+ * distance apart.
+ *
+ * Threads: [any]; no global state.
  */
 #ifndef ORACLE_ORACLE_THICK_H
 #define ORACLE_ORACLE_THICK_H

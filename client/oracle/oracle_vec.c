@@ -1,9 +1,4 @@
-/* oracle_vec.c - exact vectors of three polynomials in t, and doubles as integers.
- *
- * Room:     client/oracle.
- * Does:     see oracle_vec.h.
- * Threads:  one thread for one vector.
- */
+/* oracle_vec.c - exact vectors of three polynomials in t, and doubles as integers. */
 #include "oracle_vec.h"
 
 #include <limits.h>

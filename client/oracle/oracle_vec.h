@@ -1,9 +1,6 @@
 /* oracle_vec.h - exact vectors of three polynomials in t, and doubles as integers.
  *
- * Room:     client/oracle. May include: oracle_poly.h.
- * Does:     subtract, multiply; scale coordinates by a power of two, so that they are
- *           integers.
- * Threads:  one thread for one vector.
+ * Threads: one thread for one vector.
  */
 #ifndef ORACLE_ORACLE_VEC_H
 #define ORACLE_ORACLE_VEC_H

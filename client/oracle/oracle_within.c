@@ -1,9 +1,4 @@
-/* oracle_within.c - how near two features of thick objects are to be.
- *
- * Room:     client/oracle.
- * Does:     see oracle_within.h.
- * Threads:  [any].
- */
+/* oracle_within.c - how near two features of thick objects are to be. */
 #include "oracle_within.h"
 
 #include <stdlib.h>

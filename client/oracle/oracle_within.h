@@ -1,10 +1,9 @@
 /* oracle_within.h - how near two features of thick objects are to be, exactly.
  *
- * Room:     client/oracle. May include: oracle_scene.h.
- * Does:     find the radius of a feature, and whether a pair is left thin for where it is
- *           at rest; decide whether it is within a distance and its radii at a moment.
- * Threads:  [any].
- * Source:   proto/PROTOCOL.md, "How thick objects are".
+ * Find the radius of a feature, and whether a pair is left thin for where it is at rest;
+ * decide whether it is within a distance and its radii at a moment.
+ *
+ * Source: proto/PROTOCOL.md, "How thick objects are".
  */
 #ifndef ORACLE_ORACLE_WITHIN_H
 #define ORACLE_ORACLE_WITHIN_H

@@ -1,12 +1,8 @@
 /* planner.cc - an arm finds its way among boxes; each edge of it is proved to be free.
  *
- * Room:     client/planner; an example. May include: arm.hpp, pccd_motion.hpp, OMPL.
- * Does:     plan by RRTConnect with pccd as its judge, and print the states of the path,
- *           four joint angles a line. With --edges: no plan, but so many random edges,
- *           each as `free` or `refused`, the angles of its begin and of its end.
- * Threads:  one.
- *
- *     planner [--pieces K] [--seed N] [--edges N]
+ * Plan by RRTConnect with pccd as its judge, and print the states of the path, four joint
+ * angles a line. With --edges: no plan, but so many random edges, each as `free` or
+ * `refused`, the angles of its begin and of its end.
  */
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/SimpleSetup.h>

@@ -1,9 +1,4 @@
-/* client/tool/file_name.c - what the name of a file tells.
- *
- * Room:     client/tool.
- * Does:     see file_name.h.
- * Threads:  [any].
- */
+/* file_name.c - what the name of a file tells. */
 #include "file_name.h"
 
 #include <string.h>

@@ -1,9 +1,4 @@
-/* client/tool/file_name.h - what the name of a file tells.
- *
- * Room:     client/tool. May include: the C library.
- * Does:     compare its ending; leave its folders out.
- * Threads:  [any].
- */
+/* file_name.h - what the name of a file tells. */
 #ifndef TOOL_FILE_NAME_H
 #define TOOL_FILE_NAME_H
 

@@ -1,10 +1,4 @@
-/* client/tool/shown.c - names that others chose, in what our programs print.
- *
- * Room:     client/tool.
- * Does:     keeps a few texts, each until it is the oldest of eight.
- * Threads:  one.
- * Source:   shown.h.
- */
+/* shown.c - names that others chose, in what our programs print. */
 #include "shown.h"
 
 #include <stdarg.h>

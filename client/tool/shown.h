@@ -1,12 +1,6 @@
-/* client/tool/shown.h - makes names that others chose (files, processes) safe to print on
- * a terminal.
+/* shown.h - makes names that others chose (files, processes) safe to print on a terminal.
  *
- * Room:     client/tool. May include: the C library.
- * Does:     make strings of files, command lines and other processes harmless to a
- *           terminal, and as wide as a table wants them.
- * Does not: serve programs that read the text: JSON has the strings themselves.
- * Threads:  one.
- * Source:   proto/text/printable.h.
+ * Threads: one.
  */
 #ifndef TOOL_SHOWN_H
 #define TOOL_SHOWN_H

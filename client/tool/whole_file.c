@@ -1,10 +1,4 @@
-/* client/tool/whole_file.c - a file that appears whole or not at all.
- *
- * Room:     client/tool.
- * Does:     a file without a name where the file system can, else one with another name.
- * Threads:  one for each file.
- * Source:   whole_file.h.
- */
+/* whole_file.c - a file that appears whole or not at all. */
 #include "whole_file.h"
 
 #include <errno.h>

@@ -1,14 +1,11 @@
-/* client/tool/whole_file.h - writes a file that appears whole or not at all.
+/* whole_file.h - writes a file that appears whole or not at all.
  *
- * Room:     client/tool. May include: the C library.
- * Does:     write beside the name that was asked for, and give the file that name when
- *           all of it is on the disk; until then the old file of that name is untouched.
- *           A program that is killed leaves nothing behind, except on file systems that
- *           have no files without a name: there FILE.PID-N.part stays.
- * Does not: serve recordings, which grow while their program runs; a recording marks its
- *           own end.
- * Threads:  one for each file.
- * Source:   open(2), O_TMPFILE; rename(2).
+ * Write beside the name that was asked for, and give the file that name when all of it is
+ * on the disk; until then the old file of that name is untouched. A program that is
+ * killed leaves nothing behind, except on file systems that have no files without a name:
+ * there FILE.PID-N.part stays.
+ *
+ * Threads: one for each file.
  */
 #ifndef TOOL_WHOLE_FILE_H
 #define TOOL_WHOLE_FILE_H

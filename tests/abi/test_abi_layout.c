@@ -1,11 +1,8 @@
 /* test_abi_layout.c - what a compiled client relies on does not move.
  *
- * Room:     tests/abi. May include: pccd.h, proto, cmocka.
- * Does:     freezes sizes, offsets and values of the public types, of the shared memory
- *           and of the wire. A failure here is either a mistake or a new version of the
- *           library or of the layout.
- * Does not: freeze the messages (manifest.txt does).
- * Threads:  one.
+ * Freezes sizes, offsets and values of the public types, of the shared memory and of the
+ * wire. A failure here is either a mistake or a new version of the library or of the
+ * layout.
  */
 #include <setjmp.h>
 #include <stdarg.h>

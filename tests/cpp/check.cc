@@ -1,8 +1,4 @@
-/* check.cc - what pccd.hpp promises, against a real daemon and in this process (TAP).
- *
- * Room:     tests/cpp. May include: pccd.hpp.
- * Does:     use all of the header. test_cpp.sh builds it by each compiler and standard.
- */
+/* check.cc - what pccd.hpp promises, against a real daemon and in this process (TAP). */
 #include <array>
 #include <cmath>
 #include <cstring>

@@ -1,14 +1,9 @@
 /* test_eng_anew.c - whatever makes boxes or records old has them made anew.
  *
- * Room:     tests/determinism. May include: daemon/engine, tests/support, tests/unit.
- * Does:     a scene of which little moves has taken a few steps; then one thing happens
- *           that changes what stands, or how a step is taken; that step and those after
- *           it are answered as by a scene made anew. One case for each such thing, by
- *           every method, by one thread and by two.
- * Threads:  teams of one and two.
- * Source:   tests/property/test_eng_standing.c for all of these at random.
- *
- * More than 600 lines: the cases share a scene.
+ * A scene of which little moves has taken a few steps; then one thing happens that
+ * changes what stands, or how a step is taken; that step and those after it are answered
+ * as by a scene made anew. One case for each such thing, by every method, by one thread
+ * and by two.
  */
 #include <setjmp.h>
 #include <stdarg.h>

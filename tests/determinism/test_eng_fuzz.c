@@ -1,13 +1,8 @@
 /* test_eng_fuzz.c - whatever a scene has been through, it answers as one made anew.
  *
- * Room:     tests/determinism. May include: daemon/engine, tests/support, tests/unit.
- * Does:     plays in which anything may happen, under settings that change at every step,
- *           with steps in between that end early or are cut; each complete answer against
- *           a fresh scene, one thread, default settings; each incomplete one is a part
- *           of it.
- * Threads:  teams of one to nine.
- * Source:   PCCD_SEED repeats a case; PCCD_FUZZ_SECONDS goes on with new seeds for as
- *           long.
+ * Plays in which anything may happen, under settings that change at every step, with
+ * steps in between that end early or are cut; each complete answer against a fresh scene,
+ * one thread, default settings; each incomplete one is a part of it.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,11 +1,8 @@
 /* test_eng_golden.c - the bytes of an answer, written down.
  *
- * Room:     tests/determinism. May include: daemon/engine, tests/support, tests/unit.
- * Does:     every golden play by one thread against its literals, then under rows of
- *           settings that hold every pair of levels of any two settings, against the same
- *           bytes; a small play under every combination.
- * Threads:  up to sixteen, whatever the machine has.
- * Source:   tests/support/golden.h; what may change an answer is nothing but its input.
+ * Every golden play by one thread against its literals, then under rows of settings that
+ * hold every pair of levels of any two settings, against the same bytes; a small play
+ * under every combination.
  */
 #include <setjmp.h>
 #include <stdarg.h>

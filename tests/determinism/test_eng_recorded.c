@@ -1,13 +1,8 @@
 /* test_eng_recorded.c - recorded scenes have the same bytes whoever computes them.
  *
- * Room:     tests/determinism. May include: daemon/engine, tests/support.
- * Does:     one step of two public scenes by methods, instruction sets, teams,
- *           schedulers, build qualities and reconstruction thresholds, in a new scene and
- *           after other steps: a hash that is written down, and as many contacts as are
- *           known to be there.
- * Does not: look for each contact (tests/truth/test_eng_truth.c does).
- * Threads:  up to sixteen, whatever the machine has.
- * Source:   the README of the data folder for what is known.
+ * One step of two public scenes by methods, instruction sets, teams, schedulers, build
+ * qualities and reconstruction thresholds, in a new scene and after other steps: a hash
+ * that is written down, and as many contacts as are known to be there.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,4 @@
-/* fault.c - a world that fails on order: the orders.
- *
- * Room:     tests/fault.
- * Does:     what needs no page of its own.
- * Threads:  as fault.h says.
- */
+/* fault.c - a world that fails on order: the orders. */
 #include "fault.h"
 
 static const char *const names[] = {"none",

@@ -1,12 +1,10 @@
 /* fault.h - makes chosen system or library calls fail, to test how the program copes.
  *
- * Room:     tests/fault. May include: the C library.
- * Does:     let one of the calls that a program makes to the C library fail: which kind,
- *           the how-many-th, for how long, with which errno. The order stands in a page
- *           that another process may share (PCCD_FAULT_PAGE names its file).
- * Does not: see calls that the C library makes of itself, nor those of shared libraries.
- * Threads:  any; one orders at a time.
- * Source:   the linker's --wrap; wrap_memory.c and wrap_calls.c stand in for the calls.
+ * Let one of the calls that a program makes to the C library fail: which kind, the how-
+ * many-th, for how long, with which errno. The order stands in a page that another
+ * process may share (PCCD_FAULT_PAGE names its file).
+ *
+ * Threads: any; one orders at a time.
  */
 #ifndef TEST_FAULT_H
 #define TEST_FAULT_H

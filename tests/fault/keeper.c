@@ -1,10 +1,4 @@
-/* keeper.c - a daemon in a world that fails on order, and whoever looks after it.
- *
- * Room:     tests/fault. May include: keeper.h, witness.h, cmocka.
- * Does:     ask the honest client for counters, the page for blocks, /proc for
- *           descriptors and mappings.
- * Threads:  one.
- */
+/* keeper.c - a daemon in a world that fails on order, and whoever looks after it. */
 #include "keeper.h"
 
 #include <fcntl.h>

@@ -1,9 +1,6 @@
 /* keeper.h - runs a daemon whose calls fail on order, and checks that it keeps serving.
  *
- * Room:     tests/fault. May include: fault.h, life.h, witness.h.
- * Does:     start pccdd-faulty with a page of faults; after each fault check that the
- *           daemon still serves an honest client, and holds what it held before.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef TEST_KEEPER_H
 #define TEST_KEEPER_H

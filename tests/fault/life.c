@@ -1,9 +1,4 @@
-/* life.c - everything a client may ask for, once, from hello to the end.
- *
- * Room:     tests/fault. May include: life.h.
- * Does:     a wavy sheet that falls through a triangle, by raw messages.
- * Threads:  one.
- */
+/* life.c - everything a client may ask for, once, from hello to the end. */
 #include "life.h"
 
 #include <stdio.h>

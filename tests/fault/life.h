@@ -1,9 +1,6 @@
 /* life.h - a client that uses every method once, from hello to bye.
  *
- * Room:     tests/fault. May include: raw.h.
- * Does:     ask for each method, with steps whose contacts are known; ask again for what
- *           was refused, which must succeed then unless refusals go on.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef TEST_LIFE_H
 #define TEST_LIFE_H

@@ -1,11 +1,7 @@
 /* test_fault_calls.c - no system call that serves a client may be the daemon's last.
  *
- * Room:     tests/fault. May include: keeper.h, cmocka.
- * Does:     let the n-th call of each kind fail with each errno that it may have by the
- *           world's fault, for every n (a sample of them in make check).
- * Does not: let munmap fail: it takes memory only to cut a mapping in two, and the daemon
- *           gives whole ones back.
- * Threads:  one.
+ * Let the n-th call of each kind fail with each errno that it may have by the world's
+ * fault, for every n (a sample of them in make check).
  */
 #include <errno.h>
 #include <setjmp.h>

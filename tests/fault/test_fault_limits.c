@@ -1,10 +1,4 @@
-/* test_fault_limits.c - a daemon that the system gives nothing more.
- *
- * Room:     tests/fault. May include: keeper.h, cmocka.
- * Does:     take away descriptors and address space while clients come, then give them
- *           back.
- * Threads:  one.
- */
+/* test_fault_limits.c - a daemon that the system gives nothing more. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,9 +1,7 @@
 /* test_fault_memory.c - no allocation of a client's life may be the daemon's last.
  *
- * Room:     tests/fault. May include: keeper.h, cmocka.
- * Does:     let the n-th allocation fail, for every n, or all from the n-th on (a sample
- *           of these in make check).
- * Threads:  one.
+ * Let the n-th allocation fail, for every n, or all from the n-th on (a sample of these
+ * in make check).
  */
 #include <errno.h>
 #include <setjmp.h>

@@ -1,9 +1,7 @@
 /* test_fault_start.c - a daemon that cannot start says why.
  *
- * Room:     tests/fault. May include: keeper.h, cmocka.
- * Does:     let the n-th call of each kind fail while the daemon starts: it serves, or it
- *           ends and says something.
- * Threads:  one.
+ * Let the n-th call of each kind fail while the daemon starts: it serves, or it ends and
+ * says something.
  */
 #include <errno.h>
 #include <fcntl.h>

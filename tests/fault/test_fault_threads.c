@@ -1,10 +1,7 @@
 /* test_fault_threads.c - a daemon that the system gives no thread.
  *
- * Room:     tests/fault. May include: pccd.h, tests/support, cmocka.
- * Does:     bound the number of threads of a user that has none yet: for a daemon that
- *           starts, and for one whose team has shrunk and is to grow again.
- * Does not: run but as root: nobody else can be another user, and root has no bounds.
- * Threads:  one.
+ * Bound the number of threads of a user that has none yet: for a daemon that starts, and
+ * for one whose team has shrunk and is to grow again.
  */
 #include <grp.h>
 #include <setjmp.h>

@@ -1,9 +1,7 @@
 /* wrap_calls.c - system calls that fail on order.
  *
- * Room:     tests/fault. See fault.h.
- * Does:     stand in for those that the daemon and its event loop make. A call that
- *           fails has done nothing, but for close: Linux gives the descriptor back.
- * Threads:  any.
+ * Stand in for those that the daemon and its event loop make. A call that fails has done
+ * nothing, but for close: Linux gives the descriptor back.
  */
 #include <errno.h>
 #include <fcntl.h>

@@ -1,10 +1,4 @@
-/* wrap_memory.c - allocations that fail on order.
- *
- * Room:     tests/fault. See fault.h.
- * Does:     stand in for malloc and its kin; all are one kind of call, realloc one of its
- *           own besides.
- * Threads:  any.
- */
+/* wrap_memory.c - allocations that fail on order. */
 #include <errno.h>
 #include <stdlib.h>
 

@@ -1,9 +1,4 @@
-/* wrap_page.c - which call fails.
- *
- * Room:     tests/fault. See fault.h.
- * Does:     take the shared page, if there is one, before anything else happens; count.
- * Threads:  any.
- */
+/* wrap_page.c - which call fails. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>

@@ -1,10 +1,7 @@
 /* distance.c - exact distances of the engine against the oracle, for as long as wanted.
  *
- * Room:     tests/fuzz.
- * Does:     make cases from a seed, in several processes with seeds of their own, and
- *           compare all numbers, one at a time and in lanes. Prints what is wrong,
- *           and ends with 1 then.
- * Threads:  one a process.
+ * Make cases from a seed, in several processes with seeds of their own, and compare all
+ * numbers, one at a time and in lanes. Prints what is wrong, and ends with 1 then.
  */
 #include <gmp.h>
 #include <inttypes.h>

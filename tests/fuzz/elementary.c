@@ -1,10 +1,7 @@
 /* elementary.c - the elementary tests against exact arithmetic, for as long as wanted.
  *
- * Room:     tests/fuzz.
- * Does:     make queries from a seed, or read them (--replay, "-" is the standard input;
- *           the lines that a failure prints), and judge every answer. Ends with 1 after a
- *           failure.
- * Threads:  one; start more with other seeds.
+ * Make queries from a seed, or read them (--replay, "-" is the standard input; the lines
+ * that a failure prints), and judge every answer. Ends with 1 after a failure.
  */
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,10 +1,4 @@
-/* entry.c - libFuzzer's way to a target.
- *
- * Room:     tests/fuzz. May include: fuzz_target.h.
- * Does:     call the target that FUZZ_TARGET names.
- * Threads:  one.
- * Source:   https://llvm.org/docs/LibFuzzer.html
- */
+/* entry.c - libFuzzer's way to a target. */
 #include "fuzz_target.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);

@@ -1,9 +1,4 @@
-/* fuzz_distance.c - exact distances of the engine against those of the oracle.
- *
- * Room:     tests/fuzz.
- * Does:     see fuzz_distance.h.
- * Threads:  one for one run.
- */
+/* fuzz_distance.c - exact distances of the engine against those of the oracle. */
 #include "fuzz_distance.h"
 
 #include <inttypes.h>

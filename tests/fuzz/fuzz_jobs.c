@@ -1,9 +1,4 @@
-/* fuzz_jobs.c - one random search in several processes.
- *
- * Room:     tests/fuzz.
- * Does:     see fuzz_jobs.h.
- * Threads:  one a process.
- */
+/* fuzz_jobs.c - one random search in several processes. */
 #include "fuzz_jobs.h"
 
 #include <stdio.h>

@@ -1,8 +1,6 @@
 /* fuzz_jobs.h - one random search in several processes.
  *
- * Room:     tests/fuzz.
- * Does:     give each process a seed of its own and its share of the cases.
- * Threads:  one a process.
+ * Threads: one a process.
  */
 #ifndef FUZZ_JOBS_H
 #define FUZZ_JOBS_H

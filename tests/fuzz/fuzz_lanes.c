@@ -1,10 +1,4 @@
-/* fuzz_lanes.c - distances of many pairs at once against those of one at a time.
- *
- * Room:     tests/fuzz.
- * Does:     see fuzz_lanes.h. A failure prints the first case that is wrong, or the first
- *           of its chunk.
- * Threads:  one for one run.
- */
+/* fuzz_lanes.c - distances of many pairs at once against those of one at a time. */
 #include "fuzz_lanes.h"
 
 #include <inttypes.h>

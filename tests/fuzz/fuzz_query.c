@@ -1,9 +1,4 @@
-/* fuzz_query.c - queries that are hard for an elementary test.
- *
- * Room:     tests/fuzz.
- * Does:     see fuzz_query.h.
- * Threads:  one for one generator.
- */
+/* fuzz_query.c - queries that are hard for an elementary test. */
 #include "fuzz_query.h"
 
 #include <math.h>

@@ -1,10 +1,6 @@
 /* fuzz_query.h - makes random elementary tests that are hard to decide.
  *
- * Room:     tests/fuzz. May include: engine headers, prng.h.
- * Does:     make queries of many families; turn one into others whose answer follows from
- *           its own; write one as text and read it again.
- * Does not: know any answer.
- * Threads:  one for one generator.
+ * Threads: one for one generator.
  */
 #ifndef FUZZ_QUERY_H
 #define FUZZ_QUERY_H

@@ -1,10 +1,7 @@
 /* fuzz_range.h - interval arithmetic: sums and products of ranges of numbers, rounded
  * outward.
  *
- * Room:     tests/fuzz. May include: the C library.
- * Does:     sum, difference and product of ranges of FUZZ_REAL, which is double or what
- *           the including file says; FUZZ_EPSILON is its DBL_EPSILON.
- * Threads:  [any]; inline only.
+ * Threads: [any]; inline only.
  *
  * Each end is computed once, to nearest: it is off by at most half an epsilon of itself,
  * or by less than the least normal number. It is moved outward by twice that, and by more

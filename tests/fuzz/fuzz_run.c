@@ -1,9 +1,4 @@
-/* fuzz_run.c - many elementary tests at every instruction set, each answer judged.
- *
- * Room:     tests/fuzz.
- * Does:     see fuzz_run.h.
- * Threads:  one.
- */
+/* fuzz_run.c - many elementary tests at every instruction set, each answer judged. */
 #include "fuzz_run.h"
 
 #include <math.h>

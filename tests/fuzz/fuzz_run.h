@@ -1,12 +1,11 @@
 /* fuzz_run.h - runs many random elementary tests with every instruction set, and checks
  * each answer.
  *
- * Room:     tests/fuzz. May include: fuzz_query.h, fuzz_truth.h, batch.h.
- * Does:     put chunks of random queries to batch and sieve of every instruction set that
- *           this processor has, and to the scalar call; compare the answers with the
- *           truth, with each other, and with those of the same query scaled, reordered
- *           and reversed.
- * Threads:  one.
+ * Put chunks of random queries to batch and sieve of every instruction set that this
+ * processor has, and to the scalar call; compare the answers with the truth, with each
+ * other, and with those of the same query scaled, reordered and reversed.
+ *
+ * Threads: one.
  */
 #ifndef FUZZ_RUN_H
 #define FUZZ_RUN_H

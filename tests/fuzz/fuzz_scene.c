@@ -1,9 +1,4 @@
-/* fuzz_scene.c - the contacts of a few objects of one shape, by brute force.
- *
- * Room:     tests/fuzz. May include: client/oracle.
- * Does:     see fuzz_scene.h.
- * Threads:  one.
- */
+/* fuzz_scene.c - the contacts of a few objects of one shape, by brute force. */
 #include "fuzz_scene.h"
 
 #include <stdlib.h>

@@ -1,9 +1,7 @@
 /* fuzz_scene.h - the contacts of a few objects, found by brute force and exact
  * arithmetic.
  *
- * Room:     tests/fuzz. May include: the C library.
- * Does:     put all pairs to exact arithmetic, and count those that no axis separates.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef FUZZ_SCENE_H
 #define FUZZ_SCENE_H

@@ -1,9 +1,4 @@
-/* fuzz_sharp.c - pairs whose distance is about to be rounded otherwise.
- *
- * Room:     tests/fuzz.
- * Does:     see fuzz_sharp.h.
- * Threads:  one for one struct eng_distances.
- */
+/* fuzz_sharp.c - pairs whose distance is about to be rounded otherwise. */
 #include "fuzz_sharp.h"
 
 #include <math.h>

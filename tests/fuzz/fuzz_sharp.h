@@ -1,11 +1,10 @@
 /* fuzz_sharp.h - pairs whose distance is about to be rounded otherwise.
  *
- * Room:     tests/fuzz. May include: fuzz_distance.h.
- * Does:     move one coordinate of a pair, by halves, between two places where a number
- *           of the answer differs, until no double is between them: so a number is as
- *           near as can be to where rounding changes, on either side. A margin that is
- *           too small shows there.
- * Threads:  one for one struct eng_distances.
+ * Move one coordinate of a pair, by halves, between two places where a number of the
+ * answer differs, until no double is between them: so a number is as near as can be to
+ * where rounding changes, on either side. A margin that is too small shows there.
+ *
+ * Threads: one for one struct eng_distances.
  */
 #ifndef FUZZ_SHARP_H
 #define FUZZ_SHARP_H

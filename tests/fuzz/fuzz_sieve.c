@@ -1,9 +1,4 @@
-/* fuzz_sieve.c - does the sieve reject only what has no contact?
- *
- * Room:     tests/fuzz.
- * Does:     see fuzz_sieve.h.
- * Threads:  one for one scratch.
- */
+/* fuzz_sieve.c - does the sieve reject only what has no contact? */
 #include "fuzz_sieve.h"
 
 #include <math.h>

@@ -1,10 +1,10 @@
 /* fuzz_sieve.h - checks that the sieve (sieve.h) rejects only pairs without a contact.
  *
- * Room:     tests/fuzz. May include: engine headers, prng.h.
- * Does:     put each query of a chunk on a grid of its own, fine or coarse, and sift them
- *           all by every instruction set; compare what is rejected with the answers, and
- *           the instruction sets with each other.
- * Threads:  one for one scratch.
+ * Put each query of a chunk on a grid of its own, fine or coarse, and sift them all by
+ * every instruction set; compare what is rejected with the answers, and the instruction
+ * sets with each other.
+ *
+ * Threads: one for one scratch.
  */
 #ifndef FUZZ_SIEVE_H
 #define FUZZ_SIEVE_H

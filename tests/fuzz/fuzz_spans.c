@@ -1,10 +1,5 @@
 /* fuzz_spans.c - what ranges prove about an elementary test.
  *
- * Room:     tests/fuzz.
- * Does:     see fuzz_spans.h, in double; fuzz_spans_long.c compiles it again for another
- *           FUZZ_REAL.
- * Threads:  [any].
- *
  * No contact in a span: the cubic's coefficients have one sign; or the features are out
  * of each other's reach wherever they are coplanar; or a fixed direction separates them
  * at both ends, in the same order, and so in between. Else the span is halved.

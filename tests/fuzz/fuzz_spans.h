@@ -1,12 +1,4 @@
-/* fuzz_spans.h - proves by interval arithmetic that two features do or do not meet.
- *
- * Room:     tests/fuzz. May include: engine headers.
- * Does:     prove that features do not meet within a span of time, or that they meet
- *           first within a bracket; in double, and more slowly in long double.
- * Does not: disprove anything: "false" says that intervals cannot tell. It shares no
- *           argument with the engine: intervals need no error bound.
- * Threads:  [any].
- */
+/* fuzz_spans.h - proves by interval arithmetic that two features do or do not meet. */
 #ifndef FUZZ_SPANS_H
 #define FUZZ_SPANS_H
 

@@ -1,9 +1,4 @@
-/* fuzz_spans_long.c - what ranges of long doubles prove about an elementary test.
- *
- * Room:     tests/fuzz.
- * Does:     fuzz_spans.c once more, with 11 more bits on x86.
- * Threads:  [any].
- */
+/* fuzz_spans_long.c - what ranges of long doubles prove about an elementary test. */
 #define FUZZ_SPANS_LONG
 #define FUZZ_REAL    long double
 #define FUZZ_EPSILON LDBL_EPSILON

@@ -1,9 +1,4 @@
-/* fuzz_target.c - what a fuzzer calls with bytes of its own making.
- *
- * Room:     tests/fuzz. May include: fuzz_target.h, fault.h.
- * Does:     order the allocator's failures; little-endian numbers.
- * Threads:  as fuzz_target.h says.
- */
+/* fuzz_target.c - what a fuzzer calls with bytes of its own making. */
 #include "fuzz_target.h"
 
 #include <errno.h>

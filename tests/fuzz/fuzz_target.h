@@ -1,9 +1,6 @@
 /* fuzz_target.h - the functions that a fuzzer calls with random bytes.
  *
- * Room:     tests/fuzz. May include: the C library.
- * Does:     name the targets; take an input apart; end the process when something is
- *           wrong, which fuzzers notice.
- * Threads:  one calls; a target may have threads of its own.
+ * Threads: one calls; a target may have threads of its own.
  *
  * Every input begins with a byte for the allocator: 0, none fails; 1 .. 127, the
  * allocation of that number fails; 128 .. 255, all from number (byte - 127) on fail.

@@ -1,9 +1,4 @@
-/* fuzz_thick.c - the engine's test of thick features against the oracle's.
- *
- * Room:     tests/fuzz.
- * Does:     see fuzz_thick.h.
- * Threads:  one for one run.
- */
+/* fuzz_thick.c - the engine's test of thick features against the oracle's. */
 #include "fuzz_thick.h"
 
 #include <math.h>

@@ -1,11 +1,11 @@
 /* fuzz_thick.h - the engine's test of thick features against the oracle's.
  *
- * Room:     tests/fuzz. May include: engine headers, oracle, tests/support.
- * Does:     make pairs of features by families that are hard for one reason each, and
- *           compare every verdict, flag and time, by doubles and by integers alone. The
- *           oracle takes most of the time; so it may judge some cases only, and of the
- *           others what doubles say is compared with what integers say.
- * Threads:  one for one run.
+ * Make pairs of features by families that are hard for one reason each, and compare every
+ * verdict, flag and time, by doubles and by integers alone. The oracle takes most of the
+ * time; so it may judge some cases only, and of the others what doubles say is compared
+ * with what integers say.
+ *
+ * Threads: one for one run.
  */
 #ifndef FUZZ_THICK_H
 #define FUZZ_THICK_H

@@ -1,9 +1,4 @@
-/* fuzz_thick_lanes.c - thick features in chunks against one at a time.
- *
- * Room:     tests/fuzz.
- * Does:     see fuzz_thick_lanes.h.
- * Threads:  one for one run.
- */
+/* fuzz_thick_lanes.c - thick features in chunks against one at a time. */
 #include "fuzz_thick_lanes.h"
 
 #include <stdlib.h>

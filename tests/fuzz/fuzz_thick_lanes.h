@@ -1,10 +1,9 @@
 /* fuzz_thick_lanes.h - thick features in chunks against one at a time.
  *
- * Room:     tests/fuzz. May include: fuzz_thick.h, thick_batch.h.
- * Does:     put chunks of the families of fuzz_thick.h to the kernels of every
- *           instruction set that this processor has, and compare with thick.h, which
- *           fuzz_thick.h judges.
- * Threads:  one for one run.
+ * Put chunks of the families of fuzz_thick.h to the kernels of every instruction set that
+ * this processor has, and compare with thick.h, which fuzz_thick.h judges.
+ *
+ * Threads: one for one run.
  */
 #ifndef FUZZ_THICK_LANES_H
 #define FUZZ_THICK_LANES_H

@@ -1,9 +1,4 @@
-/* fuzz_thick_make.c - pairs of thick features that are hard for one reason each.
- *
- * Room:     tests/fuzz. May include: engine headers, tests/support.
- * Does:     make the families of fuzz_thick.h.
- * Threads:  one for one generator.
- */
+/* fuzz_thick_make.c - pairs of thick features that are hard for one reason each. */
 #include <math.h>
 #include <string.h>
 

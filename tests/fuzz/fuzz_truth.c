@@ -1,9 +1,4 @@
-/* fuzz_truth.c - is an answer to an elementary test the true one?
- *
- * Room:     tests/fuzz.
- * Does:     see fuzz_truth.h.
- * Threads:  one for one tally.
- */
+/* fuzz_truth.c - is an answer to an elementary test the true one? */
 #include "fuzz_truth.h"
 
 #include <float.h>

@@ -1,11 +1,9 @@
 /* fuzz_truth.h - checks an answer to an elementary test against the truth.
  *
- * Room:     tests/fuzz. May include: engine headers, oracle.
- * Does:     check a claim, a miss or a contact with its bracket of time, beyond doubt: by
- *           intervals that are rounded outward where they suffice, else by exact
- *           arithmetic.
- * Does not: share an argument with the engine: intervals need no error bound.
- * Threads:  one for one tally.
+ * Check a claim, a miss or a contact with its bracket of time, beyond doubt: by intervals
+ * that are rounded outward where they suffice, else by exact arithmetic.
+ *
+ * Threads: one for one tally.
  */
 #ifndef FUZZ_TRUTH_H
 #define FUZZ_TRUTH_H

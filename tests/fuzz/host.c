@@ -1,9 +1,7 @@
 /* host.c - the daemon's server as a thread of the fuzzer's process.
  *
- * Room:     tests/fuzz. May include: host.h, fuzz_target.h, the server's headers.
- * Does:     hand srv_reactor_run a socket, as a service manager does; watch the engine's
- *           bytes and the process's descriptors.
- * Threads:  as host.h says.
+ * Hand srv_reactor_run a socket, as a service manager does; watch the engine's bytes and
+ * the process's descriptors.
  */
 #include "host.h"
 

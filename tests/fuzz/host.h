@@ -1,9 +1,6 @@
 /* host.h - runs the daemon's server as a thread of the fuzzer's process.
  *
- * Room:     tests/fuzz. May include: the C library.
- * Does:     run the whole event loop on a listening socket of its own, with quotas that
- *           keep every input quick.
- * Threads:  one calls; the server has its own.
+ * Threads: one calls; the server has its own.
  */
 #ifndef FUZZ_HOST_H
 #define FUZZ_HOST_H

@@ -1,9 +1,7 @@
 /* peer.c - a client that does what an input says.
  *
- * Room:     tests/fuzz. May include: peer.h, host.h, proto.
- * Does:     everything without an allocation of its own, but for msgpack-c's: those that
- *           fail shall be the server's.
- * Threads:  one.
+ * Everything without an allocation of its own, but for msgpack-c's: those that fail shall
+ * be the server's.
  */
 #include "peer.h"
 

@@ -1,10 +1,9 @@
 /* peer.h - a client that does what a fuzzer's input says.
  *
- * Room:     tests/fuzz. May include: fuzz_target.h, proto.
- * Does:     send messages of any bytes, or well-formed ones with any values; receive
- *           answers and check that they are well-formed; map the ring that an answer
- *           brings.
- * Threads:  one.
+ * Send messages of any bytes, or well-formed ones with any values; receive answers and
+ * check that they are well-formed; map the ring that an answer brings.
+ *
+ * Threads: one.
  */
 #ifndef FUZZ_PEER_H
 #define FUZZ_PEER_H

@@ -1,9 +1,7 @@
 /* replay.c - inputs again, without a fuzzer.
  *
- * Room:     tests/fuzz. May include: fuzz_target.h.
- * Does:     give each file that is named, or each of the folders that are, to the target
- *           that is named first; print how many there were.
- * Threads:  one.
+ * Give each file that is named, or each of the folders that are, to the target that is
+ * named first; print how many there were.
  */
 #include <dirent.h>
 #include <stdio.h>

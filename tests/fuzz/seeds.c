@@ -1,12 +1,8 @@
 /* seeds.c - inputs for fuzzers to begin with.
  *
- * Room:     tests/fuzz. May include: proto.
- * Does:     write files into a folder for each target: every message of the manifest, as
- *           small as it can be and with every field; scripts that lead deep into a
- *           session; slots, meshes, files and queries of each kind.
- * Threads:  one.
- *
- * More than 600 lines: one input after the other.
+ * Write files into a folder for each target: every message of the manifest, as small as
+ * it can be and with every field; scripts that lead deep into a session; slots, meshes,
+ * files and queries of each kind.
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,9 +1,7 @@
 /* target_decoder.c - messages, against msgpack-c and against themselves.
  *
- * Room:     tests/fuzz. May include: fuzz_target.h, fault.h, codec.h, msgpack-c.
- * Does:     the pre-scan must accept exactly what msgpack-c reads within our limits; what
- *           is decoded, encoded and decoded again must be the same.
- * Threads:  one.
+ * The pre-scan must accept exactly what msgpack-c reads within our limits; what is
+ * decoded, encoded and decoded again must be the same.
  */
 #include <msgpack.h>
 #include <stdlib.h>

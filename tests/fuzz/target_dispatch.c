@@ -1,11 +1,8 @@
 /* target_dispatch.c - any messages to a real server.
  *
- * Room:     tests/fuzz. May include: fuzz_target.h, host.h, peer.h.
- * Does:     play a script on two fresh connections: raw messages, well-formed requests
- *           with any values, descriptors, words and bytes of the rings; scenes that the
- *           two share. Each message is answered or ends the connection, and other clients
- *           never notice.
- * Threads:  one, and the server's.
+ * Play a script on two fresh connections: raw messages, well-formed requests with any
+ * values, descriptors, words and bytes of the rings; scenes that the two share. Each
+ * message is answered or ends the connection, and other clients never notice.
  */
 #include <string.h>
 

@@ -1,10 +1,7 @@
 /* target_mesh.c - any mesh, of triangles, edges and points, and a step of it.
  *
- * Room:     tests/fuzz. May include: fuzz_target.h, engine headers.
- * Does:     register, place twice, move by both ways to find candidates and by two
- *           instruction sets: the same bytes, or a refusal that is explained. Everything
- *           is given back.
- * Threads:  one.
+ * Register, place twice, move by both ways to find candidates and by two instruction
+ * sets: the same bytes, or a refusal that is explained. Everything is given back.
  */
 #include <math.h>
 #include <stdlib.h>

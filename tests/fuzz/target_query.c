@@ -1,9 +1,7 @@
 /* target_query.c - elementary tests of any numbers, against exact arithmetic.
  *
- * Room:     tests/fuzz. May include: fuzz_target.h, fuzz_run.h.
- * Does:     put a query to the solver and judge its answer; now and then to the sieve and
- *           the filter of every instruction set as well, in every lane and order.
- * Threads:  one.
+ * Put a query to the solver and judge its answer; now and then to the sieve and the
+ * filter of every instruction set as well, in every lane and order.
  */
 #include <math.h>
 #include <stdio.h>

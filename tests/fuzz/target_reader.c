@@ -1,10 +1,8 @@
 /* target_reader.c - mesh files of any content.
  *
- * Room:     tests/fuzz. May include: fuzz_target.h, fault.h, meshfile.h.
- * Does:     read the input as PLY, OBJ, STL or glTF: what is accepted is a mesh, and
- *           nothing takes more memory than a file of that length can be worth. As PC2 or
- *           MDD: all frames that it says are there.
- * Threads:  one.
+ * Read the input as PLY, OBJ, STL or glTF: what is accepted is a mesh, and nothing takes
+ * more memory than a file of that length can be worth. As PC2 or MDD: all frames that it
+ * says are there.
  */
 #include <stdio.h>
 #include <stdlib.h>

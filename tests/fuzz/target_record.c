@@ -1,9 +1,7 @@
 /* target_record.c - recordings of any content.
  *
- * Room:     tests/fuzz. May include: fuzz_target.h, world.h.
- * Does:     read the input as a file, or as chunks whose checksums are right; follow what
- *           is accepted, and touch every byte that it says there is.
- * Threads:  one.
+ * Read the input as a file, or as chunks whose checksums are right; follow what is
+ * accepted, and touch every byte that it says there is.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,8 @@
 /* target_slot.c - any bytes in the memory that client and server share.
  *
- * Room:     tests/fuzz. May include: fuzz_target.h, host.h, raw.h.
- * Does:     write header words, a segment table and positions, or a chunk of a mesh, as
- *           the input says, and submit them: an answer that is within the result region,
- *           or an error that there is a reason for.
- * Threads:  one, and the server's.
+ * Write header words, a segment table and positions, or a chunk of a mesh, as the input
+ * says, and submit them: an answer that is within the result region, or an error that
+ * there is a reason for.
  */
 #include <stdio.h>
 #include <stdlib.h>

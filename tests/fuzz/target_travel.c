@@ -1,11 +1,8 @@
 /* target_travel.c - small objects that drive, jump and shrink, anywhere.
  *
- * Room:     tests/fuzz. May include: fuzz_scene.h, fuzz_target.h, engine headers.
- * Does:     keep a scene over some steps in which its objects go as the input says, at
- *           any distance from the origin and from each other, at any scale. Each answer
- *           is compared with a scene made anew, by the other method, and with brute force
- *           in exact arithmetic.
- * Threads:  one.
+ * Keep a scene over some steps in which its objects go as the input says, at any distance
+ * from the origin and from each other, at any scale. Each answer is compared with a scene
+ * made anew, by the other method, and with brute force in exact arithmetic.
  */
 #include <math.h>
 #include <string.h>

@@ -1,10 +1,7 @@
 /* test_eng_distance.c - exact distances of the engine against the oracle, for a moment.
  *
- * Room:     tests/fuzz. May include: fuzz_distance.h, cmocka.
- * Does:     some thousand cases of every family, or FUZZ_QUERIES, from every stage on;
- *           and first, whether the comparison would find a wrong number.
- * Threads:  one.
- * Source:   PCCD_SEED repeats a run.
+ * Some thousand cases of every family, or FUZZ_QUERIES, from every stage on; and first,
+ * whether the comparison would find a wrong number.
  */
 #include <math.h>
 #include <setjmp.h>

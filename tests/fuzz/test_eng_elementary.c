@@ -1,10 +1,7 @@
 /* test_eng_elementary.c - the elementary tests against exact arithmetic, for a moment.
  *
- * Room:     tests/fuzz. May include: fuzz_run.h, cmocka.
- * Does:     a hundred thousand queries, or FUZZ_QUERIES; and first of all, whether the
- *           judge would find a wrong answer.
- * Threads:  one.
- * Source:   PCCD_SEED repeats a run; `elementary --replay` repeats a query.
+ * A hundred thousand queries, or FUZZ_QUERIES; and first of all, whether the judge would
+ * find a wrong answer.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,9 +1,4 @@
-/* test_eng_thick_fuzz.c - thick features of hard families against exact arithmetic.
- *
- * Room:     tests/fuzz. May include: engine headers, oracle, cmocka.
- * Does:     some seconds of what tests/fuzz/thick does for as long as wanted.
- * Threads:  one.
- */
+/* test_eng_thick_fuzz.c - thick features of hard families against exact arithmetic. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,11 +1,9 @@
 /* thick.c - the engine's test of thick features against the oracle, as long as wanted.
  *
- * Room:     tests/fuzz.
- * Does:     make cases from a seed, in several processes with seeds of their own, and
- *           compare every verdict and time; --short: of VE and VV alone. Prints what is
- *           wrong, and ends with 1 then. --times: how long integers take for a case of
- *           each family, and nothing is compared.
- * Threads:  one a process.
+ * Make cases from a seed, in several processes with seeds of their own, and compare every
+ * verdict and time; --short: of VE and VV alone. Prints what is wrong, and ends with 1
+ * then. --times: how long integers take for a case of each family, and nothing is
+ * compared.
  */
 #include <inttypes.h>
 #include <math.h>

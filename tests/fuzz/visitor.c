@@ -1,9 +1,4 @@
-/* visitor.c - an honest client among inputs of a fuzzer.
- *
- * Room:     tests/fuzz. May include: visitor.h, fuzz_target.h, life.h.
- * Does:     live a life; show what was wrong with it.
- * Threads:  one.
- */
+/* visitor.c - an honest client among inputs of a fuzzer. */
 #include "visitor.h"
 
 #include <stdio.h>

@@ -1,9 +1,4 @@
-/* forge.c - copies of recordings, chunk by chunk.
- *
- * Room:     tests/integration. See forge.h.
- * Does:     read, hand over, write.
- * Threads:  one test at a time.
- */
+/* forge.c - copies of recordings, chunk by chunk. */
 #include "forge.h"
 
 #include <setjmp.h>

@@ -1,9 +1,6 @@
 /* forge.h - copies of recordings in which something was changed.
  *
- * Room:     tests/integration. May include: client/record, cmocka.
- * Does:     write each chunk anew, after a test has changed it, so that all checksums are
- *           right.
- * Threads:  one test at a time.
+ * Threads: one test at a time.
  */
 #ifndef TEST_FORGE_H
 #define TEST_FORGE_H

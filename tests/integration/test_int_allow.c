@@ -1,9 +1,7 @@
 /* test_int_allow.c - who may be a client.
  *
- * Room:     tests/integration. May include: proto, tests/support.
- * Does:     clients of other users and groups, with and without lists. Needs root: nobody
- *           else can be somebody else.
- * Threads:  one; children become other users.
+ * Clients of other users and groups, with and without lists. Needs root: nobody else can
+ * be somebody else.
  */
 #include <grp.h>
 #include <setjmp.h>

@@ -1,10 +1,4 @@
-/* test_int_autostart.c - clients that start the user's daemon.
- *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     several at once, and one beside a daemon that has the lock and does not
- *           listen.
- * Threads:  one in each process.
- */
+/* test_int_autostart.c - clients that start the user's daemon. */
 #include <errno.h>
 #include <fcntl.h>
 #include <sched.h>

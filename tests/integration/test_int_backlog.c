@@ -1,9 +1,7 @@
 /* test_int_backlog.c - what waits before the daemon accepts it.
  *
- * Room:     tests/integration. May include: proto, tests/support.
- * Does:     fill the daemon with descriptors that it cannot close, and have one more
- *           connection wait that brings such a one, too.
- * Threads:  one.
+ * Fill the daemon with descriptors that it cannot close, and have one more connection
+ * wait that brings such a one, too.
  */
 #include <setjmp.h>
 #include <signal.h>

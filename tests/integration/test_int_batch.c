@@ -1,11 +1,7 @@
 /* test_int_batch.c - steps of many scenes by one request.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     the same answers as steps by themselves, by one thread and by two, with a
- *           daemon and without; what fails, is late or does not fit; limits and memory.
- * Threads:  one.
- *
- * More than 600 lines: all that a batch may be asked, on one fixture.
+ * The same answers as steps by themselves, by one thread and by two, with a daemon and
+ * without; what fails, is late or does not fit; limits and memory.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,9 +1,7 @@
 /* test_int_boxes.c - what the hierarchies of a scene look like, through a real daemon.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     hold the boxes of each level against the vertices that they are over, and
- *           against those of the level above.
- * Threads:  one.
+ * Hold the boxes of each level against the vertices that they are over, and against those
+ * of the level above.
  */
 #include <float.h>
 #include <setjmp.h>

@@ -1,11 +1,4 @@
-/* test_int_brief.c - steps that the loop computes itself.
- *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     which steps those are, that they are answered as any other, and that what
- *           ends a step ends them.
- * Does not: look at times (bench/redis).
- * Threads:  one.
- */
+/* test_int_brief.c - steps that the loop computes itself. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

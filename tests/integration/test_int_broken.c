@@ -1,10 +1,8 @@
 /* test_int_broken.c - recordings that cannot have been made, and what every command says
  * of them.
  *
- * Room:     tests/integration. May include: pccd.h, client/record, tests/support.
- * Does:     record positions in every form, break one number of the recording, leave all
- *           checksums right, and have every command read it.
- * Threads:  one.
+ * Record positions in every form, break one number of the recording, leave all checksums
+ * right, and have every command read it.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,10 +1,4 @@
-/* test_int_choice.c - the ways to compute that a client may choose between.
- *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     every method and tuning gives the same bytes, and
- *           every answer says which were used.
- * Threads:  one.
- */
+/* test_int_choice.c - the ways to compute that a client may choose between. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

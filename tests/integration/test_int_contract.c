@@ -1,9 +1,7 @@
 /* test_int_contract.c - sentences of pccd.h and pccd(7), held against a real daemon.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     straight motion and how many steps an arc needs; what tolerance bounds; what
- *           "the same bytes" depends on; odd triangles.
- * Threads:  one.
+ * Straight motion and how many steps an arc needs; what tolerance bounds; what "the same
+ * bytes" depends on; odd triangles.
  */
 #include <math.h>
 #include <setjmp.h>

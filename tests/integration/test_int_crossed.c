@@ -1,9 +1,5 @@
-/* test_int_crossed.c - what passes through what where a step begins, and beside questions
- * about what is near, through a real daemon and in this process.
- *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     a spike through a floor, far from all its edges, and near it; recordings.
- * Threads:  one.
+/* test_int_crossed.c - what passes through what where a step begins, and beside
+ * questions about what is near, through a real daemon and in this process.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,8 +1,5 @@
-/* test_int_cut.c - answers that are cut, and how long they are kept, with a real daemon.
- *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     fill answers up to contacts-max; read them to their end, and too late.
- * Threads:  one.
+/* test_int_cut.c - answers that are cut, and how long they are kept, with a real
+ * daemon.
  */
 #include <setjmp.h>
 #include <stdarg.h>

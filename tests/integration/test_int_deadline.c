@@ -1,12 +1,9 @@
 /* test_int_deadline.c - how soon a step ends when it must.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     deadlines and cancels at random moments of large steps, from the copy out of
- *           the slot to the answer: how long after them the answer comes, that it says
- *           what it is, and that the next step is right; of steps whose every decision
- *           takes long, too. DEADLINE_ROUNDS: how many of
- *           each; with 1000 and more the distribution is worth reading.
- * Threads:  one.
+ * Deadlines and cancels at random moments of large steps, from the copy out of the slot
+ * to the answer: how long after them the answer comes, that it says what it is, and that
+ * the next step is right; of steps whose every decision takes long, too. DEADLINE_ROUNDS:
+ * how many of each; with 1000 and more the distribution is worth reading.
  */
 #include <setjmp.h>
 #include <stdarg.h>

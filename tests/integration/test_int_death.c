@@ -1,9 +1,7 @@
 /* test_int_death.c - what is left when a client or the daemon dies.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     kill -9 of clients at random moments, of daemons with work in flight, and of
- *           programs with a private daemon.
- * Threads:  one; children are forked to be killed.
+ * Kill -9 of clients at random moments, of daemons with work in flight, and of programs
+ * with a private daemon.
  */
 #include <dirent.h>
 #include <errno.h>

@@ -1,9 +1,7 @@
 /* test_int_direct.c - the url direct:, a service in the process of its client.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     the same answers as a daemon's; what is promised of threads, memory and the
- *           descriptor; several clients of one process; what is missing is said.
- * Threads:  one, but for the test of two.
+ * The same answers as a daemon's; what is promised of threads, memory and the descriptor;
+ * several clients of one process; what is missing is said.
  */
 #include <setjmp.h>
 #include <signal.h>

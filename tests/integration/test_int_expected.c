@@ -1,9 +1,7 @@
 /* test_int_expected.c - how many records libpccd-mpi says that a step will find.
  *
- * Room:     tests/integration. May include: pccd.h, foreign.h, tests/support.
- * Does:     steps that find as many, more and fewer: the answers are the same, and the
- *           memory of pages is as much as was expected, or as it took.
- * Threads:  one.
+ * Steps that find as many, more and fewer: the answers are the same, and the memory of
+ * pages is as much as was expected, or as it took.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,7 @@
 /* test_int_filter.c - which objects a real daemon tests, changed while it works.
  *
- * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     groups, masks, self-collision and ignored pairs between steps in flight, over
- *           a daemon that is killed, and what is refused.
- * Threads:  one in each process.
+ * Groups, masks, self-collision and ignored pairs between steps in flight, over a daemon
+ * that is killed, and what is refused.
  */
 #include <setjmp.h>
 #include <signal.h>

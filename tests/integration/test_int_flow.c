@@ -1,9 +1,7 @@
 /* test_int_flow.c - how steps flow: slots, pages, time limits, residence.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     many steps in flight, answers in any order, pages, a ring that grows,
- *           deadlines, timeouts, and that a warm step builds and allocates nothing.
- * Threads:  one.
+ * Many steps in flight, answers in any order, pages, a ring that grows, deadlines,
+ * timeouts, and that a warm step builds and allocates nothing.
  */
 #include <setjmp.h>
 #include <signal.h>

@@ -1,10 +1,7 @@
 /* test_int_free.c - edges and points that no triangle has, through a real daemon.
  *
- * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     a cloud that comes down on a rod, a point and a triangle, as every client can
- *           ask for it; what is refused; a daemon that is killed; shared scenes;
- *           recordings.
- * Threads:  one.
+ * A cloud that comes down on a rod, a point and a triangle, as every client can ask for
+ * it; what is refused; a daemon that is killed; shared scenes; recordings.
  */
 #include <setjmp.h>
 #include <signal.h>

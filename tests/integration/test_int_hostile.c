@@ -1,10 +1,8 @@
 /* test_int_hostile.c - peers that send nonsense to a real daemon.
  *
- * Room:     tests/integration. May include: proto, pccd.h, tests/support.
- * Does:     malformed and truncated messages, foreign descriptors, floods. Each is
- *           answered with its named error, and an honest client gets right answers all
- *           the while. Nonsense in shared memory is test_int_slot.c.
- * Threads:  one.
+ * Malformed and truncated messages, foreign descriptors, floods. Each is answered with
+ * its named error, and an honest client gets right answers all the while. Nonsense in
+ * shared memory is test_int_slot.c.
  */
 #include <errno.h>
 #include <fcntl.h>

@@ -1,10 +1,7 @@
 /* test_int_journal.c - scene.journal: what is done to a shared scene.
  *
- * Room:     tests/integration. May include: the protocol's headers, tests/support.
- * Does:     begin, read and end journals by hand: what they cost, what they refuse, and
- *           what is left when they are full.
- * Does not: replay them; test_int_record_shared does.
- * Threads:  one.
+ * Begin, read and end journals by hand: what they cost, what they refuse, and what is
+ * left when they are full.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,11 +1,4 @@
-/* test_int_leave.c - clients that leave, and what the daemon makes of it.
- *
- * Room:     tests/integration. May include: proto, tests/support.
- * Does:     ends with an answer under way, and a client that only looks as if it had
- *           left.
- * Does not: kill clients (test_int_death) or let them come back (test_int_resume).
- * Threads:  one.
- */
+/* test_int_leave.c - clients that leave, and what the daemon makes of it. */
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>

@@ -1,12 +1,9 @@
 /* test_int_long.c - requests that take long, and those of others meanwhile.
  *
- * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     a process that lets the daemon compute for seconds (hog.h), of the same user
- *           and of another; beside it a client whose steps are answered while that goes
- *           on, with the same bytes as alone; what bounds a step (--step-max-ms).
- *           LONG_STEPS: so many steps of three sizes beside each kind of request, and a
- *           table of how long they took.
- * Threads:  one in each process.
+ * A process that lets the daemon compute for seconds (hog.h), of the same user and of
+ * another; beside it a client whose steps are answered while that goes on, with the same
+ * bytes as alone; what bounds a step (--step-max-ms). LONG_STEPS: so many steps of three
+ * sizes beside each kind of request, and a table of how long they took.
  */
 #include <grp.h>
 #include <setjmp.h>

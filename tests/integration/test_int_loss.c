@@ -1,9 +1,7 @@
 /* test_int_loss.c - what the library promises while its daemon is late, lost or lying.
  *
- * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     waits end in time whatever interrupts them; the descriptor says when there is
- *           something to do; every call tells of a daemon that is gone.
- * Threads:  one in each process.
+ * Waits end in time whatever interrupts them; the descriptor says when there is something
+ * to do; every call tells of a daemon that is gone.
  */
 #include <poll.h>
 #include <setjmp.h>

@@ -1,10 +1,8 @@
 /* test_int_misuse.c - calls in an order that few programs have them in.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     hold on to answers while others are asked for; name scenes that are not
- *           there; call twice, too late, or while another thread does. It is an error or
- *           nothing, and what others asked for stays right.
- * Threads:  one, but for the tests of several.
+ * Hold on to answers while others are asked for; name scenes that are not there; call
+ * twice, too late, or while another thread does. It is an error or nothing, and what
+ * others asked for stays right.
  */
 #include <setjmp.h>
 #include <stdarg.h>

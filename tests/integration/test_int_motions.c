@@ -1,10 +1,4 @@
-/* test_int_motions.c - many objects in one call, and memory that others look after.
- *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     pccd_submit, pccd_step and pccd_abandon; a ring that grows while answers are
- *           held; options.unmap.
- * Threads:  one.
- */
+/* test_int_motions.c - many objects in one call, and memory that others look after. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

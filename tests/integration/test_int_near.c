@@ -1,11 +1,7 @@
 /* test_int_near.c - what is near, asked of a real daemon and of this process.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     distances that are known, in every way that there is; pages beside those of
- *           steps; shared scenes; every refusal by its text.
- * Threads:  one.
- *
- * More than 600 lines: one way to ask after the other, of one and the same scene.
+ * Distances that are known, in every way that there is; pages beside those of steps;
+ * shared scenes; every refusal by its text.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,10 +1,8 @@
 /* test_int_near_long.c - questions about what is near that end early, or whose daemon
  * does.
  *
- * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     deadlines, cancels and limits; a daemon that is killed while it computes, a
- *           connection that is lost, a daemon of before.
- * Threads:  one.
+ * Deadlines, cancels and limits; a daemon that is killed while it computes, a connection
+ * that is lost, a daemon of before.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,9 +1,4 @@
-/* test_int_notify.c - what a service manager is told.
- *
- * Room:     tests/integration. May include: tests/support.
- * Does:     be the manager: a socket of its own in NOTIFY_SOCKET, real daemons.
- * Threads:  one.
- */
+/* test_int_notify.c - what a service manager is told. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

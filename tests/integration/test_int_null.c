@@ -1,9 +1,7 @@
 /* test_int_null.c - calls with NULL in the place of a client, or of another argument.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     every public function without a client; each argument that must be given. It
- *           is an error that names what was missing.
- * Threads:  one.
+ * Every public function without a client; each argument that must be given. It is an
+ * error that names what was missing.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,10 +1,4 @@
-/* test_int_observe.c - lists, histograms, settings and steps that others are told of.
- *
- * Room:     tests/integration. May include: proto, pccd.h, tests/support.
- * Does:     what a real daemon tells agrees with what was done, and nobody is told of
- *           another user.
- * Threads:  one.
- */
+/* test_int_observe.c - lists, histograms, settings and steps that others are told of. */
 #include <grp.h>
 #include <setjmp.h>
 #include <signal.h>

@@ -1,9 +1,4 @@
-/* test_int_orphan.c - what a test program that dies leaves behind: nothing.
- *
- * Room:     tests/integration. May include: tests/support.
- * Does:     kill a process in the middle of a test, with a worker that was stopped.
- * Threads:  one; a child is forked to be killed.
- */
+/* test_int_orphan.c - what a test program that dies leaves behind: nothing. */
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>

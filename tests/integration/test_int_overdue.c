@@ -1,10 +1,7 @@
 /* test_int_overdue.c - steps that have to end before their turn.
  *
- * Room:     tests/integration. May include: proto, pccd.h, tests/support.
- * Does:     let steps wait behind long ones, with deadlines that come too soon and with
- *           cancels: they are answered at once, move what they move, and what goes wrong
- *           later is not lost.
- * Threads:  one.
+ * Let steps wait behind long ones, with deadlines that come too soon and with cancels:
+ * they are answered at once, move what they move, and what goes wrong later is not lost.
  */
 #include <setjmp.h>
 #include <stdarg.h>

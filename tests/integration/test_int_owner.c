@@ -1,10 +1,7 @@
 /* test_int_owner.c - whose a shared scene is.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     scenes of one name that two users have, each asked for as its own or as the
- *           other's, also after the daemon was killed. Needs root: nobody else can be
- *           somebody else.
- * Threads:  one; it connects as another user.
+ * Scenes of one name that two users have, each asked for as its own or as the other's,
+ * also after the daemon was killed. Needs root: nobody else can be somebody else.
  */
 #include <setjmp.h>
 #include <signal.h>

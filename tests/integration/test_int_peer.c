@@ -1,12 +1,11 @@
 /* test_int_peer.c - the library and a daemon that misbehaves.
  *
- * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     a false daemon in a child process, played from a script: wrong versions,
- *           answers out of order, to nobody, with pages and memories that are not there,
- *           silence and sudden ends. Whatever it does, the library returns in time with
- *           an error.
- * Threads:  one in each process.
- * More than 600 lines: each lie has its script and its test, on one fake daemon.
+ * A false daemon in a child process, played from a script: wrong versions, answers out of
+ * order, to nobody, with pages and memories that are not there, silence and sudden ends.
+ * Whatever it does, the library returns in time with an error.
+ *
+ * Threads: one in each process. More than 600 lines: each lie has its script and its
+ * test, on one fake daemon.
  */
 #include <setjmp.h>
 #include <signal.h>

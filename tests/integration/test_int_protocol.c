@@ -1,9 +1,7 @@
 /* test_int_protocol.c - sentences of PROTOCOL.md, held against a real daemon.
  *
- * Room:     tests/integration. May include: proto, tests/support.
- * Does:     say over a socket what the document says, without the library, and look at
- *           the bytes of what comes back.
- * Threads:  one.
+ * Say over a socket what the document says, without the library, and look at the bytes of
+ * what comes back.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,10 +1,7 @@
 /* test_int_quota.c - the quota of the engine's memory, and the bound of all users.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     meshes, objects and answers that do not fit, and what is left afterwards; the
- *           bound of all users. Other quotas are in test_int_session.c and
- *           test_int_replace.c.
- * Threads:  one; a child becomes another user.
+ * Meshes, objects and answers that do not fit, and what is left afterwards; the bound of
+ * all users. Other quotas are in test_int_session.c and test_int_replace.c.
  */
 #include <grp.h>
 #include <setjmp.h>

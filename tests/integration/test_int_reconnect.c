@@ -1,12 +1,8 @@
 /* test_int_reconnect.c - clients that outlive their daemon.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     kill -9 of workers under a supervisor, and of private daemons, at every stage
- *           of a client's work; cut connections; compare every answer with those of a
- *           client that nobody disturbs.
- * Threads:  one; children are forked to kill.
- *
- * More than 600 lines: the cases share a supervisor and what is killed under it.
+ * Kill -9 of workers under a supervisor, and of private daemons, at every stage of a
+ * client's work; cut connections; compare every answer with those of a client that nobody
+ * disturbs.
  */
 #include <setjmp.h>
 #include <signal.h>

@@ -1,9 +1,7 @@
 /* test_int_record.c - sessions that are recorded, and repeated by another daemon.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     record sessions of every kind of request, over the death of daemons and of
- *           the program itself, and has `pccdctl replay` compare every answer.
- * Threads:  one; children are forked to be killed.
+ * Record sessions of every kind of request, over the death of daemons and of the program
+ * itself, and has `pccdctl replay` compare every answer.
  */
 #include <fcntl.h>
 #include <setjmp.h>

@@ -1,9 +1,7 @@
 /* test_int_record_filter.c - what objects may meet, in recordings.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     record sessions that change masks and pairs, from the beginning and from the
- *           middle, and have pccdctl repeat and verify them, with a daemon and without.
- * Threads:  one.
+ * Record sessions that change masks and pairs, from the beginning and from the middle,
+ * and have pccdctl repeat and verify them, with a daemon and without.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,10 +1,7 @@
 /* test_int_record_shared.c - recordings of sessions that share a scene with others.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     two clients move a scene in every way that there is, and one of them is
- *           recorded; pccdctl repeats and verifies what it was answered, with a daemon
- *           and without.
- * Threads:  one.
+ * Two clients move a scene in every way that there is, and one of them is recorded;
+ * pccdctl repeats and verifies what it was answered, with a daemon and without.
  */
 #include <setjmp.h>
 #include <signal.h>

@@ -1,9 +1,4 @@
-/* test_int_refused.c - clients beyond the quota, more than have places.
- *
- * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     connect, some of them silent, until the daemon needs room; what they hear.
- * Threads:  one; a child becomes another user.
- */
+/* test_int_refused.c - clients beyond the quota, more than have places. */
 #include <grp.h>
 #include <setjmp.h>
 #include <signal.h>

@@ -1,12 +1,7 @@
 /* test_int_replace.c - meshes that change their topology while they are in use.
  *
- * Room:     tests/integration. May include: proto, pccd.h, tests/support.
- * Does:     bodies break between steps, in time and out of it, with and without room for
- *           it; an honest client gets right answers all the while.
- * Does not: kill clients in the middle of it (test_int_death.c).
- * Threads:  one.
- *
- * More than 600 lines: all that a replacement may meet, on one fixture.
+ * Bodies break between steps, in time and out of it, with and without room for it; an
+ * honest client gets right answers all the while.
  */
 #include <math.h>
 #include <setjmp.h>

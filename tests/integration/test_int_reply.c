@@ -1,10 +1,7 @@
 /* test_int_reply.c - steps that are answered by the thread that has computed them.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     which steps those are, that whoever has an answer finds the step ended, that
- *           answers keep their order, and clients that are killed meanwhile.
- * Does not: lose connections (test_int_resume) or look at times (bench/redis).
- * Threads:  one; children are forked to be killed.
+ * Which steps those are, that whoever has an answer finds the step ended, that answers
+ * keep their order, and clients that are killed meanwhile.
  */
 #include <setjmp.h>
 #include <signal.h>

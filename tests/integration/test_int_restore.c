@@ -1,9 +1,7 @@
 /* test_int_restore.c - what another daemon is told, and daemons that end meanwhile.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     many meshes through few slots, a queue that is full, kills while a daemon is
- *           told, and a mesh over which every daemon ends.
- * Threads:  one; children are forked to kill.
+ * Many meshes through few slots, a queue that is full, kills while a daemon is told, and
+ * a mesh over which every daemon ends.
  */
 #include <setjmp.h>
 #include <signal.h>

@@ -1,9 +1,7 @@
 /* test_int_resume.c - sessions that outlive their connections, seen from the wire.
  *
- * Room:     tests/integration. May include: proto, tests/support.
- * Does:     lose connections for real and come back with the right secret, a wrong one,
- *           too late, or while the old connection still stands; say requests twice.
- * Threads:  one; a child is forked to be killed.
+ * Lose connections for real and come back with the right secret, a wrong one, too late,
+ * or while the old connection still stands; say requests twice.
  */
 #include <setjmp.h>
 #include <signal.h>

@@ -1,10 +1,8 @@
 /* test_int_rivals.c - clients that share a scene and do each other no good.
  *
- * Room:     tests/integration. May include: proto, pccd.h, tests/support.
- * Does:     what one may say to a shared scene at a moment when nobody would: leave and
- *           come back in one breath, fail where others step, hold while the daemon ends.
- *           Whoever else takes part gets what is due to him.
- * Threads:  one, and one that writes into shared memory.
+ * What one may say to a shared scene at a moment when nobody would: leave and come back
+ * in one breath, fail where others step, hold while the daemon ends. Whoever else takes
+ * part gets what is due to him.
  */
 #include <poll.h>
 #include <pthread.h>

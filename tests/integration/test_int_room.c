@@ -1,8 +1,5 @@
-/* test_int_room.c - what a session that waits for its client holds of its user's quotas.
- *
- * Room:     tests/integration. May include: proto, tests/support.
- * Does:     fill a quota, lose the connection, and ask for as much with another client.
- * Threads:  one.
+/* test_int_room.c - what a session that waits for its client holds of its user's
+ * quotas.
  */
 #include <setjmp.h>
 #include <stdarg.h>

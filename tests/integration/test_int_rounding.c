@@ -1,10 +1,10 @@
 /* test_int_rounding.c - direct: in a program that computes with floats in its own way.
  *
- * Room:     tests/integration. May include: pccd.h, proto/common, tests/support.
- * Does:     every direction of rounding, subnormal numbers flushed or taken for zeros,
- *           exceptions that trap; in the thread that calls, and in those that OpenMP has
- *           made of it: the same bytes, and everything is given back.
- * Threads:  a new one for each way to compute, as a team keeps what its first call had.
+ * Every direction of rounding, subnormal numbers flushed or taken for zeros, exceptions
+ * that trap; in the thread that calls, and in those that OpenMP has made of it: the same
+ * bytes, and everything is given back.
+ *
+ * Threads: a new one for each way to compute, as a team keeps what its first call had.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,10 +1,8 @@
 /* test_int_sandbox.c - what a serving daemon may still do.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     look at every thread of a daemon in the sandbox, and use all that a client
- *           can: rings, meshes, steps by a team, recordings, the orderly end. Have each
- *           thread try to remove and to read a file, as whoever takes one over would.
- * Threads:  one; a child for a system without Landlock.
+ * Look at every thread of a daemon in the sandbox, and use all that a client can: rings,
+ * meshes, steps by a team, recordings, the orderly end. Have each thread try to remove
+ * and to read a file, as whoever takes one over would.
  */
 #include <dirent.h>
 #include <errno.h>

@@ -1,9 +1,4 @@
-/* test_int_session.c - sessions with a real daemon: start, agree, share, end.
- *
- * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     hello, ping, stats, the lock, quotas, SIGTERM.
- * Threads:  one; children are forked for what needs several processes.
- */
+/* test_int_session.c - sessions with a real daemon: start, agree, share, end. */
 #include <errno.h>
 #include <setjmp.h>
 #include <signal.h>

@@ -1,11 +1,7 @@
 /* test_int_shared.c - scenes that clients share.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     several clients of a real daemon in one scene: who moves what and when, who
- *           hears of it, who may; clients that leave and a daemon that is killed.
- * Threads:  one.
- *
- * More than 600 lines: all that members of a scene may do, on one fixture.
+ * Several clients of a real daemon in one scene: who moves what and when, who hears of
+ * it, who may; clients that leave and a daemon that is killed.
  */
 #include <math.h>
 #include <poll.h>

@@ -1,10 +1,8 @@
 /* test_int_slot.c - nonsense in the memory that is shared with a real daemon.
  *
- * Room:     tests/integration. May include: proto, pccd.h, tests/support.
- * Does:     stale and torn slots, lying segment tables, bad positions and indices,
- *           scribbled headers and counters, holes, slots without memory. Each is answered
- *           with its named error, and an honest client gets right answers all the while.
- * Threads:  one, and a second one that keeps writing a slot.
+ * Stale and torn slots, lying segment tables, bad positions and indices, scribbled
+ * headers and counters, holes, slots without memory. Each is answered with its named
+ * error, and an honest client gets right answers all the while.
  */
 #include <errno.h>
 #include <fcntl.h>

@@ -1,9 +1,7 @@
 /* test_int_socketfile.c - a daemon whose socket's file is removed or replaced.
  *
- * Room:     tests/integration. May include: proto, tests/support.
- * Does:     remove the file, its lock, its folder, or put something else there, under a
- *           daemon alone, one with a supervisor and one that was given its socket.
- * Threads:  one.
+ * Remove the file, its lock, its folder, or put something else there, under a daemon
+ * alone, one with a supervisor and one that was given its socket.
  */
 #include <fcntl.h>
 #include <setjmp.h>

@@ -1,12 +1,9 @@
 /* test_int_standing.c - steps of which little moves, through everything that lies between
  * a client and the engine.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     move a part of a grid that rests on a floor, all of it, or nothing, by every
- *           kind of frame; kill the daemon and cut the connection between steps and in
- *           them; compare every answer with that of a scene which is made for that one
- *           step.
- * Threads:  one.
+ * Move a part of a grid that rests on a floor, all of it, or nothing, by every kind of
+ * frame; kill the daemon and cut the connection between steps and in them; compare every
+ * answer with that of a scene which is made for that one step.
  */
 #include <setjmp.h>
 #include <signal.h>

@@ -1,11 +1,4 @@
-/* test_int_step.c - steps through a real daemon: what goes in and what comes out.
- *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     meshes, every kind of segment, every mode. How steps flow is test_int_flow.c.
- * Threads:  one.
- *
- * More than 600 lines: a case each for all that a step may be asked, on one fixture.
- */
+/* test_int_step.c - steps through a real daemon: what goes in and what comes out. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

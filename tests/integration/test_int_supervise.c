@@ -1,8 +1,5 @@
-/* test_int_supervise.c - a daemon that is started again, and one that is given a socket.
- *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     kill workers for real, and their parent; hand over sockets as systemd does.
- * Threads:  one.
+/* test_int_supervise.c - a daemon that is started again, and one that is given a
+ * socket.
  */
 #include <errno.h>
 #include <fcntl.h>

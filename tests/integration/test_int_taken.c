@@ -1,12 +1,9 @@
 /* test_int_taken.c - shared memory is charged as it is taken, and given back when idle.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     many clients with default settings within the quota of one user; answers
- *           larger than what the result region has taken; what that and the slots
- *           give back when the client is idle, and take again; a quota that refuses more
- *           of either. What the daemon says is compared with what the kernel says.
- *           PCCD_CLIENTS is how many clients connect (100).
- * Threads:  one.
+ * Many clients with default settings within the quota of one user; answers larger than
+ * what the result region has taken; what that and the slots give back when the client is
+ * idle, and take again; a quota that refuses more of either. What the daemon says is
+ * compared with what the kernel says. PCCD_CLIENTS is how many clients connect (100).
  */
 #include <setjmp.h>
 #include <signal.h>

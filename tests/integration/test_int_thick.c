@@ -1,10 +1,8 @@
 /* test_int_thick.c - thickness through a real daemon: radii, separation, approach, and
  * the step that is safe.
  *
- * Room:     tests/integration. May include: pccd.h, proto, tests/support.
- * Does:     two triangles that come near each other, as every client can ask for them;
- *           what is refused; a daemon that is killed; shared scenes; recordings.
- * Threads:  one.
+ * Two triangles that come near each other, as every client can ask for them; what is
+ * refused; a daemon that is killed; shared scenes; recordings.
  */
 #include <math.h>
 #include <setjmp.h>

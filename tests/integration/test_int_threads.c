@@ -1,9 +1,7 @@
 /* test_int_threads.c - the daemon's threads, seen from outside.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     reads /proc of a real daemon: which thread may run where, that the team is
- *           there before the first step, and that nothing wakes up without a request.
- * Threads:  one.
+ * Reads /proc of a real daemon: which thread may run where, that the team is there before
+ * the first step, and that nothing wakes up without a request.
  */
 #include <dirent.h>
 #include <sched.h>

@@ -1,9 +1,7 @@
 /* test_int_verify.c - answers that are wrong, and whether pccdctl verify finds that.
  *
- * Room:     tests/integration. May include: pccd.h, client/record, tests/support.
- * Does:     record a session with its contacts, forge the recording in ways that leave it
- *           whole, and have each judged by exact arithmetic.
- * Threads:  one.
+ * Record a session with its contacts, forge the recording in ways that leave it whole,
+ * and have each judged by exact arithmetic.
  */
 #include <setjmp.h>
 #include <stdarg.h>

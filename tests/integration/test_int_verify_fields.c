@@ -1,15 +1,11 @@
 /* test_int_verify_fields.c - each number of each kind of answer, changed, and whether
  * pccdctl verify finds that.
  *
- * Room:     tests/integration. May include: pccd.h, client/record, tests/support.
- * Does:     record an answer of each mode, of thick objects, of a batch, of several
- *           pages, and of each question about what is near; change one field of one
- *           struct of the recording, with all checksums and all sums over records made
- *           right; have it judged. The tables below name every byte of these structs, so
- *           that a new field is either judged or said not to be.
- * Threads:  one.
- *
- * More than 600 lines: a table for each struct, and all that is changed by them.
+ * Record an answer of each mode, of thick objects, of a batch, of several pages, and of
+ * each question about what is near; change one field of one struct of the recording, with
+ * all checksums and all sums over records made right; have it judged. The tables below
+ * name every byte of these structs, so that a new field is either judged or said not to
+ * be.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,11 +1,8 @@
 /* test_int_verify_near.c - wrong answers about what is near, and whether pccdctl verify
  * and replay find that.
  *
- * Room:     tests/integration. May include: pccd.h, client/record, tests/support.
- * Does:     record questions of every sort, two of which move the scene and some of
- *           which are about thick objects; forge the recording in ways that leave it
- *           whole; have it judged.
- * Threads:  one.
+ * Record questions of every sort, two of which move the scene and some of which are about
+ * thick objects; forge the recording in ways that leave it whole; have it judged.
  */
 #include <math.h>
 #include <setjmp.h>

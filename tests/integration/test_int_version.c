@@ -1,10 +1,7 @@
 /* test_int_version.c - clients and daemons of different ages.
  *
- * Room:     tests/integration. May include: pccd.h, the protocol's headers,
- *           tests/support.
- * Does:     say hello to a daemon as clients of other releases would; let the library
- *           meet peers that speak other versions or lack features, which a script plays.
- * Threads:  one; the scripted daemons are children.
+ * Say hello to a daemon as clients of other releases would; let the library meet peers
+ * that speak other versions or lack features, which a script plays.
  */
 #include <setjmp.h>
 #include <signal.h>

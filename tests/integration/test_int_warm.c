@@ -1,9 +1,7 @@
 /* test_int_warm.c - what the client library asks of malloc in a warm frame: nothing.
  *
- * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     count the allocations of this process while frames of every kind are
- *           submitted, waited for and read, with a daemon and without.
- * Threads:  one.
+ * Count the allocations of this process while frames of every kind are submitted, waited
+ * for and read, with a daemon and without.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,4 @@
-/* test_int_watch.c - watching a real daemon work: its threads' records and its trace.
- *
- * Room:     tests/integration. May include: proto, pccd.h, tests/support.
- * Does:     what is recorded agrees with the answer, and nobody sees more than he may.
- * Threads:  one.
- */
+/* test_int_watch.c - watching a real daemon work: its threads' records and its trace. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

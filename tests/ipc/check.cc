@@ -1,15 +1,10 @@
 /* check.cc - what pccd_ipc.hpp promises, beside ipc-toolkit and exact arithmetic (TAP).
  *
- * Room:     tests/ipc. May include: pccd_ipc.hpp, ipc-toolkit, client/oracle, the readers
- *           of tests/support.
- * Does:     generate scenes of the sorts that ipc-toolkit's own tests have (surfaces that
- *           lie in each other, boxes on boxes, rods and loose points, static obstacles,
- *           planes), and compare: normal collisions as sets with those of its LBVH,
- *           candidates and steps with what exact arithmetic says of every pair. The
- *           recorded scenes likewise, where $PCCD_DATA says.
- * Threads:  one, and those of both libraries.
- *
- * More than 600 lines: scenes, truth and promises are read together.
+ * Generate scenes of the sorts that ipc-toolkit's own tests have (surfaces that lie in
+ * each other, boxes on boxes, rods and loose points, static obstacles, planes), and
+ * compare: normal collisions as sets with those of its LBVH, candidates and steps with
+ * what exact arithmetic says of every pair. The recorded scenes likewise, where
+ * $PCCD_DATA says.
  */
 #include <ipc/broad_phase/brute_force.hpp>
 #include <ipc/ccd/additive_ccd.hpp>

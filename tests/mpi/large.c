@@ -1,10 +1,8 @@
 /* large.c - a scene that no rank has all of: how much memory it takes.
  *
- * Room:     client/mpi, from outside.
- * Does:     let each rank make some rows of a rippling sheet and of another one that
- *           comes down on it; step; say what was the most that each rank had at a time,
- *           while it registered its part, in the first step and in later ones.
- * Threads:  one; libpccd-mpi has others.
+ * Let each rank make some rows of a rippling sheet and of another one that comes down on
+ * it; step; say what was the most that each rank had at a time, while it registered its
+ * part, in the first step and in later ones.
  *
  * Each way to end says why: a rank that ends the program, one that an exit of some
  * library ends, and memory beyond the limit.

@@ -1,12 +1,9 @@
 /* misuse.c - a program for mpirun: what happens when ranks do not do the same.
  *
- * Room:     client/mpi, from outside.
- * Does:     make one mistake on the last rank, by its name; see that every rank gets the
- *           same status and sentence, and that the world goes on as if nothing had
- *           happened; or, where a rank is missing, that the others end in time.
- * Usage:    mpirun -n RANKS misuse MISTAKE; 2 ranks at least. The exit status is 1 if
- *           anything else happened.
- * Threads:  one.
+ * Make one mistake on the last rank, by its name; see that every rank gets the same
+ * status and sentence, and that the world goes on as if nothing had happened; or, where a
+ * rank is missing, that the others end in time. Usage:    mpirun -n RANKS misuse MISTAKE;
+ * 2 ranks at least. The exit status is 1 if anything else happened.
  */
 #include <math.h>
 #include <stdio.h>

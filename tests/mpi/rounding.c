@@ -1,11 +1,9 @@
 /* rounding.c - a program for mpirun: ranks that compute with floats in their own way.
  *
- * Room:     client/mpi, from outside.
- * Does:     ask a world everything while ranks round in each direction, or take subnormal
- *           numbers for zeros; compare with what it says to ranks that do not, and see
- *           that each call gives the rank its own way back.
- * Usage:    mpirun -n RANKS rounding. The exit status is 1 if anything else happened.
- * Threads:  one, and those of the steps.
+ * Ask a world everything while ranks round in each direction, or take subnormal numbers
+ * for zeros; compare with what it says to ranks that do not, and see that each call gives
+ * the rank its own way back. Usage:    mpirun -n RANKS rounding. The exit status is 1 if
+ * anything else happened.
  */
 #include <fenv.h>
 #include <stdio.h>

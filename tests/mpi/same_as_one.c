@@ -1,15 +1,10 @@
 /* same_as_one.c - a program for mpirun: what the ranks answer together is what one
  * process answers.
  *
- * Room:     client/mpi, from outside.
- * Does:     perform random plays, whose meshes are dealt out to the ranks at random, by
- *           pccd_mpi.h; the first rank performs them by pccd.h alone, too, and compares
- *           every number and every byte.
- * Usage:    mpirun -n RANKS same_as_one PLAYS TRIANGLES [SEED]. The exit status is 1
- *           after a difference; the first rank prints the seed of the play.
- * Threads:  one.
- *
- * More than 600 lines: whatever a client can do is done twice and compared, in one place.
+ * Perform random plays, whose meshes are dealt out to the ranks at random, by pccd_mpi.h;
+ * the first rank performs them by pccd.h alone, too, and compares every number and every
+ * byte. Usage:    mpirun -n RANKS same_as_one PLAYS TRIANGLES [SEED]. The exit status is
+ * 1 after a difference; the first rank prints the seed of the play.
  */
 #include <inttypes.h>
 #include <math.h>

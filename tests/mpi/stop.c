@@ -1,16 +1,11 @@
 /* stop.c - a program for mpirun: steps and questions that end before they are done.
  *
- * Room:     client/mpi, from outside.
- * Does:     let one rank prove a contact while another has much to do; let a deadline
- *           pass; cancel from a second thread; see by the work that was counted that all
- *           ranks have stopped, and that later calls answer what one process answers. And
- *           let records be too many for mode first to know the earliest.
- * Usage:    mpirun -n RANKS stop yes|deadline|cancel, 2 ranks at least, or
- *           stop turns CALLS [SEED], or stop crowd. The exit status is 1 if anything else
- *           happened.
- * Threads:  the one that calls MPI, and now and then one that cancels.
- *
- * More than 600 lines: all of it is about the same scene, over ranks and in one process.
+ * Let one rank prove a contact while another has much to do; let a deadline pass; cancel
+ * from a second thread; see by the work that was counted that all ranks have stopped, and
+ * that later calls answer what one process answers. And let records be too many for mode
+ * first to know the earliest. Usage:    mpirun -n RANKS stop yes|deadline|cancel, 2 ranks
+ * at least, or stop turns CALLS [SEED], or stop crowd. The exit status is 1 if anything
+ * else happened.
  */
 #include <inttypes.h>
 #include <pthread.h>

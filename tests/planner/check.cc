@@ -1,13 +1,8 @@
 /* check.cc - are edges that the planner calls free really so? By dense samples and exact
  * tests (TAP).
  *
- * Room:     tests/planner. May include: arm.hpp, pccd.hpp.
- * Does:     read the planner's lines; place the arm at many states of each edge and ask
- *           which edges pass through or touch faces there. Knows nothing of pieces, nor
- *           of OMPL.
- * Threads:  one.
- *
- *     planner | check SAMPLES
+ * Read the planner's lines; place the arm at many states of each edge and ask which edges
+ * pass through or touch faces there. Knows nothing of pieces, nor of OMPL.
  */
 #include <cstdio>
 #include <cstdlib>

@@ -1,10 +1,4 @@
-/* turns.cc - turns so small that OMPL's SO3 has no states between their ends (TAP).
- *
- * Room:     tests/planner. May include: arm.hpp, pccd_motion.hpp, OMPL.
- * Does:     turn a bar of length 10 about z, in SO3 and in SE3, through a plate and away
- *           from it.
- * Threads:  one.
- */
+/* turns.cc - turns so small that OMPL's SO3 has no states between their ends (TAP). */
 #include <ompl/base/spaces/SE3StateSpace.h>
 
 #include <cmath>

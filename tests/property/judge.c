@@ -1,9 +1,4 @@
-/* judge.c - a scene of the engine, and what an independent observer knows about it.
- *
- * Room:     tests/property.
- * Does:     the laws of an answer, one function for each mode.
- * Threads:  one.
- */
+/* judge.c - a scene of the engine, and what an independent observer knows about it. */
 #include "judge.h"
 
 #include <math.h>

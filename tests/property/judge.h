@@ -1,11 +1,7 @@
 /* judge.h - compares the engine's answers on a scene with brute force in exact
  * arithmetic.
  *
- * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
- *           tests/unit, cmocka.
- * Does:     keep a copy of every object's positions beside the engine's. A difference
- *           fails the running test and says how to repeat it.
- * Threads:  one; the engine's steps by one to four.
+ * Threads: one; the engine's steps by one to four.
  */
 #ifndef JUDGE_H
 #define JUDGE_H

@@ -1,9 +1,4 @@
-/* near_judge.c - the laws of an answer about what is near.
- *
- * Room:     tests/property.
- * Does:     see near_judge.h.
- * Threads:  one.
- */
+/* near_judge.c - the laws of an answer about what is near. */
 #include "near_judge.h"
 
 #include <math.h>

@@ -1,10 +1,7 @@
 /* near_judge.h - compares the engine's answers about what is near with brute force in
  * exact arithmetic.
  *
- * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
- *           tests/unit.
- * Does:     the laws of an answer, complete or not, about the scene of a player.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef NEAR_JUDGE_H
 #define NEAR_JUDGE_H

@@ -1,9 +1,4 @@
-/* sequences.c - random sequences one after the other.
- *
- * Room:     tests/property.
- * Does:     see sequences.h.
- * Threads:  one.
- */
+/* sequences.c - random sequences one after the other. */
 #include "sequences.h"
 
 #include <stdbool.h>

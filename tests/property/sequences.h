@@ -1,9 +1,6 @@
 /* sequences.h - random sequences one after the other, so many or for so long.
  *
- * Room:     tests/property. May include: tests/support.
- * Does:     draw a seed for each; PCCD_SEED is the first one's, PCCD_PROPERTY_SECONDS
- *           says for how long.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef SEQUENCES_H
 #define SEQUENCES_H

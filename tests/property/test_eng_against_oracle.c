@@ -1,12 +1,9 @@
 /* test_eng_against_oracle.c - the engine's answers are the exact ones.
  *
- * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
- *           cmocka.
- * Does:     generated scenes of every kind, as one object, as several, and moved on over
- *           many steps, each compared with brute force in exact arithmetic.
- * Threads:  one; the engine's steps by one to four, by every method and instruction set.
- * Source:   PCCD_SEED repeats a run; PCCD_PROPERTY_SECONDS goes on with new seeds for
- *           as long.
+ * Generated scenes of every kind, as one object, as several, and moved on over many
+ * steps, each compared with brute force in exact arithmetic.
+ *
+ * Threads: one; the engine's steps by one to four, by every method and instruction set.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,14 +1,10 @@
 /* test_eng_near.c - what is near at one moment, against exact arithmetic on all pairs.
  *
- * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
- *           tests/unit, cmocka.
- * Does:     random scenes of a few objects whose features touch, cross, are parallel or
- *           equally far away; between steps each question is put at either end, by both
- *           methods, teams and instruction sets, some of it with a motion in the same
- *           request. Every record is computed once more from the definition. A second
- *           scene that is asked nothing has to take the same steps.
- * Threads:  teams of one to three.
- * Source:   PCCD_SEED repeats a sequence; PCCD_PROPERTY_SECONDS says for how long.
+ * Random scenes of a few objects whose features touch, cross, are parallel or equally far
+ * away; between steps each question is put at either end, by both methods, teams and
+ * instruction sets, some of it with a motion in the same request. Every record is
+ * computed once more from the definition. A second scene that is asked nothing has to
+ * take the same steps.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -2,17 +2,13 @@
  * other, and all other pairs of theirs that are near, against exact arithmetic that looks
  * at everything.
  *
- * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
- *           tests/unit, cmocka.
- * Does:     small objects at random, with coordinates of all bits, on a coarse grid
- *           (where almost everything is equally near, touches, or is met by a ray at an
- *           edge), far away or tiny, some with radii or left thin for their rest, not all
- *           of which may meet; moved, asked again for either end, by both methods, every
- *           instruction set and several threads. Every record must be the one that the
- *           oracle finds, with its numbers; with a gap, one of the same two objects. Two
- *           objects have a nearest pair exactly if there is any pair of theirs.
- * Threads:  teams of one to three.
- * Source:   PCCD_SEED repeats a scene; PCCD_PROPERTY_SECONDS says for how long.
+ * Small objects at random, with coordinates of all bits, on a coarse grid (where almost
+ * everything is equally near, touches, or is met by a ray at an edge), far away or tiny,
+ * some with radii or left thin for their rest, not all of which may meet; moved, asked
+ * again for either end, by both methods, every instruction set and several threads. Every
+ * record must be the one that the oracle finds, with its numbers; with a gap, one of the
+ * same two objects. Two objects have a nearest pair exactly if there is any pair of
+ * theirs.
  */
 #include <math.h>
 #include <setjmp.h>

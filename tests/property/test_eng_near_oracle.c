@@ -1,19 +1,13 @@
 /* test_eng_near_oracle.c - steps and what is near, at any moment of a scene's life.
  *
- * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
- *           tests/unit, cmocka.
- * Does:     long sequences of steps and questions: objects come, go, are replaced, stand,
- *           move and jump, have radii in some sequences and leave pairs thin; steps fail,
- *           end early, are given up, or are taken by the other method, with a separation
- *           and an approach where there are radii; some questions move the scene
- *           themselves, some are cut short; some steps are taken beside others, as those
- *           of a batch. Each answer against a scene made anew, which is asked by the
- *           other method, and of small scenes against exact arithmetic on all pairs. No
- *           step is answered otherwise because of a question, or changes thereafter.
- * More than 600 lines: one life of a scene, and all that is asked in it.
- * Threads:  teams of one to four.
- * Source:   PCCD_SEED repeats a sequence; PCCD_NEAR_SEQUENCES says how many, and
- *           PCCD_PROPERTY_SECONDS for how long.
+ * Long sequences of steps and questions: objects come, go, are replaced, stand, move and
+ * jump, have radii in some sequences and leave pairs thin; steps fail, end early, are
+ * given up, or are taken by the other method, with a separation and an approach where
+ * there are radii; some questions move the scene themselves, some are cut short; some
+ * steps are taken beside others, as those of a batch. Each answer against a scene made
+ * anew, which is asked by the other method, and of small scenes against exact arithmetic
+ * on all pairs. No step is answered otherwise because of a question, or changes
+ * thereafter. More than 600 lines: one life of a scene, and all that is asked in it.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,12 +1,9 @@
 /* test_eng_plays.c - objects that move, break, come and go are answered exactly.
  *
- * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
- *           tests/unit, cmocka.
- * Does:     the golden plays, and plays from random seeds under random settings of scene
- *           and step, each step compared with brute force in exact arithmetic.
- * Threads:  teams of one to eight, where a play is large enough for a team.
- * Source:   PCCD_SEED repeats a run; PCCD_PROPERTY_SECONDS goes on with new seeds for as
- *           long.
+ * The golden plays, and plays from random seeds under random settings of scene and step,
+ * each step compared with brute force in exact arithmetic.
+ *
+ * Threads: teams of one to eight, where a play is large enough for a team.
  */
 #include <setjmp.h>
 #include <stdarg.h>

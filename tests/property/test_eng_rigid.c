@@ -1,15 +1,11 @@
 /* test_eng_rigid.c - objects that move by poses are answered as any others.
  *
- * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
- *           tests/unit, cmocka.
- * Does:     sequences of steps of objects that are posed, stand, and are written to in
- *           other ways between: meshes that touch themselves, cut themselves, have parts
- *           within a hair of each other, or nothing of that; turns up to half a turn,
- *           scales, shears, places so far away that rounding brings features together.
- *           Each complete answer against that of a fresh scene, which is given positions
- *           and knows of no pose; those of small scenes against exact arithmetic, too.
- * Threads:  teams of one to three.
- * Source:   PCCD_SEED repeats a sequence; PCCD_PROPERTY_SECONDS says for how long.
+ * Sequences of steps of objects that are posed, stand, and are written to in other ways
+ * between: meshes that touch themselves, cut themselves, have parts within a hair of each
+ * other, or nothing of that; turns up to half a turn, scales, shears, places so far away
+ * that rounding brings features together. Each complete answer against that of a fresh
+ * scene, which is given positions and knows of no pose; those of small scenes against
+ * exact arithmetic, too.
  */
 #include <math.h>
 #include <setjmp.h>

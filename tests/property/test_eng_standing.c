@@ -1,16 +1,10 @@
 /* test_eng_standing.c - what stands still is answered as what moves.
  *
- * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
- *           tests/unit, cmocka.
- * Does:     long sequences of steps of scenes in which most things stand: objects move
- *           and stop, a few vertices of a large sheet, the same motion once more, bytes
- *           that are there already; objects come, go and are replaced between; steps
- *           fail, end early, are given up, or are taken in another way. Each complete
- *           answer against a fresh scene's, those of tiny scenes against brute force in
- *           exact arithmetic, too.
- * Threads:  teams of one to three.
- * Source:   PCCD_SEED repeats a sequence; PCCD_STANDING_SEQUENCES says how many, and
- *           PCCD_PROPERTY_SECONDS for how long.
+ * Long sequences of steps of scenes in which most things stand: objects move and stop, a
+ * few vertices of a large sheet, the same motion once more, bytes that are there already;
+ * objects come, go and are replaced between; steps fail, end early, are given up, or are
+ * taken in another way. Each complete answer against a fresh scene's, those of tiny
+ * scenes against brute force in exact arithmetic, too.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,14 +1,9 @@
-/* tests/property/test_eng_thick_plays.c - steps of thick objects against all pairs.
+/* test_eng_thick_plays.c - steps of thick objects against all pairs.
  *
- * Room:     engine (step.h, scene.h, near.h), client/oracle.
- * Does:     play small random scenes of two objects of triangles, edges and points, and
- *           compare what steps say in every
- *           mode, and what is near, with all pairs decided by the oracle: by both
- *           methods, one and two threads, every instruction set; while radii, rest,
- *           separation and approach change and much stands still, near the origin and far
- *           from it.
- * Threads:  one, and teams of two.
- * Source:   step_settings.h, step_result.h, near.h.
+ * Play small random scenes of two objects of triangles, edges and points, and compare
+ * what steps say in every mode, and what is near, with all pairs decided by the oracle:
+ * by both methods, one and two threads, every instruction set; while radii, rest,
+ * separation and approach change and much stands still, near the origin and far from it.
  */
 #include "eng_way.h"
 

@@ -1,9 +1,4 @@
-/* tests/property/thick_judge.c - all pairs of a small scene.
- *
- * Room:     tests/property; engine (step.h), client/oracle.
- * Does:     see thick_judge.h.
- * Threads:  one.
- */
+/* thick_judge.c - all pairs of a small scene. */
 #include "thick_judge.h"
 
 #include <gmp.h>

@@ -1,9 +1,6 @@
 /* bytes.h - writes MessagePack by hand, so that the tests do not trust the encoder.
  *
- * Room:     tests/proto. May include: the C library.
- * Does:     append headers and scalars, well-formed or not, to a buffer.
- * Does not: check anything; a buffer that would overflow ends the test program.
- * Threads:  one per buffer.
+ * Threads: one per buffer.
  */
 #ifndef TEST_PROTO_BYTES_H
 #define TEST_PROTO_BYTES_H

@@ -1,9 +1,6 @@
 /* fixture.h - decodes bytes that a peer could send, for the tests of the codec.
  *
- * Room:     tests/proto. May include: proto, cmocka.
- * Does:     keep one decoder for the program; decode envelope and body from an allocation
- *           of exactly the message's size.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef TEST_PROTO_FIXTURE_H
 #define TEST_PROTO_FIXTURE_H

@@ -1,10 +1,6 @@
 /* random.h - repeatable random numbers for the tests of this folder.
  *
- * Room:     tests/proto. May include: the C library.
- * Does:     splitmix64; the seed is PCCD_SEED or a fixed one, and is printed.
- * Does not: promise quality beyond "hits the corners of a range now and then".
- * Threads:  one per generator.
- * Source:   Steele, Lea, Flood: Fast splittable pseudorandom number generators.
+ * Threads: one per generator.
  */
 #ifndef TEST_PROTO_RANDOM_H
 #define TEST_PROTO_RANDOM_H

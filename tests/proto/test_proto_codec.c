@@ -1,10 +1,4 @@
-/* test_proto_codec.c - what is encoded is what is decoded.
- *
- * Room:     tests/proto. May include: proto, cmocka.
- * Does:     round trips of every message of the manifest, errors, names.
- * Does not: feed malformed messages (test_proto_malformed.c).
- * Threads:  one.
- */
+/* test_proto_codec.c - what is encoded is what is decoded. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>

@@ -1,10 +1,7 @@
 /* test_proto_damage.c - right messages, damaged.
  *
- * Room:     tests/proto. May include: proto, cmocka.
- * Does:     every message of the manifest truncated at every byte and with every byte set
- *           to every value; random bytes.
- * Does not: ask what a damaged message says, only that it is taken or refused in order.
- * Threads:  one.
+ * Every message of the manifest truncated at every byte and with every byte set to every
+ * value; random bytes.
  */
 #include "fixture.h"
 

@@ -1,10 +1,4 @@
-/* test_proto_malformed.c - messages that a peer in order would never send.
- *
- * Room:     tests/proto. May include: proto, cmocka.
- * Does:     every kind of malformation one by one, hostile headers among them.
- * Does not: use the encoder: every byte is written by hand (bytes.h).
- * Threads:  one.
- */
+/* test_proto_malformed.c - messages that a peer in order would never send. */
 #include <stdio.h>
 
 #include "fixture.h"

@@ -1,9 +1,4 @@
-/* test_proto_memfd.c - shared memory keeps its size and its writer.
- *
- * Room:     tests/proto. May include: proto, cmocka.
- * Does:     what either side could try against the other, on real memfds.
- * Threads:  one.
- */
+/* test_proto_memfd.c - shared memory keeps its size and its writer. */
 #include <errno.h>
 #include <fcntl.h>
 #include <grp.h>

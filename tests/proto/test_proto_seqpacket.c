@@ -1,9 +1,4 @@
-/* test_proto_seqpacket.c - datagrams and the descriptors that travel beside them.
- *
- * Room:     tests/proto. May include: proto, cmocka.
- * Does:     real socket pairs; every descriptor of the process is counted to see leaks.
- * Threads:  one.
- */
+/* test_proto_seqpacket.c - datagrams and the descriptors that travel beside them. */
 #include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>

@@ -1,9 +1,4 @@
-/* allocations.c - how often this process has asked for memory.
- *
- * Room:     tests/support.
- * Does:     see allocations.h.
- * Threads:  [any].
- */
+/* allocations.c - how often this process has asked for memory. */
 #include "allocations.h"
 
 #include <stdatomic.h>

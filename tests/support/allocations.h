@@ -1,11 +1,4 @@
-/* allocations.h - counts how often this process asks for memory.
- *
- * Room:     tests/support. May include: the C library.
- * Does:     replace malloc, calloc and realloc in a program that is linked with it,
- *           libraries included.
- * Does not: count where a sanitizer owns them.
- * Threads:  [any].
- */
+/* allocations.h - counts how often this process asks for memory. */
 #ifndef TEST_ALLOCATIONS_H
 #define TEST_ALLOCATIONS_H
 

@@ -1,9 +1,4 @@
-/* crossing.c - the smallest scene with a known answer, and a client that keeps asking.
- *
- * Room:     tests/support. May include: crossing.h, daemon.h.
- * Does:     see crossing.h.
- * Threads:  one test at a time.
- */
+/* crossing.c - the smallest scene with a known answer, and a client that keeps asking. */
 #include "crossing.h"
 
 #include <stdio.h>

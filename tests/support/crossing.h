@@ -1,10 +1,7 @@
 /* crossing.h - the smallest scene with a known answer, and a client that keeps asking for
  * it.
  *
- * Room:     tests/support. May include: pccd.h.
- * Does:     move a triangle back and forth through a large floor: in every turn its three
- *           vertices meet the floor's face at t = 0.5, and nothing else happens.
- * Threads:  one test at a time.
+ * Threads: one test at a time.
  */
 #ifndef TEST_CROSSING_H
 #define TEST_CROSSING_H

@@ -1,10 +1,8 @@
 /* daemon.c - a real pccdd for a test.
  *
- * Room:     tests/support. May include: daemon.h, the C library.
- * Does:     fork and exec, a pipe for "listening", a folder of its own under $TMPDIR. A
- *           daemon is a process group: its supervisor may be gone while a worker is
- *           stopped, which then has the end that it was told of before it.
- * Threads:  one test at a time.
+ * Fork and exec, a pipe for "listening", a folder of its own under $TMPDIR. A daemon is a
+ * process group: its supervisor may be gone while a worker is stopped, which then has the
+ * end that it was told of before it.
  */
 #include "daemon.h"
 

@@ -1,10 +1,9 @@
 /* daemon.h - starts and stops a real pccdd for a test.
  *
- * Room:     tests/support. May include: the C library.
- * Does:     start $PCCDD on a socket in a new folder and wait until it listens; stop it,
- *           kill it, read how it ended and what it logged. The daemon ends with the test,
- *           however that ends.
- * Threads:  one test at a time.
+ * Start $PCCDD on a socket in a new folder and wait until it listens; stop it, kill it,
+ * read how it ended and what it logged. The daemon ends with the test, however that ends.
+ *
+ * Threads: one test at a time.
  */
 #ifndef TEST_DAEMON_H
 #define TEST_DAEMON_H

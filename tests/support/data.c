@@ -1,9 +1,4 @@
-/* data.c - where the public scenes are, and their lists.
- *
- * Room:     tests/support.
- * Does:     parse just what these files hold: numbers, true, false and separators.
- * Threads:  [any].
- */
+/* data.c - where the public scenes are, and their lists. */
 #include "data.h"
 
 #include <glob.h>

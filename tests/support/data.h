@@ -1,10 +1,4 @@
-/* data.h - finds the public scenes that tests use, and reads their lists of pairs.
- *
- * Room:     tests/support. May include: the C library, GMP.
- * Does:     find a file of the data folder; read pair lists with their truth, and queries
- *           as exact rationals.
- * Threads:  [any].
- */
+/* data.h - finds the public scenes that tests use, and reads their lists of pairs. */
 #ifndef TESTS_DATA_H
 #define TESTS_DATA_H
 

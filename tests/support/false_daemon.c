@@ -1,9 +1,4 @@
-/* false_daemon.c - a daemon that is played from a script.
- *
- * Room:     tests/support. See false_daemon.h.
- * Does:     listen, fork, and speak the protocol in the child.
- * Threads:  one in each process.
- */
+/* false_daemon.c - a daemon that is played from a script. */
 #include "false_daemon.h"
 
 #include <setjmp.h>

@@ -1,9 +1,6 @@
 /* false_daemon.h - a fake daemon that answers from a script.
  *
- * Room:     tests/support. May include: pccd.h, proto.
- * Does:     start a child process that listens and answers as a function says; give tests
- *           what they need to connect to it.
- * Threads:  one in each process.
+ * Threads: one in each process.
  */
 #ifndef TEST_FALSE_DAEMON_H
 #define TEST_FALSE_DAEMON_H

@@ -1,9 +1,4 @@
-/* farm.c - many small scenes.
- *
- * Room:     tests/support. May include: pccd.h.
- * Does:     see farm.h.
- * Threads:  one test at a time.
- */
+/* farm.c - many small scenes. */
 #include "farm.h"
 
 #include <math.h>

@@ -1,10 +1,9 @@
 /* farm.h - many small scenes, as a batch has them.
  *
- * Room:     tests/support. May include: pccd.h.
- * Does:     put a wavy grid above a floor into each of many scenes, all of one pair of
- *           meshes, and move the grid through the floor and back, in each scene in
- *           another way.
- * Threads:  one test at a time.
+ * Put a wavy grid above a floor into each of many scenes, all of one pair of meshes, and
+ * move the grid through the floor and back, in each scene in another way.
+ *
+ * Threads: one test at a time.
  */
 #ifndef TEST_FARM_H
 #define TEST_FARM_H

@@ -1,9 +1,4 @@
-/* fixture.c - one daemon for all tests of a program, one client for each.
- *
- * Room:     tests/support.
- * Does:     see fixture.h.
- * Threads:  one test at a time.
- */
+/* fixture.c - one daemon for all tests of a program, one client for each. */
 #include "fixture.h"
 
 #include <stdlib.h>

@@ -1,9 +1,6 @@
 /* fixture.h - starts one daemon for all tests of a program, and one client for each test.
  *
- * Room:     tests/support. May include: crossing.h, daemon.h.
- * Does:     define the set-up and tear-down functions of cmocka that several programs
- *           need.
- * Threads:  one test at a time.
+ * Threads: one test at a time.
  */
 #ifndef TEST_FIXTURE_H
 #define TEST_FIXTURE_H

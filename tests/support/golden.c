@@ -1,14 +1,4 @@
-/* golden.c - plays whose answers are written down.
- *
- * Room:     tests/support.
- * Does:     hold the literals.
- * Threads:  [any].
- * Source:   tests/determinism/test_eng_golden.c prints the lines of a play that differs;
- *           tests/property/test_eng_plays.c puts every contact of these steps to exact
- *           arithmetic, and fails if one is missing or too many. A line changes only if
- *           the records do: their layout, how a time is bracketed, which parameters and
- *           normal are given.
- */
+/* golden.c - plays whose answers are written down. */
 #include "golden.h"
 
 const struct golden golden_plays[GOLDEN_PLAYS] = {

@@ -1,11 +1,4 @@
-/* golden.h - fixed scenes whose answers are written down as hashes (golden hashes).
- *
- * Room:     tests/support. May include: play.h.
- * Does:     name the plays, and the count and hash of every step's records.
- * Does not: know the engine.
- * Threads:  [any].
- * Source:   golden.c says how they were made.
- */
+/* golden.h - fixed scenes whose answers are written down as hashes (golden hashes). */
 #ifndef TESTS_GOLDEN_H
 #define TESTS_GOLDEN_H
 

@@ -1,9 +1,4 @@
-/* grid.c - a scene of any size with a known answer.
- *
- * Room:     tests/support. May include: grid.h, crossing.h.
- * Does:     see grid.h.
- * Threads:  one test at a time.
- */
+/* grid.c - a scene of any size with a known answer. */
 #include "grid.h"
 
 #include <math.h>

@@ -1,10 +1,10 @@
 /* grid.h - a scene of any size with a known answer.
  *
- * Room:     tests/support. May include: pccd.h.
- * Does:     move a wavy square grid of side x side vertices back and forth through a
- *           large floor: in every turn each of its vertices meets the floor's face once,
- *           and nothing else happens.
- * Threads:  one test at a time.
+ * Move a wavy square grid of side x side vertices back and forth through a large floor:
+ * in every turn each of its vertices meets the floor's face once, and nothing else
+ * happens.
+ *
+ * Threads: one test at a time.
  */
 #ifndef TEST_GRID_H
 #define TEST_GRID_H

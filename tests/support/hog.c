@@ -1,9 +1,4 @@
-/* hog.c - requests that compute for seconds.
- *
- * Room:     tests/support. See hog.h.
- * Does:     make the triangles, and send them through a slot.
- * Threads:  one.
- */
+/* hog.c - requests that compute for seconds. */
 #include "hog.h"
 
 #include <math.h>

@@ -1,10 +1,7 @@
 /* hog.h - a client whose request computes for seconds, to test that others are still
  * served.
  *
- * Room:     tests/support. May include: raw.h.
- * Does:     prepare the request in a session of its own, so that only the long request is
- *           left to be sent.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef TEST_HOG_H
 #define TEST_HOG_H

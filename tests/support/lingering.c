@@ -1,9 +1,4 @@
-/* lingering.c - a socket that does not close.
- *
- * Room:     tests/support.
- * Does:     see lingering.h.
- * Threads:  any.
- */
+/* lingering.c - a socket that does not close. */
 #include "lingering.h"
 
 #include <netinet/in.h>

@@ -1,9 +1,6 @@
 /* lingering.h - a socket that blocks the thread that closes it.
  *
- * Room:     tests/support. May include: cmocka.
- * Does:     make a socket on which close(2) of the last descriptor blocks.
- * Threads:  any.
- * Source:   socket(7), SO_LINGER.
+ * Threads: any.
  */
 #ifndef TEST_LINGERING_H
 #define TEST_LINGERING_H

@@ -1,9 +1,4 @@
-/* play.c - fixed sequences of what a client does.
- *
- * Room:     tests/support.
- * Does:     say who acts in a play, and what they do.
- * Threads:  [any].
- */
+/* play.c - fixed sequences of what a client does. */
 #include "play.h"
 
 #include <stdlib.h>

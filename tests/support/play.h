@@ -1,11 +1,4 @@
-/* play.h - fixed sequences of what a client does: objects come, go, move and break.
- *
- * Room:     tests/support. May include: prng.h.
- * Does:     give the same numbers on every machine: every coordinate is a multiple of
- *           2^-10 made of integers, so no rounding, libm or compiler takes part.
- * Does not: know the engine; its kit performs a play (tests/unit/eng_player.h).
- * Threads:  [any].
- */
+/* play.h - fixed sequences of what a client does: objects come, go, move and break. */
 #ifndef TESTS_PLAY_H
 #define TESTS_PLAY_H
 

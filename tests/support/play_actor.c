@@ -1,9 +1,4 @@
-/* play_actor.c - who acts in a play.
- *
- * Room:     tests/support.
- * Does:     what play_actor.h says, in integers times PLAY_UNIT.
- * Threads:  one for one play.
- */
+/* play_actor.c - who acts in a play. */
 #include "play_actor.h"
 
 #include <stdlib.h>

@@ -1,9 +1,6 @@
 /* play_actor.h - the objects of a play: meshes of integers, and what may happen to them.
  *
- * Room:     tests/support. May include: play.h.
- * Does:     make sheets, soups and patches; move, crack, crumble and turn them; write
- *           acts down.
- * Threads:  one for one play.
+ * Threads: one for one play.
  */
 #ifndef TESTS_PLAY_ACTOR_H
 #define TESTS_PLAY_ACTOR_H

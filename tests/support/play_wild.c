@@ -1,9 +1,4 @@
-/* play_wild.c - a play in which anything may happen.
- *
- * Room:     tests/support.
- * Does:     draw every act from the seed: who comes, goes, breaks, moves and how.
- * Threads:  one for one play.
- */
+/* play_wild.c - a play in which anything may happen. */
 #include <string.h>
 
 #include "play_actor.h"

@@ -1,10 +1,4 @@
-/* ply.c - the binary PLY frames of the public scenes.
- *
- * Room:     tests/support.
- * Does:     a header line by line, then fixed-size vertices and "uchar int int int"
- *           faces.
- * Threads:  [any].
- */
+/* ply.c - the binary PLY frames of the public scenes. */
 #include "ply.h"
 
 #include <stdio.h>

@@ -1,12 +1,4 @@
-/* ply.h - reads the binary PLY files of the public scenes.
- *
- * Room:     tests/support. May include: the C library.
- * Does:     read vertices (float or double, other properties passed over) and triangles
- *           of little- and big-endian files.
- * Does not: read ascii files or polygons; it is separate from the product's own reader,
- *           so that a mistake in that one cannot hide.
- * Threads:  [any].
- */
+/* ply.h - reads the binary PLY files of the public scenes. */
 #ifndef TESTS_PLY_H
 #define TESTS_PLY_H
 

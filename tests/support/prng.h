@@ -1,9 +1,6 @@
 /* prng.h - repeatable random numbers for generators and property tests.
  *
- * Room:     tests/support. May include: the C library.
- * Does:     splitmix64; a failure is repeated with the printed seed in PCCD_SEED.
- * Threads:  one for one generator.
- * Source:   Steele, Lea, Flood: Fast splittable pseudorandom number generators.
+ * Threads: one for one generator.
  */
 #ifndef TESTS_PRNG_H
 #define TESTS_PRNG_H

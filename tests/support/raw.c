@@ -1,9 +1,4 @@
-/* raw.c - a peer that speaks the protocol without the library, well or badly.
- *
- * Room:     tests/support. May include: raw.h, proto, the C library.
- * Does:     sendmsg and poll by hand, so that nothing in it refuses to send nonsense.
- * Threads:  one test at a time.
- */
+/* raw.c - a peer that speaks the protocol without the library, well or badly. */
 #include "raw.h"
 
 #include <dlfcn.h>

@@ -1,9 +1,6 @@
 /* raw.h - a client that speaks the protocol without the library, correctly or not.
  *
- * Room:     tests/support. May include: proto.
- * Does:     open a blocking socket with a time limit; send any bytes and descriptors;
- *           decode what comes back; attach a ring and write its slots by hand.
- * Threads:  one test at a time.
+ * Threads: one test at a time.
  */
 #ifndef TEST_RAW_H
 #define TEST_RAW_H

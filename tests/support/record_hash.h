@@ -1,11 +1,4 @@
-/* record_hash.h - computes the hash of an answer from its records, by the definition.
- *
- * Room:     tests/support. May include: xxhash.
- * Does:     compute both versions (proto/PROTOCOL.md, "The hash of an answer"), record by
- *           record. The golden hashes have version 1.
- * Does not: know the engine or the library, which it checks.
- * Threads:  [any].
- */
+/* record_hash.h - computes the hash of an answer from its records, by the definition. */
 #ifndef TESTS_RECORD_HASH_H
 #define TESTS_RECORD_HASH_H
 

@@ -1,9 +1,4 @@
-/* recording.c - where a test's recordings are, and whether they repeat.
- *
- * Room:     tests/support.
- * Does:     see recording.h.
- * Threads:  one test at a time.
- */
+/* recording.c - where a test's recordings are, and whether they repeat. */
 #include "recording.h"
 
 #include <setjmp.h>

@@ -1,8 +1,6 @@
 /* recording.h - gives each test a folder for its recordings, and checks that they repeat.
  *
- * Room:     tests/support. May include: the C library, cmocka.
- * Does:     make a folder for each program, and ask pccdctl whether a recording repeats.
- * Threads:  one test at a time.
+ * Threads: one test at a time.
  */
 #ifndef TEST_RECORDING_H
 #define TEST_RECORDING_H

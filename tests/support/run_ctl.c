@@ -1,9 +1,4 @@
-/* run_ctl.c - pccdctl, run by a test.
- *
- * Room:     tests/support.
- * Does:     see run_ctl.h.
- * Threads:  one test at a time.
- */
+/* run_ctl.c - pccdctl, run by a test. */
 #include "run_ctl.h"
 
 #include <stdio.h>

@@ -1,9 +1,6 @@
 /* run_ctl.h - runs pccdctl in a test.
  *
- * Room:     tests/support. May include: the C library.
- * Does:     run $PCCDCTL on a recording, with an environment that says nothing of
- *           daemons.
- * Threads:  one test at a time.
+ * Threads: one test at a time.
  */
 #ifndef TEST_RUN_CTL_H
 #define TEST_RUN_CTL_H

@@ -1,9 +1,4 @@
-/* scenes.c - generated meshes with motion, small enough for brute force.
- *
- * Room:     tests/support.
- * Does:     place x0 and x1 by kind; round to the lattice or to float at the end.
- * Threads:  [any].
- */
+/* scenes.c - generated meshes with motion, small enough for brute force. */
 #include "scenes.h"
 
 #include <math.h>

@@ -1,10 +1,4 @@
-/* scenes.h - generated meshes with motion, small enough for brute force.
- *
- * Room:     tests/support. May include: prng.h.
- * Does:     give the same bytes for the same kind, size, format and seed, with one libm.
- * Does not: know the engine.
- * Threads:  [any].
- */
+/* scenes.h - generated meshes with motion, small enough for brute force. */
 #ifndef TESTS_SCENES_H
 #define TESTS_SCENES_H
 

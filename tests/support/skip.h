@@ -1,9 +1,6 @@
 /* skip.h - skip a case of cmocka, and say why.
  *
- * Room:     tests/support. May include: nothing of ours.
- * Does:     what cmocka's skip() does; tests/support/cmocka.sh puts the reason into the
- *           TAP, and ./bootstrap check into its last lines.
- * Threads:  the one that runs the cases.
+ * Threads: the one that runs the cases.
  */
 #ifndef TEST_SKIP_H
 #define TEST_SKIP_H

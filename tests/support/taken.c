@@ -1,8 +1,5 @@
-/* taken.c - how much memory the kernel has taken for what a test shares with its daemon.
- *
- * Room:     tests/support. May include: taken.h, daemon.h, the C library.
- * Does:     look through this process's descriptors for the memories of shm.h.
- * Threads:  [any].
+/* taken.c - how much memory the kernel has taken for what a test shares with its
+ * daemon.
  */
 #include "taken.h"
 

@@ -1,9 +1,5 @@
-/* taken.h - measures how much memory the kernel has allocated for what a test shares with
- * its daemon.
- *
- * Room:     tests/support. May include: the C library.
- * Does:     ask the kernel and not the daemon, so that nobody is woken by it.
- * Threads:  [any].
+/* taken.h - measures how much memory the kernel has allocated for what a test shares
+ * with its daemon.
  */
 #ifndef TEST_TAKEN_H
 #define TEST_TAKEN_H

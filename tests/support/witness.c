@@ -1,9 +1,4 @@
-/* witness.c - an honest client that watches while another one misbehaves.
- *
- * Room:     tests/support. May include: witness.h, cmocka.
- * Does:     see witness.h.
- * Threads:  one.
- */
+/* witness.c - an honest client that watches while another one misbehaves. */
 #include <dirent.h>
 #include <setjmp.h>
 #include <stdarg.h>

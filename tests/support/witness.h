@@ -1,9 +1,6 @@
 /* witness.h - an honest client that must be served while another one misbehaves.
  *
- * Room:     tests/support. May include: crossing.h, daemon.h.
- * Does:     keep one daemon and one honest client for a whole test program; after every
- *           misdeed the client takes a turn, which must be right and prompt.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef TEST_WITNESS_H
 #define TEST_WITNESS_H

@@ -1,19 +1,12 @@
 /* test_eng_thick_truth.c - public scenes and queries with a thickness, against exact
  * arithmetic.
  *
- * Room:     tests/truth. May include: daemon/engine, oracle, tests/support,
- *           tests/unit, tests/fuzz, cmocka.
- * Does:     take each hand-made query, and each public scene from its one frame to the
- *           other, with distances r that are tiny, small and large beside it. Nobody has
- *           published what is true then; so the oracle judges. All pairs that no axis
- *           keeps apart are walked through, by sorted boxes and without the engine:
- *           whatever the engine answers must be among them. Of those that it answers,
- *           and of those that it does not, a share is judged, or all; and some that are
- *           drawn from anywhere.
- * Threads:  up to four.
- * Source:   the README of the data folder; PCCD_SEED draws other shares;
- *           PCCD_THICK_TRUTH=N judges one pair of N, with each r and approach, in three
- *           ways; with 1 it takes hours.
+ * Take each hand-made query, and each public scene from its one frame to the other, with
+ * distances r that are tiny, small and large beside it. Nobody has published what is true
+ * then; so the oracle judges. All pairs that no axis keeps apart are walked through, by
+ * sorted boxes and without the engine: whatever the engine answers must be among them. Of
+ * those that it answers, and of those that it does not, a share is judged, or all; and
+ * some that are drawn from anywhere.
  */
 #include "skip.h"
 #include "truth_engine.h"

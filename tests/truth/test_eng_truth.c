@@ -1,12 +1,7 @@
 /* test_eng_truth.c - the engine finds every contact of the published truth.
  *
- * Room:     tests/truth. May include: daemon/engine, oracle, tests/support,
- *           tests/unit, cmocka.
- * Does:     one step of each public scene, against the pairs that are known to collide,
- *           and by every method and instruction set; each hand-made query as a scene of
- *           two triangles.
- * Threads:  up to four.
- * Source:   the README of the data folder.
+ * One step of each public scene, against the pairs that are known to collide, and by
+ * every method and instruction set; each hand-made query as a scene of two triangles.
  */
 #include <setjmp.h>
 #include <stdarg.h>

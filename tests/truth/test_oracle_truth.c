@@ -1,11 +1,7 @@
 /* test_oracle_truth.c - the exact oracle agrees with the published truth.
  *
- * Room:     tests/truth. May include: oracle, tests/support, cmocka.
- * Does:     hand-made queries, and the queries and pair lists of the public scenes, whose
- *           truth was computed symbolically by others.
- * Does not: need the engine.
- * Threads:  one.
- * Source:   the README of the data folder.
+ * Hand-made queries, and the queries and pair lists of the public scenes, whose truth was
+ * computed symbolically by others.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,9 +1,4 @@
-/* thick_trial.c - judges an answer about a public scene with a thickness.
- *
- * Room:     tests/truth.
- * Does:     see thick_trial.h.
- * Threads:  one.
- */
+/* thick_trial.c - judges an answer about a public scene with a thickness. */
 #include "thick_trial.h"
 
 #include <math.h>

@@ -1,12 +1,12 @@
 /* thick_trial.h - judges an answer about a public scene with a thickness by exact
  * arithmetic.
  *
- * Room:     tests/truth. May include: daemon/engine, oracle, tests/fuzz, cmocka.
- * Does:     walk through all pairs of an object's features that no axis keeps apart, by
- *           sorted boxes and without the engine: whatever was answered must be among
- *           them. Of those that were, and of those that were not, a share is judged by
- *           the oracle, and some pairs from anywhere.
- * Threads:  one.
+ * Walk through all pairs of an object's features that no axis keeps apart, by sorted
+ * boxes and without the engine: whatever was answered must be among them. Of those that
+ * were, and of those that were not, a share is judged by the oracle, and some pairs from
+ * anywhere.
+ *
+ * Threads: one.
  */
 #ifndef THICK_TRIAL_H
 #define THICK_TRIAL_H

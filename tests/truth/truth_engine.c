@@ -1,9 +1,4 @@
-/* truth_engine.c - steps of the engine on public scenes and queries.
- *
- * Room:     tests/truth.
- * Does:     see truth_engine.h.
- * Threads:  one; teams of up to four.
- */
+/* truth_engine.c - steps of the engine on public scenes and queries. */
 #include "truth_engine.h"
 
 #include <string.h>

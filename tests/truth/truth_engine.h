@@ -1,10 +1,6 @@
 /* truth_engine.h - steps of the engine on public scenes and queries.
  *
- * Room:     tests/truth. May include: daemon/engine, truth_kit.h, tests/unit.
- * Does:     take one step of one object, in any of the ways that must not matter; make a
- *           scene of a hand-made query.
- * Does not: know answers.
- * Threads:  one; teams of up to four.
+ * Threads: one; teams of up to four.
  */
 #ifndef TRUTH_ENGINE_H
 #define TRUTH_ENGINE_H

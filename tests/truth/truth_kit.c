@@ -1,9 +1,4 @@
-/* truth_kit.c - the public scenes, as tests take them.
- *
- * Room:     tests/truth.
- * Does:     see truth_kit.h.
- * Threads:  one.
- */
+/* truth_kit.c - the public scenes, as tests take them. */
 #include "truth_kit.h"
 #include "skip.h"
 

@@ -1,9 +1,6 @@
 /* truth_kit.h - the public scenes, as tests take them.
  *
- * Room:     tests/truth. May include: oracle_scene.h, tests/support, cmocka.
- * Does:     skip a test whose files are not there; read both frames of a scene.
- * Threads:  one.
- * Source:   the README of the data folder.
+ * Threads: one.
  */
 #ifndef TRUTH_KIT_H
 #define TRUTH_KIT_H

@@ -1,11 +1,6 @@
-/* tests/unit/ctl_kit.c - files of one mesh, for the tests of the mesh readers.
+/* ctl_kit.c - files of one mesh, for the tests of the mesh readers.
  *
- * Room:     client/ctl (meshfile.h).
- * Does:     make PLY files of a pyramid in every encoding; write files into a folder of
- *           the test's own.
- * Does not: read them.
- * Threads:  one.
- * Source:   "The PLY Polygon File Format" (Turk 1994).
+ * Source: "The PLY Polygon File Format" (Turk 1994).
  */
 #include "ctl_kit.h"
 

@@ -1,11 +1,7 @@
-/* tests/unit/ctl_kit.h - writes mesh files, for the tests of the mesh readers.
+/* ctl_kit.h - writes mesh files, for the tests of the mesh readers.
  *
- * Room:     client/ctl (meshfile.h).
- * Does:     make PLY files of a pyramid in every encoding; write files into a folder of
- *           the test's own.
- * Does not: read them.
- * Threads:  one.
- * Source:   "The PLY Polygon File Format" (Turk 1994).
+ * Threads: one.
+ * Source: "The PLY Polygon File Format" (Turk 1994).
  */
 #ifndef TEST_CTL_KIT_H
 #define TEST_CTL_KIT_H

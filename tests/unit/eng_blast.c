@@ -1,10 +1,4 @@
-/* tests/unit/eng_blast.c - a sheet that flies to pieces, again and again.
- *
- * Room:     engine (private headers).
- * Does:     make and step the scene.
- * Threads:  as many as the step asks for.
- * Source:   eng_blast.h.
- */
+/* eng_blast.c - a sheet that flies to pieces, again and again. */
 #include "eng_blast.h"
 
 #include <string.h>

@@ -1,12 +1,11 @@
-/* tests/unit/eng_blast.h - a scene that flies to pieces, so that a tree built at its
- * start becomes useless.
+/* eng_blast.h - a scene that flies to pieces, so that a tree built at its start becomes
+ * useless.
  *
- * Room:     engine (private headers).
- * Does:     hold a scene of single triangles, put together like a sheet at time 0, each
- *           with a velocity of its own; run steps between any two times. Neighbours end
- *           far from each other.
- * Threads:  as many as the step asks for.
- * Source:   daemon/engine/step.h.
+ * Hold a scene of single triangles, put together like a sheet at time 0, each with a
+ * velocity of its own; run steps between any two times. Neighbours end far from each
+ * other.
+ *
+ * Threads: as many as the step asks for.
  */
 #ifndef TEST_ENG_BLAST_H
 #define TEST_ENG_BLAST_H

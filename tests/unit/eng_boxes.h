@@ -1,9 +1,6 @@
-/* tests/unit/eng_boxes.h - makes blocks of boxes, some of which overlap, for the tests of
- * joins.
+/* eng_boxes.h - makes blocks of boxes, some of which overlap, for the tests of joins.
  *
- * Room:     engine (kernel.h).
- * Does:     make boxes with small whole bounds, and hold the pairs that a join finds.
- * Threads:  one. Inline only.
+ * Threads: one. Inline only.
  */
 #ifndef TEST_ENG_BOXES_H
 #define TEST_ENG_BOXES_H

@@ -1,11 +1,4 @@
-/* tests/unit/eng_case.c - elementary tests with known answers, from many sides.
- *
- * Room:     engine (private headers).
- * Does:     transformations that change no answer, and checks that hold for any answer.
- * Does not: know answers.
- * Threads:  one.
- * Source:   query.h, step.h.
- */
+/* eng_case.c - elementary tests with known answers, from many sides. */
 #include "eng_case.h"
 
 #include <math.h>

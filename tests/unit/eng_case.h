@@ -1,12 +1,7 @@
-/* tests/unit/eng_case.h - checks an elementary test with a known answer in every order,
- * direction and scale.
+/* eng_case.h - checks an elementary test with a known answer in every order, direction
+ * and scale.
  *
- * Room:     engine (private headers).
- * Does:     ask the solver about one case in every order of its points, along every axis,
- *           at several scales, and backwards in time.
- * Does not: know answers: the caller does.
- * Threads:  one.
- * Source:   query.h for the order of a query's points.
+ * Threads: one.
  */
 #ifndef TEST_ENG_CASE_H
 #define TEST_ENG_CASE_H

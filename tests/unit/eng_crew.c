@@ -1,10 +1,4 @@
-/* tests/unit/eng_crew.c - a scene for more than one thread, and the teams to try on it.
- *
- * Room:     engine (private headers).
- * Does:     make and step the scene.
- * Threads:  up to sixteen, whatever the machine has.
- * Source:   daemon/engine/step.h.
- */
+/* eng_crew.c - a scene for more than one thread, and the teams to try on it. */
 #include "eng_crew.h"
 
 #include <stdlib.h>

@@ -1,11 +1,6 @@
-/* tests/unit/eng_crew.h - a scene for several threads, and the team settings to try on
- * it.
+/* eng_crew.h - a scene for several threads, and the team settings to try on it.
  *
- * Room:     engine (private headers).
- * Does:     stage the same step of a sheet and a soup of triangles again and again; name
- *           every way in which threads may share it.
- * Threads:  up to sixteen, whatever the machine has.
- * Source:   daemon/engine/step.h.
+ * Threads: up to sixteen, whatever the machine has.
  */
 #ifndef TEST_ENG_CREW_H
 #define TEST_ENG_CREW_H

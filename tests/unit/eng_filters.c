@@ -1,9 +1,4 @@
-/* tests/unit/eng_filters.c - which objects may meet, kept beside a scene.
- *
- * Room:     engine (scene.h).
- * Does:     see eng_filters.h.
- * Threads:  one.
- */
+/* eng_filters.c - which objects may meet, kept beside a scene. */
 #include "eng_filters.h"
 
 #include <setjmp.h>

@@ -1,11 +1,7 @@
-/* tests/unit/eng_filters.h - remembers which objects of a scene may meet, to check the
- * engine's masks.
+/* eng_filters.h - remembers which objects of a scene may meet, to check the engine's
+ * masks.
  *
- * Room:     engine (scene.h), tests/support/prng.h.
- * Does:     change groups, masks, self-collision and ignored pairs of a scene at random,
- *           remember them by object id, and say by code of its own who may meet.
- * Threads:  one.
- * Source:   scene.h says the rule.
+ * Threads: one.
  */
 #ifndef TEST_ENG_FILTERS_H
 #define TEST_ENG_FILTERS_H

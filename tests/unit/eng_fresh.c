@@ -1,9 +1,4 @@
-/* tests/unit/eng_fresh.c - the answer of a scene that has been through nothing.
- *
- * Room:     engine (step.h).
- * Does:     see eng_fresh.h.
- * Threads:  one.
- */
+/* eng_fresh.c - the answer of a scene that has been through nothing. */
 #include "eng_fresh.h"
 
 #include <setjmp.h>

@@ -1,11 +1,10 @@
-/* tests/unit/eng_fresh.h - what a scene made anew answers, to compare with.
+/* eng_fresh.h - what a scene made anew answers, to compare with.
  *
- * Room:     engine (step.h), tests/support.
- * Does:     have the step that a player has staged, or has taken last, answered by a
- *           scene of the same objects at the same positions that has been through
- *           nothing, by one thread; say what differs.
- * Does not: decide collisions.
- * Threads:  one.
+ * Have the step that a player has staged, or has taken last, answered by a scene of the
+ * same objects at the same positions that has been through nothing, by one thread; say
+ * what differs.
+ *
+ * Threads: one.
  */
 #ifndef TEST_ENG_FRESH_H
 #define TEST_ENG_FRESH_H

@@ -1,11 +1,4 @@
-/* tests/unit/eng_kit.c - what the engine's unit tests share.
- *
- * Room:     engine (private headers).
- * Does:     make meshes and queries.
- * Does not: decide collisions.
- * Threads:  one per generator.
- * Source:   query.h for the order of a query's points.
- */
+/* eng_kit.c - what the engine's unit tests share. */
 #include "eng_kit.h"
 
 #include <math.h>

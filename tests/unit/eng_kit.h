@@ -1,12 +1,6 @@
-/* tests/unit/eng_kit.h - small meshes, queries and random numbers for the engine's unit
- * tests.
+/* eng_kit.h - small meshes, queries and random numbers for the engine's unit tests.
  *
- * Room:     engine (private headers).
- * Does:     give repeatable random numbers, small meshes, and queries with a contact
- *           known by construction.
- * Does not: decide collisions: nothing here is an oracle.
- * Threads:  one per generator.
- * Source:   Steele, Lea, Flood: Fast splittable pseudorandom number generators.
+ * Threads: one per generator.
  */
 #ifndef TEST_ENG_KIT_H
 #define TEST_ENG_KIT_H

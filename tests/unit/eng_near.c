@@ -1,9 +1,4 @@
-/* tests/unit/eng_near.c - answers about what is near, beside each other.
- *
- * Room:     engine (near.h).
- * Does:     see eng_near.h.
- * Threads:  one.
- */
+/* eng_near.c - answers about what is near, beside each other. */
 #include "eng_near.h"
 
 #include <setjmp.h>

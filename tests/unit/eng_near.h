@@ -1,11 +1,6 @@
-/* tests/unit/eng_near.h - what a scene answers about what is near, kept and compared.
+/* eng_near.h - what a scene answers about what is near, kept and compared.
  *
- * Room:     engine (near.h, step.h), tests/unit, tests/support.
- * Does:     copy an answer; say what differs from another one; have the same asked of a
- *           scene made anew.
- * Does not: know answers.
- * Threads:  one.
- * Source:   daemon/engine/near.h.
+ * Threads: one.
  */
 #ifndef TEST_ENG_NEAR_H
 #define TEST_ENG_NEAR_H

@@ -1,9 +1,4 @@
-/* tests/unit/eng_player.c - performs a play on a scene, and knows where everything is.
- *
- * Room:     engine (scene.h, step.h).
- * Does:     keep the copies; every call of the engine must succeed.
- * Threads:  one.
- */
+/* eng_player.c - performs a play on a scene, and knows where everything is. */
 #include "eng_player.h"
 
 #include <setjmp.h>

@@ -1,11 +1,6 @@
-/* tests/unit/eng_player.h - performs a play (tests/support/play.h) in the engine.
+/* eng_player.h - performs a play (tests/support/play.h) in the engine.
  *
- * Room:     engine (scene.h, step.h).
- * Does:     do one act after another on a scene of the engine, with a copy of every
- *           object's motion beside it; do the same motion again, or in a scene made anew.
- * Does not: decide collisions.
- * Threads:  one.
- * Source:   tests/support/play.h for what is performed.
+ * Threads: one.
  */
 #ifndef TEST_ENG_PLAYER_H
 #define TEST_ENG_PLAYER_H

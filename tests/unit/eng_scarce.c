@@ -1,9 +1,4 @@
-/* tests/unit/eng_scarce.c - memory that runs out on order.
- *
- * Room:     engine (a double of memory.c).
- * Does:     keep the size before each block.
- * Threads:  eng_scarce.h; a lock makes the counts one.
- */
+/* eng_scarce.c - memory that runs out on order. */
 #include "eng_scarce.h"
 
 #include <pthread.h>

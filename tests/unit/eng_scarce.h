@@ -1,11 +1,6 @@
-/* tests/unit/eng_scarce.h - replaces the engine's memory functions by ones that fail on
- * order.
+/* eng_scarce.h - replaces the engine's memory functions by ones that fail on order.
  *
- * Room:     engine (a double of memory.c, which is not linked then).
- * Does:     fail the n-th allocation, once or from then on until a call has returned;
- *           count what is held; fill with rubbish what is given out and taken back.
- * Threads:  eng_alloc and its kin: any; the rest: one, while no step runs.
- * Source:   daemon/engine/base/memory.h.
+ * Threads: eng_alloc and its kin: any; the rest: one, while no step runs.
  */
 #ifndef TEST_ENG_SCARCE_H
 #define TEST_ENG_SCARCE_H

@@ -1,9 +1,4 @@
-/* tests/unit/eng_stir.c - scenes of which little moves.
- *
- * Room:     engine (scene.h, step.h), tests/support/play_actor.h.
- * Does:     see eng_stir.h.
- * Threads:  one.
- */
+/* eng_stir.c - scenes of which little moves. */
 #include "eng_stir.h"
 
 #include <math.h>

@@ -1,13 +1,11 @@
-/* tests/unit/eng_stir.h - what may happen to a scene in which most things stand.
+/* eng_stir.h - what may happen to a scene in which most things stand.
  *
- * Room:     engine (scene.h, step.h), tests/support.
- * Does:     make scenes with contacts at rest, within objects and between them, near the
- *           origin and far from it; change them at random between steps; stage motions
- *           of nothing, of a few vertices, of some objects, of the same once more, of
- *           everything. Every coordinate is a multiple of PLAY_UNIT.
- * Does not: take steps.
- * Threads:  one.
- * Source:   eng_player.h knows where everything is.
+ * Make scenes with contacts at rest, within objects and between them, near the origin and
+ * far from it; change them at random between steps; stage motions of nothing, of a few
+ * vertices, of some objects, of the same once more, of everything. Every coordinate is a
+ * multiple of PLAY_UNIT.
+ *
+ * Threads: one.
  */
 #ifndef TEST_ENG_STIR_H
 #define TEST_ENG_STIR_H

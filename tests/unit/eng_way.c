@@ -1,9 +1,4 @@
-/* tests/unit/eng_way.c - the ways in which a step may be taken without a difference.
- *
- * Room:     engine (step.h, kernel.h).
- * Does:     see eng_way.h.
- * Threads:  any.
- */
+/* eng_way.c - the ways in which a step may be taken without a difference. */
 #include "eng_way.h"
 
 #include <stdio.h>

@@ -1,12 +1,7 @@
-/* tests/unit/eng_way.h - lists the settings that must not change the answer of a step,
- * and draws one at random.
+/* eng_way.h - lists the settings that must not change the answer of a step, and draws one
+ * at random.
  *
- * Room:     engine (step.h, kernel.h), tests/support.
- * Does:     list methods and instruction sets; draw a combination at random; put one into
- *           words.
- * Does not: touch what may change an answer: mode, tolerance, limits.
- * Threads:  any.
- * Source:   daemon/engine/step.h.
+ * Threads: any.
  */
 #ifndef TEST_ENG_WAY_H
 #define TEST_ENG_WAY_H

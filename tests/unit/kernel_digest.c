@@ -1,11 +1,7 @@
-/* tests/unit/kernel_digest.c - what the kernels of every instruction set write, in short.
+/* kernel_digest.c - what the kernels of every instruction set write, in short.
  *
- * Room:     engine (kernel.h); no cmocka, so that it can be built for another processor.
- * Does:     run all kernels on the same numbers; print a line for each: the set, the
- *           kernel, a digest of what it wrote.
- * Does not: say which is right: test_eng_neon.sh compares the lines of two processors.
- * Threads:  one.
- * Source:   the numbers are made of integers by exact operations, the same everywhere.
+ * Run all kernels on the same numbers; print a line for each: the set, the kernel, a
+ * digest of what it wrote.
  */
 #include <stdio.h>
 #include <stdlib.h>

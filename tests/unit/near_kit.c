@@ -1,9 +1,4 @@
-/* tests/unit/near_kit.c - asks in every way that must not matter.
- *
- * Room:     engine, tests/unit.
- * Does:     see near_kit.h.
- * Threads:  one.
- */
+/* near_kit.c - asks in every way that must not matter. */
 #include "near_kit.h"
 
 #include <math.h>

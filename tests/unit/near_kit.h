@@ -1,12 +1,6 @@
-/* tests/unit/near_kit.h - asks what is nearest, or how deep, in every way that must not
- * matter.
+/* near_kit.h - asks what is nearest, or how deep, in every way that must not matter.
  *
- * Room:     engine (near.h, step.h), tests/unit.
- * Does:     make scenes of a few meshes; ask by both methods, every instruction set and
- *           teams of up to three threads, and compare the bytes of the answers.
- * Does not: know answers: the caller does.
- * Threads:  one.
- * Source:   daemon/engine/near.h.
+ * Threads: one.
  */
 #ifndef TEST_NEAR_KIT_H
 #define TEST_NEAR_KIT_H

@@ -1,11 +1,7 @@
-/* tests/unit/test_cli_weld.c - vertices at one place.
+/* test_cli_weld.c - vertices at one place.
  *
- * Room:     client/lib (pccd_weld.h).
- * Does:     join vertices that meet, part, or are nearly at one place; compare with what
- *           comparing all of them finds.
- * Does not: need a daemon.
- * Threads:  one.
- * Source:   client/lib/pccd_weld.h.
+ * Join vertices that meet, part, or are nearly at one place; compare with what comparing
+ * all of them finds.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,11 +1,7 @@
-/* tests/unit/test_ctl_cloth.c - the demo's scene.
+/* test_ctl_cloth.c - the demo's scene.
  *
- * Room:     client/ctl (cloth_scene.h, cloth_hold.h).
- * Does:     the meshes are sound; with a private daemon the motion is the same every
- *           time, drapes, and passes through nothing, as a second daemon says of every
- *           frame.
- * Threads:  one.
- * Source:   client/ctl/picture/cloth_scene.h.
+ * The meshes are sound; with a private daemon the motion is the same every time, drapes,
+ * and passes through nothing, as a second daemon says of every frame.
  */
 #include <math.h>
 #include <setjmp.h>

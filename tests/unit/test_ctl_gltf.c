@@ -1,14 +1,8 @@
-/* tests/unit/test_ctl_gltf.c - the reader of glTF, on files of known content.
+/* test_ctl_gltf.c - the reader of glTF, on files of known content.
  *
- * More than 600 lines: each sentence of the specification that is read has its file.
- *
- * Room:     client/ctl (meshfile.h, meshframes.h).
- * Does:     write small .glb and .gltf files whose positions are fractions computed by
- *           hand, and read them; files that are refused, by their message; files with
- *           bytes changed at random.
- * Does not: need a daemon.
- * Threads:  one.
- * Source:   Khronos Group, "glTF 2.0 Specification".
+ * Write small .glb and .gltf files whose positions are fractions computed by hand, and
+ * read them; files that are refused, by their message; files with bytes changed at
+ * random.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,10 +1,4 @@
-/* test_ctl_inspect.c - recordings as pages, without a browser.
- *
- * Room:     client/ctl (private headers).
- * Does:     puts data into templates made here, and reads the files back.
- * Does not: open the page that is built (tests/inspect).
- * Threads:  one.
- */
+/* test_ctl_inspect.c - recordings as pages, without a browser. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,11 +1,4 @@
-/* tests/unit/test_ctl_malformed.c - the readers of PLY and OBJ, and broken files.
- *
- * Room:     client/ctl (meshfile.h).
- * Does:     every malformed file gives its own message and no mesh.
- * Does not: need a daemon; try whole files (test_ctl_meshfile.c).
- * Threads:  one.
- * Source:   client/ctl/meshfile.h.
- */
+/* test_ctl_malformed.c - the readers of PLY and OBJ, and broken files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,11 +1,4 @@
-/* tests/unit/test_ctl_meshfile.c - the readers of PLY and OBJ, and whole files.
- *
- * Room:     client/ctl (meshfile.h).
- * Does:     every encoding gives the same mesh; two frames of one mesh match.
- * Does not: need a daemon; try broken files (test_ctl_malformed.c).
- * Threads:  one.
- * Source:   client/ctl/meshfile.h.
- */
+/* test_ctl_meshfile.c - the readers of PLY and OBJ, and whole files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,11 +1,4 @@
-/* tests/unit/test_ctl_output.c - what pccdctl writes: figures, CSV, JSON and pictures.
- *
- * Room:     client/ctl (statistics.h, contacts_csv.h, report.h, picture.h).
- * Does:     checks each against values worked out by hand.
- * Does not: need a daemon; answers are made up here.
- * Threads:  one.
- * Source:   the headers named above.
- */
+/* test_ctl_output.c - what pccdctl writes: figures, CSV, JSON and pictures. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

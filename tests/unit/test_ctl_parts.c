@@ -1,12 +1,5 @@
-/* tests/unit/test_ctl_parts.c - mesh files that are larger than what is read at once, and
- * parts of them.
- *
- * Room:     client/ctl (meshfile.h).
- * Does:     write files of some megabytes, read them whole and in pieces; tell how much
- *           memory a piece takes.
- * Does not: try encodings and small files (test_ctl_meshfile.c).
- * Threads:  one.
- * Source:   client/ctl/mesh/meshfile.h.
+/* test_ctl_parts.c - mesh files that are larger than what is read at once, and parts
+ * of them.
  */
 #include <inttypes.h>
 #include <setjmp.h>

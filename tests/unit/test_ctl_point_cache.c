@@ -1,11 +1,7 @@
-/* tests/unit/test_ctl_point_cache.c - the readers of PC2 and MDD.
+/* test_ctl_point_cache.c - the readers of PC2 and MDD.
  *
- * Room:     client/ctl (meshfile.h).
- * Does:     read frames of files that it writes, small and large, from files and pipes;
- *           broken files; 1000 that were changed at random.
- * Does not: need a daemon; follow a mesh file (ctl_sequence.sh).
- * Threads:  one.
- * Source:   client/ctl/mesh/point_cache.c.
+ * Read frames of files that it writes, small and large, from files and pipes; broken
+ * files; 1000 that were changed at random.
  */
 #include <fcntl.h>
 #include <setjmp.h>

@@ -1,11 +1,7 @@
-/* tests/unit/test_ctl_polygon.c - polygons of mesh files, and how they are cut.
+/* test_ctl_polygon.c - polygons of mesh files, and how they are cut.
  *
- * Room:     client/ctl (polygon.h, meshfile.h).
- * Does:     cut polygons whose area is known in whole numbers, from each corner; write
- *           files with polygons, read them whole, in parts and as later frames.
- * Does not: need a daemon.
- * Threads:  one.
- * Source:   client/ctl/mesh/polygon.h.
+ * Cut polygons whose area is known in whole numbers, from each corner; write files with
+ * polygons, read them whole, in parts and as later frames.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,11 +1,4 @@
-/* tests/unit/test_ctl_stl_glb.c - the readers of STL and of binary glTF.
- *
- * Room:     client/ctl (meshfile.h).
- * Does:     read whole files and broken ones; cut files at each byte.
- * Does not: need a daemon; read what pccdctl export writes (ctl_files.sh).
- * Threads:  one.
- * Source:   client/ctl/mesh/meshfile.h.
- */
+/* test_ctl_stl_glb.c - the readers of STL and of binary glTF. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

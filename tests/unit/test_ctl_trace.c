@@ -1,10 +1,4 @@
-/* test_ctl_trace.c - recordings as files for Perfetto.
- *
- * Room:     client/ctl (private headers).
- * Does:     writes events made here and reads the file back with jansson.
- * Does not: record (test_int_watch.c, ctl_check.sh).
- * Threads:  one.
- */
+/* test_ctl_trace.c - recordings as files for Perfetto. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

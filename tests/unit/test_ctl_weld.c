@@ -1,11 +1,4 @@
-/* tests/unit/test_ctl_weld.c - vertices at one place, in the frames of files.
- *
- * Room:     client/ctl (meshframes.h).
- * Does:     write frames whose vertices meet, part, or are nearly at one place.
- * Does not: need a daemon.
- * Threads:  one, and one that writes into a pipe.
- * Source:   client/ctl/mesh/meshframes.h.
- */
+/* test_ctl_weld.c - vertices at one place, in the frames of files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,12 +1,8 @@
-/* tests/unit/test_ctl_writers.c - what programs write into mesh files beside what the
- * formats' first examples have.
+/* test_ctl_writers.c - what programs write into mesh files beside what the formats' first
+ * examples have.
  *
- * Room:     client/ctl (meshfile.h).
- * Does:     read the same two triangles from PLY, OBJ and STL in many forms; change bytes
- *           of such files at random.
- * Does not: need a daemon.
- * Threads:  one.
- * Source:   client/ctl/mesh/meshfile.h.
+ * Read the same two triangles from PLY, OBJ and STL in many forms; change bytes of such
+ * files at random.
  */
 #include <setjmp.h>
 #include <stdarg.h>

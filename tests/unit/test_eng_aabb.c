@@ -1,11 +1,7 @@
-/* tests/unit/test_eng_aabb.c - moving boxes.
+/* test_eng_aabb.c - moving boxes.
  *
- * Room:     engine (aabb.h).
- * Does:     directed rounding against nextafterf, union, and the overlap tests against
- *           plain code and against boxes that are known to meet at some time.
- * Does not: build trees of them.
- * Threads:  one.
- * Source:   daemon/engine/base/aabb.h.
+ * Directed rounding against nextafterf, union, and the overlap tests against plain code
+ * and against boxes that are known to meet at some time.
  */
 #include "eng_kit.h"
 

@@ -1,11 +1,7 @@
-/* tests/unit/test_eng_affinity.c - where the threads of a team run.
+/* test_eng_affinity.c - where the threads of a team run.
  *
- * Room:     engine (affinity.h, member.h, step.h).
- * Does:     ask the kernel where the threads of regions may run and do run.
- * Does not: check anything with a single processor.
- * Threads:  a new one for each test, since a thread that opens regions is bound too; its
- *           team.
- * Source:   daemon/engine/team/affinity.h; design: threads.
+ * Threads: a new one for each test, since a thread that opens regions is bound too; its
+ * team.
  */
 #include "eng_crew.h"
 #include "skip.h"

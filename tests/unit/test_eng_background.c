@@ -1,12 +1,9 @@
-/* tests/unit/test_eng_background.c - large subtrees, built in the background and swapped
- * in.
+/* test_eng_background.c - large subtrees, built in the background and swapped in.
  *
- * Room:     engine (background.h, step.h, world.h).
- * Does:     poor subtrees above the regions come back good, a share at a time; answers
- *           meanwhile; objects that go away; no memory after the first time.
- * Does not: fail allocations (test_eng_fault.c).
- * Threads:  up to eight.
- * Source:   daemon/engine/paper/background.h; paper sections 6.2 and 7.1.
+ * Poor subtrees above the regions come back good, a share at a time; answers meanwhile;
+ * objects that go away; no memory after the first time.
+ *
+ * Source: daemon/engine/paper/background.h; paper sections 6.2 and 7.1.
  */
 #include "eng_blast.h"
 

@@ -1,11 +1,7 @@
-/* tests/unit/test_eng_batch.c - elementary tests of many pairs at once.
+/* test_eng_batch.c - elementary tests of many pairs at once.
  *
- * Room:     engine (batch.h).
- * Does:     compare a batch with eng_solve, one pair at a time, for every instruction
- *           set: pairs in general position, planted contacts, small grids (coplanar and
- *           degenerate), any count.
- * Does not: know the truth: tests of eng_solve do.
- * Threads:  one.
+ * Compare a batch with eng_solve, one pair at a time, for every instruction set: pairs in
+ * general position, planted contacts, small grids (coplanar and degenerate), any count.
  */
 #include "eng_case.h"
 

@@ -1,11 +1,10 @@
 /* test_eng_blur.c - how much an object that two poses move shrinks between them, and how
  * far rounding takes its vertices.
  *
- * Room:     engine (blur.h).
- * Does:     compare the bounds with what random poses, times, directions and points do:
- *           turns of all angles, scales, shears, matrices of any numbers.
- * Threads:  one.
- * Source:   daemon/engine/elementary/BOUNDS.md, "Objects that move by poses".
+ * Compare the bounds with what random poses, times, directions and points do: turns of
+ * all angles, scales, shears, matrices of any numbers.
+ *
+ * Source: daemon/engine/elementary/BOUNDS.md, "Objects that move by poses".
  */
 #include "eng_kit.h"
 

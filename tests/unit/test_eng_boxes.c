@@ -1,9 +1,4 @@
-/* tests/unit/test_eng_boxes.c - the box kernels of every instruction set.
- *
- * Room:     engine (kernel.h, aabb.h).
- * Does:     compare each with plain code: rounding, unions, joins of two blocks.
- * Threads:  one.
- */
+/* test_eng_boxes.c - the box kernels of every instruction set. */
 #include "eng_boxes.h"
 
 #include <math.h>

@@ -1,10 +1,7 @@
-/* tests/unit/test_eng_brief.c - steps that are certain to end soon.
+/* test_eng_brief.c - steps that are certain to end soon.
  *
- * Room:     engine (brief.h, step.h, world.h).
- * Does:     what they answer beside other steps, what they give up and what becomes of
- *           it, and which steps may be asked for as brief ones.
- * Threads:  one, but for a team of two.
- * Source:   daemon/engine/brief.h.
+ * What they answer beside other steps, what they give up and what becomes of it, and
+ * which steps may be asked for as brief ones.
  */
 #include "eng_kit.h"
 

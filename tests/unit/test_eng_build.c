@@ -1,11 +1,9 @@
-/* tests/unit/test_eng_build.c - hierarchies of objects, and the tree over them.
+/* test_eng_build.c - hierarchies of objects, and the tree over them.
  *
- * Room:     engine (build.h, world.h).
- * Does:     shape, depth and completeness of trees of 1 to 100 triangles and 1 to 300
- *           objects; the validator itself.
- * Does not: check boxes in depth (test_eng_refit.c).
- * Threads:  one.
- * Source:   daemon/engine/paper/build.h; paper sections 6.2 and 7.
+ * Shape, depth and completeness of trees of 1 to 100 triangles and 1 to 300 objects; the
+ * validator itself.
+ *
+ * Source: daemon/engine/paper/build.h; paper sections 6.2 and 7.
  */
 #include "eng_kit.h"
 

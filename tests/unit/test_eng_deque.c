@@ -1,10 +1,7 @@
-/* tests/unit/test_eng_deque.c - the work-stealing deque, shares, the pool of blocks.
+/* test_eng_deque.c - the work-stealing deque, shares, the pool of blocks.
  *
- * Room:     engine (deque.h, pool.h, share.h).
- * Does:     order for the owner and for a thief; nothing lost or doubled while thieves
- *           and the owner race; items of shares and blocks handed out once.
- * Threads:  up to four.
- * Source:   daemon/engine/team/deque.h, pool.h.
+ * Order for the owner and for a thief; nothing lost or doubled while thieves and the
+ * owner race; items of shares and blocks handed out once.
  */
 #include "eng_kit.h"
 

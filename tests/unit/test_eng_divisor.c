@@ -1,10 +1,4 @@
-/* tests/unit/test_eng_divisor.c - greatest common divisors by primes.
- *
- * Room:     engine (divisor.h, poly.h).
- * Does:     compare them with those that remainders give; a prime that misleads.
- * Threads:  one.
- * Source:   daemon/engine/elementary/divisor.h.
- */
+/* test_eng_divisor.c - greatest common divisors by primes. */
 #include "divisor.h"
 
 #include <setjmp.h>

@@ -1,10 +1,7 @@
-/* tests/unit/test_eng_effort.c - does a team pay for a step?
+/* test_eng_effort.c - does a team pay for a step?
  *
- * Room:     engine (effort.h, step.h).
- * Does:     ask about scenes small and large, at the border, and after one odd step; look
- *           at what steps make of the answers.
- * Threads:  up to two.
- * Source:   daemon/engine/effort.h; design: small requests run on one thread.
+ * Ask about scenes small and large, at the border, and after one odd step; look at what
+ * steps make of the answers.
  */
 #include "eng_kit.h"
 

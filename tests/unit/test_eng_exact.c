@@ -1,11 +1,7 @@
-/* tests/unit/test_eng_exact.c - exact answers about a moment and about a span.
+/* test_eng_exact.c - exact answers about a moment and about a span.
  *
- * Room:     engine (exact.h, poly.h).
- * Does:     touching cases and near misses by one ulp, spans that hold or just miss a
- *           known contact, the polynomials below.
- * Does not: search for the first time (test_eng_solve.c).
- * Threads:  one.
- * Source:   daemon/engine/elementary/exact.h, poly.h.
+ * Touching cases and near misses by one ulp, spans that hold or just miss a known
+ * contact, the polynomials below.
  */
 #include "eng_case.h"
 

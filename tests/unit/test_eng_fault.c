@@ -1,11 +1,7 @@
-/* tests/unit/test_eng_fault.c - the engine when memory runs out.
+/* test_eng_fault.c - the engine when memory runs out.
  *
- * Room:     engine (all of it, eng_scarce.h in place of memory.c).
- * Does:     fail the n-th allocation, for every n, over the whole life of meshes and a
- *           scene, once or from then on until the call has returned.
- * Does not: fail the allocations of GMP, which ends the process then by its own rule.
- * Threads:  one.
- * Source:   base/memory.h; mesh.h, scene.h and step.h for what may return NOMEM.
+ * Fail the n-th allocation, for every n, over the whole life of meshes and a scene, once
+ * or from then on until the call has returned.
  */
 #include "eng_scarce.h"
 

@@ -1,11 +1,8 @@
-/* tests/unit/test_eng_fault_team.c - a step by several threads when memory runs out.
+/* test_eng_fault_team.c - a step by several threads when memory runs out.
  *
- * Room:     engine (all of it, eng_scarce.h in place of memory.c).
- * Does:     fail the n-th allocation, for every n, of a step by four threads: before
- *           the parallel region, by whichever thread inside, by the one that prepares the
- *           merge while the others wait.
- * Threads:  four.
- * Source:   daemon/engine/result/merge.h, step.h.
+ * Fail the n-th allocation, for every n, of a step by four threads: before the parallel
+ * region, by whichever thread inside, by the one that prepares the merge while the others
+ * wait.
  */
 #include "eng_scarce.h"
 

@@ -1,11 +1,6 @@
-/* tests/unit/test_eng_filter.c - cheap certain rejections.
+/* test_eng_filter.c - cheap certain rejections.
  *
- * Room:     engine (kernel.h).
- * Does:     planted contacts pass at every scale and place, obvious misses do not.
- * Does not: count what passes on real data, or compare instruction sets
- *           (test_eng_kernel.c).
- * Threads:  one.
- * Source:   daemon/engine/kernel/, BOUNDS.md.
+ * Source: daemon/engine/kernel/, BOUNDS.md.
  */
 #include "eng_kit.h"
 

@@ -1,11 +1,9 @@
-/* tests/unit/test_eng_footprint.c - the memory that a scene takes.
+/* test_eng_footprint.c - the memory that a scene takes.
  *
- * Room:     engine (step.h, wide_quantised.h, world.h).
- * Does:     step a cloth of five sheets and 100 000 triangles by both methods; hold the
- *           bytes of a triangle that stay against the 400 of bench/growth/README.md, the
- *           scene's own account of them against what the engine has allocated, and that
- *           against what the process has grown by. And see that none are kept for pairs.
- * Threads:  one.
+ * Step a cloth of five sheets and 100 000 triangles by both methods; hold the bytes of a
+ * triangle that stay against the 400 of bench/growth/README.md, the scene's own account
+ * of them against what the engine has allocated, and that against what the process has
+ * grown by. And see that none are kept for pairs.
  */
 #include "eng_kit.h"
 #include "eng_way.h"

@@ -1,11 +1,8 @@
-/* tests/unit/test_eng_foreign.c - pairs whose first feature is foreign.
+/* test_eng_foreign.c - pairs whose first feature is foreign.
  *
- * Room:     engine (step.h, near.h, scene.h, mesh.h).
- * Does:     share the features of a scene out to two scenes of the same meshes, each of
- *           which has the rest as foreign; let all three step and tell what is near: the
- *           records of the two are those of the one, each once.
- * Threads:  one, and teams of two.
- * Source:   daemon/engine/scene/mesh.h, eng_mesh_set_own.
+ * Share the features of a scene out to two scenes of the same meshes, each of which has
+ * the rest as foreign; let all three step and tell what is near: the records of the two
+ * are those of the one, each once.
  */
 #include "eng_kit.h"
 

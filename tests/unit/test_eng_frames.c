@@ -1,11 +1,7 @@
 /* test_eng_frames.c - scenes far from the origin, tiny ones, and objects far apart.
  *
- * Room:     engine (frames.h, kernel.h, step.h, wide_state.h, world.h).
- * Does:     boxes in a frame against whole numbers of 128 bits; what is counted in a step
- *           far away against the same step in place, by both methods; scenes that travel.
- * Does not: judge contacts: tests/property does, of objects far apart too.
- * Threads:  one.
- * Source:   daemon/engine/scene/frames.h.
+ * Boxes in a frame against whole numbers of 128 bits; what is counted in a step far away
+ * against the same step in place, by both methods; scenes that travel.
  */
 #include "aabb.h"
 #include "eng_kit.h"

@@ -1,15 +1,8 @@
-/* tests/unit/test_eng_free.c - edges and points of meshes that no triangle has.
+/* test_eng_free.c - edges and points of meshes that no triangle has.
  *
- * Room:     engine (step.h, near.h, scene.h, mesh.h).
- * Does:     what a mesh makes of the edges and points that are named in it; scenes of
- *           some thousand features against all pairs, each decided by itself: steps of
- *           which all or little moves, and what is near.
- * Does not: decide a pair by another arithmetic (tests/property/test_eng_thick_plays and
- *           tests/fuzz/thick do).
- * Threads:  one, and teams of two.
- * Source:   mesh.h, pccd_types.h.
- *
- * More than 600 lines: steps and what is near are compared with the same pairs.
+ * What a mesh makes of the edges and points that are named in it; scenes of some thousand
+ * features against all pairs, each decided by itself: steps of which all or little moves,
+ * and what is near.
  */
 #include "eng_way.h"
 

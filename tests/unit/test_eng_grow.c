@@ -1,9 +1,6 @@
-/* tests/unit/test_eng_grow.c - hierarchies from the top down, in pieces.
+/* test_eng_grow.c - hierarchies from the top down, in pieces.
  *
- * Room:     engine (grow.h).
- * Does:     trees of one go, and orders of many pieces that are put into their leaves.
- * Threads:  one.
- * Source:   daemon/engine/paper/grow.h.
+ * Source: daemon/engine/paper/grow.h.
  */
 #include "eng_kit.h"
 

@@ -1,10 +1,6 @@
-/* tests/unit/test_eng_hash.c - the hash of an answer.
+/* test_eng_hash.c - the hash of an answer.
  *
- * Room:     engine (hash.h).
- * Does:     the values in PROTOCOL.md, sensitivity to every bit, parts and the whole.
- * Does not: test the library's hash of one record.
- * Threads:  one.
- * Source:   proto/PROTOCOL.md, "The hash of an answer".
+ * Source: proto/PROTOCOL.md, "The hash of an answer".
  */
 #include "eng_kit.h"
 

@@ -1,10 +1,4 @@
-/* tests/unit/test_eng_ids.c - which object of a scene has an id.
- *
- * Room:     engine (scene/ids.h).
- * Does:     compare with a plain table, while many come and go.
- * Threads:  one.
- * Source:   daemon/engine/scene/ids.h.
- */
+/* test_eng_ids.c - which object of a scene has an id. */
 #include "eng_kit.h"
 
 #include <stdlib.h>

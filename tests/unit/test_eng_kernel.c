@@ -1,9 +1,4 @@
-/* tests/unit/test_eng_kernel.c - the kernels of every instruction set.
- *
- * Room:     engine (kernel.h).
- * Does:     compare each set with the scalar one, bit for bit; choose one by name.
- * Threads:  one.
- */
+/* test_eng_kernel.c - the kernels of every instruction set. */
 #include "eng_kit.h"
 
 #include <math.h>

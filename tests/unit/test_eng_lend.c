@@ -1,10 +1,5 @@
-/* tests/unit/test_eng_lend.c - scenes that are stepped with another one's worker, and
- * items that several threads take.
- *
- * Room:     engine (each.h, step.h, step_memory.h).
- * Does:     the same answers as with a worker of one's own; no worker where one was lent;
- *           every item once.
- * Threads:  two.
+/* test_eng_lend.c - scenes that are stepped with another one's worker, and items that
+ * several threads take.
  */
 #include "eng_kit.h"
 

@@ -1,10 +1,7 @@
-/* tests/unit/test_eng_masks.c - objects that may not meet are left out, and only they.
+/* test_eng_masks.c - objects that may not meet are left out, and only they.
  *
- * Room:     engine (step.h).
- * Does:     filter the records of a step in which everything meets by a rule of its own,
- *           and compare; look at what is not paid for.
- * Threads:  one, and teams of up to four.
- * Source:   scene.h says the rule.
+ * Filter the records of a step in which everything meets by a rule of its own, and
+ * compare; look at what is not paid for.
  */
 #include "eng_kit.h"
 

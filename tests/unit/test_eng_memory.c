@@ -1,11 +1,7 @@
-/* tests/unit/test_eng_memory.c - the engine's allocations, counted.
+/* test_eng_memory.c - the engine's allocations, counted.
  *
- * Room:     engine (memory.h).
- * Does:     alignment, counts, refusal of sizes that overflow, content across realloc,
- *           and that freed memory is used again.
- * Does not: make allocations fail one by one (test_eng_fault.c).
- * Threads:  one, and four where the counters are shared.
- * Source:   daemon/engine/base/memory.h.
+ * Alignment, counts, refusal of sizes that overflow, content across realloc, and that
+ * freed memory is used again.
  */
 #include "eng_kit.h"
 

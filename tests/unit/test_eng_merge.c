@@ -1,11 +1,7 @@
-/* tests/unit/test_eng_merge.c - many lists become one answer, by any number of threads.
+/* test_eng_merge.c - many lists become one answer, by any number of threads.
  *
- * Room:     engine (merge.h).
- * Does:     compare with qsort for names of every distribution, counts, hash, the limit,
- *           lists of uneven length, memory that is there already.
- * Does not: search; let allocations fail (test_eng_fault.c).
- * Threads:  1 to 16, whatever the machine has.
- * Source:   daemon/engine/result/merge.h.
+ * Compare with qsort for names of every distribution, counts, hash, the limit, lists of
+ * uneven length, memory that is there already.
  */
 #include "eng_kit.h"
 

@@ -1,10 +1,6 @@
-/* tests/unit/test_eng_mesh.c - registration of a mesh.
+/* test_eng_mesh.c - registration of a mesh.
  *
- * Room:     engine (mesh.h, topology.h).
- * Does:     chunks, refusals, counts, edges and the ownership of features.
- * Does not: move or collide.
- * Threads:  one.
- * Source:   daemon/engine/scene/mesh.h; paper section 3.1.
+ * Source: daemon/engine/scene/mesh.h; paper section 3.1.
  */
 #include "eng_kit.h"
 

@@ -1,10 +1,5 @@
-/* tests/unit/test_eng_near.c - pairs, features, bounds and crossings whose answer is
- * known by construction; limits, errors, and what a question leaves as it was.
- *
- * Room:     engine (near.h, step.h).
- * Does:     ask about a floor of two triangles and a tent above it.
- * Threads:  one, and teams of up to three.
- * Source:   near.h, pccd_near.h.
+/* test_eng_near.c - pairs, features, bounds and crossings whose answer is known by
+ * construction; limits, errors, and what a question leaves as it was.
  */
 #include "near_kit.h"
 

@@ -1,10 +1,5 @@
-/* tests/unit/test_eng_near_depth.c - vertices inside closed meshes are found, with their
- * distance to the surface.
- *
- * Room:     engine (near.h).
- * Does:     ask about scenes whose answer is known by construction.
- * Threads:  one, and teams of up to three.
- * Source:   near.h, pccd_near.h.
+/* test_eng_near_depth.c - vertices inside closed meshes are found, with their distance
+ * to the surface.
  */
 #include <math.h>
 #include <string.h>

@@ -1,10 +1,5 @@
-/* tests/unit/test_eng_near_nearest.c - of each two objects the nearest pair of features
- * is found, and no other.
- *
- * Room:     engine (near.h).
- * Does:     ask about scenes whose answer is known by construction.
- * Threads:  one, and teams of up to three.
- * Source:   near.h, pccd_near.h.
+/* test_eng_near_nearest.c - of each two objects the nearest pair of features is found,
+ * and no other.
  */
 #include <math.h>
 #include <string.h>

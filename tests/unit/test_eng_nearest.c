@@ -1,11 +1,4 @@
-/* tests/unit/test_eng_nearest.c - distances of two features, worked out by hand.
- *
- * Room:     engine (distance.h).
- * Does:     each type, its ties, the distance that is exactly d, crossings: from every
- *           stage on.
- * Does not: try hard numbers (tests/fuzz does).
- * Threads:  one.
- */
+/* test_eng_nearest.c - distances of two features, worked out by hand. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,4 @@
-/* tests/unit/test_eng_order.c - the order in which features are stored.
- *
- * Room:     engine (wide_order.h).
- * Does:     each feature once, neighbours together, pieces apart, by any threads.
- * Threads:  one, and what it opens.
- */
+/* test_eng_order.c - the order in which features are stored. */
 #include "eng_kit.h"
 
 #include <stdlib.h>

@@ -1,10 +1,4 @@
-/* tests/unit/test_eng_pairset.c - a set of unordered pairs.
- *
- * Room:     engine (pairset.h, masks.h).
- * Does:     compare with a table of all pairs, while many come and go.
- * Threads:  one.
- * Source:   daemon/engine/scene/pairset.h.
- */
+/* test_eng_pairset.c - a set of unordered pairs. */
 #include "eng_kit.h"
 
 #include <stdbool.h>

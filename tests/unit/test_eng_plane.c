@@ -1,10 +1,7 @@
-/* tests/unit/test_eng_plane.c - contacts within the plane of two axes.
+/* test_eng_plane.c - contacts within the plane of two axes.
  *
- * Room:     engine (plane.h, solve.h).
- * Does:     queries of which three or four points share a coordinate, in general position
- *           and on grids, against exact arithmetic.
- * Threads:  one.
- * Source:   daemon/engine/elementary/plane.h.
+ * Queries of which three or four points share a coordinate, in general position and on
+ * grids, against exact arithmetic.
  */
 #include "eng_case.h"
 

@@ -1,10 +1,8 @@
-/* tests/unit/test_eng_quantised.c - boxes in whole numbers of 16 bits.
+/* test_eng_quantised.c - boxes in whole numbers of 16 bits.
  *
- * Room:     engine (kernel.h, wide_quantised.h).
- * Does:     compare the numbers with exact sums of the boxes' bounds, and joins by them,
- *           of every instruction set, with those of the boxes themselves; see a scene
- *           take to them and leave them.
- * Threads:  one.
+ * Compare the numbers with exact sums of the boxes' bounds, and joins by them, of every
+ * instruction set, with those of the boxes themselves; see a scene take to them and leave
+ * them.
  */
 #include "eng_boxes.h"
 

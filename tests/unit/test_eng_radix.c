@@ -1,10 +1,4 @@
-/* tests/unit/test_eng_radix.c - a stable radix sort.
- *
- * Room:     engine (radix.h).
- * Does:     compare with qsort for keys that differ in all, few or no digits.
- * Does not: measure it.
- * Threads:  one.
- */
+/* test_eng_radix.c - a stable radix sort. */
 #include "eng_kit.h"
 
 #include <stdlib.h>

@@ -1,11 +1,4 @@
-/* tests/unit/test_eng_range.c - ranges of consecutive indices.
- *
- * Room:     engine (range.h).
- * Does:     first fit, merging, limits, and a model that keeps one bit an index.
- * Does not: fail allocations (test_eng_fault.c).
- * Threads:  one.
- * Source:   daemon/engine/scene/range.h.
- */
+/* test_eng_range.c - ranges of consecutive indices. */
 #include "eng_kit.h"
 
 #include <stdbool.h>

@@ -1,11 +1,9 @@
-/* tests/unit/test_eng_rebuild.c - selective, lazy reconstruction.
+/* test_eng_rebuild.c - selective, lazy reconstruction.
  *
- * Room:     engine (rebuild.h, step.h, world.h).
- * Does:     what is rebuilt and what is left alone; the tree and the answer afterwards,
- *           by any number of threads; cancelled steps.
- * Does not: large subtrees (test_eng_background.c).
- * Threads:  up to eight.
- * Source:   daemon/engine/paper/rebuild.h; paper section 6.2.
+ * What is rebuilt and what is left alone; the tree and the answer afterwards, by any
+ * number of threads; cancelled steps.
+ *
+ * Source: daemon/engine/paper/rebuild.h; paper section 6.2.
  */
 #include "eng_blast.h"
 

@@ -1,10 +1,4 @@
-/* tests/unit/test_eng_record.c - what each thread of a step did.
- *
- * Room:     engine (step.h).
- * Does:     hold the threads' records against the sums and times of the step.
- * Threads:  up to sixteen, whatever the machine has.
- * Source:   daemon/engine/step.h.
- */
+/* test_eng_record.c - what each thread of a step did. */
 #include "eng_crew.h"
 
 #include <string.h>

@@ -1,11 +1,9 @@
-/* tests/unit/test_eng_refit.c - bottom-up update of every box.
+/* test_eng_refit.c - bottom-up update of every box.
  *
- * Room:     engine (refit.h, world.h).
- * Does:     containment and tightness after random steps; refitting twice is as once;
- *           by one thread and by a team.
- * Does not: change the shape of trees.
- * Threads:  teams of one and two.
- * Source:   daemon/engine/paper/refit.h; paper section 6.1.
+ * Containment and tightness after random steps; refitting twice is as once; by one thread
+ * and by a team.
+ *
+ * Source: daemon/engine/paper/refit.h; paper section 6.1.
  */
 #include "eng_kit.h"
 

@@ -1,9 +1,6 @@
-/* tests/unit/test_eng_refit_plan.c - how a team divides the refit.
+/* test_eng_refit_plan.c - how a team divides the refit.
  *
- * Room:     engine (refit.h, world.h).
- * Does:     hold plans against the tree and the ranges that they divide.
- * Threads:  one.
- * Source:   daemon/engine/paper/refit.h; paper section 6.1.
+ * Source: daemon/engine/paper/refit.h; paper section 6.1.
  */
 #include "eng_kit.h"
 

@@ -1,11 +1,4 @@
-/* tests/unit/test_eng_replace.c - objects that change their topology between steps.
- *
- * Room:     engine (private headers).
- * Does:     replace, try, settle and take back, against scenes that were made so at once.
- * Does not: let memory run out (test_eng_fault.c).
- * Threads:  one.
- * Source:   scene.h.
- */
+/* test_eng_replace.c - objects that change their topology between steps. */
 #include "eng_kit.h"
 
 #include <stdlib.h>

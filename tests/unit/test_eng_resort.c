@@ -1,9 +1,7 @@
 /* test_eng_resort.c - features that have left their neighbours are put in order again.
  *
- * Room:     tests; engine headers.
- * Does:     let triangles change places, and look at what steps take from then on; and at
- *           who has an order of its own.
- * Threads:  one, and teams of two.
+ * Let triangles change places, and look at what steps take from then on; and at who has
+ * an order of its own.
  */
 #include "eng_kit.h"
 

@@ -1,11 +1,4 @@
-/* tests/unit/test_eng_result.c - the records of a step: kept, merged by one thread.
- *
- * Room:     engine (result.h, merge.h).
- * Does:     canonical order for both record kinds, limits, memory reuse.
- * Does not: find contacts; merge by a team (test_eng_merge.c).
- * Threads:  one.
- * Source:   daemon/engine/result/result.h, merge.h; step.h.
- */
+/* test_eng_result.c - the records of a step: kept, merged by one thread. */
 #include "eng_kit.h"
 
 #include <stdlib.h>

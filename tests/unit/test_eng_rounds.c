@@ -1,9 +1,7 @@
-/* tests/unit/test_eng_rounds.c - joins of many pairs of blocks at a time.
+/* test_eng_rounds.c - joins of many pairs of blocks at a time.
  *
- * Room:     engine (kernel.h, wide_quantised.h).
- * Does:     compare them, of every instruction set and in little room, with joins of two
- *           blocks; those of what moves with all.
- * Threads:  one.
+ * Compare them, of every instruction set and in little room, with joins of two blocks;
+ * those of what moves with all.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,7 @@
-/* tests/unit/test_eng_separate.c - fixed directions between two features.
+/* test_eng_separate.c - fixed directions between two features.
  *
- * Room:     engine (separate.h).
- * Does:     queries of small whole numbers against the nine directions one by one, and
- *           planted contacts in places where sums are rounded.
- * Threads:  one.
- * Source:   daemon/engine/elementary/separate.h.
+ * Queries of small whole numbers against the nine directions one by one, and planted
+ * contacts in places where sums are rounded.
  */
 #include "eng_kit.h"
 

@@ -1,11 +1,9 @@
-/* tests/unit/test_eng_sieve.c - certain rejections from points on a grid.
+/* test_eng_sieve.c - certain rejections from points on a grid.
  *
- * Room:     engine (kernel.h).
- * Does:     put pairs of every sort on grids fine and coarse; hold what the sieve rejects
- *           against eng_solve, and every instruction set against the scalar one.
- * Does not: know the truth: tests of eng_solve do.
- * Threads:  one.
- * Source:   daemon/engine/kernel/, BOUNDS.md.
+ * Put pairs of every sort on grids fine and coarse; hold what the sieve rejects against
+ * eng_solve, and every instruction set against the scalar one.
+ *
+ * Source: daemon/engine/kernel/, BOUNDS.md.
  */
 #include "eng_case.h"
 

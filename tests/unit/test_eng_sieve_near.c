@@ -1,11 +1,9 @@
-/* tests/unit/test_eng_sieve_near.c - what is certainly not near, from points on a grid.
+/* test_eng_sieve_near.c - what is certainly not near, from points on a grid.
  *
- * Room:     engine (kernel.h, distance.h).
- * Does:     put pairs of every sort on grids fine and coarse; hold what the sieve rejects
- *           against exact distances and exact crossings, and every instruction set
- *           against the scalar one.
- * Threads:  one.
- * Source:   BOUNDS.md, "The sieve: what is near".
+ * Put pairs of every sort on grids fine and coarse; hold what the sieve rejects against
+ * exact distances and exact crossings, and every instruction set against the scalar one.
+ *
+ * Source: BOUNDS.md, "The sieve: what is near".
  */
 #include "eng_case.h"
 

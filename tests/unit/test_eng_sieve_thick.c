@@ -1,12 +1,10 @@
-/* tests/unit/test_eng_sieve_thick.c - what certainly stays apart, from points on a grid.
+/* test_eng_sieve_thick.c - what certainly stays apart, from points on a grid.
  *
- * Room:     engine (distance.h, kernel.h, thick.h).
- * Does:     put moving pairs of every sort on grids fine and coarse, with the least
- *           distance at which they meet; hold what the sieve rejects against that and
- *           against the kernel that looks at the points themselves, and every instruction
- *           set against the scalar one.
- * Threads:  one.
- * Source:   BOUNDS.md, "The sieve: thick features".
+ * Put moving pairs of every sort on grids fine and coarse, with the least distance at
+ * which they meet; hold what the sieve rejects against that and against the kernel that
+ * looks at the points themselves, and every instruction set against the scalar one.
+ *
+ * Source: BOUNDS.md, "The sieve: thick features".
  */
 #include "eng_case.h"
 

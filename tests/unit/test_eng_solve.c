@@ -1,11 +1,7 @@
-/* tests/unit/test_eng_solve.c - the certified solver, by cases derived by hand.
+/* test_eng_solve.c - the certified solver, by cases derived by hand.
  *
- * Room:     engine (solve.h).
- * Does:     hits, misses, touches at the ends, double roots, coplanar motion, degenerate
- *           features, each from every side (eng_case.h); what holds for any query.
- * Does not: compare with an oracle (tests/property does).
- * Threads:  one.
- * Source:   daemon/engine/elementary/solve.h.
+ * Hits, misses, touches at the ends, double roots, coplanar motion, degenerate features,
+ * each from every side (eng_case.h); what holds for any query.
  */
 #include "eng_case.h"
 

@@ -1,10 +1,8 @@
 /* test_eng_spacing.c - which features of a mesh are near each other.
  *
- * Room:     engine (spacing.h).
- * Does:     compare the features that are said to be near with the distances of all pairs
- *           of small meshes, measured in another way; look at sheets at known distances,
- *           at meshes for which it is of no use, and at searches in parts.
- * Threads:  one.
+ * Compare the features that are said to be near with the distances of all pairs of small
+ * meshes, measured in another way; look at sheets at known distances, at meshes for which
+ * it is of no use, and at searches in parts.
  */
 #include "eng_kit.h"
 

@@ -1,13 +1,7 @@
-/* tests/unit/test_eng_stage.c - the positions of a step.
+/* test_eng_stage.c - the positions of a step.
  *
- * Room:     engine (scene.h, step.h, world.h).
- * Does:     what each kind of write means for both ends, and that whatever fails or is
- *           aborted leaves the positions as they were.
- * Does not: look at contacts.
- * Threads:  one.
- * Source:   daemon/engine/scene/scene.h.
- *
- * More than 600 lines: every kind of write, with one fixture.
+ * What each kind of write means for both ends, and that whatever fails or is aborted
+ * leaves the positions as they were.
  */
 #include "eng_kit.h"
 

@@ -1,13 +1,4 @@
-/* tests/unit/test_eng_step.c - one step of a scene.
- *
- * Room:     engine (step.h, world.h).
- * Does:     golden hashes, agreement of the modes, early ends, objects that come and go.
- * Does not: compare with brute force (tests/property does).
- * Threads:  one.
- * Source:   daemon/engine/step.h.
- *
- * More than 600 lines: a case each for all that a step may be asked, on one fixture.
- */
+/* test_eng_step.c - one step of a scene. */
 #include "eng_kit.h"
 
 #include <stdlib.h>

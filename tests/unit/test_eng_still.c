@@ -1,11 +1,7 @@
-/* tests/unit/test_eng_still.c - when what stands still is looked for.
+/* test_eng_still.c - when what stands still is looked for.
  *
- * Room:     engine (step.h, wide.h, world.h).
- * Does:     steps in which the same part of a sheet moves, in one piece or spread over
- *           it, and how much of what stands is left out.
- * Does not: compare answers (tests/property/test_eng_standing.c).
- * Threads:  one.
- * Source:   daemon/engine/scene/moving.h.
+ * Steps in which the same part of a sheet moves, in one piece or spread over it, and how
+ * much of what stands is left out.
  */
 #include "eng_kit.h"
 

@@ -1,10 +1,9 @@
-/* tests/unit/test_eng_subtree.c - which nodes are below which; disjoint task units.
+/* test_eng_subtree.c - which nodes are below which; disjoint task units.
  *
- * Room:     engine (trees.h, step.h).
- * Does:     hold the order of nodes against the links; run teams whose threads check each
- *           other where the build validates.
- * Threads:  up to eight.
- * Source:   daemon/engine/paper/trees.h; paper section 4.1.
+ * Hold the order of nodes against the links; run teams whose threads check each other
+ * where the build validates.
+ *
+ * Source: daemon/engine/paper/trees.h; paper section 4.1.
  */
 #include "eng_crew.h"
 

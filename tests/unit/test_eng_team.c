@@ -1,10 +1,7 @@
-/* tests/unit/test_eng_team.c - the same step by any number of threads.
+/* test_eng_team.c - the same step by any number of threads.
  *
- * Room:     engine (step.h, world.h).
- * Does:     records, hash, counts and boxes compared between one thread and several, for
- *           every mode; warm teams allocate nothing; early ends end all threads.
- * Threads:  up to sixteen, whatever the machine has.
- * Source:   daemon/engine/step.h, schedule_steal.h, refit.h.
+ * Records, hash, counts and boxes compared between one thread and several, for every
+ * mode; warm teams allocate nothing; early ends end all threads.
  */
 #include "eng_crew.h"
 

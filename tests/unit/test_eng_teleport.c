@@ -1,13 +1,8 @@
-/* tests/unit/test_eng_teleport.c - a step's memory does not depend on how far things go.
+/* test_eng_teleport.c - a step's memory does not depend on how far things go.
  *
- * Room:     engine (memory.h, step.h).
- * Does:     a mesh of which every vertex jumps to some place far away, so that nearly
- *           everything may meet everything, after steps in which hardly anything moved;
- *           counts bytes, allocations and candidates, for every method and by teams.
- * Does not: count the records that are kept: contact_max bounds them, and it is small.
- * Threads:  one and four.
- * Source:   candidates on their way to the tests are a bounded number for each thread
- *           (ENG_CHUNK_MAX); whoever lists them runs out of memory here.
+ * A mesh of which every vertex jumps to some place far away, so that nearly everything
+ * may meet everything, after steps in which hardly anything moved; counts bytes,
+ * allocations and candidates, for every method and by teams.
  */
 #include "eng_kit.h"
 

@@ -1,12 +1,8 @@
-/* tests/unit/test_eng_thick.c - the elementary test of thick features.
+/* test_eng_thick.c - the elementary test of thick features.
  *
- * Room:     engine (thick.h).
- * Does:     cases that were worked out by hand, in every order of their points and at
- *           several scales, by doubles and by integers alone; flags, times, directions;
- *           no radius is contact.
- * Does not: compare with the oracle (tests/fuzz does).
- * Threads:  one.
- * Source:   daemon/engine/elementary/thick.h.
+ * Cases that were worked out by hand, in every order of their points and at several
+ * scales, by doubles and by integers alone; flags, times, directions; no radius is
+ * contact.
  */
 #include "eng_case.h"
 

@@ -1,11 +1,4 @@
-/* tests/unit/test_eng_thick_step.c - steps of thick objects that were made by hand.
- *
- * Room:     engine (step.h, scene.h).
- * Does:     what frames, poses and rest might get wrong; numbers that are no lengths.
- * Does not: compare with all pairs (tests/property/test_eng_thick_plays does).
- * Threads:  one, and teams of two.
- * Source:   step_settings.h, scene.h, mesh.h.
- */
+/* test_eng_thick_step.c - steps of thick objects that were made by hand. */
 #include "eng_way.h"
 
 #include <math.h>

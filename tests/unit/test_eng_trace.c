@@ -1,10 +1,4 @@
-/* tests/unit/test_eng_trace.c - the trace of a step.
- *
- * Room:     engine (step.h, trace.h).
- * Does:     fill a ring; hold the slices of whole steps against the records and counters.
- * Threads:  up to sixteen, whatever the machine has.
- * Source:   daemon/engine/team/trace.h.
- */
+/* test_eng_trace.c - the trace of a step. */
 #include "eng_crew.h"
 
 #include <stdlib.h>

@@ -1,11 +1,7 @@
-/* tests/unit/test_eng_warm.c - a warm step allocates nothing.
+/* test_eng_warm.c - a warm step allocates nothing.
  *
- * Room:     engine (step.h).
- * Does:     count every call of malloc and its kin in this process, libraries included,
- *           while a step that was done before is staged and done again.
- * Does not: trust the engine's own counters.
- * Threads:  one.
- * Source:   design: "a step does not call malloc once warm".
+ * Count every call of malloc and its kin in this process, libraries included, while a
+ * step that was done before is staged and done again.
  */
 #include "eng_kit.h"
 

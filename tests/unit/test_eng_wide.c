@@ -1,10 +1,7 @@
-/* tests/unit/test_eng_wide.c - the trees of the method wide.
+/* test_eng_wide.c - the trees of the method wide.
  *
- * Room:     engine (wide.h, wide_sweep.h, step.h, world.h).
- * Does:     slots and boxes as objects come and go; pairs against brute force;
- *           the same answers as the method paper.
- * Does not: test the box kernels (test_eng_boxes.c).
- * Threads:  one.
+ * Slots and boxes as objects come and go; pairs against brute force; the same answers as
+ * the method paper.
  */
 #include "eng_kit.h"
 

@@ -1,10 +1,7 @@
 /* test_load_judge.c - whether the load harness would notice.
  *
- * Room:     client/load (judge.h, watch.h).
- * Does:     give the judge answers that are right, wrong, another's, or too many; give
- *           the fit series that grow and such that do not.
- * Does not: talk to a daemon.
- * Threads:  one.
+ * Give the judge answers that are right, wrong, another's, or too many; give the fit
+ * series that grow and such that do not.
  */
 #include <setjmp.h>
 #include <stdarg.h>

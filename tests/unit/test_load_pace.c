@@ -1,10 +1,4 @@
-/* test_load_pace.c - whether the load harness asks and counts as it says.
- *
- * Room:     client/load (hist.h, pace.h, size.h, shape.h).
- * Does:     histograms beside sorted values; plans of requests; sizes and shapes.
- * Does not: talk to a daemon.
- * Threads:  one.
- */
+/* test_load_pace.c - whether the load harness asks and counts as it says. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,10 +1,7 @@
 /* test_oracle.c - the exact oracle on cases that were worked out by hand.
  *
- * Room:     tests/unit. May include: oracle, tests/support, cmocka.
- * Does:     touches at the ends of the step, grazes, coplanar motion, degenerate
- *           features, exact times, and laws that any answer obeys.
- * Does not: need any data (tests/truth does).
- * Threads:  one.
+ * Touches at the ends of the step, grazes, coplanar motion, degenerate features, exact
+ * times, and laws that any answer obeys.
  */
 #include <math.h>
 #include <setjmp.h>

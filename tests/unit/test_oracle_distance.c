@@ -1,9 +1,7 @@
 /* test_oracle_distance.c - the oracle's distances, on cases that were worked out by hand.
  *
- * Room:     tests/unit. May include: oracle, cmocka.
- * Does:     each type, the ties between types and between equal ones, roundings,
- *           degenerate features, edges that pass through faces.
- * Threads:  one.
+ * Each type, the ties between types and between equal ones, roundings, degenerate
+ * features, edges that pass through faces.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -1,9 +1,7 @@
 /* test_oracle_thick.c - the oracle of thick features.
  *
- * Room:     tests/unit. May include: oracle, tests/support, cmocka.
- * Does:     cases that were worked out by hand; random ones on a grid against the
- *           oracle's distance at many times; no radius against the oracle of contacts.
- * Threads:  one.
+ * Cases that were worked out by hand; random ones on a grid against the oracle's distance
+ * at many times; no radius against the oracle of contacts.
  */
 #include <math.h>
 #include <setjmp.h>

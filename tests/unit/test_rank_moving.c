@@ -1,9 +1,7 @@
-/* tests/unit/test_rank_moving.c - boxes that go on as vertices go.
+/* test_rank_moving.c - boxes that go on as vertices go.
  *
- * Room:     client/mpi (moving.h), which needs no MPI for it.
- * Does:     let vertices go wherever they may, and compare the boxes that were promised
- *           for them with the boxes that they have.
- * Threads:  one.
+ * Let vertices go wherever they may, and compare the boxes that were promised for them
+ * with the boxes that they have.
  */
 #include <setjmp.h>
 #include <stdarg.h>

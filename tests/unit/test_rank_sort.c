@@ -1,9 +1,4 @@
-/* tests/unit/test_rank_sort.c - numbers sorted with what is attached.
- *
- * Room:     client/mpi (rank_sort.h, recent.h), which needs no MPI for it.
- * Does:     compare with a sort that is slow and simple.
- * Threads:  one.
- */
+/* test_rank_sort.c - numbers sorted with what is attached. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

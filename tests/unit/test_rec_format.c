@@ -1,10 +1,8 @@
 /* test_rec_format.c - recordings as files: written, cut, damaged, read.
  *
- * Room:     tests/unit. May include: client/record, cmocka.
- * Does:     write a small recording, and read what is left of it after every cut and
- *           after the change of any byte.
- * More than 600 lines: what a reader refuses of every kind of chunk, on one fixture.
- * Threads:  one.
+ * Write a small recording, and read what is left of it after every cut and after the
+ * change of any byte. More than 600 lines: what a reader refuses of every kind of chunk,
+ * on one fixture.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,4 @@
-/* tests/unit/test_reg_map.c - what belongs to a handle, among many.
- *
- * Room:     client/registry, one header.
- * Does:     compare with a table, while handles come and go by chance.
- * Threads:  one.
- */
+/* test_reg_map.c - what belongs to a handle, among many. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

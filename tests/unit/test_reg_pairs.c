@@ -1,9 +1,4 @@
-/* tests/unit/test_reg_pairs.c - pairs that ignore each other, as the registry keeps them.
- *
- * Room:     client/registry, one header.
- * Does:     compare with a table, while pairs are told on and off and objects go.
- * Threads:  one.
- */
+/* test_reg_pairs.c - pairs that ignore each other, as the registry keeps them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,10 +1,4 @@
-/* tests/unit/test_reg_positions.c - where the objects of a registry are.
- *
- * Room:     client/registry.
- * Does:     move objects at random, in both ways in which positions are followed, and
- *           compare them to the bit.
- * Threads:  one.
- */
+/* test_reg_positions.c - where the objects of a registry are. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,10 +1,4 @@
-/* tests/unit/test_reg_registry.c - what a client has told a daemon.
- *
- * Room:     client/registry.
- * Does:     make, replace and destroy meshes, scenes and objects, and look at what is
- *           left.
- * Threads:  one.
- */
+/* test_reg_registry.c - what a client has told a daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,8 +1,7 @@
 /* test_srv_compute.c - the compute thread and its queue.
  *
- * Room:     tests; sees daemon/server/compute.h.
- * Does:     order within a lane, turns between lanes and groups, bounds, taking back,
- *           cancelling, batches of notifications. Shares are test_srv_fairqueue.c.
+ * Order within a lane, turns between lanes and groups, bounds, taking back, cancelling,
+ * batches of notifications. Shares are test_srv_fairqueue.c.
  */
 #include <semaphore.h>
 #include <setjmp.h>

@@ -1,8 +1,4 @@
-/* test_srv_fairqueue.c - shares, waits and the order of the queue.
- *
- * Room:     tests; sees daemon/server/fairqueue.h.
- * Does:     simulate a server that is never idle, in virtual nanoseconds.
- */
+/* test_srv_fairqueue.c - shares, waits and the order of the queue. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,8 +1,4 @@
-/* test_srv_handles.c - handles with generations.
- *
- * Room:     tests; sees daemon/server/handles.h.
- * Does:     stale handles, reuse in turn, the wrap of generations, exhaustion.
- */
+/* test_srv_handles.c - handles with generations. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,8 +1,4 @@
-/* test_srv_log.c - what the daemon says about itself.
- *
- * Room:     tests; sees daemon/server/log.h.
- * Does:     lines into a pipe that is read late or never.
- */
+/* test_srv_log.c - what the daemon says about itself. */
 #include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>

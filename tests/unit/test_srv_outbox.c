@@ -1,8 +1,4 @@
-/* test_srv_outbox.c - answers that go out together.
- *
- * Room:     tests; sees daemon/server/outbox.h.
- * Does:     what is kept, and when it is due.
- */
+/* test_srv_outbox.c - answers that go out together. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

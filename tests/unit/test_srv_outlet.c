@@ -1,9 +1,4 @@
-/* test_srv_outlet.c - the way out of a socket that may be closed meanwhile.
- *
- * Room:     tests; sees daemon/server/outlet.h.
- * Does:     what is sent, and what must not be: to whoever has the number next, and
- *           before what waits.
- */
+/* test_srv_outlet.c - the way out of a socket that may be closed meanwhile. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,8 +1,4 @@
-/* test_srv_quota.c - quotas of a user.
- *
- * Room:     tests; sees daemon/server/quota.h.
- * Does:     limits that are reached, released, and kept apart by user and by kind.
- */
+/* test_srv_quota.c - quotas of a user. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

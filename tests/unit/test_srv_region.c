@@ -1,8 +1,4 @@
-/* test_srv_region.c - pages of the result region.
- *
- * Room:     tests; sees daemon/server/region.h.
- * Does:     the ends of the ring, the wrap, full and empty regions, and hostile heads.
- */
+/* test_srv_region.c - pages of the result region. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

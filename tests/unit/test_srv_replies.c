@@ -1,8 +1,4 @@
-/* test_srv_replies.c - answers that may have to be sent once more.
- *
- * Room:     tests; sees daemon/service/sessions/replies.h.
- * Does:     which are kept and for how long; ids across their wrap.
- */
+/* test_srv_replies.c - answers that may have to be sent once more. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

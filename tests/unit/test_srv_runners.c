@@ -1,9 +1,7 @@
 /* test_srv_runners.c - several threads that compute from one queue.
  *
- * Room:     tests; sees daemon/service/queue/compute.h.
- * Does:     who may run beside whom: beside long jobs only, as many as a user may have,
- *           and nobody beside one that uses the same thing. What one thread does is
- *           test_srv_compute.c.
+ * Who may run beside whom: beside long jobs only, as many as a user may have, and nobody
+ * beside one that uses the same thing. What one thread does is test_srv_compute.c.
  */
 #include <semaphore.h>
 #include <setjmp.h>

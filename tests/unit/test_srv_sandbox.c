@@ -1,11 +1,4 @@
-/* test_srv_sandbox.c - the calls of the sandbox on other processors.
- *
- * Room:     tests/unit. May include: the header of the daemon's list,
- *           tests/support.
- * Does:     ask libseccomp which of them a processor lacks, and look for what the C
- *           library calls there.
- * Threads:  one.
- */
+/* test_srv_sandbox.c - the calls of the sandbox on other processors. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>

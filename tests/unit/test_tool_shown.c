@@ -1,9 +1,4 @@
-/* tests/unit/test_tool_shown.c - names that others chose, on a terminal.
- *
- * Room:     client/tool (shown.h, printable.h, plural.h).
- * Does:     compares what is shown with what was worked out by hand.
- * Threads:  one.
- */
+/* test_tool_shown.c - names that others chose, on a terminal. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,9 +1,7 @@
-/* tests/unit/test_tool_whole_file.c - files that appear whole or not at all.
+/* test_tool_whole_file.c - files that appear whole or not at all.
  *
- * Room:     client/tool (whole_file.h).
- * Does:     writes into a folder of its own, with limits, links and processes that are
- *           killed; looks at what is there then.
- * Threads:  one.
+ * Writes into a folder of its own, with limits, links and processes that are killed;
+ * looks at what is there then.
  */
 #include <dirent.h>
 #include <errno.h>

@@ -1,9 +1,5 @@
 /* thick_cases.c - thick features whose first time within a distance was worked out by
  * hand.
- *
- * Room:     tests/unit.
- * Does:     see thick_cases.h.
- * Threads:  [any].
  */
 #include "thick_cases.h"
 

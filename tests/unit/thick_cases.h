@@ -1,10 +1,5 @@
 /* thick_cases.h - thick features whose first time within a distance was worked out by
  * hand, for the oracle and for the engine.
- *
- * Room:     tests/unit. May include: the C library.
- * Does:     list exact tangency, distances that stay the same, features that collapse at
- *           one instant, slivers, powers of two, what begins inside.
- * Threads:  [any].
  */
 #ifndef TESTS_THICK_CASES_H
 #define TESTS_THICK_CASES_H

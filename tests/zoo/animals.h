@@ -1,9 +1,6 @@
 /* animals.h - the misdeeds of hostile clients, and what the daemon must answer to each.
  *
- * Room:     tests/zoo. May include: cage.h.
- * Does:     define one function for each; it returns false where the daemon answered
- *           something other than it must.
- * Threads:  one, of the animal's process.
+ * Threads: one, of the animal's process.
  */
 #ifndef ZOO_ANIMALS_H
 #define ZOO_ANIMALS_H

@@ -1,9 +1,4 @@
-/* animals_data.c - hostile clients: what is in the shared memory.
- *
- * Room:     tests/zoo. May include: animals.h, proto.
- * Does:     see animals.h; each act says what it must get.
- * Threads:  one, of the animal's process.
- */
+/* animals_data.c - hostile clients: what is in the shared memory. */
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>

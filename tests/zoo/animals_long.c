@@ -1,10 +1,7 @@
 /* animals_long.c - hostile clients: what takes the daemon seconds.
  *
- * Room:     tests/zoo. May include: animals.h, hog.h.
- * Does:     see animals.h; each request gets its whole answer, however long that takes,
- *           or, where it has a deadline, what there is by then; and others get theirs
- *           meanwhile.
- * Threads:  one, of the animal's process.
+ * See animals.h; each request gets its whole answer, however long that takes, or, where
+ * it has a deadline, what there is by then; and others get theirs meanwhile.
  */
 #include <math.h>
 

@@ -1,9 +1,4 @@
-/* animals_share.c - hostile clients: scenes that are shared, and what is told of them.
- *
- * Room:     tests/zoo. May include: animals.h, proto.
- * Does:     see animals.h; each act says what it must get.
- * Threads:  one, of the animal's process.
- */
+/* animals_share.c - hostile clients: scenes that are shared, and what is told of them. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,9 +1,4 @@
-/* animals_talk.c - hostile clients: messages and descriptors.
- *
- * Room:     tests/zoo. May include: animals.h, proto.
- * Does:     see animals.h; each act says what it must get.
- * Threads:  one, of the animal's process.
- */
+/* animals_talk.c - hostile clients: messages and descriptors. */
 #include <errno.h>
 #include <poll.h>
 #include <stdio.h>

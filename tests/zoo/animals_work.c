@@ -1,8 +1,6 @@
 /* animals_work.c - hostile clients: what is asked to be computed.
  *
- * Room:     tests/zoo. May include: animals.h, proto.
- * Does:     see animals.h; each act says what it must get.
- * Threads:  one, of the animal's process, and children that are killed or wake it.
+ * Threads: one, of the animal's process, and children that are killed or wake it.
  */
 #include <signal.h>
 #include <string.h>

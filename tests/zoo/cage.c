@@ -1,9 +1,4 @@
-/* cage.c - one hostile client, in a process of its own.
- *
- * Room:     tests/zoo. May include: cage.h.
- * Does:     fork, shared memory for what happened, and what most animals begin with.
- * Threads:  the keeper's.
- */
+/* cage.c - one hostile client, in a process of its own. */
 #include "cage.h"
 
 #include <signal.h>

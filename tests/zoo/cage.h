@@ -1,10 +1,6 @@
 /* cage.h - runs one hostile client in a process of its own.
  *
- * Room:     tests/zoo. May include: raw.h.
- * Does:     fork a client that repeats its misdeed until it is told to end, and see
- *           whether the daemon answered as it must.
- * Does not: know what the misdeeds are (animals.h).
- * Threads:  the keeper's; an animal has one of its own process.
+ * Threads: the keeper's; an animal has one of its own process.
  */
 #ifndef ZOO_CAGE_H
 #define ZOO_CAGE_H

@@ -1,9 +1,4 @@
-/* keeper.c - an honest client that is measured, and the daemon it looks after.
- *
- * Room:     tests/zoo. May include: keeper.h, the C library.
- * Does:     see keeper.h.
- * Threads:  one.
- */
+/* keeper.c - an honest client that is measured, and the daemon it looks after. */
 #include "keeper.h"
 
 #include <dirent.h>

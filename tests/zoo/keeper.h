@@ -1,9 +1,6 @@
 /* keeper.h - an honest client that is measured while hostile ones attack the daemon.
  *
- * Room:     tests/zoo. May include: pccd.h, tests/support.
- * Does:     step a scene, compare every answer byte by byte with the one it got alone,
- *           and take the time; read what the daemon holds.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef ZOO_KEEPER_H
 #define ZOO_KEEPER_H

@@ -1,12 +1,10 @@
 /* test_zoo_animals.c - hostile clients beside an honest one.
  *
- * Room:     tests/zoo. May include: animals.h, keeper.h.
- * Does:     for each animal: several of them in front of a real daemon, each seeing that
- *           it gets what its act must get; beside them an honest client whose answers are
- *           the same bytes as alone. Measured: the honest client's p99 beside against its
- *           p99 alone, just before; the daemon's heap for each of them. With --long: many
- *           requests, and a table for people (make zoo).
- * Threads:  one, and the processes of the animals.
+ * For each animal: several of them in front of a real daemon, each seeing that it gets
+ * what its act must get; beside them an honest client whose answers are the same bytes as
+ * alone. Measured: the honest client's p99 beside against its p99 alone, just before; the
+ * daemon's heap for each of them. With --long: many requests, and a table for people
+ * (make zoo).
  */
 #include <setjmp.h>
 #include <stdarg.h>

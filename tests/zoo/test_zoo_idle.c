@@ -1,11 +1,8 @@
 /* test_zoo_idle.c - a daemon that nobody asks anything does nothing.
  *
- * Room:     tests/zoo. May include: raw.h, daemon.h, grid.h.
- * Does:     many clients that have said hello and are silent, and one that has had a
- *           large answer, whose memory the daemon has given back; the context switches
- *           of all threads of the daemon are counted over some seconds. IDLE_CLIENTS, and
- *           IDLE_SECONDS.
- * Threads:  one.
+ * Many clients that have said hello and are silent, and one that has had a large answer,
+ * whose memory the daemon has given back; the context switches of all threads of the
+ * daemon are counted over some seconds. IDLE_CLIENTS, and IDLE_SECONDS.
  */
 #include <dirent.h>
 #include <setjmp.h>

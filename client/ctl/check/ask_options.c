@@ -1,11 +1,4 @@
-/* client/ctl/check/ask_options.c - options of the commands that ask about files.
- *
- * Room:     client/ctl.
- * Does:     parse them; end what was asked.
- * Does not: read the files.
- * Threads:  one.
- * Source:   ask_options.h.
- */
+/* ask_options.c - options of the commands that ask about files. */
 #include "ask_options.h"
 
 #include <float.h>

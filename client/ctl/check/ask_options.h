@@ -1,12 +1,11 @@
-/* client/ctl/check/ask_options.h - what pccdctl check and pccdctl near have in common,
- * and what all commands that read mesh files have.
+/* ask_options.h - what pccdctl check and pccdctl near have in common, and what all
+ * commands that read mesh files have.
  *
- * Room:     client/ctl. May include: ctl.h, error.h, link.h, meshframes.h, pccd.h.
- * Does:     provide the files, --json, --threads, --method, --tuning, --repeat,
- *           --deadline, --result-bytes, the options of thickness and of mesh files; say
- *           where the report goes, and end the command.
- * Does not: know what is asked.
- * Threads:  one.
+ * Provide the files, --json, --threads, --method, --tuning, --repeat, --deadline,
+ * --result-bytes, the options of thickness and of mesh files; say where the report goes,
+ * and end the command.
+ *
+ * Threads: one.
  */
 #ifndef CTL_ASK_OPTIONS_H
 #define CTL_ASK_OPTIONS_H

@@ -1,10 +1,4 @@
-/* client/ctl/check/check_options.c - options of a check.
- *
- * Room:     client/ctl.
- * Does:     parse them.
- * Threads:  one.
- * Source:   check_options.h.
- */
+/* check_options.c - options of a check. */
 #include "check_options.h"
 
 #include "ctl.h"

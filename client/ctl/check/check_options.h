@@ -1,11 +1,7 @@
-/* client/ctl/check/check_options.h - what is asked of a check: the options of `pccdctl
- * check` and of `pccd-mpi check`.
+/* check_options.h - what is asked of a check: the options of `pccdctl check` and of
+ * `pccd-mpi check`.
  *
- * Room:     client/ctl. May include: ask_options.h, pccd.h.
- * Does:     provide the files, --mode, --contacts, --tolerance, --separation,
- *           --approach, and those of ask_options.h.
- * Does not: know who computes.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_CHECK_OPTIONS_H
 #define CTL_CHECK_OPTIONS_H

@@ -1,11 +1,4 @@
-/* client/ctl/check/check_run.c - a mesh in a daemon, moved from frame to frame.
- *
- * Room:     client/ctl.
- * Does:     registers, submits, repeats, fetches, takes medians.
- * Does not: read files or print.
- * Threads:  one.
- * Source:   check_run.h.
- */
+/* check_run.c - a mesh in a daemon, moved from frame to frame. */
 #include "check_run.h"
 
 #include <inttypes.h>

@@ -1,13 +1,7 @@
-/* client/ctl/check/check_run.h - runs `pccdctl check`: gives the frames of a mesh to a
- * daemon and collects its contacts.
+/* check_run.h - runs `pccdctl check`: gives the frames of a mesh to a daemon and collects
+ * its contacts.
  *
- * Room:     client/ctl. May include: meshfile.h, ask_options.h, contacts_csv.h,
- *           report.h, pccd.h.
- * Does:     register the first frame, run the steps as often as asked, fetch every page
- *           of contacts. `pccdctl near` repeats its question by the same loop.
- * Does not: read files or print.
- * Threads:  one.
- * Source:   used by cmd_check.c and near_run.c.
+ * Threads: one.
  */
 #ifndef CTL_CHECK_RUN_H
 #define CTL_CHECK_RUN_H

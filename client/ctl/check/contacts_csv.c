@@ -1,11 +1,4 @@
-/* client/ctl/check/contacts_csv.c - contacts as lines of text.
- *
- * Room:     client/ctl.
- * Does:     turns feature numbers into vertex numbers and prints them.
- * Does not: read it back.
- * Threads:  one.
- * Source:   contacts_csv.h.
- */
+/* contacts_csv.c - contacts as lines of text. */
 #include "contacts_csv.h"
 
 #include <inttypes.h>

@@ -1,12 +1,6 @@
-/* client/ctl/check/contacts_csv.h - writes contacts as CSV (`pccdctl check --contacts
- * FILE`).
+/* contacts_csv.h - writes contacts as CSV (`pccdctl check --contacts FILE`).
  *
- * Room:     client/ctl. May include: error.h, objects.h, pccd.h.
- * Does:     write kind,i0,i1,i2,i3,toi,toi_hi,proved with vertex numbers from 0 in file
- *           order, and the names of objects where the file has some.
- * Does not: read it back.
- * Threads:  one.
- * Source:   pccd_types.h for what feature numbers mean.
+ * Threads: one.
  */
 #ifndef CTL_CONTACTS_CSV_H
 #define CTL_CONTACTS_CSV_H

@@ -1,10 +1,4 @@
-/* client/ctl/check/objects.c - records by the objects of a file.
- *
- * Room:     client/ctl.
- * Does:     number edges by the object that has them first.
- * Threads:  one.
- * Source:   objects.h.
- */
+/* objects.c - records by the objects of a file. */
 #include "objects.h"
 
 #include <inttypes.h>

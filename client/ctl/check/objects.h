@@ -1,11 +1,6 @@
-/* client/ctl/check/objects.h - which objects of a file meet.
+/* objects.h - which objects of a file meet.
  *
- * Room:     client/ctl. May include: meshfile.h, report.h, pccd.h.
- * Does:     find the object that a feature is of; count the records of a step by the two
- *           objects that they are between.
- * Does not: read files or print.
- * Threads:  one.
- * Source:   struct ctl_mesh_object. What several objects share is the first one's.
+ * Threads: one.
  */
 #ifndef CTL_OBJECTS_H
 #define CTL_OBJECTS_H

@@ -1,10 +1,4 @@
-/* client/ctl/check/player.c - frames of a mesh, played in a daemon.
- *
- * Room:     client/ctl.
- * Does:     one step a frame, each from the frame before it.
- * Threads:  one.
- * Source:   player.h.
- */
+/* player.c - frames of a mesh, played in a daemon. */
 #include "player.h"
 
 #include <inttypes.h>

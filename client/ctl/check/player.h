@@ -1,12 +1,6 @@
-/* client/ctl/check/player.h - moves a mesh in a daemon through the frames of files, for
- * `pccdctl load`.
+/* player.h - moves a mesh in a daemon through the frames of files, for `pccdctl load`.
  *
- * Room:     client/ctl. May include: meshfile.h, meshframes.h, pccd.h.
- * Does:     read the frames, register the first one, and move it from frame to frame at a
- *           given rate, forwards and backwards in turn, so that nothing ever jumps.
- * Does not: print, but for a progress bar.
- * Threads:  one.
- * Source:   used by cmd_load.c.
+ * Threads: one.
  */
 #ifndef CTL_PLAYER_H
 #define CTL_PLAYER_H

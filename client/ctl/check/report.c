@@ -1,11 +1,4 @@
-/* client/ctl/check/report.c - what `pccdctl check` says.
- *
- * Room:     client/ctl.
- * Does:     the text form; see report_json.c for the other.
- * Does not: compute anything but shares and sums.
- * Threads:  one.
- * Source:   report.h.
- */
+/* report.c - what `pccdctl check` says. */
 #include "report.h"
 
 #include <inttypes.h>

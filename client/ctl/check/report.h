@@ -1,10 +1,6 @@
-/* client/ctl/check/report.h - prints the results of `pccdctl check`.
+/* report.h - prints the results of `pccdctl check`.
  *
- * Room:     client/ctl. May include: meshframes.h, pccd.h, jansson.h.
- * Does:     print the results of steps for people, and as JSON for programs.
- * Does not: compute them; see check_run.h.
- * Threads:  one.
- * Source:   the names of pccd.h.
+ * Threads: one.
  */
 #ifndef CTL_REPORT_H
 #define CTL_REPORT_H

@@ -1,11 +1,4 @@
-/* client/ctl/check/report_json.c - what `pccdctl check --json` says.
- *
- * Room:     client/ctl.
- * Does:     builds the JSON object with jansson.
- * Does not: print text; see report.c.
- * Threads:  one.
- * Source:   report.h.
- */
+/* report_json.c - what `pccdctl check --json` says. */
 #include <inttypes.h>
 #include <jansson.h>
 

@@ -1,10 +1,4 @@
-/* client/ctl/check/report_line.c - the numbers of a step, to JSON and back.
- *
- * Room:     client/ctl.
- * Does:     name each number once, in a list that both directions go through.
- * Threads:  one.
- * Source:   report_line.h; numbers.h.
- */
+/* report_line.c - the numbers of a step, to JSON and back. */
 #include "report_line.h"
 
 #include <stdio.h>

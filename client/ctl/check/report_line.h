@@ -1,9 +1,6 @@
-/* client/ctl/check/report_line.h - a step's report as one JSON object, and back.
+/* report_line.h - a step's report as one JSON object, and back.
  *
- * Room:     client/ctl. May include: report.h, jansson.h.
- * Does:     keep all numbers of a step that report.h prints, for a run that goes on.
- * Does not: keep the names of its files, or its records.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_REPORT_LINE_H
 #define CTL_REPORT_LINE_H

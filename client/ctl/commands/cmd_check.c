@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_check.c - pccdctl check.
- *
- * Room:     client/ctl.
- * Does:     reads frames of a mesh, has each step answered, reports.
- * Does not: keep more than two frames in memory.
- * Threads:  one.
- * Source:   check_run.h, report.h, contacts_csv.h.
- */
+/* cmd_check.c - pccdctl check. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_completion.c - pccdctl completion.
- *
- * Room:     client/ctl.
- * Does:     prints what a shell needs to complete our commands and options.
- * Does not: install it: make install does.
- * Threads:  one.
- * Source:   completion.h.
- */
+/* cmd_completion.c - pccdctl completion. */
 #include "completion.h"
 #include "ctl.h"
 

@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_config.c - pccdctl config.
- *
- * Room:     client/ctl.
- * Does:     lists, tells and changes settings of a daemon while it runs.
- * Does not: write a file: what is set holds until the daemon ends or crashes.
- * Threads:  one.
- * Source:   pccd_config_get and pccd_config_set of pccd.h.
- */
+/* cmd_config.c - pccdctl config. */
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>

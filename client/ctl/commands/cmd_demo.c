@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_demo.c - pccdctl demo.
- *
- * Room:     client/ctl.
- * Does:     lets a cloth fall over a ball, held by the contacts that a daemon finds; ends
- *           with a table and a picture.
- * Threads:  one.
- * Source:   cloth_hold.h, demo_picture.h.
- */
+/* cmd_demo.c - pccdctl demo. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>

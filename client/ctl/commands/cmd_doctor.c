@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_doctor.c - pccdctl doctor.
- *
- * Room:     client/ctl.
- * Does:     looks for what is wrong with a set-up, and says of each thing what to do.
- * Does not: change anything, or start a daemon, unless --private asks for one.
- * Threads:  one.
- * Source:   doctor.h.
- */
+/* cmd_doctor.c - pccdctl doctor. */
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>

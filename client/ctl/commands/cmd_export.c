@@ -1,12 +1,4 @@
-/* client/ctl/commands/cmd_export.c - pccdctl export.
- *
- * Room:     client/ctl.
- * Does:     writes one step of a recording for Blender (glTF) or ParaView (VTK), or lists
- *           the steps that there are.
- * Does not: draw: see cmd_render.c.
- * Threads:  one.
- * Source:   gltf.h, vtp.h.
- */
+/* cmd_export.c - pccdctl export. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>

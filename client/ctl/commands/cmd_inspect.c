@@ -1,12 +1,4 @@
-/* client/ctl/commands/cmd_inspect.c - pccdctl inspect.
- *
- * Room:     client/ctl.
- * Does:     has a daemon repeat a recording, and writes what it did as one page that a
- *           browser opens, without a network.
- * Does not: draw: the page does.
- * Threads:  one.
- * Source:   inspect.h, page_template.h.
- */
+/* cmd_inspect.c - pccdctl inspect. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>

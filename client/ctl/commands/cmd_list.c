@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_list.c - pccdctl list.
- *
- * Room:     client/ctl.
- * Does:     lists sessions, scenes, objects or meshes of a daemon.
- * Does not: start one, unless --private asks for it.
- * Threads:  one.
- * Source:   sessions.h; pccd_list_objects and pccd_list_meshes of pccd.h.
- */
+/* cmd_list.c - pccdctl list. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>

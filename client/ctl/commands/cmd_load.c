@@ -1,12 +1,4 @@
-/* client/ctl/commands/cmd_load.c - pccdctl load.
- *
- * Room:     client/ctl.
- * Does:     puts a mesh or a sequence of frames into a scene of its own in a daemon, and
- *           plays it there at a rate.
- * Does not: report contacts one by one; see cmd_check.c.
- * Threads:  one.
- * Source:   player.h.
- */
+/* cmd_load.c - pccdctl load. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>

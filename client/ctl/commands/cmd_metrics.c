@@ -1,12 +1,4 @@
-/* client/ctl/commands/cmd_metrics.c - pccdctl metrics.
- *
- * Room:     client/ctl.
- * Does:     prints every counter of the daemon and its histograms as OpenMetrics text, as
- *           a collector reads them.
- * Does not: listen: a textfile collector, or a socket unit, puts it where it is wanted.
- * Threads:  one.
- * Source:   the OpenMetrics specification 1.0; counters.h.
- */
+/* cmd_metrics.c - pccdctl metrics. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

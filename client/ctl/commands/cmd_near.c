@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_near.c - pccdctl near.
- *
- * Room:     client/ctl.
- * Does:     reads meshes, each an object, has a daemon tell what is near, reports.
- * Does not: move anything.
- * Threads:  one.
- * Source:   near_run.h, near_report.h, near_csv.h.
- */
+/* cmd_near.c - pccdctl near. */
 #include "ctl.h"
 #include "near_csv.h"
 #include "near_options.h"

@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_ping.c - pccdctl ping.
- *
- * Room:     client/ctl.
- * Does:     measures round trips through the daemon's loop; prints each, then a summary.
- * Does not: start a daemon, unless --private asks for one.
- * Threads:  one.
- * Source:   pccd.h; statistics.h.
- */
+/* cmd_ping.c - pccdctl ping. */
 #include <errno.h>
 #include <inttypes.h>
 #include <jansson.h>

@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_record.c - pccdctl record.
- *
- * Room:     client/ctl.
- * Does:     runs a program so that libpccd records what it asks, and says what there is.
- * Does not: record: libpccd does, in that program.
- * Threads:  one.
- * Source:   pccd.h, "recording a session".
- */
+/* cmd_record.c - pccdctl record. */
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>

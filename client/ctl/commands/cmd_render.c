@@ -1,12 +1,4 @@
-/* client/ctl/commands/cmd_render.c - pccdctl render.
- *
- * Room:     client/ctl.
- * Does:     draws one step of a recording, its contacts coloured by time; or each of its
- *           steps, as a film.
- * Does not: need a screen or a graphics card.
- * Threads:  one.
- * Source:   render.h.
- */
+/* cmd_render.c - pccdctl render. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>

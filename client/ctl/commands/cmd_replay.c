@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_replay.c - pccdctl replay.
- *
- * Room:     client/ctl.
- * Does:     has a daemon repeat the steps of a recording, and compares every answer.
- * Does not: check that the answers are right: see cmd_verify.c.
- * Threads:  one.
- * Source:   replay.h.
- */
+/* cmd_replay.c - pccdctl replay. */
 #include <string.h>
 
 #include "ctl.h"

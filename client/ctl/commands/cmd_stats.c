@@ -1,12 +1,4 @@
-/* client/ctl/commands/cmd_stats.c - pccdctl stats.
- *
- * Room:     client/ctl.
- * Does:     lists the daemon's counters with their meaning, or as JSON, or what the
- *           threads of its last step did.
- * Does not: start a daemon, unless --private asks for one.
- * Threads:  one.
- * Source:   pccd.h.
- */
+/* cmd_stats.c - pccdctl stats. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>

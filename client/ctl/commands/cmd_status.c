@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_status.c - pccdctl status.
- *
- * Room:     client/ctl.
- * Does:     tells on one screen how a daemon is.
- * Does not: start one, unless --private asks for it.
- * Threads:  one.
- * Source:   counters.h; pccd_stats_thread for the last step.
- */
+/* cmd_status.c - pccdctl status. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>

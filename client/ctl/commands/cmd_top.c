@@ -1,12 +1,4 @@
-/* client/ctl/commands/cmd_top.c - pccdctl top.
- *
- * Room:     client/ctl.
- * Does:     tells again and again what the clients of a daemon do: steps a second,
- *           milliseconds a step by phase, bytes.
- * Does not: draw over what is there, unless the standard output is a terminal.
- * Threads:  one.
- * Source:   sessions.h; the manner of pw-top.
- */
+/* cmd_top.c - pccdctl top. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdarg.h>

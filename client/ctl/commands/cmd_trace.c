@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_trace.c - pccdctl trace.
- *
- * Room:     client/ctl.
- * Does:     records what a daemon does for a while, and writes it to a file.
- * Does not: start a daemon, unless --private asks for one.
- * Threads:  one.
- * Source:   trace_file.h.
- */
+/* cmd_trace.c - pccdctl trace. */
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,12 +1,4 @@
-/* client/ctl/commands/cmd_verify.c - pccdctl verify.
- *
- * Room:     client/ctl.
- * Does:     checks the answers of a recording by exact arithmetic, and says PASS, or
- *           shows what is wrong with all that is needed to repeat it.
- * Does not: compute contacts.
- * Threads:  one.
- * Source:   verify.h.
- */
+/* cmd_verify.c - pccdctl verify. */
 #include "ctl.h"
 #include "play_options.h"
 #include "verify.h"

@@ -1,12 +1,4 @@
-/* client/ctl/commands/cmd_version.c - pccdctl version.
- *
- * Room:     client/ctl.
- * Does:     tells the versions of this tool and of the library, the daemon's process and
- *           its instruction set.
- * Does not: start a daemon, unless told to; fail when none answers that nobody named.
- * Threads:  one.
- * Source:   pccd.h.
- */
+/* cmd_version.c - pccdctl version. */
 #include <jansson.h>
 #include <stdio.h>
 

@@ -1,11 +1,4 @@
-/* client/ctl/commands/cmd_watch.c - pccdctl watch.
- *
- * Room:     client/ctl.
- * Does:     prints a line for each step that a daemon answers.
- * Does not: slow the daemon down: what it cannot print in time is lost, and told.
- * Threads:  one.
- * Source:   pccd_watch_start of pccd.h; the manner of redis-cli MONITOR.
- */
+/* cmd_watch.c - pccdctl watch. */
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>

@@ -1,9 +1,6 @@
-/* client/ctl/commands/render.h - what pccdctl render draws, and how.
+/* render.h - what pccdctl render draws, and how.
  *
- * Room:     client/ctl. May include: film.h, picture.h, play_options.h, still.h.
- * Does:     draw a step that was taken, into a file or as the next picture of a film.
- * Does not: read recordings or options; cmd_render.c does.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_RENDER_H
 #define CTL_RENDER_H

@@ -1,11 +1,4 @@
-/* client/ctl/commands/render_draw.c - a step of a recording becomes a picture.
- *
- * Room:     client/ctl.
- * Does:     meshes in the colours of their objects, contacts in those of their times, a
- *           view of them, a title.
- * Threads:  one.
- * Source:   render.h; picture.h.
- */
+/* render_draw.c - a step of a recording becomes a picture. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>

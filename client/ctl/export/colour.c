@@ -1,11 +1,4 @@
-/* client/ctl/export/colour.c - colours of times and of objects.
- *
- * Room:     client/ctl.
- * Does:     two tables.
- * Does not: draw.
- * Threads:  [any].
- * Source:   colour.h.
- */
+/* colour.c - colours of times and of objects. */
 #include "colour.h"
 
 #include <string.h>

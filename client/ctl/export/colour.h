@@ -1,11 +1,5 @@
-/* client/ctl/export/colour.h - the colours that pictures and exported files give to times
- * and to objects.
- *
- * Room:     client/ctl. May include: the C library.
- * Does:     use one scale for all of them, so that they can be compared.
- * Does not: draw.
- * Threads:  [any].
- * Source:   the scale is "plasma" of matplotlib (CC0), at nine places.
+/* colour.h - the colours that pictures and exported files give to times and to
+ * objects.
  */
 #ifndef CTL_COLOUR_H
 #define CTL_COLOUR_H

@@ -1,11 +1,4 @@
-/* client/ctl/export/gltf.c - a step as binary glTF 2.0.
- *
- * Room:     client/ctl.
- * Does:     collect one buffer, describe it in JSON, write both as chunks.
- * Does not: place contacts; see still.c.
- * Threads:  one.
- * Source:   gltf.h.
- */
+/* gltf.c - a step as binary glTF 2.0. */
 #include "gltf.h"
 
 #include <errno.h>

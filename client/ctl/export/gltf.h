@@ -1,14 +1,11 @@
-/* client/ctl/export/gltf.h - writes one step as a binary glTF 2.0 file, which Blender and
- * browsers open.
+/* gltf.h - writes one step as a binary glTF 2.0 file, which Blender and browsers open.
  *
- * Room:     client/ctl. May include: still.h.
- * Does:     write a mesh for each object, its triangles, rods and points, with its motion
- *           as a morph target and an animation of one second; radii as an attribute
- *           _RADIUS of the vertices; contacts as points coloured by time, their normals
- *           as lines; what is near as lines coloured by distance.
- * Does not: need a library.
- * Threads:  one.
- * Source:   the glTF 2.0 specification, registry.khronos.org.
+ * Write a mesh for each object, its triangles, rods and points, with its motion as a
+ * morph target and an animation of one second; radii as an attribute _RADIUS of the
+ * vertices; contacts as points coloured by time, their normals as lines; what is near as
+ * lines coloured by distance.
+ *
+ * Threads: one.
  */
 #ifndef CTL_GLTF_H
 #define CTL_GLTF_H

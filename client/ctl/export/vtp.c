@@ -1,12 +1,8 @@
-/* client/ctl/export/vtp.c - a step as VTK XML PolyData.
+/* vtp.c - a step as VTK XML PolyData.
  *
- * Room:     client/ctl.
- * Does:     points: vertices of all objects, then contacts, then ends of lines; cells:
- *           contacts and points as vertices, lines and rods as lines, then triangles;
- *           arrays in base64, as text is rounded.
- * Does not: place contacts; see still.c.
- * Threads:  one.
- * Source:   vtp.h.
+ * Points: vertices of all objects, then contacts, then ends of lines; cells: contacts and
+ * points as vertices, lines and rods as lines, then triangles; arrays in base64, as text
+ * is rounded.
  */
 #include "vtp.h"
 

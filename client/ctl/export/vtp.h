@@ -1,12 +1,6 @@
-/* client/ctl/export/vtp.h - writes one step as a VTK XML PolyData file, which ParaView
- * opens.
+/* vtp.h - writes one step as a VTK XML PolyData file, which ParaView opens.
  *
- * Room:     client/ctl. May include: still.h.
- * Does:     write triangles, rods, points and contacts, or lines of what is near, with
- *           their numbers as data of points and cells.
- * Does not: need a library.
- * Threads:  one.
- * Source:   VTK file formats, docs.vtk.org.
+ * Threads: one.
  */
 #ifndef CTL_VTP_H
 #define CTL_VTP_H

@@ -1,11 +1,4 @@
-/* client/ctl/inspect/bytes.c - a growing array of bytes, divided into sections.
- *
- * Room:     client/ctl.
- * Does:     double the memory when it is full.
- * Does not: give memory back before the end.
- * Threads:  one.
- * Source:   bytes.h.
- */
+/* bytes.c - a growing array of bytes, divided into sections. */
 #include "bytes.h"
 
 #include <stdlib.h>

@@ -1,9 +1,6 @@
-/* client/ctl/inspect/bytes.h - a growing array of bytes, divided into sections.
+/* bytes.h - a growing array of bytes, divided into sections.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     hold the data of a step until it is known whether they still fit the page.
- * Does not: write files (page_file.h).
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_BYTES_H
 #define CTL_BYTES_H

@@ -1,12 +1,4 @@
-/* client/ctl/inspect/inspect.c - the steps of a recording become data of a page.
- *
- * Room:     client/ctl.
- * Does:     one blob a step, written as soon as it is known to fit; the JSON text, which
- *           says where all is, at the end.
- * Does not: hold more than one step in memory, but for its description.
- * Threads:  one.
- * Source:   inspect.h.
- */
+/* inspect.c - the steps of a recording become data of a page. */
 #include "inspect.h"
 
 #include <inttypes.h>

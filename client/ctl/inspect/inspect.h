@@ -1,12 +1,6 @@
-/* client/ctl/inspect/inspect.h - packs the steps of a recording as data for the page of
- * `pccdctl inspect`.
+/* inspect.h - packs the steps of a recording as data for the page of `pccdctl inspect`.
  *
- * Room:     client/ctl. May include: inspect_data.h, play.h.
- * Does:     pack of each step positions, contacts, boxes of the trees and what threads
- *           did, and say in JSON where each part is.
- * Does not: draw anything: the page, client/inspect/, does when it is opened.
- * Threads:  one.
- * Source:   inspect_data.h has the layouts, which client/inspect/src/data.js reads.
+ * Threads: one.
  */
 #ifndef CTL_INSPECT_H
 #define CTL_INSPECT_H

@@ -1,12 +1,4 @@
-/* client/ctl/inspect/inspect_boxes.c - the hierarchies of a step as sections of data.
- *
- * Room:     client/ctl.
- * Does:     ask the daemon that computed the step for the boxes of each level, from the
- *           root down to the last that is not too large to be looked at.
- * Does not: show a hierarchy that the step did not use.
- * Threads:  one.
- * Source:   inspect_pack.h; pccd_scene_boxes of pccd.h.
- */
+/* inspect_boxes.c - the hierarchies of a step as sections of data. */
 #include <stdlib.h>
 #include <string.h>
 

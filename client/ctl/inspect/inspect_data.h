@@ -1,11 +1,6 @@
-/* client/ctl/inspect/inspect_data.h - the layout of the data in the page of `pccdctl
- * inspect`.
+/* inspect_data.h - the layout of the data in the page of `pccdctl inspect`.
  *
- * Room:     client/ctl. May include: bytes.h, page_file.h, step_trace.h, pccd.h.
- * Does:     name the layouts that client/inspect/src/data.js reads, and hold the state
- *           with which the steps of a recording are packed.
- * Does not: pack anything (inspect_pack.h).
- * Threads:  one.
+ * Threads: one.
  *
  * Numbers in the data are little-endian. A section is [blob, offset] in JSON; arrays:
  *     triangles  u32[3], or u16[3] of a mesh with at most 65536 vertices

@@ -1,12 +1,4 @@
-/* client/ctl/inspect/inspect_pack.c - parts of a step as sections of data.
- *
- * Room:     client/ctl.
- * Does:     positions relative to the page's origin, so that float is enough far from
- *           zero; each mesh once, each position of what stands still once.
- * Does not: choose steps, or write them (inspect.c).
- * Threads:  one.
- * Source:   inspect_pack.h.
- */
+/* inspect_pack.c - parts of a step as sections of data. */
 #include "inspect_pack.h"
 
 #include <math.h>

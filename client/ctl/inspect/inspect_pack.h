@@ -1,11 +1,7 @@
-/* client/ctl/inspect/inspect_pack.h - packs one part of a step (positions, contacts,
- * boxes, events) for the page of `pccdctl inspect`.
+/* inspect_pack.h - packs one part of a step (positions, contacts, boxes, events) for the
+ * page of `pccdctl inspect`.
  *
- * Room:     client/ctl. May include: inspect_data.h, play.h.
- * Does:     round the numbers, append them, and say in JSON where they are.
- * Does not: write files.
- * Threads:  one.
- * Source:   inspect_data.h has the layouts.
+ * Threads: one.
  *
  * All append to inspect->data and return a new reference, or NULL without memory.
  */

@@ -1,12 +1,4 @@
-/* client/ctl/inspect/page_file.c - a page with data in it, as a file.
- *
- * Room:     client/ctl.
- * Does:     base64 and JSON, neither of which can end the element that it stands in.
- * Does not: open or close files.
- * Threads:  one.
- * Source:   page_file.h; the HTML standard, "Restrictions for contents of script
- *           elements": only a "<" can end one.
- */
+/* page_file.c - a page with data in it, as a file. */
 #include "page_file.h"
 
 #include <errno.h>

@@ -1,10 +1,6 @@
-/* client/ctl/inspect/page_file.h - writes an HTML page with binary data inside.
+/* page_file.h - writes an HTML page with binary data inside.
  *
- * Room:     client/ctl. May include: error.h, the C library, jansson.
- * Does:     put binary data and a JSON text at the mark of a template, as elements that
- *           no browser runs; tell how large the file becomes.
- * Does not: know what the data mean.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_PAGE_FILE_H
 #define CTL_PAGE_FILE_H

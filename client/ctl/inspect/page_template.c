@@ -1,13 +1,4 @@
-/* client/ctl/inspect/page_template.c - the page, without data.
- *
- * Room:     client/ctl.
- * Does:     have the assembler take the file in: a C array of it takes a compiler longer
- *           than all the rest of this folder.
- * Does not: read a file when the program runs.
- * Threads:  [any].
- * Source:   page_template.h; client/inspect/local.mk makes the file, empty where there is
- *           nothing to make it with.
- */
+/* page_template.c - the page, without data. */
 #include "page_template.h"
 
 /* From the folder of the build, which is on the assembler's path. */

@@ -1,10 +1,4 @@
-/* client/ctl/inspect/page_template.h - the HTML page of `pccdctl inspect`, without data.
- *
- * Room:     client/ctl. May include: the C library.
- * Does:     hold what client/inspect/ was bundled into when this program was built.
- * Does not: fill it (page_file.h).
- * Threads:  [any].
- */
+/* page_template.h - the HTML page of `pccdctl inspect`, without data. */
 #ifndef CTL_PAGE_TEMPLATE_H
 #define CTL_PAGE_TEMPLATE_H
 

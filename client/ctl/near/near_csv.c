@@ -1,11 +1,4 @@
-/* client/ctl/near/near_csv.c - what is near as lines of text.
- *
- * Room:     client/ctl.
- * Does:     turns handles and feature numbers into those of files and vertices.
- * Does not: read it back.
- * Threads:  one.
- * Source:   near_csv.h.
- */
+/* near_csv.c - what is near as lines of text. */
 #include "near_csv.h"
 
 #include <inttypes.h>

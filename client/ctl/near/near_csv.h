@@ -1,12 +1,10 @@
-/* client/ctl/near/near_csv.h - writes what is near as CSV (`pccdctl near --csv FILE`).
+/* near_csv.h - writes what is near as CSV (`pccdctl near --csv FILE`).
  *
- * Room:     client/ctl. May include: near_run.h, pccd.h, whole_file.h.
- * Does:     write kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz; of vertices:
- *           object,vertex,bound. Objects are numbers of files, from 1; vertices are
- *           numbered from 0 in file order; u and v are the record's param, nx, ny and nz
- *           its direction.
- * Does not: read it back.
- * Threads:  one.
+ * Write kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz; of vertices:
+ * object,vertex,bound. Objects are numbers of files, from 1; vertices are numbered from 0
+ * in file order; u and v are the record's param, nx, ny and nz its direction.
+ *
+ * Threads: one.
  */
 #ifndef CTL_NEAR_CSV_H
 #define CTL_NEAR_CSV_H

@@ -1,10 +1,4 @@
-/* client/ctl/near/near_options.c - what is asked about what is near.
- *
- * Room:     client/ctl.
- * Does:     the table of options, and what must not be combined.
- * Threads:  one.
- * Source:   near_options.h.
- */
+/* near_options.c - what is asked about what is near. */
 #include "near_options.h"
 
 #include <math.h>

@@ -1,11 +1,7 @@
-/* client/ctl/near/near_options.h - what is asked about what is near: the options of
- * `pccdctl near` and of `pccd-mpi near`.
+/* near_options.h - what is asked about what is near: the options of `pccdctl near` and of
+ * `pccd-mpi near`.
  *
- * Room:     client/ctl. May include: ask_options.h, pccd.h.
- * Does:     provide the files, --distance, --what, --gap, --csv, and those of
- *           ask_options.h.
- * Does not: know who computes.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_NEAR_OPTIONS_H
 #define CTL_NEAR_OPTIONS_H

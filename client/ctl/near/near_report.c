@@ -1,10 +1,4 @@
-/* client/ctl/near/near_report.c - what `pccdctl near` says.
- *
- * Room:     client/ctl.
- * Does:     both forms; what they end with is that of `pccdctl check` (report.h).
- * Threads:  one.
- * Source:   near_report.h.
- */
+/* near_report.c - what `pccdctl near` says. */
 #include "near_report.h"
 
 #include <inttypes.h>

@@ -1,9 +1,6 @@
-/* client/ctl/near/near_report.h - prints the answer of `pccdctl near`.
+/* near_report.h - prints the answer of `pccdctl near`.
  *
- * Room:     client/ctl. May include: near_run.h, report.h.
- * Does:     print it for people, or as a JSON object.
- * Does not: print records (near_csv.h).
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_NEAR_REPORT_H
 #define CTL_NEAR_REPORT_H

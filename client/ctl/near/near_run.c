@@ -1,11 +1,4 @@
-/* client/ctl/near/near_run.c - meshes in a daemon, and what is near there.
- *
- * Room:     client/ctl.
- * Does:     registers, asks, fetches.
- * Does not: print.
- * Threads:  one.
- * Source:   near_run.h.
- */
+/* near_run.c - meshes in a daemon, and what is near there. */
 #include "near_run.h"
 
 #include <ctype.h>

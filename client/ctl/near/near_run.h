@@ -1,12 +1,7 @@
-/* client/ctl/near/near_run.h - runs `pccdctl near`: puts meshes into a scene, and asks
- * what is near there.
+/* near_run.h - runs `pccdctl near`: puts meshes into a scene, and asks what is near
+ * there.
  *
- * Room:     client/ctl. May include: check_run.h, meshfile.h, pccd.h.
- * Does:     read the files, register each as an object, ask as often as wanted, fetch
- *           every page.
- * Does not: print (near_report.h, near_csv.h).
- * Threads:  one.
- * Source:   used by cmd_near.c; pccd-mpi puts and asks by itself.
+ * Threads: one.
  */
 #ifndef CTL_NEAR_RUN_H
 #define CTL_NEAR_RUN_H

@@ -1,10 +1,4 @@
-/* client/ctl/observe/columns.c - tables that fit a terminal.
- *
- * Room:     client/ctl.
- * Does:     measures, chooses and prints them.
- * Threads:  one.
- * Source:   columns.h.
- */
+/* columns.c - tables that fit a terminal. */
 #include "columns.h"
 
 #include <stdio.h>

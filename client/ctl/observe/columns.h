@@ -1,11 +1,6 @@
-/* client/ctl/observe/columns.h - prints tables that fit the width of a terminal.
+/* columns.h - prints tables that fit the width of a terminal.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     make each column as wide as its contents, and leave out the least important
- *           columns until the rest fits: no number is ever cut.
- * Does not: break lines.
- * Threads:  one.
- * Source:   used by top.
+ * Threads: one.
  */
 #ifndef CTL_COLUMNS_H
 #define CTL_COLUMNS_H

@@ -1,10 +1,4 @@
-/* client/ctl/observe/counters.c - the daemon's counters, to be looked up by name.
- *
- * Room:     client/ctl.
- * Does:     keeps names, values and meanings side by side.
- * Threads:  one.
- * Source:   counters.h.
- */
+/* counters.c - the daemon's counters, to be looked up by name. */
 #include "counters.h"
 
 #include <math.h>

@@ -1,11 +1,6 @@
-/* client/ctl/observe/counters.h - the daemon's counters, looked up by name.
+/* counters.h - the daemon's counters, looked up by name.
  *
- * Room:     client/ctl. May include: pccd.h.
- * Does:     read all of them at once; say which only grow; compute quantiles of a
- *           histogram.
- * Does not: print.
- * Threads:  one.
- * Source:   pccd_stats and pccd_histogram of pccd.h.
+ * Threads: one.
  */
 #ifndef CTL_COUNTERS_H
 #define CTL_COUNTERS_H

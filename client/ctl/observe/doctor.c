@@ -1,11 +1,4 @@
-/* client/ctl/observe/doctor.c - what is wrong with a daemon.
- *
- * Room:     client/ctl.
- * Does:     asks it, and compares what it says with this library and this machine.
- * Does not: look at the machine; see doctor_machine.c.
- * Threads:  one.
- * Source:   doctor.h.
- */
+/* doctor.c - what is wrong with a daemon. */
 #include "doctor.h"
 
 #include <inttypes.h>

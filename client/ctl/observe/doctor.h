@@ -1,10 +1,6 @@
-/* client/ctl/observe/doctor.h - looks for mistakes in a set-up (`pccdctl doctor`).
+/* doctor.h - looks for mistakes in a set-up (`pccdctl doctor`).
  *
- * Room:     client/ctl. May include: pccd.h, proto/common.
- * Does:     examine limits, files and a daemon; note each finding.
- * Does not: print or change anything.
- * Threads:  one.
- * Source:   pccdd(8) says what the daemon needs.
+ * Threads: one.
  */
 #ifndef CTL_DOCTOR_H
 #define CTL_DOCTOR_H

@@ -1,11 +1,4 @@
-/* client/ctl/observe/doctor_machine.c - what is wrong with a machine for pccdd.
- *
- * Room:     client/ctl.
- * Does:     limits, memory to share, the OpenMP environment; the socket with its folder,
- *           its lock and the systemd unit.
- * Threads:  one.
- * Source:   doctor.h; pccdd(8).
- */
+/* doctor_machine.c - what is wrong with a machine for pccdd. */
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>

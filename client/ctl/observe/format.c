@@ -1,10 +1,4 @@
-/* client/ctl/observe/format.c - numbers as people read them.
- *
- * Room:     client/ctl.
- * Does:     three digits that matter, and a unit.
- * Threads:  one.
- * Source:   format.h.
- */
+/* format.c - numbers as people read them. */
 #include "format.h"
 
 #include <inttypes.h>

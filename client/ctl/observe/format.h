@@ -1,10 +1,6 @@
-/* client/ctl/observe/format.h - formats counts, bytes and times for people: "1.5 MiB".
+/* format.h - formats counts, bytes and times for people: "1.5 MiB".
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     write short texts into one of a few static buffers.
- * Does not: suit programs: JSON has the numbers themselves.
- * Threads:  one.
- * Source:   used by status, top and list.
+ * Threads: one.
  */
 #ifndef CTL_FORMAT_H
 #define CTL_FORMAT_H

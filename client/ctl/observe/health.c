@@ -1,10 +1,4 @@
-/* client/ctl/observe/health.c - what a daemon's counters say is wrong.
- *
- * Room:     client/ctl.
- * Does:     compares a few of them with bounds, each with its reason.
- * Threads:  one.
- * Source:   health.h.
- */
+/* health.c - what a daemon's counters say is wrong. */
 #include "health.h"
 
 #include <inttypes.h>

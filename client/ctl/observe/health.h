@@ -1,10 +1,6 @@
-/* client/ctl/observe/health.h - warnings that follow from a daemon's counters.
+/* health.h - warnings that follow from a daemon's counters.
  *
- * Room:     client/ctl. May include: counters.h.
- * Does:     write a sentence for each thing that stands out, with what to do next.
- * Does not: look at anything but counters: doctor.h does.
- * Threads:  one.
- * Source:   used by status and doctor.
+ * Threads: one.
  */
 #ifndef CTL_HEALTH_H
 #define CTL_HEALTH_H

@@ -1,10 +1,4 @@
-/* client/ctl/observe/sessions.c - what the clients of a daemon have and do.
- *
- * Room:     client/ctl.
- * Does:     arrays that grow.
- * Threads:  one.
- * Source:   sessions.h.
- */
+/* sessions.c - what the clients of a daemon have and do. */
 #include "sessions.h"
 
 #include <inttypes.h>

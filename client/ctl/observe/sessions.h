@@ -1,10 +1,6 @@
-/* client/ctl/observe/sessions.h - lists the clients of a daemon, with their scenes and
- * objects.
+/* sessions.h - lists the clients of a daemon, with their scenes and objects.
  *
- * Room:     client/ctl. May include: pccd.h.
- * Does:     read the lists into arrays, so that one can be looked up from another.
- * Threads:  one.
- * Source:   pccd_list_sessions and its like, of pccd.h.
+ * Threads: one.
  */
 #ifndef CTL_SESSIONS_H
 #define CTL_SESSIONS_H

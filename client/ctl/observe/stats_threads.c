@@ -1,11 +1,4 @@
-/* client/ctl/observe/stats_threads.c - what each thread of the daemon's last step did.
- *
- * Room:     client/ctl.
- * Does:     reads one thread after the other; begins anew when another step came between.
- * Does not: know the counters: it sorts them by the form of their names.
- * Threads:  one.
- * Source:   pccd_stats_thread of pccd.h.
- */
+/* stats_threads.c - what each thread of the daemon's last step did. */
 #include "stats_threads.h"
 
 #include <inttypes.h>

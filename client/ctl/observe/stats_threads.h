@@ -1,11 +1,6 @@
-/* client/ctl/observe/stats_threads.h - prints what each thread of the daemon did in its
- * last step.
+/* stats_threads.h - prints what each thread of the daemon did in its last step.
  *
- * Room:     client/ctl. May include: pccd.h.
- * Does:     ask for every thread of one step, and print a table or JSON.
- * Does not: connect; see link.h.
- * Threads:  one.
- * Source:   used by cmd_stats.c.
+ * Threads: one.
  */
 #ifndef CTL_STATS_THREADS_H
 #define CTL_STATS_THREADS_H

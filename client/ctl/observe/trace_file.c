@@ -1,11 +1,4 @@
-/* client/ctl/observe/trace_file.c - a recording as a file that Perfetto and Chrome open.
- *
- * Room:     client/ctl.
- * Does:     prints one JSON object, event by event.
- * Does not: build it in memory.
- * Threads:  one.
- * Source:   trace_file.h.
- */
+/* trace_file.c - a recording as a file that Perfetto and Chrome open. */
 #include "trace_file.h"
 
 #include <inttypes.h>

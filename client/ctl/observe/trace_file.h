@@ -1,14 +1,9 @@
-/* client/ctl/observe/trace_file.h - writes a trace as a file that Perfetto and Chrome
- * open.
+/* trace_file.h - writes a trace as a file that Perfetto and Chrome open.
  *
- * Room:     client/ctl. May include: error.h, pccd.h, whole_file.h.
- * Does:     write one track for each thread of the daemon's team and one for its loop;
- *           for each client a group with as many tracks as it had requests at the same
- *           time.
- * Does not: keep more than the clients' requests in memory: the rest is written as it
- *           comes.
- * Threads:  one.
- * Source:   Trace Event Format (Chrome), "X" events: begin and duration in microseconds.
+ * Write one track for each thread of the daemon's team and one for its loop; for each
+ * client a group with as many tracks as it had requests at the same time.
+ *
+ * Threads: one.
  */
 #ifndef CTL_TRACE_FILE_H
 #define CTL_TRACE_FILE_H

@@ -1,10 +1,4 @@
-/* client/ctl/picture/cloth_hold.c - a cloth that passes through nothing.
- *
- * Room:     client/ctl.
- * Does:     steps, each with both ends of the frame, and the response to their contacts.
- * Threads:  one.
- * Source:   cloth_hold.h.
- */
+/* cloth_hold.c - a cloth that passes through nothing. */
 #include "cloth_hold.h"
 
 #include <stdlib.h>

@@ -1,13 +1,10 @@
-/* client/ctl/picture/cloth_hold.h - moves the demo's cloth so that it never passes
- * through anything.
+/* cloth_hold.h - moves the demo's cloth so that it never passes through anything.
  *
- * Room:     client/ctl. May include: cloth_scene.h, error.h, pccd.h.
- * Does:     ask the daemon what would collide on the way of a frame, push it apart until
- *           nothing collides, then take the frame. If pushing is not enough, the frame
- *           ends before the first contact.
- * Does not: draw or print.
- * Threads:  one.
- * Source:   client/examples/cloth.c is the same for less.
+ * Ask the daemon what would collide on the way of a frame, push it apart until nothing
+ * collides, then take the frame. If pushing is not enough, the frame ends before the
+ * first contact.
+ *
+ * Threads: one.
  */
 #ifndef CTL_CLOTH_HOLD_H
 #define CTL_CLOTH_HOLD_H

@@ -1,10 +1,6 @@
-/* client/ctl/picture/cloth_scene.c - the demo: a cloth falls over a turning ball.
+/* cloth_scene.c - the demo: a cloth falls over a turning ball.
  *
- * Room:     client/ctl.
- * Does:     builds the meshes, integrates the springs, pushes what meets apart.
- * Does not: detect collisions.
- * Threads:  one at a time; nothing is shared.
- * Source:   extended position-based dynamics with small steps (Macklin et al. 2019).
+ * Source: extended position-based dynamics with small steps (Macklin et al. 2019).
  */
 #include "cloth_scene.h"
 

@@ -1,13 +1,10 @@
-/* client/ctl/picture/cloth_scene.h - the simulation of the demo: a cloth falls over a
- * turning ball.
+/* cloth_scene.h - the simulation of the demo: a cloth falls over a turning ball.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     move a square cloth of springs by one frame at a time; push apart what the
- *           daemon says will meet, with friction, on the way of the ball and of the
- *           cloth.
- * Does not: detect collisions: that is the daemon's part (cloth_hold.h).
- * Threads:  one at a time; nothing is shared.
- * Source:   extended position-based dynamics with small steps (Macklin et al. 2019).
+ * Move a square cloth of springs by one frame at a time; push apart what the daemon says
+ * will meet, with friction, on the way of the ball and of the cloth.
+ *
+ * Threads: one at a time; nothing is shared.
+ * Source: extended position-based dynamics with small steps (Macklin et al. 2019).
  */
 #ifndef CTL_CLOTH_SCENE_H
 #define CTL_CLOTH_SCENE_H

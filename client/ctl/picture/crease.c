@@ -1,9 +1,6 @@
-/* client/ctl/picture/crease.c - directions of a surface at its triangles' corners.
+/* crease.c - directions of a surface at its triangles' corners.
  *
- * Room:     client/ctl.
- * Does:     join corners across edges that are no creases; add up in each set.
- * Threads:  [any]; nothing is shared.
- * Source:   crease.h; union-find with path halving (Tarjan and van Leeuwen 1984).
+ * Source: union-find with path halving (Tarjan and van Leeuwen 1984).
  */
 #include "crease.h"
 

@@ -1,12 +1,4 @@
-/* client/ctl/picture/crease.h - normals for shading: smooth on a ball, sharp at the edges
- * of a box.
- *
- * Room:     client/ctl. May include: picture_scene.h.
- * Does:     average normals where triangles meet at a flat angle, and keep each
- *           triangle's own at a crease.
- * Does not: need triangles to be wound in the same sense.
- * Threads:  [any]; nothing is shared.
- */
+/* crease.h - normals for shading: smooth on a ball, sharp at the edges of a box. */
 #ifndef CTL_CREASE_H
 #define CTL_CREASE_H
 

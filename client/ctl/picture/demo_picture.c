@@ -1,11 +1,4 @@
-/* client/ctl/picture/demo_picture.c - the demo's last step as a picture.
- *
- * Room:     client/ctl.
- * Does:     turns contact records into marks on the meshes and has them drawn.
- * Does not: draw; see picture.h.
- * Threads:  one.
- * Source:   demo_picture.h.
- */
+/* demo_picture.c - the demo's last step as a picture. */
 #include "demo_picture.h"
 
 #include <inttypes.h>

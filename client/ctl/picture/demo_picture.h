@@ -1,10 +1,6 @@
-/* client/ctl/picture/demo_picture.h - draws the last step of the demo.
+/* demo_picture.h - draws the last step of the demo.
  *
- * Room:     client/ctl. May include: cloth_scene.h, error.h, pccd.h.
- * Does:     turn contact records into marks on the meshes, and have them drawn.
- * Does not: draw; see picture.h.
- * Threads:  one.
- * Source:   pccd_types.h for what a contact's parameters mean.
+ * Threads: one.
  */
 #ifndef CTL_DEMO_PICTURE_H
 #define CTL_DEMO_PICTURE_H

@@ -1,11 +1,4 @@
-/* client/ctl/picture/film.c - an animated PNG.
- *
- * Room:     client/ctl.
- * Does:     go through the chunks of a PNG: those before the pixels are kept of the first
- *           picture; pixels become those of a frame.
- * Threads:  one.
- * Source:   film.h.
- */
+/* film.c - an animated PNG. */
 #include "film.h"
 
 #include <assert.h>

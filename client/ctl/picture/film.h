@@ -1,12 +1,6 @@
-/* client/ctl/picture/film.h - pictures one after the other, as an animated PNG.
+/* film.h - pictures one after the other, as an animated PNG.
  *
- * Room:     client/ctl. May include: error.h.
- * Does:     put the compressed pixels of whole PNG files, of one size and format, into
- *           one file; programs that know no films show its first picture.
- * Does not: draw, or compress: libpng has done that.
- * Threads:  one.
- * Source:   "Portable Network Graphics (PNG) Specification (Third Edition)", acTL, fcTL
- *           and fdAT.
+ * Threads: one.
  */
 #ifndef CTL_FILM_H
 #define CTL_FILM_H

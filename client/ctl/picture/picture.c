@@ -1,12 +1,4 @@
-/* client/ctl/picture/picture.c - meshes and contacts, drawn.
- *
- * Room:     client/ctl.
- * Does:     camera, marks, legend; halves a canvas of twice the size, so
- *           that edges are smooth.
- * Does not: fill pixels (raster.c) or write files (picture_file.c).
- * Threads:  one at a time; nothing is shared.
- * Source:   picture.h.
- */
+/* picture.c - meshes and contacts, drawn. */
 #include "picture.h"
 
 #include <float.h>

@@ -1,10 +1,6 @@
-/* client/ctl/picture/picture.h - draws meshes and contacts into a PNG or SVG file.
+/* picture.h - draws meshes and contacts into a PNG or SVG file.
  *
- * Room:     client/ctl. May include: error.h, picture_scene.h.
- * Does:     place a camera that sees everything, render, write the file.
- * Does not: open a window, or need a graphics card.
- * Threads:  one at a time; nothing is shared.
- * Source:   raster.h; libpng's simplified interface.
+ * Threads: one at a time; nothing is shared.
  */
 #ifndef CTL_PICTURE_H
 #define CTL_PICTURE_H

@@ -1,10 +1,6 @@
-/* client/ctl/picture/picture_canvas.h - a picture while it is drawn: camera, canvas and
- * measures.
+/* picture_canvas.h - a picture while it is drawn: camera, canvas and measures.
  *
- * Room:     client/ctl. May include: picture_scene.h, raster.h.
- * Does:     hold what the parts of a picture share.
- * Does not: leave the room.
- * Threads:  one at a time.
+ * Threads: one at a time.
  */
 #ifndef CTL_PICTURE_CANVAS_H
 #define CTL_PICTURE_CANVAS_H

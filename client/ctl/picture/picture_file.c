@@ -1,11 +1,4 @@
-/* client/ctl/picture/picture_file.c - a picture becomes a file.
- *
- * Room:     client/ctl.
- * Does:     write it, as PNG or SVG.
- * Does not: draw; see picture.c.
- * Threads:  one at a time; nothing is shared.
- * Source:   picture.h; libpng's simplified interface.
- */
+/* picture_file.c - a picture becomes a file. */
 #include <errno.h>
 #include <png.h>
 #include <stdlib.h>

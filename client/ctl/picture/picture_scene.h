@@ -1,10 +1,7 @@
-/* client/ctl/picture/picture_scene.h - what a picture shows, and from where: meshes,
- * marked contacts, camera, legend.
+/* picture_scene.h - what a picture shows, and from where: meshes, marked contacts,
+ * camera, legend.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     hold these for the caller of picture.h.
- * Does not: draw (picture.h).
- * Threads:  [any]; data only.
+ * Threads: [any]; data only.
  */
 #ifndef CTL_PICTURE_SCENE_H
 #define CTL_PICTURE_SCENE_H

@@ -1,12 +1,4 @@
-/* client/ctl/picture/picture_svg.c - marks and legend as shapes and text.
- *
- * Room:     client/ctl.
- * Does:     an SVG: the meshes as an image, everything else so that it can be scaled,
- *           searched and edited.
- * Does not: draw the meshes; see picture.c.
- * Threads:  one at a time; nothing is shared.
- * Source:   picture_canvas.h; SVG 1.1.
- */
+/* picture_svg.c - marks and legend as shapes and text. */
 #include <inttypes.h>
 #include <string.h>
 

@@ -1,11 +1,4 @@
-/* client/ctl/picture/raster.c - triangles, dots and text on a canvas with depth.
- *
- * Room:     client/ctl.
- * Does:     the pixels.
- * Does not: know meshes, cameras or files.
- * Threads:  one per canvas.
- * Source:   raster.h.
- */
+/* raster.c - triangles, dots and text on a canvas with depth. */
 #include "raster.h"
 
 #include <math.h>

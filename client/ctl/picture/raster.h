@@ -1,10 +1,7 @@
-/* client/ctl/picture/raster.h - draws triangles, dots and text on a canvas with depth.
+/* raster.h - draws triangles, dots and text on a canvas with depth.
  *
- * Room:     client/ctl. May include: the C library.
- * Does:     fill shaded triangles with a depth buffer; draw dots and a small font.
- * Does not: know meshes, cameras or files (see picture.c).
- * Threads:  one per canvas.
- * Source:   edge functions (Pineda 1988).
+ * Threads: one per canvas.
+ * Source: edge functions (Pineda 1988).
  */
 #ifndef CTL_RASTER_H
 #define CTL_RASTER_H

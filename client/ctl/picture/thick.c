@@ -1,10 +1,4 @@
-/* client/ctl/picture/thick.c - balls, capsules and triangles with a thickness.
- *
- * Room:     client/ctl.
- * Does:     find where the ray through a pixel enters a capsule; move a triangle to
- *           either side.
- * Threads:  one per canvas.
- * Source:   thick.h.
+/* thick.c - balls, capsules and triangles with a thickness.
  *
  * Coordinates of the eye: to the right, up, and how far away. The ray through a pixel is
  * depth * (a, b, 1).

@@ -1,11 +1,7 @@
-/* client/ctl/picture/thick.h - draws what has a thickness: all that is within a radius of
- * a point, an edge or a triangle.
+/* thick.h - draws what has a thickness: all that is within a radius of a point, an edge
+ * or a triangle.
  *
- * Room:     client/ctl. May include: picture_canvas.h, raster.h.
- * Does:     draw balls and capsules pixel by pixel, and triangles as two sides with a
- *           capsule along each edge, so that two that meet at a distance touch.
- * Does not: join neighbours: the nearest of all is what is seen.
- * Threads:  one per canvas.
+ * Threads: one per canvas.
  */
 #ifndef CTL_THICK_H
 #define CTL_THICK_H

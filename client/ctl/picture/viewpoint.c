@@ -1,10 +1,6 @@
-/* client/ctl/picture/viewpoint.c - from where a contact can be seen.
+/* viewpoint.c - from where a contact can be seen.
  *
- * Room:     client/ctl.
- * Does:     tries directions around the normal of the contact, and every triangle against
- *           each.
- * Threads:  [any]; nothing is shared.
- * Source:   viewpoint.h; Moeller and Trumbore 1997.
+ * Source: Moeller and Trumbore 1997.
  */
 #include "viewpoint.h"
 

@@ -1,12 +1,4 @@
-/* client/ctl/picture/viewpoint.h - chooses a camera direction from which a contact is
- * visible.
- *
- * Room:     client/ctl. May include: still.h.
- * Does:     find a direction from which nothing is in front of the contact, and from
- *           which the two surfaces are seen from the side.
- * Does not: draw.
- * Threads:  [any]; nothing is shared.
- */
+/* viewpoint.h - chooses a camera direction from which a contact is visible. */
 #ifndef CTL_VIEWPOINT_H
 #define CTL_VIEWPOINT_H
 

@@ -1,11 +1,4 @@
-/* client/ctl/record/answers.c - what was answered, by step.
- *
- * Room:     client/ctl.
- * Does:     one pass over a recording, then look-ups.
- * Does not: follow the session (world.h).
- * Threads:  one.
- * Source:   answers.h.
- */
+/* answers.c - what was answered, by step. */
 #include "answers.h"
 
 #include <assert.h>

@@ -1,10 +1,6 @@
-/* client/ctl/record/answers.h - the answers in a recording, looked up by step.
+/* answers.h - the answers in a recording, looked up by step.
  *
- * Room:     client/ctl. May include: error.h, client/record/reader.h.
- * Does:     read a recording once, and keep its answers and the places of their records
- *           in the file.
- * Does not: keep the records themselves.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_ANSWERS_H
 #define CTL_ANSWERS_H

@@ -1,12 +1,4 @@
-/* client/ctl/record/drive.c - a daemon that does what a recorded session did.
- *
- * Room:     client/ctl.
- * Does:     the calls of pccd.h that a chunk stands for.
- * Does not: guess: a daemon that gives another handle than the recorded one is an error,
- *           because handles stand in the records and in their order.
- * Threads:  one.
- * Source:   drive.h.
- */
+/* drive.c - a daemon that does what a recorded session did. */
 #include "drive.h"
 
 #include <inttypes.h>

@@ -1,10 +1,9 @@
-/* client/ctl/record/drive.h - makes a daemon repeat what a recorded client did.
+/* drive.h - makes a daemon repeat what a recorded client did.
  *
- * Room:     client/ctl. May include: world.h, pccd.h.
- * Does:     register everything in a daemon as the recorded client had it, under the same
- *           handles, and keep it so; submit recorded steps and collect their answers.
- * Does not: read files, or compare.
- * Threads:  one.
+ * Register everything in a daemon as the recorded client had it, under the same handles,
+ * and keep it so; submit recorded steps and collect their answers.
+ *
+ * Threads: one.
  */
 #ifndef CTL_DRIVE_H
 #define CTL_DRIVE_H

@@ -1,10 +1,4 @@
-/* client/ctl/record/drive_frame.c - a frame of what a recorded step moves.
- *
- * Room:     client/ctl.
- * Does:     list the pieces first, because a frame wants to know how many bytes it gets.
- * Threads:  one.
- * Source:   drive_frame.h.
- */
+/* drive_frame.c - a frame of what a recorded step moves. */
 #include "drive_frame.h"
 
 #include <stdlib.h>

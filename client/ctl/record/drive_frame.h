@@ -1,13 +1,11 @@
-/* client/ctl/record/drive_frame.h - what a recorded step moves, as a frame for a daemon.
+/* drive_frame.h - what a recorded step moves, as a frame for a daemon.
  *
- * Room:     client/ctl. May include: error.h, world.h, pccd.h.
- * Does:     copy the recorded segments into a frame of libpccd. For a daemon that has not
- *           seen all steps before, the frame also says where everything begins: of the
- *           steps 1, 2, 3 it has seen 1, and 3 moves the end of one object; then both
- *           ends of that object are told, and of each other one that step 2 may have
- *           moved. The answer is the same, bit for bit.
- * Does not: submit it.
- * Threads:  one.
+ * Copy the recorded segments into a frame of libpccd. For a daemon that has not seen all
+ * steps before, the frame also says where everything begins: of the steps 1, 2, 3 it has
+ * seen 1, and 3 moves the end of one object; then both ends of that object are told, and
+ * of each other one that step 2 may have moved. The answer is the same, bit for bit.
+ *
+ * Threads: one.
  */
 #ifndef CTL_DRIVE_FRAME_H
 #define CTL_DRIVE_FRAME_H

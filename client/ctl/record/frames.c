@@ -1,10 +1,4 @@
-/* client/ctl/record/frames.c - a recording of the frames of a mesh.
- *
- * Room:     client/ctl.
- * Does:     play them once while the library records.
- * Threads:  one.
- * Source:   frames.h, player.h.
- */
+/* frames.c - a recording of the frames of a mesh. */
 #include "frames.h"
 
 #include <errno.h>

@@ -1,10 +1,6 @@
-/* client/ctl/record/frames.h - a recording of the frames of a mesh, for commands that
- * show recordings.
+/* frames.h - a recording of the frames of a mesh, for commands that show recordings.
  *
- * Room:     client/ctl. May include: error.h, link.h, meshframes.h.
- * Does:     have a daemon compute the steps from frame to frame, and record them in a
- *           file that goes away again.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_FRAMES_H
 #define CTL_FRAMES_H

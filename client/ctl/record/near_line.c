@@ -1,9 +1,4 @@
-/* client/ctl/record/near_line.c - where a record of what is near lies in a scene.
- *
- * Room:     client/ctl.
- * Does:     see near_line.h.
- * Threads:  one.
- */
+/* near_line.c - where a record of what is near lies in a scene. */
 #include "near_line.h"
 
 #include <string.h>

@@ -1,9 +1,6 @@
-/* client/ctl/record/near_line.h - where a record of what is near lies in a scene.
+/* near_line.h - where a record of what is near lies in a scene.
  *
- * Room:     client/ctl. May include: world.h, pccd.h.
- * Does:     find the nearest points of its two features, or the ends of an edge that
- *           passes through a face.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_NEAR_LINE_H
 #define CTL_NEAR_LINE_H

@@ -1,11 +1,7 @@
-/* client/ctl/record/play.h - goes through the steps of a recording, and has a daemon
- * compute them again if wanted.
+/* play.h - goes through the steps of a recording, and has a daemon compute them again if
+ * wanted.
  *
- * Room:     client/ctl. May include: world.h, link.h, step_trace.h, pccd.h.
- * Does:     read a recording, follow it, and show each step to the caller with what was
- *           answered then and now.
- * Does not: judge answers: the caller does.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_PLAY_H
 #define CTL_PLAY_H

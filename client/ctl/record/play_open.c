@@ -1,10 +1,4 @@
-/* client/ctl/record/play_open.c - opens a recording, and ends what was played of it.
- *
- * Room:     client/ctl.
- * Does:     read the answers, choose the range, and call playing.h for the log.
- * Threads:  one.
- * Source:   play.h.
- */
+/* play_open.c - opens a recording, and ends what was played of it. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,11 +1,4 @@
-/* client/ctl/record/play_options.c - options of the commands that read a recording.
- *
- * Room:     client/ctl.
- * Does:     parse them.
- * Does not: open the file.
- * Threads:  one.
- * Source:   play_options.h.
- */
+/* play_options.c - options of the commands that read a recording. */
 #include "play_options.h"
 
 #include <inttypes.h>

@@ -1,11 +1,6 @@
-/* client/ctl/record/play_options.h - the options that all commands which read a recording
- * have in common.
+/* play_options.h - the options that all commands which read a recording have in common.
  *
- * Room:     client/ctl. May include: frames.h, link.h, play.h.
- * Does:     provide FILE, or frames of a mesh that become one, --steps, --method,
- *           --threads, --json and the daemon's options.
- * Does not: know what a command does with the steps.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_PLAY_OPTIONS_H
 #define CTL_PLAY_OPTIONS_H

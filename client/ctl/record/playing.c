@@ -1,15 +1,4 @@
-/* client/ctl/record/playing.c - the steps of a recording, one after the other.
- *
- * Room:     client/ctl.
- * Does:     two passes: the answers, because what to do with a step depends on what came
- *           of it; then the log, with a daemon beside it from the first step that is
- *           wanted on.
- * Does not: repeat what was before that step: the daemon is told where things are.
- * Threads:  one.
- * Source:   play.h.
- *
- * More than 600 lines: a step, a question, and what is passed by of both go one way.
- */
+/* playing.c - the steps of a recording, one after the other. */
 #include "play.h"
 
 #include <inttypes.h>

@@ -1,9 +1,6 @@
-/* client/ctl/record/playing.h - a recording that is being played, inside of playing.c and
- * play_open.c.
+/* playing.h - a recording that is being played, inside of playing.c and play_open.c.
  *
- * Room:     client/ctl. May include: play.h, answers.h, drive.h, progress.h.
- * Does:     hold all that lives while the steps are gone through.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_PLAYING_H
 #define CTL_PLAYING_H

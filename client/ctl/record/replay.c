@@ -1,10 +1,4 @@
-/* client/ctl/record/replay.c - compares answers, and says what came of it.
- *
- * Room:     client/ctl.
- * Does:     judge one after the other; count; report.
- * Threads:  one.
- * Source:   replay.h.
- */
+/* replay.c - compares answers, and says what came of it. */
 #include "replay.h"
 
 #include <inttypes.h>

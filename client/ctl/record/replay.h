@@ -1,11 +1,6 @@
-/* client/ctl/record/replay.h - whether a step that was computed again has the recorded
- * answer.
+/* replay.h - whether a step that was computed again has the recorded answer.
  *
- * Room:     client/ctl. May include: play.h.
- * Does:     judge a step or a question, count what came out, and report it as text and as
- *           JSON, for pccdctl and pccd-mpi.
- * Does not: compute anything, or check that answers are right: see verify.h.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_REPLAY_H
 #define CTL_REPLAY_H

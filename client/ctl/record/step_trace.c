@@ -1,11 +1,4 @@
-/* client/ctl/record/step_trace.c - what a daemon's threads did in one step.
- *
- * Room:     client/ctl.
- * Does:     start, stop and read a trace; leave out what is not of the step.
- * Does not: keep requests and the loop's events: they lie around the step, not in it.
- * Threads:  one.
- * Source:   step_trace.h; pccd_trace.h for the kinds.
- */
+/* step_trace.c - what a daemon's threads did in one step. */
 #include "step_trace.h"
 
 #include <stdio.h>

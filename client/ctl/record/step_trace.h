@@ -1,10 +1,6 @@
-/* client/ctl/record/step_trace.h - traces what a daemon's threads do during one step.
+/* step_trace.h - traces what a daemon's threads do during one step.
  *
- * Room:     client/ctl. May include: pccd.h.
- * Does:     record a step, and keep those events of the team that lie in it and are long
- *           enough to be seen.
- * Does not: write files (trace_file.h).
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_STEP_TRACE_H
 #define CTL_STEP_TRACE_H

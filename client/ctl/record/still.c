@@ -1,12 +1,4 @@
-/* client/ctl/record/still.c - one step of a recording, to be looked at.
- *
- * Room:     client/ctl.
- * Does:     positions at a time between the ends, rounded to float; contacts by the
- *           parameters of their records.
- * Does not: trust a record's numbers: one that names what there is not is left out.
- * Threads:  one.
- * Source:   still.h; pccd_types.h for what a contact's parameters mean.
- */
+/* still.c - one step of a recording, to be looked at. */
 #include "still.h"
 
 #include <inttypes.h>

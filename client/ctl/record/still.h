@@ -1,11 +1,6 @@
-/* client/ctl/record/still.h - one step of a recording at one moment, ready to be drawn or
- * exported.
+/* still.h - one step of a recording at one moment, ready to be drawn or exported.
  *
- * Room:     client/ctl. May include: play.h.
- * Does:     copy the objects of a step as they are at one time, and place its contacts on
- *           them; describe them in words.
- * Does not: draw, or write a file.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_STILL_H
 #define CTL_STILL_H

@@ -1,10 +1,6 @@
-/* client/ctl/record/verify.c - whether the answer to a step is right.
+/* verify.c - whether the answer to a step is right.
  *
- * Room:     client/ctl.
- * Does:     look at each record, by exact arithmetic; say what cannot be checked.
- * Does not: look at numbers (verify_numbers.c) or for what is missing (verify_near.c).
- * Threads:  one.
- * Source:   verify.h; proto/PROTOCOL.md, "Records".
+ * Source: proto/PROTOCOL.md, "Records".
  */
 #include "verify.h"
 

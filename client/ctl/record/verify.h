@@ -1,13 +1,11 @@
-/* client/ctl/record/verify.h - checks the answer of a recorded step against exact
- * arithmetic (`pccdctl verify`).
+/* verify.h - checks the answer of a recorded step against exact arithmetic (`pccdctl
+ * verify`).
  *
- * Room:     client/ctl. May include: play.h, oracle.h.
- * Does:     recompute every record and every number of an answer, and a sample of pairs
- *           that were not reported, by exact rational arithmetic that shares nothing with
- *           the engine; say of what else it was not checked.
- * Does not: print.
- * Threads:  one.
- * Source:   the definition of a contact in oracle.h.
+ * Recompute every record and every number of an answer, and a sample of pairs that were
+ * not reported, by exact rational arithmetic that shares nothing with the engine; say of
+ * what else it was not checked.
+ *
+ * Threads: one.
  */
 #ifndef CTL_VERIFY_H
 #define CTL_VERIFY_H

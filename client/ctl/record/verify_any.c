@@ -1,13 +1,4 @@
-/* client/ctl/record/verify_any.c - whether anything meets in a step at all.
- *
- * Room:     client/ctl.
- * Does:     sweep a plane along x over all features, and put each two whose boxes meet to
- *           exact arithmetic, until two meet.
- * Does not: use a hierarchy, or sample: it tries all pairs, or says that they are too
- *           many.
- * Threads:  one.
- * Source:   verify.h.
- */
+/* verify_any.c - whether anything meets in a step at all. */
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>

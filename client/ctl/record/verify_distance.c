@@ -1,12 +1,4 @@
-/* client/ctl/record/verify_distance.c - whether an answer about what is near is right.
- *
- * Room:     client/ctl.
- * Does:     find everything that is near by trying all pairs with exact arithmetic, and
- *           compare each byte of the answer with that.
- * Does not: check answers that are not whole: they are told.
- * Threads:  one.
- * Source:   verify.h; oracle_near.h, oracle_objects.h.
- */
+/* verify_distance.c - whether an answer about what is near is right. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

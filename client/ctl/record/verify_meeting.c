@@ -1,11 +1,4 @@
-/* client/ctl/record/verify_meeting.c - when two features meet first, exactly.
- *
- * Room:     client/ctl.
- * Does:     find a pair's radii, and whether rest excludes it; ask the oracle.
- * Does not: look at the record (verify.c).
- * Threads:  one.
- * Source:   verify_meeting.h.
- */
+/* verify_meeting.c - when two features meet first, exactly. */
 #include "verify_meeting.h"
 
 #include <math.h>

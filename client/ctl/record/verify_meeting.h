@@ -1,11 +1,9 @@
-/* client/ctl/record/verify_meeting.h - when the features of a pair meet first in a
- * recorded step, by exact arithmetic.
+/* verify_meeting.h - when the features of a pair meet first in a recorded step, by exact
+ * arithmetic.
  *
- * Room:     client/ctl. May include: play.h, oracle.h, oracle_thick.h, oracle_within.h.
- * Does:     find the radii of a pair, leave out what rest excludes, and ask the oracle.
- * Threads:  one.
- * Source:   the definition of a contact in oracle.h, of a thick one in oracle_thick.h;
- *           PROTOCOL.md, "How thick objects are".
+ * Threads: one.
+ * Source: the definition of a contact in oracle.h, of a thick one in oracle_thick.h;
+ * PROTOCOL.md, "How thick objects are".
  */
 #ifndef CTL_VERIFY_MEETING_H
 #define CTL_VERIFY_MEETING_H

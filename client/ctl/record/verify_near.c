@@ -1,12 +1,7 @@
-/* client/ctl/record/verify_near.c - pairs near each other that are not in an answer.
+/* verify_near.c - pairs near each other that are not in an answer.
  *
- * Room:     client/ctl.
- * Does:     draw vertices and edges, find all faces and edges whose motion comes near
- *           theirs by trying every one, and put those that the answer leaves out to exact
- *           arithmetic.
- * Does not: use a hierarchy, which could leave out what it should find.
- * Threads:  one.
- * Source:   verify.h.
+ * Draw vertices and edges, find all faces and edges whose motion comes near theirs by
+ * trying every one, and put those that the answer leaves out to exact arithmetic.
  */
 #include <inttypes.h>
 #include <stddef.h>

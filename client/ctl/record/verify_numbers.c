@@ -1,12 +1,6 @@
-/* client/ctl/record/verify_numbers.c - whether the numbers of an answer are those of its
- * records.
+/* verify_numbers.c - whether the numbers of an answer are those of its records.
  *
- * Room:     client/ctl.
- * Does:     compute each number anew, and compare all of them: what was recorded as the
- *           whole struct, so that a number which comes later is not let by.
- * Does not: look at what was measured: times, counters, threads, the method.
- * Threads:  one.
- * Source:   verify.h; proto/PROTOCOL.md, "What a step answers".
+ * Source: proto/PROTOCOL.md, "What a step answers".
  */
 #include <inttypes.h>
 #include <math.h>

@@ -1,10 +1,4 @@
-/* client/ctl/record/verify_options.c - what of a recording is checked.
- *
- * Room:     client/ctl.
- * Does:     parse the options.
- * Threads:  one.
- * Source:   verify_options.h.
- */
+/* verify_options.c - what of a recording is checked. */
 #include "verify_options.h"
 
 #include "ctl.h"

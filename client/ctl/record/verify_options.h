@@ -1,8 +1,6 @@
-/* client/ctl/record/verify_options.h - how much of each answer is checked.
+/* verify_options.h - how much of each answer is checked.
  *
- * Room:     client/ctl. May include: verify.h.
- * Does:     provide --sample, --contacts, --seed and --repeat, for pccdctl and pccd-mpi.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_VERIFY_OPTIONS_H
 #define CTL_VERIFY_OPTIONS_H

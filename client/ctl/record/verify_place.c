@@ -1,12 +1,6 @@
-/* client/ctl/record/verify_place.c - where a contact is, and how it is directed.
+/* verify_place.c - where a contact is, and how it is directed.
  *
- * Room:     client/ctl.
- * Does:     take both features to the record's time, and see whether the points that the
- *           parameters name meet there, and whether the normal is that of the features.
- * Does not: demand more than the numbers can show: a normal of features that are nearly
- *           parallel says nothing.
- * Threads:  one.
- * Source:   proto/PROTOCOL.md, "Records"; oracle_distance.h.
+ * Source: proto/PROTOCOL.md, "Records"; oracle_distance.h.
  */
 #include <float.h>
 #include <math.h>

@@ -1,10 +1,4 @@
-/* client/ctl/record/verify_report.c - what came of checking the answers of a recording.
- *
- * Room:     client/ctl.
- * Does:     print PASS, or what is wrong with all that is needed to repeat it.
- * Threads:  one.
- * Source:   verify_report.h.
- */
+/* verify_report.c - what came of checking the answers of a recording. */
 #include "verify_report.h"
 
 #include <inttypes.h>

@@ -1,8 +1,6 @@
-/* client/ctl/record/verify_report.h - tells what came of verify.h, as text and as JSON.
+/* verify_report.h - tells what came of verify.h, as text and as JSON.
  *
- * Room:     client/ctl. May include: verify.h, answers.h, jansson.h.
- * Does:     write the report of pccdctl verify and pccd-mpi verify.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef CTL_VERIFY_REPORT_H
 #define CTL_VERIFY_REPORT_H

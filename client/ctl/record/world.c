@@ -1,11 +1,4 @@
-/* client/ctl/record/world.c - a recording, as what its client had told the daemon.
- *
- * Room:     client/ctl.
- * Does:     enter what each chunk says into the registry.
- * Does not: trust a chunk in what other chunks must have said.
- * Threads:  one.
- * Source:   world.h; lengths and ranges were judged by client/record/judge.c.
- */
+/* world.c - a recording, as what its client had told the daemon. */
 #include "world.h"
 
 #include <inttypes.h>

@@ -1,12 +1,9 @@
-/* client/ctl/record/world.h - the meshes, scenes and positions at one point of a
- * recording.
+/* world.h - the meshes, scenes and positions at one point of a recording.
  *
- * Room:     client/ctl. May include: error.h, client/record/reader.h, client/registry.
- * Does:     follow the chunks of a recording into a registry: meshes, scenes, objects and
- *           the positions at both ends of the last step, exactly as the daemon computes
- *           them.
- * Does not: read files (reader.h) or talk to a daemon (drive.h).
- * Threads:  one.
+ * Follow the chunks of a recording into a registry: meshes, scenes, objects and the
+ * positions at both ends of the last step, exactly as the daemon computes them.
+ *
+ * Threads: one.
  */
 #ifndef CTL_WORLD_H
 #define CTL_WORLD_H

@@ -1,11 +1,4 @@
-/* check.c - pccd-mpi check.
- *
- * Room:     client/mpi/program.
- * Does:     reads frames of a mesh, of which each rank keeps a slice; has each step
- *           answered by all ranks; the root reports as pccdctl check does.
- * Threads:  one.
- * Source:   client/ctl/commands/cmd_check.c.
- */
+/* check.c - pccd-mpi check. */
 #include <inttypes.h>
 #include <malloc.h>
 #include <stdio.h>

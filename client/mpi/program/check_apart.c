@@ -1,11 +1,4 @@
-/* check_apart.c - the steps of a sequence, dealt.
- *
- * Room:     client/mpi/program.
- * Does:     on each rank register the first frame with libpccd, then read the two frames
- *           of each step that it is dealt, and ask for the step as pccdctl check does.
- * Threads:  check_apart.h.
- * Source:   items.h, client/ctl/check/check_run.h.
- */
+/* check_apart.c - the steps of a sequence, dealt. */
 #include "check_apart.h"
 
 #include <errno.h>

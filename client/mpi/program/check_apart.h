@@ -1,9 +1,6 @@
 /* check_apart.h - pccd-mpi check --deal: each step by one rank.
  *
- * Room:     client/mpi/program. May include: check_run.h, part.h.
- * Does:     deal the steps of a sequence of frames out to the ranks; what a step is found
- *           to have is what all ranks together would find.
- * Threads:  as items.h says.
+ * Threads: as items.h says.
  */
 #ifndef PROGRAM_CHECK_APART_H
 #define PROGRAM_CHECK_APART_H

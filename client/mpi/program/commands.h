@@ -1,9 +1,6 @@
 /* commands.h - the commands of pccd-mpi.
  *
- * Room:     client/mpi/program. May include: the C library.
- * Does:     name them. Each is run by all ranks with the same arguments and returns one
- *           of enum ctl_exit, the same on all.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef PROGRAM_COMMANDS_H
 #define PROGRAM_COMMANDS_H

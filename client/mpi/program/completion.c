@@ -1,11 +1,4 @@
-/* completion.c - pccd-mpi completion.
- *
- * Room:     client/mpi/program.
- * Does:     prints what a shell needs to complete our commands and options.
- * Does not: need MPI for that: make runs it.
- * Threads:  one.
- * Source:   client/ctl/commands/cmd_completion.c.
- */
+/* completion.c - pccd-mpi completion. */
 #include "completion.h"
 
 #include "commands.h"

@@ -1,17 +1,13 @@
 /* deal.h - deals the items of a long work out to the ranks, on demand.
  *
+ * Threads: work->take runs in the main thread of the root, which alone calls MPI;
+ * work->compute in its second thread, in the only one elsewhere. work->is_done runs in
+ * both of the root, never while it or work->take runs in the other.
+ *
  * An item is whatever one rank does by itself and has a number, such as a step of a
  * recording. Each rank gets some numbers, all higher than those before, and asks for more
  * before it has done them: of 100 items for two ranks 12 each, then fewer and fewer, in
  * the end one. So nobody waits for long, whatever an item takes.
- *
- * Room:     client/mpi/program. May include: error.h.
- * Does:     on the root deal, take the results and pass them on; compute there, too, in a
- *           second thread, because a step takes longer than others should wait.
- * Does not: know what an item is; files of results are results.h.
- * Threads:  work->take runs in the main thread of the root, which alone calls MPI;
- *           work->compute in its second thread, in the only one elsewhere. work->is_done
- *           runs in both of the root, never while it or work->take runs in the other.
  */
 #ifndef PROGRAM_DEAL_H
 #define PROGRAM_DEAL_H

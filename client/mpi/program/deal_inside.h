@@ -1,9 +1,6 @@
 /* deal_inside.h - what the root and the other ranks have in common when items are dealt.
  *
- * Room:     client/mpi/program. May include: deal.h.
- * Does:     define the messages; the root's side is deal_root.c, the others'
- *           deal_rank.c.
- * Threads:  as deal.h says.
+ * Threads: as deal.h says.
  */
 #ifndef PROGRAM_DEAL_INSIDE_H
 #define PROGRAM_DEAL_INSIDE_H

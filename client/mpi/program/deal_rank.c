@@ -1,11 +1,4 @@
-/* deal_rank.c - items on the rank that computes them.
- *
- * Room:     client/mpi/program.
- * Does:     ask for items one item before the last is begun; send results, and go on
- *           while they are on their way: the root looks for them now and then only.
- * Threads:  deal.h.
- * Source:   deal.h; deal_root.c is the other side.
- */
+/* deal_rank.c - items on the rank that computes them. */
 #include "deal.h"
 
 #include <string.h>

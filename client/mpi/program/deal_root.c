@@ -1,14 +1,12 @@
 /* deal_root.c - the rank that deals.
  *
- * Room:     client/mpi/program.
- * Does:     listen to the other ranks and to its own second thread, which computes; deal;
- *           pass results on. It looks for messages often, and sleeps between: a thread
- *           that waited in MPI would take a processor from those that compute. It does
- *           not wait until a message is taken, either: who computes a step for minutes
- *           takes none.
- * Threads:  two: deal_root in the main one, deal_root_tell and _take in the other. What
- *           is left to deal, and work->is_done and work->take, are under the lock.
- * Source:   deal.h.
+ * Listen to the other ranks and to its own second thread, which computes; deal; pass
+ * results on. It looks for messages often, and sleeps between: a thread that waited in
+ * MPI would take a processor from those that compute. It does not wait until a message is
+ * taken, either: who computes a step for minutes takes none.
+ *
+ * Threads: two: deal_root in the main one, deal_root_tell and _take in the other. What is
+ * left to deal, and work->is_done and work->take, are under the lock.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,4 @@
-/* items.c - dealt items and their results.
- *
- * Room:     client/mpi/program.
- * Does:     keep, write and count results on the root.
- * Threads:  items.h.
- * Source:   deal.h, results.h.
- */
+/* items.c - dealt items and their results. */
 #include "items.h"
 
 #include <inttypes.h>

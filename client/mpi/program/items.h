@@ -1,10 +1,6 @@
 /* items.h - items that are dealt out to the ranks, and on the root what came of them.
  *
- * Room:     client/mpi/program. May include: deal.h, results.h.
- * Does:     keep the results, write each into a file if one is asked for, go on with a
- *           file that is there, and say how far it was when it ends early.
- * Does not: know what an item is: recordings.c and check_apart.c do.
- * Threads:  as deal.h says; only `compute` runs in the thread that computes.
+ * Threads: as deal.h says; only `compute` runs in the thread that computes.
  */
 #ifndef PROGRAM_ITEMS_H
 #define PROGRAM_ITEMS_H

@@ -1,10 +1,7 @@
 /* main.c - pccd-mpi: one scene, or the steps of many, over the ranks of an MPI program.
  *
- * Room:     client/mpi/program; the program.
- * Does:     starts MPI, finds the command and runs it on all ranks.
- * Threads:  one that calls MPI; those of OpenMP within a step, and the one in which the
- *           root computes (deal.h), do not.
- * Source:   commands.h.
+ * Threads: one that calls MPI; those of OpenMP within a step, and the one in which the
+ * root computes (deal.h), do not.
  */
 #include <mpi.h>
 #include <stdbool.h>

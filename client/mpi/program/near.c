@@ -1,11 +1,4 @@
-/* near.c - pccd-mpi near.
- *
- * Room:     client/mpi/program.
- * Does:     reads meshes, each an object, of which each rank keeps a slice; has what is
- *           near told by all ranks; the root reports as pccdctl near does.
- * Threads:  one.
- * Source:   client/ctl/commands/cmd_near.c.
- */
+/* near.c - pccd-mpi near. */
 #include <stdlib.h>
 
 #include "clock.h"

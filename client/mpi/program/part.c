@@ -1,10 +1,4 @@
-/* part.c - this rank's part of a mesh, frame by frame.
- *
- * Room:     client/mpi/program.
- * Does:     read the piece with the rank's number, or keep that of what was read whole.
- * Threads:  one.
- * Source:   part.h.
- */
+/* part.c - this rank's part of a mesh, frame by frame. */
 #include "part.h"
 
 #include <stdlib.h>

@@ -1,10 +1,10 @@
 /* part.h - this rank's part of a mesh, frame by frame.
  *
- * Room:     client/mpi/program. May include: meshframes.h, pccd_mpi.h.
- * Does:     read files, of which all ranks have a copy, and keep a run of the vertices,
- *           triangles, edges and points. Of PLY and OBJ no rank has more at any time;
- *           others are read whole by each.
- * Threads:  one.
+ * Read files, of which all ranks have a copy, and keep a run of the vertices, triangles,
+ * edges and points. Of PLY and OBJ no rank has more at any time; others are read whole by
+ * each.
+ *
+ * Threads: one.
  */
 #ifndef PROGRAM_PART_H
 #define PROGRAM_PART_H

@@ -1,11 +1,4 @@
-/* part_open.c - opens the files of a mesh on all ranks.
- *
- * Room:     client/mpi/program.
- * Does:     choose how files are read, the same on all ranks; read and join the shape,
- *           and on the root what names features.
- * Threads:  one.
- * Source:   part.h.
- */
+/* part_open.c - opens the files of a mesh on all ranks. */
 #include "part.h"
 
 #include <inttypes.h>

@@ -1,11 +1,8 @@
 /* part_weld.c - vertices at one place, of which each rank has a part.
  *
- * Room:     client/mpi/program.
- * Does:     find those that have another one near, by a table of bits that all ranks
- *           mark: each is of a cell, in which mostly one vertex is. All ranks get these
- *           few, and join them as pccdctl joins all.
- * Threads:  one.
- * Source:   part.h, pccd_weld.h.
+ * Find those that have another one near, by a table of bits that all ranks mark: each is
+ * of a cell, in which mostly one vertex is. All ranks get these few, and join them as
+ * pccdctl joins all.
  */
 #include "part.h"
 

@@ -1,10 +1,4 @@
-/* recordings.c - steps of recordings, dealt.
- *
- * Room:     client/mpi/program.
- * Does:     number the items of all files; play those that are dealt.
- * Threads:  recordings.h.
- * Source:   deal.h, results.h, play.h.
- */
+/* recordings.c - steps of recordings, dealt. */
 #include "recordings.h"
 
 #include <inttypes.h>

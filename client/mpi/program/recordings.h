@@ -1,13 +1,10 @@
 /* recordings.h - the steps of recordings, each done by one of the ranks.
  *
+ * Threads: as deal.h says: `step`, `near` and `skip` in the thread that computes.
+ *
  * An item (deal.h) is a step or a question about what is near: of two recordings with 10
  * and 20 steps, item 12 is the third step of the second one. Each rank reads the files
  * itself, so that only numbers and results go between ranks.
- *
- * Room:     client/mpi/program. May include: items.h, play.h, play_options.h.
- * Does:     open the recordings on all ranks, and have their items done.
- * Does not: know what is found of a step: replay.c and verify.c do.
- * Threads:  as deal.h says: `step`, `near` and `skip` in the thread that computes.
  */
 #ifndef PROGRAM_RECORDINGS_H
 #define PROGRAM_RECORDINGS_H

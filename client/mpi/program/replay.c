@@ -1,11 +1,4 @@
-/* replay.c - pccd-mpi replay.
- *
- * Room:     client/mpi/program.
- * Does:     has the ranks repeat the steps of recordings, and compares every answer; the
- *           root reports as pccdctl replay does.
- * Threads:  recordings.h.
- * Source:   client/ctl/commands/cmd_replay.c.
- */
+/* replay.c - pccd-mpi replay. */
 #include "replay.h"
 
 #include <inttypes.h>

@@ -1,10 +1,4 @@
-/* results.c - lines on a disk.
- *
- * Room:     client/mpi/program.
- * Does:     read all lines at once; write each by itself.
- * Threads:  one.
- * Source:   results.h.
- */
+/* results.c - lines on a disk. */
 #include "results.h"
 
 #include <errno.h>

@@ -1,15 +1,13 @@
 /* results.h - a file of results, a line each, with which a run that was ended goes on.
  *
+ * Read what is there, if it belongs to the same work; append lines that are on the disk
+ * when results_append returns; let no two runs write the same file. A last line that is
+ * not whole, as a machine leaves it that loses its power, is cut off.
+ *
+ * Threads: one.
+ *
  *     {"pccd-mpi": "replay", "version": "0.1.0", ...}        of which work: the head
  *     {"item": 3, ...}                                       one result, as it came
- *
- * Room:     client/mpi/program. May include: error.h, jansson.h.
- * Does:     read what is there, if it belongs to the same work; append lines that are on
- *           the disk when results_append returns; let no two runs write the same file. A
- *           last line that is not whole, as a machine leaves it that loses its power, is
- *           cut off.
- * Does not: know what a result is.
- * Threads:  one.
  */
 #ifndef PROGRAM_RESULTS_H
 #define PROGRAM_RESULTS_H

@@ -1,10 +1,4 @@
-/* together.c - what ranks do together.
- *
- * Room:     client/mpi/program.
- * Does:     reduce statuses, and let the root speak.
- * Threads:  one.
- * Source:   together.h.
- */
+/* together.c - what ranks do together. */
 #include "together.h"
 
 #include <fcntl.h>

@@ -1,8 +1,6 @@
 /* together.h - what the ranks of pccd-mpi do together that is not the library's.
  *
- * Room:     client/mpi/program. May include: error.h, mpi.h.
- * Does:     let all ranks know of an error of one of them, and tell it once.
- * Threads:  one.
+ * Threads: one.
  */
 #ifndef PROGRAM_TOGETHER_H
 #define PROGRAM_TOGETHER_H

@@ -1,11 +1,4 @@
-/* verify.c - pccd-mpi verify.
- *
- * Room:     client/mpi/program.
- * Does:     has the ranks check the answers of recordings by exact arithmetic; the root
- *           reports as pccdctl verify does.
- * Threads:  recordings.h.
- * Source:   client/ctl/commands/cmd_verify.c.
- */
+/* verify.c - pccd-mpi verify. */
 #include "verify.h"
 
 #include <stdio.h>
