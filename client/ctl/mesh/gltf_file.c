@@ -417,20 +417,20 @@ static inline double value_at(const char *at, enum gltf_type type)
     case GLTF_I8:
         return (double)(signed char)at[0];
     case GLTF_I16:
-        return (double)(int16_t)gltf_integer_at(at, 2);
+        return (double)(int16_t)ctl_file_integer(at, 2);
     case GLTF_FLOAT:
-        bits = gltf_integer_at(at, 4);
+        bits = ctl_file_integer(at, 4);
         memcpy(&value, &bits, sizeof value);
         return (double)value;
     default:
-        return (double)gltf_integer_at(at, bytes_of(type));
+        return (double)ctl_file_integer(at, bytes_of(type));
     }
 }
 
 static size_t sparse_index(const struct gltf_accessor *accessor, size_t k)
 {
     size_t bytes = bytes_of(accessor->sparse_type);
-    return gltf_integer_at(accessor->sparse_at + k * bytes, bytes);
+    return ctl_file_integer(accessor->sparse_at + k * bytes, bytes);
 }
 
 /* Where `count` elements of `bytes` each lie, by the bufferView and byteOffset of an

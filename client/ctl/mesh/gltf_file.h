@@ -99,12 +99,5 @@ struct gltf_accessor gltf_find(struct gltf *gltf, const json_t *number,
                                enum gltf_role role);
 /* Fill values[components] from element i. */
 void gltf_read(const struct gltf_accessor *accessor, size_t i, double *values);
-/* An unsigned integer of 1, 2 or 4 bytes that lies there. */
-static inline uint32_t gltf_integer_at(const char *at, size_t bytes)
-{
-    const unsigned char *low = (const unsigned char *)at;
-    uint32_t value = bytes > 1 ? (uint32_t)low[0] | (uint32_t)low[1] << 8 : low[0];
-    return bytes < 4 ? value : value | (uint32_t)low[2] << 16 | (uint32_t)low[3] << 24;
-}
 
 #endif

@@ -172,7 +172,7 @@ static inline uint32_t vertex_of(struct gltf *gltf, const struct gltf_accessor *
     uint32_t vertex = (uint32_t)at, restart = UINT32_MAX;
     double number;
     if (indices->at != NULL && indices->sparse_count == 0) {
-        vertex = gltf_integer_at(indices->at + at * indices->stride, indices->bytes);
+        vertex = ctl_file_integer(indices->at + at * indices->stride, indices->bytes);
     } else if (indices->type != 0) {
         gltf_read(indices, at, &number);
         vertex = (uint32_t)number;

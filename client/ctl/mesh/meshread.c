@@ -40,12 +40,12 @@ static const char *ending_of(const char *path)
 
 static const struct format *format_of_name(const char *path)
 {
-    const struct format *found = NULL;
-    for (int i = 0; i < FORMATS && found == NULL; i++) {
-        bool is_it = strcasecmp(ending_of(path), formats[i].ending) == 0;
-        found = is_it ? &formats[i] : NULL;
+    for (int i = 0; i < FORMATS; i++) {
+        if (strcasecmp(ending_of(path), formats[i].ending) == 0) {
+            return &formats[i];
+        }
     }
-    return found;
+    return NULL;
 }
 
 bool ctl_mesh_is_named(const char *path)

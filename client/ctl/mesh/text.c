@@ -219,13 +219,6 @@ bool ctl_file_more(struct ctl_file *file, size_t bytes)
 
 /* ---- lines and words --------------------------------------------------------------- */
 
-uint32_t ctl_file_word(const char *at)
-{
-    const unsigned char *bytes = (const unsigned char *)at;
-    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
-           (uint32_t)bytes[3] << 24;
-}
-
 /* The first line end of a piece of text; NULL: there is none. */
 static const char *find_end(const char *at, size_t bytes)
 {

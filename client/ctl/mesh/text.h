@@ -76,8 +76,14 @@ bool ctl_file_line(struct ctl_file *file, struct ctl_word *line);
 uint64_t ctl_file_size(const struct ctl_file *file);
 uint64_t ctl_file_left(const struct ctl_file *file);
 
-/* Four bytes of a file that is not text, the lowest first. */
-uint32_t ctl_file_word(const char *at);
+/* An unsigned integer of 1, 2 or 4 bytes of a file that is not text, the lowest first. */
+static inline uint32_t ctl_file_integer(const char *at, size_t bytes)
+{
+    const unsigned char *low = (const unsigned char *)at;
+    uint32_t value = bytes > 1 ? (uint32_t)low[0] | (uint32_t)low[1] << 8 : low[0];
+    return bytes < 4 ? value : value | (uint32_t)low[2] << 16 | (uint32_t)low[3] << 24;
+}
+#define ctl_file_word(at) ctl_file_integer(at, 4)
 
 /* The next word of the line, which shrinks; false when only blanks are left. */
 bool ctl_word_next(struct ctl_word *line, struct ctl_word *word);
