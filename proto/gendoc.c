@@ -8,6 +8,7 @@
 #include <ctype.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "codec.h"
@@ -20,6 +21,41 @@ static const char *type_name(enum proto_type type)
 {
     static const char *const names[] = {"u32", "u64", "f64", "bool", "str"};
     return names[type];
+}
+
+/* ---- prose ------------------------------------------------------------------------ */
+
+static struct {
+    FILE *to; /* open_memstream */
+    char *text;
+    size_t bytes;
+} prose;
+
+/* What is printed to prose.to from here on is one paragraph. */
+static void begin_prose(void)
+{
+    prose.to = open_memstream(&prose.text, &prose.bytes);
+    if (prose.to == NULL) {
+        abort();
+    }
+}
+
+/* Print the paragraph in lines of at most 100 columns that begin with `indent`. */
+static void end_prose(const char *indent)
+{
+    const size_t room = 100 - (indent[0] == '\t' ? 8 : 0);
+    (void)fclose(prose.to);
+    const char *text = prose.text;
+    while (strlen(text) > room) {
+        size_t end = room;
+        while (text[end] != ' ') {
+            end--;
+        }
+        printf("%s%.*s\n", indent, (int)end, text);
+        text += end + 1;
+    }
+    printf("%s%s\n", indent, text);
+    free(prose.text);
 }
 
 /* ---- tables ----------------------------------------------------------------------- */
@@ -90,7 +126,7 @@ static void print_needs(const struct proto_fields *own, const struct proto_field
     const char *before = title;
     for (uint32_t i = 0; i < own->count; i++) {
         if (own->items[i].need == need && other->items[i].need != need) {
-            printf("%s`%s`", before, own->items[i].name);
+            fprintf(prose.to, "%s`%s`", before, own->items[i].name);
             before = ", ";
         }
     }
@@ -100,18 +136,24 @@ static void print_same_result(int method)
 {
     const struct proto_message_info *other = &proto_messages[same_result(method)];
     const struct proto_fields *own = &proto_messages[method].result;
-    printf("\nThe result has the fields of `%s`", other->name);
+    puts("");
+    begin_prose();
+    fprintf(prose.to, "The result has the fields of `%s`", other->name);
     print_needs(own, &other->result, PROTO_NEED_REQ, "; needed are also ");
     print_needs(own, &other->result, PROTO_NEED_OPT, "; not needed are ");
-    puts(".");
+    fputc('.', prose.to);
+    end_prose("");
 }
 
 static void print_messages(void)
 {
     for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
         const struct proto_message_info *message = &proto_messages[i];
-        printf("%s### `%s`\n\n%c%s.\n", i > 0 ? "\n" : "", message->name,
-               toupper((unsigned char)message->text[0]), message->text + 1);
+        printf("%s### `%s`\n\n", i > 0 ? "\n" : "", message->name);
+        begin_prose();
+        fprintf(prose.to, "%c%s.", toupper((unsigned char)message->text[0]),
+                message->text + 1);
+        end_prose("");
         puts("");
         print_fields(i < PROTO_METHOD_COUNT ? "Param" : "Field", &message->request);
         if (i == PROTO_METHOD_STATS) {
@@ -320,21 +362,23 @@ static const struct region regions[] = {
 /* A sentence for scdoc, which gives underscores and stars a meaning. */
 static void print_manual_text(const char *text)
 {
-    putchar(toupper((unsigned char)text[0]));
+    fputc(toupper((unsigned char)text[0]), prose.to);
     for (text++; *text != '\0'; text++) {
         if (*text == '_' || *text == '*' || *text == '`') {
-            putchar('\\');
+            fputc('\\', prose.to);
         }
-        putchar(*text);
+        fputc(*text, prose.to);
     }
 }
 
 static void print_manual_methods(void)
 {
     for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
-        printf("%s*%s*\n\t", i > 0 ? "\n" : "", proto_messages[i].name);
+        printf("%s*%s*\n", i > 0 ? "\n" : "", proto_messages[i].name);
+        begin_prose();
         print_manual_text(proto_messages[i].text);
-        puts(i < PROTO_METHOD_COUNT ? "." : " (a notification).");
+        fputs(i < PROTO_METHOD_COUNT ? "." : " (a notification).", prose.to);
+        end_prose("\t");
     }
 }
 
@@ -342,9 +386,11 @@ static void print_manual_statuses(void)
 {
     int first = 1;
 #define ROW(name, value, text)                                                           \
-    printf("%s*%s*, %d\n\t", first ? "" : "\n", #name, value);                           \
+    printf("%s*%s*, %d\n", first ? "" : "\n", #name, value);                             \
+    begin_prose();                                                                       \
     print_manual_text(text);                                                             \
-    puts(".");                                                                           \
+    fputc('.', prose.to);                                                                \
+    end_prose("\t");                                                                     \
     first = 0;
     PCCD_STATUS_LIST(ROW)
 #undef ROW

@@ -24,11 +24,13 @@ c_files=(-name '*.[ch]' -o -name '*.cc' -o -name '*.hpp')
 
 lines() { xargs -r cat | wc -l; }
 
-# Lines of prose: no tables, headings, code, links, pictures or synopses.
+# Lines of prose: no tables, headings, code, links, pictures, synopses or examples.
 prose() {
     files README.md CONTRIBUTING.md daemon client proto bench tests -- -name '*.md' -o -name '*.scd' |
         xargs awk '
-            FNR == 1 { is_code = 0 }
+            FNR == 1 { is_code = is_examples = 0 }
+            /^# / { is_examples = /^# EXAMPLES/ }
+            is_examples && /^\t/ { next }
             /^ *```/ { is_code = !is_code }
             !is_code && !/^ *\|/ && !/^\t*[|[]/ && !/^(    |#|!)/ && !/https?:|\+\+$/ { print }'
 }
