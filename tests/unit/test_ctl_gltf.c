@@ -752,7 +752,7 @@ static void begin_animation(void)
 /* If it failed: an object would be elsewhere than the file has it at that time. */
 static void animation__interpolates_as_its_samplers_say(void **state)
 {
-    char name[64];
+    char name[64], note[256];
     (void)state;
     begin_animation();
     open_made(MOVED(SAMPLER("1", "2", ""), CHANNEL("0", "0", "translation")));
@@ -787,7 +787,9 @@ static void animation__interpolates_as_its_samplers_say(void **state)
     CHECK(4, {4, 0, 0});
     wish.rate = 0;
     open_made(MOVED(SAMPLER("6", "4", CUBIC), CHANNEL("0", "0", "translation")));
-    assert_true(motion.note(&motion, name, sizeof name));
+    assert_true(motion.note(&motion, note, sizeof note));
+    assert_string_equal(note, "nodes curve between two keyframes: --rate N has frames "
+                              "between them");
     finish();
 }
 
@@ -815,7 +817,9 @@ static void animation__turns_the_shorter_way_on_a_circle(void **state)
     wish.rate = 12; /* every third of the first quarter, every sixth of the second */
     open_made(MOVED(SAMPLER("1", "3", ""), CHANNEL("0", "0", "rotation")));
     assert_int_equal(motion.frame_count, 10);
-    assert_false(motion.note(&motion, note, sizeof note));
+    assert_true(motion.note(&motion, note, sizeof note));
+    assert_string_equal(note, "nodes turn between two frames (up to 30 degrees): a "
+                              "greater --rate has frames between them");
     static const double thirds[10][2] = {{1, 0},
                                          {.86602540378443864676, .5},
                                          {.5, .86602540378443864676},
@@ -830,6 +834,9 @@ static void animation__turns_the_shorter_way_on_a_circle(void **state)
         assert_int_equal(motion.read(&motion, frame, x, &error), PCCD_OK);
         assert_true(distance(x[0], thirds[frame][0], thirds[frame][1]) < 1e-30);
     }
+    wish.rate = 1000; /* a third of a degree a frame */
+    open_made(MOVED(SAMPLER("1", "3", ""), CHANNEL("0", "0", "rotation")));
+    assert_false(motion.note(&motion, note, sizeof note));
     wish.rate = 0;
 }
 

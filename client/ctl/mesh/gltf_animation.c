@@ -372,6 +372,6 @@ void gltf_animation_read(struct gltf_scene *scene, const struct ctl_motion_wish 
                       "%g frames from %g s to %g s, at most %" PRIu64, frames, first,
                       last, CTL_MESH_COUNT_MAX)) {
         animation->frame_count = (uint32_t)frames;
-        animation->turn_degrees = rate == 0 ? find_turn(animation) : 0;
+        animation->turn_degrees = find_turn(animation);
     }
 }

@@ -613,14 +613,22 @@ static bool note(const struct ctl_motion *motion, char *text, size_t bytes)
                                   animation->first, name != NULL ? name : "",
                                   animation->moving_count);
     }
-    if (length < bytes &&
-        (animation->turn_degrees > TURN_DEGREES || animation->is_curved)) {
-        snprintf(
-            text + length, bytes - length,
-            "%snodes turn%s between two keyframes (up to %.3g degrees): --rate N has "
-            "frames between them",
-            length > 0 ? "; " : "", animation->is_curved ? " or curve" : "",
-            animation->turn_degrees);
+    bool is_sampled = animation->rate > 0;
+    bool turns = animation->turn_degrees > TURN_DEGREES;
+    if (length < bytes && (turns || (animation->is_curved && !is_sampled))) {
+        char angle[48] = "";
+        if (turns) {
+            (void)snprintf(angle, sizeof angle, " (up to %.3g degrees)",
+                           animation->turn_degrees);
+        }
+        (void)snprintf(text + length, bytes - length,
+                       "%snodes %s between two %s%s: %s has frames between them",
+                       length > 0 ? "; " : "",
+                       !turns                                ? "curve"
+                       : animation->is_curved && !is_sampled ? "turn or curve"
+                                                             : "turn",
+                       is_sampled ? "frames" : "keyframes", angle,
+                       is_sampled ? "a greater --rate" : "--rate N");
     }
     return text[0] != '\0';
 }
