@@ -180,6 +180,44 @@ sys.exit(not (step["crowded"] and step["coincident"] == step["contacts"] > 0))
 END
 tap_result $? split__is_said_to_be_the_cause "$log"
 
+# If it failed, of a large file all would be read, pictures too, or other bytes than are meant: behind
+# the picture, in another chunk, in a file beside it.
+python3 - <<'END'
+import json, struct
+corners = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + struct.pack("<9f", .2, .2, 1, .3, .2, -1, .2, .3, -1)
+faces = struct.pack("<6H", 0, 1, 2, 3, 4, 5)
+for name, picture in (("small", b"png!"), ("large", bytes(range(256)) * 16384)):
+    data = picture + corners + faces
+    views = [(0, len(picture)), (len(picture), len(corners)), (len(picture) + len(corners), len(faces))]
+    scene = {"asset": {"version": "2.0"}, "buffers": [{"byteLength": len(data)}],
+             "bufferViews": [{"buffer": 0, "byteOffset": at, "byteLength": n} for at, n in views],
+             "images": [{"bufferView": 0, "mimeType": "image/png"}], "nodes": [{"mesh": 0}],
+             "accessors": [{"bufferView": 1, "componentType": 5126, "count": 6, "type": "VEC3"},
+                           {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]}
+    text = json.dumps(scene).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = b"".join(struct.pack("<I4s", len(chunk), kind) + chunk
+                      for kind, chunk in ((b"JSON", text), (b"more", b"behind"), (b"BIN\0", data)))
+    open(name + ".glb", "wb").write(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+    scene["buffers"][0]["uri"] = name + ".bin"
+    open(name + ".bin", "wb").write(data)
+    json.dump(scene, open(name + ".gltf", "w"))
+END
+said() { check "$1" --json "$2" "$2" && sed 's/"file": "[^"]*"//; /"ms"/,$d; /small\|large/d; /threads\|_ns/d' out; }
+said 1 small.glb | grep -v '_ms' >small.said
+: >wrong
+for file in large.glb small.gltf large.gltf; do
+    said 1 $file | grep -v '_ms' | cmp -s - small.said || { echo "$file" && cat err; } >>wrong
+done
+grep -q '"crossings": [1-9]' small.said || cat small.said >>wrong
+timeout 100 "$PCCDCTL" check --private large.glb <(cat large.glb) >out 2>&1 && cat out >>wrong
+grep -q '^mesh  *6 vertices' out || cat out >>wrong
+truncate -s 2M large.bin
+check 4 large.gltf large.gltf && grep -q 'buffer 0: has 2097152 bytes, not 4194388' err || cat err >>wrong
+[ ! -s wrong ]
+tap_result $? gltf__is_read_where_its_vertices_are wrong
+
 # asks NAME ARGUMENT...: what the command says of these arguments, to `out` and `err`.
 asks() {
     local name=$1

@@ -204,9 +204,9 @@ static const struct {
            "frame.submit\x83\xa5scene\x01\xa8segments\x00\xa6"
            "tuning\x02"),
      PCCD_E_BADMSG},
-    {"text for a rebuild ratio",
+    {"text for rights",
      BYTES("\x94\x00\x05\xac"
-           "scene.create\x81\xadrebuild_ratio\xa5never"),
+           "scene.create\x81\xa6rights\xa5never"),
      PCCD_E_BADMSG},
     {"no such handle", BYTES("\x94\x00\x05\xadscene.destroy\x81\xa5scene\x07"),
      PCCD_E_HANDLE},

@@ -19,10 +19,20 @@
 #define DATA_BASE64 ";base64,"
 #define STRIDE_MAX  252 /* of the specification */
 
+/* Of a large file the bytes that are asked for are read, and not its pictures. */
 struct gltf_buffer {
-    const char *at; /* NULL: not asked for yet */
+    bool is_found;
+    const char *at;          /* of a data: URI; otherwise NULL, */
+    struct ctl_file *source; /* and it begins at byte `first` of this one */
+    uint64_t first;
     size_t bytes;
     struct ctl_file file; /* another file that has it, or nothing */
+};
+
+struct gltf_piece {
+    const struct gltf_buffer *buffer;
+    size_t first, bytes;
+    const char *at;
 };
 
 bool gltf_check_as(struct gltf *gltf, bool is_right, int status, const char *format, ...)
@@ -237,31 +247,46 @@ void gltf_close(struct gltf *gltf)
         free(gltf->blocks[i]);
     }
     free(gltf->blocks);
+    free(gltf->pieces);
     json_decref(gltf->root);
     *gltf = (struct gltf){.file = NULL};
 }
 
 /* ---- buffers ----------------------------------------------------------------------- */
 
+/* Whether `bytes` of a file were copied. */
+static bool copy(struct gltf *gltf, struct ctl_file *file, uint64_t first, size_t bytes,
+                 char *to)
+{
+    struct ctl_error why = {.text = ""};
+    file->error = &why;
+    int status = ctl_file_copy(file, first, bytes, to);
+    file->error = gltf->error;
+    return gltf_check_as(gltf, status == PCCD_OK, status, "%s", why.text);
+}
+
 /* The chunk of data, behind the others that a later version may have. */
 static void find_binary(struct gltf *gltf, struct gltf_buffer *buffer)
 {
-    const struct ctl_file *file = gltf->file;
-    size_t at = 0, end = 0;
-    load(gltf);
-    if (gltf->status == PCCD_OK && is_binary(file)) {
-        at = HEAD_BYTES + (size_t)ctl_file_word(file->data + 12);
-        end = ctl_file_word(file->data + 8);
-        end = end < file->bytes ? end : file->bytes;
+    struct ctl_file *file = gltf->file;
+    uint64_t at = 0, end = 0;
+    char head[8];
+    if (file->size == 0) { /* a pipe */
+        load(gltf);
     }
-    while (buffer->at == NULL && end - at >= 8 &&
-           ctl_file_word(file->data + at) <= end - at - 8) {
-        buffer->bytes = ctl_file_word(file->data + at);
-        bool is_binary_chunk = ctl_file_word(file->data + at + 4) == CHUNK_BIN;
-        buffer->at = is_binary_chunk ? file->data + at + 8 : NULL;
+    if (gltf->status == PCCD_OK && is_binary(file)) {
+        at = HEAD_BYTES + (uint64_t)ctl_file_word(file->data + 12);
+        end = ctl_file_word(file->data + 8);
+    }
+    while (buffer->source == NULL && end >= at + 8 && copy(gltf, file, at, 8, head) &&
+           ctl_file_word(head) <= end - at - 8) {
+        buffer->bytes = ctl_file_word(head);
+        buffer->first = at + 8;
+        buffer->source = ctl_file_word(head + 4) == CHUNK_BIN ? file : NULL;
         at += 8 + buffer->bytes;
     }
-    gltf_check(gltf, buffer->at != NULL, "buffer 0: has no URI, and no data in the file");
+    gltf_check(gltf, buffer->source != NULL,
+               "buffer 0: has no URI, and no data in the file");
 }
 
 static void decode(struct gltf *gltf, long long index, const char *uri,
@@ -329,11 +354,11 @@ static void read_beside(struct gltf *gltf, long long index, const char *uri,
         return;
     }
     int status = ctl_file_open(name, &buffer->file, &why);
-    if (status == PCCD_OK) {
+    if (status == PCCD_OK && buffer->file.size == 0) { /* a pipe */
         status = ctl_file_load(&buffer->file, &why);
     }
-    buffer->at = buffer->file.data;
-    buffer->bytes = buffer->file.bytes;
+    buffer->source = &buffer->file;
+    buffer->bytes = (size_t)ctl_file_size(&buffer->file);
     gltf_check_as(gltf, status == PCCD_OK, status, "buffer %lld: %s", index, why.text);
 }
 
@@ -349,7 +374,7 @@ static const struct gltf_buffer *find_buffer(struct gltf *gltf, long long index)
         return NULL;
     }
     struct gltf_buffer *buffer = &gltf->buffers[index];
-    if (buffer->at != NULL) {
+    if (buffer->is_found) {
         return buffer;
     }
     if (uri == NULL) {
@@ -365,7 +390,36 @@ static const struct gltf_buffer *find_buffer(struct gltf *gltf, long long index)
                "buffer %lld: has %zu bytes, not %lld", index, buffer->bytes, bytes);
     gltf->bytes += uri != NULL ? buffer->bytes : 0;
     buffer->bytes = (size_t)bytes;
-    return gltf->status == PCCD_OK ? buffer : NULL;
+    buffer->is_found = gltf->status == PCCD_OK;
+    return buffer->is_found ? buffer : NULL;
+}
+
+/* Bytes of a buffer, which has them. */
+static const char *bytes_at(struct gltf *gltf, const struct gltf_buffer *buffer,
+                            size_t first, size_t bytes)
+{
+    if (buffer->at != NULL || ctl_file_is_loaded(buffer->source)) {
+        return (buffer->at != NULL ? buffer->at : buffer->source->data + buffer->first) +
+               first;
+    }
+    for (size_t i = 0; i < gltf->piece_count; i++) {
+        const struct gltf_piece *piece = &gltf->pieces[i];
+        if (piece->buffer == buffer && piece->first == first && piece->bytes == bytes) {
+            return piece->at;
+        }
+    }
+    void *pieces = gltf->pieces;
+    char *at = gltf_alloc(gltf, bytes, 1, "bytes of a buffer");
+    if (at == NULL || !copy(gltf, buffer->source, buffer->first + first, bytes, at) ||
+        !gltf_check_as(gltf,
+                       array_reserve(&pieces, gltf->piece_count, &gltf->piece_room,
+                                     sizeof *gltf->pieces),
+                       PCCD_E_NOMEM, "no memory for %zu pieces", gltf->piece_count)) {
+        return NULL;
+    }
+    gltf->pieces = pieces;
+    gltf->pieces[gltf->piece_count++] = (struct gltf_piece){buffer, first, bytes, at};
+    return at;
 }
 
 /* ---- accessors --------------------------------------------------------------------- */
@@ -469,7 +523,10 @@ static const char *find_bytes(struct gltf *gltf, size_t accessor, const json_t *
         "accessor %zu: goes beyond bufferView %lld, which has %lld bytes", accessor,
         index, length);
     *stride = (size_t)step;
-    return gltf->status == PCCD_OK ? buffer->at + begin + offset : NULL;
+    size_t span = count > 0 ? (count - 1) * (size_t)step + bytes : 0;
+    return gltf->status == PCCD_OK
+               ? bytes_at(gltf, buffer, (size_t)(begin + offset), span)
+               : NULL;
 }
 
 static void find_sparse(struct gltf *gltf, const json_t *sparse,

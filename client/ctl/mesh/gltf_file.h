@@ -28,6 +28,8 @@ struct gltf {
     bool is_export; /* of pccdctl export */
     void **blocks;  /* [block_count]: what was allocated */
     size_t block_count, block_room;
+    struct gltf_piece *pieces; /* [piece_count]: what was read of large files */
+    size_t piece_count, piece_room;
 };
 
 /* Parse the JSON of a file that was opened, and judge its version and the extensions that

@@ -9,6 +9,12 @@
 
 #include "meshfile.h"
 
+static bool is_json(const struct ctl_file *file)
+{
+    const char *start = ctl_file_start(file);
+    return start[strspn(start, " \t\r\n")] == '{';
+}
+
 /* What a file is, by its first word or its name. */
 static const struct format {
     const char *word; /* NULL: its name alone tells */
@@ -22,7 +28,7 @@ static const struct format {
 } formats[] = {
     {"ply", ".ply", CTL_HOLDS_MESH, false, ctl_ply_parse, NULL, NULL},
     {"glTF", ".glb", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_open, NULL},
-    {NULL, ".gltf", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_open, NULL},
+    {NULL, ".gltf", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_open, is_json},
     {NULL, ".obj", CTL_HOLDS_MESH, false, ctl_obj_parse, NULL, ctl_obj_begins},
     {NULL, ".stl", CTL_HOLDS_CORNERS, true, ctl_stl_parse, NULL, ctl_stl_begins},
     {"POINTCACHE2", ".pc2", CTL_HOLDS_POSITIONS, false, NULL, ctl_pc2_open, NULL},
@@ -58,6 +64,11 @@ static const struct format *find_format(const struct ctl_file *file)
 {
     const char *at = ctl_file_start(file);
     size_t bytes = (size_t)(file->data + file->bytes - at);
+    const struct format *named = format_of_name(file->path);
+    /* The header of a binary STL file may begin with any word. */
+    if (named != NULL && named->begins != NULL && bytes > 0 && named->begins(file)) {
+        return named;
+    }
     for (int i = 0; i < FORMATS; i++) {
         const char *word = formats[i].word;
         size_t length = word != NULL ? strlen(word) : bytes;
@@ -66,7 +77,7 @@ static const struct format *find_format(const struct ctl_file *file)
             return &formats[i];
         }
     }
-    const struct format *found = format_of_name(file->path);
+    const struct format *found = named;
     for (int i = 0; i < FORMATS && found == NULL && bytes > 0; i++) {
         bool is_it = formats[i].begins != NULL && formats[i].begins(file);
         found = is_it ? &formats[i] : NULL;

@@ -52,11 +52,14 @@ struct property {
 
 struct element {
     char name[NAME_BYTES];
-    char unknown_list[NAME_BYTES]; /* one that may have faces; "": there is none */
     uint64_t count;
     uint32_t property_first, property_count;
-    bool has_faces, are_strips; /* a list of indices; of strips of triangles */
-    uint64_t row_first;         /* of faces: in the elements before it */
+    bool is_surface, are_strips; /* it has the name of one; of strips of triangles */
+    struct property *faces;      /* its list of vertices; NULL: it has none */
+    bool is_standard;            /* that has the name of the specification, or nearly */
+    char unknown[NAME_BYTES];    /* "", or what may be faces or edges, */
+    bool is_unknown;             /* and is that */
+    uint64_t row_first;          /* of faces: in the elements before it */
 };
 
 struct ply {
@@ -116,8 +119,11 @@ static int read_format(struct ply *ply, const struct ctl_word words[3])
 
 static int read_element(struct ply *ply, const struct ctl_word words[3])
 {
-    static const char *const strips[] = {"tristrips",      "tristrip", "triangle_strips",
-                                         "triangle_strip", "strips",   "strip"};
+    static const char *const surfaces[] = {
+        "tristrips", "tristrip", "triangle_strips", "triangle_strip", "strips",
+        "strip",     "face",     "faces",           "triangle",       "triangles",
+        "tri",       "tris",     "polygon",         "polygons",       "poly",
+        "quad",      "quads"};
     int64_t count;
     if (!ctl_word_integer(&words[2], &count) || count < 0) {
         return ctl_file_refuse(ply->file, "\"%.*s\" is not a count", CTL_QUOTE(words[2]));
@@ -129,7 +135,8 @@ static int read_element(struct ply *ply, const struct ctl_word words[3])
     struct element *element = &ply->elements[ply->element_count++];
     *element = (struct element){.count = (uint64_t)count,
                                 .property_first = ply->property_count,
-                                .are_strips = is_any_of(&words[1], strips, 6)};
+                                .is_surface = is_any_of(&words[1], surfaces, 17),
+                                .are_strips = is_any_of(&words[1], surfaces, 6)};
     copy_name(element->name, &words[1]);
     return PCCD_OK;
 }
@@ -146,11 +153,11 @@ static const struct type *read_type(struct ply *ply, const struct ctl_word *word
 }
 
 static enum role role_of(struct ply *ply, struct element *element,
-                         const struct property *property, const struct ctl_word *name)
+                         struct property *property, const struct ctl_word *name)
 {
-    static const char *const lists[] = {"vertex_indices", "vertex_index",
+    static const char *const names[] = {"vertex_indices", "vertex_index",
                                         "vertex_indexes", "vertices", "indices"};
-    bool is_whole = property->type->kind != REAL;
+    bool is_whole = property->type->kind != REAL, is_list = property->count_type != NULL;
     for (enum role role = 0; role < NAMED_ROLES; role++) {
         if (ply->named[role] == NULL && ctl_word_is(name, named_roles[role].property) &&
             strcmp(element->name, named_roles[role].element) == 0) {
@@ -158,17 +165,29 @@ static enum role role_of(struct ply *ply, struct element *element,
             return role;
         }
     }
-    if (property->count_type == NULL || element->has_faces ||
-        strcmp(element->name, "vertex") == 0) {
+    if (strcmp(element->name, "vertex") == 0 || strcmp(element->name, "edge") == 0) {
         return SKIP;
     }
-    /* Faces are in the first list that has a name of indices; under the first two names
-     * whole numbers may be written as others. */
-    element->has_faces = is_any_of(name, lists, is_whole ? 5 : 2);
-    if (!element->has_faces && is_whole && element->unknown_list[0] == '\0') {
-        copy_name(element->unknown_list, name);
+    /* Faces are in the first list with a name of the specification, else in the first one
+     * that has a name of indices. Whole numbers may be written as others there. */
+    bool is_standard = is_list && is_any_of(name, names, is_whole ? 3 : 2);
+    bool is_one = is_standard || (is_list && is_whole && is_any_of(name, names, 5));
+    if (element->is_surface && is_one &&
+        (element->faces == NULL || (is_standard && !element->is_standard))) {
+        if (element->faces != NULL) {
+            element->faces->role = SKIP;
+        }
+        element->faces = property;
+        element->is_standard = is_standard;
+        return INDICES;
     }
-    return element->has_faces ? INDICES : SKIP;
+    bool is_edge = !is_list && ctl_word_is(name, named_roles[END_0].property);
+    bool is_unknown = is_standard || is_edge;
+    if (is_unknown || (is_list && is_whole && element->unknown[0] == '\0')) {
+        copy_name(element->unknown, name);
+        element->is_unknown = element->is_unknown || is_unknown;
+    }
+    return SKIP;
 }
 
 static int read_property(struct ply *ply, const struct ctl_word words[5])
@@ -253,16 +272,24 @@ static int check_elements(struct ply *ply)
         if ((is_vertex && ply->vertex != NULL) || (is_edge && ply->edge != NULL)) {
             return ctl_file_refuse(ply->file, "two elements \"%s\"", element->name);
         }
-        if (!element->has_faces && strcmp(element->name, "face") == 0) {
-            return ctl_file_refuse(ply->file, "element \"face\" has no list "
-                                              "\"vertex_indices\" or \"vertex_index\"");
+        bool has_faces = element->faces != NULL, has_rows = element->count > 0;
+        if (element->is_surface && !has_faces && has_rows) {
+            return ctl_file_refuse(ply->file,
+                                   "element \"%s\" has no list \"vertex_indices\" or "
+                                   "\"vertex_index\"",
+                                   element->name);
+        }
+        if (!element->is_surface && element->is_unknown && has_rows) {
+            return ctl_file_refuse(ply->file,
+                                   "element \"%s\" has \"%s\", and is none that is read, "
+                                   "such as \"face\" or \"edge\"",
+                                   element->name, element->unknown);
         }
         ply->vertex = is_vertex ? element : ply->vertex;
         ply->edge = is_edge ? element : ply->edge;
-        element->row_first = element->has_faces ? ply->face_count : 0;
-        ply->face_count += element->has_faces ? element->count : 0;
-        bool is_unknown = element->count > 0 && element->unknown_list[0] != '\0';
-        unknown = is_unknown ? element : unknown;
+        element->row_first = has_faces ? ply->face_count : 0;
+        ply->face_count += has_faces ? element->count : 0;
+        unknown = has_rows && element->unknown[0] != '\0' ? element : unknown;
     }
     if (ply->vertex == NULL) {
         return ctl_file_refuse(ply->file, "the header has no element \"vertex\"");
@@ -287,7 +314,7 @@ static int check_elements(struct ply *ply)
                : ctl_file_refuse(ply->file,
                                  "element \"%s\" may have the faces: its list \"%s\" is "
                                  "none that is known, such as \"vertex_indices\"",
-                                 unknown->name, unknown->unknown_list);
+                                 unknown->name, unknown->unknown);
 }
 
 /* a + b * c, or what comes nearest. */
@@ -607,7 +634,7 @@ static void read_row(struct ply *ply, const struct element *element)
         begin_line(ply);
     }
     ctl_mesh_begin_row(ply->mesh, element->row_first + file->item_number,
-                       element->has_faces ? ply->face_count : element->count);
+                       element->faces != NULL ? ply->face_count : element->count);
     for (uint32_t i = 0; i < element->property_count && file->status == PCCD_OK; i++) {
         const struct property *property = &ply->properties[element->property_first + i];
         enum role role = property->role;

@@ -199,8 +199,11 @@ static void read_place(struct ctl_file *file, struct ctl_word *line, float x[3])
 /* One solid after the other; they are one mesh. The last one may lack its end. */
 static void read_ascii(struct stl *stl)
 {
-    static const char *const lines[] = {"solid",  "facet",  "outer",   "vertex",
-                                        "vertex", "vertex", "endloop", "endfacet"};
+    static const struct {
+        const char *begin;
+        uint32_t words; /* that follow, at most, beside three numbers of a vertex */
+    } lines[] = {{"solid", 0},  {"facet", 4},  {"outer", 1},   {"vertex", 0},
+                 {"vertex", 0}, {"vertex", 0}, {"endloop", 0}, {"endfacet", 0}};
     struct ctl_file *file = stl->file;
     struct ctl_word line, word;
     float x[9] = {0};
@@ -214,13 +217,19 @@ static void read_ascii(struct stl *stl)
             due = 0;
             continue;
         }
-        if (!begins(&word, line, lines[due])) {
+        if (!begins(&word, line, lines[due].begin)) {
             ctl_file_refuse(file, "\"%.*s\" where \"%s\" is needed", CTL_QUOTE(word),
-                            lines[due]);
+                            lines[due].begin);
         } else if (due >= 3 && due < 6) {
             read_place(file, &line, x + 3 * (due - 3));
         } else if (due == 7) {
             add_facet(stl, x);
+        }
+        uint32_t words = ctl_word_is_any_case(&word, "end") ? 1 : lines[due].words;
+        for (uint32_t k = 0; k < words && ctl_word_next(&line, &word); k++) {
+        }
+        if (due > 0 && ctl_word_next(&line, &word)) {
+            ctl_file_refuse(file, "\"%.*s\" is too much on the line", CTL_QUOTE(word));
         }
         has_begun = true;
         due = due == 7 ? 1 : due + 1;
@@ -228,9 +237,9 @@ static void read_ascii(struct stl *stl)
     if (!has_begun) {
         refuse_kind(file);
     } else if (due > 1 && file->status == PCCD_OK) {
-        file->status =
-            ctl_error_set(file->error, PCCD_E_FORMAT,
-                          "%s: it ends where \"%s\" is needed", file->path, lines[due]);
+        file->status = ctl_error_set(file->error, PCCD_E_FORMAT,
+                                     "%s: it ends where \"%s\" is needed", file->path,
+                                     lines[due].begin);
     }
 }
 

@@ -146,6 +146,34 @@ int ctl_file_load(struct ctl_file *file, struct ctl_error *error)
     return file->status;
 }
 
+bool ctl_file_is_loaded(const struct ctl_file *file)
+{
+    return file->offset == 0 && file->rest_bytes == 0;
+}
+
+int ctl_file_copy(struct ctl_file *file, uint64_t first, size_t bytes, char *to)
+{
+    size_t done = 0;
+    if (first + bytes <= file->bytes && file->offset == 0) {
+        memcpy(to, file->data + first, bytes);
+        done = bytes;
+    }
+    while (done < bytes && file->status == PCCD_OK) {
+        ssize_t got = pread(file->fd, to + done, bytes - done, (off_t)(first + done));
+        if (got > 0) {
+            done += (size_t)got;
+        } else if (got == 0) {
+            file->status = ctl_error_set(file->error, PCCD_E_FORMAT,
+                                         "%s: it changed while it was read", file->path);
+        } else if (errno != EINTR) {
+            file->status =
+                ctl_error_set(file->error, PCCD_E_SYSTEM, "%s: cannot read: %s",
+                              file->path, strerror(errno));
+        }
+    }
+    return file->status;
+}
+
 void ctl_file_deinit(struct ctl_file *file)
 {
     if (file->is_open) {

@@ -53,6 +53,11 @@ struct ctl_file {
 int ctl_file_open(const char *path, struct ctl_file *file, struct ctl_error *error);
 /* Read all of it, before any of it has moved. The same errors. */
 int ctl_file_load(struct ctl_file *file, struct ctl_error *error);
+/* Copy `bytes` from byte `first` of a file on, which is no pipe or was loaded; what is in
+ * memory stays. The same errors, and E_FORMAT: it has become shorter. */
+int ctl_file_copy(struct ctl_file *file, uint64_t first, size_t bytes, char *to);
+/* Whether all of it is in memory. */
+bool ctl_file_is_loaded(const struct ctl_file *file);
 void ctl_file_deinit(struct ctl_file *file);
 
 /* Tell what is wrong where the reader is: path, line or byte, and item come before it.
