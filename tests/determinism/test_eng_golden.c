@@ -386,9 +386,9 @@ static void under_cover(uint32_t play)
     }
     print_message("# %u rows, %llu subtrees rebuilt, %llu swapped\n", cover.row_count,
                   (unsigned long long)f.rebuilds, (unsigned long long)f.swaps);
-    /* Else a history would have left nothing behind. Which rows rebuild in the background is
-     * drawn: of traffic, whose objects go before a tree is done, a cover for fewer sets may
-     * have none that swaps one in. */
+    /* Else a history would have left nothing behind. Which rows rebuild in the background
+     * is drawn: of traffic, whose objects go before a tree is done, a cover for fewer
+     * sets may have none that swaps one in. */
     assert_true(f.rebuilds > 0);
     assert_true(f.swaps > 0 || play != PLAY_TEAR);
     fixture_deinit(&f);
