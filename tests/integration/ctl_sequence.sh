@@ -180,6 +180,11 @@ sys.exit(not (step["crowded"] and step["coincident"] == step["contacts"] > 0))
 END
 tap_result $? split__is_said_to_be_the_cause "$log"
 
+# If it failed, verify would pass a false count of these contacts, or refuse a true one.
+timeout 100 "$PCCDCTL" record -o split.rec -- "$PCCDCTL" check --private --weld off split1.obj split1.obj >out 2>>"$log"
+timeout 100 "$PCCDCTL" verify --private split.rec >out 2>>"$log"
+tap_result $? split__is_verified "$log"
+
 # If it failed, of a large file all would be read, pictures too, or other bytes than are meant: behind
 # the picture, in another chunk, in a file beside it.
 python3 - <<'END'
