@@ -150,13 +150,15 @@ static void brief__nothing_is_the_loops_while_another_step_runs(void **state)
 {
     struct test_crossing *crossing = *state;
     struct pccd_step_settings wide = by(PCCD_METHOD_WIDE);
+    struct pccd_step_settings slow = by(PCCD_METHOD_PAPER);
     struct pccd_client *other = test_connect(test_shared.url);
     struct test_grid grid;
     uint32_t behind = 0;
     uint64_t step;
 
+    slow.threads = 1; /* so many milliseconds that we go on before it has ended */
     assert_non_null(other);
-    assert_int_equal(test_grid_make(other, 200, &grid), 0);
+    assert_int_equal(test_grid_make(other, 400, &grid), 0);
     for (int i = 0; i < 10; i++) {
         move(crossing, -crossing->z, &wide);
     }
@@ -165,7 +167,8 @@ static void brief__nothing_is_the_loops_while_another_step_runs(void **state)
         uint64_t before = brief(crossing);
         struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_int_equal(test_grid_submit(&grid, &slow, &step), 0);
+        rest(); /* its positions are copied before it begins */
         answer = move(crossing, -crossing->z, &wide);
         assert_true(answer.total > 0);
         if (brief(crossing) == before) {
