@@ -17,14 +17,11 @@ bench_engine_cppflags = $(bench_cppflags) $(ENGINE_CPPFLAGS) \
     -I$(top_srcdir)/tests/support
 bench_scenes_sources = \
     bench/scenes/bench_scene.c \
-    bench/scenes/bench_scene.h \
     bench/scenes/bodies.c \
     bench/scenes/breaking.c \
     bench/scenes/cloth.c \
     bench/scenes/drape.c \
-    bench/scenes/drape.h \
     bench/scenes/exploding.c \
-    bench/scenes/families.h \
     bench/scenes/game.c \
     bench/scenes/layers.c \
     bench/scenes/needles.c \
@@ -34,28 +31,18 @@ bench_scenes_sources = \
     bench/scenes/partial.c \
     bench/scenes/recorded.c \
     bench/scenes/shards.c \
-    bench/scenes/shards.h \
     bench/scenes/sheets.c \
     bench/scenes/surface.c \
-    bench/scenes/surface.h \
     bench/scenes/thin.c \
     bench/scenes/tumble.c \
-    bench/scenes/tumble.h \
     tests/support/data.c \
-    tests/support/data.h \
-    tests/support/ply.c \
-    tests/support/ply.h \
-    tests/support/prng.h
+    tests/support/ply.c
 bench_engine_sources = \
     $(bench_scenes_sources) \
     bench/report.c \
-    bench/report.h \
     bench/resident.c \
-    bench/resident.h \
     bench/traverse.c \
-    bench/traverse.h \
-    bench/workload.c \
-    bench/workload.h
+    bench/workload.c
 bench_engine_libs = libengine.la $(GMP_LIBS) $(LIBM)
 
 bench_distances_SOURCES = bench/distances.c $(bench_engine_sources)
@@ -79,10 +66,8 @@ bench_thin_LDADD = $(bench_engine_libs)
 
 bench_kernels_SOURCES = \
     bench/gather.c \
-    bench/gather.h \
     bench/kernels.c \
     bench/sorting.c \
-    bench/sorting.h \
     $(bench_engine_sources)
 bench_kernels_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 bench_kernels_CPPFLAGS = $(bench_engine_cppflags)
@@ -90,9 +75,7 @@ bench_kernels_LDADD = $(bench_engine_libs)
 
 bench_roofline_SOURCES = \
     bench/floor.c \
-    bench/floor.h \
     bench/parts.c \
-    bench/parts.h \
     bench/roofline.c \
     $(bench_engine_sources)
 bench_roofline_CPPFLAGS = $(bench_engine_cppflags)
@@ -101,7 +84,7 @@ bench_roofline_LDADD = $(bench_engine_libs)
 # The public header alone: what a client can see.
 # Needs a daemon of its own under a supervisor: make death DEATH_CLIENTS=1000 DEATH_KILLS=10
 check_PROGRAMS += bench/death
-bench_death_SOURCES = bench/bareend.c bench/bareend.h bench/death.c
+bench_death_SOURCES = bench/bareend.c bench/death.c
 bench_death_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib \
     -I$(top_srcdir)/proto -I$(top_srcdir)/tests/support
 bench_death_LDADD = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) $(LIBM)
@@ -112,28 +95,23 @@ death: bench/death$(EXEEXT) pccdd$(EXEEXT)
 	PCCDD=$(abs_builddir)/pccdd bench/death -c $(DEATH_CLIENTS) -k $(DEATH_KILLS) -e
 	PCCDD=$(abs_builddir)/pccdd bench/death -c $(DEATH_CLIENTS) -k $(DEATH_KILLS)
 
-bench_connect_SOURCES = bench/connect.c bench/report.c bench/report.h
+bench_connect_SOURCES = bench/connect.c bench/report.c
 bench_connect_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto \
     -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 bench_connect_LDADD = libtestdaemon.la libtestraw.la libpccd.la libproto.la \
     $(CMOCKA_LIBS) $(LIBM)
 
-bench_batch_SOURCES = bench/asker.c bench/asker.h bench/batch.c bench/report.c bench/report.h \
-    tests/support/farm.c tests/support/farm.h
+bench_batch_SOURCES = bench/asker.c bench/batch.c bench/report.c \
+    tests/support/farm.c
 bench_batch_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto \
     -I$(top_srcdir)/tests/support
 bench_batch_LDADD = libpccd.la $(LIBM)
 
-bench_ipc_SOURCES = bench/asker.c bench/asker.h bench/ipc.c bench/report.c bench/report.h
+bench_ipc_SOURCES = bench/asker.c bench/ipc.c bench/report.c
 bench_ipc_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
 bench_ipc_LDADD = libpccd.la
 
-dist_check_SCRIPTS += bench/tables.sh
 TESTS += bench/smoke.sh bench/compare_smoke.sh
-dist_check_SCRIPTS += bench/smoke.sh bench/compare_smoke.sh
-EXTRA_DIST += bench/README.md bench/compare bench/python.py bench/counted/README.md \
-    bench/growth/README.md bench/model/README.md bench/peers/NEAR.md bench/peers/README.md \
-    bench/redis/README.md
 
 # Python beside C.
 check_PROGRAMS += bench/turns

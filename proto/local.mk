@@ -3,16 +3,6 @@
 noinst_LTLIBRARIES += libproto.la
 
 libproto_la_SOURCES = \
-    proto/codec.h \
-    proto/memfd.h \
-    proto/messages.def \
-    proto/messages.h \
-    proto/proto_direct.h \
-    proto/records.h \
-    proto/seqpacket.h \
-    proto/journal.h \
-    proto/shm.h \
-    proto/utf8.h \
     proto/codec.c \
     proto/encode.c \
     proto/memfd.c \

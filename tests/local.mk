@@ -1,7 +1,5 @@
 # tests/local.mk - one fragment a folder; each adds its programs to check_PROGRAMS and TESTS.
 
-EXTRA_DIST += tests/README.md
-
 include $(top_srcdir)/tests/support/local.mk
 include $(top_srcdir)/tests/support/scenes.mk
 include $(top_srcdir)/tests/unit/local.mk

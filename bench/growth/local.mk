@@ -10,8 +10,6 @@ bench_growth_growth_CPPFLAGS = $(bench_engine_cppflags)
 bench_growth_growth_LDADD = $(bench_engine_libs)
 
 TESTS += bench/growth/smoke.sh
-dist_check_SCRIPTS += bench/growth/smoke.sh bench/growth/growth.sh
-EXTRA_DIST += bench/growth/fit.awk bench/growth/growth.gp
 
 GROWTH_INTO = bench/growth/results
 .PHONY: bench-growth

@@ -10,34 +10,26 @@ check_PROGRAMS += bench/model/model
 bench_model_model_SOURCES = \
     bench/model/loop.c \
     bench/model/machine.c \
-    bench/model/machine.h \
     bench/model/measure.c \
-    bench/model/measure.h \
     bench/model/model.c \
     bench/model/record.c \
-    bench/model/record.h \
     bench/model/record_merge.c \
     bench/model/record_refit.c \
     bench/model/record_wide.c \
     bench/model/sim.c \
-    bench/model/sim.h \
     bench/model/sim_paper.c \
     bench/model/sim_refit.c \
     bench/model/sim_steal.c \
     bench/model/sim_wide.c \
     bench/model/table.c \
-    bench/model/table.h \
     bench/model/task.c \
-    bench/model/task.h \
     bench/model/walker.c \
-    bench/model/walker.h \
     $(bench_engine_sources)
 bench_model_model_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/model
 bench_model_model_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 bench_model_model_LDADD = $(bench_engine_libs)
 
 TESTS += bench/model/smoke.sh
-dist_check_SCRIPTS += bench/model/smoke.sh
 
 .PHONY: bench-model
 bench-model: bench/model/model
@@ -61,18 +53,17 @@ clean-bench-model:
 #                                             bench/model/results/ranks of the build
 # make bench-ranks RANKS_ARGS='time model'    times anew, on an idle machine; ranks.sh has more
 # make bench-ranks RANKS_ARGS=replay          recordings dealt to ranks
-EXTRA_DIST += bench/model/ranks.awk bench/model/ranks.c bench/model/ranks.sh
 if HAVE_MPI
 check_PROGRAMS += bench/model/ranks
 bench_model_ranks_SOURCES = \
     bench/model/ranks.c \
-    bench/report.c bench/report.h \
-    bench/scenes/bench_scene.c bench/scenes/bench_scene.h \
-    bench/scenes/layers.c bench/scenes/families.h \
+    bench/report.c \
+    bench/scenes/bench_scene.c \
+    bench/scenes/layers.c \
     bench/scenes/recorded.c \
-    bench/scenes/surface.c bench/scenes/surface.h \
-    tests/support/data.c tests/support/data.h \
-    tests/support/ply.c tests/support/ply.h
+    bench/scenes/surface.c \
+    tests/support/data.c \
+    tests/support/ply.c
 bench_model_ranks_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/tests/support \
     -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib $(MPI_CPPFLAGS)
 bench_model_ranks_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(GMP_LIBS) $(LIBM)

@@ -5,21 +5,6 @@
 # make bench BENCH_MACHINE=desk            a name for this machine
 
 TESTS += bench/paper/smoke.sh
-dist_check_SCRIPTS += bench/paper/smoke.sh
-EXTRA_DIST += \
-    bench/paper/common.gp \
-    bench/paper/components.gp \
-    bench/paper/cores.gp \
-    bench/paper/evaluate.sh \
-    bench/paper/measured.awk \
-    bench/paper/peers.awk \
-    bench/paper/rates.gp \
-    bench/paper/sequence.awk \
-    bench/paper/shares.gp \
-    bench/paper/speedup.gp \
-    bench/paper/table.awk \
-    bench/results/README.md \
-    bench/results/amd-epyc-2
 
 # The processor's name and how many there are, as a folder's name.
 BENCH_MACHINE = $$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1 | \

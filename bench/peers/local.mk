@@ -10,21 +10,11 @@
 # libembree-dev libfcl-dev libbullet-dev libcgal-dev
 
 PEERS_CXXFLAGS = -std=c++17 -Wall -Wextra -Wshadow
-EXTRA_DIST += \
-    bench/peers/bullet.cc \
-    bench/peers/cgal.cc \
-    bench/peers/embree.cc \
-    bench/peers/fcl.cc \
-    bench/peers/ipc_toolkit.cc
 
 # What is near: ours is measured by itself where there is no ipc-toolkit.
 near_sources = \
-    bench/peers/near_judge.h \
     bench/peers/near_ours.c \
-    bench/peers/near_ours.h \
-    bench/peers/near_peer.h \
     bench/peers/swept.c \
-    bench/peers/swept.h \
     $(bench_engine_sources)
 if HAVE_IPC_TOOLKIT
 near_sources += bench/peers/ipc_toolkit.cc
@@ -63,15 +53,10 @@ check_PROGRAMS += bench/peers/peers
 
 bench_peers_peers_SOURCES = \
     bench/peers/swept.c \
-    bench/peers/swept.h \
     bench/peers/ours.c \
-    bench/peers/ours.h \
-    bench/peers/peer.h \
     bench/peers/peers.c \
     bench/peers/steps.c \
-    bench/peers/steps.h \
     bench/peers/tests.c \
-    bench/peers/tests.h \
     $(bench_engine_sources)
 bench_peers_peers_CPPFLAGS = $(bench_engine_cppflags) $(PEERS_CPPFLAGS) \
     -I$(top_srcdir)/bench/peers
@@ -103,4 +88,3 @@ endif
 .PHONY: bench-peers
 
 TESTS += bench/peers/smoke.sh
-dist_check_SCRIPTS += bench/peers/smoke.sh

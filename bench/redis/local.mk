@@ -8,21 +8,15 @@ check_PROGRAMS += bench/redis/beside_redis
 
 bench_redis_beside_redis_SOURCES = \
     bench/asker.c \
-    bench/asker.h \
     bench/redis/busy.c \
     bench/redis/crowd.c \
     bench/redis/least.c \
-    bench/redis/least.h \
     bench/redis/main.c \
     bench/redis/pairs.c \
-    bench/redis/pairs.h \
     bench/redis/redis.c \
-    bench/redis/redis.h \
-    bench/redis/rows.h \
     bench/redis/trips.c \
     bench/redis/updates.c \
-    bench/report.c \
-    bench/report.h
+    bench/report.c
 bench_redis_beside_redis_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/bench/redis \
     -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
 bench_redis_beside_redis_CFLAGS = $(AM_CFLAGS) $(SECCOMP_CFLAGS)

@@ -7,20 +7,13 @@ check_PROGRAMS += bench/pccd-bench
 
 bench_pccd_bench_SOURCES = \
     bench/asker.c \
-    bench/asker.h \
     bench/run/frame.c \
-    bench/run/frame.h \
     bench/run/output.c \
-    bench/run/output.h \
     bench/run/output_json.c \
     bench/run/pccd_bench.c \
     bench/run/play.c \
-    bench/run/play.h \
     bench/run/settings.c \
-    bench/run/settings.h \
     bench/run/setup.c \
-    bench/run/setup.h \
-    bench/run/way.h \
     bench/run/way_client.c \
     bench/run/way_engine.c \
     $(bench_engine_sources)
@@ -31,7 +24,6 @@ bench_pccd_bench_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/run \
 bench_pccd_bench_LDADD = $(bench_engine_libs) libpccd.la $(XXHASH_LIBS) $(JANSSON_LIBS)
 
 TESTS += bench/run/smoke.sh
-dist_check_SCRIPTS += bench/run/smoke.sh
 
 # Which sources these are; written anew only when that has changed.
 bench/run/commit.c: bench-commit

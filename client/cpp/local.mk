@@ -8,8 +8,6 @@ include_HEADERS += client/cpp/pccd.hpp
 cmakedir = $(libdir)/cmake/pccd
 cmake_DATA = client/cpp/pccdConfig.cmake pccdConfigVersion.cmake
 noinst_DATA += pccdConfig.cmake
-EXTRA_DIST += client/cpp/.clang-format client/cpp/README.md client/cpp/falling.cc client/cpp/pccdConfig.cmake.in \
-    client/cpp/pccdConfigVersion.cmake.in
 CLEANFILES += client/cpp/pccdConfig.cmake pccdConfig.cmake
 
 cmake_from = $(SED) -e "s|@LIBRARIES@|$$libraries|" -e "s|@INCLUDES@|$$includes|" \

@@ -5,27 +5,26 @@ noinst_LTLIBRARIES += libctl.la
 
 # Everything but main, so that tests can link what they test.
 libctl_la_SOURCES = \
-    client/ctl/array.c client/ctl/array.h \
-    client/ctl/base64.c client/ctl/base64.h \
-    client/ctl/common.c client/ctl/ctl.h \
-    client/ctl/completion.c client/ctl/completion.h \
-    client/ctl/dispatch.c client/ctl/dispatch.h \
-    client/ctl/error.c client/ctl/error.h \
-    client/ctl/json_text.h \
-    client/ctl/link.c client/ctl/link.h \
-    client/ctl/output.c client/ctl/output.h \
-    client/ctl/progress.c client/ctl/progress.h \
-    client/ctl/sequence.c client/ctl/sequence.h \
-    client/ctl/statistics.c client/ctl/statistics.h \
-    client/ctl/terminal.c client/ctl/terminal.h \
-    client/ctl/check/ask_options.c client/ctl/check/ask_options.h \
-    client/ctl/check/check_options.c client/ctl/check/check_options.h \
-    client/ctl/check/check_run.c client/ctl/check/check_run.h \
-    client/ctl/check/contacts_csv.c client/ctl/check/contacts_csv.h \
-    client/ctl/check/objects.c client/ctl/check/objects.h \
-    client/ctl/check/player.c client/ctl/check/player.h \
-    client/ctl/check/report.c client/ctl/check/report_json.c client/ctl/check/report.h \
-    client/ctl/check/report_line.c client/ctl/check/report_line.h \
+    client/ctl/array.c \
+    client/ctl/base64.c \
+    client/ctl/common.c \
+    client/ctl/completion.c \
+    client/ctl/dispatch.c \
+    client/ctl/error.c \
+    client/ctl/link.c \
+    client/ctl/output.c \
+    client/ctl/progress.c \
+    client/ctl/sequence.c \
+    client/ctl/statistics.c \
+    client/ctl/terminal.c \
+    client/ctl/check/ask_options.c \
+    client/ctl/check/check_options.c \
+    client/ctl/check/check_run.c \
+    client/ctl/check/contacts_csv.c \
+    client/ctl/check/objects.c \
+    client/ctl/check/player.c \
+    client/ctl/check/report.c client/ctl/check/report_json.c \
+    client/ctl/check/report_line.c \
     client/ctl/commands/cmd_check.c \
     client/ctl/commands/cmd_completion.c \
     client/ctl/commands/cmd_config.c \
@@ -40,7 +39,7 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_ping.c \
     client/ctl/commands/cmd_record.c \
     client/ctl/commands/cmd_render.c \
-    client/ctl/commands/render.h client/ctl/commands/render_draw.c \
+    client/ctl/commands/render_draw.c \
     client/ctl/commands/cmd_replay.c \
     client/ctl/commands/cmd_stats.c \
     client/ctl/commands/cmd_status.c \
@@ -49,75 +48,70 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_verify.c \
     client/ctl/commands/cmd_version.c \
     client/ctl/commands/cmd_watch.c \
-    client/ctl/export/colour.c client/ctl/export/colour.h \
-    client/ctl/export/gltf.c client/ctl/export/gltf.h \
-    client/ctl/export/vtp.c client/ctl/export/vtp.h \
-    client/ctl/inspect/bytes.c client/ctl/inspect/bytes.h \
-    client/ctl/inspect/inspect.c client/ctl/inspect/inspect.h \
+    client/ctl/export/colour.c \
+    client/ctl/export/gltf.c \
+    client/ctl/export/vtp.c \
+    client/ctl/inspect/bytes.c \
+    client/ctl/inspect/inspect.c \
     client/ctl/inspect/inspect_boxes.c \
-    client/ctl/inspect/inspect_data.h \
-    client/ctl/inspect/inspect_pack.c client/ctl/inspect/inspect_pack.h \
-    client/ctl/inspect/page_file.c client/ctl/inspect/page_file.h \
-    client/ctl/inspect/page_template.h \
-    client/ctl/mesh/meshframes.c client/ctl/mesh/meshframes.h \
+    client/ctl/inspect/inspect_pack.c \
+    client/ctl/inspect/page_file.c \
+    client/ctl/mesh/meshframes.c \
     client/ctl/mesh/gltf_animation.c \
-    client/ctl/mesh/gltf_file.c client/ctl/mesh/gltf_file.h \
+    client/ctl/mesh/gltf_file.c \
     client/ctl/mesh/gltf_mesh.c \
-    client/ctl/mesh/gltf_scene.c client/ctl/mesh/gltf_scene.h \
+    client/ctl/mesh/gltf_scene.c \
     client/ctl/mesh/meshcut.c \
-    client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
+    client/ctl/mesh/meshfile.c \
     client/ctl/mesh/meshread.c \
-    client/ctl/mesh/motion.h \
     client/ctl/mesh/obj.c \
     client/ctl/mesh/point_cache.c \
     client/ctl/mesh/ply.c \
-    client/ctl/mesh/polygon.c client/ctl/mesh/polygon.h \
+    client/ctl/mesh/polygon.c \
     client/ctl/mesh/stl.c \
-    client/ctl/mesh/text.c client/ctl/mesh/text.h \
-    client/ctl/near/near_csv.c client/ctl/near/near_csv.h \
-    client/ctl/near/near_options.c client/ctl/near/near_options.h \
-    client/ctl/near/near_report.c client/ctl/near/near_report.h \
-    client/ctl/near/near_run.c client/ctl/near/near_run.h \
-    client/ctl/observe/columns.c client/ctl/observe/columns.h \
-    client/ctl/observe/counters.c client/ctl/observe/counters.h \
-    client/ctl/observe/doctor.c client/ctl/observe/doctor_machine.c client/ctl/observe/doctor.h \
-    client/ctl/observe/format.c client/ctl/observe/format.h \
-    client/ctl/observe/health.c client/ctl/observe/health.h \
-    client/ctl/observe/sessions.c client/ctl/observe/sessions.h \
-    client/ctl/observe/stats_threads.c client/ctl/observe/stats_threads.h \
-    client/ctl/observe/trace_file.c client/ctl/observe/trace_file.h \
-    client/ctl/picture/cloth_hold.c client/ctl/picture/cloth_hold.h \
-    client/ctl/picture/cloth_scene.c client/ctl/picture/cloth_scene.h \
-    client/ctl/picture/crease.c client/ctl/picture/crease.h \
-    client/ctl/picture/demo_picture.c client/ctl/picture/demo_picture.h \
-    client/ctl/picture/film.c client/ctl/picture/film.h \
-    client/ctl/picture/picture.c client/ctl/picture/picture.h \
-    client/ctl/picture/picture_canvas.h \
+    client/ctl/mesh/text.c \
+    client/ctl/near/near_csv.c \
+    client/ctl/near/near_options.c \
+    client/ctl/near/near_report.c \
+    client/ctl/near/near_run.c \
+    client/ctl/observe/columns.c \
+    client/ctl/observe/counters.c \
+    client/ctl/observe/doctor.c client/ctl/observe/doctor_machine.c \
+    client/ctl/observe/format.c \
+    client/ctl/observe/health.c \
+    client/ctl/observe/sessions.c \
+    client/ctl/observe/stats_threads.c \
+    client/ctl/observe/trace_file.c \
+    client/ctl/picture/cloth_hold.c \
+    client/ctl/picture/cloth_scene.c \
+    client/ctl/picture/crease.c \
+    client/ctl/picture/demo_picture.c \
+    client/ctl/picture/film.c \
+    client/ctl/picture/picture.c \
     client/ctl/picture/picture_file.c \
-    client/ctl/picture/picture_scene.h \
     client/ctl/picture/picture_svg.c \
-    client/ctl/picture/raster.c client/ctl/picture/raster.h \
-    client/ctl/picture/thick.c client/ctl/picture/thick.h \
-    client/ctl/picture/viewpoint.c client/ctl/picture/viewpoint.h \
-    client/ctl/record/answers.c client/ctl/record/answers.h \
-    client/ctl/record/drive.c client/ctl/record/drive.h \
-    client/ctl/record/drive_frame.c client/ctl/record/drive_frame.h \
-    client/ctl/record/near_line.c client/ctl/record/near_line.h \
-    client/ctl/record/frames.c client/ctl/record/frames.h \
-    client/ctl/record/play.h client/ctl/record/play_open.c \
-    client/ctl/record/play_options.c client/ctl/record/play_options.h \
-    client/ctl/record/playing.c client/ctl/record/playing.h \
-    client/ctl/record/replay.c client/ctl/record/replay.h \
-    client/ctl/record/step_trace.c client/ctl/record/step_trace.h \
-    client/ctl/record/still.c client/ctl/record/still.h \
-    client/ctl/record/verify.c client/ctl/record/verify.h \
+    client/ctl/picture/raster.c \
+    client/ctl/picture/thick.c \
+    client/ctl/picture/viewpoint.c \
+    client/ctl/record/answers.c \
+    client/ctl/record/drive.c \
+    client/ctl/record/drive_frame.c \
+    client/ctl/record/near_line.c \
+    client/ctl/record/frames.c \
+    client/ctl/record/play_open.c \
+    client/ctl/record/play_options.c \
+    client/ctl/record/playing.c \
+    client/ctl/record/replay.c \
+    client/ctl/record/step_trace.c \
+    client/ctl/record/still.c \
+    client/ctl/record/verify.c \
     client/ctl/record/verify_any.c client/ctl/record/verify_distance.c \
-    client/ctl/record/verify_meeting.c client/ctl/record/verify_meeting.h \
+    client/ctl/record/verify_meeting.c \
     client/ctl/record/verify_near.c client/ctl/record/verify_numbers.c \
-    client/ctl/record/verify_options.c client/ctl/record/verify_options.h \
+    client/ctl/record/verify_options.c \
     client/ctl/record/verify_place.c \
-    client/ctl/record/verify_report.c client/ctl/record/verify_report.h \
-    client/ctl/record/world.c client/ctl/record/world.h
+    client/ctl/record/verify_report.c \
+    client/ctl/record/world.c
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
     -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/near -iquote $(top_srcdir)/client/ctl/observe \
@@ -141,7 +135,6 @@ pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
 pccdctl_LDADD = libctl.la libclient.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)
 
 # Of README.md; client/README.md has the command that drew it.
-EXTRA_DIST += client/ctl/picture/cloth.apng
 
 # Completion, where the shells look for it: the program itself knows its options.
 bashcompletiondir = $(datadir)/bash-completion/completions

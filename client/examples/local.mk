@@ -11,7 +11,6 @@ example_names = \
     client/examples/game_balls \
     client/examples/game_loop \
     client/examples/two_processes
-noinst_HEADERS += client/examples/sheet.h
 check_PROGRAMS += $(example_names)
 
 example_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto/common
@@ -40,4 +39,3 @@ client_examples_two_processes_CPPFLAGS = $(example_cppflags)
 client_examples_two_processes_LDADD = libpccd.la
 
 TESTS += client/examples/run_examples.sh
-dist_check_SCRIPTS += client/examples/run_examples.sh

@@ -26,7 +26,6 @@ PAGE_FILES = \
     client/inspect/src/style.css \
     client/inspect/src/timeline.js \
     client/inspect/src/transport.js
-EXTRA_DIST += $(PAGE_FILES)
 
 client/inspect/page.html: $(PAGE_FILES) Makefile
 	$(AM_V_GEN)$(SHELL) $(srcdir)/client/inspect/make_page.sh '$(with_inspect)' '$(srcdir)' $@

@@ -5,7 +5,6 @@
 # they are not written for our warnings.
 
 include_HEADERS += client/ipc/pccd_ipc.hpp
-EXTRA_DIST += client/ipc/.clang-format client/ipc/README.md client/ipc/cloth.cc
 if HAVE_IPC_TOOLKIT
 ipc_cppflags = -I$(top_srcdir)/client/ipc -Iinclude
 ipc_cxxflags = -std=c++17 -Wall -Wextra -Wshadow $(IPC_TOOLKIT_CXXFLAGS)

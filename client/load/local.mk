@@ -5,27 +5,26 @@ noinst_LTLIBRARIES += libload.la
 
 # Everything but main, so that tests can link what they test.
 libload_la_SOURCES = \
-    client/load/actor.c client/load/actor.h client/load/actor_state.h \
-    client/load/couple.c client/load/couple.h \
-    client/load/assault.c client/load/assault.h \
+    client/load/actor.c \
+    client/load/couple.c \
+    client/load/assault.c \
     client/load/common.c \
-    client/load/crowd.c client/load/crowd.h \
+    client/load/crowd.c \
     client/load/findings.c \
-    client/load/flock.c client/load/flock.h \
-    client/load/hist.c client/load/hist.h \
+    client/load/flock.c \
+    client/load/hist.c \
     client/load/json.c \
-    client/load/judge.c client/load/judge.h \
-    client/load/load.h \
-    client/load/options.c client/load/options.h \
-    client/load/pace.c client/load/pace.h \
-    client/load/plot.c client/load/plot.h \
-    client/load/report.c client/load/report.h \
-    client/load/series.c client/load/series.h \
-    client/load/shape.c client/load/shape.h \
-    client/load/size.c client/load/size.h \
-    client/load/tally.c client/load/tally.h \
-    client/load/target.c client/load/target.h \
-    client/load/watch.c client/load/watch.h
+    client/load/judge.c \
+    client/load/options.c \
+    client/load/pace.c \
+    client/load/plot.c \
+    client/load/report.c \
+    client/load/series.c \
+    client/load/shape.c \
+    client/load/size.c \
+    client/load/tally.c \
+    client/load/target.c \
+    client/load/watch.c
 load_cppflags = -iquote $(top_srcdir)/client/load -iquote $(top_srcdir)/client/lib \
     -iquote $(top_srcdir)/proto $(tool_cppflags)
 libload_la_CPPFLAGS = $(AM_CPPFLAGS) $(load_cppflags)

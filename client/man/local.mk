@@ -10,13 +10,11 @@ MAN_SOURCES = \
     client/man/pccd.7.scd \
     client/man/pccdctl.1.scd \
     client/man/pccdd.8.scd
-EXTRA_DIST += $(MAN_SOURCES)
 
 # Of what is built with an MPI alone.
 MPI_MAN_SOURCES = \
     client/man/libpccd-mpi.3.scd \
     client/man/pccd-mpi.1.scd
-EXTRA_DIST += $(MPI_MAN_SOURCES)
 
 if HAVE_MAN_PAGES
 dist_man_MANS += $(MAN_SOURCES:.scd=)
@@ -35,18 +33,6 @@ SUFFIXES = .scd
 
 # The documents as pages for a browser, in build/site; open index.html. It needs mandoc and the
 # Python module markdown (python3-markdown), and nothing of the network.
-site_parts = \
-    client/man/site/bake.md \
-    client/man/site/cloth.md \
-    client/man/site/edge.md \
-    client/man/site/from.md \
-    client/man/site/index.md \
-    client/man/site/make_site.py \
-    client/man/site/page.html \
-    client/man/site/replay.md \
-    client/man/site/share.md \
-    client/man/site/style.css
-EXTRA_DIST += $(site_parts)
 site: $(dist_man_MANS)
 	@for python in '$(PYTHON3)' /usr/bin/python3; do \
 	    "$$python" -c 'import markdown' 2>/dev/null || continue; \

@@ -3,66 +3,58 @@
 # As with libpccd, all of the library is a convenience library, which our own program has within.
 
 ranks_sources = \
-    client/mpi/answer.c client/mpi/answer.h \
-    client/mpi/apart.c client/mpi/apart.h \
-    client/mpi/balance.c client/mpi/balance.h \
-    client/mpi/bounds.c client/mpi/bounds.h \
-    client/mpi/boxes.c client/mpi/boxes.h \
-    client/mpi/curve.c client/mpi/curve.h \
-    client/mpi/cut.c client/mpi/cut.h \
+    client/mpi/answer.c \
+    client/mpi/apart.c \
+    client/mpi/balance.c \
+    client/mpi/bounds.c \
+    client/mpi/boxes.c \
+    client/mpi/curve.c \
+    client/mpi/cut.c \
     client/mpi/depth.c \
     client/mpi/features.c \
     client/mpi/gather.c \
-    client/mpi/ghosts.c client/mpi/ghosts.h \
-    client/mpi/limit.c client/mpi/limit.h \
-    client/mpi/local.c client/mpi/local.h \
-    client/mpi/merge.c client/mpi/merge.h \
+    client/mpi/ghosts.c \
+    client/mpi/limit.c \
+    client/mpi/local.c \
+    client/mpi/merge.c \
     client/mpi/meshes.c \
-    client/mpi/motions.c client/mpi/motions.h \
-    client/mpi/moving.h \
+    client/mpi/motions.c \
     client/mpi/near.c \
-    client/mpi/near_objects.c client/mpi/near_objects.h \
+    client/mpi/near_objects.c \
     client/mpi/nearest.c \
-    client/mpi/neighbours.c client/mpi/neighbours.h \
+    client/mpi/neighbours.c \
     client/mpi/objects.c \
-    client/mpi/parts.c client/mpi/parts.h \
-    client/mpi/pieces.c client/mpi/pieces.h \
-    client/mpi/places.c client/mpi/places.h \
-    client/mpi/rank_link.c client/mpi/rank_link.h \
-    client/mpi/rank_sort.c client/mpi/rank_sort.h \
-    client/mpi/recent.h \
-    client/mpi/rank_stop.c client/mpi/rank_stop.h \
-    client/mpi/records.c client/mpi/records.h \
-    client/mpi/rooms.c client/mpi/rooms.h \
-    client/mpi/sending.c client/mpi/sending.h \
+    client/mpi/parts.c \
+    client/mpi/pieces.c \
+    client/mpi/places.c \
+    client/mpi/rank_link.c \
+    client/mpi/rank_sort.c \
+    client/mpi/rank_stop.c \
+    client/mpi/records.c \
+    client/mpi/rooms.c \
+    client/mpi/sending.c \
     client/mpi/sides.c \
-    client/mpi/spots.c client/mpi/spots.h \
-    client/mpi/step.c client/mpi/step.h \
-    client/mpi/team.h \
-    client/mpi/weigh.c client/mpi/weigh.h \
-    client/mpi/world.c client/mpi/world.h
+    client/mpi/spots.c \
+    client/mpi/step.c \
+    client/mpi/weigh.c \
+    client/mpi/world.c
 mpi_program_sources = \
     client/mpi/program/check.c \
-    client/mpi/program/check_apart.c client/mpi/program/check_apart.h \
-    client/mpi/program/commands.h \
+    client/mpi/program/check_apart.c \
     client/mpi/program/completion.c \
-    client/mpi/program/deal.h client/mpi/program/deal_inside.h \
     client/mpi/program/deal_rank.c client/mpi/program/deal_root.c \
-    client/mpi/program/items.c client/mpi/program/items.h \
+    client/mpi/program/items.c \
     client/mpi/program/main.c \
     client/mpi/program/near.c \
-    client/mpi/program/part.c client/mpi/program/part.h \
+    client/mpi/program/part.c \
     client/mpi/program/part_open.c \
     client/mpi/program/part_weld.c \
-    client/mpi/program/recordings.c client/mpi/program/recordings.h \
+    client/mpi/program/recordings.c \
     client/mpi/program/replay.c \
-    client/mpi/program/results.c client/mpi/program/results.h \
-    client/mpi/program/together.c client/mpi/program/together.h \
+    client/mpi/program/results.c \
+    client/mpi/program/together.c \
     client/mpi/program/verify.c
 ranks_cppflags = -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib
-
-EXTRA_DIST += client/mpi/README.md client/mpi/libpccd-mpi.map client/mpi/pccd_mpi.h client/mpi/example/cloth_mpi.c $(ranks_sources) \
-    $(mpi_program_sources)
 
 if HAVE_MPI
 noinst_LTLIBRARIES += libranks.la

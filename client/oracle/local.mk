@@ -4,32 +4,18 @@ noinst_LTLIBRARIES += liboracle.la
 
 liboracle_la_SOURCES = \
     client/oracle/oracle.c \
-    client/oracle/oracle.h \
     client/oracle/oracle_candidates.c \
-    client/oracle/oracle_candidates.h \
     client/oracle/oracle_distance.c \
-    client/oracle/oracle_distance.h \
     client/oracle/oracle_features.c \
-    client/oracle/oracle_features.h \
     client/oracle/oracle_first.c \
-    client/oracle/oracle_first.h \
     client/oracle/oracle_near.c \
-    client/oracle/oracle_near.h \
     client/oracle/oracle_objects.c \
-    client/oracle/oracle_objects.h \
     client/oracle/oracle_inside.c \
-    client/oracle/oracle_inside.h \
     client/oracle/oracle_scene.c \
-    client/oracle/oracle_scene.h \
     client/oracle/oracle_poly.c \
-    client/oracle/oracle_poly.h \
     client/oracle/oracle_root.c \
-    client/oracle/oracle_root.h \
     client/oracle/oracle_thick.c \
-    client/oracle/oracle_thick.h \
     client/oracle/oracle_vec.c \
-    client/oracle/oracle_vec.h \
-    client/oracle/oracle_within.c \
-    client/oracle/oracle_within.h
+    client/oracle/oracle_within.c
 liboracle_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/oracle
 liboracle_la_LIBADD = $(GMP_LIBS) $(LIBM)

@@ -2,8 +2,6 @@
 # where configure has found OMPL.
 
 include_HEADERS += client/planner/pccd_motion.hpp
-EXTRA_DIST += client/planner/.clang-format client/planner/README.md client/planner/arm.hpp \
-    client/planner/planner.cc
 if HAVE_OMPL
 check_PROGRAMS += client/planner/planner
 client_planner_planner_SOURCES = client/planner/planner.cc

@@ -51,14 +51,9 @@ clean-local: clean-python
 clean-python:
 	rm -rf python
 .PHONY: clean-python
-EXTRA_DIST += client/python/abi.awk client/python/example_cloth.py \
-    client/python/example_cloth_near.py client/python/example_cloth_thick.py \
-    client/python/example_game_balls.py client/python/example_shared.py
 
 # For people who have no compiler: pip install FILE, also without a network.
 wheel: all
 	@$(BASH) $(srcdir)/client/python/make_wheel.sh '$(abs_top_srcdir)' '$(abs_top_builddir)' \
 	    '$(abs_top_builddir)/dist'
 .PHONY: wheel
-EXTRA_DIST += client/python/conda/meta.yaml daemon/container/Dockerfile \
-    client/python/README.md client/python/bundle.sh client/python/make_wheel.sh client/python/pyproject.toml

@@ -4,15 +4,10 @@ noinst_LTLIBRARIES += librecord.la
 
 librecord_la_SOURCES = \
     client/record/answer_hash.c \
-    client/record/answer_hash.h \
     client/record/chunk.c \
-    client/record/chunk.h \
-    client/record/format.h \
     client/record/judge.c \
     client/record/payload.c \
-    client/record/payload.h \
-    client/record/reader.c \
-    client/record/reader.h
+    client/record/reader.c
 record_cppflags = -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/lib \
     -iquote $(top_srcdir)/proto
 librecord_la_CPPFLAGS = $(AM_CPPFLAGS) $(record_cppflags) $(XXHASH_CFLAGS) $(ZSTD_CFLAGS)

@@ -4,13 +4,8 @@ noinst_LTLIBRARIES += libregistry.la
 
 libregistry_la_SOURCES = \
     client/registry/registry.c \
-    client/registry/registry.h \
     client/registry/registry_map.c \
-    client/registry/registry_map.h \
     client/registry/registry_pairs.c \
-    client/registry/registry_pairs.h \
-    client/registry/registry_positions.c \
-    client/registry/registry_positions.h \
-    client/registry/registry_types.h
+    client/registry/registry_positions.c
 registry_cppflags = -iquote $(top_srcdir)/client/registry
 libregistry_la_CPPFLAGS = $(AM_CPPFLAGS) $(registry_cppflags)

@@ -2,9 +2,9 @@
 
 noinst_LTLIBRARIES += libtools.la
 libtools_la_SOURCES = \
-    client/tool/file_name.c client/tool/file_name.h \
-    client/tool/shown.c client/tool/shown.h \
-    client/tool/whole_file.c client/tool/whole_file.h
+    client/tool/file_name.c \
+    client/tool/shown.c \
+    client/tool/whole_file.c
 tool_cppflags = -iquote $(top_srcdir)/client/tool $(text_cppflags)
 libtools_la_CPPFLAGS = $(AM_CPPFLAGS) $(tool_cppflags)
 libtools_la_LIBADD = libtext.la

@@ -18,277 +18,135 @@ include $(top_srcdir)/daemon/engine/kernel/local.mk
 noinst_LTLIBRARIES += libengine.la
 
 libengine_la_SOURCES = \
-    daemon/engine/base/aabb.h \
     daemon/engine/base/array.c \
-    daemon/engine/base/array.h \
-    daemon/engine/base/box_frame.h \
     daemon/engine/base/median.c \
-    daemon/engine/base/median.h \
     daemon/engine/base/memory.c \
-    daemon/engine/base/memory.h \
-    daemon/engine/base/near_query.h \
-    daemon/engine/base/nearest.h \
-    daemon/engine/base/query.h \
     daemon/engine/base/radix.c \
-    daemon/engine/base/radix.h \
-    daemon/engine/base/step_result.h \
-    daemon/engine/base/thick_query.h \
-    daemon/engine/base/step_settings.h \
     daemon/engine/base/tuning.c \
-    daemon/engine/base/tuning.h \
     daemon/engine/kernel/choose.c \
-    daemon/engine/kernel/isa.h \
-    daemon/engine/kernel/kernel.h \
     daemon/engine/elementary/ball.c \
-    daemon/engine/elementary/ball.h \
     daemon/engine/elementary/batch.c \
-    daemon/engine/elementary/batch.h \
     daemon/engine/elementary/closest.c \
-    daemon/engine/elementary/closest.h \
     daemon/engine/elementary/crossing.c \
-    daemon/engine/elementary/crossing.h \
     daemon/engine/elementary/direction.c \
-    daemon/engine/elementary/direction.h \
     daemon/engine/elementary/distance.c \
-    daemon/engine/elementary/distance.h \
     daemon/engine/elementary/distance_batch.c \
-    daemon/engine/elementary/distance_batch.h \
     daemon/engine/elementary/distance_order.c \
-    daemon/engine/elementary/distance_order.h \
     daemon/engine/elementary/distance_quick.c \
-    daemon/engine/elementary/distance_quick.h \
     daemon/engine/elementary/distance_rule.c \
-    daemon/engine/elementary/distance_rule.h \
     daemon/engine/elementary/divisor.c \
-    daemon/engine/elementary/divisor.h \
     daemon/engine/elementary/exact.c \
-    daemon/engine/elementary/exact.h \
     daemon/engine/elementary/exact_leap.c \
     daemon/engine/elementary/exact_memory.c \
     daemon/engine/elementary/exact_roots.c \
-    daemon/engine/elementary/exact_roots.h \
     daemon/engine/elementary/exact_signs.c \
     daemon/engine/elementary/exact_span.c \
-    daemon/engine/elementary/limbs.h \
     daemon/engine/elementary/motion.c \
-    daemon/engine/elementary/motion.h \
     daemon/engine/elementary/number.c \
-    daemon/engine/elementary/number.h \
     daemon/engine/elementary/plane.c \
-    daemon/engine/elementary/plane.h \
     daemon/engine/elementary/poly.c \
-    daemon/engine/elementary/poly.h \
-    daemon/engine/elementary/pose.h \
     daemon/engine/elementary/rebase.c \
-    daemon/engine/elementary/rebase.h \
     daemon/engine/elementary/residue.c \
-    daemon/engine/elementary/residue.h \
     daemon/engine/elementary/root_sign.c \
-    daemon/engine/elementary/root_sign.h \
     daemon/engine/elementary/separate.c \
-    daemon/engine/elementary/separate.h \
-    daemon/engine/elementary/side.h \
     daemon/engine/elementary/solve.c \
-    daemon/engine/elementary/solve.h \
     daemon/engine/elementary/solvers.c \
-    daemon/engine/elementary/solvers.h \
     daemon/engine/elementary/thick.c \
-    daemon/engine/elementary/thick.h \
     daemon/engine/elementary/thick_batch.c \
-    daemon/engine/elementary/thick_batch.h \
     daemon/engine/elementary/thick_exact.c \
-    daemon/engine/elementary/thick_exact.h \
     daemon/engine/elementary/thick_roots.c \
-    daemon/engine/elementary/thick_roots.h \
-    daemon/engine/elementary/vec.h \
     daemon/engine/elementary/winding.c \
-    daemon/engine/elementary/winding.h \
     daemon/engine/result/bucket.c \
-    daemon/engine/result/bucket.h \
     daemon/engine/result/found.c \
     daemon/engine/result/hash.c \
-    daemon/engine/result/hash.h \
     daemon/engine/result/merge.c \
-    daemon/engine/result/merge.h \
-    daemon/engine/result/merge_data.h \
     daemon/engine/result/order.c \
-    daemon/engine/result/order.h \
     daemon/engine/result/pool.c \
-    daemon/engine/result/pool.h \
     daemon/engine/result/result.c \
-    daemon/engine/result/result.h \
     daemon/engine/result/split.c \
-    daemon/engine/result/split.h \
     daemon/engine/team/deque.c \
-    daemon/engine/team/deque.h \
     daemon/engine/team/each.c \
-    daemon/engine/team/each.h \
-    daemon/engine/team/faces.h \
     daemon/engine/team/finding.c \
-    daemon/engine/team/finding.h \
-    daemon/engine/team/method.h \
     daemon/engine/team/affinity.c \
-    daemon/engine/team/affinity.h \
     daemon/engine/team/processors.c \
-    daemon/engine/team/processors.h \
     daemon/engine/team/parallel.c \
-    daemon/engine/team/parallel.h \
-    daemon/engine/team/relax.h \
     daemon/engine/team/schedule_steal.c \
-    daemon/engine/team/schedule_steal.h \
     daemon/engine/team/seat.c \
-    daemon/engine/team/seat.h \
-    daemon/engine/team/share.h \
     daemon/engine/team/team.c \
-    daemon/engine/team/team.h \
     daemon/engine/team/trace.c \
-    daemon/engine/team/trace.h \
     daemon/engine/team/wait.c \
-    daemon/engine/team/wait.h \
     daemon/engine/team/worker.c \
-    daemon/engine/team/worker.h \
     daemon/engine/scene/blur.c \
-    daemon/engine/scene/blur.h \
     daemon/engine/scene/closed.c \
-    daemon/engine/scene/closed.h \
     daemon/engine/scene/feature.c \
-    daemon/engine/scene/feature.h \
     daemon/engine/scene/frames.c \
-    daemon/engine/scene/frames.h \
     daemon/engine/scene/ids.c \
-    daemon/engine/scene/ids.h \
     daemon/engine/scene/ingest.c \
-    daemon/engine/scene/ingest.h \
     daemon/engine/scene/masks.c \
-    daemon/engine/scene/masks.h \
-    daemon/engine/scene/mesh.h \
     daemon/engine/scene/mesh_fill.c \
     daemon/engine/scene/moving.c \
-    daemon/engine/scene/moving.h \
     daemon/engine/scene/objects.c \
     daemon/engine/scene/pairset.c \
-    daemon/engine/scene/pairset.h \
     daemon/engine/scene/range.c \
-    daemon/engine/scene/range.h \
     daemon/engine/scene/rigid.c \
-    daemon/engine/scene/rigid.h \
     daemon/engine/scene/rings.c \
-    daemon/engine/scene/rings.h \
-    daemon/engine/scene/scene.h \
     daemon/engine/scene/spacing.c \
-    daemon/engine/scene/spacing.h \
     daemon/engine/scene/stage.c \
-    daemon/engine/scene/stage.h \
     daemon/engine/scene/thickness.c \
-    daemon/engine/scene/thickness.h \
-    daemon/engine/scene/topology.h \
     daemon/engine/scene/world.c \
-    daemon/engine/scene/world.h \
     daemon/engine/paper/background.c \
-    daemon/engine/paper/background.h \
     daemon/engine/paper/assignment.c \
-    daemon/engine/paper/assignment.h \
     daemon/engine/paper/build.c \
-    daemon/engine/paper/build.h \
     daemon/engine/paper/grow.c \
-    daemon/engine/paper/grow.h \
     daemon/engine/paper/highlevel.c \
-    daemon/engine/paper/highlevel.h \
     daemon/engine/paper/paper.c \
-    daemon/engine/paper/paper.h \
-    daemon/engine/paper/paper_features.h \
     daemon/engine/paper/paper_method.c \
     daemon/engine/paper/paper_work.c \
-    daemon/engine/paper/paper_work.h \
     daemon/engine/paper/rebuild.c \
-    daemon/engine/paper/rebuild.h \
     daemon/engine/paper/refit.c \
-    daemon/engine/paper/refit.h \
     daemon/engine/paper/schedule_paper.c \
-    daemon/engine/paper/schedule_paper.h \
     daemon/engine/paper/taskunit.c \
-    daemon/engine/paper/taskunit.h \
     daemon/engine/paper/test.c \
-    daemon/engine/paper/test.h \
     daemon/engine/paper/trees.c \
-    daemon/engine/paper/trees.h \
     daemon/engine/wide/wide.c \
-    daemon/engine/wide/wide.h \
     daemon/engine/wide/wide_faces.c \
-    daemon/engine/wide/wide_faces.h \
     daemon/engine/wide/wide_free.c \
-    daemon/engine/wide/wide_free.h \
     daemon/engine/wide/wide_grid.c \
-    daemon/engine/wide/wide_grid.h \
     daemon/engine/wide/wide_join.c \
-    daemon/engine/wide/wide_join.h \
     daemon/engine/wide/wide_lists.c \
-    daemon/engine/wide/wide_lists.h \
     daemon/engine/wide/wide_method.c \
-    daemon/engine/wide/wide_method.h \
     daemon/engine/wide/wide_quantised.c \
-    daemon/engine/wide/wide_quantised.h \
     daemon/engine/wide/wide_order.c \
-    daemon/engine/wide/wide_order.h \
     daemon/engine/wide/wide_owner.c \
-    daemon/engine/wide/wide_owner.h \
     daemon/engine/wide/wide_pieces.c \
-    daemon/engine/wide/wide_pieces.h \
-    daemon/engine/wide/wide_range.h \
     daemon/engine/wide/wide_refit.c \
     daemon/engine/wide/wide_resort.c \
-    daemon/engine/wide/wide_resort.h \
     daemon/engine/wide/wide_state.c \
-    daemon/engine/wide/wide_state.h \
     daemon/engine/wide/wide_still.c \
-    daemon/engine/wide/wide_still.h \
     daemon/engine/wide/wide_sweep.c \
-    daemon/engine/wide/wide_sweep.h \
     daemon/engine/wide/wide_team.c \
-    daemon/engine/wide/wide_team.h \
     daemon/engine/wide/wide_test.c \
-    daemon/engine/wide/wide_test.h \
     daemon/engine/answer.c \
-    daemon/engine/answer.h \
     daemon/engine/detect.c \
-    daemon/engine/detect.h \
     daemon/engine/near.c \
-    daemon/engine/near.h \
     daemon/engine/near/closest_features.c \
-    daemon/engine/near/closest_features.h \
     daemon/engine/near/near_best.c \
-    daemon/engine/near/near_best.h \
     daemon/engine/near/near_objects.c \
-    daemon/engine/near/near_objects.h \
     daemon/engine/near/near_search.c \
-    daemon/engine/near/near_search.h \
     daemon/engine/near/near_warm.c \
-    daemon/engine/near/near_warm.h \
     daemon/engine/near/near_work.c \
-    daemon/engine/near/near_work.h \
     daemon/engine/near/thick_work.c \
-    daemon/engine/near/thick_work.h \
     daemon/engine/brief.c \
-    daemon/engine/brief.h \
     daemon/engine/effort.c \
-    daemon/engine/effort.h \
-    daemon/engine/engine.h \
     daemon/engine/kept.c \
-    daemon/engine/kept.h \
     daemon/engine/levels.c \
-    daemon/engine/levels.h \
     daemon/engine/methods.c \
-    daemon/engine/methods.h \
     daemon/engine/new_scene.c \
     daemon/engine/step.c \
-    daemon/engine/step.h \
-    daemon/engine/step_memory.c \
-    daemon/engine/step_memory.h
+    daemon/engine/step_memory.c
 libengine_la_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
 # libtool hands -fopenmp on to whatever links this library.
 libengine_la_LDFLAGS = $(OPENMP_CFLAGS)
 libengine_la_LIBADD = $(kernel_libraries) $(GMP_LIBS) $(LIBM)
 libengine_la_DEPENDENCIES = $(kernel_libraries)
-
-EXTRA_DIST += daemon/engine/README.md daemon/engine/elementary/BOUNDS.md

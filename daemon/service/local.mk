@@ -2,49 +2,42 @@
 
 noinst_LTLIBRARIES += libservice.la
 libservice_la_SOURCES = \
-    daemon/service/base/handles.c daemon/service/base/handles.h \
-    daemon/service/base/host.h \
-    daemon/service/base/invariant.c daemon/service/base/invariant.h \
-    daemon/service/base/log.c daemon/service/base/log.h \
-    daemon/service/base/metrics.c daemon/service/base/metrics.h \
-    daemon/service/base/now.h \
-    daemon/service/base/options.h \
-    daemon/service/queue/compute.c daemon/service/queue/compute.h \
-    daemon/service/queue/crashnote.c daemon/service/queue/crashnote.h \
-    daemon/service/queue/deadlines.c daemon/service/queue/deadlines.h \
-    daemon/service/queue/turns.c daemon/service/queue/turns.h \
-    daemon/service/queue/workspace.c daemon/service/queue/workspace.h \
-    daemon/service/queue/fairqueue.c daemon/service/queue/fairqueue.h \
-    daemon/service/queue/relief.c daemon/service/queue/relief.h \
-    daemon/service/memory/enginemem.c daemon/service/memory/enginemem.h \
-    daemon/service/memory/quota.c daemon/service/memory/quota.h \
-    daemon/service/memory/reclaim.c daemon/service/memory/reclaim.h \
-    daemon/service/memory/region.c daemon/service/memory/region.h \
-    daemon/service/memory/resource.c daemon/service/memory/resource.h \
-    daemon/service/memory/ringio.c daemon/service/memory/ringio.h \
-    daemon/service/sessions/laststep.c daemon/service/sessions/laststep.h \
-    daemon/service/sessions/linger.c daemon/service/sessions/linger.h \
-    daemon/service/sessions/watcher.c daemon/service/sessions/watcher.h \
-    daemon/service/sessions/replies.c daemon/service/sessions/replies.h \
-    daemon/service/sessions/service.h \
-    daemon/service/sessions/session.c daemon/service/sessions/session.h \
-    daemon/service/sessions/stray.c daemon/service/sessions/stray.h \
-    daemon/service/sessions/tracing.c daemon/service/sessions/tracing.h \
-    daemon/service/scenes/srv_batch.c daemon/service/scenes/srv_batch.h \
-    daemon/service/scenes/srv_journal.c daemon/service/scenes/srv_journal.h \
-    daemon/service/scenes/held.c daemon/service/scenes/held.h \
-    daemon/service/scenes/meshes.c daemon/service/scenes/meshes.h \
-    daemon/service/scenes/replacement.c daemon/service/scenes/replacement.h \
-    daemon/service/scenes/member.h \
-    daemon/service/scenes/shared.c daemon/service/scenes/shared.h \
-    daemon/service/scenes/srv_scene.c daemon/service/scenes/srv_scene.h \
-    daemon/service/scenes/staging.c daemon/service/scenes/staging.h \
-    daemon/service/requests/admission.c daemon/service/requests/admission.h \
-    daemon/service/requests/answer.c daemon/service/requests/answer.h \
-    daemon/service/requests/call.h \
-    daemon/service/requests/config.c daemon/service/requests/config.h \
-    daemon/service/requests/dispatch.c daemon/service/requests/dispatch.h \
-    daemon/service/requests/frame.h \
+    daemon/service/base/handles.c \
+    daemon/service/base/invariant.c \
+    daemon/service/base/log.c \
+    daemon/service/base/metrics.c \
+    daemon/service/queue/compute.c \
+    daemon/service/queue/crashnote.c \
+    daemon/service/queue/deadlines.c \
+    daemon/service/queue/turns.c \
+    daemon/service/queue/workspace.c \
+    daemon/service/queue/fairqueue.c \
+    daemon/service/queue/relief.c \
+    daemon/service/memory/enginemem.c \
+    daemon/service/memory/quota.c \
+    daemon/service/memory/reclaim.c \
+    daemon/service/memory/region.c \
+    daemon/service/memory/resource.c \
+    daemon/service/memory/ringio.c \
+    daemon/service/sessions/laststep.c \
+    daemon/service/sessions/linger.c \
+    daemon/service/sessions/watcher.c \
+    daemon/service/sessions/replies.c \
+    daemon/service/sessions/session.c \
+    daemon/service/sessions/stray.c \
+    daemon/service/sessions/tracing.c \
+    daemon/service/scenes/srv_batch.c \
+    daemon/service/scenes/srv_journal.c \
+    daemon/service/scenes/held.c \
+    daemon/service/scenes/meshes.c \
+    daemon/service/scenes/replacement.c \
+    daemon/service/scenes/shared.c \
+    daemon/service/scenes/srv_scene.c \
+    daemon/service/scenes/staging.c \
+    daemon/service/requests/admission.c \
+    daemon/service/requests/answer.c \
+    daemon/service/requests/config.c \
+    daemon/service/requests/dispatch.c \
     daemon/service/requests/handlers_admin.c \
     daemon/service/requests/handlers_batch.c \
     daemon/service/requests/handlers_boxes.c \
@@ -59,11 +52,11 @@ libservice_la_SOURCES = \
     daemon/service/requests/handlers_near.c \
     daemon/service/requests/handlers_scene.c \
     daemon/service/requests/handlers_watch.c \
-    daemon/service/requests/holding.c daemon/service/requests/holding.h \
-    daemon/service/requests/teardown.c daemon/service/requests/teardown.h \
-    daemon/service/requests/request.c daemon/service/requests/request.h \
-    daemon/service/requests/stepping.c daemon/service/requests/stepping.h \
-    daemon/service/setup.c daemon/service/setup.h
+    daemon/service/requests/holding.c \
+    daemon/service/requests/teardown.c \
+    daemon/service/requests/request.c \
+    daemon/service/requests/stepping.c \
+    daemon/service/setup.c
 # In the room every header has a name of its own, and is included by that alone.
 service_cppflags = $(AM_CPPFLAGS) \
     -iquote $(top_srcdir)/daemon/service \
@@ -77,4 +70,3 @@ service_cppflags = $(AM_CPPFLAGS) \
 libservice_la_CPPFLAGS = $(service_cppflags)
 libservice_la_LIBADD = libtext.la
 libservice_la_CFLAGS = $(AM_CFLAGS) -pthread
-EXTRA_DIST += daemon/service/README.md

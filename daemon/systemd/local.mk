@@ -7,9 +7,6 @@
 systemdunit_DATA = daemon/systemd/pccdd.service daemon/systemd/pccdd.socket
 systemduserunit_DATA = daemon/systemd/user/pccdd.service daemon/systemd/user/pccdd.socket
 sysusersdir = $(prefix)/lib/sysusers.d
-EXTRA_DIST += daemon/systemd/pccd.sysusers \
-    daemon/systemd/pccdd.service.in daemon/systemd/pccdd.socket.in \
-    daemon/systemd/user/pccdd.service.in daemon/systemd/user/pccdd.socket.in
 CLEANFILES += $(systemdunit_DATA) $(systemduserunit_DATA)
 
 make_unit = $(AM_V_GEN)$(MKDIR_P) $(@D) && \
@@ -31,4 +28,3 @@ uninstall-local:
 	rm -f '$(DESTDIR)$(sysusersdir)/pccd.conf'
 
 TESTS += tests/integration/unit_check.sh
-dist_check_SCRIPTS += tests/integration/unit_check.sh

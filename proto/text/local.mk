@@ -2,8 +2,6 @@
 
 noinst_LTLIBRARIES += libtext.la
 libtext_la_SOURCES = \
-    proto/text/hash_text.h \
-    proto/text/plural.h \
-    proto/text/printable.c proto/text/printable.h
+    proto/text/printable.c
 text_cppflags = -iquote $(top_srcdir)/proto/text
 libtext_la_CPPFLAGS = $(AM_CPPFLAGS) $(text_cppflags) -iquote $(top_srcdir)/proto

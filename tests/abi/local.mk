@@ -7,5 +7,4 @@ test_abi_layout_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib $(CMOCKA_CFLAGS)
 test_abi_layout_LDADD = $(CMOCKA_LIBS)
 
-dist_check_SCRIPTS += tests/abi/test_abi_headers.sh
 TESTS += tests/abi/test_abi_headers.sh

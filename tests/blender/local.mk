@@ -4,8 +4,3 @@ blender_tests = \
     tests/blender/test_blender_addon.sh \
     tests/blender/test_blender_logic.sh
 TESTS += $(blender_tests)
-dist_check_SCRIPTS += $(blender_tests)
-EXTRA_DIST += \
-    tests/blender/bakes.py \
-    tests/blender/check_addon.py \
-    tests/blender/check_logic.py

@@ -36,10 +36,10 @@ if ! cmp "$work/one/build/$tarball" "$work/another-folder/build/$tarball"; then
     exit 1
 fi
 
-git -C "$work/one" ls-files | grep -v '^\.gitignore$' | LC_ALL=C sort >"$work/tracked"
+git -C "$work/one" ls-files | LC_ALL=C sort >"$work/tracked"
 tar -tzf "$work/one/build/$tarball" | sed 's|^[^/]*/||' | LC_ALL=C sort >"$work/packed"
 if LC_ALL=C comm -23 "$work/tracked" "$work/packed" | grep . >&2; then
-    echo "dist_check: tracked, and not in the tarball; see local.mk of its folder" >&2
+    echo "dist_check: tracked, and not in the tarball; see dist-tracked in Makefile.am" >&2
     exit 1
 fi
 sha256sum "$work/one/build/$tarball" | sed "s|$work/one/build/||"

@@ -18,7 +18,6 @@ FAULT_WRAP_CALLS = \
     -Wl,--wrap=sigaction,--wrap=socket,--wrap=unlink,--wrap=write
 fault_sources = \
     tests/fault/fault.c \
-    tests/fault/fault.h \
     tests/fault/wrap_calls.c \
     tests/fault/wrap_memory.c \
     tests/fault/wrap_page.c
@@ -33,9 +32,9 @@ tests_fault_pccdd_faulty_LDADD = $(MSGPACK_ARCHIVE) libserver.la libengine.la li
 
 check_LTLIBRARIES += libfaultkeeper.la
 libfaultkeeper_la_SOURCES = \
-    tests/fault/fault.c tests/fault/fault.h \
-    tests/fault/keeper.c tests/fault/keeper.h \
-    tests/fault/life.c tests/fault/life.h
+    tests/fault/fault.c \
+    tests/fault/keeper.c \
+    tests/fault/life.c
 fault_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fault \
     -iquote $(top_srcdir)/tests/support -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib $(CMOCKA_CFLAGS)
@@ -50,7 +49,6 @@ FAULT_TESTS = \
     tests/fault/test_fault_threads
 check_PROGRAMS += $(FAULT_TESTS)
 TESTS += $(FAULT_TESTS) tests/fault/archives_check.sh
-dist_check_SCRIPTS += tests/fault/archives_check.sh
 
 tests_fault_test_fault_calls_SOURCES = tests/fault/test_fault_calls.c
 tests_fault_test_fault_calls_CPPFLAGS = $(fault_cppflags)

@@ -2,17 +2,6 @@
 
 files_tests = tests/files/test_files_programs.sh
 TESTS += $(files_tests)
-dist_check_SCRIPTS += $(files_tests)
-dist_check_SCRIPTS += tests/files/make_files.sh tests/files/write_tools.sh
-EXTRA_DIST += \
-    tests/files/judge_files.py \
-    tests/files/package.json \
-    tests/files/read_table.py \
-    tests/files/scenes.py \
-    tests/files/write_blender.py \
-    tests/files/write_gltf.mjs \
-    tests/files/write_numpy.py \
-    tests/files/write_three.mjs
 
 # A row for each file in $PCCD_FILES, or of the programs that are here, and the sums.
 files-table: all

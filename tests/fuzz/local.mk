@@ -5,17 +5,11 @@
 
 fuzz_sources = \
     tests/fuzz/fuzz_query.c \
-    tests/fuzz/fuzz_query.h \
-    tests/fuzz/fuzz_range.h \
     tests/fuzz/fuzz_run.c \
-    tests/fuzz/fuzz_run.h \
     tests/fuzz/fuzz_sieve.c \
-    tests/fuzz/fuzz_sieve.h \
     tests/fuzz/fuzz_spans.c \
-    tests/fuzz/fuzz_spans.h \
     tests/fuzz/fuzz_spans_long.c \
-    tests/fuzz/fuzz_truth.c \
-    tests/fuzz/fuzz_truth.h
+    tests/fuzz/fuzz_truth.c
 FUZZ_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/client/oracle \
     -I$(top_srcdir)/tests/support -I$(top_srcdir)/tests/fuzz $(CMOCKA_CFLAGS)
 FUZZ_LDADD = libengine.la liboracle.la $(GMP_LIBS) $(LIBM)
@@ -36,16 +30,13 @@ tests_fuzz_test_eng_elementary_LDADD = $(FUZZ_LDADD) $(CMOCKA_LIBS)
 # make fuzz-distance FUZZ_QUERIES=1e8 FUZZ_SEED=1 FUZZ_JOBS=2
 fuzz_distance_sources = \
     tests/fuzz/fuzz_distance.c \
-    tests/fuzz/fuzz_distance.h \
     tests/fuzz/fuzz_lanes.c \
-    tests/fuzz/fuzz_lanes.h \
-    tests/fuzz/fuzz_sharp.c \
-    tests/fuzz/fuzz_sharp.h
+    tests/fuzz/fuzz_sharp.c
 
 check_PROGRAMS += tests/fuzz/distance tests/fuzz/test_eng_distance
 TESTS += tests/fuzz/test_eng_distance
 
-fuzz_jobs = tests/fuzz/fuzz_jobs.c tests/fuzz/fuzz_jobs.h
+fuzz_jobs = tests/fuzz/fuzz_jobs.c
 
 tests_fuzz_distance_SOURCES = tests/fuzz/distance.c $(fuzz_jobs) $(fuzz_distance_sources)
 tests_fuzz_distance_CPPFLAGS = $(FUZZ_CPPFLAGS)
@@ -59,8 +50,8 @@ tests_fuzz_test_eng_distance_LDADD = $(FUZZ_LDADD) $(CMOCKA_LIBS)
 # ---- thick features -----------------------------------------------------------------
 #
 # make fuzz-thick FUZZ_QUERIES=1e7 FUZZ_SEED=1 FUZZ_JOBS=2
-fuzz_thick_sources = tests/fuzz/fuzz_thick.c tests/fuzz/fuzz_thick.h \
-    tests/fuzz/fuzz_thick_lanes.c tests/fuzz/fuzz_thick_lanes.h \
+fuzz_thick_sources = tests/fuzz/fuzz_thick.c \
+    tests/fuzz/fuzz_thick_lanes.c \
     tests/fuzz/fuzz_thick_make.c
 
 check_PROGRAMS += tests/fuzz/thick tests/fuzz/test_eng_thick_fuzz
@@ -102,18 +93,18 @@ fuzz-thick: tests/fuzz/thick
 target_sources = \
     $(fault_sources) \
     $(fuzz_sources) \
-    tests/fuzz/host.c tests/fuzz/host.h \
-    tests/fuzz/peer.c tests/fuzz/peer.h \
-    tests/fuzz/fuzz_target.c tests/fuzz/fuzz_target.h \
+    tests/fuzz/host.c \
+    tests/fuzz/peer.c \
+    tests/fuzz/fuzz_target.c \
     tests/fuzz/target_decoder.c \
     tests/fuzz/target_dispatch.c \
     tests/fuzz/target_mesh.c \
     tests/fuzz/target_query.c \
     tests/fuzz/target_slot.c \
     tests/fuzz/target_travel.c \
-    tests/fuzz/fuzz_scene.c tests/fuzz/fuzz_scene.h \
-    tests/fuzz/visitor.c tests/fuzz/visitor.h \
-    tests/fault/life.c tests/fault/life.h
+    tests/fuzz/fuzz_scene.c \
+    tests/fuzz/visitor.c \
+    tests/fault/life.c
 check_LTLIBRARIES += libfuzztargets.la
 libfuzztargets_la_SOURCES = $(target_sources)
 libfuzztargets_la_CPPFLAGS = $(server_cppflags) $(MSGPACK_CFLAGS) \
@@ -139,9 +130,7 @@ tests_fuzz_replay_CFLAGS = $(AM_CFLAGS) -pthread
 tests_fuzz_replay_LDFLAGS = $(target_ldflags)
 tests_fuzz_replay_LDADD = $(target_ldadd)
 
-dist_check_SCRIPTS += tests/fuzz/test_fuzz_corpus.sh
 TESTS += tests/fuzz/test_fuzz_corpus.sh
-EXTRA_DIST += tests/fuzz/corpus tests/fuzz/entry.c tests/fuzz/run_fuzz.sh
 
 FUZZ_SECONDS = 60
 .PHONY: fuzz fuzz-here

@@ -2,10 +2,3 @@
 # chromium-driver are installed, else that part is skipped by name.
 
 TESTS += tests/inspect/test_inspect_page.sh tests/inspect/test_make_page.sh
-dist_check_SCRIPTS += tests/inspect/test_inspect_page.sh tests/inspect/test_make_page.sh
-EXTRA_DIST += \
-    tests/inspect/browser.py \
-    tests/inspect/check_options.py \
-    tests/inspect/check_page.py \
-    tests/inspect/page.py \
-    tests/inspect/scene.py

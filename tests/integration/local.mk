@@ -131,7 +131,7 @@ tests_integration_test_int_rounding_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) -pthr
 tests_integration_test_int_rounding_LDADD = $(integration_libs)
 
 tests_integration_test_int_direct_SOURCES = tests/integration/test_int_direct.c \
-    tests/support/allocations.c tests/support/allocations.h
+    tests/support/allocations.c
 tests_integration_test_int_direct_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_direct_CFLAGS = $(AM_CFLAGS) -pthread
 tests_integration_test_int_direct_LDADD = $(integration_libs)
@@ -142,11 +142,9 @@ tests_integration_test_int_expected_LDADD = $(integration_libs)
 
 # The programs that need no daemon, once more without one.
 TESTS += tests/integration/direct_check.sh
-dist_check_SCRIPTS += tests/integration/direct_check.sh
 
 # The sandbox, over what other Debians have.
 TESTS += tests/integration/libuv_check.sh
-dist_check_SCRIPTS += tests/integration/libuv_check.sh
 
 tests_integration_test_int_autostart_SOURCES = tests/integration/test_int_autostart.c
 tests_integration_test_int_autostart_CPPFLAGS = $(integration_cppflags)
@@ -310,7 +308,7 @@ tests_integration_test_int_threads_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_threads_LDADD = $(integration_libs)
 
 tests_integration_test_int_broken_SOURCES = tests/integration/test_int_broken.c \
-    tests/integration/forge.c tests/integration/forge.h
+    tests/integration/forge.c
 tests_integration_test_int_broken_CPPFLAGS = $(integration_cppflags) $(record_cppflags) \
     -iquote $(top_srcdir)/tests/integration
 tests_integration_test_int_broken_LDADD = librecord.la $(integration_libs)
@@ -321,7 +319,7 @@ tests_integration_test_int_verify_LDADD = librecord.la $(integration_libs)
 
 tests_integration_test_int_verify_fields_SOURCES = \
     tests/integration/test_int_verify_fields.c \
-    tests/integration/forge.c tests/integration/forge.h
+    tests/integration/forge.c
 tests_integration_test_int_verify_fields_CPPFLAGS = $(integration_cppflags) $(record_cppflags) \
     $(XXHASH_CFLAGS) -iquote $(top_srcdir)/tests/integration
 tests_integration_test_int_verify_fields_LDADD = librecord.la $(integration_libs) $(LIBM)
@@ -335,7 +333,7 @@ tests_integration_test_int_version_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_version_LDADD = $(integration_libs)
 
 tests_integration_test_int_warm_SOURCES = tests/integration/test_int_warm.c \
-    tests/support/allocations.c tests/support/allocations.h
+    tests/support/allocations.c
 tests_integration_test_int_warm_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_warm_LDADD = $(integration_libs)
 

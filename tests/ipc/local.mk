@@ -2,8 +2,6 @@
 # it the script skips its cases by name.
 
 TESTS += tests/ipc/test_ipc.sh
-dist_check_SCRIPTS += tests/ipc/test_ipc.sh
-EXTRA_DIST += tests/ipc/.clang-format tests/ipc/check.cc
 if HAVE_IPC_TOOLKIT
 check_PROGRAMS += tests/ipc/check
 tests_ipc_check_SOURCES = tests/ipc/check.cc

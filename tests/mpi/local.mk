@@ -1,16 +1,12 @@
 # tests/mpi/local.mk - one scene over the ranks of an MPI program. Without --with-mpi the
 # scripts skip their cases by name.
 
-mpi_test_sources = tests/mpi/large.c tests/mpi/misuse.c tests/mpi/rounding.c \
-    tests/mpi/same_as_one.c tests/mpi/stop.c
-EXTRA_DIST += $(mpi_test_sources) tests/mpi/python_ranks.py tests/mpi/ranks.sh
 mpi_test_scripts = tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh \
     tests/mpi/python_check.sh tests/mpi/recordings_check.sh
 mpi_test_programs = tests/mpi/large tests/mpi/misuse tests/mpi/rounding tests/mpi/same_as_one \
     tests/mpi/stop
 mpi_check_programs = $(mpi_test_programs) client/mpi/example/cloth_mpi
 TESTS += $(mpi_test_scripts)
-dist_check_SCRIPTS += $(mpi_test_scripts)
 if HAVE_MPI
 check_PROGRAMS += $(mpi_test_programs)
 tests_mpi_same_as_one_SOURCES = tests/mpi/same_as_one.c

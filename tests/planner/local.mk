@@ -2,8 +2,6 @@
 # not found OMPL the script skips its cases by name.
 
 TESTS += tests/planner/test_planner.sh
-dist_check_SCRIPTS += tests/planner/test_planner.sh
-EXTRA_DIST += tests/planner/.clang-format tests/planner/check.cc tests/planner/turns.cc
 if HAVE_OMPL
 check_PROGRAMS += tests/planner/check tests/planner/turns
 tests_planner_check_SOURCES = tests/planner/check.cc

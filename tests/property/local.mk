@@ -17,12 +17,11 @@ PROPERTY_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/client/ora
     -I$(top_srcdir)/tests/unit $(XXHASH_CFLAGS) $(CMOCKA_CFLAGS)
 PROPERTY_LDADD = libengkit.la libengine.la liboracle.la libtestscenes.la $(CMOCKA_LIBS) \
     $(GMP_LIBS) $(LIBM)
-property_sequences = tests/property/sequences.c tests/property/sequences.h
-property_thick_judge = tests/property/thick_judge.c tests/property/thick_judge.h
-property_near_judge = tests/property/near_judge.c tests/property/near_judge.h
+property_sequences = tests/property/sequences.c
+property_thick_judge = tests/property/thick_judge.c
+property_near_judge = tests/property/near_judge.c
 property_judge = \
-    tests/property/judge.c \
-    tests/property/judge.h
+    tests/property/judge.c
 
 tests_property_test_eng_against_oracle_SOURCES = \
     tests/property/test_eng_against_oracle.c $(property_judge)

@@ -5,10 +5,7 @@ style_tests = \
     tests/style/test_style_rooms.sh \
     tests/style/test_style_size.sh \
     tests/style/test_style_words.sh
-dist_check_SCRIPTS += $(style_tests)
 TESTS += $(style_tests)
-EXTRA_DIST += tests/style/words.txt tests/style/size.txt
-dist_check_SCRIPTS += tests/style/size.sh
 
 # `make size`: what there is to learn, beside the baseline; `make size-baseline` writes that.
 .PHONY: size size-baseline

@@ -11,8 +11,8 @@ check_PROGRAMS += tests/truth/test_oracle_truth tests/truth/test_eng_truth \
 TESTS += tests/truth/test_oracle_truth tests/truth/test_eng_truth \
     tests/truth/test_eng_thick_truth
 
-truth_kit = tests/truth/truth_kit.c tests/truth/truth_kit.h
-truth_engine = $(truth_kit) tests/truth/truth_engine.c tests/truth/truth_engine.h
+truth_kit = tests/truth/truth_kit.c
+truth_engine = $(truth_kit) tests/truth/truth_engine.c
 
 tests_truth_test_oracle_truth_SOURCES = tests/truth/test_oracle_truth.c $(truth_kit)
 tests_truth_test_oracle_truth_CPPFLAGS = $(TRUTH_CPPFLAGS)
@@ -24,8 +24,8 @@ tests_truth_test_eng_truth_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_truth_test_eng_truth_LDADD = $(TRUTH_ENGINE_LDADD)
 
 tests_truth_test_eng_thick_truth_SOURCES = tests/truth/test_eng_thick_truth.c \
-    tests/truth/thick_trial.c tests/truth/thick_trial.h \
-    tests/fuzz/fuzz_thick.c tests/fuzz/fuzz_thick.h tests/fuzz/fuzz_thick_make.c \
+    tests/truth/thick_trial.c \
+    tests/fuzz/fuzz_thick.c tests/fuzz/fuzz_thick_make.c \
     $(truth_engine)
 tests_truth_test_eng_thick_truth_CPPFLAGS = $(TRUTH_ENGINE_CPPFLAGS) \
     -I$(top_srcdir)/tests/fuzz

@@ -5,7 +5,7 @@ CTL_TEST_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -I$(top_srcdir)/tests/unit \
 CTL_TEST_LDADD = libctl.la libclient.la $(CMOCKA_LIBS) $(LIBM)
 
 check_LTLIBRARIES += libctlkit.la
-libctlkit_la_SOURCES = tests/unit/ctl_kit.c tests/unit/ctl_kit.h
+libctlkit_la_SOURCES = tests/unit/ctl_kit.c
 libctlkit_la_CPPFLAGS = $(CTL_TEST_CPPFLAGS)
 
 CTL_TESTS = \

@@ -8,28 +8,16 @@ ENG_TEST_LDADD = libengkit.la libengine.la $(CMOCKA_LIBS) $(GMP_LIBS) $(LIBM)
 check_LTLIBRARIES += libengkit.la
 libengkit_la_SOURCES = \
     tests/unit/eng_blast.c \
-    tests/unit/eng_blast.h \
-    tests/unit/eng_boxes.h \
     tests/unit/eng_case.c \
-    tests/unit/eng_case.h \
     tests/unit/eng_crew.c \
-    tests/unit/eng_crew.h \
     tests/unit/eng_filters.c \
-    tests/unit/eng_filters.h \
     tests/unit/eng_fresh.c \
-    tests/unit/eng_fresh.h \
     tests/unit/eng_kit.c \
-    tests/unit/eng_kit.h \
     tests/unit/eng_near.c \
-    tests/unit/eng_near.h \
     tests/unit/eng_player.c \
-    tests/unit/eng_player.h \
     tests/unit/eng_stir.c \
-    tests/unit/eng_stir.h \
     tests/unit/eng_way.c \
-    tests/unit/eng_way.h \
-    tests/unit/near_kit.c \
-    tests/unit/near_kit.h
+    tests/unit/near_kit.c
 libengkit_la_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
 
 ENG_TESTS = \
@@ -212,7 +200,7 @@ tests_unit_test_eng_separate_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_separate_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_thick_SOURCES = tests/unit/test_eng_thick.c \
-    tests/unit/thick_cases.c tests/unit/thick_cases.h
+    tests/unit/thick_cases.c
 tests_unit_test_eng_thick_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_thick_LDADD = $(ENG_TEST_LDADD)
 
@@ -274,14 +262,12 @@ tests_unit_test_eng_warm_LDADD = $(ENG_TEST_LDADD)
 # Their own eng_alloc comes first, so the library's memory.o is not linked.
 tests_unit_test_eng_fault_SOURCES = \
     tests/unit/eng_scarce.c \
-    tests/unit/eng_scarce.h \
     tests/unit/test_eng_fault.c
 tests_unit_test_eng_fault_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_fault_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_fault_team_SOURCES = \
     tests/unit/eng_scarce.c \
-    tests/unit/eng_scarce.h \
     tests/unit/test_eng_fault_team.c
 tests_unit_test_eng_fault_team_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_fault_team_LDADD = $(ENG_TEST_LDADD)
@@ -362,7 +348,6 @@ tests_unit_test_eng_wide_LDADD = $(ENG_TEST_LDADD)
 # The kernels once more for another processor, where a compiler for it is.
 check_PROGRAMS += tests/unit/kernel_digest
 TESTS += tests/unit/test_eng_neon.sh tests/unit/test_eng_sets.sh
-dist_check_SCRIPTS += tests/unit/test_eng_neon.sh tests/unit/test_eng_sets.sh
 tests_unit_kernel_digest_SOURCES = tests/unit/kernel_digest.c
 tests_unit_kernel_digest_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
 tests_unit_kernel_digest_LDADD = libengine.la $(LIBM)

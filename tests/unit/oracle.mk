@@ -19,6 +19,6 @@ check_PROGRAMS += tests/unit/test_oracle_thick
 TESTS += tests/unit/test_oracle_thick
 
 tests_unit_test_oracle_thick_SOURCES = tests/unit/test_oracle_thick.c \
-    tests/unit/thick_cases.c tests/unit/thick_cases.h
+    tests/unit/thick_cases.c
 tests_unit_test_oracle_thick_CPPFLAGS = $(tests_unit_test_oracle_CPPFLAGS)
 tests_unit_test_oracle_thick_LDADD = $(tests_unit_test_oracle_LDADD)

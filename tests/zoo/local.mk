@@ -8,16 +8,13 @@ zoo_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
 zoo_libs = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
 
 tests_zoo_test_zoo_animals_SOURCES = \
-    tests/zoo/animals.h \
     tests/zoo/animals_data.c \
     tests/zoo/animals_long.c \
     tests/zoo/animals_share.c \
     tests/zoo/animals_talk.c \
     tests/zoo/animals_work.c \
     tests/zoo/cage.c \
-    tests/zoo/cage.h \
     tests/zoo/keeper.c \
-    tests/zoo/keeper.h \
     tests/zoo/test_zoo_animals.c
 tests_zoo_test_zoo_animals_CPPFLAGS = $(zoo_cppflags)
 tests_zoo_test_zoo_animals_LDADD = $(zoo_libs)

@@ -4,40 +4,22 @@
 # the processor, is compiled for the least one.
 
 kernel_sources = \
-    daemon/engine/kernel/across.h \
     daemon/engine/kernel/advance.c \
     daemon/engine/kernel/bounds.c \
     daemon/engine/kernel/make_boxes.c \
-    daemon/engine/kernel/boxes.h \
     daemon/engine/kernel/bracket.c \
-    daemon/engine/kernel/bracket.h \
     daemon/engine/kernel/come_before.c \
     daemon/engine/kernel/cross_faces.c \
     daemon/engine/kernel/join_blocks.c \
-    daemon/engine/kernel/join.h \
     daemon/engine/kernel/gaps.c \
-    daemon/engine/kernel/kernel.h \
-    daemon/engine/kernel/lane_types.h \
-    daemon/engine/kernel/lanes.h \
-    daemon/engine/kernel/lanes_avx512.h \
-    daemon/engine/kernel/lanes_pack.h \
-    daemon/engine/kernel/lanes_scalar.h \
-    daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/marks.c \
-    daemon/engine/kernel/marks.h \
     daemon/engine/kernel/measure.c \
     daemon/engine/kernel/make_quantised.c \
-    daemon/engine/kernel/quantised.h \
     daemon/engine/kernel/reject.c \
-    daemon/engine/kernel/reject.h \
     daemon/engine/kernel/reject_axes.c \
-    daemon/engine/kernel/points.h \
-    daemon/engine/kernel/sieve.h \
     daemon/engine/kernel/sift.c \
     daemon/engine/kernel/sift_near.c \
     daemon/engine/kernel/table.c \
-    daemon/engine/kernel/table.h \
-    daemon/engine/kernel/vectors.h \
     daemon/engine/kernel/within.c
 kernel_cppflags = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
 # The loops are short and everything in them is inlined: what -O3 adds is unrolling.
@@ -84,7 +66,6 @@ endif
 
 # What the demo takes: of x86-64 the least set and the one that choose.c takes here; in the place
 # of each other one, where it is not there yet, absent.c. make builds what is missing.
-EXTRA_DIST += daemon/engine/kernel/absent.c
 demo_kernels =
 demo-programs:
 	$(AM_V_at)has() { for flag; do grep -qw "$$flag" /proc/cpuinfo || return 1; done; } && \
