@@ -3,27 +3,16 @@
 # make bench-model                              all scenes; CSV and figures in
 #                                               bench/model/results of the build
 # make bench-model MODEL_ARGS=cloth-ball        one scene
-# make bench-model MODEL_ARGS=--validate-threads=2,16   compare with 16 threads too
+# make bench-model MODEL_ARGS=--validate-threads=16   compare with 16 threads
 
 check_PROGRAMS += bench/model/model
 
 bench_model_model_SOURCES = \
-    bench/model/loop.c \
-    bench/model/machine.c \
+    bench/model/costs.c \
     bench/model/measure.c \
     bench/model/model.c \
     bench/model/record.c \
-    bench/model/record_merge.c \
-    bench/model/record_refit.c \
-    bench/model/record_wide.c \
-    bench/model/sim.c \
-    bench/model/sim_paper.c \
-    bench/model/sim_refit.c \
-    bench/model/sim_steal.c \
-    bench/model/sim_wide.c \
-    bench/model/table.c \
-    bench/model/task.c \
-    bench/model/walker.c \
+    bench/model/schedule.c \
     $(bench_engine_sources)
 bench_model_model_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/model
 bench_model_model_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)

@@ -1,42 +1,31 @@
 /* model.c - how a step would scale on a machine with more processors.
  *
- * Record what every task of a real step costs, or of a question about what is near
- * (--near), measure what it costs that threads meet, replay both schedulers of the method
- * paper and the method wide for 1 to 64 threads, check the replay against itself and
- * against steps measured here, write CSV for the figures.
+ * Record what every task of a real step costs, measure what it costs that threads meet,
+ * replay the schedulers of the method paper and that of wide for 1 to 64 threads, check
+ * the replay against itself and against steps measured here, write CSV for the figures.
  */
+#include <argp.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "measure.h"
+#include "record.h"
 #include "report.h"
-#include "sim.h"
-#include "table.h"
-#include "taskunit.h"
 #include "world.h"
 
-#define VALIDATE_MAX 7
+#define TURNS  9 /* of measured steps */
+#define PASSES 5 /* of recordings */
 
 struct options {
-    bool smoke;
-    bool fifth_only;
-    bool sequences_only; /* `sequences`, whose steps are the paper's as they are */
-    bool wide_only;      /* not the method paper, which takes most of the time */
-    const char *wanted;  /* part of a scene's name; NULL: all of `modelled` */
-    const char *folder;  /* where the CSV files go */
-    uint32_t validate[VALIDATE_MAX];
-    uint32_t validate_count;
-    uint32_t counts[MODEL_THREADS_MAX]; /* of threads, ascending, the first is 1 */
-    uint32_t count_count;
-    uint32_t grain[2]; /* of work stealing: units, pairs */
-    uint32_t turns;    /* of measured steps */
-    uint32_t passes;   /* of recordings */
-    double near;       /* share of the diagonal: what is that near; < 0: contacts */
+    bool is_smoke;
+    bool has_sequences; /* `sequences`, whose steps are the paper's as they are */
+    bool is_wide_only;  /* not the method paper, which takes most of the time */
+    const char *wanted; /* part of a scene's name; NULL: all of `modelled` */
+    const char *folder; /* where the CSV files go */
+    uint32_t validate;  /* threads that are measured beside one */
 };
-
-#define COUNTS "1,2,3,4,5,6,7,8,10,12,14,16,20,24,28,32,40,48,56,64"
 
 static const char *const modelled[] = {"cloth-ball", "breaking", "n-body", "cloth-funnel",
                                        NULL};
@@ -46,226 +35,234 @@ static const char *const sequences[] = {"cloth", "breaking", "bodies", NULL};
 struct scheme {
     const char *scheduler;
     const char *high_level;
-    const char *refit;
     struct model_way way;
 };
 
 static const struct scheme schemes[] = {
-    {"paper",
-     "round-robin",
-     "paper",
-     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_PAPER,
-      PCCD_METHOD_PAPER}},
-    {"paper",
-     "disjoint",
-     "paper",
-     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_DISJOINT, ENG_REFIT_PAPER,
-      PCCD_METHOD_PAPER}},
-    {"steal",
-     "none",
-     "even",
-     {0, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,
-      PCCD_METHOD_PAPER}},
-    {"wide",
-     "none",
-     "even",
-     {0, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,
-      PCCD_METHOD_WIDE}},
+    {"paper", "round-robin", {0, ENG_SCHEDULER_PAPER, PCCD_METHOD_PAPER}},
+    {"steal", "none", {0, ENG_SCHEDULER_STEAL, PCCD_METHOD_PAPER}},
+    {"wide", "none", {0, ENG_SCHEDULER_STEAL, PCCD_METHOD_WIDE}},
 };
 #define SCHEMES (sizeof schemes / sizeof schemes[0])
 
+/* Wall time by phase; the five add up to `total`. Work is the sum over the threads. */
+struct prediction {
+    double total, refit, low, high, merge, serial; /* stealing: all is `low` */
+    double refit_work, low_work, high_work, merge_work;
+    double wait;     /* mean over the threads: time in the region without work */
+    double critical; /* the longest chain of tasks that make each other */
+    double largest;  /* task */
+    double hand_overs;
+};
+
 struct run {
-    const struct options *options;
-    const struct model_machine *machine;
-    const struct eng_affinity *affinity;
+    struct options options;
+    struct model_costs costs;
+    struct eng_affinity affinity;
     FILE *model;      /* CSV: predictions */
     FILE *validation; /* CSV: predictions beside measurements */
     char name[64];
     struct model_record record;
-    struct model_measured measured[MODEL_MEASURED_MAX];
+    struct model_measured measured[MODEL_WAYS_MAX];
     uint32_t measured_count;
-    struct model_output alone;
+    struct model_way ways[MODEL_WAYS_MAX];
+    double alone; /* the step by one thread */
 };
 
-static bool near(double a, double b)
+/* ---- the replay ------------------------------------------------------------------ */
+
+/* One node at a time: one thread opens it, then its pairs are dealt out. */
+static void replay_high(struct model_threads *threads,
+                        const struct model_division *division)
 {
-    return fabs(a - b) <= 1e-6 * (fabs(a) + fabs(b)) + 1;
+    const struct model_task *tasks = division->tasks.items;
+    for (uint32_t i = 0; i < division->high_count; i++) {
+        const struct model_high *high = &division->high[i];
+        model_work(threads, 0, tasks[high->expansion].ns);
+        model_barrier(threads);
+        for (uint32_t k = 0; k < high->pair_count; k++) {
+            model_work(threads, k % threads->count, tasks[high->expansion + 1 + k].ns);
+        }
+        model_barrier(threads);
+    }
 }
 
-/* What must hold of any prediction. */
-static void check(const struct run *run, const struct model_output *output,
-                  uint32_t threads)
+static void predict(const struct run *run, const struct scheme *scheme,
+                    const struct model_division *division, struct prediction *out)
 {
-    double sum =
-        output->refit + output->low + output->high + output->merge + output->serial;
-    double work = output->refit_work + output->performed + output->merge_work;
-    bench_check(near(output->performed, output->low_work + output->high_work), run->name,
-                "every task is performed once");
-    bench_check(near(sum, output->total), run->name, "phases add up to the step");
-    bench_check(output->total >= work / threads - 1, run->name,
+    const struct model_record *record = &run->record;
+    const struct model_costs *costs = &run->costs;
+    bool is_paper = scheme->way.scheduler == ENG_SCHEDULER_PAPER;
+    const struct model_tasks *tasks = is_paper ? &record->units : &record->steal;
+    const uint32_t *roots = is_paper ? division->low : NULL;
+    uint32_t root_count = is_paper ? division->low_count : record->root_count;
+    struct model_threads threads = {.costs = costs, .count = division->threads};
+    *out =
+        (struct prediction){.refit_work = division->refit_end_ns,
+                            .high_work = is_paper ? model_tasks_sum(&division->tasks) : 0,
+                            .merge_work = run->measured[0].merge};
+    double begin = costs->wake_each * (threads.count - 1);
+    threads.now[0] = begin;
+    for (uint32_t t = 1; t < threads.count; t++) { /* the team is woken one by one */
+        threads.now[t] = costs->wake + costs->wake_each * (t - 1);
+    }
+    for (int stage = 0; stage < 2; stage++) {
+        const struct model_tasks *parts = &division->refit[stage];
+        model_schedule(&threads, parts, NULL, parts->count, costs->barrier);
+        model_barrier(&threads);
+        out->refit_work += model_tasks_sum(parts);
+    }
+    model_work(&threads, 0, division->refit_end_ns);
+    model_barrier(&threads);
+    double refitted = model_latest(&threads);
+    /* In the paper's scheme a thread sleeps until another gives it a node. */
+    model_schedule(&threads, tasks, roots, root_count,
+                   is_paper ? costs->wake : costs->barrier);
+    model_barrier(&threads);
+    double low = model_latest(&threads);
+    if (is_paper) {
+        replay_high(&threads, division);
+    }
+    double detected = model_latest(&threads);
+    for (uint32_t t = 0; t < threads.count; t++) {
+        model_work(&threads, t, out->merge_work / threads.count);
+    }
+    for (int i = 0; i < 3; i++) { /* surveyed, divided, put in order */
+        model_barrier(&threads);
+    }
+    double busy = 0;
+    for (uint32_t t = 0; t < threads.count; t++) {
+        busy += threads.busy[t];
+    }
+    double end = model_latest(&threads);
+    out->serial = run->measured[0].serial + begin;
+    out->refit = refitted - begin;
+    out->low = low - refitted;
+    out->high = detected - low;
+    out->merge = end - detected;
+    out->total = end + run->measured[0].serial;
+    out->low_work = busy - out->refit_work - out->high_work - out->merge_work;
+    out->wait = end - busy / threads.count;
+    out->critical = model_tasks_chain(tasks, roots, root_count);
+    out->largest = model_tasks_largest(tasks);
+    out->hand_overs = (double)threads.hand_overs;
+    bench_check(out->low_work <= model_tasks_sum(tasks) * (1 + 1e-6) &&
+                    (is_paper || out->low_work >= model_tasks_sum(tasks) * (1 - 1e-6)),
+                run->name, "every task is performed once");
+    bench_check(end - begin >= busy / threads.count, run->name,
                 "no step is shorter than its work divided by its threads");
-    bench_check(output->detection >= output->critical - 1, run->name,
+    bench_check(out->low >= out->critical, run->name,
                 "no step is shorter than its longest chain");
 }
 
-static void predict(struct run *run, const struct scheme *scheme,
-                    const struct model_division *division, struct model_output *output)
-{
-    const struct model_measured *one = &run->measured[0];
-    struct model_input input = {.record = &run->record,
-                                .division = division,
-                                .machine = run->machine,
-                                .serial = one->ingest + one->rest,
-                                .merge_alone = one->merge,
-                                .method = scheme->way.method,
-                                .scheduler = scheme->way.scheduler,
-                                .high_level = scheme->way.high_level,
-                                .refit = scheme->way.refit};
-    model_simulate(&input, output);
-    check(run, output, division->threads);
-    if (division->threads == 1) { /* the engine then runs no scheduler */
-        model_alone(&input, output);
-        run->alone = *output;
-    }
-}
+/* ---- rows ------------------------------------------------------------------------ */
 
 static void print(const struct run *run, const struct scheme *scheme, uint32_t threads,
-                  const struct model_output *o)
+                  const struct prediction *o)
 {
-    model_table_row(run->model,
-                    &(struct model_row){run->name, scheme->scheduler, scheme->high_level,
-                                        scheme->refit, threads,
-                                        run->alone.total / o->total, o});
-    if ((threads & (threads - 1)) == 0) {
-        printf("%-16s %-6s %3u %9.3f ms %6.2fx  refit %.3f low %.3f high %.3f merge %.3f "
-               "serial %.3f wait %.3f critical %.3f largest %.3f\n",
-               run->name, scheme->scheduler, threads, o->total * 1e-6,
-               run->alone.total / o->total, o->refit * 1e-6, o->low * 1e-6,
-               o->high * 1e-6, o->merge * 1e-6, o->serial * 1e-6, o->wait * 1e-6,
-               o->critical * 1e-6, o->largest * 1e-6);
+    const double columns[] = {o->total,    o->refit,     o->low,        o->high,
+                              o->merge,    o->serial,    o->wait,       o->refit_work,
+                              o->low_work, o->high_work, o->merge_work, o->critical,
+                              o->largest};
+    double speedup = run->alone / o->total;
+    fprintf(run->model, "%s,%s,%s,%u,%.3f", run->name, scheme->scheduler,
+            scheme->high_level, threads, speedup);
+    for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
+        fprintf(run->model, ",%.4f", columns[i] * 1e-6);
     }
-}
-
-static const char *name_of(const struct scheme *scheme, uint32_t threads)
-{
-    bool has_scheduler = threads > 1 || scheme->way.method == PCCD_METHOD_WIDE;
-    return has_scheduler ? scheme->scheduler : "serial";
+    fprintf(run->model, ",%.0f\n", o->hand_overs);
+    printf("%-16s %-6s %3u %9.3f ms %6.2fx  refit %.3f low %.3f high %.3f merge %.3f "
+           "serial %.3f wait %.3f critical %.3f largest %.3f\n",
+           run->name, scheme->scheduler, threads, o->total * 1e-6, speedup,
+           o->refit * 1e-6, o->low * 1e-6, o->high * 1e-6, o->merge * 1e-6,
+           o->serial * 1e-6, o->wait * 1e-6, o->critical * 1e-6, o->largest * 1e-6);
 }
 
 /* Beside what was measured here with as many threads. */
 static void validate(const struct run *run, const struct scheme *scheme, uint32_t threads,
-                     const struct model_output *output)
+                     const struct prediction *output)
 {
     for (uint32_t i = 0; i < run->measured_count; i++) {
         const struct model_measured *m = &run->measured[i];
-        if (m->way.threads != threads ||
-            (threads > 1 && (m->way.scheduler != scheme->way.scheduler ||
-                             m->way.high_level != scheme->way.high_level))) {
-            continue;
+        if (run->ways[i].threads == threads &&
+            run->ways[i].scheduler == scheme->way.scheduler) {
+            double error = output->total / m->step - 1;
+            double speedup = run->alone / output->total;
+            fprintf(run->validation, "%s,%s,%u,%.4f,%.4f,%.4f,%.3f,%.3f\n", run->name,
+                    scheme->scheduler, threads, m->step * 1e-6, output->total * 1e-6,
+                    error, 1 / m->ratio, speedup);
+            printf("%-16s %-6s %3u measured %.3f ms, %+.1f %%; speed-up %.2f, predicted "
+                   "%.2f (refit %.3f detection %.3f merge %.3f)\n",
+                   run->name, scheme->scheduler, threads, m->step * 1e-6, 100 * error,
+                   1 / m->ratio, speedup, m->refit * 1e-6, m->detection * 1e-6,
+                   m->merge * 1e-6);
         }
-        double error = output->total / m->step - 1;
-        fprintf(run->validation, "%s,%s,%u,%.4f,%.4f,%.4f,%.3f,%.3f,%.4f\n", run->name,
-                name_of(scheme, threads), threads, m->step * 1e-6, output->total * 1e-6,
-                error, 1 / m->ratio, run->alone.total / output->total, m->least * 1e-6);
-        printf("%-16s %-6s %3u measured %.3f ms, least %.3f, predicted %.3f: %+.1f %%; "
-               "speed-up %.2f, predicted %.2f (measured: refit %.3f detection %.3f "
-               "merge %.3f, %.0f hand-overs)\n",
-               run->name, name_of(scheme, threads), threads, m->step * 1e-6,
-               m->least * 1e-6, output->total * 1e-6, 100 * error, 1 / m->ratio,
-               run->alone.total / output->total, m->refit * 1e-6, m->detection * 1e-6,
-               m->merge * 1e-6, m->hand_overs);
     }
 }
 
 static void replay(struct run *run)
 {
     static struct model_division division;
-    for (uint32_t c = 0; c < run->options->count_count; c++) {
-        uint32_t count = run->options->counts[c];
-        model_division_init(&division, &run->record, count);
-        bench_check(division.consistent, run->name, "every pass meets the same pairs");
-        bool is_first = true;
+    struct model_record *record = &run->record;
+    const struct model_measured *one = &run->measured[0];
+    /* All parts add up to the fastest step by one thread, whatever caches and the clock
+     * did while each task was timed: the one-thread row is no prediction. */
+    double scale = one->detection / model_tasks_sum(&record->steal);
+    model_tasks_scale(&record->steal, scale);
+    model_tasks_scale(&record->units, scale);
+    for (uint32_t count = 1; count <= MODEL_THREADS_MAX; count *= 2) {
+        model_division_init(&division, record, count);
+        double refit =
+            one->refit / (model_tasks_sum(&division.refit[0]) +
+                          model_tasks_sum(&division.refit[1]) + division.refit_end_ns);
+        model_tasks_scale(&division.refit[0], refit);
+        model_tasks_scale(&division.refit[1], refit);
+        division.refit_end_ns *= refit;
+        model_tasks_scale(&division.tasks, scale);
+        bench_check(division.is_consistent, run->name, "every pass meets the same pairs");
         for (size_t s = 0; s < SCHEMES; s++) {
-            struct model_output output;
-            if (schemes[s].way.method != run->record.method) {
-                continue;
+            struct prediction prediction;
+            if (schemes[s].way.method == record->method) {
+                predict(run, &schemes[s], &division, &prediction);
+                run->alone = count == 1 ? prediction.total : run->alone;
+                print(run, &schemes[s], count, &prediction);
+                validate(run, &schemes[s], count, &prediction);
             }
-            predict(run, &schemes[s], &division, &output);
-            print(run, &schemes[s], count, &output);
-            if (count > 1 || is_first) {
-                validate(run, &schemes[s], count, &output);
-            }
-            is_first = false;
         }
-        model_division_deinit(&division);
+        model_division_free(&division);
         fflush(stdout);
     }
 }
 
-/* As eng_near asks the team, in the frame that its boxes have. */
-static struct eng_near_query query_of(const struct eng_scene *scene, double distance)
-{
-    float growth = eng_near_growth(distance, scene->framing.scale);
-    return (struct eng_near_query){.what = PCCD_NEAR_PAIRS,
-                                   .kinds = 1u << PCCD_VF | 1u << PCCD_EE,
-                                   .end = 1,
-                                   .distance = distance,
-                                   .reach = distance,
-                                   .growth = growth,
-                                   .reach_growth = growth};
-}
+/* ---- scenes ---------------------------------------------------------------------- */
 
 static void model_method(struct run *run, const struct bench_frames *frames,
                          enum pccd_method method)
 {
-    struct model_way ways[MODEL_MEASURED_MAX];
+    const struct options *options = &run->options;
     struct bench_world world;
-    uint32_t count = 0;
-    ways[count++] = (struct model_way){1, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN,
-                                       ENG_REFIT_EVEN, method};
-    for (uint32_t i = 0; i < run->options->validate_count; i++) {
-        for (size_t s = 0; s < SCHEMES && count < MODEL_MEASURED_MAX; s++) {
-            if (schemes[s].way.method == method) {
-                ways[count] = schemes[s].way;
-                ways[count++].threads = run->options->validate[i];
-            }
+    run->measured_count = 0;
+    run->ways[run->measured_count++] = (struct model_way){1, ENG_SCHEDULER_STEAL, method};
+    for (size_t s = 0; s < SCHEMES; s++) {
+        if (schemes[s].way.method == method) {
+            run->ways[run->measured_count] = schemes[s].way;
+            run->ways[run->measured_count++].threads = options->validate;
         }
     }
-    run->measured_count = count;
-    struct model_question question = {
-        run->affinity,
-        run->options->near < 0 ? -1 : run->options->near * bench_frames_diagonal(frames)};
     bench_world_init(&world, frames, NULL);
-    bench_check(model_measure(&world, frames, &question, ways, count, run->options->turns,
+    bench_check(model_measure(frames, &world, &run->affinity, run->ways,
+                              run->measured_count, options->is_smoke ? 3 : TURNS,
                               run->measured),
                 run->name, "all ways give the same answer");
-    struct eng_near_query query = query_of(world.scene, question.distance);
     run->record = (struct model_record){.scene = world.scene,
                                         .method = method,
-                                        .near = question.distance < 0 ? NULL : &query,
-                                        .passes = run->options->passes,
-                                        .clock_ns = run->machine->clock,
-                                        .unit_grain = run->options->grain[0],
-                                        .pair_grain = run->options->grain[1]};
+                                        .passes = options->is_smoke ? 3 : PASSES,
+                                        .clock_ns = run->costs.clock};
     model_record_init(&run->record);
-    if (method == PCCD_METHOD_WIDE) {
-        model_wide_calibrate(&run->record.wide, run->measured[0].refit,
-                             run->measured[0].detection);
-    } else {
-        model_refit_calibrate(&run->record, run->measured[0].refit);
-    }
-    bench_check(run->record.consistent, run->name, "every pass meets the same tasks");
+    bench_check(run->record.is_consistent, run->name, "every pass meets the same tasks");
     replay(run);
-    model_record_deinit(&run->record);
+    model_record_free(&run->record);
     bench_world_deinit(&world);
-}
-
-static void model_scene(struct run *run, const struct bench_frames *frames)
-{
-    model_method(run, frames, PCCD_METHOD_WIDE);
-    if (!run->options->wide_only) {
-        model_method(run, frames, PCCD_METHOD_PAPER);
-    }
 }
 
 /* The first fifth of the way to the next frame: the paper ran five steps a frame. */
@@ -282,7 +279,10 @@ static void take_fifth(struct bench_frames *frames)
 
 static bool is_modelled(const struct options *options, const char *name)
 {
-    const char *const *names = options->sequences_only ? sequences : modelled;
+    const char *const *names = options->has_sequences ? sequences : modelled;
+    if (options->is_smoke) {
+        return strcmp(name, "cloth-20k") == 0;
+    }
     for (size_t i = 0; names[i]; i++) {
         if (strcmp(names[i], name) == 0) {
             return !options->wanted || strstr(name, options->wanted);
@@ -291,38 +291,44 @@ static bool is_modelled(const struct options *options, const char *name)
     return false;
 }
 
+static void model_scene(struct run *run, unsigned index, bool is_fifth)
+{
+    const struct options *options = &run->options;
+    const char *name = bench_scene_name(index);
+    struct bench_scene scene;
+    struct bench_frames frames;
+    if (!bench_scene_make(index, options->is_smoke, &scene)) {
+        bench_skip(name, "no frames in $PCCD_DATA");
+        return;
+    }
+    snprintf(run->name, sizeof run->name, "%s%s", name, is_fifth ? "/5" : "");
+    bench_frames_init(&frames, &scene, scene.hard_frame);
+    if (is_fifth) {
+        take_fifth(&frames);
+    }
+    model_method(run, &frames, PCCD_METHOD_WIDE);
+    if (!options->is_wide_only) {
+        model_method(run, &frames, PCCD_METHOD_PAPER);
+    }
+    bench_frames_deinit(&frames);
+    bench_scene_free(&scene);
+}
+
 static void model_all(struct run *run)
 {
-    const struct options *options = run->options;
+    const struct options *options = &run->options;
+    bool has_fifth = !options->is_smoke && !options->has_sequences;
     for (unsigned i = 0; i < bench_scene_total(); i++) {
-        struct bench_scene scene;
-        struct bench_frames frames;
-        const char *name = bench_scene_name(i);
-        if (options->smoke ? strcmp(name, "cloth-20k") != 0
-                           : !is_modelled(options, name)) {
-            continue;
-        }
-        bool has_fifth = !options->smoke && !options->sequences_only && options->near < 0;
-        for (int fifth = 0; fifth < (has_fifth ? 2 : 1); fifth++) {
-            if (options->fifth_only && fifth == 0) {
-                continue;
+        if (is_modelled(options, bench_scene_name(i))) {
+            model_scene(run, i, false);
+            if (has_fifth) {
+                model_scene(run, i, true);
             }
-            if (!bench_scene_make(i, options->smoke, &scene)) {
-                bench_skip(name, "no frames in $PCCD_DATA");
-                break;
-            }
-            snprintf(run->name, sizeof run->name, "%s%s%s", name, fifth ? "/5" : "",
-                     options->near < 0 ? "" : " near");
-            bench_frames_init(&frames, &scene, scene.hard_frame);
-            if (fifth) {
-                take_fifth(&frames);
-            }
-            model_scene(run, &frames);
-            bench_frames_deinit(&frames);
-            bench_scene_free(&scene);
         }
     }
 }
+
+/* ---- options --------------------------------------------------------------------- */
 
 static FILE *create(const char *folder, const char *name)
 {
@@ -336,129 +342,80 @@ static FILE *create(const char *folder, const char *name)
     return file;
 }
 
-/* "2,8,64": numbers from `least` to `most`; returns how many, 0 if anything else. */
-static uint32_t numbers(const char *text, uint32_t least, uint32_t most, uint32_t *out,
-                        uint32_t capacity)
+static uint32_t number(struct argp_state *state, const char *text, unsigned long least,
+                       unsigned long most)
 {
-    uint32_t count = 0;
-    while (*text) {
-        char *end;
-        unsigned long number = strtoul(text, &end, 10);
-        if (end == text || number < least || number > most || count == capacity ||
-            (*end && *end != ',')) {
-            return 0;
-        }
-        out[count++] = (uint32_t)number;
-        text = *end ? end + 1 : end;
+    char *end;
+    unsigned long value = strtoul(text, &end, 10);
+    if (*text < '0' || *text > '9' || *end || value < least || value > most) {
+        argp_error(state, "%s: not a number from %lu to %lu", text, least, most);
     }
-    return count;
+    return (uint32_t)value;
 }
 
-static bool parse_number(const char *argument, struct options *options)
+static error_t parse(int key, char *text, struct argp_state *state)
 {
-    const char *value = strchr(argument, '=') + 1;
-    size_t length = (size_t)(value - argument);
-    if (strncmp(argument, "--validate-threads=", length) == 0) {
-        options->validate_count =
-            numbers(value, 2, MODEL_THREADS_MAX, options->validate, VALIDATE_MAX);
-        return options->validate_count > 0;
-    }
-    if (strncmp(argument, "--threads=", length) == 0) {
-        /* One thread is always there: speed-ups are to it. */
-        uint32_t count = numbers(value, 2, MODEL_THREADS_MAX, options->counts + 1,
-                                 MODEL_THREADS_MAX - 1);
-        options->count_count = count + 1;
-        return count > 0;
-    }
-    if (strncmp(argument, "--grain=", length) == 0) {
-        return numbers(value, 2, UINT32_MAX, options->grain, 2) == 2;
-    }
-    if (strncmp(argument, "--near=", length) == 0) {
-        char *end;
-        options->near = strtod(value, &end);
-        return end != value && *end == '\0' && options->near >= 0 && options->near <= 1;
-    }
-    if (strncmp(argument, "--passes=", length) == 0) {
-        return numbers(value, 1, 99, &options->passes, 1) == 1;
-    }
-    if (strncmp(argument, "--turns=", length) == 0) {
-        return numbers(value, 1, 999, &options->turns, 1) == 1;
-    }
-    return false;
-}
-
-static bool parse(int argc, char **argv, struct options *options)
-{
-    *options = (struct options){.folder = ".",
-                                .validate = {2},
-                                .validate_count = 1,
-                                .grain = {ENG_STEAL_UNIT_GRAIN, ENG_STEAL_PAIR_GRAIN},
-                                .turns = 9,
-                                .passes = 5,
-                                .near = -1};
-    options->count_count =
-        numbers(COUNTS, 1, MODEL_THREADS_MAX, options->counts, MODEL_THREADS_MAX);
-    for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--smoke") == 0) {
-            options->smoke = true;
-            options->turns = 3;
-            options->passes = 3;
-        } else if (strcmp(argv[i], "--fifth") == 0) {
-            options->fifth_only = true;
-        } else if (strcmp(argv[i], "--sequences") == 0) {
-            options->sequences_only = true;
-        } else if (strcmp(argv[i], "--wide") == 0) {
-            options->wide_only = true;
-        } else if (strncmp(argv[i], "--into=", 7) == 0) {
-            options->folder = argv[i] + 7;
-        } else if (argv[i][0] == '-') {
-            if (!strchr(argv[i], '=') || !parse_number(argv[i], options)) {
-                return false;
-            }
-        } else if (!options->wanted) {
-            options->wanted = argv[i];
-        } else {
-            return false;
+    struct options *options = state->input;
+    switch (key) {
+    case 's':
+        options->is_smoke = true;
+        return 0;
+    case 'q':
+        options->has_sequences = true;
+        return 0;
+    case 'w':
+        options->is_wide_only = true;
+        return 0;
+    case 'i':
+        options->folder = text;
+        return 0;
+    case 'v':
+        options->validate = number(state, text, 2, MODEL_THREADS_MAX);
+        return 0;
+    case ARGP_KEY_ARG:
+        if (options->wanted) {
+            argp_error(state, "%s: one scene at a time", text);
         }
+        options->wanted = text;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
     }
-    return true;
 }
 
 int main(int argc, char **argv)
 {
-    struct options options;
+    static const struct argp_option known[] = {
+        {"smoke", 's', NULL, 0, "A tiny scene, to see that all works", 0},
+        {"sequences", 'q', NULL, 0, "The sequences that tell the paper's scenes", 0},
+        {"wide", 'w', NULL, 0, "Only the method wide: seconds", 0},
+        {"into", 'i', "FOLDER", 0, "Where the CSV files go", 0},
+        {"validate-threads", 'v', "N", 0, "Threads of the steps to compare with", 0},
+        {0}};
+    const struct argp arguments = {known, parse, "[SCENE]", NULL, NULL, NULL, NULL};
+    static struct run run;
     struct bench_options none;
-    struct model_machine machine;
-    struct eng_affinity affinity;
     int exit_status;
     bench_team_environment(argv);
-    if (!parse(argc, argv, &options)) {
-        fprintf(
-            stderr,
-            "usage: model [--smoke] [--fifth] [--sequences] [--wide] [--into=FOLDER]\n"
-            "    [--threads=N,...]\n"
-            "    [--validate-threads=N,...] [--grain=UNIT,PAIR] [--passes=N]\n"
-            "    [--turns=N] [--near=SHARE] [SCENE]\n");
-        return 2;
-    }
+    run.options = (struct options){.folder = ".", .validate = 2};
+    argp_parse(&arguments, argc, argv, 0, NULL, &run.options);
     if (!bench_begin("model", 1, argv, &none, &exit_status)) {
         return exit_status;
     }
-    eng_affinity_init(&affinity);
-    model_machine_measure(&machine, &affinity);
-    model_machine_print(&machine, stdout);
-    FILE *costs = create(options.folder, "machine.csv");
-    model_machine_print(&machine, costs);
+    eng_affinity_init(&run.affinity);
+    model_costs_measure(&run.costs, &run.affinity);
+    model_costs_print(&run.costs, stdout);
+    FILE *costs = create(run.options.folder, "machine.csv");
+    model_costs_print(&run.costs, costs);
     fclose(costs);
-    static struct run run;
-    run = (struct run){.options = &options,
-                       .machine = &machine,
-                       .affinity = &affinity,
-                       .model = create(options.folder, "model.csv"),
-                       .validation = create(options.folder, "validation.csv")};
-    model_table_begin(run.model);
+    run.model = create(run.options.folder, "model.csv");
+    run.validation = create(run.options.folder, "validation.csv");
+    fprintf(run.model,
+            "scene,scheduler,high_level,p,speedup,ms,refit_ms,low_ms,high_ms,merge_ms,"
+            "serial_ms,wait_ms,refit_work_ms,low_work_ms,high_work_ms,merge_work_ms,"
+            "critical_ms,largest_ms,hand_overs\n");
     fprintf(run.validation, "scene,scheduler,p,measured_ms,predicted_ms,error,"
-                            "measured_speedup,predicted_speedup,least_ms\n");
+                            "measured_speedup,predicted_speedup\n");
     model_all(&run);
     fclose(run.model);
     fclose(run.validation);

@@ -1,4 +1,4 @@
-/* record.c - every task that a step has, for each scheduler and thread count. */
+/* record.c - every task of a step, timed. */
 #include "record.h"
 
 #include <stdio.h>
@@ -7,6 +7,7 @@
 
 #include "clock.h"
 #include "highlevel.h"
+#include "memory.h"
 #include "method.h"
 #include "paper.h"
 #include "paper_work.h"
@@ -15,278 +16,400 @@
 #include "schedule_paper.h"
 #include "schedule_steal.h"
 #include "taskunit.h"
-#include "walker.h"
+#include "wide_method.h"
+#include "wide_test.h"
+#include "world.h"
 
-/* ---- task units, as by eng_taskunit_perform_all ---------------------------------- */
-
-static void walk_units(struct model_record *record, struct model_walker *walker,
-                       struct model_tasks *tasks)
+static void must(bool good, const char *what)
 {
-    static struct model_recorder recorder;
-    const struct eng_node *nodes = eng_trees_of(record->scene)->nodes;
-    struct eng_worker *worker = model_walker_begin(walker);
-    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
-    tasks->count = 0;
-    eng_units_push(units, eng_trees_of(record->scene)->root);
-    model_record_begin(&recorder, worker, tasks, record->clock_ns);
-    while (eng_units_count(units) > 0) {
-        uint32_t node = eng_units_take_newest(units);
-        if (nodes[node].left == ENG_LEAF) {
-            continue;
-        }
-        eng_taskunit_perform(worker, node, true);
-        uint32_t task = model_tasks_add(tasks, 1);
-        record->unit_of[node] = task;
-        model_record_close(&recorder, task);
+    if (!good) {
+        fprintf(stderr, "model: no memory for %s\n", what);
+        exit(2);
     }
-    model_record_end(&recorder);
 }
 
-/* ---- tasks of work stealing, as by eng_schedule_steal ---------------------------- */
+static double since(uint64_t begin_ns, double clock_ns)
+{
+    double ns = (double)(common_now_ns() - begin_ns) - clock_ns;
+    return ns > 0 ? ns : 0;
+}
 
-struct steal_task {
-    uint32_t n, m;
+static int compare(const void *a, const void *b)
+{
+    double x = *(const double *)a;
+    double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The medians over all passes become those of the first one. False: they do not have the
+ * same tasks, so their times mean nothing. */
+static bool take_medians(struct model_tasks *passes, uint32_t count)
+{
+    double *times = bench_alloc(count, sizeof *times);
+    bool same = true;
+    for (uint32_t k = 1; k < count; k++) {
+        same = same && passes[k].count == passes[0].count;
+    }
+    for (uint32_t i = 0; i < passes[0].count && same; i++) {
+        for (uint32_t k = 0; k < count; k++) {
+            times[k] = passes[k].items[i].ns;
+            same =
+                same && passes[k].items[i].child_count == passes[0].items[i].child_count;
+        }
+        qsort(times, count, sizeof *times, compare);
+        passes[0].items[i].ns = times[count / 2];
+    }
+    for (uint32_t k = 1; k < count; k++) {
+        model_tasks_free(&passes[k]);
+    }
+    free(times);
+    return same;
+}
+
+/* ---- one worker ------------------------------------------------------------------ */
+
+/* Forget what was found; worker and scene are as at the start of a step. */
+static struct eng_worker *begin(struct model_record *record)
+{
+    struct eng_worker *worker = record->worker;
+    record->scene->step++;
+    eng_pool_reset(&record->pool, 1);
+    eng_stop_init(&record->stop, &record->settings);
+    must(eng_paper_work_reserve(worker, record->scene) == PCCD_OK, "queues");
+    eng_worker_begin(worker, record->scene, &record->settings, &record->stop,
+                     &record->pool);
+    eng_paper_work_begin(worker);
+    if (record->method == PCCD_METHOD_WIDE) {
+        must(eng_wide_work_reserve(worker) == PCCD_OK, "a join");
+        eng_method_wide.enter(worker);
+    }
+    worker->thread = 0;
+    return worker;
+}
+
+/* Test what is left in the chunks. */
+static void end(struct model_record *record)
+{
+    if (record->method == PCCD_METHOD_WIDE) {
+        eng_method_wide.leave(record->worker);
+    } else {
+        eng_taskunit_flush(record->worker);
+    }
+}
+
+/* ---- tasks that make tasks ------------------------------------------------------- */
+
+/* Perform a task; what it makes, in the order of pushing. */
+typedef uint32_t perform_fn(struct eng_worker *worker, uint64_t name, uint64_t *made);
+
+static uint32_t take_all(struct eng_worker *worker, uint64_t *names)
+{
+    uint32_t count = 0;
+    while (eng_deque_steal(&worker->deque, &names[count])) {
+        count++;
+    }
+    return count;
+}
+
+static uint32_t perform_wide(struct eng_worker *worker, uint64_t name, uint64_t *made)
+{
+    eng_method_wide.perform(worker, name);
+    return take_all(worker, made);
+}
+
+/* As eng_schedule_steal; a name is two nodes. */
+static uint32_t perform_steal(struct eng_worker *worker, uint64_t name, uint64_t *made)
+{
+    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
+    const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
+    uint32_t n = (uint32_t)(name >> 32);
+    uint32_t m = (uint32_t)name;
+    if (n == m && nodes[n].count <= ENG_STEAL_UNIT_GRAIN) {
+        eng_taskunit_perform(worker, n, true);
+        while (eng_units_count(units) > 0) {
+            eng_taskunit_perform(worker, eng_units_take_newest(units), true);
+        }
+        return 0;
+    }
+    if (n == m) {
+        const uint64_t left = nodes[n].left;
+        const uint64_t right = nodes[n].right;
+        made[0] = left << 32 | left;
+        made[1] = right << 32 | right;
+        made[2] = left << 32 | right;
+        return 3;
+    }
+    if ((uint64_t)nodes[n].count + nodes[m].count <= ENG_STEAL_PAIR_GRAIN) {
+        eng_taskunit_pairs(worker, n, m);
+        return 0;
+    }
+    uint32_t ns[4];
+    uint32_t ms[4];
+    uint32_t count = eng_taskunit_refine(worker, n, m, ns, ms);
+    for (uint32_t i = 0; i < count; i++) {
+        made[i] = (uint64_t)ns[i] << 32 | ms[i];
+    }
+    return count;
+}
+
+static uint32_t perform_unit(struct eng_worker *worker, uint64_t name, uint64_t *made)
+{
+    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
+    const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
+    uint32_t count = 0;
+    eng_taskunit_perform(worker, (uint32_t)name, true);
+    while (eng_units_count(units) > 0) {
+        uint32_t node = eng_units_take_newest(units);
+        made[count] = node;
+        count += nodes[node].left != ENG_LEAF;
+    }
+    return count;
+}
+
+/* The tasks that wait, the newest last. */
+struct waiting {
+    uint64_t name;
     uint32_t task;
 };
 
-struct steal_stack {
-    struct steal_task *items;
-    uint32_t count;
-    uint32_t capacity;
-};
-
-/* The children of `task`, pushed in order. */
-static void push_children(struct steal_stack *stack, struct model_tasks *tasks,
-                          uint32_t task, uint32_t count, const uint32_t *n,
-                          const uint32_t *m)
+/* Perform all tasks, the newest first, each timed; `unit_of` may be NULL. */
+static void walk(struct model_record *record, perform_fn *perform,
+                 struct model_tasks *tasks, uint32_t *unit_of)
 {
-    uint32_t first = model_tasks_add(tasks, count);
-    tasks->items[task].first_child = first;
-    tasks->items[task].child_count = count;
-    if (stack->count + count > stack->capacity) {
-        uint32_t capacity = 2 * stack->capacity + 256;
-        struct steal_task *items = bench_alloc(capacity, sizeof *items);
-        if (stack->count > 0) {
-            memcpy(items, stack->items, stack->count * sizeof *items);
-        }
-        free(stack->items);
-        stack->items = items;
-        stack->capacity = capacity;
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        stack->items[stack->count++] = (struct steal_task){n[i], m[i], first + i};
-    }
-}
-
-static void subtree(struct eng_worker *worker, uint32_t node)
-{
-    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
-    eng_taskunit_perform(worker, node, true);
-    while (eng_units_count(units) > 0) {
-        eng_taskunit_perform(worker, eng_units_take_newest(units), true);
-    }
-}
-
-static void walk_steal(const struct model_record *record, struct model_walker *walker,
-                       struct model_tasks *tasks, struct steal_stack *stack)
-{
-    static struct model_recorder recorder;
-    const struct eng_node *nodes = eng_trees_of(record->scene)->nodes;
-    struct eng_worker *worker = model_walker_begin(walker);
+    static uint64_t made[ENG_DEQUE_MAX];
+    struct eng_worker *worker = record->worker;
+    uint32_t capacity = 1u << 20;
+    struct waiting *stack = bench_alloc(capacity, sizeof *stack);
+    uint32_t waiting = 0;
+    uint32_t count = record->root_count;
+    uint32_t task = 0;
+    uint32_t first = 0;
+    memcpy(made, record->roots, count * sizeof *made);
     tasks->count = 0;
-    stack->count = 0;
-    uint32_t task = model_tasks_add(tasks, 1);
-    uint32_t n = eng_trees_of(record->scene)->root;
-    uint32_t m = n;
-    model_record_begin(&recorder, worker, tasks, record->clock_ns);
     for (;;) {
-        uint32_t ns[4];
-        uint32_t ms[4];
-        uint32_t count = 0;
-        if (n == m && nodes[n].count <= record->unit_grain) {
-            subtree(worker, n);
-        } else if (n == m) {
-            const uint32_t left = nodes[n].left;
-            const uint32_t right = nodes[n].right;
-            memcpy(ns, (uint32_t[3]){left, right, left}, 3 * sizeof *ns);
-            memcpy(ms, (uint32_t[3]){left, right, right}, 3 * sizeof *ms);
-            count = 3;
-        } else if ((uint64_t)nodes[n].count + nodes[m].count <= record->pair_grain) {
-            eng_taskunit_pairs(worker, n, m);
-        } else {
-            count = eng_taskunit_refine(worker, n, m, ns, ms);
+        first = model_tasks_add(tasks, count);
+        must(waiting + count <= capacity, "tasks that wait");
+        for (uint32_t i = 0; i < count; i++) {
+            stack[waiting++] = (struct waiting){made[i], first + i};
+            if (unit_of) {
+                unit_of[(uint32_t)made[i]] = first + i;
+            }
         }
-        model_record_close(&recorder, task);
-        if (count > 0) {
-            push_children(stack, tasks, task, count, ns, ms);
-        }
-        if (stack->count == 0) {
+        if (waiting == 0) {
             break;
         }
-        struct steal_task *next = &stack->items[--stack->count];
-        n = next->n;
-        m = next->m;
-        task = next->task;
+        struct waiting now = stack[--waiting];
+        task = now.task;
+        uint64_t begin_ns = common_now_ns();
+        count = perform(worker, now.name, made);
+        tasks->items[task].ns = since(begin_ns, record->clock_ns);
+        tasks->items[task].first_child = tasks->count;
+        tasks->items[task].child_count = count;
     }
-    model_record_end(&recorder);
+    uint64_t begin_ns = common_now_ns();
+    end(record);
+    tasks->items[task].ns += since(begin_ns, record->clock_ns);
+    free(stack);
+}
+
+/* Name the first tasks. */
+static void deal(struct model_record *record, struct eng_worker *worker)
+{
+    struct eng_team team = {.scene = record->scene,
+                            .workers = &worker,
+                            .count = 1,
+                            .method = &eng_method_wide};
+    uint64_t begin_ns = common_now_ns();
+    if (record->method == PCCD_METHOD_WIDE) {
+        eng_method_wide.deal(&team, worker);
+        record->deal_ns = since(begin_ns, record->clock_ns);
+        record->root_count = take_all(worker, record->roots);
+    } else {
+        uint64_t root = eng_trees_of(record->scene)->root;
+        record->roots[0] = root << 32 | root;
+        record->root_count = 1;
+    }
+}
+
+static void record_tasks(struct model_record *record, perform_fn *perform,
+                         struct model_tasks *tasks, uint32_t *unit_of)
+{
+    struct model_tasks *passes = bench_alloc(record->passes, sizeof *passes);
+    memset(passes, 0, record->passes * sizeof *passes);
+    for (uint32_t pass = 0; pass <= record->passes; pass++) {
+        deal(record, begin(record));
+        /* The first one warms caches and grows memory. */
+        walk(record, perform, &passes[pass > 0 ? pass - 1 : 0], unit_of);
+    }
+    record->is_consistent = take_medians(passes, record->passes) && record->is_consistent;
+    *tasks = passes[0];
+    free(passes);
+}
+
+void model_record_init(struct model_record *record)
+{
+    record->settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    record->settings.contact_max = UINT32_MAX;
+    record->worker = eng_alloc(1, sizeof *record->worker);
+    must(record->worker != NULL, "a worker");
+    eng_worker_init(record->worker);
+    eng_pool_init(&record->pool);
+    record->roots = bench_alloc(ENG_DEQUE_MAX, sizeof *record->roots);
+    record->is_consistent = true;
+    if (record->method == PCCD_METHOD_WIDE) {
+        record_tasks(record, perform_wide, &record->steal, NULL);
+        return;
+    }
+    uint32_t capacity = eng_trees_of(record->scene)->node_capacity;
+    record->unit_of = bench_alloc(capacity, sizeof *record->unit_of);
+    record_tasks(record, perform_steal, &record->steal, NULL);
+    record_tasks(record, perform_unit, &record->units, record->unit_of);
+}
+
+void model_record_free(struct model_record *record)
+{
+    model_tasks_free(&record->steal);
+    model_tasks_free(&record->units);
+    free(record->roots);
+    free(record->unit_of);
+    eng_paper_work_free(record->worker);
+    eng_wide_work_free(record->worker);
+    eng_worker_deinit(record->worker);
+    eng_free(record->worker);
+    eng_pool_deinit(&record->pool);
+    memset(record, 0, sizeof *record);
+}
+
+/* ---- the refit ------------------------------------------------------------------- */
+
+static void add(struct model_tasks *tasks, uint64_t begin_ns, double clock_ns)
+{
+    uint32_t task = model_tasks_add(tasks, 1);
+    tasks->items[task].ns = since(begin_ns, clock_ns);
+}
+
+static void refit_wide(struct model_division *division, struct model_record *record)
+{
+    struct eng_wide *wide = eng_wide_of(record->scene);
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        uint32_t stage = kind != PCCD_TREE_VERTICES;
+        for (uint32_t i = 0; i < eng_wide_refit_chunks(wide, kind); i++) {
+            uint64_t begin_ns = common_now_ns();
+            eng_wide_refit_chunk(wide, record->scene, kind, i, false);
+            add(&division->refit[stage], begin_ns, record->clock_ns);
+        }
+    }
+    uint64_t begin_ns = common_now_ns();
+    eng_wide_refit_above(wide, false);
+    division->refit_end_ns = since(begin_ns, record->clock_ns) + record->deal_ns;
+}
+
+static void refit_paper(struct model_division *division, struct model_record *record)
+{
+    struct eng_scene *scene = record->scene;
+    struct eng_refit_plan plan = {0};
+    uint64_t begin_ns;
+    must(eng_refit_plan_features(&plan, scene) == PCCD_OK &&
+             eng_refit_plan_tree(&plan, scene, ENG_REFIT_EVEN, division->threads) ==
+                 PCCD_OK,
+         "a plan of the refit");
+    for (uint32_t i = 0; i < plan.vertices.count; i++) {
+        begin_ns = common_now_ns();
+        eng_refit_vertices(scene, plan.vertices.ranges[i]);
+        add(&division->refit[0], begin_ns, record->clock_ns);
+    }
+    for (uint32_t i = 0; i < plan.root_count; i++) {
+        begin_ns = common_now_ns();
+        eng_refit_subtree(scene, plan.roots[i]);
+        add(&division->refit[1], begin_ns, record->clock_ns);
+    }
+    for (uint32_t i = 0; i < plan.edges.count; i++) {
+        begin_ns = common_now_ns();
+        eng_refit_edges(scene, plan.edges.ranges[i]);
+        add(&division->refit[1], begin_ns, record->clock_ns);
+    }
+    begin_ns = common_now_ns();
+    for (uint32_t i = plan.opened_count; i-- > 0;) {
+        eng_refit_nodes(scene, (struct eng_range){plan.opened[i], 1});
+    }
+    division->refit_end_ns = since(begin_ns, record->clock_ns);
+    eng_refit_plan_deinit(&plan);
 }
 
 /* ---- high-level nodes, as by eng_schedule_paper ---------------------------------- */
 
-static void walk_round_robin(struct model_division *division,
-                             const struct model_record *record, struct eng_team *team,
-                             struct model_tasks *tasks)
+static void walk_high(struct model_division *division, struct model_record *record,
+                      struct eng_team *team, struct model_tasks *tasks)
 {
-    static struct model_recorder recorder;
     struct eng_assignment *assignment = &eng_paper_of(team->scene)->assignment;
-    struct eng_worker *worker = model_walker_begin(division->walker);
-    tasks->count = 0;
-    model_record_begin(&recorder, worker, tasks, record->clock_ns);
+    struct eng_worker *worker = begin(record);
     for (uint32_t i = 0; i < division->high_count; i++) {
         struct model_high *high = &division->high[i];
+        uint64_t begin_ns = common_now_ns();
         eng_highlevel_expand(team, worker, high->node);
+        high->expansion = tasks->count;
         high->pair_count = assignment->pair_count;
-        high->expansion = model_tasks_add(tasks, 1 + high->pair_count);
-        model_record_close(&recorder, high->expansion);
+        add(tasks, begin_ns, record->clock_ns);
         for (uint32_t k = 0; k < high->pair_count; k++) {
+            begin_ns = common_now_ns();
             eng_taskunit_pairs(worker, (uint32_t)(assignment->pairs[k] >> 32),
                                (uint32_t)assignment->pairs[k]);
-            model_record_close(&recorder, high->expansion + 1 + k);
+            add(tasks, begin_ns, record->clock_ns);
         }
     }
-    model_record_end(&recorder);
+    end(record);
 }
 
-static void walk_disjoint(struct model_division *division,
-                          const struct model_record *record, struct model_tasks *tasks)
-{
-    static struct model_recorder recorder;
-    struct eng_worker *worker = model_walker_begin(division->walker);
-    uint32_t width = 1u << division->levels;
-    tasks->count = 0;
-    model_record_begin(&recorder, worker, tasks, record->clock_ns);
-    for (uint32_t i = 0; i < division->high_count; i++) {
-        struct model_high *high = &division->high[i];
-        high->phases = model_tasks_add(tasks, width * width);
-        for (uint32_t k = 0; k < width * width; k++) {
-            worker->thread = k % width;
-            eng_highlevel_phase(worker, high->node, k / width, division->levels);
-            model_record_close(&recorder, high->phases + k);
-        }
-    }
-    worker->thread = 0;
-    model_record_end(&recorder);
-}
-
-static void record_high(struct model_division *division,
-                        const struct model_record *record)
+static void record_high(struct model_division *division, struct model_record *record)
 {
     struct eng_assignment *assignment = &eng_paper_of(record->scene)->assignment;
-    struct model_tasks *round_robin = model_tasks_passes(record->passes);
-    struct model_tasks *disjoint = model_tasks_passes(record->passes);
+    struct eng_worker *worker = begin(record);
     struct eng_worker *workers[MODEL_THREADS_MAX];
     struct eng_team team = {.scene = record->scene,
                             .workers = workers,
                             .count = division->threads,
                             .method = &eng_method_paper};
-    model_must(eng_assignment_reserve(assignment, division->threads) == PCCD_OK, "seats");
-    struct eng_worker *worker = model_walker_begin(division->walker);
+    must(eng_assignment_reserve(assignment, division->threads) == PCCD_OK, "seats");
     for (uint32_t i = 0; i < division->threads; i++) {
         workers[i] = worker; /* what is dealt out comes to one queue, in order */
     }
-    uint64_t begin_ns = common_now_ns();
     eng_schedule_paper_begin(&team, worker);
-    division->begin_ns = (double)(common_now_ns() - begin_ns);
-    for (uint32_t i = 0; i < division->threads; i++) {
-        struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
-        division->first_node[i] =
-            eng_units_count(units) > 0 ? eng_units_take_front(units) : ENG_NO_NODE;
+    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
+    while (eng_units_count(units) > 0) {
+        uint32_t node = eng_units_take_front(units);
+        if (eng_trees_of(record->scene)->nodes[node].left != ENG_LEAF) {
+            division->low[division->low_count++] = record->unit_of[node];
+        }
     }
     division->high_count = assignment->high_count;
-    division->levels = eng_highlevel_levels(division->threads);
     for (uint32_t i = 0; i < division->high_count; i++) { /* the deepest first */
         division->high[i].node = assignment->high[division->high_count - 1 - i];
     }
+    struct model_tasks *passes = bench_alloc(record->passes, sizeof *passes);
+    memset(passes, 0, record->passes * sizeof *passes);
     for (uint32_t pass = 0; pass < record->passes; pass++) {
-        walk_round_robin(division, record, &team, &round_robin[pass]);
-        walk_disjoint(division, record, &disjoint[pass]);
+        walk_high(division, record, &team, &passes[pass]);
     }
-    bool same = model_tasks_take_medians(&division->tasks, round_robin, record->passes);
-    division->consistent =
-        model_tasks_take_medians(&division->disjoint, disjoint, record->passes) && same;
+    division->is_consistent = take_medians(passes, record->passes);
+    division->tasks = passes[0];
+    free(passes);
 }
 
-void model_division_init(struct model_division *division,
-                         const struct model_record *record, uint32_t threads)
+void model_division_init(struct model_division *division, struct model_record *record,
+                         uint32_t threads)
 {
-    struct model_walker walker;
-    memset(division, 0, sizeof *division);
-    division->threads = threads;
+    *division = (struct model_division){.threads = threads, .is_consistent = true};
     if (record->method == PCCD_METHOD_WIDE) {
-        division->owner = model_wide_owners(record, threads);
-        division->consistent = true;
-        model_merge_init(&division->merge, record, threads);
-        return;
+        refit_wide(division, record);
+    } else {
+        record_high(division, record);
+        refit_paper(division, record);
     }
-    model_walker_init(&walker, record->scene, record->near);
-    division->walker = &walker;
-    record_high(division, record);
-    division->walker = NULL;
-    model_walker_deinit(&walker);
-    model_refit_init(&division->refit[ENG_REFIT_EVEN], record, ENG_REFIT_EVEN, threads);
-    model_merge_init(&division->merge, record, threads);
-    model_refit_init(&division->refit[ENG_REFIT_PAPER], record, ENG_REFIT_PAPER, threads);
 }
 
-void model_division_deinit(struct model_division *division)
+void model_division_free(struct model_division *division)
 {
-    model_tasks_deinit(&division->tasks);
-    model_tasks_deinit(&division->disjoint);
-    free(division->owner);
-    model_refit_deinit(&division->refit[ENG_REFIT_EVEN]);
-    model_refit_deinit(&division->refit[ENG_REFIT_PAPER]);
-    memset(division, 0, sizeof *division);
-}
-
-void model_record_init(struct model_record *record)
-{
-    struct eng_scene *scene = record->scene;
-    const uint32_t passes = record->passes;
-    struct model_walker *walker = &record->walker;
-    struct steal_stack stack = {NULL, 0, 0};
-    if (record->method == PCCD_METHOD_WIDE) {
-        model_wide_init(record);
-        return;
-    }
-    struct model_tasks *units = model_tasks_passes(passes);
-    struct model_tasks *steal = model_tasks_passes(passes);
-    record->unit_of =
-        bench_alloc(eng_trees_of(scene)->node_capacity, sizeof *record->unit_of);
-    memset(record->unit_of, 0xff,
-           eng_trees_of(scene)->node_capacity * sizeof *record->unit_of);
-    model_walker_init(walker, scene, record->near);
-    walk_units(record, walker, &units[0]); /* caches and pool */
-    for (uint32_t pass = 0; pass < passes; pass++) {
-        walk_units(record, walker, &units[pass]);
-        walk_steal(record, walker, &steal[pass], &stack);
-    }
-    bool same = model_tasks_take_medians(&record->units, units, passes);
-    record->consistent = model_tasks_take_medians(&record->steal, steal, passes) && same;
-    free(stack.items);
-    struct model_tasks again = {NULL, 0, 0};
-    walk_units(record, walker, &again);
-    model_tasks_deinit(&again);
-    model_merge_keep(record, &walker->worker->found);
-    model_refit_features(record);
-}
-
-void model_record_deinit(struct model_record *record)
-{
-    model_tasks_deinit(&record->units);
-    model_tasks_deinit(&record->steal);
-    model_wide_deinit(&record->wide);
-    free(record->unit_of);
-    free(record->blocks);
-    model_walker_deinit(&record->walker);
-    memset(record, 0, sizeof *record);
+    model_tasks_free(&division->refit[0]);
+    model_tasks_free(&division->refit[1]);
+    model_tasks_free(&division->tasks);
 }

@@ -1,0 +1,192 @@
+/* schedule.c - a list scheduler. */
+#include "schedule.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report.h"
+
+uint32_t model_tasks_add(struct model_tasks *tasks, uint32_t count)
+{
+    if (tasks->count + count > tasks->capacity) {
+        tasks->capacity = 2 * tasks->capacity + count + 64;
+        tasks->items = realloc(tasks->items, tasks->capacity * sizeof *tasks->items);
+        if (tasks->items == NULL) {
+            exit(2);
+        }
+    }
+    uint32_t first = tasks->count;
+    memset(tasks->items + first, 0, count * sizeof *tasks->items);
+    tasks->count += count;
+    return first;
+}
+
+void model_tasks_free(struct model_tasks *tasks)
+{
+    free(tasks->items);
+    memset(tasks, 0, sizeof *tasks);
+}
+
+double model_tasks_sum(const struct model_tasks *tasks)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < tasks->count; i++) {
+        sum += tasks->items[i].ns;
+    }
+    return sum;
+}
+
+double model_tasks_largest(const struct model_tasks *tasks)
+{
+    double largest = 0;
+    for (uint32_t i = 0; i < tasks->count; i++) {
+        largest = fmax(largest, tasks->items[i].ns);
+    }
+    return largest;
+}
+
+double model_tasks_chain(const struct model_tasks *tasks, const uint32_t *roots,
+                         uint32_t count)
+{
+    double *chain = bench_alloc(tasks->count, sizeof *chain);
+    double longest = 0;
+    for (uint32_t i = tasks->count; i-- > 0;) {
+        const struct model_task *task = &tasks->items[i];
+        chain[i] = 0;
+        for (uint32_t k = 0; k < task->child_count; k++) {
+            chain[i] = fmax(chain[i], chain[task->first_child + k]);
+        }
+        chain[i] += task->ns;
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        longest = fmax(longest, chain[roots ? roots[k] : k]);
+    }
+    free(chain);
+    return longest;
+}
+
+void model_tasks_scale(struct model_tasks *tasks, double factor)
+{
+    for (uint32_t i = 0; i < tasks->count; i++) {
+        tasks->items[i].ns *= factor;
+    }
+}
+
+double model_latest(const struct model_threads *threads)
+{
+    double latest = 0;
+    for (uint32_t t = 0; t < threads->count; t++) {
+        latest = fmax(latest, threads->now[t]);
+    }
+    return latest;
+}
+
+void model_work(struct model_threads *threads, uint32_t thread, double ns)
+{
+    threads->now[thread] += ns;
+    threads->busy[thread] += ns;
+}
+
+/* Two threads were measured; that it grows with the logarithm of their number is
+ * assumed. Who waits longer than the runtime spins is asleep, and sleepers are woken one
+ * by one. */
+void model_barrier(struct model_threads *threads)
+{
+    const struct model_costs *costs = threads->costs;
+    double end = model_latest(threads) + costs->barrier * log2(threads->count);
+    uint32_t sleepers = 0;
+    for (uint32_t t = 0; t < threads->count; t++) {
+        bool sleeps = end - threads->now[t] > costs->spin;
+        threads->now[t] = sleeps ? end + costs->wake + costs->wake_each * sleepers : end;
+        sleepers += sleeps;
+    }
+}
+
+/* ---- the list scheduler ---------------------------------------------------------- */
+
+struct entry {
+    uint32_t task;
+    double made; /* others see it from then on */
+};
+
+/* A thread's tasks, the oldest first. */
+struct list {
+    struct entry *entries;
+    uint32_t first, count, capacity;
+};
+
+static void push(struct list *list, uint32_t task, double made)
+{
+    if (list->first + list->count == list->capacity) {
+        list->capacity = 2 * list->capacity + 64;
+        list->entries = realloc(list->entries, list->capacity * sizeof *list->entries);
+        if (list->entries == NULL) {
+            exit(2);
+        }
+    }
+    list->entries[list->first + list->count++] = (struct entry){task, made};
+}
+
+/* The thread's own newest task; else the one that was made first of all. */
+static struct list *next_of(struct list *lists, uint32_t count, uint32_t thread)
+{
+    struct list *next = &lists[thread];
+    if (next->count > 0) {
+        return next;
+    }
+    next = NULL;
+    for (uint32_t t = 0; t < count; t++) {
+        struct list *list = &lists[t];
+        if (list->count > 0 && (next == NULL || list->entries[list->first].made <
+                                                    next->entries[next->first].made)) {
+            next = list;
+        }
+    }
+    return next;
+}
+
+static uint32_t earliest(const struct model_threads *threads)
+{
+    uint32_t first = 0;
+    for (uint32_t t = 1; t < threads->count; t++) {
+        if (threads->now[t] < threads->now[first]) {
+            first = t;
+        }
+    }
+    return first;
+}
+
+void model_schedule(struct model_threads *threads, const struct model_tasks *tasks,
+                    const uint32_t *roots, uint32_t count, double hand_over)
+{
+    struct list lists[MODEL_THREADS_MAX] = {0};
+    for (uint32_t k = 0; k < count; k++) {
+        uint64_t owner = (uint64_t)k * threads->count / count;
+        push(&lists[owner], roots ? roots[k] : k, 0);
+    }
+    for (uint32_t left = count; left > 0; left--) {
+        uint32_t thread = earliest(threads);
+        struct list *list = next_of(lists, threads->count, thread);
+        struct entry *entry = &list->entries[list->first];
+        threads->now[thread] += threads->costs->take;
+        if (list == &lists[thread]) {
+            entry += list->count - 1;
+        } else {
+            threads->now[thread] = fmax(threads->now[thread], entry->made) + hand_over;
+            threads->hand_overs++;
+            list->first++;
+        }
+        list->count--;
+        const struct model_task *task = &tasks->items[entry->task];
+        model_work(threads, thread, task->ns);
+        for (uint32_t k = 0; k < task->child_count; k++) {
+            push(&lists[thread], task->first_child + k, threads->now[thread]);
+        }
+        left += task->child_count;
+    }
+    for (uint32_t t = 0; t < threads->count; t++) {
+        free(lists[t].entries);
+    }
+}
