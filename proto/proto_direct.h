@@ -87,7 +87,7 @@ struct proto_direct {
      * most `threads`; 0: as it is. [owner] */
     void (*limit)(struct proto_direct_inbox *line, uint32_t threads);
 
-    /* For libpccd-mpi, too: cli_foreign_expect. [owner] */
+    /* For libpccd-mpi, too: cli_mpi_expect. [owner] */
     void (*expect)(struct proto_direct_inbox *line, uint32_t scene, uint64_t records);
 
     /* All that the client has is freed, with the last client everything. [owner] */

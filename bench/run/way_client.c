@@ -85,7 +85,8 @@ static void add_object(struct run_asked *asked, const struct bench_frames *frame
                                 (const uint32_t(*)[3])object->triangles,
                                 object->triangle_count, &asked->meshes[i], NULL),
                "mesh", asked->client);
-    bench_must(pccd_want(asked->client, BENCH_OBJECT_ID(i)), "want", asked->client);
+    bench_must(pccd_request_handle(asked->client, BENCH_OBJECT_ID(i)), "want",
+               asked->client);
     bench_must(
         pccd_scene_add(asked->client, asked->scene, asked->meshes[i], &asked->objects[i]),
         "add", asked->client);

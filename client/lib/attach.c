@@ -6,8 +6,7 @@
 #include <string.h>
 
 #include "connection.h"
-#include "page.h"
-#include "positions.h"
+#include "replica.h"
 #include "rpc.h"
 
 #define CLI_SLOT_BYTES                                                                   \

@@ -11,13 +11,12 @@
 #include <string.h>
 
 #include "attach.h"
+#include "client.h"
 #include "connection.h"
 #include "coordinates.h"
 #include "frame.h"
-#include "page.h"
 #include "rpc.h"
 #include "step.h"
-#include "struct_size.h"
 #include "submit.h"
 
 #define ANSWER_TAG 0x7063636462617431ull /* marks an answer of this library */

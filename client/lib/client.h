@@ -7,11 +7,12 @@
 
 #include <pthread.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
-#include "call.h"
 #include "clock.h"
 #include "codec.h"
+#include "messages.h"
 #include "pccd.h"
 #include "registry.h"
 #include "ring.h"
@@ -24,6 +25,54 @@
 #define CLI_PAUSE_NS     1000000u    /* from a loss to the second try */
 #define CLI_SOCKET_BYTES 108u        /* of sockaddr_un.sun_path */
 #define CLI_NAME_BYTES   64u         /* of the client, for the daemon's log */
+
+/* ---- calls ------------------------------------------------------------------------- */
+
+/* Life of a call (one request and its reply), kept in a table of CLI_CALLS:
+ *
+ *     FREE --send--> SENT --reply, or the end of all patience--> DONE --taken--> FREE
+ *                     |
+ *                     +--caller gave up--> LOST --reply (its page is released)--> FREE
+ *
+ * While the connection is lost, those that are SENT or LOST are held: they have no answer
+ * and are sent again over the next one (recover.h).
+ */
+#define CLI_CALLS      64u /* requests in flight, or with answers that are not taken */
+#define CLI_STEPS      32u /* of these, steps */
+#define CLI_TEXT_BYTES 512u
+
+#define CLI_MEMBER(ID, name, since, flags, text) struct proto_##ID##_request ID;
+union cli_params {
+    PROTO_METHODS(CLI_MEMBER)
+};
+#undef CLI_MEMBER
+
+enum cli_call_state { CLI_CALL_FREE = 0, CLI_CALL_SENT, CLI_CALL_DONE, CLI_CALL_LOST };
+
+struct cli_call {
+    enum cli_call_state state;
+    int method;      /* enum proto_method */
+    bool held;       /* SENT, LOST: over a connection that is lost */
+    bool waits;      /* for another client's step (scene.held) */
+    bool recovery;   /* sent by recover.c itself, which starts over when it fails */
+    uint32_t id;     /* of the message */
+    uint32_t slot;   /* that comes back with the reply, or CLI_SLOT_NONE */
+    uint64_t serial; /* in the order of their sending */
+    uint32_t daemons_ended; /* that had it first of all */
+    uint64_t step;          /* 0: neither a step nor scene.near; a batch: its first */
+    union cli_params params;
+    void *result;  /* where the reply is decoded to; NULL: `answer`, or nowhere */
+    int status;    /* DONE: 0 or why it failed, then `text` says more */
+    uint64_t page; /* DONE: serial of the page of records, 0: none */
+    union {
+        struct proto_answer answer; /* of a step, scene.near and both fetches */
+        struct proto_BATCH_SUBMIT_result batch;
+    };
+    struct proto_SCENE_JOURNAL_result journal; /* of scene.journal */
+    char text[CLI_TEXT_BYTES];
+};
+
+/* ---- the client -------------------------------------------------------------------- */
 
 /* A daemon of our own. */
 struct cli_child {
@@ -64,7 +113,7 @@ struct cli_link {
     struct pccd_link_info info;
 };
 
-/* In the place of a socket: the service in this process (direct.h). */
+/* In the place of a socket: the service in this process (connection.h). */
 struct cli_direct {
     const struct proto_direct *host;
     struct proto_direct_inbox *line; /* NULL: not open */
@@ -87,22 +136,22 @@ struct pccd_client {
     struct pccd_batch *batches; /* that are not destroyed (batch.c) */
     int socket;
     struct cli_link link;
-    bool keeps;                    /* what it registers, for another daemon (keep.h) */
+    bool keeps;                    /* what it registers, for another daemon (replica.h) */
     bool has_made;                 /* a scene or a mesh, kept or not */
     struct registry registry;      /* of what it has told the daemon */
     struct cli_recorder *recorder; /* NULL: nothing is recorded (recorder.h) */
     uint32_t want;                 /* handle of what is made next; 0: any */
     struct cli_retired *retired;   /* oldest first */
-    struct cli_shared *shared;     /* by scene; NULL: nothing was heard (shared.h) */
+    struct cli_shared *shared;     /* by scene; NULL: nothing was heard (events.h) */
     uint32_t shared_room;          /* entries of it */
-    struct registry_map nears;     /* keep.h */
+    struct registry_map nears;     /* replica.h */
     pid_t owner; /* process that connected; a forked copy must not stop the daemon */
     uint32_t pid, forks; /* of the daemon; of this process, by then (rpc.h) */
     char cpu[PROTO_STR_MAX + 1];
     char daemon[PROTO_STR_MAX + 1]; /* its name and release */
     uint32_t version, threads_max;  /* of the protocol; of a step */
     uint64_t session;               /* number */
-    struct cli_watch *watch;        /* NULL: it does not watch (watch.c) */
+    struct cli_watch *watch;        /* NULL: it does not watch (events.c) */
     bool slots_chosen;              /* the user set slot_count: never take fewer */
     bool dead;
     int goaway; /* status of the daemon's last words, 0: none */
@@ -136,7 +185,7 @@ struct pccd_client {
 int cli_fail(struct pccd_client *client, int status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* PCCD_E_VERSION, with a text, if the daemon knows nothing of thickness (filter.c). */
+/* PCCD_E_VERSION, with a text, if the daemon knows nothing of thickness (scene.c). */
 int cli_check_thick(struct pccd_client *client, const char *method);
 /* The same, where it tells what crosses. */
 int cli_check_tells(struct pccd_client *client, const char *method);
@@ -178,7 +227,24 @@ uint32_t cli_forks(void);
  * the process that did, and must not be touched. Costs no system call. */
 bool cli_is_copy(const struct pccd_client *client);
 
-/* What pccd_want has asked for, once. */
-uint32_t cli_take_want(struct pccd_client *client);
+/* What pccd_request_handle has asked for, once. */
+uint32_t cli_take_handle(struct pccd_client *client);
+
+/* ---- structs of other releases ----------------------------------------------------- */
+
+struct pccd_client;
+
+/* Copy `asked` to `known`, which has known_bytes. Members that only a later release has
+ * must be 0. E_INVAL with a text that begins with `name`. */
+int cli_struct_read(struct pccd_client *client, const char *name, const void *asked,
+                    void *known, size_t known_bytes);
+
+/* May a struct that says to be of struct_bytes be filled in? E_INVAL likewise. */
+int cli_struct_check(struct pccd_client *client, const char *name, size_t struct_bytes,
+                     size_t known_bytes);
+
+/* Copy `known` to `to`, whose struct_bytes was checked and stays; what it has beyond
+ * known_bytes becomes 0. */
+void cli_struct_fill(void *to, const void *known, size_t known_bytes);
 
 #endif

@@ -13,21 +13,14 @@
 #include "batch.h"
 #include "client.h"
 #include "connection.h"
-#include "direct.h"
-#include "keep.h"
+#include "events.h"
 #include "launch.h"
 #include "link.h"
-#include "page.h"
-#include "positions.h"
-#include "record.h"
-#include "recorder_events.h"
+#include "recorder.h"
 #include "records.h" /* asserts that the records have the layout of the wire */
-#include "recover.h"
+#include "replica.h"
 #include "rpc.h"
 #include "seqpacket.h"
-#include "shared.h"
-#include "struct_size.h"
-#include "watch.h"
 
 #define CLI_TIMEOUT_MS     30000
 #define CLI_TIMEOUT_MS_MAX 3600000
@@ -237,7 +230,7 @@ static int connect_any(struct pccd_client *client, const struct pccd_options *as
 static void take_answered(struct pccd_client *client, struct cli_call *call)
 {
     if (call->status == 0 && !call->recovery) {
-        cli_keep_answer(client, call);
+        cli_replica_answer(client, call);
         if (client->keeps && cli_call_is_step(call->method) &&
             call->slot != CLI_SLOT_NONE) {
             if (call->method == PROTO_METHOD_BATCH_SUBMIT) {

@@ -7,7 +7,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "direct.h"
 #include "launch.h"
 
 void cli_fds_close(struct pccd_client *client)

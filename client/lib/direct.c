@@ -4,8 +4,6 @@
  * it was installed or the loader finds it. It stays for as long as the process lives: the
  * threads of its OpenMP runtime do.
  */
-#include "direct.h"
-
 #include <assert.h>
 #include <dlfcn.h>
 #include <stdio.h>
@@ -13,8 +11,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "foreign.h"
+#include "connection.h"
 #include "launch.h"
+#include "mpi_hooks.h"
 #include "proto_direct.h"
 #include "recorder.h"
 
@@ -142,8 +141,8 @@ int cli_direct_receive(struct pccd_client *client, size_t *bytes, int *fd_count)
                                         fd_count);
 }
 
-int cli_foreign_own(struct pccd_client *client, uint32_t mesh, const uint64_t *vertices,
-                    const uint64_t *edges)
+int cli_mpi_own(struct pccd_client *client, uint32_t mesh, const uint64_t *vertices,
+                const uint64_t *edges)
 {
     if (client->direct.line == NULL) {
         return cli_fail(client, PCCD_E_STATE, "only direct: knows foreign features");
@@ -159,7 +158,7 @@ int cli_foreign_own(struct pccd_client *client, uint32_t mesh, const uint64_t *v
                                   mesh, pccd_status_text(status));
 }
 
-int cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), void *asked)
+int cli_mpi_watch(struct pccd_client *client, bool (*is_stopped)(void *), void *asked)
 {
     if (client->direct.line == NULL) {
         return cli_fail(client, PCCD_E_STATE, "only direct: asks while it computes");
@@ -168,7 +167,7 @@ int cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), vo
     return 0;
 }
 
-int cli_foreign_threads(struct pccd_client *client, uint32_t threads)
+int cli_mpi_threads(struct pccd_client *client, uint32_t threads)
 {
     if (client->direct.line == NULL) {
         return cli_fail(client, PCCD_E_STATE, "only direct: has threads of a client");
@@ -177,7 +176,7 @@ int cli_foreign_threads(struct pccd_client *client, uint32_t threads)
     return 0;
 }
 
-void cli_foreign_expect(struct pccd_client *client, uint32_t scene, uint64_t records)
+void cli_mpi_expect(struct pccd_client *client, uint32_t scene, uint64_t records)
 {
     if (client->direct.line != NULL) {
         client->direct.host->expect(client->direct.line, scene, records);
@@ -197,26 +196,24 @@ static int lend(struct pccd_client *client, uint32_t scene, uint32_t object,
                                   object, pccd_status_text(status));
 }
 
-int cli_foreign_lend(struct pccd_client *client, uint32_t scene, uint32_t object,
-                     double (**x0)[3], double (**x1)[3])
+int cli_mpi_lend(struct pccd_client *client, uint32_t scene, uint32_t object,
+                 double (**x0)[3], double (**x1)[3])
 {
     return lend(client, scene, object, PROTO_DIRECT_LEND, x0, x1);
 }
 
-int cli_foreign_lent(struct pccd_client *client, uint32_t scene, uint32_t object,
-                     enum cli_foreign_lent which)
+int cli_mpi_lent(struct pccd_client *client, uint32_t scene, uint32_t object,
+                 enum cli_mpi_lent which)
 {
-    static const enum proto_direct_lend what[] = {
-        [CLI_FOREIGN_NONE] = PROTO_DIRECT_FORGET,
-        [CLI_FOREIGN_X1] = PROTO_DIRECT_HAS_X1,
-        [CLI_FOREIGN_X0X1] = PROTO_DIRECT_HAS_X0X1};
+    static const enum proto_direct_lend what[] = {[CLI_MPI_NONE] = PROTO_DIRECT_FORGET,
+                                                  [CLI_MPI_X1] = PROTO_DIRECT_HAS_X1,
+                                                  [CLI_MPI_X0X1] = PROTO_DIRECT_HAS_X0X1};
     return lend(client, scene, object, what[which], NULL, NULL);
 }
 
-int cli_foreign_write(struct pccd_client *client,
-                      void (*write)(void *writer, void *to, const void *from,
-                                    uint64_t count),
-                      void *writer)
+int cli_mpi_write(struct pccd_client *client,
+                  void (*write)(void *writer, void *to, const void *from, uint64_t count),
+                  void *writer)
 {
     if (client->direct.line == NULL || client->recorder != NULL) {
         return cli_fail(client, PCCD_E_STATE,

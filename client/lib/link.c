@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "connection.h"
-#include "direct.h"
 #include "launch.h"
 #include "rpc.h"
 #include "seqpacket.h"

@@ -1,4 +1,4 @@
-/* link.h - finds or starts a daemon, and connects to it. */
+/* link.h - connects to a daemon, that is found or started, and again when it is lost. */
 #ifndef CLI_LINK_H
 #define CLI_LINK_H
 
@@ -23,5 +23,23 @@ void cli_link_bye(struct pccd_client *client);
 void cli_link_forget(struct pccd_client *client);
 
 void cli_sleep_ns(uint64_t ns);
+
+/* ---- another connection ------------------------------------------------------------ */
+
+/* The longest pause; the first is CLI_PAUSE_NS, each next one twice as long. */
+#define CLI_PAUSE_NS_MAX 1000000000u
+
+/* The connection is lost: wait for another one. Returns 0, PCCD_E_TIMEOUT (the deadline;
+ * later calls go on trying), or PCCD_E_DISCONNECTED when the patience is at its end: the
+ * client is dead then. A try that has begun is not given up at the deadline: a daemon
+ * that answers is told everything. */
+int cli_recover(struct pccd_client *client, uint64_t deadline_ns);
+
+/* Try once if it is time to, without waiting for the time. */
+void cli_recover_poll(struct pccd_client *client);
+
+/* In a new session, with nothing in flight but what is held. On failure the client is as
+ * before, and all can be tried again in another session. */
+int cli_restore(struct pccd_client *client);
 
 #endif

@@ -13,22 +13,18 @@ pkgconfig_DATA += client/lib/pccd.pc
 libclient_la_SOURCES = \
     client/lib/attach.c \
     client/lib/batch.c \
-    client/lib/boxes.c \
     client/lib/client.c \
     client/lib/connect.c \
     client/lib/connection.c \
     client/lib/direct.c \
-    client/lib/filter.c \
-    client/lib/flight.c \
+    client/lib/events.c \
     client/lib/frame.c \
-    client/lib/keep.c \
     client/lib/launch.c \
     client/lib/link.c \
     client/lib/list.c \
     client/lib/mesh.c \
     client/lib/near.c \
     client/lib/page.c \
-    client/lib/positions.c \
     client/lib/receive.c \
     client/lib/record.c \
     client/lib/recorder.c \
@@ -36,18 +32,15 @@ libclient_la_SOURCES = \
     client/lib/recorder_shared.c \
     client/lib/recorder_snapshot.c \
     client/lib/recover.c \
+    client/lib/replica.c \
     client/lib/restore.c \
     client/lib/ring.c \
     client/lib/rpc.c \
-    client/lib/scene.c \
-    client/lib/shared.c \
-    client/lib/stats.c \
     client/lib/safe.c \
+    client/lib/scene.c \
+    client/lib/stats.c \
     client/lib/step.c \
-    client/lib/struct_size.c \
     client/lib/submit.c \
-    client/lib/trace.c \
-    client/lib/watch.c \
     client/lib/weld.c
 libclient_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \

@@ -1,17 +1,15 @@
 /* mesh.c - meshes: upload in chunks, commit, edges. */
+
 #include <assert.h>
 #include <string.h>
 
 #include "attach.h"
+#include "client.h"
 #include "connection.h"
 #include "coordinates.h"
-#include "flight.h"
-#include "keep.h"
-#include "mesh.h"
-#include "page.h"
-#include "recorder_events.h"
+#include "recorder.h"
+#include "replica.h"
 #include "rpc.h"
-#include "struct_size.h"
 
 #define CHUNK_BYTES                                                                      \
     (1u << 20) /* of a slot at most: small enough to overlap copy and check */
@@ -29,10 +27,10 @@ struct upload {
     uint32_t count;
 };
 
-static int send_chunk(struct cli_flight *flight, const struct upload *upload,
+static int send_chunk(struct cli_pipeline *pipeline, const struct upload *upload,
                       uint32_t first, uint32_t count)
 {
-    struct pccd_client *client = flight->client;
+    struct pccd_client *client = pipeline->client;
     struct proto_MESH_DATA_request request = {.mesh = upload->mesh,
                                               .part = upload->part,
                                               .format = upload->format,
@@ -49,16 +47,16 @@ static int send_chunk(struct cli_flight *flight, const struct upload *upload,
            (size_t)count * upload->item_bytes);
     request.slot = slot;
     request.seq = cli_slot_publish(&client->ring, slot);
-    status = cli_flight_send(flight, PROTO_METHOD_MESH_DATA, &request, slot, NULL);
+    status = cli_pipeline_send(pipeline, PROTO_METHOD_MESH_DATA, &request, slot, NULL);
     if (status != 0) {
         cli_slot_abort(&client->ring, slot);
     }
     return status;
 }
 
-static int send_array(struct cli_flight *flight, const struct upload *upload)
+static int send_array(struct cli_pipeline *pipeline, const struct upload *upload)
 {
-    const struct cli_ring *ring = &flight->client->ring;
+    const struct cli_ring *ring = &pipeline->client->ring;
     uint64_t slot_bytes =
         ring->slot_stride < CHUNK_BYTES ? ring->slot_stride : CHUNK_BYTES;
     uint32_t chunk = (uint32_t)(slot_bytes / upload->item_bytes);
@@ -68,18 +66,18 @@ static int send_array(struct cli_flight *flight, const struct upload *upload)
     for (uint32_t first = 0; status == 0 && first < upload->count;) {
         uint32_t count = upload->count - first < chunk ? upload->count - first : chunk;
 
-        status = send_chunk(flight, upload, first, count);
+        status = send_chunk(pipeline, upload, first, count);
         first += count;
     }
     return status;
 }
 
-static int send_arrays(struct cli_flight *flight, const struct upload arrays[PARTS])
+static int send_arrays(struct cli_pipeline *pipeline, const struct upload arrays[PARTS])
 {
     int status = 0;
 
     for (int part = 0; status == 0 && part < PARTS; part++) {
-        status = send_array(flight, &arrays[part]);
+        status = send_array(pipeline, &arrays[part]);
     }
     return status;
 }
@@ -90,12 +88,12 @@ static int fill_mesh(struct pccd_client *client, const struct upload arrays[PART
                      struct proto_MESH_COMMIT_result *result)
 {
     struct proto_MESH_COMMIT_request request = {.mesh = arrays[0].mesh};
-    struct cli_flight flight = {.client = client};
+    struct cli_pipeline pipeline = {.client = client};
     int status = 0;
 
     /* One array at a time: a daemon whose queue is short refuses what comes at once. */
     for (int part = 0; status == 0 && part < PARTS; part++) {
-        status = cli_flight_end(&flight, send_array(&flight, &arrays[part]));
+        status = cli_pipeline_end(&pipeline, send_array(&pipeline, &arrays[part]));
     }
     if (status == 0) {
         status = cli_call_sync(client, PROTO_METHOD_MESH_COMMIT, &request, result,
@@ -241,10 +239,10 @@ static int make_mesh(struct pccd_client *client, struct upload arrays[PARTS],
     return cli_fail(client, status, "%s", text);
 }
 
-int cli_mesh_send(struct cli_flight *flight, const struct registry_mesh *copy,
+int cli_mesh_send(struct cli_pipeline *pipeline, const struct registry_mesh *copy,
                   uint32_t want, uint32_t *handle)
 {
-    struct pccd_client *client = flight->client;
+    struct pccd_client *client = pipeline->client;
     struct proto_MESH_CREATE_request create = {.vertex_count = copy->vertex_count,
                                                .triangle_count = copy->triangle_count,
                                                .want = want,
@@ -253,8 +251,8 @@ int cli_mesh_send(struct cli_flight *flight, const struct registry_mesh *copy,
     struct proto_MESH_CREATE_result created = {.mesh = want};
     struct proto_MESH_COMMIT_request commit;
     struct upload arrays[PARTS];
-    int status = want != 0 ? cli_flight_send(flight, PROTO_METHOD_MESH_CREATE, &create,
-                                             CLI_SLOT_NONE, NULL)
+    int status = want != 0 ? cli_pipeline_send(pipeline, PROTO_METHOD_MESH_CREATE,
+                                               &create, CLI_SLOT_NONE, NULL)
                            : cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &create,
                                            &created, cli_deadline(client, -1));
 
@@ -271,10 +269,10 @@ int cli_mesh_send(struct cli_flight *flight, const struct registry_mesh *copy,
                                        .edge_count = copy->named_edge_count,
                                        .point_count = copy->named_point_count},
               arrays);
-    status = status != 0 ? status : send_arrays(flight, arrays);
+    status = status != 0 ? status : send_arrays(pipeline, arrays);
     return status != 0 ? status
-                       : cli_flight_send(flight, PROTO_METHOD_MESH_COMMIT, &commit,
-                                         CLI_SLOT_NONE, NULL);
+                       : cli_pipeline_send(pipeline, PROTO_METHOD_MESH_COMMIT, &commit,
+                                           CLI_SLOT_NONE, NULL);
 }
 
 /* Announce other contents for a mesh, upload and commit them. */
@@ -343,7 +341,7 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[PARTS]
                             "no memory for a copy of the mesh (options.no_keep)");
         }
     }
-    want = *mesh == 0 ? cli_take_want(client) : 0; /* of each daemon that is asked */
+    want = *mesh == 0 ? cli_take_handle(client) : 0; /* of each daemon that is asked */
     client->link.uploads_ended = 0;
     do {
         before = client->link.told_anew;
@@ -361,7 +359,7 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[PARTS]
     }
     *mesh = arrays[0].mesh;
     if (copy != NULL) {
-        cli_keep_mesh(client, *mesh, copy);
+        cli_replica_mesh(client, *mesh, copy);
     }
     cli_record_mesh(client, *mesh, &shape);
     if (info != NULL) {

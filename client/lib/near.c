@@ -2,10 +2,10 @@
 #include <string.h>
 
 #include "attach.h"
+#include "client.h"
 #include "connection.h"
 #include "frame.h"
 #include "step.h"
-#include "struct_size.h"
 #include "submit.h"
 
 /* Whether it can be asked at all, and the settings of a program that may know a later

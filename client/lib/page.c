@@ -4,10 +4,10 @@
  * keep their order, so the region is free up to the first page that is still held;
  * result_head says how far.
  */
-#include "page.h"
-
 #include <assert.h>
 #include <stdlib.h>
+
+#include "rpc.h"
 
 const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial)
 {

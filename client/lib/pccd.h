@@ -772,7 +772,7 @@ int pccd_record_stop(struct pccd_client *client, struct pccd_record_info *info);
 /* The next scene, mesh or object that this client makes gets this handle; making it fails
  * with E_HANDLE if something has the handle. This is for repeating what a session did,
  * because records name handles. */
-int pccd_want(struct pccd_client *client, uint32_t handle);
+int pccd_request_handle(struct pccd_client *client, uint32_t handle);
 
 /* ---- traces of the daemon's threads ------------------------------------------------ */
 

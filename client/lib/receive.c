@@ -1,14 +1,11 @@
 /* receive.c - what the daemon says. */
-#include "receive.h"
-
 #include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "connection.h"
-#include "direct.h"
-#include "page.h"
+#include "rpc.h"
 
 /* The call that an answer is for. */
 static struct cli_call *find_call(struct pccd_client *client, uint32_t id)

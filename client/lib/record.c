@@ -1,5 +1,4 @@
 /* record.c - when a client is recorded. */
-#include "record.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,7 +6,6 @@
 #include <unistd.h>
 
 #include "recorder.h"
-#include "recorder_events.h"
 #include "recorder_shared.h"
 
 #define SEGMENTS_MAX 64u

@@ -1,4 +1,8 @@
-/* recorder.h - the file that a client is recorded into.
+/* recorder.h - what a client asks and is answered, in a file.
+ *
+ * Append an event when it has happened: what was made or destroyed when its answer comes;
+ * a step when it has been sent; its answer when that comes. The positions of a step are
+ * read from its slot then, while the daemon computes.
  *
  * Threads: [owner]. There is no other thread, and no buffer that a crash could lose: each
  * event is one write.
@@ -70,5 +74,27 @@ int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
                         const struct registry_shape *shape, cli_record_fn add);
 /* A step that has been sent, with the payload of its slot. */
 int cli_record_step(struct pccd_client *client, const struct cli_call *call);
+
+/* ---- events ------------------------------------------------------------------------ */
+
+/* Begin a segment. 0 or why not: the recording has ended then. */
+int cli_record_open(struct pccd_client *client);
+
+/* Each does nothing without a recorder. The handle of a mesh that was made or
+ * replaced, and is kept already: */
+void cli_record_mesh(struct pccd_client *client, uint32_t mesh,
+                     const struct registry_shape *shape);
+/* A step has been sent; its slot is the daemon's. */
+void cli_record_frame(struct pccd_client *client, const struct cli_call *call);
+/* A request has been answered; cli_replica_answer has seen it. */
+void cli_record_answer(struct pccd_client *client, const struct cli_call *call);
+void cli_record_cancel(struct pccd_client *client, uint64_t step);
+
+/* ---- begin and end ----------------------------------------------------------------- */
+
+/* As $PCCD_RECORD and $PCCD_RECORD_OPTIONS say; 0 when they say nothing. */
+int cli_record_environment(struct pccd_client *client);
+/* End it, and free it. */
+void cli_record_close(struct pccd_client *client);
 
 #endif

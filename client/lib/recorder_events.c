@@ -1,5 +1,4 @@
 /* recorder_events.c - what a client asks and is answered, as chunks of its recording. */
-#include "recorder_events.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -8,10 +7,10 @@
 #include <string.h>
 
 #include "numbers.h"
-#include "page.h"
 #include "payload.h"
 #include "recorder.h"
 #include "recorder_shared.h"
+#include "rpc.h"
 
 /* ---- segments ---------------------------------------------------------------------- */
 

@@ -9,7 +9,6 @@
 
 #include "attach.h"
 #include "journal.h"
-#include "page.h"
 #include "payload.h"
 #include "rpc.h"
 

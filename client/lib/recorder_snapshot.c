@@ -1,6 +1,4 @@
 /* recorder_snapshot.c - how a segment of a recording begins. */
-#include "recorder.h"
-
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,8 +6,9 @@
 
 #include "coordinates.h"
 #include "payload.h"
-#include "positions.h"
+#include "recorder.h"
 #include "recorder_shared.h"
+#include "replica.h"
 #include "rpc.h"
 
 static int write_begin(struct pccd_client *client)

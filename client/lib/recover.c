@@ -12,7 +12,6 @@
  * Pauses double from 1 ms to 1 s, with a random part, so that a thousand clients of one
  * daemon do not come at the same moment.
  */
-#include "recover.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -22,7 +21,6 @@
 #include "connection.h"
 #include "link.h"
 #include "recorder_shared.h"
-#include "restore.h"
 #include "rpc.h"
 
 #define HELLO_NS 100000000u /* for an answer to hello at least, whatever the deadline */

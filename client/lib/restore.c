@@ -4,8 +4,6 @@
  * of the old one are copied over, and the new memory is mapped where the old one was:
  * pointers that the user has into it stay valid.
  */
-#include "restore.h"
-
 #include <assert.h>
 #include <errno.h>
 #include <string.h>
@@ -13,10 +11,8 @@
 
 #include "attach.h"
 #include "coordinates.h"
-#include "flight.h"
-#include "mesh.h"
-#include "page.h"
-#include "positions.h"
+#include "link.h"
+#include "replica.h"
 #include "rpc.h"
 
 #define SEGMENTS 64u /* of a step that brings positions back */
@@ -24,14 +20,14 @@
 
 /* ---- meshes and scenes ------------------------------------------------------------- */
 
-static int restore_meshes(struct cli_flight *flight, bool destroyed)
+static int restore_meshes(struct cli_pipeline *pipeline, bool destroyed)
 {
     int status = 0;
 
-    for (struct registry_mesh *mesh = flight->client->registry.meshes;
+    for (struct registry_mesh *mesh = pipeline->client->registry.meshes;
          status == 0 && mesh != NULL; mesh = mesh->next) {
         if (mesh->is_destroyed == destroyed) {
-            status = cli_mesh_send(flight, mesh, destroyed ? 0 : mesh->handle,
+            status = cli_mesh_send(pipeline, mesh, destroyed ? 0 : mesh->handle,
                                    &mesh->made_handle);
         }
     }
@@ -70,12 +66,12 @@ static int check_filters(struct pccd_client *client, const struct registry_scene
 }
 
 /* What the objects of a scene may meet. Most have nothing that was ever set. */
-static int restore_filters(struct cli_flight *flight, struct registry_scene *scene)
+static int restore_filters(struct cli_pipeline *pipeline, struct registry_scene *scene)
 {
     int status;
 
     registry_pairs_settle(&scene->ignored);
-    status = check_filters(flight->client, scene);
+    status = check_filters(pipeline->client, scene);
     for (uint32_t i = 0; status == 0 && i < scene->object_count; i++) {
         const struct registry_object *object = &scene->objects[i];
         struct proto_OBJECT_SET_request set = {
@@ -83,8 +79,8 @@ static int restore_filters(struct cli_flight *flight, struct registry_scene *sce
 
         COMMON_ATTRIBUTES_COPY(&set, &object->attributes);
         if (object->what != 0) {
-            status = cli_flight_send(flight, PROTO_METHOD_OBJECT_SET, &set, CLI_SLOT_NONE,
-                                     NULL);
+            status = cli_pipeline_send(pipeline, PROTO_METHOD_OBJECT_SET, &set,
+                                       CLI_SLOT_NONE, NULL);
         }
     }
     for (uint32_t i = 0; status == 0 && i < scene->ignored.count; i++) {
@@ -96,14 +92,15 @@ static int restore_filters(struct cli_flight *flight, struct registry_scene *sce
         /* Of a scene that is shared, others bring their objects back as they can. */
         if (registry_object(scene, ignore.a) != NULL &&
             registry_object(scene, ignore.b) != NULL) {
-            status = cli_flight_send(flight, PROTO_METHOD_SCENE_IGNORE, &ignore,
-                                     CLI_SLOT_NONE, NULL);
+            status = cli_pipeline_send(pipeline, PROTO_METHOD_SCENE_IGNORE, &ignore,
+                                       CLI_SLOT_NONE, NULL);
         }
     }
     return status;
 }
 
-static int restore_scene(struct cli_flight *flight, const struct registry_scene *scene)
+static int restore_scene(struct cli_pipeline *pipeline,
+                         const struct registry_scene *scene)
 {
     const struct registry_settings *settings = &scene->settings;
     struct proto_SCENE_CREATE_request create = {.want = scene->handle,
@@ -114,16 +111,16 @@ static int restore_scene(struct cli_flight *flight, const struct registry_scene 
 
     static_assert(sizeof create.name == sizeof settings->name, "the whole name");
     memcpy(create.name, settings->name, sizeof create.name);
-    status =
-        cli_flight_send(flight, PROTO_METHOD_SCENE_CREATE, &create, CLI_SLOT_NONE, NULL);
+    status = cli_pipeline_send(pipeline, PROTO_METHOD_SCENE_CREATE, &create,
+                               CLI_SLOT_NONE, NULL);
     for (uint32_t i = 0; status == 0 && i < scene->object_count; i++) {
         const struct registry_object *object = &scene->objects[i];
         struct proto_SCENE_ADD_request add = {.scene = scene->handle,
                                               .mesh = object->mesh->made_handle,
                                               .want = object->handle};
 
-        status =
-            cli_flight_send(flight, PROTO_METHOD_SCENE_ADD, &add, CLI_SLOT_NONE, NULL);
+        status = cli_pipeline_send(pipeline, PROTO_METHOD_SCENE_ADD, &add, CLI_SLOT_NONE,
+                                   NULL);
     }
     return status;
 }
@@ -132,7 +129,7 @@ static int restore_scene(struct cli_flight *flight, const struct registry_scene 
 
 /* A step that is being written, with the table at its start and the positions behind. */
 struct batch {
-    struct cli_flight *flight;
+    struct cli_pipeline *pipeline;
     uint32_t scene;
     bool is_shared;
     uint32_t slot; /* CLI_SLOT_NONE: none is begun */
@@ -142,7 +139,7 @@ struct batch {
 
 static int flush(struct batch *batch)
 {
-    struct pccd_client *client = batch->flight->client;
+    struct pccd_client *client = batch->pipeline->client;
     /* A daemon that tells what is near knows by this that nobody stepped here. */
     bool places = batch->is_shared || (client->link.features & PROTO_FEATURE_NEAR) != 0;
     struct proto_FRAME_SUBMIT_request request = {.scene = batch->scene,
@@ -159,8 +156,8 @@ static int flush(struct batch *batch)
     assert(batch->segment_count > 0 && batch->segment_count <= SEGMENTS);
     assert(batch->used <= client->ring.slot_stride);
     request.seq = cli_slot_publish(&client->ring, batch->slot);
-    status = cli_flight_send(batch->flight, PROTO_METHOD_FRAME_SUBMIT, &request,
-                             batch->slot, NULL);
+    status = cli_pipeline_send(batch->pipeline, PROTO_METHOD_FRAME_SUBMIT, &request,
+                               batch->slot, NULL);
     if (status != 0) {
         cli_slot_abort(&client->ring, batch->slot);
     }
@@ -172,7 +169,7 @@ static int flush(struct batch *batch)
 static int add(struct batch *batch, struct proto_segment segment, const void *source,
                size_t bytes)
 {
-    struct pccd_client *client = batch->flight->client;
+    struct pccd_client *client = batch->pipeline->client;
     uint8_t *payload;
     int status;
 
@@ -203,8 +200,8 @@ static int add(struct batch *batch, struct proto_segment segment, const void *so
 static int add_vertices(struct batch *batch, const struct registry_object *object)
 {
     const size_t vertex_bytes = common_vertex_bytes(object->format);
-    const uint64_t room =
-        batch->flight->client->ring.slot_stride - SEGMENTS * sizeof(struct proto_segment);
+    const uint64_t room = batch->pipeline->client->ring.slot_stride -
+                          SEGMENTS * sizeof(struct proto_segment);
     const uint32_t vertex_count = object->mesh->vertex_count;
     const uint32_t most = room / vertex_bytes < vertex_count
                               ? (uint32_t)(room / vertex_bytes)
@@ -225,10 +222,10 @@ static int add_vertices(struct batch *batch, const struct registry_object *objec
     return status;
 }
 
-static int restore_positions(struct cli_flight *flight,
+static int restore_positions(struct cli_pipeline *pipeline,
                              const struct registry_scene *scene)
 {
-    struct batch batch = {.flight = flight,
+    struct batch batch = {.pipeline = pipeline,
                           .scene = scene->handle,
                           .slot = CLI_SLOT_NONE,
                           .is_shared = scene->settings.name[0] != '\0'};
@@ -299,17 +296,18 @@ static int carry_over(struct pccd_client *client, struct cli_ring *old)
  * has crashed wait for each round trip of each other. */
 static int restore_all(struct pccd_client *client)
 {
-    struct cli_flight flight = {.client = client, .is_careful = client->link.tries > 1};
-    int status = restore_meshes(&flight, false);
+    struct cli_pipeline pipeline = {.client = client,
+                                    .is_careful = client->link.tries > 1};
+    int status = restore_meshes(&pipeline, false);
 
-    status = status != 0 ? status : restore_meshes(&flight, true);
+    status = status != 0 ? status : restore_meshes(&pipeline, true);
     for (struct registry_scene *scene = client->registry.scenes;
          status == 0 && scene != NULL; scene = scene->next) {
-        status = restore_scene(&flight, scene);
-        status = status != 0 ? status : restore_filters(&flight, scene);
-        status = status != 0 ? status : restore_positions(&flight, scene);
+        status = restore_scene(&pipeline, scene);
+        status = status != 0 ? status : restore_filters(&pipeline, scene);
+        status = status != 0 ? status : restore_positions(&pipeline, scene);
     }
-    status = cli_flight_end(&flight, status);
+    status = cli_pipeline_end(&pipeline, status);
     return status != 0 ? status : destroy_again(client);
 }
 

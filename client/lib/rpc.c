@@ -9,9 +9,6 @@
 #include <unistd.h>
 
 #include "connection.h"
-#include "direct.h"
-#include "page.h"
-#include "receive.h"
 
 /* What is held is in flight to everybody but recover.c, which sends it again itself. */
 static bool is_inflight(const struct pccd_client *client, const struct cli_call *call)
@@ -404,4 +401,66 @@ int cli_call_sync(struct pccd_client *client, int method, const void *request,
     uint64_t page;
 
     return call_and_wait(client, method, request, result, deadline_ns, &page);
+}
+
+/* ---- several requests at once ------------------------------------------------------ */
+
+static bool has_no_room(const struct cli_pipeline *pipeline, int method)
+{
+    uint32_t count = pipeline->end - pipeline->first;
+
+    assert(count <= CLI_PIPELINE_MAX && pipeline->computed <= count);
+    return count >= (pipeline->is_careful ? 1 : CLI_PIPELINE_MAX) ||
+           (is_compute(method) && pipeline->computed >= CLI_PIPELINE_COMPUTED);
+}
+
+static int finish_oldest(struct cli_pipeline *pipeline)
+{
+    struct pccd_client *client = pipeline->client;
+    struct cli_call *call = pipeline->calls[pipeline->first % CLI_PIPELINE_MAX];
+    int status = cli_call_wait(client, call, cli_deadline(client, -1));
+
+    if (status != 0) {
+        return status;
+    }
+    pipeline->first++;
+    assert(pipeline->computed >= is_compute(call->method));
+    pipeline->computed -= is_compute(call->method);
+    cli_page_release(client, call->page);
+    return cli_call_finish(client, call);
+}
+
+int cli_pipeline_send(struct cli_pipeline *pipeline, int method, const void *request,
+                      uint32_t slot, void *result)
+{
+    struct pccd_client *client = pipeline->client;
+    struct cli_call *call = NULL;
+    int status = 0;
+
+    while (status == 0 && has_no_room(pipeline, method)) {
+        status = finish_oldest(pipeline);
+    }
+    if (status == 0) {
+        status =
+            cli_call_send(client, method, request, slot, cli_deadline(client, -1), &call);
+    }
+    if (status != 0) {
+        return status;
+    }
+    call->result = result;
+    pipeline->computed += is_compute(method);
+    pipeline->calls[pipeline->end++ % CLI_PIPELINE_MAX] = call;
+    return 0;
+}
+
+int cli_pipeline_end(struct cli_pipeline *pipeline, int status)
+{
+    while (status == 0 && pipeline->first != pipeline->end) {
+        status = finish_oldest(pipeline);
+    }
+    while (pipeline->first != pipeline->end) {
+        cli_call_drop(pipeline->client,
+                      pipeline->calls[pipeline->first++ % CLI_PIPELINE_MAX]);
+    }
+    return status;
 }

@@ -49,4 +49,73 @@ bool cli_call_is_step(int method);
 /* Requests whose replies have not come. */
 uint32_t cli_call_inflight(const struct pccd_client *client);
 
+/* ---- messages that come ------------------------------------------------------------ */
+
+/* Handle one message if one is there: 0, PCCD_E_AGAIN (also when the connection has just
+ * been lost and can be made again: link.is_down then) or PCCD_E_DISCONNECTED. */
+int cli_receive(struct pccd_client *client);
+
+/* The same, but waits for CLI_AWAIT_NS where no message is there. Not in the process
+ * (CLI_WAY_DIRECT). */
+int cli_await(struct pccd_client *client);
+
+/* ---- pages of records -------------------------------------------------------------- */
+
+/* Enter a page of `count` records of record_bytes at `offset` of the result region, given
+ * back by storing `release`. *serial = 0 when count is 0. Returns 0 or PCCD_E_BADMSG: the
+ * page does not lie inside the mapping, then it is not entered. */
+int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
+                 uint32_t record_bytes, uint64_t release, uint64_t *serial);
+
+/* Release the page of that serial; one that is released already, or never was, is
+ * ignored. */
+void cli_page_release(struct pccd_client *client, uint64_t serial);
+
+/* Before something is asked for that brings a page: 0 or PCCD_E_BUSY, when so many are
+ * not released that those in flight might find no entry. */
+int cli_page_check(struct pccd_client *client);
+bool cli_page_has_room(const struct pccd_client *client);
+
+/* Pages that are not released, and those behind them that are. */
+uint32_t cli_page_count(const struct pccd_client *client);
+
+/* The first byte of the region in which a page that is not released lies. */
+const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial);
+
+/* The answers to the scenes of a batch, which has succeeded: [count]. */
+const struct pccd_scene_answer *cli_batch_answers(const struct pccd_client *client,
+                                                  const struct cli_call *call);
+
+/* The ring is about to go: keep `result` mapped as long as pages of it are not released,
+ * or unmap it. Takes it over. */
+void cli_page_retire(struct pccd_client *client, struct proto_memory *result);
+void cli_page_deinit(struct pccd_client *client);
+
+/* ---- several requests at once ------------------------------------------------------ */
+
+#define CLI_PIPELINE_MAX 16u /* as many as wait at the daemon before it reads no more */
+/* Of these, computed: four thousand clients that come back at once find room in the
+ * daemon's queue, which takes 32768 unless it is told otherwise. */
+#define CLI_PIPELINE_COMPUTED 8u
+
+struct cli_pipeline {
+    struct pccd_client *client;
+    bool is_careful; /* the last try has failed, perhaps for want of room: one by one */
+    uint32_t computed;
+    struct cli_call *calls[CLI_PIPELINE_MAX];
+    uint32_t first; /* free-running: the oldest that is not finished */
+    uint32_t end;
+};
+
+/* Send one more, with `slot` or CLI_SLOT_NONE; when there are too many the oldest are
+ * finished first. Its answer goes to `result`, which may be NULL and stays the caller's
+ * until the pipeline has ended. Not sent on failure: the slot is the caller's still. */
+int cli_pipeline_send(struct cli_pipeline *pipeline, int method, const void *request,
+                      uint32_t slot, void *result);
+
+/* End the pipeline that has come to `status`: wait for all answers, or drop them once
+ * something has failed. Returns what failed first, or 0. Each wait has a deadline of its
+ * own: much may take long, a silent daemon may not. */
+int cli_pipeline_end(struct cli_pipeline *pipeline, int status);
+
 #endif

@@ -7,7 +7,6 @@
 #include "coordinates.h"
 #include "rounding.h"
 #include "step.h"
-#include "struct_size.h"
 
 /* Rounding moves a position by an ulp, so that the second step is free nearly always. The
  * later ones go half as far as the one before. */

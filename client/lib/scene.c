@@ -1,11 +1,13 @@
-/* scene.c - scenes and the objects in them. */
+/* scene.c - scenes, the objects in them, which of these may meet, and their boxes. */
+#include <stddef.h>
 #include <string.h>
 
+#include "attach.h"
 #include "client.h"
-#include "keep.h"
+#include "events.h"
 #include "recorder_shared.h"
+#include "replica.h"
 #include "rpc.h"
-#include "shared.h"
 
 /* That there may be a scene of that name. */
 static int take_name(struct pccd_client *client, const char *name,
@@ -54,7 +56,7 @@ static int create(struct pccd_client *client, struct proto_SCENE_CREATE_request 
     struct proto_SCENE_CREATE_result result;
     int status;
 
-    request->want = cli_take_want(client);
+    request->want = cli_take_handle(client);
     status = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, request, &result,
                            cli_deadline(client, -1));
     if (status == 0) {
@@ -125,7 +127,7 @@ int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
     if (object == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "scene.add: object is NULL");
     }
-    request.want = cli_take_want(client);
+    request.want = cli_take_handle(client);
     status = cli_call_sync(client, PROTO_METHOD_SCENE_ADD, &request, &result,
                            cli_deadline(client, -1));
     if (status == 0) {
@@ -141,4 +143,178 @@ int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t objec
     CLI_ENTER_OR_RETURN(client);
     return cli_call_sync(client, PROTO_METHOD_SCENE_REMOVE, &request, NULL,
                          cli_deadline(client, -1));
+}
+
+/* ---- which objects are tested against each other ----------------------------------- */
+
+/* A daemon without these would answer E_NOMETHOD, which says less. */
+static int check_daemon(struct pccd_client *client, const char *method)
+{
+    if ((client->link.features & PROTO_FEATURE_FILTERS) == 0) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "%s: the daemon at %s is older than this; it tests every object "
+                        "against every other one",
+                        method, client->url);
+    }
+    return 0;
+}
+
+int cli_check_thick(struct pccd_client *client, const char *method)
+{
+    if ((client->link.features & PROTO_FEATURE_THICK) == 0) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "%s: the daemon at %s is older than this; to it all features are "
+                        "without thickness",
+                        method, client->url);
+    }
+    return 0;
+}
+
+int cli_check_tells(struct pccd_client *client, const char *method)
+{
+    if ((client->link.features & PROTO_FEATURE_TELLS) == 0) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "%s: the daemon at %s is older than this; it does not tell what "
+                        "crosses",
+                        method, client->url);
+    }
+    return 0;
+}
+
+static int check_settings(struct pccd_client *client,
+                          const struct pccd_object_settings *settings)
+{
+    struct pccd_object_settings known;
+    int status = cli_struct_read(client, "object.set", settings, &known, sizeof known);
+
+    if (status != 0) {
+        return status;
+    }
+    if ((COMMON_OBJECT_BITS(settings->what) & ~COMMON_OBJECT_KNOWN) != 0) {
+        return cli_fail(client, PCCD_E_INVAL,
+                        "object.set: what is 0x%x, this library knows the bits 0x%x",
+                        settings->what, COMMON_OBJECT_KNOWN);
+    }
+    if (settings->what != (uint32_t)PCCD_OBJECT_ALL &&
+        (settings->what & COMMON_OBJECT_THICK) != 0) {
+        return cli_check_thick(client, "object.set");
+    }
+    return 0;
+}
+
+static int call_set(struct pccd_client *client,
+                    const struct proto_OBJECT_SET_request *request,
+                    struct proto_OBJECT_SET_result *result)
+{
+    int status = check_daemon(client, "object.set");
+
+    return status != 0 ? status
+                       : cli_call_sync(client, PROTO_METHOD_OBJECT_SET, request, result,
+                                       cli_deadline(client, -1));
+}
+
+int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
+                    const struct pccd_object_settings *settings)
+{
+    struct proto_OBJECT_SET_request request = {.scene = scene, .object = object};
+    struct proto_OBJECT_SET_result result;
+    int status;
+
+    CLI_ENTER_OR_RETURN(client);
+    if (settings == NULL) {
+        return cli_fail(client, PCCD_E_INVAL, "object.set: settings is NULL");
+    }
+    status = check_settings(client, settings);
+    if (status != 0) {
+        return status;
+    }
+    request.what = settings->what;
+    COMMON_ATTRIBUTES_COPY(&request, settings);
+    return call_set(client, &request, &result);
+}
+
+int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
+                    struct pccd_object_settings *settings)
+{
+    struct proto_OBJECT_SET_request request = {.scene = scene, .object = object};
+    struct proto_OBJECT_SET_result result;
+    int status;
+
+    CLI_ENTER_OR_RETURN(client);
+    if (settings == NULL) {
+        return cli_fail(client, PCCD_E_INVAL, "object.set: settings is NULL");
+    }
+    status = call_set(client, &request, &result);
+    if (status == 0) {
+        settings->what = PCCD_OBJECT_ALL;
+        COMMON_ATTRIBUTES_COPY(settings, &result);
+    }
+    return status;
+}
+
+int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object_a,
+                     uint32_t object_b, bool ignored)
+{
+    struct proto_SCENE_IGNORE_request request = {
+        .scene = scene, .a = object_a, .b = object_b, .ignored = ignored};
+    int status;
+
+    CLI_ENTER_OR_RETURN(client);
+    status = check_daemon(client, "scene.ignore");
+    return status != 0 ? status
+                       : cli_call_sync(client, PROTO_METHOD_SCENE_IGNORE, &request, NULL,
+                                       cli_deadline(client, -1));
+}
+
+/* ---- what its hierarchies look like ------------------------------------------------ */
+
+/* One page, from request->first on. */
+static int fetch(struct pccd_client *client, struct proto_SCENE_BOXES_request *request,
+                 struct pccd_box *boxes, struct proto_SCENE_BOXES_result *result)
+{
+    uint64_t page;
+    int status = cli_call_page(client, PROTO_METHOD_SCENE_BOXES, request, result,
+                               cli_deadline(client, -1), &page);
+    if (status == 0 &&
+        (result->count > request->count ||
+         (result->count == 0 && request->count > 0 && request->first < result->boxes))) {
+        status =
+            cli_fail(client, PCCD_E_BUSY,
+                     "scene.boxes: no room in the result region: release answers first");
+    }
+    if (status == 0 && result->count > 0) {
+        memcpy(boxes, cli_page_base(client, page) + result->offset,
+               result->count * sizeof *boxes);
+    }
+    cli_page_release(client, page);
+    return status;
+}
+
+int pccd_scene_boxes(struct pccd_client *client, uint32_t scene, enum pccd_tree tree,
+                     uint32_t level, struct pccd_box *boxes, uint32_t room,
+                     uint32_t *count)
+{
+    struct proto_SCENE_BOXES_request request = {
+        .scene = scene, .tree = (uint32_t)tree, .level = level, .count = room};
+    struct proto_SCENE_BOXES_result result = {.boxes = 0};
+    int status;
+
+    CLI_ENTER_OR_RETURN(client);
+    if (count == NULL || (boxes == NULL && room > 0)) {
+        return cli_fail(client, PCCD_E_INVAL, "scene.boxes: boxes or count is NULL");
+    }
+    status = cli_ring_ensure(client);
+    while (status == 0) { /* every page but the last has a box at least */
+        status = fetch(client, &request, boxes, &result);
+        request.first += status == 0 ? result.count : 0;
+        request.count = room - request.first;
+        boxes = result.count > 0 ? boxes + result.count : boxes;
+        if (request.count == 0 || request.first >= result.boxes) {
+            break;
+        }
+    }
+    if (status == 0) {
+        *count = result.boxes;
+    }
+    return status;
 }

@@ -21,16 +21,14 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "client.h"
 #include "connection.h"
-#include "keep.h"
+#include "link.h"
 #include "numbers.h"
-#include "page.h"
-#include "receive.h"
-#include "recorder_events.h"
+#include "recorder.h"
 #include "recorder_shared.h"
-#include "recover.h"
+#include "replica.h"
 #include "rpc.h"
-#include "struct_size.h"
 #include "submit.h"
 
 #define ANSWER_TAG 0x7063636461677331ull /* marks an answer of this library */

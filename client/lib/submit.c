@@ -5,11 +5,10 @@
 #include <string.h>
 
 #include "attach.h"
+#include "client.h"
 #include "connection.h"
-#include "page.h"
-#include "recorder_events.h"
+#include "recorder.h"
 #include "rpc.h"
-#include "struct_size.h"
 
 int cli_step_check(struct pccd_client *client)
 {

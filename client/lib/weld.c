@@ -7,7 +7,6 @@
 #include "client.h"
 #include "coordinates.h"
 #include "rounding.h"
-#include "struct_size.h"
 
 #define NONE       UINT32_MAX
 #define CELL_MIN   1e-280 /* so that no number of a cell is infinite */

@@ -15,7 +15,7 @@ static int add_scene(struct load_actor *actor, uint32_t *scene)
     int status = pccd_scene_create(actor->client, NULL, scene);
     for (uint32_t i = 0; i < 2 && status == 0; i++) {
         uint32_t made = 0;
-        pccd_want(actor->client, objects[i]);
+        pccd_request_handle(actor->client, objects[i]);
         status = pccd_scene_add(actor->client, *scene, meshes[i], &made);
     }
     return status;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "foreign.h"
+#include "mpi_hooks.h"
 #include "places.h"
 #include "rank_sort.h"
 #include "recent.h"
@@ -313,8 +313,8 @@ static int put(struct pccd_mpi *world, struct ranks_object *object, const double
     if (!is_part) {
         return PCCD_OK;
     }
-    status = cli_foreign_own(world->client, object->local_mesh, local->owns_vertex,
-                             local->owns_edge);
+    status = cli_mpi_own(world->client, object->local_mesh, local->owns_vertex,
+                         local->owns_edge);
     return status == PCCD_OK
                ? PCCD_OK
                : ranks_fail_local(world, status, "its part of a mesh was not marked");

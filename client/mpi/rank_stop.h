@@ -53,7 +53,7 @@ uint64_t ranks_stop_rest(const struct ranks_stop *stop);
 /* In this rank alone: libpccd computes from here on; all ranks have. */
 void ranks_stop_open(struct ranks_stop *stop);
 void ranks_stop_close(struct ranks_stop *stop);
-/* For cli_foreign_watch: is the call to end? asked: struct ranks_stop. Cheap: it looks
+/* For cli_mpi_watch: is the call to end? asked: struct ranks_stop. Cheap: it looks
  * for messages a thousand times a second at most. */
 bool ranks_stop_look(void *asked);
 /* While it is open: the others need not go on. */

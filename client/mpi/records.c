@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "foreign.h"
 #include "kinds.h"
 #include "local.h"
+#include "mpi_hooks.h"
 #include "team.h"
 
 /* In this file: a record of a length that the compiler knows takes few instructions. */
@@ -266,7 +266,7 @@ static hash_sum write_part(const struct pccd_mpi *world, void *to, const void *f
     return sum;
 }
 
-/* For cli_foreign_write: contacts or pairs, as the mode says, get their numbers and are
+/* For cli_mpi_write: contacts or pairs, as the mode says, get their numbers and are
  * hashed. */
 static void write_records(void *writer, void *to, const void *from, uint64_t count)
 {
@@ -340,7 +340,7 @@ void ranks_records_begin(struct pccd_mpi *world)
     world->records = world->copied;
     world->written = NULL;
     /* Of one rank that is recorded, a page is only copied. */
-    (void)cli_foreign_write(world->client, write_records, world);
+    (void)cli_mpi_write(world->client, write_records, world);
     world->record_count = 0;
     memset(world->page_hash, 0, sizeof world->page_hash);
 }

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "foreign.h"
+#include "mpi_hooks.h"
 #include "places.h"
 
 /* Positions of steps go to where the engine has them; not those of questions. A world of
@@ -26,12 +26,12 @@ static int end_lending(struct pccd_mpi *world, const struct ranks_sending *sendi
 {
     int status = PCCD_OK;
     for (uint32_t o = 0; o < world->object_count && lends(world, sending); o++) {
-        enum cli_foreign_lent which = !is_there                      ? CLI_FOREIGN_NONE
-                                      : has_start(world, sending, o) ? CLI_FOREIGN_X0X1
-                                                                     : CLI_FOREIGN_X1;
+        enum cli_mpi_lent which = !is_there                      ? CLI_MPI_NONE
+                                  : has_start(world, sending, o) ? CLI_MPI_X0X1
+                                                                 : CLI_MPI_X1;
         if (sending->local[o] != NULL && status == PCCD_OK) {
-            status = cli_foreign_lent(world->client, world->scene,
-                                      world->objects[o]->handle, which);
+            status = cli_mpi_lent(world->client, world->scene, world->objects[o]->handle,
+                                  which);
         }
     }
     return status;
@@ -68,8 +68,8 @@ static int begin_frame(struct pccd_mpi *world, const struct ranks_sending *sendi
             continue;
         }
         if (lends(world, sending)) {
-            status = cli_foreign_lend(world->client, world->scene, object->handle,
-                                      has_x0 ? &x0[o] : NULL, &x1[o]);
+            status = cli_mpi_lend(world->client, world->scene, object->handle,
+                                  has_x0 ? &x0[o] : NULL, &x1[o]);
         } else {
             status = has_x0 ? pccd_frame_x0x1(frame, object->handle, PCCD_FORMAT_F64, 0,
                                               count, &to[0], &to[1])

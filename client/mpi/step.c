@@ -14,11 +14,11 @@
 #include "balance.h"
 #include "clock.h"
 #include "cut.h"
-#include "foreign.h"
 #include "ghosts.h"
 #include "local.h"
 #include "merge.h"
 #include "motions.h"
+#include "mpi_hooks.h"
 #include "near_objects.h"
 #include "records.h"
 #include "rounding.h"
@@ -347,8 +347,8 @@ static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool
 static int cut(struct pccd_mpi *world, struct ranks_moment *moment, bool is_of_leaves)
 {
     bool has_ghosts = world->is_covered;
-    cli_foreign_expect(world->client, world->scene,
-                       world->found / (uint64_t)world->link.size);
+    cli_mpi_expect(world->client, world->scene,
+                   world->found / (uint64_t)world->link.size);
     int status = drop_meshes(world);
     if (status == PCCD_OK && has_ghosts) {
         return cut_by_work(world, moment, true);
@@ -386,7 +386,7 @@ static int answer_nothing(struct pccd_mpi *world, const struct ranks_moment *mom
     struct pccd_answer said = PCCD_ANSWER_INIT;
     world->stop.is_set = true;
     /* It may have a mesh of before a cut: no record gets numbers of what is there now. */
-    (void)cli_foreign_write(world->client, NULL, NULL);
+    (void)cli_mpi_write(world->client, NULL, NULL);
     int status = pccd_frame_begin(world->client, world->scene, 0, 0, &frame);
     status = status == PCCD_OK ? commit(world, moment, &frame, &said)
                                : ranks_fail_local(world, status, "no frame of libpccd");

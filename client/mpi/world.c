@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "foreign.h"
+#include "mpi_hooks.h"
 #include "pccd_daemon.h"
 #include "proto_limits.h"
 #include "rounding.h"
@@ -245,11 +245,11 @@ static int connect_direct(struct pccd_mpi *world, uint64_t result_bytes)
         status = pccd_scene_create(world->client, NULL, &world->scene);
     }
     if (status == PCCD_OK) {
-        status = cli_foreign_watch(world->client, ranks_stop_look, &world->stop);
+        status = cli_mpi_watch(world->client, ranks_stop_look, &world->stop);
     }
     if (status == PCCD_OK) { /* ranks that share processors leave some to each other; and
                               * where no thread can be started, libgomp calls exit */
-        status = cli_foreign_threads(world->client, world->threads);
+        status = cli_mpi_threads(world->client, world->threads);
     }
     if (status == PCCD_OK) { /* $OMP_NUM_THREADS may say less, and libpccd obeys it */
         status = pccd_daemon(world->client, &info);

@@ -174,7 +174,7 @@ static void soup_register(struct soup *soup, uint32_t handle)
     good(pccd_mesh_create(client, soup->x0, PCCD_FORMAT_F32, VERTICES, soup->triangles,
                           TRIANGLES, &soup->mesh, NULL));
     if (handle != 0) {
-        good(pccd_want(client, handle));
+        good(pccd_request_handle(client, handle));
     }
     good(pccd_scene_add(client, soup->scene, soup->mesh, &soup->object));
 }

@@ -12,8 +12,8 @@
 
 #include <unistd.h>
 
-#include "foreign.h"
 #include "grid.h"
+#include "mpi_hooks.h"
 #include "pccd.h"
 #include "process_status.h"
 #include "skip.h"
@@ -49,7 +49,7 @@ static void expected__memory_follows_records(void **state)
             test_skip("this system does not tell how much memory is shared");
         }
         pccd_answer_release(client, &answer);
-        cli_foreign_expect(client, grid.scene, expected[i]);
+        cli_mpi_expect(client, grid.scene, expected[i]);
         rest = i == 0 ? shared_mb() : rest; /* slots for positions */
         assert_in_range(shared_mb(), rest, rest + 1);
         /* What the client has read was mapped twice. */

@@ -198,7 +198,7 @@ static void loss__a_handle_is_wanted_of_the_next_daemon_too(void **state)
     (void)state;
     false_start(end_over_a_mesh);
     client = connect_for(5000);
-    assert_int_equal(pccd_want(client, WANTED), 0);
+    assert_int_equal(pccd_request_handle(client, WANTED), 0);
     assert_int_equal(
         pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL),
         PCCD_E_BUSY);

@@ -106,7 +106,7 @@ static int call_with_no_client(void)
         pccd_record_start(NULL, "a", NULL),
         pccd_record(NULL, NULL),
         pccd_record_stop(NULL, NULL),
-        pccd_want(NULL, 1),
+        pccd_request_handle(NULL, 1),
         pccd_trace_start(NULL, 0, 0, NULL),
         pccd_trace_stop(NULL, NULL),
         pccd_trace_dump(NULL, NULL, NULL),

@@ -375,7 +375,7 @@ static void restore__wanted_places_cost_nothing_when_their_scene_is_gone(void **
         uint32_t scene, object;
 
         assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
-        assert_int_equal(pccd_want(client, want), 0);
+        assert_int_equal(pccd_request_handle(client, want), 0);
         assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
         assert_int_equal(object, want);
         assert_int_equal(pccd_scene_destroy(client, scene), 0);

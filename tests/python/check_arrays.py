@@ -146,9 +146,9 @@ class Several(Case):
     def test_handles__can_be_wished_for(self):
         scene = self.client.scene_create()
         self.client.scene_destroy(scene)
-        self.client.want(scene)
+        self.client.request_handle(scene)
         self.assertEqual(self.client.scene_create(), scene)
-        self.client.want(scene)
+        self.client.request_handle(scene)
         self.fails(pccd.Status.E_HANDLE, self.client.scene_create)
 
 

@@ -39,7 +39,7 @@ client/load         client/lib+ client/tool proto/text
 client/cpp          client/lib+
 client/ipc          client/lib+
 client/planner      client/lib+
-client/mpi          client/lib+ client/lib/foreign.h
+client/mpi          client/lib+ client/lib/mpi_hooks.h
 client/mpi/program  client/ctl client/record client/registry client/lib+ client/mpi+ client/tool proto/text
 client/examples     client/lib+
 client/mpi/example  client/lib+ client/mpi+ client/examples
@@ -57,7 +57,7 @@ tests/cpp           client/lib+
 tests/ipc           client/lib+ client/oracle tests/support
 tests/planner       client/lib+
 tests/support       proto client/lib+ client/oracle
-tests/integration   proto client/record client/lib+ client/lib/foreign.h tests/support client/oracle
+tests/integration   proto client/record client/lib+ client/lib/mpi_hooks.h tests/support client/oracle
 tests/unit          proto daemon/engine daemon/service daemon/server client/record client/registry client/lib client/ctl client/load client/mpi/moving.h client/mpi/rank_sort.h client/mpi/recent.h client/tool proto/text tests/support client/oracle
 tests/files         client/ctl
 tests/fuzz          proto daemon/engine daemon/service daemon/server client/record client/registry client/ctl tests/support client/oracle tests/fault

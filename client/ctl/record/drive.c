@@ -34,7 +34,7 @@ static int expect(uint32_t wanted, uint32_t given, const char *what,
 static int make_scene(struct drive *drive, uint32_t scene, struct ctl_error *error)
 {
     uint32_t made = 0;
-    pccd_want(drive->client, scene);
+    pccd_request_handle(drive->client, scene);
     int status = pccd_scene_create(drive->client, NULL, &made);
     if (status != PCCD_OK) {
         return failed(drive, status, "a recorded scene", error);
@@ -61,7 +61,7 @@ static struct pccd_mesh_data data_of(const struct registry_shape *shape)
 static int make_mesh(struct drive *drive, const struct registry_mesh *mesh, uint32_t want,
                      uint32_t *made, struct ctl_error *error)
 {
-    pccd_want(drive->client, want);
+    pccd_request_handle(drive->client, want);
     const struct registry_shape shape = registry_mesh_shape(mesh);
     const struct pccd_mesh_data data = data_of(&shape);
     *made = 0;
@@ -76,7 +76,7 @@ static int add_object(struct drive *drive, uint32_t scene, uint32_t mesh, uint32
                       struct ctl_error *error)
 {
     uint32_t made = 0;
-    pccd_want(drive->client, wanted);
+    pccd_request_handle(drive->client, wanted);
     int status = pccd_scene_add(drive->client, scene, mesh, &made);
     if (status != PCCD_OK) {
         return failed(drive, status, "a recorded object", error);
@@ -241,7 +241,7 @@ static int follow_mesh(struct drive *drive, const struct registry *world,
     bool is_known = registry_mesh(world, head.mesh) != NULL;
     uint32_t made = is_known ? head.mesh : 0;
     if (!is_known) {
-        pccd_want(drive->client, head.mesh);
+        pccd_request_handle(drive->client, head.mesh);
     }
     int status = pccd_mesh_put(drive->client, &data, &made, NULL);
     if (status != PCCD_OK) {

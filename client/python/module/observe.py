@@ -197,10 +197,10 @@ class Observe(Scenes):
         lib.pccd_record_stop(self._handle, None)
         return info
 
-    def want(self, handle: int) -> None:
+    def request_handle(self, handle: int) -> None:
         """The next scene, mesh or object that is made gets this handle, if nothing has
         it; else E_HANDLE."""
-        self._check(lib.pccd_want(self._handle, u32("handle", handle)))
+        self._check(lib.pccd_request_handle(self._handle, u32("handle", handle)))
 
     # -- recordings of the daemon's threads --
 

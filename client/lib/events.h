@@ -1,6 +1,6 @@
-/* shared.h - news of shared scenes that the user has not been told yet. */
-#ifndef CLI_SHARED_H
-#define CLI_SHARED_H
+/* events.h - what a daemon tells that nobody has asked for at that moment. */
+#ifndef CLI_EVENTS_H
+#define CLI_EVENTS_H
 
 #include "client.h"
 
@@ -17,5 +17,11 @@ void cli_shared_held(struct pccd_client *client, const struct proto_envelope *en
 /* The scene is no longer this client's. */
 void cli_shared_forget(struct pccd_client *client, uint32_t scene);
 void cli_shared_deinit(struct pccd_client *client);
+
+/* A notification of a step has come. */
+void cli_watch_take(struct pccd_client *client, const struct proto_envelope *envelope);
+
+/* The client goes. */
+void cli_watch_deinit(struct pccd_client *client);
 
 #endif
