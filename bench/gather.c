@@ -71,7 +71,7 @@ static void copy_found(struct bench_work *work, const struct eng_step_result *pa
 void bench_work_init(struct bench_work *work, const struct bench_scene *source,
                      uint32_t query_max, uint32_t trace_max)
 {
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_PAIRS);
+    struct eng_question settings = bench_step_settings(PCCD_MODE_PAIRS);
     struct eng_step_result pairs;
     struct bench_frames frames;
     memset(work, 0, sizeof *work);

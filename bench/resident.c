@@ -87,9 +87,9 @@ void bench_world_follow(struct bench_world *world, const struct bench_frames *fr
     world->source = frames->scene;
 }
 
-struct eng_step_settings bench_step_settings(enum pccd_mode mode)
+struct eng_question bench_step_settings(enum pccd_mode mode)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     settings.method = PCCD_METHOD_PAPER;
     settings.contact_max = UINT32_MAX;
@@ -97,8 +97,7 @@ struct eng_step_settings bench_step_settings(enum pccd_mode mode)
 }
 
 void bench_world_step(struct bench_world *world, const struct bench_frames *frames,
-                      const struct eng_step_settings *settings,
-                      struct eng_step_result *result)
+                      const struct eng_question *settings, struct eng_step_result *result)
 {
     const struct bench_scene *source = frames->scene;
     bench_world_follow(world, frames);
@@ -119,13 +118,13 @@ void bench_world_step(struct bench_world *world, const struct bench_frames *fram
 }
 
 void bench_world_near(struct bench_world *world, const struct bench_frames *frames,
-                      bool moves, const struct eng_near_settings *settings,
+                      bool moves, const struct eng_question *settings,
                       struct eng_step_result *result)
 {
     const struct bench_scene *source = frames->scene;
     if (moves) {
         eng_stage_begin(world->scene);
-        eng_stage_share(world->scene, settings->step.threads, settings->step.affinity);
+        eng_stage_share(world->scene, settings->threads, settings->affinity);
         for (uint32_t i = 0; i < source->object_count; i++) {
             must(eng_stage_x1(world->scene, world->object_idx[i], PCCD_FORMAT_F64, 0,
                               source->objects[i].vertex_count,

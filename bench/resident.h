@@ -35,18 +35,18 @@ void bench_world_follow(struct bench_world *world, const struct bench_frames *fr
 
 /* All contacts or what the mode says, of one thread, none left out, by the
  * method paper. */
-struct eng_step_settings bench_step_settings(enum pccd_mode mode);
+struct eng_question bench_step_settings(enum pccd_mode mode);
 
 /* Step from the start to the end of `frames`: by end positions alone where the scene
  * stands there, by both ends otherwise. */
 void bench_world_step(struct bench_world *world, const struct bench_frames *frames,
-                      const struct eng_step_settings *settings,
+                      const struct eng_question *settings,
                       struct eng_step_result *result);
 
 /* Ask what is near where the scene stands; with `moves` at the start of `frames`, to
  * which this very request moves it. */
 void bench_world_near(struct bench_world *world, const struct bench_frames *frames,
-                      bool moves, const struct eng_near_settings *settings,
+                      bool moves, const struct eng_question *settings,
                       struct eng_step_result *result);
 
 #endif

@@ -510,7 +510,7 @@ static void measure(struct bench *bench, unsigned repeats)
 static void measure_scene(const struct bench_scene *source, unsigned repeats)
 {
     static struct bench bench; /* chunks and queues, a few hundred KiB */
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_PAIRS);
+    struct eng_question settings = bench_step_settings(PCCD_MODE_PAIRS);
     struct eng_step_result result;
     struct bench_frames frames;
     struct bench_world world;

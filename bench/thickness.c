@@ -65,9 +65,9 @@ static void measure(const struct bench_scene *scene, uint32_t repeats)
     }
     for (uint32_t round = 0; round <= repeats; round++) {
         for (size_t i = 0; i < PARTS; i++) {
-            struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+            struct eng_question settings = bench_step_settings(PCCD_MODE_ALL);
             settings.method = PCCD_METHOD_DEFAULT;
-            settings.separation = parts[i].of_edge * edge;
+            settings.distance = parts[i].of_edge * edge;
             settings.approach = parts[i].approach;
             bench_world_step(&worlds[i], &frames, &settings, &results[i]);
             bench_check(results[i].incomplete == PCCD_COMPLETE, scene->name, "complete");

@@ -80,7 +80,7 @@ static void beside_deinit(struct beside *beside)
 
 static double beside_step(struct beside *beside)
 {
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_question settings = bench_step_settings(PCCD_MODE_ALL);
     struct eng_step_result result = {0};
     settings.method = PCCD_METHOD_DEFAULT;
     bench_world_step(&beside->world, &beside->frames, &settings, &result);
@@ -117,7 +117,7 @@ static void measure(const struct thin *row, struct beside *beside, bool is_smoke
     bench_world_init(&world, &frames, NULL);
     set_objects(row, &world, &scene);
     for (uint32_t round = 0; round <= (is_smoke ? REPEATS_SMOKE : REPEATS); round++) {
-        struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+        struct eng_question settings = bench_step_settings(PCCD_MODE_ALL);
         settings.method = row->method;
         bench_world_step(&world, &frames, &settings, &result);
         bench_check(result.incomplete == PCCD_COMPLETE, row->name, "complete");

@@ -98,10 +98,12 @@ static void keep_step(struct growth *growth, const struct eng_step_result *resul
 /* The scene goes to and fro between two frames. */
 static void measure_near(struct growth *growth, struct bench_world *world,
                          const struct bench_frames *frames,
-                         const struct eng_step_settings *step, uint32_t turns)
+                         const struct eng_question *step, uint32_t turns)
 {
-    struct eng_near_settings settings = {
-        .step = *step, .what = PCCD_NEAR_FEATURES, .distance = NEAR, .end = 1};
+    struct eng_question settings = *step;
+    settings.verb = PCCD_NEAR_FEATURES;
+    settings.distance = NEAR;
+    settings.end = 1;
     struct eng_step_result near;
     struct eng_step_result result;
     double bytes_before = (double)eng_alloc_bytes();
@@ -123,7 +125,7 @@ static void measure_near(struct growth *growth, struct bench_world *world,
 static struct growth measure(const struct bench_scene *scene, enum pccd_method method,
                              const struct options *options)
 {
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_question settings = bench_step_settings(PCCD_MODE_ALL);
     struct growth growth = {.triangles = (double)bench_scene_triangles(scene)};
     struct eng_affinity affinity;
     struct eng_step_result result;

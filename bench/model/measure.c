@@ -12,7 +12,7 @@ static struct eng_step_result step(struct bench_world *world,
                                    const struct eng_affinity *affinity,
                                    const struct model_way *way)
 {
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_question settings = bench_step_settings(PCCD_MODE_ALL);
     struct eng_step_result result;
     settings.method = way->method;
     settings.threads = way->threads;

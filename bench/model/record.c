@@ -248,7 +248,7 @@ static void record_tasks(struct model_record *record, perform_fn *perform,
 
 void model_record_init(struct model_record *record)
 {
-    record->settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    record->settings = (struct eng_question)ENG_QUESTION_DEFAULT;
     record->settings.contact_max = UINT32_MAX;
     record->worker = eng_alloc(1, sizeof *record->worker);
     must(record->worker != NULL, "a worker");

@@ -30,7 +30,7 @@ struct model_record {
     struct eng_worker *worker;
     struct eng_pool pool;
     struct eng_stop stop;
-    struct eng_step_settings settings;
+    struct eng_question settings;
 };
 
 /* A high-level node of the method paper. */

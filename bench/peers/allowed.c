@@ -57,9 +57,9 @@ static void keep(struct quantity *quantity, uint64_t begin_ns, double allowed)
 
 static void ask_ours(struct run *run)
 {
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_FIRST);
+    struct eng_question settings = bench_step_settings(PCCD_MODE_FIRST);
     settings.method = PCCD_METHOD_WIDE;
-    settings.separation = run->r;
+    settings.distance = run->r;
     uint64_t begin_ns = common_now_ns();
     bench_world_step(run->world, run->frames, &settings, &run->found);
     keep(&run->ours, begin_ns, run->found.safe_step);
@@ -193,7 +193,7 @@ static void measure(struct run *run, unsigned repeats)
 static double least_distance(struct bench_world *world, const struct bench_frames *frames,
                              double d)
 {
-    struct eng_near_settings settings = near_ours_settings(PCCD_NEAR_PAIRS, d, 1);
+    struct eng_question settings = near_ours_settings(PCCD_NEAR_PAIRS, d, 1);
     struct eng_step_result result;
     bench_world_near(world, frames, true, &settings, &result);
     return result.count > 0 ? result.distance_min : INFINITY;

@@ -142,7 +142,7 @@ static void keep(struct quantity *quantity, uint64_t begin_ns, bool counts)
 /* A step to the end of the frames, so that a question that moves goes back from there. */
 static void take_step(struct run *run, uint32_t threads, bool counts)
 {
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_question settings = bench_step_settings(PCCD_MODE_ALL);
     struct eng_step_result result;
     settings.method = PCCD_METHOD_WIDE;
     settings.threads = threads;
@@ -153,8 +153,7 @@ static void take_step(struct run *run, uint32_t threads, bool counts)
 
 static void ask_ours(struct run *run, uint32_t threads, unsigned i, bool counts)
 {
-    struct eng_near_settings settings =
-        near_ours_settings(asked[i].what, run->d, threads);
+    struct eng_question settings = near_ours_settings(asked[i].what, run->d, threads);
     struct eng_step_result result;
     if (asked[i].moves) {
         take_step(run, threads, counts);
@@ -316,7 +315,7 @@ enum { OF_TWO = sizeof of_two / sizeof of_two[0] };
 static void ask_of_two(struct bench_world *world, const struct bench_frames *frames,
                        enum pccd_near_what what, struct quantity *quantity)
 {
-    struct eng_near_settings settings = near_ours_settings(what, 0, 1);
+    struct eng_question settings = near_ours_settings(what, 0, 1);
     struct eng_step_result result;
     settings.distance = what == PCCD_NEAR_NEAREST ? INFINITY : 0;
     uint64_t begin_ns = common_now_ns();
@@ -336,7 +335,7 @@ static void measure_passing(const struct bench_options *options)
     bench_frames_init(&frames, &scene, 0);
     bench_world_init(&world, &frames, NULL);
     for (uint32_t i = 0; i + 1 < scene.frame_count; i++) {
-        struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+        struct eng_question settings = bench_step_settings(PCCD_MODE_ALL);
         struct eng_step_result result;
         settings.method = PCCD_METHOD_WIDE;
         bench_frames_seek(&frames, i);

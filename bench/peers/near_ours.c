@@ -13,7 +13,7 @@ _Static_assert(NEAR_VF == (int)PCCD_VF && NEAR_EE == (int)PCCD_EE &&
 
 void near_scene_init(struct near_scene *scene, const struct bench_scene *source)
 {
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_question settings = bench_step_settings(PCCD_MODE_ALL);
     struct eng_step_result result;
     bench_frames_init(&scene->frames, source, source->hard_frame);
     bench_world_init(&scene->world, &scene->frames, NULL);
@@ -36,15 +36,15 @@ void near_scene_deinit(struct near_scene *scene)
     bench_frames_deinit(&scene->frames);
 }
 
-struct eng_near_settings near_ours_settings(enum pccd_near_what what, double d,
-                                            uint32_t threads)
+struct eng_question near_ours_settings(enum pccd_near_what what, double d,
+                                       uint32_t threads)
 {
-    struct eng_near_settings settings = {.step = bench_step_settings(PCCD_MODE_ALL),
-                                         .what = what,
-                                         .distance = d,
-                                         .end = 1};
-    settings.step.method = PCCD_METHOD_WIDE;
-    settings.step.threads = threads;
+    struct eng_question settings = bench_step_settings(PCCD_MODE_ALL);
+    settings.verb = what;
+    settings.distance = d;
+    settings.end = 1;
+    settings.method = PCCD_METHOD_WIDE;
+    settings.threads = threads;
     return settings;
 }
 
@@ -93,13 +93,13 @@ void near_ours_ask(struct near_ours *ours, struct bench_world *world,
                    const struct bench_frames *frames, double d)
 {
     struct eng_step_result result;
-    struct eng_near_settings settings = near_ours_settings(PCCD_NEAR_PAIRS, d, 1);
+    struct eng_question settings = near_ours_settings(PCCD_NEAR_PAIRS, d, 1);
     bench_world_near(world, frames, true, &settings, &result);
     keep_pairs(ours, world, &result);
-    settings.what = PCCD_NEAR_FEATURES;
+    settings.verb = PCCD_NEAR_FEATURES;
     bench_world_near(world, frames, false, &settings, &result);
     keep_features(ours, world, &result);
-    settings.what = PCCD_NEAR_VERTICES;
+    settings.verb = PCCD_NEAR_VERTICES;
     bench_world_near(world, frames, false, &settings, &result);
     ours->answers.bounds = bench_alloc(result.count, sizeof(double));
     memcpy(ours->answers.bounds, result.records, result.count * sizeof(double));

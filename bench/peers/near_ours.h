@@ -26,8 +26,8 @@ struct near_ours {
 };
 
 /* Settings of a question, by the method `wide`. */
-struct eng_near_settings near_ours_settings(enum pccd_near_what what, double d,
-                                            uint32_t threads);
+struct eng_question near_ours_settings(enum pccd_near_what what, double d,
+                                       uint32_t threads);
 
 /* The world has made a step by the method `paper`, and stands at the start of `frames` or
  * at its end; it stands at the start afterwards. */

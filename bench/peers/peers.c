@@ -181,7 +181,7 @@ static void measure(const char *scene, const struct peer_input *input, uint32_t 
 static void measure_scene(const struct bench_scene *source,
                           const struct bench_options *options)
 {
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ANY);
+    struct eng_question settings = bench_step_settings(PCCD_MODE_ANY);
     struct eng_step_result result;
     struct bench_frames frames;
     struct bench_world world;

@@ -20,7 +20,7 @@ struct stepper {
 struct run {
     struct bench_world *world;
     const struct bench_frames *frames;
-    struct eng_step_settings settings;
+    struct eng_question settings;
     struct peers_tests *tests;
     struct stepper steppers[1 + PEERS_MAX]; /* the engine first */
     unsigned count;

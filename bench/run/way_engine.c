@@ -18,7 +18,7 @@
 
 struct run_asked {
     struct bench_world world;
-    struct eng_step_settings settings;
+    struct eng_question settings;
     enum pccd_method method;
 };
 
@@ -37,10 +37,10 @@ static const struct eng_affinity *affinity(uint32_t threads)
 }
 
 /* The daemon's defaults: those of the engine. */
-static struct eng_step_settings translate(const struct run_side *side)
+static struct eng_question translate(const struct run_side *side)
 {
     const struct pccd_step_settings *step = &side->step;
-    struct eng_step_settings settings = bench_step_settings((enum pccd_mode)step->mode);
+    struct eng_question settings = bench_step_settings((enum pccd_mode)step->mode);
     settings.method = (enum pccd_method)step->method;
     settings.threads = step->threads;
     settings.affinity = affinity(step->threads);

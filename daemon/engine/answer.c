@@ -78,8 +78,8 @@ int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team
         lists[i] = &team->workers[i]->found;
     }
     int status = eng_merge_begin(memory->merge, lists, team->count, out);
-    eng_merge_set_cancel(memory->merge, team->workers[0]->settings->cancel);
-    memory->merge->no_hash = team->workers[0]->settings->no_hash;
+    eng_merge_set_cancel(memory->merge, team->workers[0]->question->cancel);
+    memory->merge->no_hash = team->workers[0]->question->no_hash;
     return status;
 }
 
@@ -88,7 +88,7 @@ void eng_answer_keep(struct eng_step_memory *memory, const struct eng_team *team
     struct eng_worker *worker = team->workers[0];
     struct eng_kept *kept = &memory->kept;
     assert(team->prunes && memory->merge->out == &memory->sorted);
-    if (worker->settings->mode == PCCD_MODE_ANY) {
+    if (worker->question->mode == PCCD_MODE_ANY) {
         if (eng_kept_decides(kept, team->scene)) {
             worker->proved_seen = 1;
             worker->proof = kept->proof;
@@ -101,7 +101,7 @@ void eng_answer_keep(struct eng_step_memory *memory, const struct eng_team *team
     if (memory->sorted.count > 0) {
         memory->merge->out = &memory->found;
     } /* else what is found is the answer */
-    if (worker->settings->mode == PCCD_MODE_FIRST) {
+    if (worker->question->mode == PCCD_MODE_FIRST) {
         eng_worker_tighten(worker, bound);
     }
 }
@@ -117,10 +117,10 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
                         struct eng_worker *worker)
 {
     struct eng_merge *merge = memory->merge;
-    if (worker->settings->mode == PCCD_MODE_ANY) {
+    if (worker->question->mode == PCCD_MODE_ANY) {
         return;
     }
-    if (worker->settings->mode == PCCD_MODE_FIRST) {
+    if (worker->question->mode == PCCD_MODE_FIRST) {
         eng_wait_for_all(worker); /* the bound is final when all have searched */
         keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
     }
@@ -145,7 +145,7 @@ int eng_answer_collect(struct eng_step_memory *memory, const struct eng_team *te
 {
     struct eng_merge *merge = memory->merge;
     bool overflowed = false;
-    if (team->workers[0]->settings->mode == PCCD_MODE_FIRST && team->count == 1) {
+    if (team->workers[0]->question->mode == PCCD_MODE_FIRST && team->count == 1) {
         struct eng_worker *worker = team->workers[0];
         keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
     }
@@ -274,7 +274,7 @@ void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
     }
     result->safe_step = safe_step(result);
-    eng_kept_finish(&memory->kept, team->scene, team->workers[0]->settings, result,
+    eng_kept_finish(&memory->kept, team->scene, team->workers[0]->question, result,
                     &counts, proof_of(team));
 }
 

@@ -25,10 +25,10 @@
 /* The same of a step that does nothing else: some 20 us. */
 #define OBJECTS_AT_REST 1024u
 
-bool eng_brief_fits(const struct eng_step_settings *settings)
+bool eng_brief_fits(const struct eng_question *question)
 {
-    return settings->mode != PCCD_MODE_PAIRS && settings->separation == 0 &&
-           !settings->tells_start && eng_method_of(settings) == PCCD_METHOD_WIDE;
+    return question->mode != PCCD_MODE_PAIRS && question->distance == 0 &&
+           !question->tells_start && eng_method_of(question) == PCCD_METHOD_WIDE;
 }
 
 /* The trees are there, and small. */
@@ -51,17 +51,16 @@ static bool has_work_beside(const struct eng_scene *scene)
 /* Nothing moved in the last step, so nothing does in one that writes nothing. Its boxes
  * are there, and its answer is the last one: it searches nothing, however large the scene
  * is. */
-static bool is_at_rest(const struct eng_scene *scene,
-                       const struct eng_step_settings *settings)
+static bool is_at_rest(const struct eng_scene *scene, const struct eng_question *question)
 {
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
     const struct eng_kept *kept = &memory->kept;
     return scene->moving.objects == 0 && !scene->has_lost_start &&
            scene->object_capacity <= OBJECTS_AT_REST &&
            eng_methods[PCCD_METHOD_WIDE]->has_boxes(scene) && !has_work_beside(scene) &&
-           eng_kept_fits(kept, scene, settings, scene->moving.number) &&
+           eng_kept_fits(kept, scene, question, scene->moving.number) &&
            !kept->objects_changed && eng_kept_is_brief(kept) &&
-           (settings->mode != PCCD_MODE_ANY || kept->verdict == PCCD_VERDICT_NO ||
+           (question->mode != PCCD_MODE_ANY || kept->verdict == PCCD_VERDICT_NO ||
             kept->verdict == PCCD_VERDICT_YES) &&
            eng_step_memory_stays(memory) && eng_wide_work_of(memory->workers[0]);
 }
@@ -73,21 +72,21 @@ bool eng_brief_is_bounded(const struct eng_scene *scene, const struct eng_team *
 }
 
 bool eng_step_can_be_brief(const struct eng_scene *scene,
-                           const struct eng_step_settings *settings, bool is_staged)
+                           const struct eng_question *question, bool is_staged)
 {
-    assert(scene && settings);
+    assert(scene && question);
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
-    if (!eng_brief_fits(settings) || scene->thickness.may_have_radii) {
+    if (!eng_brief_fits(question) || scene->thickness.may_have_radii) {
         return false;
     }
-    if (!is_staged && is_at_rest(scene, settings)) {
+    if (!is_staged && is_at_rest(scene, question)) {
         return true;
     }
     if (scene->object_capacity > OBJECTS || !trees_are_small(eng_wide_of(scene))) {
         return false;
     }
     /* One worker: those of others, once there are any, are freed by some later step. */
-    uint64_t work_ns = memory->effort[PCCD_METHOD_WIDE].work_ns[settings->mode];
+    uint64_t work_ns = memory->effort[PCCD_METHOD_WIDE].work_ns[question->mode];
     return work_ns > 0 && work_ns <= WORK_NS && memory->worker_count == 1 &&
            eng_wide_work_of(memory->workers[0]);
 }

@@ -4,8 +4,8 @@
 #ifndef ENG_BRIEF_H
 #define ENG_BRIEF_H
 
+#include "question.h"
 #include "scene.h"
-#include "step_settings.h"
 #include "team.h"
 
 /* Whether the next step with these settings can be asked for as a brief one, with `brief`
@@ -21,13 +21,13 @@
  * in this one (not `is_staged`), nothing moved in the last one, and its answer, which has
  * few records, is at hand. */
 bool eng_step_can_be_brief(const struct eng_scene *scene,
-                           const struct eng_step_settings *settings, bool is_staged);
+                           const struct eng_question *question, bool is_staged);
 
 /* The boxes and records at hand have been looked at: is what is left of a brief step
  * bounded as above? */
 bool eng_brief_is_bounded(const struct eng_scene *scene, const struct eng_team *team);
 
 /* Are they settings of a step that can be brief: whose work is bounded as above? */
-bool eng_brief_fits(const struct eng_step_settings *settings);
+bool eng_brief_fits(const struct eng_question *question);
 
 #endif

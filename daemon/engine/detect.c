@@ -26,27 +26,26 @@ uint32_t eng_detect_size(const struct eng_scene *scene)
 }
 
 static uint32_t threads_for(const struct eng_scene *scene,
-                            const struct eng_step_settings *settings,
+                            const struct eng_question *question,
                             struct eng_effort *effort)
 {
-    if (settings->threads == 1 || settings->brief || scene->object_count == 0) {
+    if (question->threads == 1 || question->brief || scene->object_count == 0) {
         return 1;
     }
-    if (!settings->team_always &&
-        !eng_effort_pays(effort, settings->mode, eng_detect_size(scene))) {
+    if (!question->team_always &&
+        !eng_effort_pays(effort, question->mode, eng_detect_size(scene))) {
         return 1;
     }
-    return settings->threads < ENG_THREADS_MAX ? settings->threads : ENG_THREADS_MAX;
+    return question->threads < ENG_THREADS_MAX ? question->threads : ENG_THREADS_MAX;
 }
 
 /* Are there pairs that meet at a distance, and are contacts looked for? */
-static bool is_thick(const struct eng_scene *scene,
-                     const struct eng_step_settings *settings)
+static bool is_thick(const struct eng_scene *scene, const struct eng_question *question)
 {
-    return scene->thickness.is_on && !settings->near;
+    return scene->thickness.is_on && !eng_asks_near(question);
 }
 
-int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *settings,
+int eng_detect_prepare(struct eng_scene *scene, const struct eng_question *question,
                        struct eng_effort *effort, struct eng_records *out,
                        struct eng_stop *stop, struct eng_team *team)
 {
@@ -55,23 +54,24 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *
     team->prunes = false;
     team->has_boxes = false;
     team->search = NULL;
-    team->method = eng_methods[eng_method_of(settings)];
+    team->method = eng_methods[eng_method_of(question)];
     if (team->method->is_stale(scene)) {
         eng_effort_forget(effort);
     }
-    team->count = threads_for(scene, settings, effort);
+    team->count = threads_for(scene, question, effort);
     eng_rigid_prepare(scene);
     eng_refit_begin(team);
-    int status = eng_step_memory_reserve(
-        memory, team->count, settings->near ? &memory->near.threads : &memory->threads);
+    int status = eng_step_memory_reserve(memory, team->count,
+                                         eng_asks_near(question) ? &memory->near.threads
+                                                                 : &memory->threads);
     team->workers = memory->workers;
     if (status == PCCD_OK) {
-        status = team->method->prepare(team, settings);
+        status = team->method->prepare(team, question);
     }
     if (status != PCCD_OK) {
         return status;
     }
-    for (uint32_t i = 0; i < team->count && is_thick(scene, settings); i++) {
+    for (uint32_t i = 0; i < team->count && is_thick(scene, question); i++) {
         status = eng_thick_work_reserve(memory->workers[i]);
         if (status != PCCD_OK) {
             return status;
@@ -79,9 +79,9 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *
         eng_thick_work_begin(memory->workers[i]);
     }
     eng_pool_reset(memory->pool, team->count);
-    eng_pool_lend(memory->pool, settings->lent, settings->lent_bytes);
+    eng_pool_lend(memory->pool, question->lent, question->lent_bytes);
     for (uint32_t i = 0; i < team->count; i++) {
-        eng_worker_begin(memory->workers[i], scene, settings, stop, memory->pool);
+        eng_worker_begin(memory->workers[i], scene, question, stop, memory->pool);
         memory->workers[i]->thread = i;
     }
     return eng_answer_begin(memory, team, out);
@@ -91,11 +91,11 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *
  * than itself. */
 static void beside(struct eng_team *team, struct eng_worker *worker)
 {
-    if (worker->settings->near) {
+    if (eng_asks_near(worker->question)) {
         return;
     }
     team->method->beside(worker);
-    if (worker->settings->brief || eng_stop_is_set(worker->stop)) {
+    if (worker->question->brief || eng_stop_is_set(worker->stop)) {
         return;
     }
     uint64_t begin_ns = common_now_ns();
@@ -209,13 +209,13 @@ static uint64_t run_together(struct eng_team *team, struct pccd_step_times *time
     assert(team->count > 1 && team->count <= ENG_THREADS_MAX);
     uint64_t begin_ns = common_now_ns();
     bool by_paper = team->method->assign &&
-                    team->workers[0]->settings->tuning.scheduler == ENG_SCHEDULER_PAPER;
+                    team->workers[0]->question->tuning.scheduler == ENG_SCHEDULER_PAPER;
     struct eng_parallel region = eng_parallel_open();
 #pragma omp parallel num_threads((int)team->count)
     {
         ENG_PARALLEL_JOIN(region);
         struct eng_worker *worker = team->workers[omp_get_thread_num()];
-        eng_affinity_bind_thread(worker->settings->affinity, worker->thread,
+        eng_affinity_bind_thread(worker->question->affinity, worker->thread,
                                  (uint32_t)omp_get_num_threads());
         bool is_last = make_boxes(team, worker);
         if (is_last) {

@@ -11,7 +11,7 @@
 
 /* Everything that can fail for want of memory, before anything moves: the answer will be
  * in `out`. `effort` says whether a team pays. PCCD_E_NOMEM. */
-int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *settings,
+int eng_detect_prepare(struct eng_scene *scene, const struct eng_question *question,
                        struct eng_effort *effort, struct eng_records *out,
                        struct eng_stop *stop, struct eng_team *team);
 

@@ -4,7 +4,7 @@
 #ifndef ENG_EFFORT_H
 #define ENG_EFFORT_H
 
-#include "step_settings.h"
+#include "question.h"
 
 struct eng_effort {
     uint64_t work_ns[PCCD_MODE_PAIRS + 1]; /* of all threads, by mode; 0: not known */

@@ -105,15 +105,15 @@ static bool record_stands(const struct eng_scene *scene, const unsigned char *re
 }
 
 bool eng_kept_fits(const struct eng_kept *kept, const struct eng_scene *scene,
-                   const struct eng_step_settings *settings, uint64_t number)
+                   const struct eng_question *question, uint64_t number)
 {
-    return kept->is_valid && settings->tuning.still == ENG_STILL_KEPT &&
-           kept->number == number && kept->mode == settings->mode &&
-           kept->tolerance == settings->tolerance &&
+    return kept->is_valid && question->tuning.still == ENG_STILL_KEPT &&
+           kept->number == number && kept->mode == question->mode &&
+           kept->tolerance == question->tolerance &&
            kept->masks_version == scene->masks.version &&
            kept->thickness == scene->thickness.number &&
-           kept->separation == settings->separation &&
-           kept->approach == settings->approach && kept->no_hash == settings->no_hash &&
+           kept->separation == question->distance &&
+           kept->approach == question->approach && kept->no_hash == question->no_hash &&
            !scene->thickness.has_changed;
 }
 
@@ -123,20 +123,20 @@ bool eng_kept_is_brief(const struct eng_kept *kept)
 }
 
 bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
-                    const struct eng_step_settings *settings,
+                    const struct eng_question *question,
                     const struct eng_records *records)
 {
     assert(!kept->is_valid || kept->mode == PCCD_MODE_ANY ||
            records->count == kept->count);
     (void)records;
-    if (!eng_kept_fits(kept, scene, settings, scene->moving.number - 1) ||
-        (settings->brief && !eng_kept_is_brief(kept)) || !eng_moves_little(scene)) {
+    if (!eng_kept_fits(kept, scene, question, scene->moving.number - 1) ||
+        (question->brief && !eng_kept_is_brief(kept)) || !eng_moves_little(scene)) {
         return false;
     }
     if (!reserve(kept)) {
         return false;
     }
-    if (settings->mode == PCCD_MODE_ANY) {
+    if (question->mode == PCCD_MODE_ANY) {
         return kept->verdict == PCCD_VERDICT_NO ||
                (kept->verdict == PCCD_VERDICT_YES && eng_kept_decides(kept, scene));
     }
@@ -316,19 +316,19 @@ int eng_kept_merge(struct eng_records *records, const struct eng_records *found)
 }
 
 void eng_kept_finish(struct eng_kept *kept, const struct eng_scene *scene,
-                     const struct eng_step_settings *settings,
+                     const struct eng_question *question,
                      const struct eng_step_result *result,
                      const struct eng_counts *counts, const struct pccd_pair *proof)
 {
     kept->is_valid = result->incomplete == PCCD_COMPLETE;
     kept->number = scene->moving.number;
-    kept->mode = settings->mode;
-    kept->tolerance = settings->tolerance;
+    kept->mode = question->mode;
+    kept->tolerance = question->tolerance;
     kept->masks_version = scene->masks.version;
     kept->thickness = scene->thickness.number;
-    kept->separation = settings->separation;
-    kept->approach = settings->approach;
-    kept->no_hash = settings->no_hash;
+    kept->separation = question->distance;
+    kept->approach = question->approach;
+    kept->no_hash = question->no_hash;
     kept->count = result->count;
     kept->counts = *counts;
     kept->verdict = result->verdict;

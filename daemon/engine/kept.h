@@ -12,9 +12,9 @@
 #define ENG_KEPT_H
 
 #include "merge_data.h"
+#include "question.h"
 #include "result.h"
 #include "step_result.h"
-#include "step_settings.h"
 #include "world.h"
 
 struct eng_kept {
@@ -45,7 +45,7 @@ uint64_t eng_kept_bytes(const struct eng_kept *kept);
 /* Is the last answer one to a step with these settings, by which the scene came to where
  * it was at this number of the motion (moving.h)? */
 bool eng_kept_fits(const struct eng_kept *kept, const struct eng_scene *scene,
-                   const struct eng_step_settings *settings, uint64_t number);
+                   const struct eng_question *question, uint64_t number);
 
 /* Are its records so few that a brief step (brief.h) may look at all, and copy them? */
 bool eng_kept_is_brief(const struct eng_kept *kept);
@@ -53,7 +53,7 @@ bool eng_kept_is_brief(const struct eng_kept *kept);
 /* The positions have moved on: does the last answer, `records`, serve a step with these
  * settings, and is it worth it? Reserves memory; without it, no. */
 bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
-                    const struct eng_step_settings *settings,
+                    const struct eng_question *question,
                     const struct eng_records *records);
 
 /* If it does, in mode any: has the pair that met neither moved nor gone? Then the answer
@@ -79,7 +79,7 @@ int eng_kept_merge(struct eng_records *records, const struct eng_records *found)
 
 /* Note a step's answer; `proof` of mode any with a contact. */
 void eng_kept_finish(struct eng_kept *kept, const struct eng_scene *scene,
-                     const struct eng_step_settings *settings,
+                     const struct eng_question *question,
                      const struct eng_step_result *result,
                      const struct eng_counts *counts, const struct pccd_pair *proof);
 

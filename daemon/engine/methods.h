@@ -7,7 +7,7 @@
 #define ENG_METHODS_H
 
 #include "method.h"
-#include "step_settings.h"
+#include "question.h"
 
 /* NULL for PCCD_METHOD_DEFAULT, which is none of its own. */
 extern const struct eng_method_calls *const eng_methods[PCCD_METHOD_COUNT];

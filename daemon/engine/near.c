@@ -29,28 +29,27 @@ static bool is_length(double length)
 }
 
 /* Of those that the question looks at. */
-static bool lengths_are_valid(const struct eng_near_settings *settings)
+static bool lengths_are_valid(const struct eng_question *question)
 {
-    switch (settings->what) {
+    switch (question->verb) {
     case PCCD_NEAR_CROSSINGS:
     case PCCD_NEAR_DEPTH:
         return true;
     case PCCD_NEAR_NEAREST:
-        return (is_length(settings->distance) || settings->distance == INFINITY) &&
-               is_length(settings->gap);
+        return (is_length(question->distance) || question->distance == INFINITY) &&
+               is_length(question->gap);
     default:
-        return is_length(settings->distance);
+        return is_length(question->distance);
     }
 }
 
-static bool settings_are_valid(const struct eng_near_settings *settings)
+static bool settings_are_valid(const struct eng_question *question)
 {
-    const struct eng_step_settings *step = &settings->step;
-    return settings->what < PCCD_NEAR_COUNT && settings->end <= 1 &&
-           lengths_are_valid(settings) && step->method < PCCD_METHOD_COUNT &&
-           step->threads >= 1 && step->tuning.scheduler < ENG_SCHEDULER_COUNT &&
-           step->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
-           step->tuning.refit < ENG_REFIT_COUNT;
+    return question->verb < PCCD_NEAR_COUNT && question->end <= 1 &&
+           lengths_are_valid(question) && question->method < PCCD_METHOD_COUNT &&
+           question->threads >= 1 && question->tuning.scheduler < ENG_SCHEDULER_COUNT &&
+           question->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
+           question->tuning.refit < ENG_REFIT_COUNT;
 }
 
 /* Is it about objects two by two? Else about all pairs of features that are near. */
@@ -60,20 +59,19 @@ static bool is_by_objects(enum pccd_near_what what)
 }
 
 /* Only `wide` has faces to walk through. */
-static enum pccd_method method_of(const struct eng_near_settings *settings)
+static enum pccd_method method_of(const struct eng_question *question)
 {
-    return is_by_objects(settings->what) ? PCCD_METHOD_WIDE
-                                         : eng_method_of(&settings->step);
+    return is_by_objects(question->verb) ? PCCD_METHOD_WIDE : eng_method_of(question);
 }
 
-static uint32_t kinds_for(const struct eng_near_settings *settings)
+static uint32_t kinds_for(const struct eng_question *question)
 {
     uint32_t pairs = 1u << PCCD_VF | 1u << PCCD_EE | 1u << PCCD_VE | 1u << PCCD_VV;
     uint32_t crossings = 1u << PCCD_EF;
-    if (settings->what == PCCD_NEAR_CROSSINGS) {
-        return settings->counts_only ? crossings : pairs | crossings;
+    if (question->verb == PCCD_NEAR_CROSSINGS) {
+        return question->counts_only ? crossings : pairs | crossings;
     }
-    return settings->tells_crossings ? pairs | crossings : pairs;
+    return question->tells_crossings ? pairs | crossings : pairs;
 }
 
 /* Do radii of objects enter, or pairs that are left thin for their rest? */
@@ -91,24 +89,21 @@ static bool is_thick(enum pccd_near_what what, const struct eng_thickness *thick
     }
 }
 
-/* With the radii of the scene. PCCD_E_LIMIT: it reaches too far. */
-static int make_query(const struct eng_near_settings *settings,
-                      const struct eng_scene *scene, struct eng_near_query *query)
+/* Say what threads look for, with the radii of the scene. PCCD_E_LIMIT: too far. */
+static int seek(const struct eng_scene *scene, struct eng_question *question)
 {
     const struct eng_thickness *thickness = &scene->thickness;
-    bool is_none =
-        settings->what == PCCD_NEAR_CROSSINGS || settings->what == PCCD_NEAR_DEPTH;
-    *query = (struct eng_near_query){.what = settings->what,
-                                     .kinds = kinds_for(settings),
-                                     .end = settings->end,
-                                     .counts_only = settings->counts_only,
-                                     .distance = is_none ? 0 : settings->distance};
-    query->is_thick = is_thick(settings->what, thickness);
-    query->reach = query->distance;
-    if (query->is_thick && thickness->most > 0) {
-        query->reach = nextafter(2 * thickness->most + query->distance, INFINITY);
+    struct eng_sought *sought = &question->sought;
+    if (question->verb == PCCD_NEAR_CROSSINGS || question->verb == PCCD_NEAR_DEPTH) {
+        question->distance = 0;
     }
-    return is_length(query->reach) || query->reach == INFINITY ? PCCD_OK : PCCD_E_LIMIT;
+    *sought = (struct eng_sought){.kinds = kinds_for(question),
+                                  .is_thick = is_thick(question->verb, thickness),
+                                  .reach = question->distance};
+    if (sought->is_thick && thickness->most > 0) {
+        sought->reach = nextafter(2 * thickness->most + question->distance, INFINITY);
+    }
+    return is_length(sought->reach) || sought->reach == INFINITY ? PCCD_OK : PCCD_E_LIMIT;
 }
 
 /* ---- bounds by vertex -------------------------------------------------------------- */
@@ -206,18 +201,18 @@ static double greatest_bound(const struct eng_near_memory *memory,
 }
 
 static void write_bounds(struct eng_near_memory *memory, const struct eng_scene *scene,
-                         const struct eng_near_settings *settings,
+                         const struct eng_question *question,
                          struct eng_step_result *result)
 {
     double *to = (double *)(void *)memory->records.data;
     eng_hash_sum sum = 0;
-    uint32_t objects = order_objects(memory, scene, settings->objects[0]);
+    uint32_t objects = order_objects(memory, scene, question->objects[0]);
     for (uint32_t i = 0; i < objects; i++) {
         const struct eng_object *object = &scene->objects[(uint32_t)memory->order[i]];
         for (uint32_t v = 0; v < object->vertices.count; v++) {
             double least = bound_of(memory, object->vertices.first + v);
             double most = eng_mesh_has_foreign(object->mesh) ? INFINITY /* not known */
-                                                             : settings->distance;
+                                                             : question->distance;
             struct eng_vertex_bound bound = {
                 .object = object->id, .vertex = v, .bound = fmin(least, most)};
             *to++ = bound.bound;
@@ -258,7 +253,7 @@ static void sum_up(const struct eng_team *team, const struct eng_counts *counts,
 static enum pccd_verdict verdict_of(const struct eng_team *team,
                                     const struct eng_step_result *result)
 {
-    bool meets = atomic_load_explicit(team->workers[0]->settings->near->meets,
+    bool meets = atomic_load_explicit(team->workers[0]->question->sought.meets,
                                       memory_order_relaxed);
     if (result->incomplete != PCCD_COMPLETE) {
         return PCCD_VERDICT_NONE;
@@ -315,7 +310,7 @@ static void answer_records(struct eng_near_memory *memory,
 
 static void answer_bounds(struct eng_near_memory *memory, const struct eng_counts *counts,
                           const struct eng_team *team,
-                          const struct eng_near_settings *settings,
+                          const struct eng_question *question,
                           struct eng_step_result *result)
 {
     if (result->incomplete != PCCD_COMPLETE) {
@@ -325,11 +320,11 @@ static void answer_bounds(struct eng_near_memory *memory, const struct eng_count
     }
     sum_up(team, counts, result);
     result->distance_max = greatest_bound(memory, team->scene);
-    write_bounds(memory, team->scene, settings, result);
+    write_bounds(memory, team->scene, question, result);
 }
 
 /* Bring together what the workers found. */
-static void answer(struct eng_team *team, const struct eng_near_settings *settings,
+static void answer(struct eng_team *team, const struct eng_question *question,
                    struct eng_step_result *result)
 {
     struct eng_step_memory *memory = eng_step_memory_of(team->scene);
@@ -341,21 +336,21 @@ static void answer(struct eng_team *team, const struct eng_near_settings *settin
     if (!is_by_objects(result->what)) {
         result->crossings = sum_crossings(team);
     }
-    if (settings->counts_only) {
+    if (question->counts_only) {
         result->count = sum_pairs(team);
     } else if (result->what == PCCD_NEAR_VERTICES) {
-        answer_bounds(&memory->near, &counts, team, settings, result);
+        answer_bounds(&memory->near, &counts, team, question, result);
     } else {
         answer_records(&memory->near, &counts, team, result);
     }
-    result->records = settings->counts_only ? NULL : memory->near.records.data;
+    result->records = question->counts_only ? NULL : memory->near.records.data;
     eng_pool_reset(memory->pool, team->count);
 }
 
 /* ---- the search -------------------------------------------------------------------- */
 
 /* Positions that are staged become the scene's. Then: are there boxes of them? */
-static int arrive(struct eng_team *team, struct eng_near_query *query)
+static int arrive(struct eng_team *team, struct eng_question *question)
 {
     struct eng_scene *scene = team->scene;
     if (scene->staging) {
@@ -374,24 +369,19 @@ static int arrive(struct eng_team *team, struct eng_near_query *query)
         eng_frames_choose_keeping(scene, 1 - scene->now, scene->now);
     }
     eng_rigid_choose(scene, false);
-    query->growth = eng_near_growth(query->distance, scene->framing.scale);
-    query->reach_growth = eng_near_growth(query->reach, scene->framing.scale);
+    struct eng_sought *sought = &question->sought;
+    sought->growth = eng_near_growth(question->distance, scene->framing.scale);
+    sought->reach_growth = eng_near_growth(sought->reach, scene->framing.scale);
     return PCCD_OK;
 }
 
-static int reserve_objects(struct eng_team *team,
-                           const struct eng_near_settings *settings,
+static int reserve_objects(struct eng_team *team, const struct eng_question *question,
                            struct eng_step_result *result)
 {
     struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
-    struct eng_near_ask ask = {.what = settings->what,
-                               .distance = settings->distance,
-                               .gap = settings->gap,
-                               .end = settings->end,
-                               .objects = {settings->objects[0], settings->objects[1]}};
     struct eng_near_open open;
-    int status =
-        eng_near_objects_prepare(&memory->objects, team->scene, &ask, team->count, &open);
+    int status = eng_near_objects_prepare(&memory->objects, team->scene, question,
+                                          team->count, &open);
     if (status == PCCD_E_INVAL && open.object != 0) {
         result->open_object = open.object;
         result->has_free = open.has_free;
@@ -401,25 +391,26 @@ static int reserve_objects(struct eng_team *team,
     return status;
 }
 
-static int reserve(struct eng_team *team, const struct eng_near_settings *settings,
-                   const struct eng_near_query *query, struct eng_step_result *result)
+static int reserve(struct eng_team *team, const struct eng_question *question,
+                   struct eng_step_result *result)
 {
     struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
     int status = PCCD_OK;
-    if (is_by_objects(query->what)) {
-        return reserve_objects(team, settings, result);
+    if (is_by_objects(question->verb)) {
+        return reserve_objects(team, question, result);
     }
-    for (uint32_t i = 0; i < team->count && query->is_thick && status == PCCD_OK; i++) {
+    for (uint32_t i = 0;
+         i < team->count && question->sought.is_thick && status == PCCD_OK; i++) {
         status = eng_thick_work_reserve(team->workers[i]);
     }
     for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
         status = eng_near_work_reserve(team->workers[i]);
     }
-    if (status == PCCD_OK && query->what == PCCD_NEAR_CROSSINGS) {
+    if (status == PCCD_OK && question->verb == PCCD_NEAR_CROSSINGS) {
         status = reserve_order(memory, team->scene);
     }
-    if (status == PCCD_OK && query->what == PCCD_NEAR_VERTICES) {
-        status = reserve_bounds(memory, team->scene, settings->objects[0]);
+    if (status == PCCD_OK && question->verb == PCCD_NEAR_VERTICES) {
+        status = reserve_bounds(memory, team->scene, question->objects[0]);
     }
     return status;
 }
@@ -430,9 +421,9 @@ static void search_objects(struct eng_team *team, struct eng_worker *worker)
                              worker);
 }
 
-static void begin_search(struct eng_team *team, const struct eng_near_query *query)
+static void begin_search(struct eng_team *team, const struct eng_question *question)
 {
-    if (is_by_objects(query->what)) {
+    if (is_by_objects(question->verb)) {
         eng_near_objects_begin(&eng_step_memory_of(team->scene)->near.objects);
         team->search = search_objects;
         return;
@@ -444,65 +435,63 @@ static void begin_search(struct eng_team *team, const struct eng_near_query *que
 }
 
 /* Find what is asked for. */
-static int search(struct eng_scene *scene, const struct eng_near_settings *settings,
+static int search(struct eng_scene *scene, const struct eng_question *asked,
                   uint64_t begin_ns, struct eng_step_result *result)
 {
-    struct eng_near_query query;
-    struct eng_step_settings step = settings->step;
-    enum pccd_method method = method_of(settings);
+    struct eng_question question = *asked;
+    enum pccd_method method = method_of(asked);
     struct eng_step_memory *memory = eng_step_memory_of(scene);
-    struct eng_effort *effort = &memory->near.effort[method][settings->what];
+    struct eng_effort *effort = &memory->near.effort[method][asked->verb];
     struct eng_stop stop;
     struct eng_team team;
-    step.method = method;
-    step.mode = PCCD_MODE_ALL;
-    step.tolerance = 1;
-    step.brief = false;
-    step.near = &query;
+    question.method = method;
+    question.mode = PCCD_MODE_ALL;
+    question.tolerance = 1;
+    question.brief = false;
     eng_thickness_choose(scene, scene->thickness.separation);
-    int status = make_query(settings, scene, &query);
+    int status = seek(scene, &question);
     if (status != PCCD_OK) {
         eng_stage_abort(scene);
         return status;
     }
-    eng_stop_init(&stop, &step);
+    eng_stop_init(&stop, &question);
     uint64_t staged_ns = scene->staging ? scene->stage_ns : 0;
     struct eng_records *records =
-        settings->counts_only ? &memory->near.none : &memory->near.records;
+        question.counts_only ? &memory->near.none : &memory->near.records;
     records->record_bytes = sizeof(struct pccd_near);
-    status = eng_detect_prepare(scene, &step, effort, records, &stop, &team);
-    status = status == PCCD_OK ? reserve(&team, settings, &query, result) : status;
+    status = eng_detect_prepare(scene, &question, effort, records, &stop, &team);
+    status = status == PCCD_OK ? reserve(&team, &question, result) : status;
     if (status != PCCD_OK) {
         eng_stage_abort(scene);
         return status;
     }
-    status = arrive(&team, &query);
+    status = arrive(&team, &question);
     if (status != PCCD_OK) {
         return status;
     }
-    if (query.what == PCCD_NEAR_VERTICES) {
+    if (question.verb == PCCD_NEAR_VERTICES) {
         begin_bounds(&memory->near, scene);
-        query.bounds = memory->near.bounds;
+        question.sought.bounds = memory->near.bounds;
     }
     atomic_store_explicit(&memory->near.meets, false, memory_order_relaxed);
-    query.meets = &memory->near.meets;
-    begin_search(&team, &query);
+    question.sought.meets = &memory->near.meets;
+    begin_search(&team, &question);
     result->times.ingest = staged_ns;
-    team.method->start(&team, &step);
+    team.method->start(&team, &question);
     uint64_t detect_ns = eng_detect_run(&team, &result->times);
     result->incomplete =
         (enum pccd_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
-    answer(&team, settings, result);
+    answer(&team, &question, result);
     uint64_t end_ns = common_now_ns();
     result->times.merge = end_ns - detect_ns;
     uint64_t work_ns = eng_detect_count(&team, memory->near.threads.items, &result->times,
                                         &result->counters);
-    for (uint32_t i = 0; i < team.count && !is_by_objects(query.what); i++) {
+    for (uint32_t i = 0; i < team.count && !is_by_objects(question.verb); i++) {
         result->counters.exact += eng_near_work_of(team.workers[i])->batch.exact;
     }
     if (result->incomplete == PCCD_COMPLETE) {
-        eng_effort_learn(effort, step.mode, work_ns);
-        eng_effort_time(effort, step.mode, team.count > 1, end_ns - begin_ns);
+        eng_effort_learn(effort, question.mode, work_ns);
+        eng_effort_time(effort, question.mode, team.count > 1, end_ns - begin_ns);
     }
     result->threads = team.count;
     result->thread_records = memory->near.threads.items;
@@ -510,44 +499,44 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
     return PCCD_OK;
 }
 
-int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
+int eng_near(struct eng_scene *scene, const struct eng_question *question,
              struct eng_step_result *result)
 {
-    assert(scene && settings && result);
+    assert(scene && question && result);
     uint64_t begin_ns = common_now_ns();
     uint64_t allocs = atomic_load(&eng_payer()->allocs);
     uint64_t builds = scene->builds;
-    if (!settings_are_valid(settings)) {
+    if (!settings_are_valid(question)) {
         eng_stage_abort(scene);
         return PCCD_E_INVAL;
     }
-    struct eng_step_result r = {.what = settings->what,
-                                .method = method_of(settings),
+    struct eng_step_result r = {.what = question->verb,
+                                .method = method_of(question),
                                 .verdict = PCCD_VERDICT_NONE,
-                                .record_bytes = settings->what == PCCD_NEAR_VERTICES
+                                .record_bytes = question->verb == PCCD_NEAR_VERTICES
                                                     ? (uint32_t)sizeof(double)
                                                     : (uint32_t)sizeof(struct pccd_near),
                                 .distance_min = NOTHING_NEAR};
-    int status = search(scene, settings, begin_ns, &r);
+    int status = search(scene, question, begin_ns, &r);
     r.counters.builds = scene->builds - builds;
     r.counters.allocs = atomic_load(&eng_payer()->allocs) - allocs;
     *result = r;
     return status;
 }
 
-int eng_near_start(struct eng_scene *scene, const struct eng_step_settings *settings,
+int eng_near_start(struct eng_scene *scene, const struct eng_question *step,
                    struct eng_step_result *result)
 {
-    struct eng_near_settings near = {.step = *settings,
-                                     .what = PCCD_NEAR_CROSSINGS,
-                                     .tells_crossings = true,
-                                     .counts_only = true};
-    near.step.lender = NULL;
-    near.step.lent = NULL;
-    near.step.lent_bytes = 0;
-    if (settings->approach > 0) { /* else those pairs are contacts */
-        near.what = PCCD_NEAR_PAIRS;
-        near.distance = settings->separation;
+    struct eng_question near = *step;
+    near.verb = PCCD_NEAR_CROSSINGS;
+    near.end = 0;
+    near.tells_crossings = true;
+    near.counts_only = true;
+    near.lender = NULL;
+    near.lent = NULL;
+    near.lent_bytes = 0;
+    if (step->approach > 0) { /* else those pairs are contacts */
+        near.verb = PCCD_NEAR_PAIRS;
     }
     return eng_near(scene, &near, result);
 }

@@ -8,24 +8,9 @@
 #define ENG_NEAR_H
 
 #include "pccd_types.h"
+#include "question.h"
 #include "scene.h"
 #include "step_result.h"
-#include "step_settings.h"
-
-struct eng_near_settings {
-    /* Threads, method, deadline, cancel, contact_max, tuning, affinity, trace, kernels,
-     * team_always; of them all else is not looked at. */
-    struct eng_step_settings step;
-    enum pccd_near_what what;
-    double distance;      /* 0 .. 1e18; NEAREST: also INFINITY */
-    double gap;           /* NEAREST: 0 .. 1e18 */
-    uint32_t end;         /* 0 or 1 */
-    uint32_t objects[2];  /* ids; 0: any. pccd_near.h says when they are looked at */
-    bool tells_crossings; /* PAIRS, FEATURES, VERTICES: count what crosses, too */
-    /* PAIRS, CROSSINGS: make no records, so that those of the last answer stay; of
-     * CROSSINGS what only touches is not looked for. */
-    bool counts_only;
-};
 
 /* What VERTICES has of a vertex, as it is hashed. */
 struct eng_vertex_bound {
@@ -42,12 +27,12 @@ struct eng_vertex_bound {
  * PAIRS, FEATURES, VERTICES and NEAREST look at what is within the distance and the radii
  * of both features, their exact sum (scene.h). Pairs that are left thin for their rest
  * VERTICES takes without radii, the others not at all. */
-int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
+int eng_near(struct eng_scene *scene, const struct eng_question *question,
              struct eng_step_result *result);
 
 /* How the step begins that the scene has just made with these settings, in counts: its
  * crossings and, if it has an approach, the pairs within their distance. As above. */
-int eng_near_start(struct eng_scene *scene, const struct eng_step_settings *settings,
+int eng_near_start(struct eng_scene *scene, const struct eng_question *step,
                    struct eng_step_result *result);
 
 #endif

@@ -22,38 +22,39 @@
 /* The longest separation. */
 #define SEPARATION_MAX 1e18
 
-static bool thickness_is_valid(const struct eng_step_settings *settings)
+static bool thickness_is_valid(const struct eng_question *question)
 {
-    return settings->separation >= 0 && settings->separation < INFINITY &&
-           settings->approach >= 0 && settings->approach < 1;
+    return question->distance >= 0 && question->distance < INFINITY &&
+           question->approach >= 0 && question->approach < 1;
 }
 
-static bool settings_are_valid(const struct eng_step_settings *settings)
+static bool settings_are_valid(const struct eng_question *question)
 {
-    return thickness_is_valid(settings) && !settings->near &&
-           settings->mode < PCCD_MODE_COUNT && settings->method < PCCD_METHOD_COUNT &&
-           settings->threads >= 1 && settings->tuning.scheduler < ENG_SCHEDULER_COUNT &&
-           settings->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
-           settings->tuning.refit < ENG_REFIT_COUNT &&
-           settings->tuning.still < ENG_STILL_COUNT && settings->tolerance >= 1e-12 &&
-           settings->tolerance <= 1;
+    return thickness_is_valid(question) && question->verb == ENG_CONTACTS &&
+           question->span[0] == 0 && question->span[1] == 1 &&
+           question->mode < PCCD_MODE_COUNT && question->method < PCCD_METHOD_COUNT &&
+           question->threads >= 1 && question->tuning.scheduler < ENG_SCHEDULER_COUNT &&
+           question->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
+           question->tuning.refit < ENG_REFIT_COUNT &&
+           question->tuning.still < ENG_STILL_COUNT && question->tolerance >= 1e-12 &&
+           question->tolerance <= 1;
 }
 
-static int check(const struct eng_step_settings *settings)
+static int check(const struct eng_question *question)
 {
-    if (!settings_are_valid(settings) || (settings->brief && !eng_brief_fits(settings))) {
+    if (!settings_are_valid(question) || (question->brief && !eng_brief_fits(question))) {
         return PCCD_E_INVAL;
     }
-    return settings->separation <= SEPARATION_MAX ? PCCD_OK : PCCD_E_LIMIT;
+    return question->distance <= SEPARATION_MAX ? PCCD_OK : PCCD_E_LIMIT;
 }
 
 /* What is left of the work where most stands still is for one thread, as a rule. */
 static void make_single(struct eng_step_memory *memory, struct eng_team *team,
-                        const struct eng_step_settings *settings, struct eng_stop *stop)
+                        const struct eng_question *question, struct eng_stop *stop)
 {
     team->count = 1;
     eng_pool_reset(memory->pool, 1);
-    eng_worker_begin(memory->workers[0], team->scene, settings, stop, memory->pool);
+    eng_worker_begin(memory->workers[0], team->scene, question, stop, memory->pool);
     int status = eng_answer_begin(memory, team, &memory->sorted);
     assert(status == PCCD_OK); /* it had room for more */
     (void)status;
@@ -68,24 +69,23 @@ static double moving_part(const struct eng_scene *scene)
 }
 
 /* The positions have moved on: keep what the last answer says of what stands still. */
-static void keep_what_stands(struct eng_team *team,
-                             const struct eng_step_settings *settings,
+static void keep_what_stands(struct eng_team *team, const struct eng_question *question,
                              struct eng_stop *stop)
 {
     const struct eng_scene *scene = team->scene;
     struct eng_step_memory *memory = eng_step_memory_of(scene);
-    const struct eng_effort *effort = &memory->effort[eng_method_of(settings)];
-    if (team->method->survey && settings->tuning.still == ENG_STILL_KEPT) {
+    const struct eng_effort *effort = &memory->effort[eng_method_of(question)];
+    if (team->method->survey && question->tuning.still == ENG_STILL_KEPT) {
         team->method->survey(team->scene);
     }
     team->prunes = team->method->can_prune &&
-                   eng_kept_begin(&memory->kept, scene, settings, &memory->sorted);
+                   eng_kept_begin(&memory->kept, scene, question, &memory->sorted);
     if (!team->prunes) {
         return;
     }
-    if (team->count > 1 && !settings->team_always &&
-        !eng_effort_pays_for(effort, settings->mode, moving_part(scene))) {
-        make_single(memory, team, settings, stop);
+    if (team->count > 1 && !question->team_always &&
+        !eng_effort_pays_for(effort, question->mode, moving_part(scene))) {
+        make_single(memory, team, question, stop);
     }
     for (uint32_t i = 0; i < team->count; i++) {
         memory->workers[i]->prunes = true;
@@ -138,7 +138,7 @@ static void forget_records(struct eng_step_memory *memory)
 }
 
 /* The step, by the workers that the scene has, or was lent. */
-static int step(struct eng_scene *scene, const struct eng_step_settings *settings,
+static int step(struct eng_scene *scene, const struct eng_question *question,
                 struct eng_step_result *result)
 {
     uint64_t begin_ns = common_now_ns();
@@ -146,16 +146,16 @@ static int step(struct eng_scene *scene, const struct eng_step_settings *setting
     uint64_t builds = scene->builds;
     struct eng_stop stop;
     struct eng_team team;
-    int status = check(settings);
+    int status = check(question);
     if (status == PCCD_OK) {
-        eng_thickness_choose(scene, settings->separation);
-        eng_stop_init(&stop, settings);
+        eng_thickness_choose(scene, question->distance);
+        eng_stop_init(&stop, question);
         struct eng_step_memory *memory = eng_step_memory_of(scene);
         if (memory->was_emptied) {
             forget_records(memory);
         }
         status =
-            eng_detect_prepare(scene, settings, &memory->effort[eng_method_of(settings)],
+            eng_detect_prepare(scene, question, &memory->effort[eng_method_of(question)],
                                &memory->sorted, &stop, &team);
     }
     if (status != PCCD_OK) {
@@ -169,18 +169,18 @@ static int step(struct eng_scene *scene, const struct eng_step_settings *setting
     if (status != PCCD_OK) {
         return status;
     }
-    struct eng_step_result r = {.mode = settings->mode,
-                                .method = eng_method_of(settings),
+    struct eng_step_result r = {.mode = question->mode,
+                                .method = eng_method_of(question),
                                 .verdict = PCCD_VERDICT_NONE,
                                 .record_bytes = team.workers[0]->found.record_bytes,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
     scene->step++;
-    keep_what_stands(&team, settings, &stop);
+    keep_what_stands(&team, question, &stop);
     eng_frames_follow(scene);
-    eng_rigid_choose(scene, settings->mode != PCCD_MODE_PAIRS);
-    team.method->start(&team, settings);
-    if (settings->brief && !eng_brief_is_bounded(scene, &team)) {
+    eng_rigid_choose(scene, question->mode != PCCD_MODE_PAIRS);
+    team.method->start(&team, question);
+    if (question->brief && !eng_brief_is_bounded(scene, &team)) {
         eng_worker_give_up(team.workers[0]);
     }
     uint64_t detect_ns = eng_detect_run(&team, &r.times);
@@ -223,11 +223,11 @@ static void add_work(const struct eng_step_result *near, struct eng_step_result 
 
 /* How it began, and what that leaves of its answer. Who does not know all of it does not
  * say that it is free. */
-static void tell_start(struct eng_scene *scene, const struct eng_step_settings *settings,
+static void tell_start(struct eng_scene *scene, const struct eng_question *question,
                        struct eng_step_result *result)
 {
     struct eng_step_result near = {.incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT};
-    if (eng_near_start(scene, settings, &near) != PCCD_OK) {
+    if (eng_near_start(scene, question, &near) != PCCD_OK) {
         near = (struct eng_step_result){.incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT};
     }
     bool is_free = near.crossings + near.count == 0;
@@ -249,39 +249,39 @@ static void tell_start(struct eng_scene *scene, const struct eng_step_settings *
 }
 
 /* All of it. */
-static int whole_step(struct eng_scene *scene, const struct eng_step_settings *settings,
+static int whole_step(struct eng_scene *scene, const struct eng_question *question,
                       struct eng_step_result *result)
 {
-    int status = step(scene, settings, result);
-    if (status == PCCD_OK && settings->tells_start) {
-        tell_start(scene, settings, result);
+    int status = step(scene, question, result);
+    if (status == PCCD_OK && question->tells_start) {
+        tell_start(scene, question, result);
     }
     return status;
 }
 
-int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
+int eng_step(struct eng_scene *scene, const struct eng_question *question,
              struct eng_step_result *result)
 {
-    assert(scene && settings && result);
+    assert(scene && question && result);
     struct eng_step_memory *memory = eng_step_memory_of(scene);
     struct eng_step_memory *lender =
-        settings->lender ? eng_step_memory_of(settings->lender) : memory;
+        question->lender ? eng_step_memory_of(question->lender) : memory;
     if (lender == memory) {
-        return whole_step(scene, settings, result);
+        return whole_step(scene, question, result);
     }
-    assert(settings->threads == 1);
+    assert(question->threads == 1);
     eng_step_memory_borrow(memory, lender);
-    int status = whole_step(scene, settings, result);
+    int status = whole_step(scene, question, result);
     eng_step_memory_give_back(memory, lender);
     return status;
 }
 
 uint64_t eng_step_expects(const struct eng_scene *scene,
-                          const struct eng_step_settings *settings)
+                          const struct eng_question *question)
 {
-    assert(scene && settings && settings->mode <= PCCD_MODE_PAIRS);
+    assert(scene && question && question->mode <= PCCD_MODE_PAIRS);
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
-    return eng_effort_expects(&memory->effort[eng_method_of(settings)], settings->mode,
+    return eng_effort_expects(&memory->effort[eng_method_of(question)], question->mode,
                               eng_detect_size(scene));
 }
 
@@ -296,12 +296,11 @@ void eng_step_tidy(struct eng_scene *scene)
     eng_step_memory_keep(eng_step_memory_of(scene), 0);
 }
 
-void eng_step_nothing(const struct eng_step_settings *settings,
-                      struct eng_step_result *result)
+void eng_step_nothing(const struct eng_question *question, struct eng_step_result *result)
 {
-    assert(settings && result);
-    *result = (struct eng_step_result){.mode = settings->mode,
-                                       .method = eng_method_of(settings),
+    assert(question && result);
+    *result = (struct eng_step_result){.mode = question->mode,
+                                       .method = eng_method_of(question),
                                        .incomplete = PCCD_INCOMPLETE_DEADLINE,
                                        .verdict = PCCD_VERDICT_NONE,
                                        .toi_first = 2};

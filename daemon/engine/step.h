@@ -7,9 +7,9 @@
 #define ENG_STEP_H
 
 #include "pccd_types.h"
+#include "question.h"
 #include "scene.h"
 #include "step_result.h"
-#include "step_settings.h"
 
 /* An empty scene; `settings` NULL: the defaults. PCCD_E_INVAL, PCCD_E_NOMEM. */
 int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **scene);
@@ -23,13 +23,13 @@ int eng_mesh_arrange(struct eng_mesh *mesh, uint32_t threads);
  * Returns PCCD_OK with *result, also when incomplete; PCCD_E_AGAIN (brief.h): positions
  * have moved on. Settings out of range (PCCD_E_INVAL), a separation beyond 1e18
  * (PCCD_E_LIMIT), PCCD_E_NOMEM: as before. */
-int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
+int eng_step(struct eng_scene *scene, const struct eng_question *question,
              struct eng_step_result *result);
 
 /* How much work the next step with these settings will be, as the last ones were;
  * nanoseconds of one thread. A guess by the size of the scene before the first. */
 uint64_t eng_step_expects(const struct eng_scene *scene,
-                          const struct eng_step_settings *settings);
+                          const struct eng_question *question);
 
 /* Is so much work, in steps that do not depend on each other, worth a team? */
 bool eng_step_is_enough(uint64_t work_ns);
@@ -39,7 +39,7 @@ void eng_step_tidy(struct eng_scene *scene);
 
 /* What it would say of a step that has to end before it begins: nothing was found. Of the
  * settings, mode, method and scheduler matter. [any] */
-void eng_step_nothing(const struct eng_step_settings *settings,
+void eng_step_nothing(const struct eng_question *question,
                       struct eng_step_result *result);
 
 #endif

@@ -25,7 +25,7 @@ struct eng_near_memory {
     struct eng_thread_records threads;
     _Atomic uint64_t *bounds; /* [bound_capacity] by the scene's vertices */
     uint32_t bound_capacity;
-    atomic_bool meets; /* CROSSINGS: near_query.h */
+    atomic_bool meets; /* CROSSINGS: question.h */
     uint64_t *order;   /* [order_capacity] objects: id << 32 | index */
     uint32_t order_capacity;
     struct eng_near_objects objects; /* NEAREST, DEPTH */

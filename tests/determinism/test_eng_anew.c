@@ -31,7 +31,7 @@ enum { FLOOR, TILE, CLOTH, BODY, OTHER };
 
 struct world {
     struct player player;
-    struct eng_step_settings settings;
+    struct eng_question settings;
     struct eng_step_result result; /* of the last step */
     uint32_t moves;                /* of the patch, so far */
 };
@@ -147,7 +147,7 @@ static void begin(struct world *world, enum pccd_method method, uint32_t threads
     struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
     made.region_triangles = 64;
     memset(world, 0, sizeof *world);
-    world->settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    world->settings = (struct eng_question)ENG_QUESTION_DEFAULT;
     world->settings.method = method;
     world->settings.threads = threads;
     world->settings.team_always = true;
@@ -433,7 +433,7 @@ static void team__may_be_another_one_in_each_step(void **state)
 
 /* A step that ends early, in which the body goes away; the next one must not take
  * contacts from it. */
-static void cut(struct world *world, const struct eng_step_settings *settings)
+static void cut(struct world *world, const struct eng_question *settings)
 {
     struct eng_step_result result;
     lift(world, BODY, 0, object_of(world, BODY)->vertex_count, 1.5);
@@ -449,7 +449,7 @@ static void cut(struct world *world, const struct eng_step_settings *settings)
 
 static void cut_short(struct world *world)
 {
-    struct eng_step_settings settings = world->settings;
+    struct eng_question settings = world->settings;
     atomic_bool cancel = true;
     settings.contact_max = 3;
     cut(world, &settings);
@@ -470,7 +470,7 @@ static void incomplete_step__is_not_gone_by(void **state)
 
 static void give_up(struct world *world)
 {
-    struct eng_step_settings settings = world->settings;
+    struct eng_question settings = world->settings;
     struct eng_step_result result;
     settings.brief = true;
     settings.threads = 1;
@@ -502,7 +502,7 @@ static void fail_in_every_way(struct world *world)
 {
     struct eng_scene *scene = world->player.scene;
     const struct player_object *cloth = object_of(world, CLOTH);
-    struct eng_step_settings settings = world->settings;
+    struct eng_question settings = world->settings;
     struct eng_step_result result;
     double(*x)[3] = play_get(cloth->vertex_count, sizeof *x);
     for (int what = 0; what < 4; what++) {

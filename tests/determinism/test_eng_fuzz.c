@@ -62,9 +62,9 @@ static struct eng_scene_settings some_scene(struct fuzz *fuzz)
     return made;
 }
 
-static struct eng_step_settings some_settings(struct fuzz *fuzz, enum pccd_mode mode)
+static struct eng_question some_settings(struct fuzz *fuzz, enum pccd_mode mode)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     way_draw(&fuzz->prng, fuzz->thread_max, &settings);
     settings.team_always = draw(fuzz, 4) > 0; /* else by a team where it pays */
@@ -76,7 +76,7 @@ static struct eng_step_settings some_settings(struct fuzz *fuzz, enum pccd_mode 
 static void find_reference(struct fuzz *fuzz, enum pccd_mode mode,
                            struct fresh_answer *answer)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     fresh_find(&fuzz->player, &settings, answer);
     CHECK(fuzz, answer->result.incomplete == PCCD_COMPLETE);
@@ -95,7 +95,7 @@ static void tally(const struct eng_step_result *result)
 static void take_whole_step(struct fuzz *fuzz, enum pccd_mode mode,
                             const struct fresh_answer *want)
 {
-    struct eng_step_settings settings = some_settings(fuzz, mode);
+    struct eng_question settings = some_settings(fuzz, mode);
     struct eng_step_result result;
     CHECK(fuzz, player_step(&fuzz->player, &settings, &result) == PCCD_OK);
     tally(&result);
@@ -131,7 +131,7 @@ static bool is_part_of(const struct eng_step_result *result,
 static void take_cut_step(struct fuzz *fuzz, enum pccd_mode mode,
                           const struct eng_step_result *whole)
 {
-    struct eng_step_settings settings = some_settings(fuzz, mode);
+    struct eng_question settings = some_settings(fuzz, mode);
     struct eng_step_result result;
     atomic_bool cancel = true;
     enum pccd_incomplete reason = PCCD_INCOMPLETE_DEADLINE;
@@ -163,7 +163,7 @@ static void take_cut_step(struct fuzz *fuzz, enum pccd_mode mode,
 /* Everything to other places, in too little time for it. */
 static void take_detour(struct fuzz *fuzz)
 {
-    struct eng_step_settings settings = some_settings(fuzz, PCCD_MODE_ALL);
+    struct eng_question settings = some_settings(fuzz, PCCD_MODE_ALL);
     settings.deadline_ns = common_now_ns() + 1000000;
     if (draw(fuzz, 2) == 0) {
         player_scramble(&fuzz->player, &settings);

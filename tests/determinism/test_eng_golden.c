@@ -69,9 +69,9 @@ static struct eng_scene_settings scene_settings(const struct row *row)
     return settings;
 }
 
-static struct eng_step_settings step_settings(const struct row *row)
+static struct eng_question step_settings(const struct row *row)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = (enum pccd_mode)row->level[MODE];
     settings.method = way_methods[row->level[METHOD]];
     settings.kernels = way_kernels(row->level[KERNELS]);
@@ -200,7 +200,7 @@ static void fixture_init(struct fixture *f, const struct golden *golden)
             continue;
         }
         for (uint32_t mode = 0; mode < 4; mode++) {
-            struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+            struct eng_question settings = ENG_QUESTION_DEFAULT;
             struct eng_step_result result;
             settings.mode = (enum pccd_mode)mode;
             if (mode > 0) {
@@ -271,7 +271,7 @@ static bool is_golden(const struct fixture *f)
 static void fail_row(const struct fixture *f, const struct row *row, uint32_t step,
                      const char *what)
 {
-    const struct eng_step_settings settings = step_settings(row);
+    const struct eng_question settings = step_settings(row);
     char way[WAY_TEXT_MAX];
     way_tell(&settings, way);
     fail_msg("%s, step %u: %s; %s, ratio %g, region %u, history %u, mode %u",
@@ -311,7 +311,7 @@ static void take_step(struct fixture *f, const struct row *row, uint32_t step,
                       struct player *player)
 {
     const struct eng_scene_settings made = scene_settings(row);
-    const struct eng_step_settings settings = step_settings(row);
+    const struct eng_question settings = step_settings(row);
     struct eng_step_result result;
     if (row->level[HISTORY] == FRESH) {
         struct player copy;
@@ -476,7 +476,7 @@ static void under_all_step_settings(struct fixture *f, struct row row, uint32_t 
         row.level[HIGH_LEVEL] = i / 2 % 2;
         row.level[REFIT] = i % 2;
         if (is_a_combination(&row)) {
-            struct eng_step_settings back = step_settings(&row);
+            struct eng_question back = step_settings(&row);
             row.level[MODE] = turn % 4;
             row.level[KERNELS] = turn / 4 % levels(KERNELS);
             turn++;

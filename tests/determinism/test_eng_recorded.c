@@ -82,7 +82,7 @@ static void step(struct eng_scene *scene, uint32_t object_idx, const struct ply 
                  const struct ply *to, const struct row *row,
                  struct eng_step_result *result)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.threads = row->threads;
     settings.team_always = true;
     settings.tuning.scheduler = row->scheduler;

@@ -160,7 +160,7 @@ static int stage(struct eng_scene *scene, const struct shape *shape,
 
 /* One step. Returns whether there is a whole answer. */
 static bool run(struct eng_scene *scene, const struct shape *shape, const uint32_t idx[2],
-                const struct eng_step_settings *settings, struct eng_step_result *result)
+                const struct eng_question *settings, struct eng_step_result *result)
 {
     if (is_refusal(stage(scene, shape, idx)) ||
         is_refusal(eng_step(scene, settings, result))) {
@@ -173,10 +173,10 @@ static bool run(struct eng_scene *scene, const struct shape *shape, const uint32
 static void compare(struct eng_scene *scene, const struct shape *shape,
                     const uint32_t idx[2], uint8_t choices)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result all;
     struct eng_step_result other;
-    settings.separation = shape->separation;
+    settings.distance = shape->separation;
     settings.kernels = eng_kernels_of((enum eng_isa)(choices % ENG_ISA_COUNT));
     if (!run(scene, shape, idx, &settings, &all)) {
         return;

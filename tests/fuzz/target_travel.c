@@ -94,7 +94,7 @@ static void move_object(struct fuzz_input *input, struct tour *tour, uint32_t i,
 static int step(struct eng_scene *scene, enum pccd_method method, enum pccd_mode mode,
                 struct eng_step_result *result)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = method;
     settings.mode = mode;
     return eng_step(scene, &settings, result);

@@ -239,7 +239,7 @@ void judge_stage_whole(struct judge *judge)
 
 void judge_step(struct judge *judge, enum pccd_mode mode, struct eng_step_result *result)
 {
-    judge->settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    judge->settings = (struct eng_question)ENG_QUESTION_DEFAULT;
     judge->settings.mode = mode;
     judge->settings.tolerance = judge->tolerance;
     way_draw(&judge->ways, 4, &judge->settings);

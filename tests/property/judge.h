@@ -45,7 +45,7 @@ struct judge {
     double tolerance;
     struct judge_sums *sums;
     struct prng ways; /* how the next steps are taken, however small they are */
-    struct eng_step_settings settings; /* of the last step */
+    struct eng_question settings; /* of the last step */
 };
 
 /* A seed of its own for each judge: every step is taken by another method, instruction

@@ -64,7 +64,7 @@ void near_objects_list(const struct player *player, struct near_objects *objects
 }
 
 static void moment_init(struct moment *moment, const struct player *player,
-                        const struct eng_near_settings *settings)
+                        const struct eng_question *settings)
 {
     near_objects_list(player, &moment->objects);
     for (uint32_t i = 0; i < player->object_count; i++) {
@@ -75,28 +75,27 @@ static void moment_init(struct moment *moment, const struct player *player,
                                             .object_count = player->object_count,
                                             .may_meet = near_may_meet,
                                             .context = player};
-    oracle_moment_thicken(&moment->oracle, settings->what);
+    oracle_moment_thicken(&moment->oracle, settings->verb);
 }
 
 /* What crosses counts, too, as the question is or says. */
-static bool has_crossings(const struct eng_near_settings *settings)
+static bool has_crossings(const struct eng_question *settings)
 {
-    return settings->what == PCCD_NEAR_CROSSINGS ||
-           (settings->what <= PCCD_NEAR_VERTICES && settings->tells_crossings);
+    return settings->verb == PCCD_NEAR_CROSSINGS ||
+           (settings->verb <= PCCD_NEAR_VERTICES && settings->tells_crossings);
 }
 
 /* false: it would take too long. */
-static bool find_truth(const struct moment *moment,
-                       const struct eng_near_settings *settings, uint64_t queries_max,
-                       struct truth *truth)
+static bool find_truth(const struct moment *moment, const struct eng_question *settings,
+                       uint64_t queries_max, struct truth *truth)
 {
-    bool crosses = settings->what == PCCD_NEAR_CROSSINGS;
+    bool crosses = settings->verb == PCCD_NEAR_CROSSINGS;
     memset(truth, 0, sizeof *truth);
-    if (settings->what == PCCD_NEAR_NEAREST) {
+    if (settings->verb == PCCD_NEAR_NEAREST) {
         return oracle_objects_nearest(&moment->oracle, settings->objects,
                                       settings->distance, queries_max, &truth->objects);
     }
-    if (settings->what == PCCD_NEAR_DEPTH) {
+    if (settings->verb == PCCD_NEAR_DEPTH) {
         return oracle_objects_depth(&moment->oracle, settings->objects, queries_max,
                                     &truth->objects, &truth->through);
     }
@@ -108,7 +107,7 @@ static bool find_truth(const struct moment *moment,
                            &truth->pairs)) {
         return false;
     }
-    if (settings->what == PCCD_NEAR_FEATURES) {
+    if (settings->verb == PCCD_NEAR_FEATURES) {
         oracle_near_features(&moment->oracle, &truth->pairs, &truth->features);
     }
     return true;
@@ -248,7 +247,7 @@ static long double surfaces_of(const struct oracle_near *near, double distance)
 }
 
 static const char *check_gap(const struct oracle_moment *moment,
-                             const struct eng_near_settings *settings,
+                             const struct eng_question *settings,
                              const struct oracle_nears *nearest,
                              const struct pccd_near *is, struct near_sums *sums)
 {
@@ -280,7 +279,7 @@ static const char *check_gap(const struct oracle_moment *moment,
 }
 
 const char *near_judge_gaps(const struct oracle_moment *moment,
-                            const struct eng_near_settings *settings,
+                            const struct eng_question *settings,
                             const struct oracle_nears *nearest,
                             const struct eng_step_result *result, struct near_sums *sums)
 {
@@ -303,12 +302,12 @@ const char *near_judge_gaps(const struct oracle_moment *moment,
 }
 
 static const char *check_objects(const struct moment *moment, const struct truth *truth,
-                                 const struct eng_near_settings *settings,
+                                 const struct eng_question *settings,
                                  const struct eng_step_result *result,
                                  struct near_sums *sums)
 {
-    bool is_limited = truth->objects.count > settings->step.contact_max;
-    bool is_depth = settings->what == PCCD_NEAR_DEPTH;
+    bool is_limited = truth->objects.count > settings->contact_max;
+    bool is_depth = settings->verb == PCCD_NEAR_DEPTH;
     bool is_whole = result->incomplete == PCCD_COMPLETE;
     sums->nearest += is_depth ? 0 : truth->objects.count;
     sums->inside += is_depth ? truth->objects.count : 0;
@@ -362,7 +361,7 @@ static const char *check_extremes(const struct moment *moment, const struct trut
 }
 
 static const char *check_bounds(const struct moment *moment, const struct truth *truth,
-                                const struct eng_near_settings *settings,
+                                const struct eng_question *settings,
                                 const struct eng_step_result *result,
                                 struct near_sums *sums)
 {
@@ -392,7 +391,7 @@ static const char *check_bounds(const struct moment *moment, const struct truth 
 
 /* Nothing is said to be free of intersections, or not, that was not looked at. */
 static const char *check_verdict(const struct truth *truth,
-                                 const struct eng_near_settings *settings,
+                                 const struct eng_question *settings,
                                  const struct eng_step_result *result)
 {
     bool is_free = truth->crossings.count == 0 && truth->pairs.count == 0;
@@ -400,7 +399,7 @@ static const char *check_verdict(const struct truth *truth,
         result->crossings != truth->crossings.count) {
         return "what crosses beside what was asked";
     }
-    if (settings->what != PCCD_NEAR_CROSSINGS) {
+    if (settings->verb != PCCD_NEAR_CROSSINGS) {
         return result->verdict != PCCD_VERDICT_NONE ? "a verdict of nothing" : NULL;
     }
     if (result->crossings != result->count) {
@@ -414,7 +413,7 @@ static const char *check_verdict(const struct truth *truth,
                : NULL;
 }
 
-static void sum_up(const struct truth *truth, const struct eng_near_settings *settings,
+static void sum_up(const struct truth *truth, const struct eng_question *settings,
                    const struct eng_step_result *result, struct near_sums *sums)
 {
     sums->judged++;
@@ -423,16 +422,16 @@ static void sum_up(const struct truth *truth, const struct eng_near_settings *se
     sums->pairs += truth->pairs.count;
     sums->features += truth->features.count;
     sums->crossings += truth->crossings.count;
-    sums->beside += settings->what <= PCCD_NEAR_VERTICES ? truth->crossings.count : 0;
+    sums->beside += settings->verb <= PCCD_NEAR_VERTICES ? truth->crossings.count : 0;
     sums->parts += result->incomplete != PCCD_COMPLETE ? result->count : 0;
-    sums->free += settings->what == PCCD_NEAR_CROSSINGS && truth->crossings.count == 0 &&
+    sums->free += settings->verb == PCCD_NEAR_CROSSINGS && truth->crossings.count == 0 &&
                   truth->pairs.count == 0;
     for (size_t i = 0; i < truth->pairs.count; i++) {
         const struct pccd_near *record = &truth->pairs.items[i].record;
         sums->types[PCCD_NEAR_TYPE(record->flags)]++;
         sums->touching += record->d_hi == 0;
         sums->thick +=
-            record->d_lo > settings->distance && settings->what != PCCD_NEAR_CROSSINGS;
+            record->d_lo > settings->distance && settings->verb != PCCD_NEAR_CROSSINGS;
         sums->at_distance += record->d_hi > 0 && record->d_lo == record->d_hi &&
                              record->d_lo == settings->distance;
     }
@@ -441,13 +440,13 @@ static void sum_up(const struct truth *truth, const struct eng_near_settings *se
 /* What was counted on the way to a complete answer. Pairs that touch are not looked for
  * any more when it is known that features do, or cross. */
 static const char *check_counters(const struct truth *truth,
-                                  const struct eng_near_settings *settings,
+                                  const struct eng_question *settings,
                                   const struct eng_step_result *result)
 {
     const struct pccd_step_counters *counters = &result->counters;
     uint64_t counts[PCCD_KINDS_MAX] = {0};
     uint64_t all = 0;
-    bool is_all = settings->what != PCCD_NEAR_CROSSINGS;
+    bool is_all = settings->verb != PCCD_NEAR_CROSSINGS;
     for (size_t i = 0; i < truth->pairs.count && is_all; i++) {
         counts[truth->pairs.items[i].record.kind]++;
     }
@@ -459,13 +458,12 @@ static const char *check_counters(const struct truth *truth,
         all += counts[kind];
     }
     /* Of pairs that cannot lessen a bound none is asked what its distance is. */
-    bool are_asked = settings->what != PCCD_NEAR_VERTICES;
+    bool are_asked = settings->verb != PCCD_NEAR_VERTICES;
     return are_asked && counters->survivors < all ? "there were more pairs than survivors"
                                                   : NULL;
 }
 
-const char *near_judge(const struct player *player,
-                       const struct eng_near_settings *settings,
+const char *near_judge(const struct player *player, const struct eng_question *settings,
                        const struct eng_step_result *result, uint64_t queries_max,
                        struct near_sums *sums)
 {
@@ -477,7 +475,7 @@ const char *near_judge(const struct player *player,
         truth_deinit(&truth);
         return NULL;
     }
-    if (settings->what == PCCD_NEAR_NEAREST || settings->what == PCCD_NEAR_DEPTH) {
+    if (settings->verb == PCCD_NEAR_NEAREST || settings->verb == PCCD_NEAR_DEPTH) {
         wrong = check_objects(&moment, &truth, settings, result, sums);
         wrong = wrong ? wrong : check_verdict(&truth, settings, result);
         sum_up(&truth, settings, result, sums);
@@ -485,13 +483,13 @@ const char *near_judge(const struct player *player,
         return wrong;
     }
     const struct oracle_nears *nears =
-        settings->what == PCCD_NEAR_FEATURES    ? &truth.features
-        : settings->what == PCCD_NEAR_CROSSINGS ? &truth.crossings
+        settings->verb == PCCD_NEAR_FEATURES    ? &truth.features
+        : settings->verb == PCCD_NEAR_CROSSINGS ? &truth.crossings
                                                 : &truth.pairs;
-    if (settings->what != PCCD_NEAR_VERTICES) {
-        uint64_t found = settings->what == PCCD_NEAR_CROSSINGS ? truth.crossings.count
+    if (settings->verb != PCCD_NEAR_VERTICES) {
+        uint64_t found = settings->verb == PCCD_NEAR_CROSSINGS ? truth.crossings.count
                                                                : truth.pairs.count;
-        wrong = check_records(nears, found > settings->step.contact_max, result);
+        wrong = check_records(nears, found > settings->contact_max, result);
     } else if (result->incomplete == PCCD_COMPLETE) {
         wrong = check_bounds(&moment, &truth, settings, result, sums);
     } else if (result->count != 0) {

@@ -43,15 +43,14 @@ bool near_may_meet(const void *context, uint32_t a, uint32_t b);
 
 /* NULL: the answer is right, or it would take more than `queries_max` exact decisions to
  * know; else what is wrong. */
-const char *near_judge(const struct player *player,
-                       const struct eng_near_settings *settings,
+const char *near_judge(const struct player *player, const struct eng_question *settings,
                        const struct eng_step_result *result, uint64_t queries_max,
                        struct near_sums *sums);
 
 /* The same of an answer with a gap: some pair of each two objects that have a nearest
  * one, not much farther. */
 const char *near_judge_gaps(const struct oracle_moment *moment,
-                            const struct eng_near_settings *settings,
+                            const struct eng_question *settings,
                             const struct oracle_nears *nearest,
                             const struct eng_step_result *result, struct near_sums *sums);
 

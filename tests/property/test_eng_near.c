@@ -55,7 +55,7 @@ struct sequence {
     double size;
     double offset[3];
     bool is_sparse; /* objects are far from each other */
-    struct eng_near_settings settings;
+    struct eng_question settings;
 };
 
 static struct {
@@ -71,9 +71,9 @@ static void must(const struct sequence *s, bool holds, const char *what)
 {
     if (!holds) {
         char way[WAY_TEXT_MAX];
-        way_tell(&s->settings.step, way);
+        way_tell(&s->settings, way);
         fail_msg("PCCD_SEED=%llu, what %d, end %u, d %a, %s: %s",
-                 (unsigned long long)s->seed, (int)s->settings.what, s->settings.end,
+                 (unsigned long long)s->seed, (int)s->settings.verb, s->settings.end,
                  s->settings.distance, way, what);
     }
 }
@@ -246,7 +246,7 @@ static bool may_meet(const void *context, uint32_t id_a, uint32_t id_b)
 
 static void find_due(const struct sequence *s, struct due *due)
 {
-    bool crosses = s->settings.what == PCCD_NEAR_CROSSINGS;
+    bool crosses = s->settings.verb == PCCD_NEAR_CROSSINGS;
     memset(due, 0, sizeof *due);
     for (uint32_t i = 0; i < s->object_count; i++) {
         due->objects[i] = view(&s->objects[i]);
@@ -261,7 +261,7 @@ static void find_due(const struct sequence *s, struct due *due)
                       &due->pairs);
     if (crosses) {
         oracle_near_crossings(&due->moment, UINT64_MAX, &due->records);
-    } else if (s->settings.what == PCCD_NEAR_FEATURES) {
+    } else if (s->settings.verb == PCCD_NEAR_FEATURES) {
         oracle_near_features(&due->moment, &due->pairs, &due->records);
     }
 }
@@ -314,7 +314,7 @@ static void check_answer(const struct sequence *s, const struct eng_step_result 
 {
     struct due due;
     find_due(s, &due);
-    switch (s->settings.what) {
+    switch (s->settings.verb) {
     case PCCD_NEAR_VERTICES:
         check_bounds(s, &due, result);
         break;
@@ -359,16 +359,15 @@ static void ask(struct sequence *s, bool moves)
     static const enum pccd_near_what questions[] = {
         PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES, PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS};
     static const double distances[] = {0, 0.25, 0.1, 0.5, 1e-3};
-    const struct eng_step_settings defaults = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
-    s->settings = (struct eng_near_settings){.step = defaults,
-                                             .what = questions[draw(s, 4)],
-                                             .end = draw(s, 2),
-                                             .distance = s->size * distances[draw(s, 5)]};
-    if (s->settings.what == PCCD_NEAR_VERTICES && draw(s, 2)) {
+    s->settings = (struct eng_question)ENG_QUESTION_DEFAULT;
+    s->settings.verb = questions[draw(s, 4)];
+    s->settings.end = draw(s, 2);
+    s->settings.distance = s->size * distances[draw(s, 5)];
+    if (s->settings.verb == PCCD_NEAR_VERTICES && draw(s, 2)) {
         s->settings.objects[0] = s->objects[draw(s, s->object_count)].id;
     }
-    way_draw(&s->prng, THREADS_MAX, &s->settings.step);
+    way_draw(&s->prng, THREADS_MAX, &s->settings);
     if (moves) {
         draw_motion(s);
         stage(s, s->scene, 0);
@@ -386,11 +385,11 @@ static void ask(struct sequence *s, bool moves)
 /* A step of both scenes; what was asked of the one changes nothing. */
 static void step_both(struct sequence *s)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result[2];
     settings.mode = (enum pccd_mode)draw(s, PCCD_MODE_COUNT);
     way_draw(&s->prng, THREADS_MAX, &settings);
-    s->settings.step = settings;
+    s->settings = settings;
     draw_motion(s);
     for (int i = 0; i < 2; i++) {
         struct eng_scene *scene = i ? s->other : s->scene;

@@ -270,11 +270,11 @@ static void compare(const struct scene *scene, double distance,
 
 /* ---- questions ------------------------------------------------------------------ */
 
-static struct eng_step_result ask(struct scene *scene, struct eng_near_settings settings)
+static struct eng_step_result ask(struct scene *scene, struct eng_question settings)
 {
     struct eng_step_result result;
-    way_draw(&scene->prng, THREADS_MAX, &settings.step);
-    settings.step.team_always = true;
+    way_draw(&scene->prng, THREADS_MAX, &settings);
+    settings.team_always = true;
     settings.end = scene->end;
     assert_int_equal(eng_near(scene->kit.scene, &settings, &result), PCCD_OK);
     must(scene, result.incomplete == PCCD_COMPLETE, "it is not complete");
@@ -295,16 +295,16 @@ static void add_twos(const struct eng_step_result *result,
 }
 
 /* One rule says what is within the distance: what pairs or crossings have. */
-static void check_rule(struct scene *scene, const struct eng_near_settings *nearest,
+static void check_rule(struct scene *scene, const struct eng_question *nearest,
                        bool is_near[OBJECTS_MAX][OBJECTS_MAX])
 {
-    struct eng_near_settings settings = *nearest;
+    struct eng_question settings = *nearest;
     bool twos[OBJECTS_MAX][OBJECTS_MAX] = {{false}};
     settings.objects[0] = settings.objects[1] = 0;
-    settings.what = PCCD_NEAR_PAIRS;
+    settings.verb = PCCD_NEAR_PAIRS;
     struct eng_step_result result = ask(scene, settings);
     add_twos(&result, twos);
-    settings.what = PCCD_NEAR_CROSSINGS;
+    settings.verb = PCCD_NEAR_CROSSINGS;
     result = ask(scene, settings);
     add_twos(&result, twos);
     for (uint32_t a = 0; a < scene->kit.count; a++) {
@@ -322,7 +322,7 @@ static void check_rule(struct scene *scene, const struct eng_near_settings *near
 
 static void check_nearest(struct scene *scene)
 {
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct truth truth;
     bool twos[OBJECTS_MAX][OBJECTS_MAX] = {{false}};
     if (draw(scene, 3) > 0) {
@@ -358,7 +358,7 @@ static void check_nearest(struct scene *scene)
     }
 }
 
-static void check_bounds(struct scene *scene, const struct eng_near_settings *settings,
+static void check_bounds(struct scene *scene, const struct eng_question *settings,
                          const struct eng_step_result *result, struct truth *truth)
 {
     const double *given = result->records;
@@ -377,21 +377,21 @@ static void check_pairs(struct scene *scene)
 {
     static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
                                                 PCCD_NEAR_VERTICES};
-    struct eng_near_settings settings = near_kit_settings(whats[draw(scene, 3)]);
+    struct eng_question settings = near_kit_settings(whats[draw(scene, 3)]);
     struct oracle_nears features;
     struct truth truth;
     settings.distance = scene->scale * (double)draw(scene, 6) * 0.125;
     struct eng_step_result result = ask(scene, settings);
-    begin_truth(scene, settings.what, &truth);
+    begin_truth(scene, settings.verb, &truth);
     if (!oracle_near_pairs(&truth.moment, settings.distance, QUERIES_MAX, &truth.nears)) {
         return;
     }
     sums.pairs += truth.nears.count;
-    if (settings.what == PCCD_NEAR_VERTICES) {
+    if (settings.verb == PCCD_NEAR_VERTICES) {
         check_bounds(scene, &settings, &result, &truth);
         return;
     }
-    if (settings.what == PCCD_NEAR_FEATURES) {
+    if (settings.verb == PCCD_NEAR_FEATURES) {
         oracle_near_features(&truth.moment, &truth.nears, &features);
         oracle_nears_deinit(&truth.nears);
         truth.nears = features;

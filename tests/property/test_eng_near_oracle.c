@@ -67,10 +67,10 @@ struct sequence {
     uint32_t step;
     struct prng prng;
     struct stir stir;
-    struct eng_step_settings settings; /* of the steps */
-    struct eng_near_settings question; /* the last one */
-    bool is_thick;                     /* there may be radii and a separation */
-    bool is_spoilt;                    /* where the last step began is not kept */
+    struct eng_question settings; /* of the steps */
+    struct eng_question question; /* the last one */
+    bool is_thick;                /* there may be radii and a separation */
+    bool is_spoilt;               /* where the last step began is not kept */
     /* The answer of the last step, and a copy of it; NULL: there is none. */
     struct eng_step_result last;
     void *records;
@@ -83,9 +83,9 @@ static void must(const struct sequence *sequence, bool holds, const char *what)
         char way[WAY_TEXT_MAX];
         way_tell(&sequence->settings, way);
         print_message("# step: mode %d, %s\n", (int)sequence->settings.mode, way);
-        way_tell(&sequence->question.step, way);
+        way_tell(&sequence->question, way);
         print_message("# question: what %d, distance %a, end %u, %s\n",
-                      (int)sequence->question.what, sequence->question.distance,
+                      (int)sequence->question.verb, sequence->question.distance,
                       sequence->question.end, way);
         fail_msg("PCCD_SEED=%llu, step %u: %s", (unsigned long long)sequence->seed,
                  sequence->step, what);
@@ -157,8 +157,7 @@ static uint64_t triangles_of(const struct player *player)
 }
 
 /* How it says that it begins. */
-static void judge_start(struct sequence *sequence,
-                        const struct eng_step_settings *settings,
+static void judge_start(struct sequence *sequence, const struct eng_question *settings,
                         const struct near_objects *objects,
                         const struct eng_step_result *result)
 {
@@ -180,7 +179,7 @@ static void judge_start(struct sequence *sequence,
     }
     if (oracle_near_crossings(&moment, QUERIES_MAX, &crossings) &&
         (settings->approach == 0 ||
-         oracle_near_pairs(&moment, settings->separation, QUERIES_MAX, &pairs))) {
+         oracle_near_pairs(&moment, settings->distance, QUERIES_MAX, &pairs))) {
         bool is_free = crossings.count + pairs.count == 0;
         bool is_any = settings->mode == PCCD_MODE_ANY;
         must(sequence, result->crossings == crossings.count,
@@ -205,8 +204,7 @@ static double safe_step_of(const struct eng_step_result *result)
 }
 
 /* Decide every pair of a small scene, unless that takes too long. */
-static void judge_step(struct sequence *sequence,
-                       const struct eng_step_settings *settings,
+static void judge_step(struct sequence *sequence, const struct eng_question *settings,
                        const struct eng_step_result *result)
 {
     const struct player *player = &sequence->stir.player;
@@ -220,7 +218,7 @@ static void judge_step(struct sequence *sequence,
                                     .object_count = player->object_count,
                                     .may_meet = near_may_meet,
                                     .context = player,
-                                    .separation = settings->separation,
+                                    .separation = settings->distance,
                                     .approach = settings->approach,
                                     .tolerance = settings->tolerance};
     judge_start(sequence, settings, &objects, result);
@@ -239,8 +237,7 @@ static void judge_step(struct sequence *sequence,
     must(sequence, wrong == NULL, wrong);
 }
 
-static void check_step(struct sequence *sequence,
-                       const struct eng_step_settings *settings,
+static void check_step(struct sequence *sequence, const struct eng_question *settings,
                        const struct eng_step_result *result)
 {
     struct fresh_answer fresh;
@@ -259,7 +256,7 @@ static void check_step(struct sequence *sequence,
  * is that of the sequence. */
 struct together {
     struct player *players[BATCH];
-    struct eng_step_settings settings[BATCH];
+    struct eng_question settings[BATCH];
     struct eng_step_result results[BATCH];
     int statuses[BATCH];
 };
@@ -273,8 +270,7 @@ static void step_one(void *context, uint32_t item, uint32_t thread)
 }
 
 /* Returns what the sequence's own scene has. */
-static int step_together(struct sequence *sequence,
-                         const struct eng_step_settings *settings,
+static int step_together(struct sequence *sequence, const struct eng_question *settings,
                          struct eng_step_result *result)
 {
     struct together together;
@@ -312,7 +308,7 @@ static int step_together(struct sequence *sequence,
 static void change_settings(struct sequence *sequence)
 {
     static const double tolerances[] = {1e-6, 1e-3, 1e-12};
-    struct eng_step_settings *settings = &sequence->settings;
+    struct eng_question *settings = &sequence->settings;
     if (draw(sequence, 4) == 0) {
         way_draw(&sequence->prng, THREADS_MAX, settings);
     }
@@ -322,7 +318,7 @@ static void change_settings(struct sequence *sequence)
     }
     if (sequence->is_thick && draw(sequence, 4) == 0) {
         settings->tolerance = tolerances[draw(sequence, 3)];
-        settings->separation = draw(sequence, 2) * PLAY_UNIT * draw(sequence, 64);
+        settings->distance = draw(sequence, 2) * PLAY_UNIT * draw(sequence, 64);
         settings->approach = 0.25 * draw(sequence, 4);
     }
 }
@@ -331,7 +327,7 @@ static void change_settings(struct sequence *sequence)
  * answer that nobody asks for. */
 static void take_step(struct sequence *sequence)
 {
-    struct eng_step_settings settings = sequence->settings;
+    struct eng_question settings = sequence->settings;
     struct eng_step_result result;
     atomic_bool cancel = true;
     uint32_t how = draw(sequence, 20);
@@ -407,7 +403,7 @@ static void draw_question(struct sequence *sequence)
                                                 PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS,
                                                 PCCD_NEAR_NEAREST,  PCCD_NEAR_DEPTH};
     const struct player *player = &sequence->stir.player;
-    struct eng_near_settings *question = &sequence->question;
+    struct eng_question *question = &sequence->question;
     *question =
         near_kit_settings(whats[draw(sequence, sequence->stir.is_closed ? 6 : 5)]);
     question->distance = some_distance(sequence);
@@ -417,22 +413,26 @@ static void draw_question(struct sequence *sequence)
     }
     question->end = sequence->is_spoilt || draw(sequence, 3) > 0;
     if (draw(sequence, 3) == 0) { /* else as the last step was taken */
-        way_draw(&sequence->prng, THREADS_MAX, &question->step);
+        way_draw(&sequence->prng, THREADS_MAX, question);
     } else {
-        question->step = sequence->settings;
-        question->step.mode = (enum pccd_mode)draw(sequence, PCCD_MODE_COUNT);
+        struct eng_question step = sequence->settings;
+        step.verb = question->verb;
+        step.distance = question->distance;
+        step.tells_crossings = question->tells_crossings;
+        step.end = question->end;
+        step.mode = (enum pccd_mode)draw(sequence, PCCD_MODE_COUNT);
+        *question = step;
     }
-    question->step.separation = some_distance(sequence); /* is that of steps alone */
     uint32_t count = player->object_count;
-    if (question->what == PCCD_NEAR_VERTICES && draw(sequence, 4) == 0 && count > 0) {
+    if (question->verb == PCCD_NEAR_VERTICES && draw(sequence, 4) == 0 && count > 0) {
         question->objects[0] = player->objects[draw(sequence, count)].id;
     }
-    if (question->what == PCCD_NEAR_NEAREST) {
+    if (question->verb == PCCD_NEAR_NEAREST) {
         question->gap = draw(sequence, 3) ? 0 : some_distance(sequence);
         question->distance = draw(sequence, 4) ? question->distance : INFINITY;
     }
     bool is_of_two =
-        question->what == PCCD_NEAR_NEAREST || question->what == PCCD_NEAR_DEPTH;
+        question->verb == PCCD_NEAR_NEAREST || question->verb == PCCD_NEAR_DEPTH;
     if (is_of_two && count > 1 && draw(sequence, 3) == 0) { /* or one with all others */
         uint32_t first = draw(sequence, count);
         uint32_t other = (first + 1 + draw(sequence, count - 1)) % count;
@@ -447,7 +447,7 @@ static void draw_question(struct sequence *sequence)
 static void check_answer(struct sequence *sequence, const struct eng_step_result *result)
 {
     const struct player *player = &sequence->stir.player;
-    const struct eng_near_settings *question = &sequence->question;
+    const struct eng_question *question = &sequence->question;
     bool is_limited = result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT;
     const char *wrong = near_judge(player, question, result, QUERIES_MAX, &judged);
     must(sequence, !wrong, wrong);
@@ -471,19 +471,19 @@ static void check_answer(struct sequence *sequence, const struct eng_step_result
 static void ask(struct sequence *sequence)
 {
     struct player *player = &sequence->stir.player;
-    struct eng_near_settings limited;
+    struct eng_question limited;
     struct eng_step_result result;
     atomic_bool cancel = true;
     uint32_t how = draw(sequence, 16);
     draw_question(sequence);
     if (how == 0) {
-        sequence->question.step.contact_max = draw(sequence, 20);
+        sequence->question.contact_max = draw(sequence, 20);
     }
     limited = sequence->question;
     if (how == 1) {
-        limited.step.cancel = &cancel;
+        limited.cancel = &cancel;
     } else if (how == 2) {
-        limited.step.deadline_ns = common_now_ns() + draw(sequence, 400) * 1000;
+        limited.deadline_ns = common_now_ns() + draw(sequence, 400) * 1000;
     }
     sums.questions++;
     sums.moving += player->is_staging;
@@ -526,7 +526,7 @@ static void live(uint64_t seed)
     struct eng_scene_settings made = stir_draw_scene(&sequence.prng);
     uint32_t size = stir_draw_size(&sequence.prng, 4);
     uint32_t steps = 3 + draw(&sequence, 8);
-    sequence.settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    sequence.settings = (struct eng_question)ENG_QUESTION_DEFAULT;
     way_draw(&sequence.prng, THREADS_MAX, &sequence.settings);
     stir_init(&sequence.stir, &made, size, prng_next(&sequence.prng));
     sequence.is_thick = draw(&sequence, 2) > 0;

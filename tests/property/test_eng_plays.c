@@ -44,9 +44,9 @@ struct manner {
     double tolerance;
 };
 
-static struct eng_step_settings some_settings(struct manner *manner)
+static struct eng_question some_settings(struct manner *manner)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.tolerance = manner->tolerance;
     if (manner->is_random) {
         way_draw(&manner->prng, 8, &settings);
@@ -57,7 +57,7 @@ static struct eng_step_settings some_settings(struct manner *manner)
 static void take_step(struct player *player, enum play_kind kind, struct manner *manner,
                       enum pccd_mode mode, struct eng_step_result *result)
 {
-    struct eng_step_settings settings = some_settings(manner);
+    struct eng_question settings = some_settings(manner);
     settings.mode = mode;
     assert_int_equal(player_step(player, &settings, result), PCCD_OK);
     assert_int_equal(result->incomplete, PCCD_COMPLETE);

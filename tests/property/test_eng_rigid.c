@@ -48,7 +48,7 @@ struct sequence {
     uint32_t next_id;
     struct prng prng;
     struct player player;
-    struct eng_step_settings settings;
+    struct eng_question settings;
     bool is_tiny;
     double pose[OBJECTS][12]; /* where the last one ended */
 };
@@ -383,7 +383,7 @@ static void take_step(struct sequence *sequence)
 static void live(uint64_t seed)
 {
     struct sequence sequence = {.seed = seed, .prng = {seed}, .next_id = 3};
-    sequence.settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    sequence.settings = (struct eng_question)ENG_QUESTION_DEFAULT;
     sequence.is_tiny = draw(&sequence, 2) == 0;
     player_init(&sequence.player, NULL);
     for (uint32_t i = 0; i < OBJECTS; i++) {

@@ -44,7 +44,7 @@ struct sequence {
     uint32_t step;
     struct prng prng;
     struct stir stir;
-    struct eng_step_settings settings; /* of the last complete step */
+    struct eng_question settings; /* of the last complete step */
     bool is_tiny;
 };
 
@@ -69,7 +69,7 @@ static uint32_t draw(struct sequence *sequence, uint32_t bound)
 static void change_settings(struct sequence *sequence)
 {
     static const double tolerances[] = {1e-6, 1e-3, 1e-12};
-    struct eng_step_settings *settings = &sequence->settings;
+    struct eng_question *settings = &sequence->settings;
     if (draw(sequence, 6) == 0) {
         way_draw(&sequence->prng, THREADS_MAX, settings);
         settings->team_always = draw(sequence, 4) > 0; /* else by a team where it pays */
@@ -99,7 +99,7 @@ static void check_by_oracle(struct sequence *sequence, struct eng_step_result *r
     judge_deinit(&judge);
 }
 
-static void check(struct sequence *sequence, const struct eng_step_settings *settings,
+static void check(struct sequence *sequence, const struct eng_question *settings,
                   struct eng_step_result *result)
 {
     struct fresh_answer fresh;
@@ -122,7 +122,7 @@ static void check(struct sequence *sequence, const struct eng_step_settings *set
 /* The step that is staged, but it may not end: cancelled, too late, too many records. */
 static void take_cut_step(struct sequence *sequence)
 {
-    struct eng_step_settings settings = sequence->settings;
+    struct eng_question settings = sequence->settings;
     struct eng_step_result result;
     atomic_bool cancel = true;
     uint32_t why = draw(sequence, 4);
@@ -160,7 +160,7 @@ static void take_whole_step(struct sequence *sequence)
 static void take_brief_step(struct sequence *sequence)
 {
     struct player *player = &sequence->stir.player;
-    struct eng_step_settings settings = sequence->settings;
+    struct eng_question settings = sequence->settings;
     struct eng_step_result result;
     settings.brief = true;
     int status = player_step(player, &settings, &result);
@@ -210,7 +210,7 @@ static void live(uint64_t seed)
     uint32_t size = stir_draw_size(&sequence.prng, 1);
     uint32_t steps = 4 + draw(&sequence, 12);
     sequence.is_tiny = size == STIR_TINY;
-    sequence.settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    sequence.settings = (struct eng_question)ENG_QUESTION_DEFAULT;
     way_draw(&sequence.prng, THREADS_MAX, &sequence.settings);
     stir_init(&sequence.stir, &made, size, prng_next(&sequence.prng));
     for (; sequence.step < steps; sequence.step++) {

@@ -96,13 +96,13 @@ static struct thick_step view(struct thick_play *play,
                                .tolerance = TOLERANCE};
 }
 
-static struct eng_step_settings way(const struct thick_play *play, uint32_t i,
-                                    enum pccd_mode mode)
+static struct eng_question way(const struct thick_play *play, uint32_t i,
+                               enum pccd_mode mode)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     settings.tolerance = TOLERANCE;
-    settings.separation = play->separation;
+    settings.distance = play->separation;
     settings.approach = play->approach;
     way_choose(i, &settings);
     return settings;
@@ -118,7 +118,7 @@ static void step(struct thick_play *play, enum pccd_mode mode)
     thick_judge_forget(&play->truths);
     assert_true(thick_judge_decide(&seen, 4 * play->unit, SIZE_MAX, &play->truths));
     for (uint32_t i = 0; i < way_count(); i++) {
-        struct eng_step_settings settings = way(play, i, mode);
+        struct eng_question settings = way(play, i, mode);
         struct eng_step_result result;
         assert_int_equal(eng_step(play->scenes[i], &settings, &result), PCCD_OK);
         assert_true(way_tree_is_sound(play->scenes[i], &result));
@@ -198,10 +198,10 @@ static void ask(struct thick_play *play)
     double distance = draw_length(play);
     uint32_t end = (uint32_t)prng_below(&play->prng, 2);
     for (uint32_t i = 0; i < way_count(); i++) {
-        struct eng_near_settings settings = {.step = way(play, i, PCCD_MODE_ALL),
-                                             .what = PCCD_NEAR_PAIRS,
-                                             .distance = distance,
-                                             .end = end};
+        struct eng_question settings = way(play, i, PCCD_MODE_ALL);
+        settings.verb = PCCD_NEAR_PAIRS;
+        settings.distance = distance;
+        settings.end = end;
         struct eng_step_result result;
         assert_int_equal(eng_near(play->scenes[i], &settings, &result), PCCD_OK);
         if (i == 0) {

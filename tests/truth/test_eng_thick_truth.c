@@ -38,9 +38,9 @@ static struct eng_scene *run(const struct trial *trial, struct eng_mesh *mesh,
 {
     const struct eng_object_thickness thickness = {.has_radius = true,
                                                    .radius = trial->radius[0]};
-    struct eng_step_settings settings = truth_way(way % truth_way_count());
+    struct eng_question settings = truth_way(way % truth_way_count());
     settings.tolerance = TRIAL_TOLERANCE;
-    settings.separation = trial->radius[2];
+    settings.distance = trial->radius[2];
     settings.approach = trial->approach;
     return truth_run(mesh, trial->object, &thickness, &settings, result);
 }

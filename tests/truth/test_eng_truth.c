@@ -124,7 +124,7 @@ static void check_ways(struct eng_mesh *mesh, const struct oracle_object *object
                        const uint64_t hash[2])
 {
     for (uint32_t i = 1; i < truth_way_count(); i++) {
-        struct eng_step_settings settings = truth_way(i);
+        struct eng_question settings = truth_way(i);
         struct eng_step_result result;
         eng_scene_free(truth_run(mesh, object, NULL, &settings, &result));
         if (result.hash[0] != hash[0] || result.hash[1] != hash[1]) {
@@ -152,7 +152,7 @@ static void check_scene(enum data_scene_name name, size_t truth_expected,
         read_truth(scene, object.vertex_count, edge_count, &truth_count);
     struct eng_mesh *mesh = truth_mesh(&object);
     assert_memory_equal(eng_mesh_edges(mesh), edges, edge_count * sizeof *edges);
-    struct eng_step_settings alone = truth_way(0);
+    struct eng_question alone = truth_way(0);
     struct eng_scene *engine = truth_run(mesh, &object, NULL, &alone, &result);
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     compare(&object, (const uint32_t(*)[2])edges, &result, truth, truth_count, &tally);
@@ -215,7 +215,7 @@ static void run_handmade(void *context, bool is_vf, const char *path,
         struct eng_step_result result;
         truth_two_init(&two, is_vf, (truth_points)queries->p[i]);
         struct eng_mesh *mesh = truth_mesh(&two.object);
-        struct eng_step_settings settings =
+        struct eng_question settings =
             truth_way((uint32_t)tally->queries % truth_way_count());
         struct eng_scene *scene = truth_run(mesh, &two.object, NULL, &settings, &result);
         assert_int_equal(result.incomplete, PCCD_COMPLETE);

@@ -10,9 +10,9 @@ uint32_t truth_way_count(void)
     return 1 + WAY_METHODS * way_kernels_count();
 }
 
-struct eng_step_settings truth_way(uint32_t i)
+struct eng_question truth_way(uint32_t i)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = i == 0 ? PCCD_METHOD_PAPER : way_methods[(i - 1) % WAY_METHODS];
     settings.kernels = i == 0 ? NULL : way_kernels((i - 1) / WAY_METHODS);
     settings.threads = i == 0 ? 1 : 1 + i % 4;
@@ -28,7 +28,7 @@ struct eng_mesh *truth_mesh(const struct oracle_object *object)
 
 struct eng_scene *truth_run(struct eng_mesh *mesh, const struct oracle_object *object,
                             const struct eng_object_thickness *thickness,
-                            const struct eng_step_settings *settings,
+                            const struct eng_question *settings,
                             struct eng_step_result *result)
 {
     struct eng_scene *scene = NULL;

@@ -12,7 +12,7 @@
 /* The settings of a step in way `i`: alone by the method of the paper, then by each
  * method with each instruction set, by teams. */
 uint32_t truth_way_count(void);
-struct eng_step_settings truth_way(uint32_t i);
+struct eng_question truth_way(uint32_t i);
 
 /* A mesh of the object. The caller releases it. */
 struct eng_mesh *truth_mesh(const struct oracle_object *object);
@@ -21,7 +21,7 @@ struct eng_mesh *truth_mesh(const struct oracle_object *object);
  * the caller's, and holds the records. */
 struct eng_scene *truth_run(struct eng_mesh *mesh, const struct oracle_object *object,
                             const struct eng_object_thickness *thickness,
-                            const struct eng_step_settings *settings,
+                            const struct eng_question *settings,
                             struct eng_step_result *result);
 
 /* Two triangles: a query's features, each padded to a triangle with vertices of their own

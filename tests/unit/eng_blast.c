@@ -46,7 +46,7 @@ static void place(const struct blast *blast, double t, double (*x)[3])
 }
 
 struct eng_step_result blast_run(struct blast *blast, double t0, double t1,
-                                 struct eng_step_settings settings)
+                                 struct eng_question settings)
 {
     static double x0[BLAST_VERTICES][3];
     static double x1[BLAST_VERTICES][3];

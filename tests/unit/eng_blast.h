@@ -32,7 +32,7 @@ void blast_deinit(struct blast *blast);
 
 /* The step from time t0 to t1; the tree must be a tree afterwards. */
 struct eng_step_result blast_run(struct blast *blast, double t0, double t1,
-                                 struct eng_step_settings settings);
+                                 struct eng_question settings);
 
 /* Fresh hierarchies at the present positions. */
 void blast_rebuild(struct blast *blast);

@@ -56,7 +56,7 @@ int crew_teardown(void **state)
     return 0;
 }
 
-struct eng_step_result crew_run(struct crew *crew, struct eng_step_settings settings)
+struct eng_step_result crew_run(struct crew *crew, struct eng_question settings)
 {
     struct eng_step_result result;
     settings.team_always = true;
@@ -69,9 +69,9 @@ struct eng_step_result crew_run(struct crew *crew, struct eng_step_settings sett
     return result;
 }
 
-struct eng_step_settings crew_alone(enum pccd_mode mode)
+struct eng_question crew_alone(enum pccd_mode mode)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     settings.method = PCCD_METHOD_PAPER;    /* whose schedulers are compared */
     settings.tuning.still = ENG_STILL_ANEW; /* steps of a scene at rest are whole */
@@ -83,9 +83,9 @@ size_t crew_count(void)
     return SIZE_COUNT * WAY_COUNT;
 }
 
-struct eng_step_settings crew_team(enum pccd_mode mode, size_t i)
+struct eng_question crew_team(enum pccd_mode mode, size_t i)
 {
-    struct eng_step_settings settings = crew_alone(mode);
+    struct eng_question settings = crew_alone(mode);
     settings.threads = sizes[i % SIZE_COUNT];
     settings.tuning.scheduler = ways[i / SIZE_COUNT].scheduler;
     settings.tuning.high_level = ways[i / SIZE_COUNT].high_level;

@@ -26,14 +26,14 @@ int crew_teardown(void **state);
 
 /* Stage the step and run it, by as many threads as the settings say, whether it pays or
  * not; the tree must be a tree afterwards. */
-struct eng_step_result crew_run(struct crew *crew, struct eng_step_settings settings);
+struct eng_step_result crew_run(struct crew *crew, struct eng_question settings);
 
 /* One thread. */
-struct eng_step_settings crew_alone(enum pccd_mode mode);
+struct eng_question crew_alone(enum pccd_mode mode);
 
 /* Team `i` of crew_count(): every number of threads by every scheduler, method of
  * high-level nodes and scheme of the refit. */
-struct eng_step_settings crew_team(enum pccd_mode mode, size_t i);
+struct eng_question crew_team(enum pccd_mode mode, size_t i);
 size_t crew_count(void);
 
 #define CREW_TEST(name) cmocka_unit_test_setup_teardown(name, crew_setup, crew_teardown)

@@ -9,15 +9,15 @@
 
 #include <cmocka.h>
 
-void fresh_find(const struct player *player, const struct eng_step_settings *settings,
+void fresh_find(const struct player *player, const struct eng_question *settings,
                 struct fresh_answer *answer)
 {
-    struct eng_step_settings plain = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question plain = ENG_QUESTION_DEFAULT;
     struct player copy;
     plain.mode = settings->mode;
     plain.tolerance = settings->tolerance;
     plain.contact_max = settings->contact_max;
-    plain.separation = settings->separation;
+    plain.distance = settings->distance;
     plain.approach = settings->approach;
     plain.tells_start = settings->tells_start;
     player_copy(player, NULL, &copy);

@@ -19,7 +19,7 @@ struct fresh_answer {
 
 /* Of the settings those that may change an answer: mode, tolerance, contact_max,
  * separation, approach. The player stays as it is. */
-void fresh_find(const struct player *player, const struct eng_step_settings *settings,
+void fresh_find(const struct player *player, const struct eng_question *settings,
                 struct fresh_answer *answer);
 void fresh_free(struct fresh_answer *answer);
 

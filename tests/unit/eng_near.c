@@ -64,16 +64,22 @@ const char *near_difference(const struct near_answer *answer,
     return NULL;
 }
 
-void near_find_fresh(const struct player *player,
-                     const struct eng_near_settings *settings, struct near_answer *answer)
+void near_find_fresh(const struct player *player, const struct eng_question *settings,
+                     struct near_answer *answer)
 {
-    struct eng_near_settings plain = *settings;
+    struct eng_question plain = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     struct player copy;
-    enum pccd_method method = eng_method_of(&settings->step);
-    plain.step = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
-    plain.step.contact_max = settings->step.contact_max;
-    plain.step.method = method == PCCD_METHOD_WIDE ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE;
+    enum pccd_method method = eng_method_of(settings);
+    plain.verb = settings->verb;
+    plain.distance = settings->distance;
+    plain.gap = settings->gap;
+    plain.end = settings->end;
+    memcpy(plain.objects, settings->objects, sizeof plain.objects);
+    plain.tells_crossings = settings->tells_crossings;
+    plain.counts_only = settings->counts_only;
+    plain.contact_max = settings->contact_max;
+    plain.method = method == PCCD_METHOD_WIDE ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE;
     player_copy(player, NULL, &copy);
     assert_int_equal(eng_near(copy.scene, &plain, &result), PCCD_OK);
     copy.is_staging = false;

@@ -28,8 +28,7 @@ const char *near_difference(const struct near_answer *want,
 /* The same asked of the same objects at the same positions in a scene that has been
  * through nothing, in the same request that moves it there: one thread, the other method,
  * no limits but contact_max. The player stays as it is. */
-void near_find_fresh(const struct player *player,
-                     const struct eng_near_settings *settings,
+void near_find_fresh(const struct player *player, const struct eng_question *settings,
                      struct near_answer *answer);
 
 #endif

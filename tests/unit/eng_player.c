@@ -277,7 +277,7 @@ void player_act(struct player *player, const struct play_act *act)
     }
 }
 
-int player_step(struct player *player, const struct eng_step_settings *settings,
+int player_step(struct player *player, const struct eng_question *settings,
                 struct eng_step_result *result)
 {
     player_open(player);
@@ -333,7 +333,7 @@ void player_copy(const struct player *player, const struct eng_scene_settings *s
 }
 
 /* A step of every object from x1 to `to` of it. */
-static void take_detour(struct player *player, const struct eng_step_settings *settings,
+static void take_detour(struct player *player, const struct eng_question *settings,
                         void (*to)(const struct player_object *, double (*)[3]))
 {
     struct eng_step_result result;
@@ -363,12 +363,12 @@ static void to_others(const struct player_object *object, double (*x)[3])
     }
 }
 
-void player_go_back(struct player *player, const struct eng_step_settings *settings)
+void player_go_back(struct player *player, const struct eng_question *settings)
 {
     take_detour(player, settings, to_start);
 }
 
-void player_scramble(struct player *player, const struct eng_step_settings *settings)
+void player_scramble(struct player *player, const struct eng_question *settings)
 {
     take_detour(player, settings, to_others);
 }

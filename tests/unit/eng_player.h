@@ -51,7 +51,7 @@ void player_draw_thickness(struct player *player, struct prng *prng);
 void player_open(struct player *player);
 
 /* Step with what is staged. Returns what eng_step returns. */
-int player_step(struct player *player, const struct eng_step_settings *settings,
+int player_step(struct player *player, const struct eng_question *settings,
                 struct eng_step_result *result);
 
 /* Stage both ends of everything, in place of what is staged: the motion of the copies. */
@@ -69,7 +69,7 @@ void player_copy(const struct player *player, const struct eng_scene_settings *s
  * (player_stage_copies): all the way back from its end to its start; or every object's
  * vertices to each other's places, which tears any hierarchy apart and may take long:
  * give it a deadline. */
-void player_go_back(struct player *player, const struct eng_step_settings *settings);
-void player_scramble(struct player *player, const struct eng_step_settings *settings);
+void player_go_back(struct player *player, const struct eng_question *settings);
+void player_scramble(struct player *player, const struct eng_question *settings);
 
 #endif

@@ -252,7 +252,7 @@ static int write_badly(struct stir *stir, const struct player_object *object,
                        uint32_t what)
 {
     struct eng_scene *scene = stir->player.scene;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     double bad[2][3] = {{0, 0, 0}, {0, NAN, 0}};
     switch (what) {

@@ -32,7 +32,7 @@ uint32_t way_count(void)
     return WAY_METHODS * 2 * way_kernels_count();
 }
 
-void way_choose(uint32_t i, struct eng_step_settings *settings)
+void way_choose(uint32_t i, struct eng_question *settings)
 {
     settings->team_always = true;
     settings->method = way_methods[i % WAY_METHODS];
@@ -40,7 +40,7 @@ void way_choose(uint32_t i, struct eng_step_settings *settings)
     settings->kernels = way_kernels(i / WAY_METHODS / 2);
 }
 
-void way_draw(struct prng *prng, uint32_t thread_max, struct eng_step_settings *settings)
+void way_draw(struct prng *prng, uint32_t thread_max, struct eng_question *settings)
 {
     settings->method = way_methods[prng_below(prng, WAY_METHODS)];
     settings->kernels = way_kernels((uint32_t)prng_below(prng, way_kernels_count()));
@@ -57,7 +57,7 @@ bool way_tree_is_sound(const struct eng_scene *scene,
     return result->method == PCCD_METHOD_WIDE || eng_tree_validate(scene);
 }
 
-void way_tell(const struct eng_step_settings *settings, char text[WAY_TEXT_MAX])
+void way_tell(const struct eng_question *settings, char text[WAY_TEXT_MAX])
 {
     const struct eng_kernels *kernels = settings->kernels;
     snprintf(text, WAY_TEXT_MAX,

@@ -19,11 +19,11 @@ const struct eng_kernels *way_kernels(uint32_t i);
 
 /* Each method by one thread and by two, with each instruction set, by number. */
 uint32_t way_count(void);
-void way_choose(uint32_t i, struct eng_step_settings *settings);
+void way_choose(uint32_t i, struct eng_question *settings);
 
 /* Method, instruction set, threads (1 .. thread_max, however small the work), scheduler,
  * high-level nodes and refit. */
-void way_draw(struct prng *prng, uint32_t thread_max, struct eng_step_settings *settings);
+void way_draw(struct prng *prng, uint32_t thread_max, struct eng_question *settings);
 
 /* Is the binary tree what it should be after the step? Wide steps leave its boxes where
  * they were. */
@@ -32,6 +32,6 @@ bool way_tree_is_sound(const struct eng_scene *scene,
 
 /* "method 1, avx2, 3 threads, scheduler 0, high level 1, refit 0" */
 #define WAY_TEXT_MAX 128u
-void way_tell(const struct eng_step_settings *settings, char text[WAY_TEXT_MAX]);
+void way_tell(const struct eng_question *settings, char text[WAY_TEXT_MAX]);
 
 #endif

@@ -46,26 +46,27 @@ struct eng_mesh *near_kit_box(const double low[3], const double high[3], bool in
     return kit_mesh((const double(*)[3])x, 8, (const uint32_t(*)[3])triangles, 12);
 }
 
-struct eng_near_settings near_kit_settings(enum pccd_near_what what)
+struct eng_question near_kit_settings(enum pccd_near_what what)
 {
-    struct eng_near_settings settings = {
-        .step = ENG_STEP_SETTINGS_DEFAULT, .what = what, .end = 1};
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    settings.verb = what;
+    settings.end = 1;
     settings.distance = what == PCCD_NEAR_NEAREST ? INFINITY : 0;
     return settings;
 }
 
 struct eng_step_result near_kit_ask(struct near_kit *kit,
-                                    const struct eng_near_settings *settings)
+                                    const struct eng_question *settings)
 {
-    struct eng_near_settings way = *settings;
+    struct eng_question way = *settings;
     struct eng_step_result result = {0};
     void *kept = NULL;
     uint64_t count = 0;
     for (uint32_t i = 0; i < WAY_METHODS * way_kernels_count() * 3; i++) {
-        way.step.method = way_methods[i % WAY_METHODS];
-        way.step.threads = 1 + i / WAY_METHODS % 3;
-        way.step.kernels = way_kernels(i / WAY_METHODS / 3);
-        way.step.team_always = true;
+        way.method = way_methods[i % WAY_METHODS];
+        way.threads = 1 + i / WAY_METHODS % 3;
+        way.kernels = way_kernels(i / WAY_METHODS / 3);
+        way.team_always = true;
         assert_int_equal(eng_near(kit->scene, &way, &result), PCCD_OK);
         assert_int_equal(result.incomplete, PCCD_COMPLETE);
         if (i == 0) {

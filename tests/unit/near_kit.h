@@ -24,11 +24,11 @@ void near_kit_add(struct near_kit *kit, struct eng_mesh *mesh);
  * to `high`; `inward`: inward. */
 struct eng_mesh *near_kit_box(const double low[3], const double high[3], bool inward);
 
-struct eng_near_settings near_kit_settings(enum pccd_near_what what);
+struct eng_question near_kit_settings(enum pccd_near_what what);
 
 /* Ask in every way: the same complete answer each time. Records are the last one's. */
 struct eng_step_result near_kit_ask(struct near_kit *kit,
-                                    const struct eng_near_settings *settings);
+                                    const struct eng_question *settings);
 
 /* Record i of an answer. */
 static inline const struct pccd_near *

@@ -163,7 +163,7 @@ struct stepping {
 static void *step_with_places(void *data)
 {
     struct stepping *stepping = data;
-    struct eng_step_settings settings = crew_alone(PCCD_MODE_ALL);
+    struct eng_question settings = crew_alone(PCCD_MODE_ALL);
     struct eng_step_result result;
     settings.threads = stepping->threads;
     settings.team_always = true;

@@ -24,9 +24,9 @@ static void start(double ratio)
     blast_init(&blast, &(struct eng_scene_settings){ratio, REGION, 1});
 }
 
-static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler scheduler)
+static struct eng_question team_of(uint32_t threads, enum eng_scheduler scheduler)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
     settings.threads = threads;
     settings.tuning.scheduler = scheduler;

@@ -17,9 +17,9 @@
 #define TRIANGLES 8u
 #define V         (3 * TRIANGLES)
 
-static struct eng_step_settings settings_of(enum pccd_mode mode, bool brief)
+static struct eng_question settings_of(enum pccd_mode mode, bool brief)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     settings.brief = brief;
     return settings;
@@ -85,7 +85,7 @@ static void brief__answers_are_those_of_other_steps(void **state)
         choose_positions(&random, kit_below(&random, 3) == 0, x);
         move(brief, (const double(*)[3])x, V);
         move(other, (const double(*)[3])x, V);
-        struct eng_step_settings settings = settings_of(mode, true);
+        struct eng_question settings = settings_of(mode, true);
         int status = eng_step(brief, &settings, &a);
         settings.brief = false;
         if (status == PCCD_E_AGAIN) {
@@ -116,7 +116,7 @@ static void brief__ends_before_more_tests_than_it_may_do(void **state)
                                    {0.25, 0.25, 1.25}, {0.75, 0.25, 1.25}};
     static const uint32_t faces[2][3] = {{0, 1, 2}, {3, 4, 5}};
     struct kit_random random = {20261122};
-    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, true);
+    struct eng_question settings = settings_of(PCCD_MODE_ALL, true);
     struct eng_step_result result;
     struct eng_scene *crowd = soup_new(&random, TRIANGLES);
     struct eng_scene *touch;
@@ -151,7 +151,7 @@ static void brief__ends_before_more_tests_than_it_may_do(void **state)
 static void brief__given_up_has_moved_once(void **state)
 {
     struct kit_random random = {20261122};
-    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, true);
+    struct eng_question settings = settings_of(PCCD_MODE_ALL, true);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, TRIANGLES);
     settings.tuning.still = ENG_STILL_ANEW; /* what stands is brief */
@@ -185,21 +185,21 @@ static void brief__given_up_has_moved_once(void **state)
 
 static bool can(const struct eng_scene *scene)
 {
-    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
+    struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
     return eng_step_can_be_brief(scene, &settings, true);
 }
 
 /* Can one be that writes nothing, in this mode? */
 static bool can_rest(const struct eng_scene *scene, enum pccd_mode mode)
 {
-    struct eng_step_settings settings = settings_of(mode, false);
+    struct eng_question settings = settings_of(mode, false);
     return eng_step_can_be_brief(scene, &settings, false);
 }
 
 /* Run two steps of it. */
 static void warm(struct eng_scene *scene)
 {
-    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
+    struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
     struct eng_step_result result;
     for (int i = 0; i < 2; i++) {
         assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
@@ -212,7 +212,7 @@ static void warm(struct eng_scene *scene)
 static void brief__only_small_scenes_that_are_warm_can_be(void **state)
 {
     struct kit_random random = {20261122};
-    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
+    struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, TRIANGLES);
     struct eng_scene *large = soup_new(&random, 65);
@@ -256,7 +256,7 @@ static void brief__only_small_scenes_that_are_warm_can_be(void **state)
 static void brief__scenes_that_had_a_team_cannot_be(void **state)
 {
     struct kit_random random = {20261122};
-    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
+    struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, TRIANGLES);
     (void)state;
@@ -281,7 +281,7 @@ static void brief__scenes_that_had_a_team_cannot_be(void **state)
 /* Steps that write nothing, until nothing has moved in one. */
 static void settle(struct eng_scene *scene, enum pccd_mode mode)
 {
-    struct eng_step_settings settings = settings_of(mode, false);
+    struct eng_question settings = settings_of(mode, false);
     struct eng_step_result result;
     for (int i = 0; i < 3; i++) {
         assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
@@ -292,7 +292,7 @@ static void settle(struct eng_scene *scene, enum pccd_mode mode)
 static void stir(struct eng_scene *scene, struct kit_random *random)
 {
     static double x[3 * LARGE][3];
-    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
+    struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
     struct eng_step_result result;
     uint32_t count = eng_scene_vertex_count(scene, 0);
     assert_true(count <= 3 * LARGE);
@@ -314,7 +314,7 @@ static void brief__what_is_at_rest_can_be_however_large_it_is(void **state)
     struct eng_scene *scene = soup_new(&random, LARGE);
     (void)state;
     for (int mode = 0; mode < PCCD_MODE_PAIRS; mode++) {
-        struct eng_step_settings settings = settings_of((enum pccd_mode)mode, false);
+        struct eng_question settings = settings_of((enum pccd_mode)mode, false);
         struct eng_step_result anew;
         struct eng_step_result result;
         stir(scene, &random);
@@ -343,7 +343,7 @@ static void brief__what_is_at_rest_can_be_however_large_it_is(void **state)
 static void brief__what_is_not_at_rest_cannot_be(void **state)
 {
     struct kit_random random = {20261125};
-    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
+    struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, LARGE);
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
@@ -394,7 +394,7 @@ static void brief__what_is_not_at_rest_cannot_be(void **state)
 static void brief__large_scenes_give_up_before_they_search(void **state)
 {
     struct kit_random random = {20261125};
-    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, true);
+    struct eng_question settings = settings_of(PCCD_MODE_ALL, true);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, LARGE);
     double x[1][3] = {{0.5, 0.5, 0.5}};

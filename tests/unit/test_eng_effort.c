@@ -148,7 +148,7 @@ static void effort__one_slow_step_is_forgotten_where_most_stands(void **state)
     struct kit_random random = {3};
     struct eng_effort effort;
     struct eng_scene *scene = NULL;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     uint64_t still = 0;
     double x[24][3];
@@ -193,7 +193,7 @@ static void effort__steps_go_by_it(void **state)
     (void)state;
     struct kit_random random = {3};
     struct eng_scene *scene = NULL;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     uint32_t small;
     uint32_t large;

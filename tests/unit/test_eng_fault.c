@@ -75,7 +75,7 @@ static int stage(struct eng_scene *scene, uint32_t object_idx, int seed)
 static int try_step(struct eng_scene *scene, enum pccd_mode mode, enum pccd_method method,
                     int seed, struct eng_step_result *result)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     settings.method = method;
     eng_stage_begin(scene);
@@ -120,7 +120,7 @@ static void step(struct eng_scene *scene, enum pccd_mode mode, int seed,
 /* A failed attempt leaves the scene's positions alone. */
 static void check_failed_step_moves_nothing(struct eng_scene *scene)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     size_t bytes = scene->vertex_ranges.end * sizeof *scene->x[0];
     double *before = malloc(bytes);

@@ -12,7 +12,7 @@
 #define TRIANGLES 1100u /* enough for a team */
 #define THREADS   4u
 
-static int try_step(struct eng_scene *scene, const struct eng_step_settings *settings,
+static int try_step(struct eng_scene *scene, const struct eng_question *settings,
                     struct eng_step_result *result)
 {
     const uint64_t failures = scarce.failures;
@@ -29,7 +29,7 @@ static int try_step(struct eng_scene *scene, const struct eng_step_settings *set
 static uint64_t live(struct eng_mesh *mesh, enum pccd_mode mode,
                      enum eng_scheduler scheduler)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     struct eng_scene *scene = NULL;
     uint32_t idx;

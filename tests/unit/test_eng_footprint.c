@@ -64,7 +64,7 @@ static void step(struct cloth *cloth, enum pccd_method method, enum pccd_mode mo
                  struct kit_random *random)
 {
     static double x1[(SIDE + 1) * (SIDE + 1)][3];
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     eng_stage_begin(cloth->scene);
     for (uint32_t i = 0; i < SHEETS; i++) {
@@ -143,7 +143,7 @@ static void footprint__of_wide_is_as_promised(void **state)
 static void footprint__of_wide_follows_a_scene_that_shrinks(void **state)
 {
     (void)state;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     struct kit_random random = {43};
     struct cloth cloth;
@@ -164,7 +164,7 @@ static void footprint__of_wide_follows_a_scene_that_shrinks(void **state)
 /* Two sheets of a few triangles come into the scene, and one goes through the other. */
 static void fall_through_another(struct eng_scene *scene)
 {
-    const struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    const struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     struct eng_mesh *small = kit_sheet(2, 0);
     uint32_t objects[2];
@@ -262,7 +262,7 @@ static void footprint__does_not_follow_the_candidates(void **state)
 {
     (void)state;
     struct kit_random random = {8};
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     struct eng_scene *scene;
     uint64_t candidates[2];

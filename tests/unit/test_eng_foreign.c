@@ -186,7 +186,7 @@ static uint64_t candidates_of(const struct pccd_step_counters *counters)
     return sum;
 }
 
-static uint64_t step(const struct play *play, const struct eng_step_settings *settings)
+static uint64_t step(const struct play *play, const struct eng_question *settings)
 {
     struct eng_step_result result[SCENES];
     const void *records[SCENES];
@@ -208,11 +208,13 @@ static uint64_t step(const struct play *play, const struct eng_step_settings *se
     return counts[WHOLE];
 }
 
-static uint64_t near(const struct play *play, const struct eng_step_settings *settings,
+static uint64_t near(const struct play *play, const struct eng_question *settings,
                      enum pccd_near_what what)
 {
-    struct eng_near_settings ask = {
-        .step = *settings, .what = what, .distance = 0.01, .end = 1};
+    struct eng_question ask = *settings;
+    ask.verb = what;
+    ask.distance = 0.01;
+    ask.end = 1;
     struct eng_step_result result[SCENES];
     const void *records[SCENES];
     uint64_t counts[SCENES];
@@ -228,11 +230,12 @@ static uint64_t near(const struct play *play, const struct eng_step_settings *se
 
 /* A vertex is as far from others as the nearest of all that any scene knows of it; one
  * that has the rest as foreign says infinity where it knows nothing. */
-static void check_bounds(const struct play *play,
-                         const struct eng_step_settings *settings)
+static void check_bounds(const struct play *play, const struct eng_question *settings)
 {
-    const struct eng_near_settings ask = {
-        .step = *settings, .what = PCCD_NEAR_VERTICES, .distance = 0.01, .end = 1};
+    struct eng_question ask = *settings;
+    ask.verb = PCCD_NEAR_VERTICES;
+    ask.distance = 0.01;
+    ask.end = 1;
     struct eng_step_result result[SCENES];
     const double *bounds[SCENES];
     uint64_t unknown = 0;
@@ -255,13 +258,13 @@ static void check_bounds(const struct play *play,
 static void play_with(enum pccd_method method, uint32_t threads, double separation)
 {
     struct kit_random random = {2026 + threads};
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct play play;
     uint64_t found = 0;
     settings.method = method;
     settings.threads = threads;
     settings.team_always = true;
-    settings.separation = separation;
+    settings.distance = separation;
     begin(&play, &random);
     for (uint32_t i = 0; i < 2 * STEPS; i++) {
         settings.mode = i < STEPS ? PCCD_MODE_ALL : PCCD_MODE_PAIRS;

@@ -181,7 +181,7 @@ static struct eng_step_result ground_step(struct ground *ground,
                                           enum pccd_method method, enum pccd_mode mode)
 {
     static double x[VERTICES][3];
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     settings.method = method;
     settings.mode = mode;
@@ -284,7 +284,7 @@ static void frames__stay_where_little_moves(void **state)
                                   .scale = 1};
     struct ground grounds[2]; /* the second makes everything anew */
     struct eng_step_result results[2];
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     (void)state;
     settings.method = PCCD_METHOD_WIDE;
     ground_init(&grounds[0], &layout);
@@ -449,7 +449,7 @@ static void frames__a_vertex_in_no_triangle_does_not_count(void **state)
     eng_stage_begin(scene);
     assert_int_equal(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, VERTICES + 1, x),
                      PCCD_OK);
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     assert_true(scene->framing.number > 0);

@@ -462,9 +462,9 @@ static void check_contact(struct play *play, enum pccd_kind kind, const struct f
     }
 }
 
-static struct eng_step_settings way(uint32_t i, enum pccd_mode mode)
+static struct eng_question way(uint32_t i, enum pccd_mode mode)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     way_choose(i, &settings);
     return settings;
@@ -476,7 +476,7 @@ static void step(struct play *play, enum pccd_mode mode,
 {
     uint64_t hash[2] = {0, 0};
     for (uint32_t i = 0; i < way_count(); i++) {
-        struct eng_step_settings settings = way(i, mode);
+        struct eng_question settings = way(i, mode);
         struct eng_step_result result;
         assert_int_equal(eng_step(play->scenes[i], &settings, &result), PCCD_OK);
         assert_true(way_tree_is_sound(play->scenes[i], &result));
@@ -591,8 +591,10 @@ static void check_near(struct play *play, enum pccd_kind kind, const struct feat
 
 static struct eng_step_result ask(struct play *play, enum pccd_near_what what, uint32_t i)
 {
-    const struct eng_near_settings settings = {
-        .step = way(i, PCCD_MODE_ALL), .what = what, .distance = NEAR, .end = 1};
+    struct eng_question settings = way(i, PCCD_MODE_ALL);
+    settings.verb = what;
+    settings.distance = NEAR;
+    settings.end = 1;
     struct eng_step_result result;
     assert_int_equal(eng_near(play->scenes[i], &settings, &result), PCCD_OK);
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
@@ -630,7 +632,7 @@ static void near__has_free_points_and_edges(void **state)
     set_radius(&play, 0);
     move(&play, 1);
     for (uint32_t i = 0; i < way_count(); i++) {
-        struct eng_step_settings settings = way(i, PCCD_MODE_ANY);
+        struct eng_question settings = way(i, PCCD_MODE_ANY);
         struct eng_step_result result;
         assert_int_equal(eng_step(play.scenes[i], &settings, &result), PCCD_OK);
     }
@@ -670,8 +672,10 @@ static void near__refuses_by_name_what_it_has_no_answer_to(void **state)
     static struct play play;
     begin(&play, prng_seed() + 3);
     for (uint32_t i = 0; i < 2; i++) {
-        const struct eng_near_settings settings = {
-            .step = way(0, PCCD_MODE_ALL), .what = whats[i], .distance = 1, .end = 1};
+        struct eng_question settings = way(0, PCCD_MODE_ALL);
+        settings.verb = whats[i];
+        settings.distance = 1;
+        settings.end = 1;
         struct eng_step_result result;
         assert_int_equal(eng_near(play.scenes[0], &settings, &result), PCCD_E_INVAL);
         assert_int_equal(result.open_object, 1);

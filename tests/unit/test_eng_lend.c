@@ -62,7 +62,7 @@ static void stage(struct farm *farm, uint32_t i, uint32_t step)
 static void step_one(struct farm *farm, uint32_t i, uint32_t step,
                      struct eng_scene *lender)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = step == 3 ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE;
     settings.mode = (enum pccd_mode)(step % PCCD_MODE_COUNT);
     settings.lender = lender;

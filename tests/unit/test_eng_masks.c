@@ -75,7 +75,7 @@ static void end(struct crowd *crowd)
 }
 
 static struct eng_step_result step(struct crowd *crowd,
-                                   const struct eng_step_settings *settings)
+                                   const struct eng_question *settings)
 {
     struct eng_step_result result;
     eng_stage_begin(crowd->scene);
@@ -93,7 +93,7 @@ static struct eng_step_result step(struct crowd *crowd,
 static struct eng_step_result step_in(struct crowd *crowd, enum pccd_mode mode,
                                       enum pccd_method method)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     settings.method = method;
     return step(crowd, &settings);
@@ -168,7 +168,7 @@ static void check_step(struct crowd *crowd, enum pccd_mode mode,
                        const struct records *all, const struct records *pairs,
                        struct prng *prng)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     char way[WAY_TEXT_MAX];
     settings.mode = mode;
     way_draw(prng, 4, &settings);

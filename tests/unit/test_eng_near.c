@@ -38,7 +38,7 @@ static void stage_tip(struct near_kit *kit, double height)
 static struct eng_step_result ask_pairs(struct near_kit *kit, double distance,
                                         uint32_t end)
 {
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_PAIRS);
     settings.distance = distance;
     settings.end = end;
     return near_kit_ask(kit, &settings);
@@ -76,7 +76,7 @@ static void near__merges_pairs_to_their_features(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, kit_mesh(left, 3, corners, 1));
     near_kit_add(&kit, kit_mesh(right, 3, corners, 1));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_FEATURES);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_FEATURES);
     settings.distance = 1;
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
@@ -102,7 +102,7 @@ static void near__folds_features_before_it_cuts(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, kit_sheet(40, 0));
     near_kit_add(&kit, kit_sheet(40, 0x1p-10));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_FEATURES);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_FEATURES);
     settings.distance = 0x1p-10;
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     uint64_t count = result.count;
@@ -115,13 +115,13 @@ static void near__folds_features_before_it_cuts(void **state)
     }
     assert_true(pairs > 10 * count && count > 1000);
     for (uint32_t threads = 1; threads <= 2; threads++) {
-        settings.step.threads = threads;
-        settings.step.contact_max = count;
+        settings.threads = threads;
+        settings.contact_max = count;
         assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
         assert_int_equal(result.incomplete, PCCD_COMPLETE);
         assert_int_equal(result.count, count);
         assert_memory_equal(result.records, all, count * sizeof *all);
-        settings.step.contact_max = count / 3;
+        settings.contact_max = count / 3;
         assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
         assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
         assert_int_equal(result.count, count / 3);
@@ -143,7 +143,7 @@ static void near__bounds_the_points_of_pairs(void **state)
     (void)state;
     struct near_kit kit;
     setup(&kit, 0.25);
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_VERTICES);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_VERTICES);
     settings.distance = 0.375;
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     const double *bounds = result.records;
@@ -180,7 +180,7 @@ static void near__takes_radii_off_bounds(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, kit_mesh(floor, 4, halves, 2));
     near_kit_add(&kit, kit_mesh_thick(spike, 3, corners, 1, radii));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_VERTICES);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_VERTICES);
     for (int i = 0; i < 3; i++) {
         struct eng_object_thickness more = thick;
         more.radius = i == 2 ? 0.5 : thick.radius;
@@ -206,18 +206,18 @@ static void near__says_whether_anything_crosses_or_touches(void **state)
     for (int i = 0; i < 3; i++) {
         struct near_kit kit;
         setup(&kit, heights[i]);
-        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_CROSSINGS);
+        struct eng_question settings = near_kit_settings(PCCD_NEAR_CROSSINGS);
         struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_int_equal(result.count, crossings[i]);
         assert_int_equal(result.crossings, crossings[i]);
         assert_int_equal(result.verdict, verdicts[i]);
-        settings.step.method = PCCD_METHOD_WIDE;
+        settings.method = PCCD_METHOD_WIDE;
         assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
         assert_int_equal(result.verdict, verdicts[i]);
         /* What touches need not be looked for where something crosses. */
         assert_true(i == 2 || (result.counters.candidates[PCCD_EE] == 0) == (i == 0));
         if (i == 0) { /* of which nothing is kept */
-            settings.step.contact_max = 0;
+            settings.contact_max = 0;
             assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
             assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
             assert_int_equal(result.verdict, PCCD_VERDICT_NONE);
@@ -237,7 +237,7 @@ static void near__is_of_the_end_that_was_asked_for(void **state)
     setup(&kit, 0.5);
     assert_int_equal(ask_pairs(&kit, 0.5, 0).count, 1);
     assert_int_equal(ask_pairs(&kit, 0.5, 1).count, 1);
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_PAIRS);
     settings.distance = 0.5;
     eng_stage_begin(kit.scene);
     stage_tip(&kit, 3);
@@ -255,7 +255,7 @@ static void near__is_of_the_end_that_was_asked_for(void **state)
 static void near__goes_by_no_staging_that_is_given_up(void **state)
 {
     (void)state;
-    struct eng_step_settings plain = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question plain = ENG_QUESTION_DEFAULT;
     for (uint32_t i = 0; i < 2 * WAY_METHODS; i++) {
         struct near_kit kit;
         struct eng_step_result step;
@@ -291,7 +291,7 @@ static void near__sees_what_comes_and_goes_at_rest(void **state)
 {
     (void)state;
     struct near_kit kit;
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_PAIRS);
     settings.distance = 0.125;
     near_kit_begin(&kit);
     near_kit_add(&kit, kit_sheet(6, 4));
@@ -316,7 +316,7 @@ static void near__leaves_the_answer_of_the_last_step(void **state)
 {
     (void)state;
     struct near_kit kit;
-    struct eng_step_settings plain = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question plain = ENG_QUESTION_DEFAULT;
     struct eng_step_result step;
     struct eng_thread_record thread;
     setup(&kit, 0.5);
@@ -327,7 +327,7 @@ static void near__leaves_the_answer_of_the_last_step(void **state)
     struct pccd_contact contact = *(const struct pccd_contact *)step.records;
     thread = step.thread_records[0];
     for (uint32_t i = 0; i < WHATS; i++) {
-        struct eng_near_settings settings = near_kit_settings(whats[i]);
+        struct eng_question settings = near_kit_settings(whats[i]);
         settings.distance = 100;
         near_kit_ask(&kit, &settings);
         assert_memory_equal(step.records, &contact, sizeof contact);
@@ -344,11 +344,11 @@ static void near__asked_once_more_allocates_nothing(void **state)
     for (uint32_t i = 0; i < WHATS * WAY_METHODS * 2; i++) {
         struct near_kit kit;
         struct eng_step_result result;
-        struct eng_near_settings settings = near_kit_settings(whats[i % WHATS]);
+        struct eng_question settings = near_kit_settings(whats[i % WHATS]);
         settings.distance = 0.25;
-        settings.step.method = way_methods[i / WHATS % WAY_METHODS];
-        settings.step.threads = 1 + i / WHATS / WAY_METHODS;
-        settings.step.team_always = true;
+        settings.method = way_methods[i / WHATS % WAY_METHODS];
+        settings.threads = 1 + i / WHATS / WAY_METHODS;
+        settings.team_always = true;
         near_kit_begin(&kit);
         near_kit_add(&kit, kit_sheet(12, 0));
         near_kit_add(&kit, kit_sheet(9, 0.125));
@@ -369,19 +369,19 @@ static void near__refuses_settings_out_of_range(void **state)
     struct eng_step_result result;
     setup(&kit, 0.5);
     for (uint32_t i = 0; i < 8; i++) {
-        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
+        struct eng_question settings = near_kit_settings(PCCD_NEAR_PAIRS);
         const double bad[] = {-0x1p-1074, NAN, INFINITY, 1.1e18};
         settings.distance = i < 4 ? bad[i] : 0.5;
         settings.end = i == 4 ? 2 : 1;
-        settings.what = i == 5 ? PCCD_NEAR_COUNT : PCCD_NEAR_PAIRS;
-        settings.step.threads = i == 6 ? 0 : 1;
-        settings.step.method = i == 7 ? PCCD_METHOD_COUNT : PCCD_METHOD_DEFAULT;
+        settings.verb = i == 5 ? PCCD_NEAR_COUNT : PCCD_NEAR_PAIRS;
+        settings.threads = i == 6 ? 0 : 1;
+        settings.method = i == 7 ? PCCD_METHOD_COUNT : PCCD_METHOD_DEFAULT;
         eng_stage_begin(kit.scene);
         stage_tip(&kit, 3);
         assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_INVAL);
     }
     assert_int_equal(ask_pairs(&kit, 0.5, 1).count, 1);
-    struct eng_near_settings crossings = near_kit_settings(PCCD_NEAR_CROSSINGS);
+    struct eng_question crossings = near_kit_settings(PCCD_NEAR_CROSSINGS);
     crossings.distance = NAN; /* not looked at */
     assert_int_equal(eng_near(kit.scene, &crossings, &result), PCCD_OK);
     near_kit_end(&kit);
@@ -418,7 +418,7 @@ static void near__finds_what_lies_beside_what_shrinks(void **state)
     (void)state;
     for (uint32_t m = 0; m < WAY_METHODS; m++) {
         struct near_kit kit;
-        struct eng_step_settings step = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_question step = ENG_QUESTION_DEFAULT;
         struct eng_step_result stepped;
         double x[12][3];
         near_kit_begin(&kit);
@@ -432,8 +432,8 @@ static void near__finds_what_lies_beside_what_shrinks(void **state)
         lay(x, 2, 2.5);
         eng_stage_x1(kit.scene, kit.idx[1], PCCD_FORMAT_F64, 0, 12, x);
         assert_int_equal(eng_step(kit.scene, &step, &stepped), PCCD_OK);
-        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
-        settings.step.method = way_methods[m];
+        struct eng_question settings = near_kit_settings(PCCD_NEAR_PAIRS);
+        settings.method = way_methods[m];
         settings.distance = 1;
         settings.end = 1;
         struct eng_step_result result = near_kit_ask(&kit, &settings);
@@ -455,8 +455,8 @@ static void near__of_any_distance_finds_all_pairs(void **state)
     for (uint32_t m = 0; m < WAY_METHODS; m++) {
         struct near_kit kit;
         setup(&kit, 1000);
-        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
-        settings.step.method = way_methods[m];
+        struct eng_question settings = near_kit_settings(PCCD_NEAR_PAIRS);
+        settings.method = way_methods[m];
         settings.end = 1;
         for (settings.distance = 2e3; settings.distance < 1e18; settings.distance *= 30) {
             struct eng_step_result result = near_kit_ask(&kit, &settings);

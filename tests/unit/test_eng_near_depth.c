@@ -48,7 +48,7 @@ static struct eng_mesh *spike(double x, double y, double z)
 static struct eng_step_result ask(struct near_kit *kit, struct eng_mesh *a,
                                   struct eng_mesh *b)
 {
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_DEPTH);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_DEPTH);
     near_kit_begin(kit);
     near_kit_add(kit, a);
     near_kit_add(kit, b);
@@ -192,7 +192,7 @@ static void depth__names_what_is_open(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, cube(0, 1));
     near_kit_add(&kit, kit_mesh(x, 4, faces, 3));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_DEPTH);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_DEPTH);
     for (int i = 0; i < 2; i++) { /* the second time it is known */
         assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_INVAL);
         assert_int_equal(result.open_object, 2);

@@ -35,7 +35,7 @@ static void nearest__is_a_vertex_above_a_face(void **state)
         near_kit_begin(&kit);
         near_kit_add(&kit, triangle(turned ? spike : floor));
         near_kit_add(&kit, triangle(turned ? floor : spike));
-        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
         struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_int_equal(result.count, 1);
         const struct pccd_near *record = near_kit_record(&result, 0);
@@ -63,7 +63,7 @@ static void nearest__is_two_edges(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, triangle(lower));
     near_kit_add(&kit, triangle(upper));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
     const struct pccd_near *record = near_kit_record(&result, 0);
@@ -88,7 +88,7 @@ static void nearest__of_what_crosses_is_the_first_crossing(void **state)
         near_kit_begin(&kit);
         near_kit_add(&kit, triangle(turned ? spike : floor));
         near_kit_add(&kit, triangle(turned ? floor : spike));
-        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
         for (int way = 0; way < 4; way++) { /* from anew, then warm */
             settings.distance = way % 2 == 0 ? INFINITY : 0;
             struct eng_step_result result = near_kit_ask(&kit, &settings);
@@ -135,7 +135,7 @@ static void nearest__of_a_box_inside_a_box_is_no_crossing(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
     near_kit_add(&kit, near_kit_box(low, high, false));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
     assert_true(near_kit_record(&result, 0)->d_lo == 2);
@@ -155,7 +155,7 @@ static void nearest__of_equals_is_the_first_in_order(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
     near_kit_add(&kit, box_at(1.5, 0, 0));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
     const struct pccd_near *record = near_kit_record(&result, 0);
@@ -185,7 +185,7 @@ static void nearest__is_told_from_one_that_is_hardly_farther(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, triangle(floor));
     near_kit_add(&kit, kit_mesh((const double(*)[3])spikes, 6, corners, 2));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(near_kit_record(&result, 0)->feature_a, 3);
     near_kit_end(&kit);
@@ -203,7 +203,7 @@ static void nearest__touches_or_is_inside(void **state)
     static const double low[3] = {-2, -2, -2};
     static const double high[3] = {4, 4, 4};
     near_kit_add(&kit, near_kit_box(low, high, false));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 3);
     for (uint64_t i = 0; i < 3; i++) {
@@ -227,7 +227,7 @@ static void nearest__has_no_record_beyond_the_distance(void **state)
     near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
     near_kit_add(&kit, box_at(1.5, 0, 0));
     near_kit_add(&kit, box_at(0, 3, 0));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     settings.distance = 0.5;
     assert_int_equal(near_kit_ask(&kit, &settings).count, 1);
     settings.distance = nextafter(0.5, 0);
@@ -248,7 +248,7 @@ static void nearest__is_of_objects_that_may_meet(void **state)
     for (int i = 0; i < 4; i++) {
         near_kit_add(&kit, box_at(2 * i, 0, 0));
     }
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     assert_int_equal(near_kit_ask(&kit, &settings).count, 6);
     assert_int_equal(eng_scene_ignore(kit.scene, kit.idx[0], kit.idx[1], true), PCCD_OK);
     assert_int_equal(near_kit_ask(&kit, &settings).count, 5);
@@ -279,7 +279,7 @@ static void nearest__with_a_gap_is_near_enough(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, kit_sheet(12, 0));
     near_kit_add(&kit, kit_sheet(9, 0.5));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     settings.gap = 0.25;
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
@@ -306,7 +306,7 @@ static void nearest__with_a_gap_has_a_record_as_without(void **state)
         near_kit_add(&kit, triangle(spike));
         near_kit_add(&kit, triangle(away));
         assert_int_equal(eng_scene_set_thickness(kit.scene, kit.idx[2], &thick), PCCD_OK);
-        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
         settings.distance = 0.25;
         settings.gap = 0.5 * gap;
         struct eng_step_result result = near_kit_ask(&kit, &settings);
@@ -338,7 +338,7 @@ static void nearest__is_of_surfaces(void **state)
     (void)state;
     struct near_kit kit;
     set_up_spikes(&kit, 1.5);
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     static const double distances[] = {INFINITY, 2, 0.5};
     for (int i = 0; i < 3; i++) {
         settings.distance = distances[i];
@@ -365,7 +365,7 @@ static void nearest__tells_surfaces_apart_by_the_last_bit(void **state)
     for (int i = 0; i < 3; i++) {
         struct near_kit kit;
         set_up_spikes(&kit, tips[i]);
-        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
         struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_int_equal(near_kit_record(&result, 0)->feature_a, want[i]);
         settings.distance = 1 - 0x1p-52;
@@ -384,7 +384,7 @@ static void nearest__does_not_depend_on_the_last_answer(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, kit_sheet(6, 0));
     near_kit_add(&kit, kit_sheet(5, 1));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_true(near_kit_record(&result, 0)->d_lo == 1);
     const struct eng_mesh *mesh = eng_scene_mesh(kit.scene, kit.idx[1]);
@@ -417,7 +417,7 @@ static void nearest__forgets_what_was_replaced(void **state)
     near_kit_begin(&kit);
     near_kit_add(&kit, kit_sheet(6, 0));
     near_kit_add(&kit, kit_sheet(5, 1));
-    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct eng_step_result result = near_kit_ask(&kit, &settings);
     assert_int_equal(near_kit_record(&result, 0)->object_a, 1);
     assert_int_equal(near_kit_record(&result, 0)->feature_a, 0);
@@ -448,7 +448,7 @@ static void nearest__is_found_wherever_objects_are(void **state)
             double high[3] = {begin + size, begin + size, at + size};
             near_kit_add(&kit, near_kit_box(low, high, false));
         }
-        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
         struct eng_step_result result = near_kit_ask(&kit, &settings);
         assert_int_equal(result.count, 3);
         double true_one = size * sqrt(2);

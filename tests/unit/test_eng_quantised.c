@@ -450,7 +450,7 @@ static void stage(struct eng_scene *scene, const uint32_t objects[2],
 static struct eng_step_result step(struct eng_scene *scene, enum pccd_method method,
                                    uint32_t threads)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     settings.threads = threads;
     settings.team_always = true;

@@ -24,9 +24,9 @@ static void start(double ratio, uint32_t region_triangles)
     blast_init(&blast, &(struct eng_scene_settings){ratio, region_triangles, 1});
 }
 
-static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler scheduler)
+static struct eng_question team_of(uint32_t threads, enum eng_scheduler scheduler)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
     settings.threads = threads;
     settings.team_always = true;
@@ -34,7 +34,7 @@ static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler sch
     return settings;
 }
 
-static struct eng_step_result run_step(uint32_t step, struct eng_step_settings settings)
+static struct eng_step_result run_step(uint32_t step, struct eng_question settings)
 {
     return blast_run(&blast, step * DT, (step + 1) * DT, settings);
 }
@@ -108,7 +108,7 @@ static void rebuild__good_nodes_are_left_alone(void **state)
 {
     (void)state;
     static double x[BLAST_VERTICES][3];
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
     struct eng_step_result result;
     start(0.9, 300);
@@ -134,7 +134,7 @@ static void rebuild__nodes_that_stay_poor_are_built_once(void **state)
 {
     (void)state;
     struct kit_random random = {62};
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
     struct eng_scene *scene;
     uint32_t idx;
@@ -215,7 +215,7 @@ static void rebuild__touched_regions_are_made_good_and_no_others(void **state)
     static struct eng_node before[2 * BLAST_TRIANGLES];
     atomic_bool cancel;
     for (int way = 0; way < 8; way++) {
-        struct eng_step_settings settings =
+        struct eng_question settings =
             team_of(1u << way / 2, way & 1 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL);
         start(0.9, 40);
         assert_int_equal(eng_plant_objects(blast.scene), PCCD_OK);
@@ -317,7 +317,7 @@ static void rebuild__steps_cut_short_leave_good_trees(void **state)
     start(0.9, 100);
     for (uint32_t step = 0; step < STEPS; step++) {
         for (int i = 0; i < 8; i++) {
-            struct eng_step_settings settings =
+            struct eng_question settings =
                 team_of(1u << i / 2, i & 1 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL);
             settings.mode = i % 3 ? PCCD_MODE_ALL : PCCD_MODE_ANY;
             struct timespec now;
@@ -358,7 +358,7 @@ static void rebuild__warm_steps_allocate_nothing(void **state)
 static void fly_apart(struct eng_scene *scene, const uint32_t *objects, double t,
                       struct eng_step_result *result)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
     struct kit_random random = {63};
     eng_stage_begin(scene);

@@ -32,7 +32,7 @@ static void record__counts_add_up_to_those_of_the_step(void **state)
     uint64_t pairs = alone.thread_records[0].pairs;
     assert_true(pairs > 0);
     for (size_t i = 0; i < crew_count(); i++) {
-        struct eng_step_settings settings = crew_team(PCCD_MODE_ALL, i);
+        struct eng_question settings = crew_team(PCCD_MODE_ALL, i);
         struct eng_step_result team = crew_run(crew, settings);
         struct eng_thread_record sum = sum_of(&team);
         assert_int_equal(team.threads, settings.threads);
@@ -60,7 +60,7 @@ static void record__times_lie_within_the_step(void **state)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < crew_count(); i++) {
-        struct eng_step_settings settings = crew_team(PCCD_MODE_ALL, i);
+        struct eng_question settings = crew_team(PCCD_MODE_ALL, i);
         struct eng_step_result team = crew_run(crew, settings);
         assert_int_equal(team.times.low + team.times.high,
                          team.times.traversal + team.times.tests);
@@ -91,7 +91,7 @@ static void record__what_is_given_is_received(void **state)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < crew_count(); i++) {
-        struct eng_step_settings settings = crew_team(PCCD_MODE_ALL, i);
+        struct eng_question settings = crew_team(PCCD_MODE_ALL, i);
         struct eng_step_result team = crew_run(crew, settings);
         struct eng_thread_record sum = sum_of(&team);
         assert_true(sum.requests >= sum.steals);

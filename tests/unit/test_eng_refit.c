@@ -37,7 +37,7 @@ static struct eng_scene *new_scene(struct kit_random *random, uint32_t objects)
 static void run(struct eng_scene *scene)
 {
     const atomic_bool cancel = true;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
     struct eng_step_result result;
     settings.mode = PCCD_MODE_ANY;
@@ -296,7 +296,7 @@ static void refit__by_a_team_makes_the_boxes_of_one_thread(void **state)
     struct kit_random random = {34};
     for (uint32_t way = 0; way < 4; way++) {
         struct eng_scene *scene = new_scene(&random, 3);
-        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
         struct eng_step_result result;
         settings.method = PCCD_METHOD_PAPER;
         settings.threads = 1 + way / 2;

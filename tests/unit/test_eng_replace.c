@@ -50,7 +50,7 @@ static int tear_down(void **state)
 /* The high sheet from where it was registered, tilted, down to `z`. */
 static uint64_t step(struct fixture *f, double z)
 {
-    const struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    const struct eng_question settings = ENG_QUESTION_DEFAULT;
     const double from[12] = {1, 0, 0, 0.01, 0, 1, 0, 0.02, 0, 0, 1, 0.5};
     const double to[12] = {1, 0, 0, 0.03, 0, 1, 0, 0.01, 0.125, 0.0625, 1, z};
     struct eng_step_result result;

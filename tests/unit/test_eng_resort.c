@@ -62,7 +62,7 @@ static void shuffle(void)
 
 static struct eng_step_result step(enum pccd_mode mode, uint32_t threads)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     settings.method = PCCD_METHOD_WIDE;
     settings.mode = mode;
@@ -98,7 +98,7 @@ static struct eng_step_result until_sorted(uint32_t threads, uint32_t *steps)
 /* A step in which the soup moves a little to and fro and all else stands. */
 static struct eng_step_result step_to_and_fro(uint32_t number)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     settings.method = PCCD_METHOD_WIDE;
     settings.mode = PCCD_MODE_PAIRS;
@@ -294,7 +294,7 @@ static void resort__takes_back_an_order_that_is_worse(void **state)
 static void resort__shares_are_short_and_end_with_the_step(void **state)
 {
     (void)state;
-    const struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    const struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_stop stop;
     start();
     step(PCCD_MODE_PAIRS, 1);
@@ -365,7 +365,7 @@ static uint32_t add_pieces(struct eng_scene *scene, const double (*x)[3])
 static struct eng_step_result step_pieces(struct eng_scene *scene, uint32_t idx,
                                           const double (*x)[3])
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     settings.method = PCCD_METHOD_WIDE;
     settings.mode = PCCD_MODE_PAIRS;

@@ -45,7 +45,7 @@ static int teardown(void **state)
 
 static int run(struct eng_scene *scene)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     settings.mode = PCCD_MODE_ANY;
     return eng_step(scene, &settings, &result);
@@ -405,7 +405,7 @@ static void stage__refused_settings_leave_positions_as_before(void **state)
     struct fixture *f = *state;
     double x[V][3] = {{0}};
     for (int which = 0; which < 7; which++) {
-        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
         struct eng_step_result result;
         settings.mode = which == 0 ? 4 : PCCD_MODE_ALL;
         settings.method = which == 1 ? 9 : PCCD_METHOD_DEFAULT;

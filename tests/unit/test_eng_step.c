@@ -61,7 +61,7 @@ static int teardown(void **state)
 
 /* The same step every time, whatever was before. */
 static struct eng_step_result run_with(struct fixture *f,
-                                       const struct eng_step_settings *settings)
+                                       const struct eng_question *settings)
 {
     struct eng_step_result result;
     eng_stage_begin(f->scene);
@@ -74,7 +74,7 @@ static struct eng_step_result run_with(struct fixture *f,
 
 static struct eng_step_result run(struct fixture *f, enum pccd_mode mode)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     settings.method = PCCD_METHOD_PAPER;
     struct eng_step_result result = run_with(f, &settings);
@@ -230,7 +230,7 @@ static void step__first_is_found_whatever_is_found_before(void **state)
 {
     (void)state;
     struct kit_random random = {93};
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     const double here[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     const double below[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -4};
@@ -277,7 +277,7 @@ static void step__first_is_found_whatever_is_found_before(void **state)
 static void step__tolerance_narrows_brackets_only(void **state)
 {
     struct fixture *f = *state;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result coarse = run(f, PCCD_MODE_ALL);
     struct pccd_contact *contacts = copy_records(&coarse);
     settings.tolerance = 1e-12;
@@ -315,7 +315,7 @@ static void step__early_ends_say_why(void **state)
     struct fixture *f = *state;
     struct eng_step_result all = run(f, PCCD_MODE_ALL);
     struct pccd_contact *contacts = copy_records(&all);
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     atomic_bool cancel = false;
     settings.deadline_ns = 1;
     struct eng_step_result part = run_with(f, &settings);
@@ -385,7 +385,7 @@ static struct eng_scene *make_spikes(void)
 
 /* All spikes fall by 1. */
 static struct eng_step_result fall(struct eng_scene *scene,
-                                   const struct eng_step_settings *settings)
+                                   const struct eng_question *settings)
 {
     static const double pose[2][12] = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
                                        {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -1}};
@@ -404,7 +404,7 @@ static void step__keeps_the_first_of_the_earliest(void **state)
     struct eng_scene *scene = make_spikes();
     struct pccd_contact first[KEPT];
     for (uint32_t round = 0; round < 3 * 2; round++) {
-        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
         settings.mode = PCCD_MODE_FIRST;
         settings.method = round % 2 == 0 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
         settings.threads = 1 + round / 2;
@@ -443,7 +443,7 @@ static void step__only_the_caller_is_asked_and_can_stop(void **state)
     struct fixture *f = *state;
     const uint64_t total = run(f, PCCD_MODE_ALL).count;
     for (uint32_t threads = 1; threads <= 4; threads += 3) {
-        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
         struct asked asked = {.thread = pthread_self(), .stop_at = UINT32_MAX};
         settings.threads = threads;
         settings.team_always = true;
@@ -512,7 +512,7 @@ static enum pccd_incomplete step_hostile(uint64_t budget_ns, uint32_t cancel_at,
                                          uint32_t *questions, uint64_t *took_ns)
 {
     struct eng_scene *scene = hostile_scene();
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     struct canceller canceller = {.cancel_at = cancel_at};
     settings.cancel = &canceller.cancel;
@@ -552,7 +552,7 @@ static void step__empty_scene_and_single_object_have_no_contacts(void **state)
     assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
     for (int objects = 0; objects < 2; objects++) {
         for (int mode = PCCD_MODE_ALL; mode <= PCCD_MODE_PAIRS; mode++) {
-            struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+            struct eng_question settings = ENG_QUESTION_DEFAULT;
             struct eng_step_result result;
             settings.mode = (enum pccd_mode)mode;
             assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
@@ -574,7 +574,7 @@ static void step__one_object_meets_itself(void **state)
 {
     (void)state;
     struct eng_scene *scene = NULL;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     const double corner[1][3] = {{0.6, 0.55, 0.5}};
     const double below[1][3] = {{0.6, 0.55, -0.5}};
@@ -676,7 +676,7 @@ static void step__object_ids_decide_the_order(void **state)
     static const uint32_t ids[2][2] = {{1, 0x90000000u}, {0x90000000u, 1}};
     for (int order = 0; order < 2; order++) {
         struct eng_scene *scene = NULL;
-        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
         struct eng_step_result result;
         assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
         add(scene, kit_sheet(2, 0), ids[order][0]);
@@ -702,7 +702,7 @@ static void step__two_instances_of_one_mesh_are_two_objects(void **state)
 {
     (void)state;
     struct eng_scene *scene = NULL;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     const double up[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.125, 0, 0, 1, 1};
     const double down[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.125, 0, 0, 1, -1};

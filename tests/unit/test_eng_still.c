@@ -23,7 +23,7 @@ static bool moves(uint32_t i, uint32_t stride, bool in_one_piece)
  * down. */
 static uint64_t still_features(uint32_t stride, bool in_one_piece)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result = {0};
     struct eng_scene *scene;
     uint32_t idx;

@@ -67,7 +67,7 @@ static void subtree__threads_perform_disjoint_task_units(void **state)
     struct eng_step_result alone = crew_run(crew, crew_alone(PCCD_MODE_ALL));
     for (uint32_t threads = 2; threads <= 8; threads++) {
         for (int round = 0; round < 10; round++) {
-            struct eng_step_settings settings = crew_alone(PCCD_MODE_ALL);
+            struct eng_question settings = crew_alone(PCCD_MODE_ALL);
             settings.threads = threads;
             settings.tuning.scheduler = ENG_SCHEDULER_PAPER;
             struct eng_step_result team = crew_run(crew, settings);

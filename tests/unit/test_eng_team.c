@@ -109,8 +109,8 @@ static void team__workers_go_when_no_step_wants_them(void **state)
 {
     struct crew *crew = *state;
     struct eng_scene *scene = crew->scene;
-    struct eng_step_settings alone = crew_alone(PCCD_MODE_ANY);
-    struct eng_step_settings team = crew_team(PCCD_MODE_ANY, 0);
+    struct eng_question alone = crew_alone(PCCD_MODE_ANY);
+    struct eng_question team = crew_team(PCCD_MODE_ANY, 0);
     struct eng_step_result result = crew_run(crew, team);
     uint64_t before = eng_alloc_bytes();
     team.team_always = true;
@@ -123,8 +123,8 @@ static void team__workers_go_when_no_step_wants_them(void **state)
     for (int i = 0; i < MANY_STEPS; i++) {
         assert_int_equal(eng_step(scene, &alone, &result), PCCD_OK);
     }
-    size_t one = sizeof(struct eng_worker) + sizeof(struct eng_paper_work) +
-                 eng_exact_bytes();
+    size_t one =
+        sizeof(struct eng_worker) + sizeof(struct eng_paper_work) + eng_exact_bytes();
     assert_in_range(before - eng_alloc_bytes(), one, 2 * one);
     assert_int_equal(crew_run(crew, team).threads, team.threads);
     assert_int_equal(eng_alloc_bytes(), before);
@@ -137,7 +137,7 @@ static void team__early_ends_end_every_thread(void **state)
     struct crew *crew = *state;
     for (size_t i = 0; i < 2 * crew_count(); i++) {
         atomic_bool cancel = true;
-        struct eng_step_settings settings = crew_team(PCCD_MODE_ALL, i / 2);
+        struct eng_question settings = crew_team(PCCD_MODE_ALL, i / 2);
         settings.method = i % 2 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
         settings.cancel = &cancel;
         struct eng_step_result result = crew_run(crew, settings);
@@ -161,7 +161,7 @@ static void team__cut_answers_hold_the_first_records(void **state)
         uint64_t hash[2];
         record_hash_2(whole.records, limit, whole.record_bytes, hash);
         for (size_t i = 0; i < crew_count(); i++) {
-            struct eng_step_settings settings = crew_team(mode, i);
+            struct eng_question settings = crew_team(mode, i);
             settings.contact_max = limit;
             struct eng_step_result cut = crew_run(crew, settings);
             assert_int_equal(cut.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
@@ -213,7 +213,7 @@ static void team__first_is_what_all_says_it_is(void **state)
     eng_mesh_release(mesh);
     uint64_t expected = 0;
     for (int threads = 0; threads < 5; threads++) {
-        struct eng_step_settings settings =
+        struct eng_question settings =
             crew_alone(threads == 0 ? PCCD_MODE_ALL : PCCD_MODE_FIRST);
         struct eng_step_result result;
         settings.threads = threads == 0 ? 1 : (uint32_t)threads;
@@ -250,7 +250,7 @@ static void team__larger_than_its_scene(void **state)
         struct eng_mesh *mesh = kit_soup(&random, triangles);
         assert_int_equal(eng_scene_add(crew->scene, mesh, triangles, &idx), PCCD_OK);
         eng_mesh_release(mesh);
-        struct eng_step_settings settings = crew_alone(PCCD_MODE_ALL);
+        struct eng_question settings = crew_alone(PCCD_MODE_ALL);
         struct eng_step_result alone;
         assert_int_equal(eng_step(crew->scene, &settings, &alone), PCCD_OK);
         for (size_t i = 0; i < crew_count(); i++) {

@@ -63,7 +63,7 @@ static int teardown(void **state)
 }
 
 static struct pccd_step_counters step(struct ground *ground, double x[2][VERTICES][3],
-                                      const struct eng_step_settings *settings)
+                                      const struct eng_question *settings)
 {
     struct eng_step_result result;
     eng_stage_begin(ground->scene);
@@ -86,7 +86,7 @@ static void teleport__takes_no_more_memory_than_a_calm_step(void **state)
 {
     struct ground *ground = *state;
     for (uint32_t i = 0; i < WAY_METHODS * 2 * 2; i++) {
-        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
         settings.method = way_methods[i % WAY_METHODS];
         settings.mode = i / WAY_METHODS % 2 ? PCCD_MODE_PAIRS : PCCD_MODE_ALL;
         settings.threads = i / WAY_METHODS / 2 ? 4 : 1;

@@ -6,11 +6,11 @@
 
 #include "eng_kit.h"
 
-static struct eng_step_settings way(uint32_t i, enum pccd_mode mode, double separation)
+static struct eng_question way(uint32_t i, enum pccd_mode mode, double separation)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
-    settings.separation = separation;
+    settings.distance = separation;
     way_choose(i, &settings);
     return settings;
 }
@@ -47,7 +47,7 @@ static void step__finds_what_is_within_r_across_a_gap(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < way_count(); i++) {
-        struct eng_step_settings settings = way(i, PCCD_MODE_ANY, 55);
+        struct eng_question settings = way(i, PCCD_MODE_ANY, 55);
         struct eng_step_result result;
         struct eng_scene *scene;
         assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
@@ -114,7 +114,7 @@ static struct eng_scene *scene_of_rods(double x[2 * RODS][3])
 static void step_rods(struct eng_scene *scene, uint32_t i, double x[2][2 * RODS][3],
                       struct eng_step_result *result)
 {
-    struct eng_step_settings settings = way(i, PCCD_MODE_ALL, 0);
+    struct eng_question settings = way(i, PCCD_MODE_ALL, 0);
     settings.approach = 0.3;
     eng_stage_begin(scene);
     assert_int_equal(eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, 2 * RODS, x[0], x[1]),
@@ -157,7 +157,7 @@ static void step__tests_thick_bodies_that_poses_move(void **state)
     static const double pose[2][12] = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
                                        {1, 0, 0, 3, 0, 1, 0, 0, 0, 0, 1, 0}};
     for (uint32_t method = 0; method < WAY_METHODS; method++) {
-        struct eng_step_settings settings = way(method, PCCD_MODE_ALL, 0);
+        struct eng_question settings = way(method, PCCD_MODE_ALL, 0);
         struct eng_step_result result = {0};
         struct eng_scene *scene;
         struct eng_mesh *mesh = two_triangles();
@@ -166,7 +166,7 @@ static void step__tests_thick_bodies_that_poses_move(void **state)
         assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
         eng_mesh_release(mesh);
         for (int i = 0; i < 20; i++) {
-            settings.separation = i == 19 ? 1.5 : 0;
+            settings.distance = i == 19 ? 1.5 : 0;
             eng_stage_begin(scene);
             assert_int_equal(
                 eng_stage_rigid(scene, idx, 0, 6, pose[i % 2], pose[(i + 1) % 2]),
@@ -188,7 +188,7 @@ static void step__leaves_thin_what_is_nearer_at_rest(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 2 * WAY_METHODS; i++) {
-        struct eng_step_settings settings = way(i / 2, PCCD_MODE_ALL, 1.5);
+        struct eng_question settings = way(i / 2, PCCD_MODE_ALL, 1.5);
         const struct eng_object_thickness thickness = {
             .rest_distance = i % 2 == 0 ? 1 : nextafter(1, 2)};
         struct eng_step_result result;
@@ -212,7 +212,7 @@ static void step__is_crowded_by_thick_objects_alone(void **state)
     (void)state;
     static const struct eng_object_thickness thick = {.has_radius = true, .radius = 1};
     for (uint32_t i = 0; i < 2 * WAY_METHODS; i++) {
-        struct eng_step_settings settings =
+        struct eng_question settings =
             way(i / 2, i % 2 == 0 ? PCCD_MODE_ALL : PCCD_MODE_FIRST, 0);
         struct eng_step_result result;
         struct eng_scene *scene;
@@ -240,7 +240,7 @@ static void step__counts_what_touches_in_vertices(void **state)
     static const struct eng_object_thickness thick = {.has_radius = true, .radius = 1};
     for (uint32_t i = 0; i < 4 * WAY_METHODS; i++) {
         bool is_split = i % 2 == 0;
-        struct eng_step_settings settings =
+        struct eng_question settings =
             way(i / 4, i % 4 < 2 ? PCCD_MODE_ALL : PCCD_MODE_FIRST, 0);
         struct eng_step_result result;
         struct eng_scene *scene;
@@ -281,7 +281,7 @@ static void step__refuses_what_is_no_length(void **state)
     for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
         struct eng_object_thickness thickness = {.has_radius = true,
                                                  .radius = lengths[i].length};
-        struct eng_step_settings settings = way(0, PCCD_MODE_ALL, 0);
+        struct eng_question settings = way(0, PCCD_MODE_ALL, 0);
         struct eng_step_result result;
         assert_int_equal(eng_scene_set_thickness(scene, idx, &thickness),
                          lengths[i].status);
@@ -290,9 +290,9 @@ static void step__refuses_what_is_no_length(void **state)
         thickness = (struct eng_object_thickness){.rest_distance = lengths[i].length};
         assert_int_equal(eng_scene_set_thickness(scene, idx, &thickness),
                          lengths[i].status);
-        settings.separation = lengths[i].length;
+        settings.distance = lengths[i].length;
         assert_int_equal(eng_step(scene, &settings, &result), lengths[i].status);
-        settings.separation = 0;
+        settings.distance = 0;
         settings.approach = lengths[i].length == 0 ? 1 : lengths[i].length;
         assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_INVAL);
     }

@@ -56,7 +56,7 @@ static void trace__refuses_what_has_no_room(void **state)
 }
 
 /* A traced step; the trace is empty before it. */
-static struct eng_step_result traced(struct crew *crew, struct eng_step_settings settings,
+static struct eng_step_result traced(struct crew *crew, struct eng_question settings,
                                      struct eng_trace *trace)
 {
     for (uint32_t i = 0; i < trace->lane_count; i++) {

@@ -165,7 +165,7 @@ static int teardown(void **state)
 static struct eng_step_result run_by(struct fixture *f, enum pccd_mode mode,
                                      enum pccd_method method)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     int status = PCCD_OK;
     settings.mode = mode;

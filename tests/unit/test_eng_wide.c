@@ -91,7 +91,7 @@ static struct eng_step_result step_by(struct fixture *f, enum pccd_mode mode,
                                       enum pccd_method method, uint32_t threads,
                                       enum eng_scheduler scheduler)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     settings.threads = threads;
     settings.tuning.scheduler = scheduler;
@@ -557,7 +557,7 @@ static void wide__features_move_with_vertices_from_many_chunks(void **state)
 static void wide__stops_when_cancelled(void **state)
 {
     struct fixture *f = *state;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     atomic_bool cancel;
     atomic_init(&cancel, true);

@@ -105,10 +105,10 @@ int eng_tuning_read(const char *text, struct eng_tuning *tuning,
     return status;
 }
 
-void eng_tuning_used(const struct eng_step_settings *settings,
+void eng_tuning_used(const struct eng_question *question,
                      const struct eng_step_result *result, char text[PCCD_TUNING_BYTES])
 {
-    const struct eng_tuning *tuning = &settings->tuning;
+    const struct eng_tuning *tuning = &question->tuning;
     bool is_paper = result->method == PCCD_METHOD_PAPER;
     bool has_high = is_paper && tuning->scheduler == ENG_SCHEDULER_PAPER;
     text[0] = '\0';

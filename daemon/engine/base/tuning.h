@@ -4,8 +4,8 @@
 #ifndef ENG_TUNING_H
 #define ENG_TUNING_H
 
+#include "question.h"
 #include "step_result.h"
-#include "step_settings.h"
 
 #define ENG_TUNING_WHY_BYTES 128
 
@@ -19,7 +19,7 @@ int eng_tuning_read(const char *text, struct eng_tuning *tuning,
 /* What a step has used, as eng_tuning_read takes it: "" where a thread was alone, and so
  * shared nothing. The method wide always steals, refits in one way, and has no
  * high-level nodes. */
-void eng_tuning_used(const struct eng_step_settings *settings,
+void eng_tuning_used(const struct eng_question *question,
                      const struct eng_step_result *result, char text[PCCD_TUNING_BYTES]);
 
 #endif

@@ -106,14 +106,14 @@ static int list_shares(struct eng_near_objects *objects)
             continue;
         }
         uint32_t faces = scene->objects[i].mesh->info.triangle_count;
-        if (objects->ask.what == PCCD_NEAR_NEAREST) {
+        if (objects->ask.verb == PCCD_NEAR_NEAREST) {
             status = add_share(objects, i, 0, faces);
         }
-        if (objects->ask.what == PCCD_NEAR_DEPTH) {
+        if (objects->ask.verb == PCCD_NEAR_DEPTH) {
             status = add_share(objects, i, 0, 0);
         }
         for (uint32_t first = 0;
-             objects->ask.what == PCCD_NEAR_DEPTH && first < faces && status == PCCD_OK;
+             objects->ask.verb == PCCD_NEAR_DEPTH && first < faces && status == PCCD_OK;
              first += SHARE_FACES) {
             uint32_t left = faces - first;
             status =
@@ -169,14 +169,14 @@ static int check_closed(const struct eng_near_objects *objects,
 
 int eng_near_objects_prepare(struct eng_near_objects *objects,
                              const struct eng_scene *scene,
-                             const struct eng_near_ask *ask, uint32_t threads,
+                             const struct eng_question *ask, uint32_t threads,
                              struct eng_near_open *open)
 {
     assert(threads >= 1 && threads <= ENG_THREADS_MAX);
-    assert(ask->what == PCCD_NEAR_NEAREST || ask->what == PCCD_NEAR_DEPTH);
+    assert(ask->verb == PCCD_NEAR_NEAREST || ask->verb == PCCD_NEAR_DEPTH);
     objects->scene = scene;
     objects->ask = *ask;
-    objects->ask.gap = ask->what == PCCD_NEAR_NEAREST ? ask->gap : 0;
+    objects->ask.gap = ask->verb == PCCD_NEAR_NEAREST ? ask->gap : 0;
     open->object = 0;
     open->has_free = false;
     int status = choose(objects);
@@ -186,7 +186,7 @@ int eng_near_objects_prepare(struct eng_near_objects *objects,
     if (status == PCCD_OK) {
         status = check_triangles(objects, open);
     }
-    if (status == PCCD_OK && objects->ask.what == PCCD_NEAR_DEPTH) {
+    if (status == PCCD_OK && objects->ask.verb == PCCD_NEAR_DEPTH) {
         status = check_closed(objects, open);
     }
     while (status == PCCD_OK && objects->search_count < threads) {
@@ -220,7 +220,7 @@ void eng_near_objects_begin(struct eng_near_objects *objects)
 {
     atomic_init(&objects->next, 0);
     atomic_init(&objects->crossings, 0);
-    if (objects->ask.what == PCCD_NEAR_NEAREST && objects->share_count > 0) {
+    if (objects->ask.verb == PCCD_NEAR_NEAREST && objects->share_count > 0) {
         for (uint32_t i = 0; i < objects->share_count; i++) {
             objects->shares[i].low =
                 bounds_of(objects, objects->shares[i].object)->low[0];
@@ -263,7 +263,7 @@ static void add_record(const struct eng_near_search *search, struct eng_worker *
 static double largest_radius(const struct eng_near_objects *objects,
                              const struct eng_worker *worker, uint32_t object)
 {
-    return worker->settings->near->is_thick
+    return worker->question->sought.is_thick
                ? eng_thickness_most(&objects->scene->objects[object])
                : 0;
 }
@@ -279,7 +279,7 @@ static void perform_nearest(struct eng_near_objects *objects,
     double most[2] = {largest_radius(objects, worker, a), 0};
     for (uint32_t i = share + 1; i < objects->share_count; i++) {
         uint32_t b = objects->shares[i].object;
-        if (objects->shares[i].low - of_a->high[0] > worker->settings->near->reach ||
+        if (objects->shares[i].low - of_a->high[0] > worker->question->sought.reach ||
             ((i & 1023u) == 0 && eng_worker_should_stop(worker))) {
             return;
         }
@@ -404,7 +404,7 @@ void eng_near_objects_perform(struct eng_near_objects *objects,
         }
         if (objects->shares[share].count == 0) {
             perform_crossings(objects, search, worker, objects->shares[share].object);
-        } else if (objects->ask.what == PCCD_NEAR_NEAREST) {
+        } else if (objects->ask.verb == PCCD_NEAR_NEAREST) {
             perform_nearest(objects, search, worker, share);
         } else {
             perform_depth(objects, search, worker, share);

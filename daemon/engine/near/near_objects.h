@@ -8,15 +8,6 @@
 #include "near_search.h"
 #include "near_warm.h"
 
-/* The question, as in struct eng_near_settings. */
-struct eng_near_ask {
-    enum pccd_near_what what; /* NEAREST or DEPTH */
-    double distance;
-    double gap;
-    uint32_t end;
-    uint32_t objects[2]; /* ids; 0: any */
-};
-
 /* A mesh that is not closed: of the object of that id. */
 struct eng_near_open {
     uint32_t object;
@@ -34,8 +25,8 @@ struct eng_near_share {
 
 struct eng_near_objects {
     const struct eng_scene *scene;
-    struct eng_near_ask ask;
-    uint32_t chosen[2]; /* indices, or ENG_NO_OBJECT */
+    struct eng_question ask; /* NEAREST or DEPTH, which has no gap */
+    uint32_t chosen[2];      /* indices, or ENG_NO_OBJECT */
     struct eng_near_warm warm;
     struct eng_near_share *shares; /* [share_capacity]; NEAREST: by x */
     uint32_t share_count;
@@ -55,7 +46,7 @@ uint64_t eng_near_objects_bytes(const struct eng_near_objects *objects);
  * *open is that of the least id, else open->object is 0. [compute] */
 int eng_near_objects_prepare(struct eng_near_objects *objects,
                              const struct eng_scene *scene,
-                             const struct eng_near_ask *ask, uint32_t threads,
+                             const struct eng_question *ask, uint32_t threads,
                              struct eng_near_open *open);
 
 /* The positions have moved on. [compute] */

@@ -99,9 +99,9 @@ void eng_near_work_begin(struct eng_worker *worker, const struct eng_name_range 
     work->batch.exact = 0;
 }
 
-static enum eng_distance_wanted wanted_for(enum pccd_near_what what)
+static enum eng_distance_wanted wanted_for(uint32_t verb)
 {
-    switch (what) {
+    switch (verb) {
     case PCCD_NEAR_CROSSINGS:
         return ENG_DISTANCE_WITHIN;
     case PCCD_NEAR_VERTICES:
@@ -248,7 +248,7 @@ static void keep_bounds(struct eng_worker *worker, const struct eng_point *point
                         const uint32_t (*quads)[4], uint32_t count)
 {
     const struct eng_near_work *work = eng_near_work_of(worker);
-    _Atomic uint64_t *bounds = worker->settings->near->bounds;
+    _Atomic uint64_t *bounds = worker->question->sought.bounds;
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t *quad = quads[work->batch.index[i]];
         uint64_t bits;
@@ -277,7 +277,7 @@ static void keep_range(struct eng_near_work *work, uint32_t count)
 static void tell_meeting(struct eng_worker *worker, uint32_t found)
 {
     if (found > 0) {
-        atomic_store_explicit(worker->settings->near->meets, true, memory_order_relaxed);
+        atomic_store_explicit(worker->question->sought.meets, true, memory_order_relaxed);
     }
 }
 
@@ -302,14 +302,14 @@ uint32_t eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                        const struct eng_point *points, const uint32_t (*quads)[4],
                        uint32_t count, bool is_sifted, eng_names_fn names)
 {
-    const struct eng_near_query *near = worker->settings->near;
+    const struct eng_question *asked = worker->question;
     struct eng_near_work *work = eng_near_work_of(worker);
     const struct eng_distance_question question = {
         .kind = kind,
-        .end = near->end,
-        .distance = near->is_thick ? near->reach : near->distance,
+        .end = asked->end,
+        .distance = asked->sought.is_thick ? asked->sought.reach : asked->distance,
         .is_sifted = is_sifted,
-        .wanted = wanted_for(near->what)};
+        .wanted = wanted_for(asked->verb)};
     worker->record.tests += count;
     uint32_t found = eng_distance_batch_test(worker->kernels, &question, points, quads,
                                              count, &work->distances, &work->batch);
@@ -318,20 +318,20 @@ uint32_t eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
         tell_meeting(worker, found);
         return found;
     }
-    if (near->is_thick) {
+    if (asked->sought.is_thick) {
         found = keep_within(worker, kind, points, quads, found);
     }
     work->pairs += found;
-    if (near->counts_only) {
+    if (asked->counts_only) {
         return found;
     }
     keep_range(work, found);
-    if (near->what == PCCD_NEAR_VERTICES) {
+    if (asked->verb == PCCD_NEAR_VERTICES) {
         keep_bounds(worker, points, quads, found);
         return found;
     }
     names(worker, kind, work->batch.index, found, work->names);
-    if (near->what == PCCD_NEAR_FEATURES) {
+    if (asked->verb == PCCD_NEAR_FEATURES) {
         eng_closest_features(worker->scene, kind, points, quads, work->batch.index, found,
                              &work->edges, work->names, work->batch.found);
         keep_features(worker, found);
@@ -360,14 +360,13 @@ void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
 {
     struct eng_near_work *work = eng_near_work_of(worker);
     const uint64_t *integers = &work->distances.decided[ENG_DISTANCE_BY_INTEGERS];
-    uint32_t end = worker->settings->near->end;
+    uint32_t end = worker->question->end;
     worker->record.tests += count;
     uint32_t found = eng_distance_batch_cross(worker->kernels, end, points, fives, count,
                                               &work->distances, &work->batch);
     worker->tally.survivors += found;
     work->crossings += found;
-    if (worker->settings->near->what != PCCD_NEAR_CROSSINGS ||
-        worker->settings->near->counts_only) {
+    if (worker->question->verb != PCCD_NEAR_CROSSINGS || worker->question->counts_only) {
         return;
     }
     work->least = found > 0 ? 0 : work->least;

@@ -8,7 +8,7 @@
 #include "closest_features.h"
 #include "distance_batch.h"
 #include "finding.h"
-#include "near_query.h"
+#include "question.h"
 #include "worker.h"
 #include "world.h"
 

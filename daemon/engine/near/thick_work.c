@@ -151,9 +151,9 @@ static void keep_contacts(struct eng_worker *worker, enum pccd_kind kind,
     struct eng_thick_work *work = eng_thick_work_of(worker);
     const struct eng_thick_question question = {.kind = kind,
                                                 .is_sifted = is_sifted,
-                                                .tolerance = worker->settings->tolerance,
+                                                .tolerance = worker->question->tolerance,
                                                 .t_end = worker->time_bound,
-                                                .approach = worker->settings->approach};
+                                                .approach = worker->question->approach};
     uint32_t hits = eng_thick_batch_test(
         worker->kernels, &question, points, (const uint32_t(*)[4])work->quads,
         (const double(*)[3])work->radius, count, &work->thick, &work->batch);
@@ -299,14 +299,14 @@ bool eng_thick_is_near(struct eng_worker *worker, enum pccd_kind kind,
                        const struct eng_point *points, const uint32_t quad[4],
                        struct eng_distance *found)
 {
-    const struct eng_near_query *near = worker->settings->near;
+    const struct eng_question *asked = worker->question;
     struct eng_thick_work *work = eng_thick_work_of(worker);
     const uint32_t *sides = common_kinds[kind].points;
     struct pair pair = pair_of(worker->scene, points, quad, sides);
-    bool is_bound = near->what == PCCD_NEAR_VERTICES;
+    bool is_bound = asked->verb == PCCD_NEAR_VERTICES;
     double radius[3] = {eng_thickness_radius(pair.object[0], pair.v, sides[0]),
                         eng_thickness_radius(pair.object[1], pair.v + sides[0], sides[1]),
-                        near->distance};
+                        asked->distance};
     if (found->lo > eng_thick_reach(radius)) {
         return false;
     }
@@ -319,7 +319,7 @@ bool eng_thick_is_near(struct eng_worker *worker, enum pccd_kind kind,
     double most = eng_thick_reach(radius);
     if (found->lo > most ||
         (found->hi > most * (1 - 16 * ENG_U) &&
-         !is_within(work, kind, points, quad, near->end, radius, &worker->exact))) {
+         !is_within(work, kind, points, quad, asked->end, radius, &worker->exact))) {
         return false;
     }
     if (is_bound) {
@@ -351,7 +351,7 @@ static uint32_t leave_resting(struct eng_worker *worker, enum pccd_kind kind,
                               const struct eng_point *points, uint32_t taken)
 {
     struct eng_thick_work *work = eng_thick_work_of(worker);
-    bool is_all = worker->settings->mode == PCCD_MODE_PAIRS;
+    bool is_all = worker->question->mode == PCCD_MODE_PAIRS;
     uint32_t left = is_all ? taken : leave_beyond(worker, kind, points, taken);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < left; i++) {
@@ -393,7 +393,7 @@ uint32_t eng_thick_test(struct eng_worker *worker, enum pccd_kind kind,
         rest += work->is_thin[i];
     }
     work->candidates += count - rest;
-    if (worker->settings->mode == PCCD_MODE_PAIRS) {
+    if (worker->question->mode == PCCD_MODE_PAIRS) {
         keep_pairs(worker, kind, points, taken, names);
     } else if (taken > 0) {
         keep_contacts(worker, kind, points, taken, is_sifted, names);

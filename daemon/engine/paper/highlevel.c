@@ -78,7 +78,7 @@ static void end_part(struct eng_worker *worker, uint32_t node, uint64_t begin_ns
 {
     uint64_t end_ns = common_now_ns();
     worker->record.high_ns += end_ns - begin_ns;
-    eng_trace_add(worker->settings->trace, worker->thread, PCCD_TRACE_HIGH, begin_ns,
+    eng_trace_add(worker->question->trace, worker->thread, PCCD_TRACE_HIGH, begin_ns,
                   end_ns, node, pairs);
 }
 
@@ -179,7 +179,7 @@ static void perform_disjoint(struct eng_team *team, struct eng_worker *worker,
 void eng_highlevel_perform(struct eng_team *team, struct eng_worker *worker)
 {
     const struct eng_assignment *assignment = &eng_paper_of(team->scene)->assignment;
-    bool is_disjoint = worker->settings->tuning.high_level == ENG_HIGH_LEVEL_DISJOINT;
+    bool is_disjoint = worker->question->tuning.high_level == ENG_HIGH_LEVEL_DISJOINT;
     for (uint32_t i = assignment->high_count; i-- > 0;) {
         worker->record.task_units += worker->thread == 0;
         if (is_disjoint) {

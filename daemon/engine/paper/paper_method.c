@@ -102,7 +102,7 @@ static bool is_stale(const struct eng_scene *scene)
     return eng_trees_of(scene)->top_is_stale;
 }
 
-static int prepare(struct eng_team *team, const struct eng_step_settings *settings)
+static int prepare(struct eng_team *team, const struct eng_question *question)
 {
     struct eng_scene *scene = team->scene;
     struct eng_refit_plan *plan = &eng_paper_of(scene)->plan;
@@ -121,9 +121,9 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
         }
     }
     if (status == PCCD_OK) {
-        status = eng_refit_plan_tree(plan, scene, settings->tuning.refit, team->count);
+        status = eng_refit_plan_tree(plan, scene, question->tuning.refit, team->count);
     }
-    if (status == PCCD_OK && settings->tuning.scheduler == ENG_SCHEDULER_PAPER) {
+    if (status == PCCD_OK && question->tuning.scheduler == ENG_SCHEDULER_PAPER) {
         status = eng_assignment_reserve(&eng_paper_of(scene)->assignment, team->count);
     }
     for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
@@ -141,10 +141,10 @@ static bool has_boxes(const struct eng_scene *scene)
            trees->thickness == scene->thickness.number;
 }
 
-static void start(struct eng_team *team, const struct eng_step_settings *settings)
+static void start(struct eng_team *team, const struct eng_question *question)
 {
     struct eng_paper *paper = eng_paper_of(team->scene);
-    (void)settings;
+    (void)question;
     if (!team->has_boxes) {
         eng_background_swap(&paper->background, team->scene);
         paper->trees.frames = team->scene->framing.number;
@@ -158,7 +158,7 @@ static void start(struct eng_team *team, const struct eng_step_settings *setting
 
 static void ready(struct eng_worker *worker)
 {
-    if (worker->settings->near) {
+    if (eng_asks_near(worker->question)) {
         return;
     }
     eng_rebuild_top(worker);

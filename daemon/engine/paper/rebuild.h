@@ -103,7 +103,7 @@ static inline const struct eng_node *eng_node_open(struct eng_worker *worker,
     const struct eng_scene *scene = worker->scene;
     struct eng_trees *trees = eng_trees_of(scene);
     const struct eng_node *node = &trees->nodes[node_idx];
-    if (worker->settings->near) {
+    if (eng_asks_near(worker->question)) {
         return node; /* nothing is rebuilt for what is asked about a moment */
     }
     /* Acquire: pairs with the release of whoever examined the region. */

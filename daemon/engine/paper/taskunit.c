@@ -7,9 +7,9 @@
 
 #include <assert.h>
 
-#include "near_query.h"
 #include "paper_features.h"
 #include "paper_work.h"
+#include "question.h"
 #include "rebuild.h"
 #include "test.h"
 
@@ -20,9 +20,9 @@ static inline bool overlap(const struct eng_worker *worker, const void *a, const
 {
     const struct eng_box *box_a = eng_box_of_const(a);
     const struct eng_box *box_b = eng_box_of_const(b);
-    const struct eng_near_query *near = worker->settings->near;
-    if (near) {
-        return eng_box_is_near(box_a, box_b, near->end, near->growth);
+    const struct eng_question *question = worker->question;
+    if (eng_asks_near(question)) {
+        return eng_box_is_near(box_a, box_b, question->end, question->sought.growth);
     }
     if (!eng_box_overlap(box_a, box_b)) {
         return false;
@@ -167,7 +167,7 @@ static void free_pair(struct eng_worker *worker, const struct eng_node *n,
     const struct eng_triangle *triangles = eng_trees_of(worker->scene)->triangles;
     const struct eng_triangle *ta = &triangles[n->right];
     const struct eng_triangle *tb = &triangles[m->right];
-    if (!worker->settings->near && !worker->scene->thickness.is_on) {
+    if (!eng_asks_near(worker->question) && !worker->scene->thickness.is_on) {
         return;
     }
     if (eng_feature_is_free_point(ta) && eng_feature_is_free_point(tb)) {
@@ -193,17 +193,17 @@ HAVE_COMMON(EF, 2, 3)
 static inline bool may_cross(const struct eng_worker *worker, const struct eng_node *n,
                              const struct eng_node *m)
 {
-    const struct eng_near_query *near = worker->settings->near;
-    return near && near->kinds >> PCCD_EF & 1 &&
-           eng_box_is_near(eng_box_of_const(n), eng_box_of_const(m), near->end,
-                           eng_near_growth_of(near, PCCD_EF));
+    const struct eng_question *question = worker->question;
+    return eng_asks_near(question) && question->sought.kinds >> PCCD_EF & 1 &&
+           eng_box_is_near(eng_box_of_const(n), eng_box_of_const(m), question->end,
+                           eng_near_growth_of(question, PCCD_EF));
 }
 
 /* Are other pairs asked for than edges that pass through faces? */
 static inline bool wants_pairs(const struct eng_worker *worker)
 {
-    const struct eng_near_query *near = worker->settings->near;
-    return !near || near->kinds & 1u << PCCD_VF;
+    const struct eng_question *question = worker->question;
+    return !eng_asks_near(question) || question->sought.kinds & 1u << PCCD_VF;
 }
 
 /* Two leaves of which one at least is no triangle. Not inline, so that the code of

@@ -183,7 +183,7 @@ static void test_group(struct eng_worker *worker, enum pccd_kind kind,
     load_thin(worker, kind, chunk, first, &group);
     uint32_t hits = eng_batch_test(worker->kernels, kind, group.points,
                                    (const uint32_t(*)[4])group.quads, group.count,
-                                   worker->settings->tolerance, worker->time_bound,
+                                   worker->question->tolerance, worker->time_bound,
                                    &worker->exact, batch);
     worker->record.tests += group.count;
     worker->tally.survivors += batch->survivors;
@@ -243,9 +243,9 @@ void eng_test_chunk(struct eng_worker *worker, enum pccd_kind kind)
     uint32_t count = chunk->count;
     eng_test_count(worker, kind, count);
     for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop); i += GROUP) {
-        if (worker->settings->near) {
+        if (eng_asks_near(worker->question)) {
             test_near(worker, kind, chunk, i);
-        } else if (worker->settings->mode == PCCD_MODE_PAIRS) {
+        } else if (worker->question->mode == PCCD_MODE_PAIRS) {
             keep_group(worker, kind, chunk, i);
         } else {
             test_group(worker, kind, chunk, i);

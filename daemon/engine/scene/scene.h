@@ -86,7 +86,7 @@ int eng_scene_set_filter(struct eng_scene *scene, uint32_t object_idx,
 int eng_scene_get_filter(const struct eng_scene *scene, uint32_t object_idx,
                          struct eng_object_filter *filter);
 /* How thick an object is: its features meet others that come within the sum of both radii
- * and the separation of the step (step_settings.h); two of its own count both of their
+ * and the separation of the step (question.h); two of its own count both of their
  * radii. From the next step on; it stays when the object is replaced. */
 struct eng_object_thickness {
     bool has_radius; /* else its radii are those of the mesh (eng_mesh_write_radii) */

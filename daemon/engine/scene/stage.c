@@ -18,7 +18,7 @@
 #include "kernel.h"
 #include "memory.h"
 #include "moving.h"
-#include "step_settings.h"
+#include "question.h"
 
 void eng_stage_begin(struct eng_scene *scene)
 {

@@ -10,7 +10,7 @@
 #ifndef ENG_THICKNESS_H
 #define ENG_THICKNESS_H
 
-#include "near_query.h"
+#include "question.h"
 #include "world.h"
 
 /* Before a step: its separation, and the radii as they are set, are what counts now. */

@@ -8,7 +8,7 @@ void eng_test_keep(struct eng_worker *worker, const struct pccd_pair *name,
                    const struct eng_hit *hit)
 {
     assert(hit->toi <= hit->toi_hi); /* a bracket, NaN in neither end */
-    if (worker->settings->mode == PCCD_MODE_ANY) {
+    if (worker->question->mode == PCCD_MODE_ANY) {
         if (hit->flags & PCCD_PROVED) {
             worker->proved_seen++;
             worker->proof = *name;
@@ -18,7 +18,7 @@ void eng_test_keep(struct eng_worker *worker, const struct pccd_pair *name,
         }
         return;
     }
-    if (worker->settings->mode == PCCD_MODE_FIRST && (hit->flags & PCCD_PROVED)) {
+    if (worker->question->mode == PCCD_MODE_FIRST && (hit->flags & PCCD_PROVED)) {
         eng_worker_tighten(worker, hit->toi_hi);
     }
     struct pccd_contact *contact = eng_found_add(&worker->found, name);
@@ -46,7 +46,7 @@ void eng_test_end(struct eng_worker *worker, enum pccd_kind kind, uint32_t teste
     uint64_t end_ns = common_now_ns();
     worker->record.tests_ns += end_ns - begin_ns;
     if (tested > 0) {
-        eng_trace_add(worker->settings->trace, worker->thread, PCCD_TRACE_TESTS, begin_ns,
+        eng_trace_add(worker->question->trace, worker->thread, PCCD_TRACE_TESTS, begin_ns,
                       end_ns, kind, tested);
     }
 }

@@ -16,7 +16,7 @@ struct eng_method_calls {
     bool (*is_stale)(const struct eng_scene *scene);
     /* Whatever can fail for want of memory: put trees together, reserve for team->count
      * threads, whose workers exist. Nothing moves. [compute] */
-    int (*prepare)(struct eng_team *team, const struct eng_step_settings *settings);
+    int (*prepare)(struct eng_team *team, const struct eng_question *question);
     /* The positions have moved on: see how what moves is spread, and tell the scene
      * (moving.is_spread). NULL: it does not matter. [compute] */
     void (*survey)(struct eng_scene *scene);
@@ -25,7 +25,7 @@ struct eng_method_calls {
     bool (*has_boxes)(const struct eng_scene *scene);
     /* The positions have moved on; no thread is at work yet. If team->has_boxes: they
      * have not, and boxes stay. It says so itself where nothing moves. [compute] */
-    void (*start)(struct eng_team *team, const struct eng_step_settings *settings);
+    void (*start)(struct eng_team *team, const struct eng_question *question);
     /* All boxes, by one thread. A step that is stopped may leave some as they were: then
      * no task is done, and the next step makes them all. [compute] */
     void (*refit)(struct eng_worker *worker);

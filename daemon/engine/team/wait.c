@@ -42,8 +42,8 @@ static void begin(struct eng_wait *wait, const struct eng_affinity *affinity,
 
 void eng_wait_begin(struct eng_wait *wait, struct eng_worker *worker)
 {
-    assert(worker && worker->settings);
-    begin(wait, worker->settings->affinity, worker->thread);
+    assert(worker && worker->question);
+    begin(wait, worker->question->affinity, worker->thread);
     wait->worker = worker;
 }
 

@@ -52,7 +52,7 @@ void eng_wait_for_all(struct eng_worker *worker);
 static inline void eng_wait_return(struct eng_worker *worker, uint32_t team_count)
 {
     if (!eng_stop_is_set(worker->stop)) {
-        eng_affinity_return(worker->settings->affinity, worker->thread, team_count);
+        eng_affinity_return(worker->question->affinity, worker->thread, team_count);
     }
 }
 

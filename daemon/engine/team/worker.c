@@ -6,7 +6,7 @@
 
 #include "aabb.h"
 #include "kernel.h"
-#include "near_query.h"
+#include "question.h"
 
 /* By this much more than the tolerance a contact may begin after its toi. */
 #define BEGINS_LATER 0x1p-48
@@ -28,14 +28,14 @@ void eng_worker_deinit(struct eng_worker *worker)
 }
 
 void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
-                      const struct eng_step_settings *settings, struct eng_stop *stop,
+                      const struct eng_question *question, struct eng_stop *stop,
                       struct eng_pool *pool)
 {
-    assert(scene && settings && stop && pool);
-    assert(settings->tolerance > 0 && settings->mode <= PCCD_MODE_PAIRS);
+    assert(scene && question && stop && pool);
+    assert(question->tolerance > 0 && question->mode <= PCCD_MODE_PAIRS);
     worker->scene = scene;
-    worker->settings = settings;
-    worker->kernels = settings->kernels ? settings->kernels : eng_kernels();
+    worker->question = question;
+    worker->kernels = question->kernels ? question->kernels : eng_kernels();
     worker->stop = stop;
     worker->time_bound = 1;
     worker->box_bound = 1;
@@ -47,24 +47,24 @@ void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
     memset(&worker->record, 0, sizeof worker->record);
     memset(&worker->tally, 0, sizeof worker->tally);
     eng_found_begin(&worker->found, pool,
-                    settings->mode == PCCD_MODE_PAIRS ? sizeof(struct pccd_pair)
+                    question->mode == PCCD_MODE_PAIRS ? sizeof(struct pccd_pair)
                                                       : sizeof(struct pccd_contact),
-                    settings->contact_max);
-    worker->found.folds = settings->near && settings->near->what == PCCD_NEAR_FEATURES;
-    worker->found.is_of_earliest = settings->mode == PCCD_MODE_FIRST;
+                    question->contact_max);
+    worker->found.folds = question->verb == PCCD_NEAR_FEATURES;
+    worker->found.is_of_earliest = question->mode == PCCD_MODE_FIRST;
 }
 
-void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings)
+void eng_stop_init(struct eng_stop *stop, const struct eng_question *question)
 {
     const double whole_step = 1;
     uint64_t bits;
     memcpy(&bits, &whole_step, sizeof bits);
     atomic_init(&stop->meeting.arrived, 0);
     atomic_init(&stop->meeting.round, 0);
-    stop->cancel = settings->cancel;
-    stop->is_stopped = settings->is_stopped;
-    stop->asked = settings->asked;
-    stop->deadline_ns = settings->deadline_ns;
+    stop->cancel = question->cancel;
+    stop->is_stopped = question->is_stopped;
+    stop->asked = question->asked;
+    stop->deadline_ns = question->deadline_ns;
     atomic_init(&stop->reason, PCCD_COMPLETE);
     atomic_init(&stop->stopped, false);
     stop->gave_up = false;
@@ -97,7 +97,7 @@ static void look_at_bound(struct eng_worker *worker)
          * the boxes must let it through, however soon the bound was known; the other
          * 2^-49 is for the rounding of this sum, 2^-51 at most. */
         worker->box_bound =
-            eng_round_up(bound + worker->settings->tolerance + BEGINS_LATER);
+            eng_round_up(bound + worker->question->tolerance + BEGINS_LATER);
     }
 }
 
@@ -149,7 +149,7 @@ void eng_worker_ask(struct eng_worker *worker)
 
 void eng_worker_give_up(struct eng_worker *worker)
 {
-    assert(worker->settings->brief);
+    assert(worker->question->brief);
     worker->stop->gave_up = true;
     atomic_store_explicit(&worker->stop->stopped, true, memory_order_relaxed);
 }
@@ -172,6 +172,6 @@ void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns)
     assert(begin_ns > 0);
     uint64_t end_ns = common_now_ns();
     worker->record.wait_ns += end_ns - begin_ns;
-    eng_trace_add(worker->settings->trace, worker->thread, PCCD_TRACE_WAIT, begin_ns,
+    eng_trace_add(worker->question->trace, worker->thread, PCCD_TRACE_WAIT, begin_ns,
                   end_ns, 0, 0);
 }

@@ -12,9 +12,9 @@
 #include "clock.h"
 #include "deque.h"
 #include "exact.h"
+#include "question.h"
 #include "result.h"
 #include "step_result.h"
-#include "step_settings.h"
 #include "trace.h"
 
 struct eng_kernels;
@@ -63,7 +63,7 @@ static inline bool eng_stop_is_set(const struct eng_stop *stop)
 
 struct eng_worker {
     struct eng_scene *scene; /* written to only behind gates (rebuild.h) */
-    const struct eng_step_settings *settings;
+    const struct eng_question *question;
     const struct eng_kernels *kernels; /* of the settings, never NULL */
     struct eng_stop *stop;
     uint32_t thread;        /* place in the team */
@@ -93,13 +93,13 @@ void eng_worker_deinit(struct eng_worker *worker);
 
 /* Get ready for a step. */
 void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
-                      const struct eng_step_settings *settings, struct eng_stop *stop,
+                      const struct eng_question *question, struct eng_stop *stop,
                       struct eng_pool *pool);
 
 /* The bound as it stands; after the region: the final one. */
 double eng_stop_time_bound(const struct eng_stop *stop);
 
-void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings);
+void eng_stop_init(struct eng_stop *stop, const struct eng_question *question);
 
 /* Should the worker stop? Looks at the clock and at the cancel flag; the first thread
  * also asks whoever is to be asked. */
@@ -115,7 +115,7 @@ void eng_worker_ask(struct eng_worker *worker);
 /* When a slice of the trace begins; 0 without a trace, so that nobody asks the clock. */
 static inline uint64_t eng_worker_slice(const struct eng_worker *worker)
 {
-    return worker->settings->trace ? common_now_ns() : 0;
+    return worker->question->trace ? common_now_ns() : 0;
 }
 
 /* End it now. */
@@ -123,8 +123,8 @@ static inline void eng_worker_trace(const struct eng_worker *worker,
                                     enum pccd_trace_kind kind, uint64_t begin_ns,
                                     uint32_t a, uint32_t b)
 {
-    if (worker->settings->trace) {
-        eng_trace_add(worker->settings->trace, worker->settings->lane + worker->thread,
+    if (worker->question->trace) {
+        eng_trace_add(worker->question->trace, worker->question->lane + worker->thread,
                       kind, begin_ns, common_now_ns(), a, b);
     }
 }

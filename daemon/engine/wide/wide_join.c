@@ -114,15 +114,15 @@ static int32_t cells_of(float distance, float scale)
 }
 
 void eng_wide_join_at(struct eng_wide_join *join, const struct eng_wide *wide,
-                      const struct eng_near_query *near)
+                      const struct eng_question *question)
 {
-    assert(near->end <= 1 && near->growth >= 0);
-    join->kinds = near->kinds & (eng_wide_kinds(wide, true) | 1u << PCCD_EF);
+    assert(question->end <= 1 && question->sought.growth >= 0);
+    join->kinds = question->sought.kinds & (eng_wide_kinds(wide, true) | 1u << PCCD_EF);
     for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
         for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
             struct eng_join *job = &join->jobs[kind][level];
-            float growth = eng_near_growth_of(near, kind);
-            job->end = near->end;
+            float growth = eng_near_growth_of(question, kind);
+            job->end = question->end;
             job->growth = growth;
             for (int k = 0; k < 3; k++) {
                 job->cells[k] = cells_of(growth, wide->quantising.scale[k]);

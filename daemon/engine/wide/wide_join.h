@@ -6,7 +6,7 @@
 #define ENG_WIDE_JOIN_H
 
 #include "batch.h"
-#include "near_query.h"
+#include "question.h"
 #include "wide.h"
 
 struct eng_wide_owners; /* wide_owner.h */
@@ -58,7 +58,7 @@ void eng_wide_join_prune(struct eng_wide_join *join, const struct eng_wide *wide
 /* Begun with ENG_JOIN_AT: of the kinds that are asked for, leave out what is certainly
  * farther apart than the distance, along an axis, at that end of the step. */
 void eng_wide_join_at(struct eng_wide_join *join, const struct eng_wide *wide,
-                      const struct eng_near_query *near);
+                      const struct eng_question *question);
 
 /* From now on leave out what certainly does not meet before or at `t_end`, 0 .. 1, which
  * is never more than the last time. Once it is near, boxes around the way until then are

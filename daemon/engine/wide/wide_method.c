@@ -62,7 +62,7 @@ static void perform(struct eng_worker *worker, uint64_t task)
     uint32_t level = level_of(task);
     uint32_t n = task >> NODE_BITS & node_mask;
     uint32_t m = task & node_mask;
-    if (eng_near_leaves_out(worker->settings->near, kind)) {
+    if (eng_near_leaves_out(worker->question, kind)) {
         return;
     }
     struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
@@ -158,8 +158,7 @@ static void perform_all(struct eng_worker *worker)
     struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
     for (uint32_t turn = 0; turn < COMMON_KIND_COUNT; turn++) {
         enum pccd_kind kind = kind_in_turn(turn);
-        if (!is_wanted(worker, kind) ||
-            eng_near_leaves_out(worker->settings->near, kind)) {
+        if (!is_wanted(worker, kind) || eng_near_leaves_out(worker->question, kind)) {
             continue;
         }
         uint64_t begin_ns = eng_worker_slice(worker);
@@ -183,9 +182,9 @@ static bool is_stale(const struct eng_scene *scene)
     return eng_wide_of(scene)->is_stale;
 }
 
-static int prepare(struct eng_team *team, const struct eng_step_settings *settings)
+static int prepare(struct eng_team *team, const struct eng_question *question)
 {
-    (void)settings;
+    (void)question;
     struct eng_scene *scene = team->scene;
     int status = PCCD_OK;
     bool has_changed = false;
@@ -210,9 +209,9 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
 /* Are the boxes of what stands those of the last step, so that only what moves needs new
  * ones? And is it worth it? */
 static bool has_current_boxes(const struct eng_wide *wide, const struct eng_scene *scene,
-                              const struct eng_step_settings *settings)
+                              const struct eng_question *question)
 {
-    return settings->tuning.still == ENG_STILL_KEPT && !wide->boxes_are_old &&
+    return question->tuning.still == ENG_STILL_KEPT && !wide->boxes_are_old &&
            wide->boxes_of != 0 && wide->boxes_of + 1 >= scene->moving.number &&
            wide->frames == scene->framing.number &&
            wide->thickness == scene->thickness.number && eng_moves_little(scene);
@@ -253,23 +252,23 @@ static bool has_boxes(const struct eng_scene *scene)
            wide->thickness == scene->thickness.number;
 }
 
-static void start(struct eng_team *team, const struct eng_step_settings *settings)
+static void start(struct eng_team *team, const struct eng_question *question)
 {
     struct eng_wide *wide = eng_wide_of(team->scene);
     wide->kernels = team->workers[0]->kernels;
-    if (eng_near_narrows(settings->near)) {
-        eng_wide_forget_near(wide, settings->near->end);
+    if (eng_near_narrows(question)) {
+        eng_wide_forget_near(wide, question->end);
     }
     if (team->has_boxes) {
         return;
     }
-    if (!settings->near) {
-        follow_rigid(team->scene, settings->mode);
+    if (!eng_asks_near(question)) {
+        follow_rigid(team->scene, question->mode);
     }
     /* What is counted as a candidate in mode pairs is a pair of the boxes themselves. */
-    bool keeps = has_current_boxes(wide, team->scene, settings);
+    bool keeps = has_current_boxes(wide, team->scene, question);
     keeps &= eng_wide_quantised_choose(wide, team->scene,
-                                       settings->mode != PCCD_MODE_PAIRS, keeps);
+                                       question->mode != PCCD_MODE_PAIRS, keeps);
     keeps &= eng_wide_grid_choose(wide, team->scene);
     if (!keeps) {
         wide->boxes_of = 0; /* until they are made, if nothing stops that */

@@ -18,7 +18,7 @@
 
 #include <stddef.h>
 
-#include "step_settings.h"
+#include "question.h"
 #include "wide_order.h"
 
 struct eng_scene;

@@ -184,9 +184,9 @@ static void test(struct eng_worker *worker, enum pccd_kind kind,
     make_quads(wide, kind, chunk, work->quads);
     uint32_t hits = eng_batch_test(
         work->join.kernels, kind, wide->points, (const uint32_t(*)[4])work->quads,
-        chunk->count, worker->settings->tolerance, worker->time_bound,
-        worker->settings->brief ? NULL : &worker->exact, batch);
-    if (worker->settings->brief && batch->unsure_count > 0) {
+        chunk->count, worker->question->tolerance, worker->time_bound,
+        worker->question->brief ? NULL : &worker->exact, batch);
+    if (worker->question->brief && batch->unsure_count > 0) {
         eng_worker_give_up(worker);
     }
     if (batch->from == ENG_FROM_FILTER) {
@@ -235,7 +235,7 @@ static void name_near(const struct eng_worker *worker, enum pccd_kind kind,
 static float reach_of(const struct eng_worker *worker, uint32_t kind)
 {
     const struct eng_wide *wide = eng_wide_of(worker->scene);
-    float growth = kind == PCCD_EF ? 0 : worker->settings->near->reach_growth;
+    float growth = kind == PCCD_EF ? 0 : worker->question->sought.reach_growth;
     double reach = growth * wide->grid.scale;
     return eng_wide_has_marks(wide) && reach <= ENG_GRID_REACH ? eng_wide_cells_of(reach)
                                                                : 0;
@@ -252,9 +252,9 @@ static bool sift_near(struct eng_worker *worker, uint32_t kind,
     if (reach == 0 || eng_wide_is_of_free((enum pccd_kind)kind)) {
         return false;
     }
-    chunk->count = work->join.kernels->sift_near(kind, &work->sieves[kind],
-                                                 worker->settings->near->end, reach,
-                                                 chunk->a, chunk->b, count);
+    chunk->count =
+        work->join.kernels->sift_near(kind, &work->sieves[kind], worker->question->end,
+                                      reach, chunk->a, chunk->b, count);
     return count - chunk->count >= count / FILTER_PAYS_FROM;
 }
 
@@ -266,17 +266,18 @@ static void tell_marks(struct eng_worker *worker, enum pccd_kind kind, uint32_t 
     struct eng_wide *wide = eng_wide_of(worker->scene);
     const struct eng_distance_batch *batch = &eng_near_work_of(worker)->batch;
     const struct eng_wide_work *work = eng_wide_work_of(worker);
-    const struct eng_near_query *near = worker->settings->near;
+    const struct eng_question *question = worker->question;
     double scale = wide->frame_scale * wide->grid.scale;
-    double radii = near->is_thick ? near->reach - near->distance : 0;
+    double radii =
+        question->sought.is_thick ? question->sought.reach - question->distance : 0;
     float reach = reach_of(worker, kind);
     for (uint32_t i = 0; i < found && reach > 0; i++) {
         double known = batch->found[i].lo;
         if (radii > 0) { /* they are taken off lengths that are rounded down to 33 bits */
             known = (known + radii) * (1 + 0x1p-30);
         }
-        eng_wide_mark_near(wide->marks, work->quads[batch->index[i]], near->end, reach,
-                           eng_wide_cells_of(known * scale));
+        eng_wide_mark_near(wide->marks, work->quads[batch->index[i]], question->end,
+                           reach, eng_wide_cells_of(known * scale));
     }
 }
 
@@ -303,7 +304,7 @@ static void test_near(struct eng_worker *worker, enum pccd_kind kind,
         cross(worker, chunk);
         return;
     }
-    if (eng_near_leaves_out(worker->settings->near, kind)) {
+    if (eng_near_leaves_out(worker->question, kind)) {
         return;
     }
     bool is_sifted = sift_near(worker, kind, chunk);
@@ -328,7 +329,7 @@ static bool sift_thick(struct eng_worker *worker, enum pccd_kind kind,
     struct eng_wide_work *work = eng_wide_work_of(worker);
     double reach = eng_thickness_reach_growth(worker->scene) * wide->grid.scale;
     uint32_t count = chunk->count;
-    if (worker->settings->mode == PCCD_MODE_PAIRS || !eng_wide_has_marks(wide) ||
+    if (worker->question->mode == PCCD_MODE_PAIRS || !eng_wide_has_marks(wide) ||
         !eng_solvers[kind].has_kernels || reach > ENG_GRID_REACH) {
         return false;
     }
@@ -355,7 +356,7 @@ static void test_thick(struct eng_worker *worker, enum pccd_kind kind,
     if (!eng_solvers[kind].search) {
         count = 0; /* what keeps no distance is not tested */
     }
-    if (worker->settings->brief && count < chunk->count) {
+    if (worker->question->brief && count < chunk->count) {
         eng_worker_give_up(worker);
     }
     for (uint32_t i = 0; i < count; i++) {
@@ -410,15 +411,15 @@ static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk
     const uint32_t count = chunk->count;
     work->sieves[kind].in_time = work->join.jobs[kind][0].in_time;
     eng_test_count(worker, kind, count + left_out_in_time(work, kind, count));
-    if (worker->settings->brief && worker->record.tests + count > ENG_BRIEF_TESTS) {
+    if (worker->question->brief && worker->record.tests + count > ENG_BRIEF_TESTS) {
         eng_worker_give_up(worker);
     }
-    if (worker->scene->thickness.is_on && !worker->settings->near && count > 0) {
+    if (worker->scene->thickness.is_on && !eng_asks_near(worker->question) && count > 0) {
         test_thick(worker, kind, chunk);
     }
-    if (worker->settings->near) {
+    if (eng_asks_near(worker->question)) {
         test_near(worker, kind, chunk);
-    } else if (worker->settings->mode == PCCD_MODE_PAIRS) {
+    } else if (worker->question->mode == PCCD_MODE_PAIRS) {
         keep_candidates(worker, kind, chunk);
     } else if (!eng_stop_is_set(worker->stop)) {
         test(worker, kind, chunk);
@@ -439,11 +440,11 @@ void eng_wide_work_begin(struct eng_worker *worker)
     work->batch.should_stop = should_stop;
     work->batch.owner = worker;
     eng_wide_join_begin(&work->join, eng_wide_of(worker->scene),
-                        worker->settings->near ? ENG_JOIN_AT : ENG_JOIN_MOVING);
-    if (worker->settings->near) {
-        eng_wide_join_at(&work->join, eng_wide_of(worker->scene), worker->settings->near);
+                        eng_asks_near(worker->question) ? ENG_JOIN_AT : ENG_JOIN_MOVING);
+    if (eng_asks_near(worker->question)) {
+        eng_wide_join_at(&work->join, eng_wide_of(worker->scene), worker->question);
     }
-    if (!worker->settings->near && worker->scene->thickness.is_on) {
+    if (!eng_asks_near(worker->question) && worker->scene->thickness.is_on) {
         work->join.kinds = eng_wide_kinds(eng_wide_of(worker->scene), true);
     }
     work->join.owners = eng_wide_owners_are_on(owners) ? owners : NULL;
@@ -453,12 +454,12 @@ void eng_wide_work_begin(struct eng_worker *worker)
     for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         work->sieves[kind] = eng_wide_sieve(eng_wide_of(worker->scene), kind);
         work->sieves[kind].narrows =
-            kind != PCCD_EF && eng_near_narrows(worker->settings->near);
+            kind != PCCD_EF && eng_near_narrows(worker->question);
     }
     for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         bool in_time = kind < PCCD_KIND_COUNT &&
-                       worker->settings->mode != PCCD_MODE_PAIRS &&
-                       !worker->settings->near;
+                       worker->question->mode != PCCD_MODE_PAIRS &&
+                       !eng_asks_near(worker->question);
         work->join.jobs[kind][0].in_time = in_time;
         for (uint32_t level = 1; level < ENG_WIDE_LEVELS_MAX; level++) {
             work->join.jobs[kind][level].in_time =

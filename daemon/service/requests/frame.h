@@ -24,8 +24,8 @@ struct srv_wanted {
 /* 0, or PCCD_E_INVAL or PCCD_E_LIMIT with call->error set. [loop] */
 int srv_frame_check(struct srv_call *call, const struct srv_wanted *wanted);
 /* The engine's settings for a request that was checked. [compute] */
-struct eng_step_settings srv_frame_settings(struct srv_request *request,
-                                            const struct srv_wanted *wanted);
+struct eng_question srv_frame_settings(struct srv_request *request,
+                                       const struct srv_wanted *wanted);
 
 /* What the engine says, in the terms of the message, but for the page. [any] */
 void srv_answer_describe(const struct eng_step_result *result, uint32_t record_bytes,
@@ -40,7 +40,7 @@ struct srv_stepper {
 /* Run the step that is staged in the scene, which has its engine, and keep what comes of
  * it there. 0; PCCD_E_AGAIN, of a brief step (brief.h); or another status with *error
  * set. [compute]; of different scenes on several threads, [team] */
-int srv_frame_compute(struct srv_scene *scene, const struct eng_step_settings *settings,
+int srv_frame_compute(struct srv_scene *scene, const struct eng_question *settings,
                       const struct srv_stepper *by, struct eng_step_result *step,
                       struct proto_error *error);
 

@@ -43,8 +43,8 @@ struct work {
     struct srv_batch *batch;
     struct pccd_scene_answer *answers; /* [batch->count], in the result region */
     uint64_t tables_bytes;
-    struct eng_step_settings settings; /* of a scene that the whole team steps */
-    struct srv_enginemem memory;       /* as the batch began */
+    struct eng_question settings; /* of a scene that the whole team steps */
+    struct srv_enginemem memory;  /* as the batch began */
 };
 
 /* Stage what moves in a scene, which has its engine: first what others hold for its step,
@@ -78,8 +78,7 @@ static void add_records(const struct work *work, const struct eng_step_result *s
 
 /* The step of one scene, as frame.submit makes it. 0, or a status with *error set. */
 static int step_scene(const struct work *work, const struct srv_batch_item *item,
-                      const struct eng_step_settings *settings,
-                      struct srv_batch_lane *lane)
+                      const struct eng_question *settings, struct srv_batch_lane *lane)
 {
     struct srv_scene *scene = item->scene;
     struct proto_error *error = &lane->error;
@@ -175,8 +174,7 @@ static void refuse(const struct srv_batch_item *item, const char *why,
     srv_metrics_add_error(&lane->metrics, item->status);
 }
 
-static void work_scene(struct work *work, uint32_t i,
-                       const struct eng_step_settings *settings,
+static void work_scene(struct work *work, uint32_t i, const struct eng_question *settings,
                        struct srv_batch_lane *lane)
 {
     struct srv_batch_item *item = &work->batch->items[i];
@@ -234,7 +232,7 @@ static void work_shared(struct work *work, uint32_t i)
 static void work_item(void *context, uint32_t at, uint32_t thread)
 {
     struct work *work = context;
-    struct eng_step_settings settings = work->settings;
+    struct eng_question settings = work->settings;
     const uint32_t *rest = work->batch->rest;
     const struct srv_scene *first = work->batch->items[rest[thread]].scene;
     if (thread != 0) {

@@ -31,9 +31,9 @@ static void describe(const struct eng_step_result *step, struct proto_answer *an
 }
 
 /* The engine's settings for a request that was checked. [compute] */
-static struct eng_step_settings settings_of(struct srv_request *request)
+static struct eng_question settings_of(struct srv_request *request)
 {
-    struct eng_step_settings settings =
+    struct eng_question settings =
         srv_frame_settings(request, &SRV_WANTED_OF(&request->params.FRAME_SUBMIT));
     settings.no_hash = request->session->service->write != NULL;
     settings.tells_start = request->params.FRAME_SUBMIT.tells_start;
@@ -46,7 +46,7 @@ static bool has_moved(const struct srv_request *request)
     return srv_request_state(request) == SRV_REQUEST_MOVED;
 }
 
-int srv_frame_compute(struct srv_scene *scene, const struct eng_step_settings *settings,
+int srv_frame_compute(struct srv_scene *scene, const struct eng_question *settings,
                       const struct srv_stepper *by, struct eng_step_result *step,
                       struct proto_error *error)
 {
@@ -82,8 +82,7 @@ int srv_frame_compute(struct srv_scene *scene, const struct eng_step_settings *s
  * that is written: so there is memory for one of the two alone, as long as the page is
  * expected to be. A client that could write there meanwhile would make the
  * engine read what it has not found. [compute] */
-static void lend_page(const struct srv_request *request,
-                      struct eng_step_settings *settings)
+static void lend_page(const struct srv_request *request, struct eng_question *settings)
 {
     const struct srv_scene *scene = request->plan.scene;
     uint32_t record_bytes =
@@ -99,7 +98,7 @@ static void lend_page(const struct srv_request *request,
 static int compute_step(struct srv_request *request)
 {
     struct srv_scene *scene = request->plan.scene;
-    struct eng_step_settings settings = settings_of(request);
+    struct eng_question settings = settings_of(request);
     lend_page(request, &settings);
     const struct srv_stepper by = {request->session->id,
                                    request->params.FRAME_SUBMIT.step,
@@ -250,7 +249,7 @@ static int work_submit(struct srv_request *request)
 void srv_frame_nothing(const struct proto_FRAME_SUBMIT_request *submit,
                        enum pccd_incomplete why, struct proto_answer *answer)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result nothing;
     char text[ENG_TUNING_WHY_BYTES];
     int status = eng_tuning_read(submit->tuning, &settings.tuning, text);
@@ -275,7 +274,7 @@ static bool can_be_brief(struct srv_request *request)
         request->params.FRAME_SUBMIT.segments > BRIEF_SEGMENTS) {
         return false;
     }
-    struct eng_step_settings settings = settings_of(request);
+    struct eng_question settings = settings_of(request);
     return eng_step_can_be_brief(scene->engine, &settings,
                                  request->params.FRAME_SUBMIT.segments > 0);
 }
@@ -395,13 +394,13 @@ int srv_frame_check(struct srv_call *call, const struct srv_wanted *wanted)
     return srv_check_length(call, "separation", wanted->separation);
 }
 
-struct eng_step_settings srv_frame_settings(struct srv_request *request,
-                                            const struct srv_wanted *wanted)
+struct eng_question srv_frame_settings(struct srv_request *request,
+                                       const struct srv_wanted *wanted)
 {
-    struct eng_step_settings settings = srv_stepping_settings(request);
+    struct eng_question settings = srv_stepping_settings(request);
     settings.mode = (enum pccd_mode)wanted->mode;
     settings.tolerance = wanted->tolerance == 0.0 ? TOLERANCE_DEFAULT : wanted->tolerance;
-    settings.separation = wanted->separation;
+    settings.distance = wanted->separation;
     settings.approach = wanted->approach;
     return settings;
 }

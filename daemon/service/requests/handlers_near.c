@@ -91,25 +91,26 @@ static int compute_near(struct srv_request *request, struct eng_scene *engine)
 {
     const struct proto_SCENE_NEAR_request *asked = &request->params.SCENE_NEAR;
     struct srv_scene *scene = request->plan.scene;
-    struct eng_near_settings settings = {.step = srv_stepping_settings(request),
-                                         .what = (enum pccd_near_what)asked->what,
-                                         .distance = asked->distance,
-                                         .gap = asked->gap,
-                                         .end = asked->end,
-                                         .objects = {asked->object_a, asked->object_b},
-                                         .tells_crossings = asked->tells_crossings};
+    struct eng_question question = srv_stepping_settings(request);
     struct eng_step_result near = {.open_object = 0};
     scene->near.is_there = false; /* it takes the memory of the last one's records */
-    atomic_store_explicit(&request->job.end_ns, settings.step.deadline_ns,
+    question.verb = asked->what;
+    question.distance = asked->distance;
+    question.gap = asked->gap;
+    question.end = asked->end;
+    question.objects[0] = asked->object_a;
+    question.objects[1] = asked->object_b;
+    question.tells_crossings = asked->tells_crossings;
+    atomic_store_explicit(&request->job.end_ns, question.deadline_ns,
                           memory_order_relaxed);
-    settings.step.trace = srv_tracing_lend();
-    int status = eng_near(engine, &settings, &near);
-    srv_tracing_return(settings.step.trace);
+    question.trace = srv_tracing_lend();
+    int status = eng_near(engine, &question, &near);
+    srv_tracing_return(question.trace);
     if (status != 0) {
         return explain(request, status, &near);
     }
     describe(&near, &scene->near.answer);
-    eng_tuning_used(&settings.step, &near, scene->near.answer.tuning);
+    eng_tuning_used(&question, &near, scene->near.answer.tuning);
     scene->near.answer.step = asked->step;
     scene->near.asker = request->session->id;
     scene->near.records = near.records;
@@ -189,7 +190,7 @@ static int work_near(struct srv_request *request)
 static void say_nothing(const struct proto_SCENE_NEAR_request *asked,
                         enum pccd_incomplete why, struct proto_answer *answer)
 {
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result nothing;
     settings.method = (enum pccd_method)asked->method;
     eng_step_nothing(&settings, &nothing);

@@ -131,11 +131,11 @@ static struct srv_workspace *workspace_of(const struct srv_request *request)
     return srv_workspace_of_thread(request->session->service->workspaces);
 }
 
-struct eng_step_settings srv_stepping_settings(struct srv_request *request)
+struct eng_question srv_stepping_settings(struct srv_request *request)
 {
     const struct srv_asked asked = asked_of(request);
     const struct srv_options *options = request->session->service->options;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
     char why[ENG_TUNING_WHY_BYTES];
     int status = eng_tuning_read(asked.tuning, &settings.tuning, why);
     PCCD_ASSERT(status == PCCD_OK); /* it was checked */
@@ -179,7 +179,7 @@ int srv_stepping_begin(struct srv_request *request)
 
 void srv_stepping_open(struct srv_request *request, struct eng_scene *engine)
 {
-    struct eng_step_settings settings = srv_stepping_settings(request);
+    struct eng_question settings = srv_stepping_settings(request);
     eng_stage_begin(engine);
     if (!settings.brief) {
         eng_stage_share(engine, settings.threads, settings.affinity);

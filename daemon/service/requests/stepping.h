@@ -45,7 +45,7 @@ uint64_t srv_stepping_deadline(uint64_t budget_ns, uint64_t arrival_ns);
 
 /* The engine's settings for a request that was checked, but for mode and tolerance.
  * [compute] */
-struct eng_step_settings srv_stepping_settings(struct srv_request *request);
+struct eng_question srv_stepping_settings(struct srv_request *request);
 
 /* Its turn begins: what an earlier one of the session could not be told any more, or that
  * the client's result_head makes no sense; 0: go on. [compute] */
