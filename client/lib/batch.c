@@ -1,25 +1,14 @@
 /* batch.c - steps of many scenes by one request.
  *
  * Lay out the slot once: the table of scenes, the table of segments, the positions; each
- * step copies the tables there as they are. It is numbered among the steps, and its
- * answer waits in the table of calls as theirs do.
+ * step copies the tables there as they are.
  */
-#include "batch.h"
-
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "attach.h"
-#include "client.h"
-#include "connection.h"
-#include "coordinates.h"
-#include "frame.h"
-#include "rpc.h"
 #include "step.h"
-#include "submit.h"
-
-#define ANSWER_TAG 0x7063636462617431ull /* marks an answer of this library */
 
 static_assert((int)PCCD_BATCH_X1 == PROTO_SEGMENT_X1 &&
                   (int)PCCD_BATCH_X0X1 == PROTO_SEGMENT_X0X1 &&
@@ -111,13 +100,6 @@ static void enter(struct pccd_batch *batch, const struct pccd_batch_part *parts,
     }
 }
 
-static uint64_t range_bytes(const struct proto_segment *segment)
-{
-    return segment->kind == PROTO_SEGMENT_RIGID
-               ? PROTO_RIGID_BYTES
-               : segment->count * common_vertex_bytes(segment->format);
-}
-
 static uint64_t scenes_bytes(const struct pccd_batch *batch)
 {
     return batch->scene_count * sizeof batch->scenes[0];
@@ -135,15 +117,7 @@ static void lay_out(struct pccd_batch *batch)
         cli_round_up(scenes_bytes(batch) + segments_bytes(batch), CLI_PAYLOAD_ALIGN);
 
     for (uint32_t i = 0; i < batch->segment_count; i++) {
-        struct proto_segment *segment = &batch->segments[i];
-        uint64_t bytes = cli_round_up(range_bytes(segment), CLI_RANGE_ALIGN);
-
-        if (segment->kind != PROTO_SEGMENT_X1) {
-            segment->offset0 = used;
-            used += bytes;
-        }
-        segment->offset1 = used;
-        used += bytes;
+        used = cli_segment_place(&batch->segments[i], used);
     }
     batch->slot_bytes = used;
 }
@@ -259,7 +233,6 @@ static int keep_tables(struct pccd_batch *batch, struct cli_slot *own)
 static int begin(struct pccd_batch *batch)
 {
     struct pccd_client *client = batch->client;
-    uint64_t deadline_ns = cli_deadline(client, -1);
     struct cli_slot *own;
     uint32_t slot = CLI_SLOT_NONE;
     uint8_t *payload;
@@ -268,13 +241,7 @@ static int begin(struct pccd_batch *batch)
     if (batch->slot != CLI_SLOT_NONE) {
         return cli_fail(client, PCCD_E_STATE, "the batch is begun: commit or abort it");
     }
-    status = cli_step_check(client);
-    if (status == 0) {
-        status = cli_ring_reserve(client, batch->slot_bytes, deadline_ns);
-    }
-    if (status == 0) {
-        status = cli_slot_begin(client, deadline_ns, &slot);
-    }
+    status = cli_step_slot(client, batch->slot_bytes, &slot);
     if (status != 0) {
         return status;
     }
@@ -295,6 +262,13 @@ static int begin(struct pccd_batch *batch)
     own->used_bytes = own->limit_bytes = batch->slot_bytes;
     batch->slot = slot;
     return 0;
+}
+
+/* What part i moves; NULL: nothing. */
+static const struct proto_segment *segment_of(const struct pccd_batch *batch, uint32_t i)
+{
+    return batch->segment_of[i] != NO_SEGMENT ? &batch->segments[batch->segment_of[i]]
+                                              : NULL;
 }
 
 int pccd_batch_begin(struct pccd_batch *batch, void **x0, void **x1)
@@ -318,9 +292,7 @@ int pccd_batch_begin(struct pccd_batch *batch, void **x0, void **x1)
     }
     payload = cli_slot_payload(&batch->client->ring, batch->slot);
     for (uint32_t i = 0; i < batch->part_count; i++) {
-        const struct proto_segment *segment = batch->segment_of[i] != NO_SEGMENT
-                                                  ? &batch->segments[batch->segment_of[i]]
-                                                  : NULL;
+        const struct proto_segment *segment = segment_of(batch, i);
 
         x1[i] = segment != NULL ? payload + segment->offset1 : NULL;
         if (x0 != NULL) {
@@ -345,37 +317,12 @@ void pccd_batch_abort(struct pccd_batch *batch)
     batch->slot = CLI_SLOT_NONE;
 }
 
-/* Publish the slot, which is the daemon's then, or back. */
-static int send(struct pccd_batch *batch, const struct pccd_step_settings *settings,
-                uint64_t *step)
-{
-    struct pccd_client *client = batch->client;
-    struct proto_BATCH_SUBMIT_request request = {.scenes = batch->scene_count,
-                                                 .segments = batch->segment_count,
-                                                 .step = client->next_step,
-                                                 .mode = (uint32_t)settings->mode,
-                                                 .method = (uint32_t)settings->method,
-                                                 .threads = settings->threads,
-                                                 .tolerance = settings->tolerance,
-                                                 .deadline_ns = settings->deadline_ns,
-                                                 .separation = settings->separation,
-                                                 .approach = settings->approach};
-    uint32_t slot = batch->slot;
-
-    if (settings->tuning != NULL) {
-        memcpy(request.tuning, settings->tuning, strlen(settings->tuning));
-    }
-    batch->slot = CLI_SLOT_NONE;
-    request.slot = slot;
-    request.seq = cli_slot_publish(&client->ring, slot);
-    return cli_step_call(client, PROTO_METHOD_BATCH_SUBMIT, &request, slot, step);
-}
-
-int pccd_batch_commit(struct pccd_batch *batch, const struct pccd_step_settings *asked,
+int pccd_batch_commit(struct pccd_batch *batch, const struct pccd_step_settings *settings,
                       uint64_t *step)
 {
-    struct pccd_step_settings settings;
+    union cli_params message;
     struct pccd_client *client;
+    uint32_t slot;
     int status;
 
     ENTER_BATCH_OR_RETURN(batch);
@@ -384,20 +331,16 @@ int pccd_batch_commit(struct pccd_batch *batch, const struct pccd_step_settings 
         return cli_fail(client, PCCD_E_STATE, "the batch is not begun");
     }
     status = step == NULL ? cli_fail(client, PCCD_E_INVAL, "step is NULL")
-                          : cli_step_settings(client, asked, &settings);
-    if (status == 0 && settings.hold) {
-        status = cli_fail(client, PCCD_E_INVAL, "hold: a batch waits for nobody");
-    }
-    if (status == 0 && settings.tells_start) {
-        status = cli_fail(client, PCCD_E_INVAL,
-                          "tells_start: a batch has no place for what it tells");
-    }
+                          : cli_step_describe(client, PROTO_METHOD_BATCH_SUBMIT, settings,
+                                              0, &message);
     status = status != 0 ? status : cli_step_check(client);
     if (status != 0) {
         pccd_batch_abort(batch);
         return status;
     }
-    return send(batch, &settings, step);
+    slot = batch->slot;
+    batch->slot = CLI_SLOT_NONE;
+    return cli_step_send(client, PROTO_METHOD_BATCH_SUBMIT, &message, slot, step);
 }
 
 /* Copy what every part moves. */
@@ -406,22 +349,17 @@ static int copy(struct pccd_batch *batch, const void *const *x0, const void *con
     uint8_t *payload = cli_slot_payload(&batch->client->ring, batch->slot);
 
     for (uint32_t i = 0; i < batch->part_count; i++) {
-        const struct proto_segment *segment;
-        bool has_both;
+        const struct proto_segment *segment = segment_of(batch, i);
+        const void *start = x0 != NULL ? x0[i] : NULL;
 
-        if (batch->segment_of[i] == NO_SEGMENT) {
+        if (segment == NULL) {
             continue;
         }
-        segment = &batch->segments[batch->segment_of[i]];
-        has_both = segment->kind != PROTO_SEGMENT_X1;
-        if (x1[i] == NULL || (has_both && (x0 == NULL || x0[i] == NULL))) {
+        if (x1[i] == NULL || (segment->kind != PROTO_SEGMENT_X1 && start == NULL)) {
             return cli_fail(batch->client, PCCD_E_INVAL, "part %u: %s is NULL", i,
                             x1[i] == NULL ? "x1" : "x0");
         }
-        memcpy(payload + segment->offset1, x1[i], range_bytes(segment));
-        if (has_both) {
-            memcpy(payload + segment->offset0, x0[i], range_bytes(segment));
-        }
+        cli_segment_write(payload, segment, start, x1[i]);
     }
     return 0;
 }
@@ -451,103 +389,32 @@ int pccd_batch_submit(struct pccd_batch *batch, const void *const *x0,
 
 /* ---- answers ----------------------------------------------------------------------- */
 
-static uint64_t answer_tag(const struct pccd_client *client, uint64_t page)
-{
-    return (ANSWER_TAG ^ (uint64_t)(uintptr_t)client) + page;
-}
-
-static int check_answer(struct pccd_client *client,
-                        const struct pccd_batch_answer *answer)
-{
-    return answer == NULL
-               ? cli_fail(client, PCCD_E_INVAL, "answer is NULL")
-               : cli_struct_check(client, "answer", answer->struct_bytes, sizeof *answer);
-}
-
-/* Hand a DONE call over to the user and free its entry. Returns the call's status. */
-static int take(struct pccd_client *client, struct cli_call *call,
-                struct pccd_batch_answer *to)
-{
-    const struct proto_BATCH_SUBMIT_result *result = &call->batch;
-    struct pccd_batch_answer answer = {.step = call->step, .status = call->status};
-
-    assert(call->state == CLI_CALL_DONE && (call->page == 0 || call->status == 0));
-    if (call->status == 0) {
-        answer.failed = result->failed;
-        answer.incomplete = result->incomplete;
-        answer.scenes = cli_batch_answers(client, call);
-        answer.count = result->count;
-        answer.total = result->total;
-        answer.threads = result->threads;
-        answer.queue_ns = result->ns_queue;
-        answer.batch_ns = result->ns_batch;
-        answer.steps_ns = result->ns_steps;
-        answer.mode = (enum pccd_mode)call->params.BATCH_SUBMIT.mode;
-        answer.offset = result->offset;
-        answer.reserved[0] = call->page;
-        answer.reserved[1] = answer_tag(client, call->page);
-    }
-    cli_struct_fill(to, &answer, sizeof answer);
-    return cli_call_finish(client, call);
-}
-
 int pccd_batch_poll(struct pccd_client *client, struct pccd_batch_answer *answer)
 {
-    struct cli_call *call;
-    int status;
-
     CLI_ENTER_OR_RETURN(client);
-    status = check_answer(client, answer);
-    if (status != 0) {
-        return status;
-    }
-    cli_step_drain(client);
-    call = cli_step_oldest_done(client, true);
-    if (call == NULL) {
-        return client->dead ? cli_alive(client)
-                            : cli_fail(client, PCCD_E_AGAIN, "no answer has arrived");
-    }
-    (void)take(client, call, answer);
-    return 0;
+    return cli_answer_poll(client, true, answer);
 }
 
 int pccd_batch_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
                     struct pccd_batch_answer *answer)
 {
-    struct cli_call *call = NULL;
-    int status;
-
     CLI_ENTER_OR_RETURN(client);
-    status = check_answer(client, answer);
-    if (status == 0) {
-        status = cli_step_await(client, step, true, timeout_ms, &call);
-    }
-    return status != 0 ? status : take(client, call, answer);
+    return cli_answer_wait(client, step, true, timeout_ms, answer);
 }
 
 int pccd_batch_step(struct pccd_batch *batch, const void *const *x0,
                     const void *const *x1, const struct pccd_step_settings *settings,
                     struct pccd_batch_answer *answer)
 {
-    char text[CLI_TEXT_BYTES];
     uint64_t step = 0;
     int status;
 
     ENTER_BATCH_OR_RETURN(batch);
-    status = check_answer(batch->client, answer);
+    status = cli_answer_check(batch->client, answer, true);
     if (status == 0) {
         status = pccd_batch_submit(batch, x0, x1, settings, &step);
     }
-    if (status != 0) {
-        return status;
-    }
-    status = pccd_batch_wait(batch->client, step, -1, answer);
-    if (status == PCCD_E_TIMEOUT) {
-        memcpy(text, batch->client->error, sizeof text);
-        pccd_abandon(batch->client, step);
-        status = cli_fail(batch->client, status, "%s", text);
-    }
-    return status;
+    return status != 0 ? status : cli_answer_finish(batch->client, step, true, answer);
 }
 
 /* The records of a scene, which lie as far from the answers as both are said to be. */
@@ -585,10 +452,6 @@ void pccd_batch_release(struct pccd_client *client, struct pccd_batch_answer *an
     if (client == NULL || answer == NULL) {
         return;
     }
-    if (answer->reserved[0] != 0 &&
-        answer->reserved[1] == answer_tag(client, answer->reserved[0])) {
-        cli_page_release(client, answer->reserved[0]);
-    }
+    cli_answer_release(client, answer->reserved);
     answer->scenes = NULL;
-    answer->reserved[0] = answer->reserved[1] = 0;
 }

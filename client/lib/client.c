@@ -163,9 +163,11 @@ static size_t bytes_of(const void *from)
 /* No struct has grown since the first release, so that a shorter one is a mistake. The
  * release that makes one longer has to take the former length, too, and to read 0 as the
  * length of the first release. */
-int cli_struct_check(struct pccd_client *client, const char *name, size_t struct_bytes,
+int cli_struct_check(struct pccd_client *client, const char *name, const void *to,
                      size_t known_bytes)
 {
+    size_t struct_bytes = bytes_of(to);
+
     assert(known_bytes >= sizeof struct_bytes && known_bytes <= STRUCT_BYTES_MAX);
     if (struct_bytes != 0 &&
         (struct_bytes < known_bytes || struct_bytes > STRUCT_BYTES_MAX)) {
@@ -179,13 +181,12 @@ int cli_struct_read(struct pccd_client *client, const char *name, const void *as
                     void *known, size_t known_bytes)
 {
     const unsigned char *bytes = asked;
-    size_t asked_bytes = bytes_of(asked);
-    int status = cli_struct_check(client, name, asked_bytes, known_bytes);
+    int status = cli_struct_check(client, name, asked, known_bytes);
 
     if (status != 0) {
         return status;
     }
-    for (size_t i = known_bytes; i < asked_bytes; i++) {
+    for (size_t i = known_bytes; i < bytes_of(asked); i++) {
         if (bytes[i] != 0) {
             return cli_fail(client, PCCD_E_INVAL,
                             "%s: something is set that libpccd %s does not know", name,

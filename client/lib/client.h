@@ -239,8 +239,8 @@ struct pccd_client;
 int cli_struct_read(struct pccd_client *client, const char *name, const void *asked,
                     void *known, size_t known_bytes);
 
-/* May a struct that says to be of struct_bytes be filled in? E_INVAL likewise. */
-int cli_struct_check(struct pccd_client *client, const char *name, size_t struct_bytes,
+/* May a struct of a program be filled in, as its struct_bytes says? E_INVAL likewise. */
+int cli_struct_check(struct pccd_client *client, const char *name, const void *to,
                      size_t known_bytes);
 
 /* Copy `known` to `to`, whose struct_bytes was checked and stays; what it has beyond

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "attach.h"
-#include "batch.h"
 #include "client.h"
 #include "connection.h"
 #include "events.h"
@@ -21,6 +20,7 @@
 #include "replica.h"
 #include "rpc.h"
 #include "seqpacket.h"
+#include "step.h"
 
 #define CLI_TIMEOUT_MS     30000
 #define CLI_TIMEOUT_MS_MAX 3600000

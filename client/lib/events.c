@@ -183,20 +183,16 @@ int pccd_scene_read(struct pccd_client *client, uint32_t scene, uint64_t number,
 {
     struct proto_FRAME_FETCH_request request = {
         .scene = scene, .cursor = cursor, .number = number};
+    int status;
 
     CLI_ENTER_OR_RETURN(client);
     if (number == 0) {
         return cli_fail(client, PCCD_E_INVAL, "steps count from 1");
     }
-    if (client->ring.upload.base == NULL) {
-        int status =
-            cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
-
-        if (status != 0) {
-            return status;
-        }
-    }
-    return cli_step_fetch(client, PROTO_METHOD_FRAME_FETCH, &request, answer);
+    status = cli_ring_ensure(client);
+    return status != 0
+               ? status
+               : cli_answer_fetch(client, PROTO_METHOD_FRAME_FETCH, &request, answer);
 }
 
 /* ---- steps that a client watches --------------------------------------------------- */

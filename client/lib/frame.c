@@ -1,6 +1,4 @@
 /* frame.c - the positions of a step, written into a slot. */
-#include "frame.h"
-
 #include <assert.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -9,7 +7,7 @@
 #include "attach.h"
 #include "connection.h"
 #include "coordinates.h"
-#include "submit.h"
+#include "step.h"
 
 #define RANGES_SLACK 16u /* bytes that the alignment of a segment's ranges can take */
 #define PAYLOAD_MAX  (1ull << 48) /* more than any memory: sums do not wrap */
@@ -34,12 +32,58 @@ uint64_t pccd_frame_bytes(uint32_t segment_max, uint64_t payload_bytes)
            cli_round_up(payload, CLI_RANGE_ALIGN);
 }
 
+/* ---- segments ---------------------------------------------------------------------- */
+
+uint64_t cli_segment_bytes(const struct proto_segment *segment)
+{
+    return segment->kind == PROTO_SEGMENT_RIGID
+               ? PROTO_RIGID_BYTES
+               : segment->count * common_vertex_bytes(segment->format);
+}
+
+static bool has_start(const struct proto_segment *segment)
+{
+    return segment->kind != PROTO_SEGMENT_X1;
+}
+
+uint64_t cli_segment_place(struct proto_segment *segment, uint64_t used)
+{
+    uint64_t bytes = cli_round_up(cli_segment_bytes(segment), CLI_RANGE_ALIGN);
+
+    segment->offset0 = has_start(segment) ? used : 0;
+    segment->offset1 = has_start(segment) ? used + bytes : used;
+    return segment->offset1 + bytes;
+}
+
+void cli_segment_write(uint8_t *payload, const struct proto_segment *segment,
+                       const void *x0, const void *x1)
+{
+    uint64_t bytes = cli_segment_bytes(segment);
+
+    if (has_start(segment)) {
+        memcpy(payload + segment->offset0, x0, bytes);
+    }
+    memcpy(payload + segment->offset1, x1, bytes);
+}
+
+/* ---- frames ------------------------------------------------------------------------ */
+
+int cli_step_slot(struct pccd_client *client, uint64_t bytes, uint32_t *slot)
+{
+    uint64_t deadline_ns = cli_deadline(client, -1);
+    int status = cli_step_check(client);
+
+    if (status == 0) {
+        status = cli_ring_reserve(client, bytes, deadline_ns);
+    }
+    return status != 0 ? status : cli_slot_begin(client, deadline_ns, slot);
+}
+
 /* Begin a slot for a step of `scene`. */
 static int begin(struct pccd_client *client, uint32_t scene, uint32_t segment_max,
                  uint64_t payload_bytes, uint32_t *slot)
 {
     uint64_t bytes = pccd_frame_bytes(segment_max, payload_bytes);
-    uint64_t deadline_ns;
     struct cli_slot *own;
     int status;
 
@@ -51,21 +95,13 @@ static int begin(struct pccd_client *client, uint32_t scene, uint32_t segment_ma
         return cli_fail(client, PCCD_E_LIMIT, "a step of %llu bytes",
                         (unsigned long long)payload_bytes);
     }
-    deadline_ns = cli_deadline(client, -1);
-    status = cli_step_check(client);
-    if (status == 0) {
-        status = cli_ring_reserve(client, bytes, deadline_ns);
-    }
-    if (status == 0) {
-        status = cli_slot_begin(client, deadline_ns, slot);
-    }
+    status = cli_step_slot(client, bytes, slot);
     if (status != 0) {
         return status;
     }
     own = &client->ring.slots[*slot];
     own->scene = scene;
     own->segment_max = segment_max;
-    own->segment_count = 0;
     own->used_bytes = table_bytes(segment_max);
     own->limit_bytes = bytes;
     return 0;
@@ -151,139 +187,117 @@ static int find_slot(const struct pccd_frame *frame, struct cli_slot **own)
     return 0;
 }
 
-/* Enter a segment whose ranges have the given bytes (0: none) into a slot that is begun,
- * and hand out the ranges. */
-static int enter(struct pccd_client *client, uint32_t slot, struct proto_segment segment,
-                 uint64_t bytes0, uint64_t bytes1, void **range0, void **range1)
+/* Enter a segment into the table of a slot that is begun, and give its ends a place. */
+static int enter(struct pccd_client *client, uint32_t slot, struct proto_segment *segment)
 {
     struct cli_slot *own = &client->ring.slots[slot];
-    uint64_t end0;
-    uint64_t end1;
-    uint8_t *payload;
+    uint64_t end = cli_segment_place(segment, own->used_bytes);
     int status;
 
     if (own->segment_count >= own->segment_max) {
         return cli_fail(client, PCCD_E_LIMIT, "more than the announced %u segments",
                         own->segment_max);
     }
-    end0 = own->used_bytes + cli_round_up(bytes0, CLI_RANGE_ALIGN);
-    end1 = end0 + cli_round_up(bytes1, CLI_RANGE_ALIGN);
-    if (end1 > own->limit_bytes) {
+    if (end > own->limit_bytes) {
         return cli_fail(client, PCCD_E_LIMIT,
                         "segment %u ends at byte %llu of the announced %llu",
-                        own->segment_count, (unsigned long long)end1,
+                        own->segment_count, (unsigned long long)end,
                         (unsigned long long)own->limit_bytes);
     }
-    assert(own->used_bytes % CLI_RANGE_ALIGN == 0 && end1 >= own->used_bytes);
+    assert(own->used_bytes % CLI_RANGE_ALIGN == 0 && end >= own->used_bytes);
     assert(own->limit_bytes <= client->ring.slot_stride);
-    payload = cli_slot_payload(&client->ring, slot);
-    segment.offset0 = bytes0 > 0 ? own->used_bytes : 0;
-    segment.offset1 = end0;
-    status = keep_segment(client, own, &segment);
+    status = keep_segment(client, own, segment);
     if (status != 0) {
         return status;
     }
-    memcpy(payload + own->segment_count * sizeof segment, &segment, sizeof segment);
-    if (range0 != NULL) {
-        *range0 = payload + own->used_bytes;
-    }
-    *range1 = payload + end0;
-    own->used_bytes = end1;
+    memcpy(cli_slot_payload(&client->ring, slot) + own->segment_count * sizeof *segment,
+           segment, sizeof *segment);
+    own->used_bytes = end;
     own->segment_count++;
     return 0;
 }
 
-/* The same of a frame. */
-static int add_segment(struct pccd_frame *frame, struct proto_segment segment,
-                       uint64_t bytes0, uint64_t bytes1, void **range0, void **range1)
+/* The same of a frame, and hand out where its ends are to be written. */
+static int add_segment(struct pccd_frame *frame, struct proto_segment segment, void **x0,
+                       void **x1)
 {
     struct cli_slot *own = NULL;
     int status = find_slot(frame, &own);
+    uint8_t *payload;
 
     if (status == 0) {
-        status =
-            enter(frame->client, slot_of(frame), segment, bytes0, bytes1, range0, range1);
+        status = enter(frame->client, slot_of(frame), &segment);
     }
-    if (status == 0) {
-        frame->used_bytes = own->used_bytes;
-        frame->segment_count = own->segment_count;
+    if (status != 0) {
+        return status;
     }
-    return status;
+    payload = cli_slot_payload(&frame->client->ring, slot_of(frame));
+    if (has_start(&segment)) {
+        *x0 = payload + segment.offset0;
+    }
+    *x1 = payload + segment.offset1;
+    frame->used_bytes = own->used_bytes;
+    frame->segment_count = own->segment_count;
+    return 0;
 }
 
-/* What a segment of positions is given; `is_given`: where to put their addresses. */
-static int check_segment(const struct pccd_frame *frame, enum pccd_format format,
-                         bool is_given)
+/* The same of positions in a format that the caller has chosen. */
+static int add_positions(struct pccd_frame *frame, struct proto_segment segment,
+                         enum pccd_format format, void **x0, void **x1)
 {
     if ((unsigned)format >= PCCD_FORMAT_COUNT) {
         return cli_fail(frame->client, PCCD_E_INVAL, "unknown format %u",
                         (unsigned)format);
     }
-    return is_given ? 0 : cli_fail(frame->client, PCCD_E_INVAL, "x0 or x1 is NULL");
-}
-
-static uint64_t range_bytes(enum pccd_format format, uint32_t count)
-{
-    return (uint64_t)count * common_vertex_bytes(format);
+    if (x1 == NULL || (has_start(&segment) && x0 == NULL)) {
+        return cli_fail(frame->client, PCCD_E_INVAL, "x0 or x1 is NULL");
+    }
+    segment.format = (uint16_t)format;
+    return add_segment(frame, segment, x0, x1);
 }
 
 int pccd_frame_x1(struct pccd_frame *frame, uint32_t object, enum pccd_format format,
                   uint32_t first, uint32_t count, void **x1)
 {
-    struct proto_segment segment = {.object = object,
-                                    .kind = PROTO_SEGMENT_X1,
-                                    .format = (uint16_t)format,
-                                    .first = first,
-                                    .count = count};
-    int status;
+    const struct proto_segment segment = {
+        .object = object, .kind = PROTO_SEGMENT_X1, .first = first, .count = count};
 
     CLI_ENTER_OR_RETURN(client_of(frame));
-    status = check_segment(frame, format, x1 != NULL);
-    return status != 0
-               ? status
-               : add_segment(frame, segment, 0, range_bytes(format, count), NULL, x1);
+    return add_positions(frame, segment, format, NULL, x1);
 }
 
 int pccd_frame_x0x1(struct pccd_frame *frame, uint32_t object, enum pccd_format format,
                     uint32_t first, uint32_t count, void **x0, void **x1)
 {
-    struct proto_segment segment = {.object = object,
-                                    .kind = PROTO_SEGMENT_X0X1,
-                                    .format = (uint16_t)format,
-                                    .first = first,
-                                    .count = count};
-    int status;
+    const struct proto_segment segment = {
+        .object = object, .kind = PROTO_SEGMENT_X0X1, .first = first, .count = count};
 
     CLI_ENTER_OR_RETURN(client_of(frame));
-    status = check_segment(frame, format, x0 != NULL && x1 != NULL);
-    return status != 0 ? status
-                       : add_segment(frame, segment, range_bytes(format, count),
-                                     range_bytes(format, count), x0, x1);
+    return add_positions(frame, segment, format, x0, x1);
 }
 
 int pccd_frame_rigid(struct pccd_frame *frame, uint32_t object, uint32_t first,
                      uint32_t count, const double m0[12], const double m1[12])
 {
-    struct proto_segment segment = {.object = object,
-                                    .kind = PROTO_SEGMENT_RIGID,
-                                    .format = PCCD_FORMAT_F64,
-                                    .first = first,
-                                    .count = count};
-    void *range0 = NULL;
-    void *range1 = NULL;
+    const struct proto_segment segment = {.object = object,
+                                          .kind = PROTO_SEGMENT_RIGID,
+                                          .format = PCCD_FORMAT_F64,
+                                          .first = first,
+                                          .count = count};
+    void *to0 = NULL;
+    void *to1 = NULL;
     int status;
 
     CLI_ENTER_OR_RETURN(client_of(frame));
     if (m0 == NULL || m1 == NULL) {
         return cli_fail(frame->client, PCCD_E_INVAL, "m0 or m1 is NULL");
     }
-    status = add_segment(frame, segment, PROTO_RIGID_BYTES, PROTO_RIGID_BYTES, &range0,
-                         &range1);
+    status = add_segment(frame, segment, &to0, &to1);
     if (status != 0) {
         return status;
     }
-    memcpy(range0, m0, PROTO_RIGID_BYTES);
-    memcpy(range1, m1, PROTO_RIGID_BYTES);
+    memcpy(to0, m0, PROTO_RIGID_BYTES);
+    memcpy(to1, m1, PROTO_RIGID_BYTES);
     return 0;
 }
 
@@ -310,19 +324,6 @@ int cli_frame_take(struct pccd_frame *frame, const uint64_t *step, uint32_t *sce
     return status;
 }
 
-int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings *settings,
-                      uint64_t *step)
-{
-    uint32_t scene = 0;
-    uint32_t slot = 0;
-    int status;
-
-    CLI_ENTER_OR_RETURN(client_of(frame));
-    status = cli_frame_take(frame, step, &scene, &slot);
-    return status != 0 ? status
-                       : cli_step_send(frame->client, scene, slot, settings, step);
-}
-
 void pccd_frame_abort(struct pccd_frame *frame)
 {
     CLI_TURN cli_turn = cli_enter_late(client_of(frame));
@@ -336,62 +337,47 @@ void pccd_frame_abort(struct pccd_frame *frame)
     frame->slot = SLOT_GIVEN_BACK;
 }
 
-/* ---- begin, copy and commit in one ------------------------------------------------- */
+/* ---- motions ----------------------------------------------------------------------- */
 
-static bool is_rigid(const struct pccd_motion *motion)
+/* What motion i moves. E_INVAL: it moves in no way, or in two. */
+static int describe(struct pccd_client *client, const struct pccd_motion *motion,
+                    uint32_t i, struct proto_segment *segment)
 {
-    return motion->m0 != NULL;
-}
+    bool is_rigid = motion->m0 != NULL;
 
-/* Payload of all motions. E_INVAL: one of them moves in no way, or in two. */
-static int measure(struct pccd_client *client, const struct pccd_motion *motions,
-                   uint32_t motion_count, uint64_t *bytes)
-{
-    *bytes = 0;
-    for (uint32_t i = 0; i < motion_count; i++) {
-        const struct pccd_motion *motion = &motions[i];
-
-        if ((motion->m0 == NULL) != (motion->m1 == NULL) ||
-            is_rigid(motion) != (motion->x1 == NULL) ||
-            (is_rigid(motion) && motion->x0 != NULL)) {
-            return cli_fail(client, PCCD_E_INVAL,
-                            "motion %u: it needs x1, or x0 and x1, or m0 and m1", i);
-        }
-        if (!is_rigid(motion) && (unsigned)motion->format >= PCCD_FORMAT_COUNT) {
-            return cli_fail(client, PCCD_E_INVAL, "motion %u: unknown format %u", i,
-                            (unsigned)motion->format);
-        }
-        *bytes += is_rigid(motion)
-                      ? 2 * PROTO_RIGID_BYTES
-                      : range_bytes(motion->format, motion->count) * (motion->x0 ? 2 : 1);
+    if (is_rigid != (motion->m1 != NULL) || is_rigid != (motion->x1 == NULL) ||
+        (is_rigid && motion->x0 != NULL)) {
+        return cli_fail(client, PCCD_E_INVAL,
+                        "motion %u: it needs x1, or x0 and x1, or m0 and m1", i);
     }
+    if (!is_rigid && (unsigned)motion->format >= PCCD_FORMAT_COUNT) {
+        return cli_fail(client, PCCD_E_INVAL, "motion %u: unknown format %u", i,
+                        (unsigned)motion->format);
+    }
+    *segment = (struct proto_segment){
+        .object = motion->object,
+        .kind = is_rigid             ? PROTO_SEGMENT_RIGID
+                : motion->x0 != NULL ? PROTO_SEGMENT_X0X1
+                                     : PROTO_SEGMENT_X1,
+        .format = (uint16_t)(is_rigid ? PCCD_FORMAT_F64 : motion->format),
+        .first = motion->first,
+        .count = motion->count};
     return 0;
 }
 
 static int write_motion(struct pccd_client *client, uint32_t slot,
-                        const struct pccd_motion *motion)
+                        const struct pccd_motion *motion, uint32_t i)
 {
-    bool rigid = is_rigid(motion);
-    bool has_start = rigid || motion->x0 != NULL;
-    struct proto_segment segment = {
-        .object = motion->object,
-        .kind = rigid       ? PROTO_SEGMENT_RIGID
-                : has_start ? PROTO_SEGMENT_X0X1
-                            : PROTO_SEGMENT_X1,
-        .format = (uint16_t)(rigid ? PCCD_FORMAT_F64 : motion->format),
-        .first = motion->first,
-        .count = motion->count};
-    uint64_t bytes =
-        rigid ? PROTO_RIGID_BYTES : range_bytes(motion->format, motion->count);
-    void *start = NULL;
-    void *end = NULL;
-    int status = enter(client, slot, segment, has_start ? bytes : 0, bytes, &start, &end);
+    struct proto_segment segment;
+    int status = describe(client, motion, i, &segment);
 
-    if (status == 0 && has_start) {
-        memcpy(start, rigid ? (const void *)motion->m0 : motion->x0, bytes);
-    }
+    status = status != 0 ? status : enter(client, slot, &segment);
     if (status == 0) {
-        memcpy(end, rigid ? (const void *)motion->m1 : motion->x1, bytes);
+        bool is_rigid = motion->m0 != NULL;
+
+        cli_segment_write(cli_slot_payload(&client->ring, slot), &segment,
+                          is_rigid ? motion->m0 : motion->x0,
+                          is_rigid ? motion->m1 : motion->x1);
     }
     return status;
 }
@@ -400,9 +386,16 @@ int cli_frame_write(struct pccd_client *client, uint32_t scene,
                     const struct pccd_motion *motions, uint32_t motion_count,
                     uint32_t *slot)
 {
-    uint64_t bytes;
-    int status = measure(client, motions, motion_count, &bytes);
+    uint64_t bytes = 0;
+    int status = 0;
 
+    for (uint32_t i = 0; status == 0 && i < motion_count; i++) {
+        struct proto_segment segment;
+
+        status = describe(client, &motions[i], i, &segment);
+        bytes +=
+            status != 0 ? 0 : cli_segment_bytes(&segment) * (has_start(&segment) ? 2 : 1);
+    }
     if (status == 0) {
         status = begin(client, scene, motion_count, bytes, slot);
     }
@@ -410,29 +403,10 @@ int cli_frame_write(struct pccd_client *client, uint32_t scene,
         return status;
     }
     for (uint32_t i = 0; status == 0 && i < motion_count; i++) {
-        status = write_motion(client, *slot, &motions[i]);
+        status = write_motion(client, *slot, &motions[i], i);
     }
     if (status != 0) {
         cli_slot_abort(&client->ring, *slot);
     }
     return status;
-}
-
-int pccd_submit(struct pccd_client *client, uint32_t scene,
-                const struct pccd_motion *motions, uint32_t motion_count,
-                const struct pccd_step_settings *settings, uint64_t *step)
-{
-    uint32_t slot = 0;
-    int status;
-
-    CLI_ENTER_OR_RETURN(client);
-    if (step == NULL || (motions == NULL && motion_count > 0)) {
-        return cli_fail(client, PCCD_E_INVAL, "%s is NULL",
-                        step == NULL ? "step" : "motions");
-    }
-    if (motion_count == 0) {
-        return pccd_submit_still(client, scene, settings, step);
-    }
-    status = cli_frame_write(client, scene, motions, motion_count, &slot);
-    return status != 0 ? status : cli_step_send(client, scene, slot, settings, step);
 }

@@ -11,6 +11,7 @@ include_HEADERS += client/lib/pccd.h client/lib/pccd_batch.h client/lib/pccd_nea
 pkgconfig_DATA += client/lib/pccd.pc
 
 libclient_la_SOURCES = \
+    client/lib/answer.c \
     client/lib/attach.c \
     client/lib/batch.c \
     client/lib/client.c \
@@ -23,7 +24,6 @@ libclient_la_SOURCES = \
     client/lib/link.c \
     client/lib/list.c \
     client/lib/mesh.c \
-    client/lib/near.c \
     client/lib/page.c \
     client/lib/receive.c \
     client/lib/record.c \
@@ -40,7 +40,6 @@ libclient_la_SOURCES = \
     client/lib/scene.c \
     client/lib/stats.c \
     client/lib/step.c \
-    client/lib/submit.c \
     client/lib/weld.c
 libclient_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \

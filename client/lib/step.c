@@ -1,358 +1,352 @@
-/* step.c - steps in flight and their answers.
- *
- * Poll, wait, fetch, cancel, release, and the calls that submit and wait at once. A step
- * is a call of the table (call.h) whose `step` is not 0; it stays there until its answer
- * is taken.
- *
- * The way of a vertex from the caller's array to the daemon. It is copied once:
- *
- *     step.c       pccd_step_x1: submit, then wait
- *     frame.c      pccd_submit: the slot's table is written, the vertex copied behind it
- *     |  attach.c  finds a slot, or a larger ring
- *     submit.c     frame.submit, with the number of the step
- *     rpc.c        is encoded and sent; a call waits for the answer
- *
- * The answer comes by receive.c, connect.c tells the registry that the slot is done with,
- * and take_answer, below, hands it out.
- */
+/* step.c - a verb is asked of scenes: steps, and what is near. */
 #include "step.h"
 
 #include <assert.h>
-#include <stdio.h>
 #include <string.h>
 
-#include "client.h"
+#include "attach.h"
 #include "connection.h"
-#include "link.h"
-#include "numbers.h"
 #include "recorder.h"
-#include "recorder_shared.h"
-#include "replica.h"
 #include "rpc.h"
-#include "submit.h"
 
-#define ANSWER_TAG 0x7063636461677331ull /* marks an answer of this library */
-#define TOI_NONE   2.0                   /* toi_first of no contacts */
+/* ---- messages ---------------------------------------------------------------------- */
 
-/* ---- answers ----------------------------------------------------------------------- */
-
-static uint64_t answer_tag(const struct pccd_client *client, uint64_t page)
+/* A text in the place of a string of a message. */
+static int put_tuning(struct pccd_client *client, const char *tuning, char *to)
 {
-    return (ANSWER_TAG ^ (uint64_t)(uintptr_t)client) + page;
-}
+    size_t bytes = strnlen(tuning, PCCD_TUNING_BYTES);
 
-/* Of a step or about what is near, with the records of its page. */
-static void fill_answer(const struct proto_answer *from, bool is_near,
-                        const void *records, struct pccd_answer *answer)
-{
-#define GET(unused, type, name, of_step, of_near, member, meaning)                       \
-    answer->member = from->name;
-    COMMON_NUMBERS(GET, )
-#undef GET
-    answer->step = from->step;
-    answer->count = from->count;
-    answer->first = from->first;
-    answer->cursor = from->cursor;
-    answer->total = from->total;
-    answer->number = from->number;
-    (void)snprintf(answer->tuning, sizeof answer->tuning, "%.*s",
-                   (int)sizeof answer->tuning - 1, from->tuning);
-    answer->is_near = is_near;
-    if (is_near) {
-        answer->toi_first = TOI_NONE;
+    if (bytes == PCCD_TUNING_BYTES) {
+        return cli_fail(client, PCCD_E_INVAL, "tuning: longer than %d bytes",
+                        PCCD_TUNING_BYTES - 1);
     }
-    if (is_near && answer->what == PCCD_NEAR_VERTICES) {
-        answer->vertex_bounds = records;
-    } else if (is_near) {
-        answer->near = records;
-    } else if (answer->mode == PCCD_MODE_PAIRS) {
-        answer->pairs = records;
-    } else {
-        answer->contacts = records;
-    }
-}
-
-int cli_answer_check(struct pccd_client *client, const struct pccd_answer *answer)
-{
-    return answer == NULL
-               ? cli_fail(client, PCCD_E_INVAL, "answer is NULL")
-               : cli_struct_check(client, "answer", answer->struct_bytes, sizeof *answer);
-}
-
-/* Hand a DONE call over to the user and free its entry. Returns the call's status. */
-static int take_answer(struct pccd_client *client, struct cli_call *call,
-                       struct pccd_answer *to)
-{
-    struct pccd_answer answer = {.step = call->step, .status = call->status};
-
-    assert(call->state == CLI_CALL_DONE && (call->page == 0 || call->status == 0));
-    if (call->status == 0) {
-        bool is_near = call->method == PROTO_METHOD_SCENE_NEAR ||
-                       call->method == PROTO_METHOD_NEAR_FETCH;
-        const void *records =
-            call->page != 0 ? cli_page_base(client, call->page) + call->answer.offset
-                            : NULL;
-
-        fill_answer(&call->answer, is_near, records, &answer);
-        answer.reserved[0] = call->page;
-        answer.reserved[1] = answer_tag(client, call->page);
-    }
-    cli_struct_fill(to, &answer, sizeof answer);
-    return cli_call_finish(client, call);
-}
-
-static struct cli_call *find_step(struct pccd_client *client, uint64_t step)
-{
-    for (uint32_t i = 0; step != 0 && i < client->calls_end; i++) {
-        struct cli_call *call = &client->calls[i];
-
-        if (call->step == step &&
-            (call->state == CLI_CALL_SENT || call->state == CLI_CALL_DONE)) {
-            return call;
-        }
-    }
-    return NULL;
-}
-
-static bool is_batch_call(const struct cli_call *call)
-{
-    return call->method == PROTO_METHOD_BATCH_SUBMIT;
-}
-
-struct cli_call *cli_step_oldest_done(struct pccd_client *client, bool is_batch)
-{
-    struct cli_call *oldest = NULL;
-
-    for (uint32_t i = 0; i < client->calls_end; i++) {
-        struct cli_call *call = &client->calls[i];
-
-        if (call->step != 0 && call->state == CLI_CALL_DONE &&
-            is_batch_call(call) == is_batch &&
-            (oldest == NULL || call->step < oldest->step)) {
-            oldest = call;
-        }
-    }
-    return oldest;
-}
-
-/* Take in what has arrived, without waiting; more than the table's calls cannot
- * matter. */
-void cli_step_drain(struct pccd_client *client)
-{
-    for (uint32_t i = 0; i < CLI_CALLS && !client->dead; i++) {
-        if (cli_receive(client) != 0) {
-            break;
-        }
-    }
-    if (client->link.is_down) {
-        cli_recover_poll(client);
-    }
-    cli_journal_pump(client);
-}
-
-int pccd_poll(struct pccd_client *client, struct pccd_answer *answer)
-{
-    struct cli_call *call;
-    int status;
-
-    CLI_ENTER_OR_RETURN(client);
-    status = cli_answer_check(client, answer);
-    if (status != 0) {
-        return status;
-    }
-    cli_step_drain(client);
-    call = cli_step_oldest_done(client, false);
-    if (call == NULL) {
-        return client->dead ? cli_alive(client)
-                            : cli_fail(client, PCCD_E_AGAIN, "no answer has arrived");
-    }
-    (void)take_answer(client, call, answer);
+    memcpy(to, tuning, bytes);
     return 0;
 }
 
-int cli_step_await(struct pccd_client *client, uint64_t step, bool is_batch,
-                   int timeout_ms, struct cli_call **found)
+/* What a step and a batch of steps are asked with. */
+#define STEP_MESSAGE(settings)                                                           \
+    .mode = (uint32_t)(settings).mode, .method = (uint32_t)(settings).method,            \
+    .threads = (settings).threads, .tolerance = (settings).tolerance,                    \
+    .deadline_ns = (settings).deadline_ns, .separation = (settings).separation,          \
+    .approach = (settings).approach
+
+static int describe_step(struct pccd_client *client, const void *asked, uint32_t scene,
+                         struct proto_FRAME_SUBMIT_request *message)
 {
-    struct cli_call *call = find_step(client, step);
+    struct pccd_step_settings settings = {.struct_bytes = sizeof settings};
+    int status = asked == NULL ? 0
+                               : cli_struct_read(client, "settings of the step", asked,
+                                                 &settings, sizeof settings);
 
-    if (call == NULL) {
-        return client->dead ? cli_alive(client)
-                            : cli_fail(client, PCCD_E_INVAL, "step %llu is not pending",
-                                       (unsigned long long)step);
-    }
-    if (is_batch_call(call) != is_batch) {
-        return cli_fail(client, PCCD_E_INVAL, "%llu is the number of a %s",
-                        (unsigned long long)step,
-                        is_batch ? "step: pccd_wait" : "batch: pccd_batch_wait");
-    }
-    *found = call;
-    if (timeout_ms == 0) {
-        cli_step_drain(client);
-        if (call->state == CLI_CALL_SENT) {
-            return cli_fail(client, PCCD_E_AGAIN, "step %llu has not been answered",
-                            (unsigned long long)step);
-        }
-    }
-    cli_journal_pump(client);
-    return cli_call_wait(client, call, cli_deadline(client, timeout_ms));
-}
-
-int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
-              struct pccd_answer *answer)
-{
-    struct cli_call *call = NULL;
-    int status;
-
-    CLI_ENTER_OR_RETURN(client);
-    status = cli_answer_check(client, answer);
-    if (status == 0) {
-        status = cli_step_await(client, step, false, timeout_ms, &call);
-    }
-    return status != 0 ? status : take_answer(client, call, answer);
-}
-
-int cli_step_fetch(struct pccd_client *client, int method, const void *request,
-                   struct pccd_answer *answer)
-{
-    struct cli_call *call = NULL;
-    uint64_t deadline_ns = cli_deadline(client, -1);
-    int status = cli_answer_check(client, answer);
-
-    status = status != 0 ? status : cli_step_check(client);
-    if (status == 0) {
-        status =
-            cli_call_send(client, method, request, CLI_SLOT_NONE, deadline_ns, &call);
-    }
     if (status != 0) {
         return status;
     }
-    status = cli_call_wait(client, call, deadline_ns);
-    if (status != 0) {
-        cli_call_drop(client, call);
-        return status;
+    *message = (struct proto_FRAME_SUBMIT_request){.scene = scene,
+                                                   STEP_MESSAGE(settings),
+                                                   .hold = settings.hold,
+                                                   .tells_start = settings.tells_start};
+    if (settings.tuning != NULL) {
+        status = put_tuning(client, settings.tuning, message->tuning);
     }
-    if (call->status != 0) { /* leaves the answer at hand as it is: it may hold a page */
-        return cli_call_finish(client, call);
+    if (status == 0 && (settings.separation != 0.0 || settings.approach != 0.0)) {
+        status = cli_check_thick(client, "frame.submit");
     }
-    return take_answer(client, call, answer);
-}
-
-int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64_t cursor,
-               struct pccd_answer *answer)
-{
-    const struct proto_FRAME_FETCH_request frame = {
-        .scene = scene, .step = step, .cursor = cursor};
-    const struct proto_NEAR_FETCH_request near = {
-        .scene = scene, .step = step, .cursor = cursor};
-
-    CLI_ENTER_OR_RETURN(client);
-    return cli_near_is(client, scene, step)
-               ? cli_step_fetch(client, PROTO_METHOD_NEAR_FETCH, &near, answer)
-               : cli_step_fetch(client, PROTO_METHOD_FRAME_FETCH, &frame, answer);
-}
-
-void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer)
-{
-    CLI_TURN cli_turn = cli_enter_late(client);
-
-    if (client == NULL || answer == NULL) {
-        return;
-    }
-    if (answer->reserved[0] != 0 &&
-        answer->reserved[1] == answer_tag(client, answer->reserved[0])) {
-        cli_page_release(client, answer->reserved[0]);
-    }
-    answer->contacts = NULL;
-    answer->pairs = NULL;
-    answer->near = NULL;
-    answer->vertex_bounds = NULL;
-    answer->reserved[0] = answer->reserved[1] = 0;
-}
-
-int pccd_cancel(struct pccd_client *client, uint64_t step)
-{
-    struct proto_CANCEL_request request;
-    struct proto_CANCEL_result result;
-    struct cli_call *call;
-
-    CLI_ENTER_OR_RETURN(client);
-    call = find_step(client, step);
-    if (call == NULL) {
-        return client->dead ? cli_alive(client)
-                            : cli_fail(client, PCCD_E_INVAL, "step %llu is not pending",
-                                       (unsigned long long)step);
-    }
-    if (call->state == CLI_CALL_DONE) {
-        return 0;
-    }
-    request.id = call->id;
-    cli_record_cancel(client, step);
-    return cli_call_sync(client, PROTO_METHOD_CANCEL, &request, &result,
-                         cli_deadline(client, -1));
-}
-
-void pccd_abandon(struct pccd_client *client, uint64_t step)
-{
-    CLI_TURN cli_turn = cli_enter_late(client);
-    struct cli_call *call = client != NULL ? find_step(client, step) : NULL;
-    struct proto_CANCEL_request request;
-    struct cli_call *cancel = NULL;
-
-    if (call == NULL) {
-        return;
-    }
-    request.id = call->id;
-    cli_record_cancel(client, step);
-    cli_call_drop(client, call);
-    if (call->state == CLI_CALL_LOST &&
-        cli_call_send(client, PROTO_METHOD_CANCEL, &request, CLI_SLOT_NONE,
-                      common_now_ns(), &cancel) == 0) {
-        cli_call_drop(client, cancel);
-    }
-}
-
-/* ---- submit and wait in one -------------------------------------------------------- */
-
-int cli_step_finish(struct pccd_client *client, uint64_t step, struct pccd_answer *answer)
-{
-    char text[CLI_TEXT_BYTES];
-    int status = pccd_wait(client, step, -1, answer);
-
-    if (status == PCCD_E_TIMEOUT) {
-        memcpy(text, client->error, sizeof text);
-        pccd_abandon(client, step);
-        status = cli_fail(client, status, "%s", text);
+    if (status == 0 && settings.tells_start) {
+        status = cli_check_tells(client, "frame.submit");
     }
     return status;
+}
+
+/* As of a step, but for what waits for others, or has no place in a scene's answer. */
+static int describe_batch(struct pccd_client *client, const void *asked,
+                          struct proto_BATCH_SUBMIT_request *message)
+{
+    struct proto_FRAME_SUBMIT_request step;
+    int status = describe_step(client, asked, 0, &step);
+
+    if (status == 0 && step.hold) {
+        status = cli_fail(client, PCCD_E_INVAL, "hold: a batch waits for nobody");
+    }
+    if (status == 0 && step.tells_start) {
+        status = cli_fail(client, PCCD_E_INVAL,
+                          "tells_start: a batch has no place for what it tells");
+    }
+    if (status == 0) {
+        *message = (struct proto_BATCH_SUBMIT_request){STEP_MESSAGE(step)};
+        memcpy(message->tuning, step.tuning, sizeof message->tuning);
+    }
+    return status;
+}
+
+static int describe_near(struct pccd_client *client, const void *asked, uint32_t scene,
+                         struct proto_SCENE_NEAR_request *message)
+{
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    int status = 0;
+
+    if ((client->link.features & PROTO_FEATURE_NEAR) == 0) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "scene.near: the daemon at %s is older than this", client->url);
+    }
+    if (asked != NULL) {
+        status = cli_struct_read(client, "settings of scene.near", asked, &settings,
+                                 sizeof settings);
+    }
+    if (status == 0 && settings.tells_crossings) {
+        status = cli_check_tells(client, "scene.near");
+    }
+    if (status != 0) {
+        return status;
+    }
+    *message =
+        (struct proto_SCENE_NEAR_request){.scene = scene,
+                                          .what = (uint32_t)settings.what,
+                                          .end = settings.end,
+                                          .distance = settings.distance,
+                                          .gap = settings.gap,
+                                          .object_a = settings.object_a,
+                                          .object_b = settings.object_b,
+                                          .method = (uint32_t)settings.method,
+                                          .threads = settings.threads,
+                                          .deadline_ns = settings.deadline_ns,
+                                          .tells_crossings = settings.tells_crossings};
+    return put_tuning(client, settings.tuning, message->tuning);
+}
+
+int cli_step_describe(struct pccd_client *client, int verb, const void *settings,
+                      uint32_t scene, union cli_params *message)
+{
+    switch (verb) {
+    case PROTO_METHOD_FRAME_SUBMIT:
+        return describe_step(client, settings, scene, &message->FRAME_SUBMIT);
+    case PROTO_METHOD_SCENE_NEAR:
+        return describe_near(client, settings, scene, &message->SCENE_NEAR);
+    default:
+        assert(verb == PROTO_METHOD_BATCH_SUBMIT);
+        return describe_batch(client, settings, &message->BATCH_SUBMIT);
+    }
+}
+
+/* ---- sending ----------------------------------------------------------------------- */
+
+int cli_step_check(struct pccd_client *client)
+{
+    uint32_t count = 0;
+    int status;
+
+    for (uint32_t i = 0; i < client->calls_end; i++) {
+        const struct cli_call *call = &client->calls[i];
+
+        count += call->step != 0 &&
+                 (call->state == CLI_CALL_SENT || call->state == CLI_CALL_DONE);
+    }
+    if (count >= CLI_STEPS) {
+        return cli_fail(client, PCCD_E_BUSY, "%u steps wait to be taken: poll or wait",
+                        count);
+    }
+    status = cli_page_check(client);
+    return status != 0 ? status : cli_alive(client);
+}
+
+/* Give a message its number, and the slot that is begun, which is the daemon's then.
+ * Returns how many steps it numbers: every scene of a batch has one of its own. */
+static uint32_t publish(struct pccd_client *client, int verb, union cli_params *message,
+                        uint32_t slot)
+{
+    bool moves = slot != CLI_SLOT_NONE;
+    uint32_t segments = moves ? client->ring.slots[slot].segment_count : 0;
+    uint64_t seq = moves ? cli_slot_publish(&client->ring, slot) : 0;
+
+#define PUT(to)                                                                          \
+    do {                                                                                 \
+        (to).step = client->next_step;                                                   \
+        (to).slot = moves ? slot : 0;                                                    \
+        (to).segments = segments;                                                        \
+        (to).seq = seq;                                                                  \
+    } while (0)
+    switch (verb) {
+    case PROTO_METHOD_FRAME_SUBMIT:
+        PUT(message->FRAME_SUBMIT);
+        return 1;
+    case PROTO_METHOD_SCENE_NEAR:
+        PUT(message->SCENE_NEAR);
+        return 1;
+    default:
+        PUT(message->BATCH_SUBMIT);
+        message->BATCH_SUBMIT.scenes = client->ring.slots[slot].scene_count;
+        return message->BATCH_SUBMIT.scenes;
+    }
+#undef PUT
+}
+
+int cli_step_send(struct pccd_client *client, int verb, union cli_params *message,
+                  uint32_t slot, uint64_t *step)
+{
+    uint32_t steps = publish(client, verb, message, slot);
+    struct cli_call *call = NULL;
+    int status =
+        cli_call_send(client, verb, message, slot, cli_deadline(client, -1), &call);
+
+    if (status != 0) {
+        if (slot != CLI_SLOT_NONE) {
+            cli_slot_abort(&client->ring, slot);
+        }
+        return status;
+    }
+    assert(call->step == 0 && client->next_step > 0);
+    call->step = client->next_step;
+    *step = client->next_step;
+    client->next_step += steps;
+    if (client->recorder != NULL) {
+        cli_record_frame(client, call);
+    }
+    return 0;
+}
+
+/* ---- one scene --------------------------------------------------------------------- */
+
+/* What a caller asks of a scene. */
+struct asked {
+    int verb;             /* of one scene: FRAME_SUBMIT or SCENE_NEAR */
+    const void *settings; /* that go with it; NULL: the defaults */
+    uint32_t scene;
+    const struct pccd_motion *motions;
+    uint32_t motion_count; /* 0: nothing moves */
+};
+
+static int submit(struct pccd_client *client, const struct asked *asked, uint64_t *step)
+{
+    uint32_t slot = CLI_SLOT_NONE;
+    union cli_params message;
+    int status;
+
+    if (step == NULL || (asked->motions == NULL && asked->motion_count > 0)) {
+        return cli_fail(client, PCCD_E_INVAL, "%s is NULL",
+                        step == NULL ? "step" : "motions");
+    }
+    status =
+        cli_step_describe(client, asked->verb, asked->settings, asked->scene, &message);
+    if (status == 0 && asked->motion_count > 0) {
+        status = cli_frame_write(client, asked->scene, asked->motions,
+                                 asked->motion_count, &slot);
+    } else if (status == 0) {
+        status = cli_ring_ensure(client);
+        status = status != 0 ? status : cli_step_check(client);
+    }
+    return status != 0 ? status
+                       : cli_step_send(client, asked->verb, &message, slot, step);
+}
+
+static int submit_and_wait(struct pccd_client *client, const struct asked *asked,
+                           struct pccd_answer *answer)
+{
+    uint64_t step = 0;
+    int status = cli_answer_check(client, answer, false);
+
+    status = status != 0 ? status : submit(client, asked, &step);
+    return status != 0 ? status : cli_answer_finish(client, step, false, answer);
+}
+
+/* Send what a frame moves, which is over then. */
+static int commit(struct pccd_frame *frame, int verb, const void *settings,
+                  uint64_t *step)
+{
+    struct pccd_client *client = frame->client;
+    uint32_t scene = 0;
+    uint32_t slot = CLI_SLOT_NONE;
+    union cli_params message;
+    int status = cli_frame_take(frame, step, &scene, &slot);
+
+    if (status != 0) {
+        return status;
+    }
+    status = cli_step_describe(client, verb, settings, scene, &message);
+    if (status != 0) {
+        cli_slot_abort(&client->ring, slot);
+        return status;
+    }
+    return cli_step_send(client, verb, &message, slot, step);
+}
+
+#define STEP_OF(settings, scene, motions, count)                                         \
+    &(const struct asked)                                                                \
+    {                                                                                    \
+        PROTO_METHOD_FRAME_SUBMIT, settings, scene, motions, count                       \
+    }
+#define NEAR_OF(settings, scene, motions, count)                                         \
+    &(const struct asked)                                                                \
+    {                                                                                    \
+        PROTO_METHOD_SCENE_NEAR, settings, scene, motions, count                         \
+    }
+
+int pccd_submit(struct pccd_client *client, uint32_t scene,
+                const struct pccd_motion *motions, uint32_t motion_count,
+                const struct pccd_step_settings *settings, uint64_t *step)
+{
+    CLI_ENTER_OR_RETURN(client);
+    return submit(client, STEP_OF(settings, scene, motions, motion_count), step);
+}
+
+int pccd_submit_still(struct pccd_client *client, uint32_t scene,
+                      const struct pccd_step_settings *settings, uint64_t *step)
+{
+    CLI_ENTER_OR_RETURN(client);
+    return submit(client, STEP_OF(settings, scene, NULL, 0), step);
+}
+
+int pccd_submit_near(struct pccd_client *client, uint32_t scene,
+                     const struct pccd_motion *motions, uint32_t motion_count,
+                     const struct pccd_near_settings *settings, uint64_t *step)
+{
+    CLI_ENTER_OR_RETURN(client);
+    return submit(client, NEAR_OF(settings, scene, motions, motion_count), step);
+}
+
+int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings *settings,
+                      uint64_t *step)
+{
+    CLI_ENTER_OR_RETURN(frame != NULL ? frame->client : NULL);
+    return commit(frame, PROTO_METHOD_FRAME_SUBMIT, settings, step);
+}
+
+int pccd_frame_commit_near(struct pccd_frame *frame,
+                           const struct pccd_near_settings *settings, uint64_t *step)
+{
+    CLI_ENTER_OR_RETURN(frame != NULL ? frame->client : NULL);
+    return commit(frame, PROTO_METHOD_SCENE_NEAR, settings, step);
 }
 
 int pccd_step(struct pccd_client *client, uint32_t scene,
               const struct pccd_motion *motions, uint32_t motion_count,
               const struct pccd_step_settings *settings, struct pccd_answer *answer)
 {
-    uint64_t step = 0;
-    int status;
-
     CLI_ENTER_OR_RETURN(client);
-    status = cli_answer_check(client, answer);
-    if (status == 0) {
-        status = pccd_submit(client, scene, motions, motion_count, settings, &step);
-    }
-    return status != 0 ? status : cli_step_finish(client, step, answer);
+    return submit_and_wait(client, STEP_OF(settings, scene, motions, motion_count),
+                           answer);
+}
+
+int pccd_ask_near(struct pccd_client *client, uint32_t scene,
+                  const struct pccd_motion *motions, uint32_t motion_count,
+                  const struct pccd_near_settings *settings, struct pccd_answer *answer)
+{
+    CLI_ENTER_OR_RETURN(client);
+    return submit_and_wait(client, NEAR_OF(settings, scene, motions, motion_count),
+                           answer);
 }
 
 int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                  const void *x1, enum pccd_format format, uint32_t vertex_count,
                  const struct pccd_step_settings *settings, struct pccd_answer *answer)
 {
-    struct pccd_motion motion = {
+    const struct pccd_motion motion = {
         .object = object, .count = vertex_count, .format = format, .x1 = x1};
 
     CLI_ENTER_OR_RETURN(client);
     if (x1 == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "x1 is NULL");
     }
-    return pccd_step(client, scene, &motion, 1, settings, answer);
+    return submit_and_wait(client, STEP_OF(settings, scene, &motion, 1), answer);
 }
 
 int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
@@ -360,12 +354,12 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                    uint32_t vertex_count, const struct pccd_step_settings *settings,
                    struct pccd_answer *answer)
 {
-    struct pccd_motion motion = {
+    const struct pccd_motion motion = {
         .object = object, .count = vertex_count, .format = format, .x0 = x0, .x1 = x1};
 
     CLI_ENTER_OR_RETURN(client);
     if (x0 == NULL || x1 == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "%s is NULL", x0 == NULL ? "x0" : "x1");
     }
-    return pccd_step(client, scene, &motion, 1, settings, answer);
+    return submit_and_wait(client, STEP_OF(settings, scene, &motion, 1), answer);
 }
