@@ -12,7 +12,6 @@
 #include <time.h>
 
 #include "distance.h"
-#include "distance_batch.h"
 #include "prng.h"
 #include "report.h"
 

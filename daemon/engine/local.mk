@@ -27,12 +27,9 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/ball.c \
     daemon/engine/elementary/batch.c \
     daemon/engine/elementary/closest.c \
-    daemon/engine/elementary/crossing.c \
     daemon/engine/elementary/direction.c \
     daemon/engine/elementary/distance.c \
-    daemon/engine/elementary/distance_batch.c \
     daemon/engine/elementary/distance_order.c \
-    daemon/engine/elementary/distance_quick.c \
     daemon/engine/elementary/distance_rule.c \
     daemon/engine/elementary/divisor.c \
     daemon/engine/elementary/exact.c \

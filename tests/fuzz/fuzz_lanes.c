@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "distance_batch.h"
+#include "distance.h"
 #include "fuzz_sharp.h"
 #include "kernel.h"
 

@@ -1,13 +1,13 @@
-/* distance.c - exact distances, by the first stage that is sure. */
+/* distance.c - exact distances of one pair and of many: the first stage that is sure. */
 #include "distance.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
-#include "crossing.h"
-#include "distance_quick.h"
 #include "distance_rule.h"
+#include "nearest_points.h"
+#include "winding.h"
 
 int eng_distances_init(struct eng_distances *distances)
 {
@@ -31,6 +31,133 @@ static enum eng_distance_stage slow_stage(const struct eng_distances *distances)
 {
     return may_be_quick(distances) ? ENG_DISTANCE_BY_PAIRS : distances->first;
 }
+
+/* ---- by doubles: the kernel's lanes, of one pair ----------------------------------- */
+
+struct glance {
+    struct eng_nearest_points at;
+    struct eng_length length; /* low and high are equal where it is known exactly */
+};
+
+ENG_INLINE struct eng_v vector_of(const double x[3])
+{
+    return (struct eng_v){x[0], x[1], x[2]};
+}
+
+/* Is x the difference of a and b, exactly? */
+static bool is_difference(double x, double a, double b)
+{
+    double other = a - x;
+    return a - (x + other) == 0 && other - b == 0;
+}
+
+/* Of features that are nearest at their insides: where both lie across an axis, the
+ * distance is how far they are apart along it. Meshes on a grid have many such pairs. */
+static void look_along_axes(enum pccd_kind kind, const double x[4][3],
+                            struct eng_length *length)
+{
+    for (int k = 0; k < 3; k++) {
+        double first = x[0][k];
+        double second = kind == PCCD_VF ? x[1][k] : x[2][k];
+        bool is_across = kind == PCCD_VF ? second == x[2][k] && second == x[3][k]
+                                         : first == x[1][k] && second == x[3][k];
+        if (is_across && is_difference(first - second, first, second)) {
+            length->value = length->low = length->high = fabs(first - second);
+        }
+    }
+}
+
+/* False: nobody knows, by doubles, what the distance is between. */
+static bool look(enum pccd_kind kind, const double x[4][3], struct glance *glance)
+{
+    const struct eng_v at[4] = {vector_of(x[0]), vector_of(x[1]), vector_of(x[2]),
+                                vector_of(x[3])};
+    glance->at = kind == PCCD_VF ? eng_nearest_vf(at) : eng_nearest_ee(at);
+    glance->length = eng_length_of(&glance->at);
+    if (eng_dm_bits(glance->at.inside) != 0) {
+        look_along_axes(kind, x, &glance->length);
+    }
+    return eng_dm_bits(eng_is_known(&glance->at)) != 0;
+}
+
+/* Sign of the length less d. */
+static enum eng_sign compare_quickly(const struct eng_length *length, double d)
+{
+    if (length->low == d && length->high == d) {
+        return ENG_ZERO;
+    }
+    return length->low > d ? ENG_PLUS : length->high < d ? ENG_MINUS : ENG_UNSURE;
+}
+
+/* False: *distance means nothing, for a number might be rounded either way. */
+static bool describe_quickly(const struct glance *glance, struct eng_distance *distance)
+{
+    const struct eng_length *length = &glance->length;
+    struct eng_distance_lanes numbers;
+    eng_dm rest_is_sure = eng_is_known(&glance->at);
+    eng_round_rest(&glance->at, length, &numbers, &rest_is_sure);
+    eng_dm is_sure = rest_is_sure;
+    eng_round_length(length, &numbers, &is_sure);
+    if (length->low == length->high && length->low == numbers.lo) {
+        numbers.hi = numbers.lo;
+        is_sure = rest_is_sure;
+    }
+    int64_t code = eng_di_of(numbers.code)[0];
+    *distance = (struct eng_distance){
+        .lo = numbers.lo,
+        .hi = numbers.hi,
+        .param = {numbers.param[0], numbers.param[1]},
+        .direction = {numbers.direction.x, numbers.direction.y, numbers.direction.z},
+        .type = (enum eng_nearest)(code & 3),
+        .points = (uint32_t)(code >> 2)};
+    return eng_dm_bits(is_sure) != 0;
+}
+
+/* How many points of the first feature are where one of the second is: the distance is 0
+ * if any. One: *distance is set. Of several it depends on ranks which the distance is
+ * between. */
+static int count_shared(enum pccd_kind kind, const double x[4][3],
+                        struct eng_distance *distance)
+{
+    int first = kind == PCCD_VF ? 1 : 2; /* point of the second feature */
+    int count = 0;
+    for (int i = 0; i < first; i++) {
+        for (int j = first; j < 4; j++) {
+            if (x[i][0] == x[j][0] && x[i][1] == x[j][1] && x[i][2] == x[j][2]) {
+                *distance = (struct eng_distance){
+                    .param = {kind == PCCD_VF ? j == 2 : i == 1, j == 3},
+                    .type = ENG_NEAREST_VV,
+                    .points = 1u << i | 1u << j};
+                count++;
+            }
+        }
+    }
+    return count;
+}
+
+bool eng_distance_bound(enum pccd_kind kind, const double x[4][3],
+                        struct eng_distance_bounds *bounds)
+{
+    struct glance glance;
+    if (!look(eng_distance_form(kind), x, &glance)) {
+        return false;
+    }
+    *bounds = (struct eng_distance_bounds){glance.length.low, glance.length.high,
+                                           (uint32_t)(eng_di_of(glance.at.code)[0] >> 2)};
+    return true;
+}
+
+static enum eng_sign cross_quickly(const double x[5][3])
+{
+    const struct eng_v at[5] = {vector_of(x[0]), vector_of(x[1]), vector_of(x[2]),
+                                vector_of(x[3]), vector_of(x[4])};
+    struct eng_sure crossing = eng_crossing_of(at);
+    return eng_dm_bits(crossing.yes) != 0  ? ENG_PLUS
+           : eng_dm_bits(crossing.no) != 0 ? ENG_MINUS
+                                           : ENG_UNSURE;
+}
+
+/* ---- by pairs of doubles and by integers ------------------------------------------- */
 
 /* Load the points for a stage. */
 static void begin(struct eng_distances *distances, enum eng_distance_stage stage,
@@ -70,14 +197,14 @@ static enum eng_sign compare_surely(struct eng_distances *distances, enum pccd_k
                                     const double x[4][3], double d)
 {
     assert(d >= 0 && d <= 1e18);
-    struct eng_place place;
+    struct glance glance;
     struct eng_distance at_0;
-    if (may_be_quick(distances) && eng_quick_meet(kind, x, &at_0) > 0) {
+    if (may_be_quick(distances) && count_shared(kind, x, &at_0) > 0) {
         distances->decided[ENG_DISTANCE_BY_DOUBLES]++;
         return d > 0 ? ENG_MINUS : ENG_ZERO;
     }
-    if (may_be_quick(distances) && eng_quick_place(kind, x, &place)) {
-        enum eng_sign sign = eng_quick_compare(&place, d);
+    if (may_be_quick(distances) && look(kind, x, &glance)) {
+        enum eng_sign sign = compare_quickly(&glance.length, d);
         if (sign != ENG_UNSURE) {
             distances->decided[ENG_DISTANCE_BY_DOUBLES]++;
             return sign;
@@ -128,10 +255,10 @@ static void find(struct eng_distances *distances, enum pccd_kind kind,
                  const double x[4][3], const uint8_t rank[4],
                  struct eng_distance *distance)
 {
-    struct eng_place place;
+    struct glance glance;
     if (may_be_quick(distances) &&
-        (eng_quick_meet(kind, x, distance) == 1 ||
-         (eng_quick_place(kind, x, &place) && eng_quick_describe(&place, distance)))) {
+        (count_shared(kind, x, distance) == 1 ||
+         (look(kind, x, &glance) && describe_quickly(&glance, distance)))) {
         distances->decided[ENG_DISTANCE_BY_DOUBLES]++;
         return;
     }
@@ -161,7 +288,7 @@ void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
 bool eng_distance_crosses(struct eng_distances *distances, const double x[5][3])
 {
     if (may_be_quick(distances)) {
-        enum eng_sign sign = eng_quick_crosses(x);
+        enum eng_sign sign = cross_quickly(x);
         if (sign != ENG_UNSURE) {
             distances->decided[ENG_DISTANCE_BY_DOUBLES]++;
             return sign == ENG_PLUS;
@@ -192,4 +319,130 @@ double eng_distance_crossing(struct eng_distances *distances, const double x[5][
             return position;
         }
     }
+}
+
+/* ---- many pairs -------------------------------------------------------------------- */
+
+/* Pairs one by one between two looks at the clock: some 50 us. */
+#define PAIRS_PER_LOOK 16u
+
+static void load_points(const struct eng_point *points, const uint32_t *indices,
+                        int point_count, uint32_t end, double (*x)[3])
+{
+    for (int i = 0; i < point_count; i++) {
+        const struct eng_point *point = &points[indices[i]];
+        memcpy(x[i], end == 0 ? point->x0 : point->x1, sizeof x[i]);
+    }
+}
+
+/* A point that a face or an edge names twice comes after itself. */
+static void rank(const struct eng_point *points, const uint32_t quad[4], uint8_t rank[4])
+{
+    for (int i = 0; i < 4; i++) {
+        rank[i] = 0;
+        for (int k = 0; k < 4; k++) {
+            uint64_t mine = points[quad[i]].word1;
+            uint64_t other = points[quad[k]].word1;
+            rank[i] = (uint8_t)(rank[i] + (other < mine || (other == mine && k < i)));
+        }
+    }
+}
+
+/* After the pair that is number `asked` among those: is the rest to be left out? */
+static bool stops(struct eng_distance_batch *batch, uint32_t asked, uint64_t integers)
+{
+    batch->exact += integers;
+    return batch->should_stop && (integers > 0 || asked % PAIRS_PER_LOOK == 0) &&
+           batch->should_stop(batch->owner);
+}
+
+/* One of the pairs that the kernels were not sure of. */
+static void ask(const struct eng_distance_question *question,
+                const struct eng_point *points, const uint32_t (*quads)[4], uint32_t pair,
+                bool is_near, struct eng_distances *distances,
+                struct eng_distance_batch *batch, uint32_t *found)
+{
+    double x[4][3];
+    load_points(points, quads[pair], 4, question->end, x);
+    if (!is_near && !eng_distance_within(distances, question->kind, (const double(*)[3])x,
+                                         question->distance)) {
+        return;
+    }
+    if (question->wanted != ENG_DISTANCE_WITHIN) {
+        uint8_t ranks[4];
+        rank(points, quads[pair], ranks);
+        eng_distance_find(distances, question->kind, (const double(*)[3])x, ranks,
+                          &batch->found[*found]);
+    }
+    batch->index[(*found)++] = pair;
+}
+
+static uint32_t all_of(uint32_t count, uint32_t *pairs)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        pairs[i] = i;
+    }
+    return count;
+}
+
+uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
+                                 const struct eng_distance_question *question,
+                                 const struct eng_point *points,
+                                 const uint32_t (*quads)[4], uint32_t count,
+                                 struct eng_distances *distances,
+                                 struct eng_distance_batch *batch)
+{
+    assert(count <= ENG_CHUNK_MAX && question->end <= 1);
+    enum pccd_kind form = eng_distance_form(question->kind);
+    struct eng_measured out = {.wanted = question->wanted,
+                               .index = batch->index,
+                               .found = batch->found,
+                               .imprecise = batch->imprecise,
+                               .undecided = batch->undecided};
+    uint32_t left =
+        question->is_sifted
+            ? all_of(count, batch->left)
+            : kernels->reject_at_end(form, points, quads, count, question->end,
+                                     question->distance, batch->left);
+    kernels->measure(form, points, quads, batch->left, left, question->end,
+                     question->distance, &out);
+    uint32_t found = out.near_count;
+    bool is_placed = question->wanted == ENG_DISTANCE_WHOLE;
+    for (uint32_t i = 0; i < found && is_placed; i++) {
+        eng_distance_place(question->kind, &batch->found[i]);
+    }
+    for (uint32_t i = 0; i < out.imprecise_count + out.undecided_count; i++) {
+        uint64_t before = distances->decided[ENG_DISTANCE_BY_INTEGERS];
+        bool is_near = i < out.imprecise_count;
+        ask(question, points, quads,
+            is_near ? batch->imprecise[i] : batch->undecided[i - out.imprecise_count],
+            is_near, distances, batch, &found);
+        if (stops(batch, i, distances->decided[ENG_DISTANCE_BY_INTEGERS] - before)) {
+            break;
+        }
+    }
+    return found;
+}
+
+uint32_t eng_distance_batch_cross(const struct eng_kernels *kernels, uint32_t end,
+                                  const struct eng_point *points,
+                                  const uint32_t (*fives)[5], uint32_t count,
+                                  struct eng_distances *distances,
+                                  struct eng_distance_batch *batch)
+{
+    assert(count <= ENG_CHUNK_MAX && end <= 1);
+    struct eng_crossed out = {.index = batch->index, .undecided = batch->undecided};
+    kernels->cross_faces(points, fives, count, end, &out);
+    for (uint32_t i = 0; i < out.undecided_count; i++) {
+        uint64_t before = distances->decided[ENG_DISTANCE_BY_INTEGERS];
+        double x[5][3];
+        load_points(points, fives[out.undecided[i]], 5, end, x);
+        if (eng_distance_crosses(distances, (const double(*)[3])x)) {
+            out.index[out.count++] = out.undecided[i];
+        }
+        if (stops(batch, i, distances->decided[ENG_DISTANCE_BY_INTEGERS] - before)) {
+            break;
+        }
+    }
+    return out.count;
 }

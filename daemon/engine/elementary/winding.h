@@ -23,4 +23,15 @@
 enum eng_sign eng_winding(struct eng_numbers *numbers, const double p[3],
                           const double face[3][3]);
 
+/* ---- where an edge passes through a face, for distance.c --------------------------- */
+
+/* x: the ends of an edge, which lie strictly on different sides of the plane of a face,
+ * and the corners of that; magnitudes at most 1e18. Source: BOUNDS.md, "Where an edge
+ * passes through". */
+
+/* eng_distance_crossing by doubles. False: they do not know. */
+bool eng_crossing_quickly(const double x[5][3], double *position);
+/* The same of the points that are loaded. Sets is_unsure where it does not know. */
+double eng_crossing_position(struct eng_numbers *numbers);
+
 #endif

@@ -9,7 +9,6 @@ kernel_sources = \
     daemon/engine/kernel/make_boxes.c \
     daemon/engine/kernel/bracket.c \
     daemon/engine/kernel/come_before.c \
-    daemon/engine/kernel/cross_faces.c \
     daemon/engine/kernel/join_blocks.c \
     daemon/engine/kernel/gaps.c \
     daemon/engine/kernel/marks.c \

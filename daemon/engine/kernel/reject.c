@@ -8,7 +8,7 @@
  * lanes".
  */
 #include "reject.h"
-#include "across.h"
+#include "nearest_points.h"
 #include "points.h"
 #include "table.h"
 

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "distance_quick.h"
 #include "kinds.h"
 #include "thickness.h"
 
@@ -185,14 +184,13 @@ static void set_range(struct glance *glance, double lo, double hi, const double 
 static void look_quickly(const struct eng_near_pair *pair,
                          const struct eng_features *features, struct glance *glance)
 {
-    struct eng_place place;
+    struct eng_distance_bounds bounds;
     *glance = (struct glance){.hi = INFINITY};
     if (pair->kind == PCCD_EF) {
         set_range(glance, 0, 0, features->radius);
-    } else if (eng_quick_place(features->kind, features->x, &place)) {
-        set_range(glance, place.length - 2 * place.length_error,
-                  place.length + 2 * place.length_error, features->radius);
-        set_parts(pair, place.points, glance);
+    } else if (eng_distance_bound(features->kind, features->x, &bounds)) {
+        set_range(glance, bounds.lo, bounds.hi, features->radius);
+        set_parts(pair, bounds.points, glance);
     } else {
         set_range(glance, 0, INFINITY, features->radius);
     }

@@ -6,7 +6,7 @@
 #define ENG_NEAR_WORK_H
 
 #include "closest_features.h"
-#include "distance_batch.h"
+#include "distance.h"
 #include "finding.h"
 #include "question.h"
 #include "worker.h"
@@ -52,7 +52,7 @@ struct eng_name_range eng_near_range(const struct eng_scene *scene);
 /* Get ready for a query, names being within a range. [compute] */
 void eng_near_work_begin(struct eng_worker *worker, const struct eng_name_range *range);
 
-/* Test `count` candidates of VF or EE, at most ENG_CHUNK_MAX, as in distance_batch.h, and
+/* Test `count` candidates of VF or EE, at most ENG_CHUNK_MAX, as in distance.h, and
  * keep what is near; returns how many, of which work->batch tells. `is_sifted`: as there.
  * Words of the points: word0 is the index of
  * the object << 32 | the vertex's in the scene's arrays, word1 the id of the object << 32
