@@ -11,6 +11,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "batch.h"
 #include "distance.h"
 #include "prng.h"
 #include "report.h"
@@ -190,7 +191,7 @@ static void run_many(enum pccd_kind kind, uint32_t rounds,
 struct chunks {
     struct eng_point points[4 * MANY];
     uint32_t quads[MANY][4];
-    struct eng_distance_batch batch;
+    struct eng_batch batch;
     struct eng_distance found[2][MANY]; /* one by one; in chunks */
     bool is_within[2][MANY];
 };
@@ -232,17 +233,22 @@ static void one_by_one(enum pccd_kind kind, double d, struct eng_distances *dist
 static void in_chunks(enum pccd_kind kind, double d, struct eng_distances *distances,
                       struct chunks *chunks)
 {
-    const struct eng_distance_question question = {
-        .kind = kind, .distance = d, .wanted = ENG_DISTANCE_WHOLE};
+    const struct eng_question question = {.verb = PCCD_NEAR_PAIRS};
+    chunks->batch.kernels = eng_kernels();
+    chunks->batch.distances = distances;
     memset(chunks->is_within[1], 0, sizeof chunks->is_within[1]);
     for (uint32_t i = 0; i < MANY; i += ENG_CHUNK_MAX) {
-        uint32_t found =
-            eng_distance_batch_test(eng_kernels(), &question, chunks->points,
-                                    (const uint32_t(*)[4]) & chunks->quads[i],
-                                    ENG_CHUNK_MAX, distances, &chunks->batch);
+        const struct eng_pairs pairs = {.question = &question,
+                                        .kind = kind,
+                                        .count = ENG_CHUNK_MAX,
+                                        .points = chunks->points,
+                                        .quads =
+                                            (const uint32_t(*)[4]) & chunks->quads[i],
+                                        .reach = d};
+        uint32_t found = eng_batch_test(&chunks->batch, &pairs);
         for (uint32_t k = 0; k < found; k++) {
             chunks->is_within[1][i + chunks->batch.index[k]] = true;
-            chunks->found[1][i + chunks->batch.index[k]] = chunks->batch.found[k];
+            chunks->found[1][i + chunks->batch.index[k]] = chunks->batch.near[k];
         }
     }
 }

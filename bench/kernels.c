@@ -12,17 +12,19 @@
 #include "coordinates.h"
 #include "gather.h"
 #include "ingest.h"
+#include "paper_features.h"
 #include "report.h"
 #include "solve.h"
 #include "sorting.h"
-#include "test.h"
-#include "thick_batch.h"
+#include "thick.h"
 
 #define QUERY_MAX 60000u
 #define TRACE_MAX 2000000u
 #define REPEATS   15u
 #define EXACT_MAX 2000u
 #define TOLERANCE 1e-6
+
+static const struct eng_question asked = ENG_QUESTION_DEFAULT; /* of TOLERANCE */
 
 static unsigned repeats; /* of every measurement, the first not counted */
 
@@ -73,7 +75,16 @@ static bool same_hits(const struct answers *a, const struct answers *b, uint32_t
 static void load(const struct eng_scene *scene, const struct bench_candidates *c,
                  uint32_t i, struct eng_query *query)
 {
-    eng_query_load(scene, c->kind, c->a[i], c->b[i], query);
+    const struct eng_trees *trees = eng_trees_of(scene);
+    const uint32_t *points = common_kinds[c->kind].points; /* four together */
+    uint32_t v[4];
+    eng_feature_vertices(trees, points[0], c->a[i], v);
+    eng_feature_vertices(trees, points[1], c->b[i], v + points[0]);
+    query->kind = c->kind;
+    for (int k = 0; k < 4; k++) {
+        memcpy(query->x[0][k], scene->x[1 - scene->now][v[k]], sizeof query->x[0][k]);
+        memcpy(query->x[1][k], scene->x[scene->now][v[k]], sizeof query->x[1][k]);
+    }
 }
 
 /* The points of every candidate, four a pair. */
@@ -118,6 +129,8 @@ static void with_filter(struct records *records, const struct bench_candidates *
 {
     const struct eng_kernels *kernels = eng_kernels();
     struct eng_batch *batch = &records->batch;
+    batch->kernels = kernels;
+    batch->contacts = exact;
     for (uint32_t i = 0; i < c->count; i += ENG_CHUNK_MAX) {
         const uint32_t(*quads)[4] = (const uint32_t(*)[4])records->quads + i;
         uint32_t n = c->count - i < ENG_CHUNK_MAX ? c->count - i : ENG_CHUNK_MAX;
@@ -128,8 +141,13 @@ static void with_filter(struct records *records, const struct bench_candidates *
                                 batch->left));
             continue;
         }
-        uint32_t hits = eng_batch_test(kernels, c->kind, records->points, quads, n,
-                                       TOLERANCE, 1, exact, batch);
+        const struct eng_pairs pairs = {.question = &asked,
+                                        .kind = c->kind,
+                                        .count = n,
+                                        .points = records->points,
+                                        .quads = quads,
+                                        .t_end = 1};
+        uint32_t hits = eng_batch_test(batch, &pairs);
         memset(answers->hit + i, 0, n * sizeof *answers->hit);
         for (uint32_t k = 0; k < hits; k++) {
             answers->hit[i + batch->index[k]] = true;
@@ -245,7 +263,8 @@ static double radius_of(const struct records *records, uint32_t count)
 
 struct thick_work {
     struct eng_thick thick;
-    struct eng_thick_batch batch;
+    struct eng_thick_lanes lanes;
+    struct eng_batch batch;
     double (*radius)[3];
     uint64_t survivors;
     uint64_t contacts;
@@ -254,16 +273,21 @@ struct thick_work {
 static void thick_in_chunks(struct thick_work *work, const struct records *records,
                             const struct bench_candidates *c)
 {
-    const struct eng_thick_question question = {
-        .kind = c->kind, .tolerance = TOLERANCE, .t_end = 1};
+    work->batch.kernels = eng_kernels();
+    work->batch.thick = &work->thick;
+    work->batch.lanes = &work->lanes;
     work->survivors = 0;
     work->contacts = 0;
     for (uint32_t i = 0; i < c->count; i += ENG_CHUNK_MAX) {
         uint32_t n = c->count - i < ENG_CHUNK_MAX ? c->count - i : ENG_CHUNK_MAX;
-        work->contacts += eng_thick_batch_test(eng_kernels(), &question, records->points,
-                                               (const uint32_t(*)[4])records->quads + i,
-                                               (const double(*)[3])work->radius, n,
-                                               &work->thick, &work->batch);
+        const struct eng_pairs pairs = {.question = &asked,
+                                        .kind = c->kind,
+                                        .count = n,
+                                        .points = records->points,
+                                        .quads = (const uint32_t(*)[4])records->quads + i,
+                                        .radius = (const double(*)[3])work->radius,
+                                        .t_end = 1};
+        work->contacts += eng_batch_test(&work->batch, &pairs);
         work->survivors += work->batch.survivors;
     }
 }

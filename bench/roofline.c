@@ -218,15 +218,22 @@ static void test_pairs(struct bench *bench, enum pccd_kind kind,
     struct eng_batch *batch = &bench->batch;
     struct outcome *outcome = bench->outcome;
     uint64_t exact = bench->exact.queries;
-    batch->from = ENG_FROM_BRACKET;
     memcpy(bench->sifted.a, chunk->a, chunk->count * sizeof *chunk->a);
     memcpy(bench->sifted.b, chunk->b, chunk->count * sizeof *chunk->b);
     uint64_t begin_ns = common_now_ns();
     sift(bench, kind, true, chunk->count);
     make_quads(bench, kind, &bench->sifted);
-    uint32_t hits =
-        eng_batch_test(bench->kernels, kind, points, quads, bench->sifted.count,
-                       TOLERANCE, 1, &bench->exact, batch);
+    const struct eng_question question = ENG_QUESTION_DEFAULT; /* of TOLERANCE */
+    const struct eng_pairs pairs = {.question = &question,
+                                    .kind = kind,
+                                    .known = ENG_KNOWN_SIEVED,
+                                    .count = bench->sifted.count,
+                                    .points = points,
+                                    .quads = quads,
+                                    .t_end = 1};
+    batch->kernels = bench->kernels;
+    batch->contacts = &bench->exact;
+    uint32_t hits = eng_batch_test(batch, &pairs);
     count_part(bench, kind == PCCD_VF ? PART_TESTS_VF : PART_TESTS_EE, begin_ns,
                chunk->count);
     outcome->hits += hits;

@@ -9,6 +9,7 @@
 #include "highlevel.h"
 #include "memory.h"
 #include "method.h"
+#include "narrow.h"
 #include "paper.h"
 #include "paper_work.h"
 #include "refit.h"
@@ -78,6 +79,9 @@ static struct eng_worker *begin(struct model_record *record)
     must(eng_paper_work_reserve(worker, record->scene) == PCCD_OK, "queues");
     eng_worker_begin(worker, record->scene, &record->settings, &record->stop,
                      &record->pool);
+    must(eng_narrow_reserve(worker, record->scene, &record->settings) == PCCD_OK,
+         "a narrow phase");
+    eng_narrow_begin(worker);
     eng_paper_work_begin(worker);
     if (record->method == PCCD_METHOD_WIDE) {
         must(eng_wide_work_reserve(worker) == PCCD_OK, "a join");
@@ -272,6 +276,7 @@ void model_record_free(struct model_record *record)
     model_tasks_free(&record->units);
     free(record->roots);
     free(record->unit_of);
+    eng_narrow_free(record->worker);
     eng_paper_work_free(record->worker);
     eng_wide_work_free(record->worker);
     eng_worker_deinit(record->worker);

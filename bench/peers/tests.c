@@ -42,10 +42,14 @@ static void test(void *context, enum peer_kind kind, const uint32_t (*pairs)[2],
             memcpy(quad + 2, input->edges.corners[pairs[i][1]], 2 * sizeof *quad);
         }
     }
-    tester->contacts +=
-        eng_batch_test(eng_kernels(), (enum pccd_kind)kind, tester->tests->points,
-                       (const uint32_t(*)[4])tester->quads, count, TOLERANCE, 1,
-                       &tester->exact, &tester->batch);
+    const struct eng_question question = ENG_QUESTION_DEFAULT; /* of TOLERANCE */
+    const struct eng_pairs asked = {.question = &question,
+                                    .kind = (uint32_t)kind,
+                                    .count = count,
+                                    .points = tester->tests->points,
+                                    .quads = (const uint32_t(*)[4])tester->quads,
+                                    .t_end = 1};
+    tester->contacts += eng_batch_test(&tester->batch, &asked);
 }
 
 struct peers_tests *peers_tests_new(const struct peer_input *input,
@@ -91,7 +95,8 @@ void peers_tests_begin(struct peers_tests *tests, struct peer_sink sinks[PEER_SI
         tests->testers[i].contacts = 0;
         /* Nothing is known of the pairs, and nothing that would stop the tests. */
         tests->testers[i].batch.should_stop = NULL;
-        tests->testers[i].batch.from = ENG_FROM_AXES;
+        tests->testers[i].batch.kernels = eng_kernels();
+        tests->testers[i].batch.contacts = &tests->testers[i].exact;
         sinks[i].test = test;
         sinks[i].tester = &tests->testers[i];
     }

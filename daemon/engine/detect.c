@@ -13,10 +13,10 @@
 #include "memory.h"
 #include "methods.h"
 #include "moving.h"
+#include "narrow.h"
 #include "parallel.h"
 #include "rigid.h"
 #include "schedule_steal.h"
-#include "thick_work.h"
 #include "wait.h"
 
 /* Leaves of the scene, 2^32 - 1 if there are more. */
@@ -37,12 +37,6 @@ static uint32_t threads_for(const struct eng_scene *scene,
         return 1;
     }
     return question->threads < ENG_THREADS_MAX ? question->threads : ENG_THREADS_MAX;
-}
-
-/* Are there pairs that meet at a distance, and are contacts looked for? */
-static bool is_thick(const struct eng_scene *scene, const struct eng_question *question)
-{
-    return scene->thickness.is_on && !eng_asks_near(question);
 }
 
 int eng_detect_prepare(struct eng_scene *scene, const struct eng_question *question,
@@ -71,18 +65,18 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_question *quest
     if (status != PCCD_OK) {
         return status;
     }
-    for (uint32_t i = 0; i < team->count && is_thick(scene, question); i++) {
-        status = eng_thick_work_reserve(memory->workers[i]);
+    for (uint32_t i = 0; i < team->count && !eng_is_of_objects(question->verb); i++) {
+        status = eng_narrow_reserve(memory->workers[i], scene, question);
         if (status != PCCD_OK) {
             return status;
         }
-        eng_thick_work_begin(memory->workers[i]);
     }
     eng_pool_reset(memory->pool, team->count);
     eng_pool_lend(memory->pool, question->lent, question->lent_bytes);
     for (uint32_t i = 0; i < team->count; i++) {
         eng_worker_begin(memory->workers[i], scene, question, stop, memory->pool);
         memory->workers[i]->thread = i;
+        eng_narrow_begin(memory->workers[i]);
     }
     return eng_answer_begin(memory, team, out);
 }
@@ -281,10 +275,10 @@ static void add_counters(const struct eng_team *team, struct pccd_step_counters 
 void eng_detect_count_thick(const struct eng_team *team, struct eng_thick_counters *sum)
 {
     for (uint32_t i = 0; i < team->count && team->scene->thickness.is_on; i++) {
-        const struct eng_thick_work *work = eng_thick_work_of(team->workers[i]);
-        sum->candidates += work->candidates;
-        sum->survivors += work->survivors;
-        sum->exact += work->batch.exact;
+        const struct eng_narrow *narrow = eng_narrow_of(team->workers[i]);
+        sum->candidates += narrow->thick->candidates;
+        sum->survivors += narrow->thick->survivors;
+        sum->exact += narrow->batch.integers;
     }
 }
 

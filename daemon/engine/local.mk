@@ -9,6 +9,7 @@ ENGINE_CPPFLAGS = \
     -I$(top_srcdir)/daemon/engine/result \
     -I$(top_srcdir)/daemon/engine/team \
     -I$(top_srcdir)/daemon/engine/scene \
+    -I$(top_srcdir)/daemon/engine/narrow \
     -I$(top_srcdir)/daemon/engine/near \
     -I$(top_srcdir)/daemon/engine/paper \
     -I$(top_srcdir)/daemon/engine/wide
@@ -49,7 +50,6 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/solve.c \
     daemon/engine/elementary/solvers.c \
     daemon/engine/elementary/thick.c \
-    daemon/engine/elementary/thick_batch.c \
     daemon/engine/elementary/thick_exact.c \
     daemon/engine/elementary/thick_roots.c \
     daemon/engine/elementary/winding.c \
@@ -103,7 +103,7 @@ libengine_la_SOURCES = \
     daemon/engine/paper/refit.c \
     daemon/engine/paper/schedule_paper.c \
     daemon/engine/paper/taskunit.c \
-    daemon/engine/paper/test.c \
+    daemon/engine/paper/paper_test.c \
     daemon/engine/paper/trees.c \
     daemon/engine/wide/wide.c \
     daemon/engine/wide/wide_faces.c \
@@ -126,13 +126,14 @@ libengine_la_SOURCES = \
     daemon/engine/answer.c \
     daemon/engine/detect.c \
     daemon/engine/near.c \
-    daemon/engine/near/closest_features.c \
+    daemon/engine/narrow/closest_features.c \
+    daemon/engine/narrow/narrow.c \
+    daemon/engine/narrow/narrow_near.c \
+    daemon/engine/narrow/narrow_thick.c \
     daemon/engine/near/near_best.c \
     daemon/engine/near/near_objects.c \
     daemon/engine/near/near_search.c \
     daemon/engine/near/near_warm.c \
-    daemon/engine/near/near_work.c \
-    daemon/engine/near/thick_work.c \
     daemon/engine/brief.c \
     daemon/engine/effort.c \
     daemon/engine/kept.c \

@@ -12,11 +12,10 @@
 #include "detect.h"
 #include "frames.h"
 #include "memory.h"
+#include "narrow.h"
 #include "near_objects.h"
-#include "near_work.h"
 #include "rigid.h"
 #include "stage.h"
-#include "thick_work.h"
 #include "tuning.h"
 
 #define NOTHING_NEAR 2e18
@@ -52,16 +51,10 @@ static bool settings_are_valid(const struct eng_question *question)
            question->tuning.refit < ENG_REFIT_COUNT;
 }
 
-/* Is it about objects two by two? Else about all pairs of features that are near. */
-static bool is_by_objects(enum pccd_near_what what)
-{
-    return what == PCCD_NEAR_NEAREST || what == PCCD_NEAR_DEPTH;
-}
-
 /* Only `wide` has faces to walk through. */
 static enum pccd_method method_of(const struct eng_question *question)
 {
-    return is_by_objects(question->verb) ? PCCD_METHOD_WIDE : eng_method_of(question);
+    return eng_is_of_objects(question->verb) ? PCCD_METHOD_WIDE : eng_method_of(question);
 }
 
 static uint32_t kinds_for(const struct eng_question *question)
@@ -244,7 +237,7 @@ static void sum_up(const struct eng_team *team, const struct eng_counts *counts,
 {
     memcpy(result->counts, counts->kind, sizeof result->counts);
     for (uint32_t i = 0; i < team->count; i++) {
-        const struct eng_near_work *work = eng_near_work_of(team->workers[i]);
+        const struct eng_narrow_near *work = eng_narrow_of(team->workers[i])->near;
         result->distance_min = fmin(result->distance_min, work->least);
         result->distance_max = fmax(result->distance_max, work->greatest);
     }
@@ -265,7 +258,7 @@ static uint64_t sum_crossings(const struct eng_team *team)
 {
     uint64_t crossings = 0;
     for (uint32_t i = 0; i < team->count; i++) {
-        crossings += eng_near_work_of(team->workers[i])->crossings;
+        crossings += eng_narrow_of(team->workers[i])->near->crossings;
     }
     return crossings;
 }
@@ -274,7 +267,7 @@ static uint64_t sum_pairs(const struct eng_team *team)
 {
     uint64_t pairs = 0;
     for (uint32_t i = 0; i < team->count; i++) {
-        pairs += eng_near_work_of(team->workers[i])->pairs;
+        pairs += eng_narrow_of(team->workers[i])->near->pairs;
     }
     return pairs;
 }
@@ -285,7 +278,7 @@ static void answer_records(struct eng_near_memory *memory,
 {
     struct eng_records *records = &memory->records;
     result->count = records->count;
-    if (is_by_objects(result->what) || result->incomplete != PCCD_COMPLETE) {
+    if (eng_is_of_objects(result->what) || result->incomplete != PCCD_COMPLETE) {
         count_records(records, result);
     } else {
         sum_up(team, counts, result);
@@ -333,7 +326,7 @@ static void answer(struct eng_team *team, const struct eng_question *question,
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT; /* and nothing is in it */
         counts = ENG_COUNTS_NONE;
     }
-    if (!is_by_objects(result->what)) {
+    if (!eng_is_of_objects(result->what)) {
         result->crossings = sum_crossings(team);
     }
     if (question->counts_only) {
@@ -396,15 +389,8 @@ static int reserve(struct eng_team *team, const struct eng_question *question,
 {
     struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
     int status = PCCD_OK;
-    if (is_by_objects(question->verb)) {
+    if (eng_is_of_objects(question->verb)) {
         return reserve_objects(team, question, result);
-    }
-    for (uint32_t i = 0;
-         i < team->count && question->sought.is_thick && status == PCCD_OK; i++) {
-        status = eng_thick_work_reserve(team->workers[i]);
-    }
-    for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
-        status = eng_near_work_reserve(team->workers[i]);
     }
     if (status == PCCD_OK && question->verb == PCCD_NEAR_CROSSINGS) {
         status = reserve_order(memory, team->scene);
@@ -423,14 +409,14 @@ static void search_objects(struct eng_team *team, struct eng_worker *worker)
 
 static void begin_search(struct eng_team *team, const struct eng_question *question)
 {
-    if (is_by_objects(question->verb)) {
+    if (eng_is_of_objects(question->verb)) {
         eng_near_objects_begin(&eng_step_memory_of(team->scene)->near.objects);
         team->search = search_objects;
         return;
     }
     struct eng_name_range range = eng_near_range(team->scene);
     for (uint32_t i = 0; i < team->count; i++) {
-        eng_near_work_begin(team->workers[i], &range);
+        eng_near_begin(team->workers[i], &range);
     }
 }
 
@@ -486,8 +472,8 @@ static int search(struct eng_scene *scene, const struct eng_question *asked,
     result->times.merge = end_ns - detect_ns;
     uint64_t work_ns = eng_detect_count(&team, memory->near.threads.items, &result->times,
                                         &result->counters);
-    for (uint32_t i = 0; i < team.count && !is_by_objects(question.verb); i++) {
-        result->counters.exact += eng_near_work_of(team.workers[i])->batch.exact;
+    for (uint32_t i = 0; i < team.count && !eng_is_of_objects(question.verb); i++) {
+        result->counters.exact += eng_narrow_of(team.workers[i])->batch.integers;
     }
     if (result->incomplete == PCCD_COMPLETE) {
         eng_effort_learn(effort, question.mode, work_ns);

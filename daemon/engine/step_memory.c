@@ -6,8 +6,7 @@
 
 #include "memory.h"
 #include "methods.h"
-#include "near_work.h"
-#include "thick_work.h"
+#include "narrow.h"
 
 /* A worker takes 0.8 MB, and beside other processes a scene that one thread suffices for
  * is now and then taken for a larger one: if workers were kept for ever, every scene
@@ -41,8 +40,7 @@ void eng_step_memory_keep(struct eng_step_memory *memory, uint32_t count)
                 eng_methods[i]->work_free(worker);
             }
         }
-        eng_near_work_free(worker);
-        eng_thick_work_free(worker);
+        eng_narrow_free(worker);
         eng_worker_deinit(worker);
         eng_free(worker);
     }
@@ -172,7 +170,7 @@ static uint64_t bytes_of(const struct eng_worker *worker)
     for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
         bytes += eng_methods[i] ? eng_methods[i]->work_bytes(worker) : 0;
     }
-    return bytes + eng_near_work_bytes(worker) + eng_thick_work_bytes(worker);
+    return bytes + eng_narrow_bytes(worker);
 }
 
 uint64_t eng_step_memory_bytes(const struct eng_scene *scene)

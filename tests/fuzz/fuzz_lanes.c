@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "batch.h"
 #include "distance.h"
 #include "fuzz_sharp.h"
 #include "kernel.h"
@@ -278,14 +279,15 @@ static uint32_t judge_crossed(const struct chunk *chunk, const struct said *said
     return chunk->count;
 }
 
-static const char *judge_crossings(struct fuzz_lanes_run *run, const struct chunk *chunk,
-                                   const struct eng_kernels *kernels,
-                                   struct eng_distance_batch *batch)
+static const char *judge_crossings(const struct chunk *chunk,
+                                   const struct eng_pairs *of_chunk,
+                                   struct eng_batch *batch)
 {
     bool named[FUZZ_LANES_MAX] = {false};
-    uint32_t found =
-        eng_distance_batch_cross(kernels, chunk->end, chunk->points, chunk->fives,
-                                 chunk->count, &run->distances, batch);
+    struct eng_pairs pairs = *of_chunk;
+    pairs.kind = PCCD_EF;
+    pairs.fives = chunk->fives;
+    uint32_t found = eng_batch_test(batch, &pairs);
     for (uint32_t i = 0; i < found; i++) {
         uint32_t pair = batch->index[i];
         if (pair >= chunk->count || named[pair] || !chunk->crosses[pair]) {
@@ -297,28 +299,35 @@ static const char *judge_crossings(struct fuzz_lanes_run *run, const struct chun
                                                             : NULL;
 }
 
-/* What is wrong with what distance_batch.h says, or NULL. */
+/* What is wrong with what batch.h says, or NULL. */
 static const char *judge_batch(struct fuzz_lanes_run *run, const struct chunk *chunk,
                                const struct eng_kernels *kernels)
 {
-    static struct eng_distance_batch batch;
+    /* Verbs that want of a distance what enum eng_distance_wanted says. */
+    static const enum pccd_near_what verbs[WANTED] = {
+        PCCD_NEAR_CROSSINGS, PCCD_NEAR_VERTICES, PCCD_NEAR_PAIRS};
+    static struct eng_batch batch;
     bool named[FUZZ_LANES_MAX] = {false};
-    struct eng_distance_question question = {
-        .kind = chunk->kind,
-        .end = chunk->end,
-        .distance = chunk->d,
-        .wanted = (enum eng_distance_wanted)prng_below(&run->prng, WANTED)};
+    uint32_t wanted = (uint32_t)prng_below(&run->prng, WANTED);
+    const struct eng_question question = {.verb = verbs[wanted], .end = chunk->end};
+    const struct eng_pairs pairs = {.question = &question,
+                                    .kind = chunk->kind,
+                                    .count = chunk->count,
+                                    .points = chunk->points,
+                                    .quads = chunk->quads,
+                                    .reach = chunk->d};
+    batch.kernels = kernels;
+    batch.distances = &run->distances;
     run->distances.first =
         (enum eng_distance_stage)prng_below(&run->prng, ENG_DISTANCE_STAGES);
-    uint32_t found =
-        eng_distance_batch_test(kernels, &question, chunk->points, chunk->quads,
-                                chunk->count, &run->distances, &batch);
+    uint32_t found = eng_batch_test(&batch, &pairs);
     for (uint32_t i = 0; i < found; i++) {
         uint32_t pair = batch.index[i];
         if (pair >= chunk->count || named[pair] || !chunk->is_within[pair]) {
             return "batch: a pair that is not within d, or twice";
         }
-        if (!is_right(&batch.found[i], &chunk->due[pair], question.wanted)) {
+        if (!is_right(&batch.near[i], &chunk->due[pair],
+                      (enum eng_distance_wanted)wanted)) {
             return "batch: numbers";
         }
         named[pair] = true;
@@ -326,7 +335,7 @@ static const char *judge_batch(struct fuzz_lanes_run *run, const struct chunk *c
     if (memcmp(named, chunk->is_within, sizeof named) != 0) {
         return "batch: not all pairs";
     }
-    const char *what = judge_crossings(run, chunk, kernels, &batch);
+    const char *what = judge_crossings(chunk, &pairs, &batch);
     run->distances.first = ENG_DISTANCE_BY_DOUBLES;
     return what;
 }

@@ -22,6 +22,7 @@ struct chunk {
     struct eng_hit hits[ENG_CHUNK_MAX];
     struct eng_point points[4 * ENG_CHUNK_MAX];
     uint32_t quads[ENG_CHUNK_MAX][4];
+    enum eng_known known;
     uint32_t answers; /* of the batch */
     struct eng_batch batch;
 };
@@ -195,10 +196,19 @@ static void test_batch(struct fuzz_run *run, struct chunk *chunk,
                        const struct eng_kernels *kernels, bool to_the_end)
 {
     chunk->batch.should_stop = to_the_end ? NULL : stop_at_once;
-    chunk->answers = eng_batch_test(
-        kernels, chunk->kind, chunk->points, (const uint32_t(*)[4])chunk->quads,
-        chunk->count, chunk->tolerance, chunk->t_end, &run->exact, &chunk->batch);
-    if (kernels->isa == ENG_ISA_SCALAR && chunk->batch.from == ENG_FROM_AXES) {
+    struct eng_question question = ENG_QUESTION_DEFAULT;
+    question.tolerance = chunk->tolerance;
+    const struct eng_pairs pairs = {.question = &question,
+                                    .kind = chunk->kind,
+                                    .known = chunk->known,
+                                    .count = chunk->count,
+                                    .points = chunk->points,
+                                    .quads = (const uint32_t(*)[4])chunk->quads,
+                                    .t_end = chunk->t_end};
+    chunk->batch.kernels = kernels;
+    chunk->batch.contacts = &run->exact;
+    chunk->answers = eng_batch_test(&chunk->batch, &pairs);
+    if (kernels->isa == ENG_ISA_SCALAR && chunk->known == ENG_KNOWN_NOTHING) {
         run->filtered += chunk->count;
         run->survivors += chunk->batch.survivors;
     }
@@ -216,9 +226,9 @@ static void compare_sets(struct fuzz_run *run, struct chunk *chunk)
             sets[count++] = kernels;
         }
     }
-    static const enum eng_batch_from from[] = {ENG_FROM_AXES, ENG_FROM_AXES,
-                                               ENG_FROM_FILTER, ENG_FROM_BRACKET};
-    chunk->batch.from = from[prng_below(&run->prng, 4)];
+    static const enum eng_known known[] = {ENG_KNOWN_NOTHING, ENG_KNOWN_NOTHING,
+                                           ENG_KNOWN_BOXES, ENG_KNOWN_SIEVED};
+    chunk->known = known[prng_below(&run->prng, 4)];
     uint64_t turn = run->chunks++;
     bool to_the_end = turn / count % (chunk->t_end < 1 ? PART_EACH : WHOLE_EACH) == 0;
     for (uint32_t i = 0; i < count; i++) {

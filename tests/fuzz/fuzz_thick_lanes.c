@@ -10,7 +10,9 @@
 
 /* A chunk of one kind, and what thick.h says of it. */
 struct chunk {
-    struct eng_thick_question question;
+    struct eng_question question;
+    uint32_t kind;
+    double t_end;
     uint32_t count;
     struct fuzz_thick_case cases[FUZZ_THICK_CHUNK];
     struct eng_point points[4 * FUZZ_THICK_CHUNK];
@@ -41,16 +43,17 @@ void fuzz_thick_lanes_deinit(struct fuzz_thick_lanes *run)
 static void make_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
 {
     memset(chunk, 0, sizeof *chunk);
-    chunk->question.kind = (uint32_t)prng_below(&run->prng, 4);
+    chunk->question = (struct eng_question)ENG_QUESTION_DEFAULT;
+    chunk->kind = (uint32_t)prng_below(&run->prng, 4);
     chunk->question.tolerance = 1e-6;
-    chunk->question.t_end = prng_below(&run->prng, 3) ? 1 : 0.4;
+    chunk->t_end = prng_below(&run->prng, 3) ? 1 : 0.4;
     chunk->question.approach = prng_below(&run->prng, 3) ? 0 : 0.6;
     uint32_t wanted = 1 + (uint32_t)prng_below(&run->prng, FUZZ_THICK_CHUNK);
     while (chunk->count < wanted) {
         struct fuzz_thick_case *made = &chunk->cases[chunk->count];
         fuzz_thick_make(&run->prng, 0, made);
-        if ((uint32_t)made->query.query.kind != chunk->question.kind ||
-            eng_thick_is_thin(chunk->question.kind, made->query.radius)) {
+        if ((uint32_t)made->query.query.kind != chunk->kind ||
+            eng_thick_is_thin(chunk->kind, made->query.radius)) {
             continue;
         }
         made->query.approach = chunk->question.approach;
@@ -64,9 +67,9 @@ static void make_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
             point->word1 = prng_next(&run->prng);
             chunk->quads[pair][k] = 4 * pair + k;
         }
-        chunk->is_found[pair] = eng_thick_solve(
-            &run->thick, &run->contacts, &made->query, chunk->question.tolerance,
-            chunk->question.t_end, &chunk->hits[pair]);
+        chunk->is_found[pair] =
+            eng_thick_solve(&run->thick, &run->contacts, &made->query,
+                            chunk->question.tolerance, chunk->t_end, &chunk->hits[pair]);
     }
 }
 
@@ -80,32 +83,43 @@ static void fail(struct fuzz_thick_lanes *run, const struct eng_kernels *kernels
 
 /* What the kernels of a set, and what follows, say of the chunk. */
 static void compare(struct fuzz_thick_lanes *run, const struct chunk *chunk,
-                    const struct eng_kernels *kernels, struct eng_thick_batch *batch)
+                    const struct eng_kernels *kernels, struct eng_batch *batch)
 {
-    uint32_t count = eng_thick_batch_test(
-        kernels, &chunk->question, chunk->points, (const uint32_t(*)[4])chunk->quads,
-        (const double(*)[3])chunk->radius, chunk->count, &run->thick, batch);
-    uint32_t next = 0;
+    static struct eng_thick_lanes lanes;
+    const struct eng_hit *found[FUZZ_THICK_CHUNK] = {NULL};
+    const struct eng_pairs pairs = {.question = &chunk->question,
+                                    .kind = chunk->kind,
+                                    .count = chunk->count,
+                                    .points = chunk->points,
+                                    .quads = (const uint32_t(*)[4])chunk->quads,
+                                    .radius = (const double(*)[3])chunk->radius,
+                                    .t_end = chunk->t_end};
+    batch->kernels = kernels;
+    batch->thick = &run->thick;
+    batch->lanes = &lanes;
+    uint32_t count = eng_batch_test(batch, &pairs);
+    for (uint32_t i = 0; i < count; i++) {
+        if (batch->index[i] >= chunk->count || found[batch->index[i]]) {
+            fail(run, kernels, &chunk->cases[0], "a pair twice, or none");
+            return;
+        }
+        found[batch->index[i]] = &batch->hits[i];
+    }
     for (uint32_t i = 0; i < chunk->count; i++) {
-        bool is_found = next < count && batch->index[next] == i;
-        if (is_found != chunk->is_found[i]) {
+        if ((found[i] != NULL) != chunk->is_found[i]) {
             fail(run, kernels, &chunk->cases[i], "found, or not, in lanes alone");
             return;
         }
-        if (is_found && !fuzz_thick_same_hit(&batch->hits[next], &chunk->hits[i])) {
+        if (found[i] && !fuzz_thick_same_hit(found[i], &chunk->hits[i])) {
             fail(run, kernels, &chunk->cases[i], "other bytes in lanes");
         }
-        next += is_found;
-    }
-    if (next != count) {
-        fail(run, kernels, &chunk->cases[0], "a pair twice, or out of order");
     }
     run->hits += count;
 }
 
 static void run_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
 {
-    static struct eng_thick_batch batches[2];
+    static struct eng_batch batches[2];
     uint32_t sets = 0;
     make_chunk(run, chunk);
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
@@ -113,13 +127,13 @@ static void run_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
         if (!kernels) {
             continue;
         }
-        struct eng_thick_batch *batch = &batches[sets > 0];
-        batch->exact = 0;
+        struct eng_batch *batch = &batches[sets > 0];
+        batch->integers = 0;
         compare(run, chunk, kernels, batch);
         run->survivors += batch->survivors;
         run->cases += chunk->count;
         if (batch->survivors != batches[0].survivors ||
-            batch->exact != batches[0].exact) {
+            batch->integers != batches[0].integers) {
             fail(run, kernels, &chunk->cases[0], "other survivors than the first set");
         }
         sets++;

@@ -8,8 +8,9 @@
 #ifndef FUZZ_THICK_LANES_H
 #define FUZZ_THICK_LANES_H
 
+#include "batch.h"
 #include "fuzz_thick.h"
-#include "thick_batch.h"
+#include "thick.h"
 
 #define FUZZ_THICK_CHUNK 100u
 

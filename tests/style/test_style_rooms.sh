@@ -80,10 +80,11 @@ daemon/engine elementary  base kernel
 daemon/engine result      base
 daemon/engine team        base kernel elementary result
 daemon/engine scene       base kernel elementary team
+daemon/engine narrow      base kernel elementary team scene
 daemon/engine near        base kernel elementary team scene
-daemon/engine paper       base kernel elementary team scene near
-daemon/engine wide        base kernel elementary team scene near
-daemon/engine .           base kernel elementary result team scene near paper wide
+daemon/engine paper       base kernel elementary team scene narrow
+daemon/engine wide        base kernel elementary team scene narrow
+daemon/engine .           base kernel elementary result team scene narrow near paper wide
 daemon/service base
 daemon/service queue      base
 daemon/service memory     base queue

@@ -95,9 +95,17 @@ static uint32_t test(const struct eng_kernels *kernels, double t_end)
 {
     memset(batch.index, 0xff, sizeof batch.index);
     memset(batch.hits, 0xff, sizeof batch.hits);
-    return eng_batch_test(kernels, chunk.kind, chunk.points,
-                          (const uint32_t(*)[4])chunk.quads, chunk.count, TOLERANCE,
-                          t_end, case_exact(), &batch);
+    struct eng_question question = ENG_QUESTION_DEFAULT;
+    question.tolerance = TOLERANCE;
+    const struct eng_pairs pairs = {.question = &question,
+                                    .kind = chunk.kind,
+                                    .count = chunk.count,
+                                    .points = chunk.points,
+                                    .quads = (const uint32_t(*)[4])chunk.quads,
+                                    .t_end = t_end};
+    batch.kernels = kernels;
+    batch.contacts = case_exact();
+    return eng_batch_test(&batch, &pairs);
 }
 
 static void assert_same_hit(const struct eng_hit *a, const struct eng_hit *b)

@@ -87,8 +87,8 @@ struct eng_question {
      * sum of their radii (scene.h) and of this. 0 .. 1e18; NEAREST: also INFINITY.
      * CROSSINGS and DEPTH do not look at it. */
     double distance;
-    /* ENG_CONTACTS, of pairs that begin within r: 0 reports each, at t = 0;
-     * 0 < approach < 1: those that come within so large a part of their first distance. */
+    /* ENG_CONTACTS, of pairs that begin within r: 0 reports each, at t = 0; between 0 and
+     * 1: those that come within so large a part of their first distance. */
     double approach;
     double tolerance;     /* of toi_hi - toi, 1e-12 .. 1; default 1e-6 */
     double gap;           /* NEAREST: 0 .. 1e18 */
@@ -156,6 +156,12 @@ static inline enum pccd_method eng_method_of(const struct eng_question *question
 static inline bool eng_asks_near(const struct eng_question *question)
 {
     return question->verb != ENG_CONTACTS;
+}
+
+/* Is a verb about objects two by two? Else about all pairs of features. */
+static inline bool eng_is_of_objects(uint32_t verb)
+{
+    return verb == PCCD_NEAR_NEAREST || verb == PCCD_NEAR_DEPTH;
 }
 
 /* Need pairs of that kind not be looked for? Relaxed: it is a hint. */

@@ -1,48 +1,97 @@
-/* batch.h - does the elementary tests of many candidate pairs at once, with vector
- * instructions.
+/* batch.h - decides many candidate pairs at once: one driver over a table of rows.
  *
- * Threads: one thread for one scratch.
+ *     reject, in lanes -> decide, in lanes -> ask one by one -> describe, in lanes
+ *
+ * A row says how that is done for one way to ask: do the features meet, do they meet at a
+ * distance, how far apart are they, does the edge pass through the face. What it says of
+ * a pair equals what solve.h, thick.h and distance.h say, bit for bit, whatever the
+ * instruction set.
+ *
+ * Threads: one thread for one struct eng_batch.
  */
 #ifndef ENG_BATCH_H
 #define ENG_BATCH_H
 
 #include "exact.h"
 #include "kernel.h"
+#include "question.h"
+
+struct eng_distances;
+struct eng_thick;
 
 /* Pairs of one kind that are tested together: what they touch stays in the cache. */
 #define ENG_CHUNK_MAX 1024u
 
-/* Where the tests of a batch begin. */
-enum eng_batch_from {
-    ENG_FROM_AXES,   /* nothing is known of the pairs */
-    ENG_FROM_FILTER, /* moving boxes do not separate them: no use to ask again */
-    ENG_FROM_BRACKET /* nor would the filter reject many */
+static_assert(ENG_CHUNK_MAX <= ENG_ADVANCE_MAX, "the kernel takes a chunk at a time");
+
+/* What is known of pairs, and where their tests begin. */
+enum eng_known {
+    ENG_KNOWN_NOTHING,
+    ENG_KNOWN_BOXES, /* their boxes do not separate them: no use to ask again */
+    ENG_KNOWN_SIEVED /* nor would what is asked first reject many */
 };
 
-/* Answers to a chunk, and what the owner wants to be asked meanwhile. 64 KiB. */
+/* Candidates of one kind, and what is asked of them. */
+struct eng_pairs {
+    /* Its verb, mode, span or end, tolerance, approach; whether it is brief: then pairs
+     * that have to be asked one by one are left out. */
+    const struct eng_question *question;
+    uint32_t kind; /* enum pccd_kind, or PCCD_EF, which is asked whether it crosses */
+    enum eng_known known;
+    uint32_t count; /* at most ENG_CHUNK_MAX */
+    /* Of contacts at both ends of the span. Distances: word1, no two of a pair alike, is
+     * their rank where distances are equal. */
+    const struct eng_point *points;
+    const uint32_t (*quads)[4]; /* indices into `points`, in the order of query.h */
+    const uint32_t (*fives)[5]; /* EF: the ends of the edge, the corners of the face */
+    /* Of pairs that meet at a distance (thick_query.h), none of them thin (thick.h); else
+     * NULL. */
+    const double (*radius)[3];
+    double t_end; /* contacts that begin after that time of the step are not wanted */
+    double reach; /* distances: 0 .. 1e18; exactly that is near enough */
+};
+
+/* Scratch of pairs that meet at a distance. */
+struct eng_thick_lanes {
+    double reach[ENG_CHUNK_MAX];
+    struct eng_advance advance[ENG_CHUNK_MAX]; /* of those left */
+};
+
+/* Answers to a chunk, and what the owner wants to be asked meanwhile. */
 struct eng_batch {
-    /* Set by the owner; NULL: never. Called after each query that needed exact
-     * arithmetic, and every 0.2 ms or so within one; true: the rest of the chunk is left
-     * out, and the query at hand, too, if it has not been decided. */
+    /* Set by the owner. */
+    const struct eng_kernels *kernels;
+    /* NULL: never. Called after each pair that took integers, now and then among others
+     * that are asked one by one, and every 0.2 ms or so within one that takes long; true:
+     * the rest of the chunk is left out. */
     bool (*should_stop)(void *owner);
     void *owner;
-    enum eng_batch_from from;      /* set by the owner */
-    uint32_t survivors;            /* pairs that no filter rejected */
-    uint32_t unsure_count;         /* of them: pairs that took a search one by one */
-    uint32_t index[ENG_CHUNK_MAX]; /* of the pairs with a contact, in no order */
-    struct eng_hit hits[ENG_CHUNK_MAX];
-    uint32_t left[ENG_CHUNK_MAX]; /* scratch: pairs on their way through */
+    struct eng_exact *contacts;      /* of pairs that meet at no distance */
+    struct eng_thick *thick;         /* of those that do, .. */
+    struct eng_thick_lanes *lanes;   /* .. likewise */
+    struct eng_distances *distances; /* of what is near, or crosses */
+
+    uint64_t integers;  /* counts pairs that took integers, but for `contacts` */
+    uint32_t survivors; /* pairs that the lanes did not reject */
+    uint32_t found;     /* pairs that are what is asked for: these, in no order, .. */
+    uint32_t index[ENG_CHUNK_MAX];
+    union { /* .. and what is known of them */
+        struct eng_hit hits[ENG_CHUNK_MAX];
+        struct eng_distance near[ENG_CHUNK_MAX]; /* as much as the verb wants */
+    };
+    uint32_t unsure_count; /* pairs that are asked one by one */
+
+    /* Scratch. */
+    bool has_stopped;
+    uint32_t near_count;          /* of the unsure: these first are within the reach */
+    double t_end, tolerance;      /* in the time of the span */
+    uint32_t left[ENG_CHUNK_MAX]; /* pairs on their way through */
     uint32_t unsure[ENG_CHUNK_MAX];
+    uint32_t undecided[ENG_CHUNK_MAX];
 };
 
-/* Test `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`, in the
- * order of struct eng_query. `tolerance` and `t_end` as for eng_solve. `exact`
- * NULL: pairs that take a search are left out, batch->unsure_count of them. Returns how
- * many pairs have a contact that begins before or at t_end: batch->index[i] is the pair,
- * batch->hits[i] its hit. */
-uint32_t eng_batch_test(const struct eng_kernels *kernels, enum pccd_kind kind,
-                        const struct eng_point *points, const uint32_t (*quads)[4],
-                        uint32_t count, double tolerance, double t_end,
-                        struct eng_exact *exact, struct eng_batch *batch);
+/* Which of the pairs are what is asked for: to batch->index and so on; returns how many.
+ * Times are those of the step (struct eng_question, span). */
+uint32_t eng_batch_test(struct eng_batch *batch, const struct eng_pairs *pairs);
 
 #endif

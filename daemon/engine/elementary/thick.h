@@ -56,7 +56,7 @@ bool eng_thick_solve(struct eng_thick *thick, struct eng_exact *contacts,
                      const struct eng_thick_query *query, double tolerance, double t_end,
                      struct eng_hit *hit);
 
-/* ---- in parts, for thick_batch.h --------------------------------------------------- */
+/* ---- in parts, for batch.h --------------------------------------------------------- */
 
 /* The depth of the longest cells that are not longer than the tolerance. */
 int eng_thick_depth(double tolerance);

@@ -7,11 +7,6 @@
 #include "memory.h"
 #include "pccd_types.h"
 
-static bool should_stop(void *worker)
-{
-    return eng_worker_should_stop(worker);
-}
-
 static int make(struct eng_worker *worker)
 {
     struct eng_paper_work *work = eng_alloc(1, sizeof *work);
@@ -19,9 +14,6 @@ static int make(struct eng_worker *worker)
         return PCCD_E_NOMEM;
     }
     memset(work, 0, sizeof *work);
-    work->batch.should_stop = should_stop;
-    work->batch.owner = worker;
-    work->batch.from = ENG_FROM_FILTER;
     worker->work[PCCD_METHOD_PAPER] = work;
     return PCCD_OK;
 }

@@ -81,7 +81,6 @@ struct eng_paper_work {
     struct eng_pair_queue pairs;
     struct eng_chunk chunks[COMMON_KIND_COUNT];
     uint32_t group_first; /* the first candidate of those that are tested together */
-    struct eng_batch batch;
     struct eng_split_item *split_items; /* [split_capacity] to reconstruct a region */
     uint32_t split_capacity;
 };
@@ -99,5 +98,8 @@ uint64_t eng_paper_work_bytes(const struct eng_worker *worker);
 
 /* Get ready for a step: nothing waits. [compute] */
 void eng_paper_work_begin(struct eng_worker *worker);
+
+/* Test and empty one of the worker's chunks. [team] */
+void eng_test_chunk(struct eng_worker *worker, enum pccd_kind kind);
 
 #endif

@@ -11,7 +11,6 @@
 #include "paper_work.h"
 #include "question.h"
 #include "rebuild.h"
-#include "test.h"
 
 /* Pairs of one task unit between two looks at the clock, when no chunk fills up. */
 #define PAIRS_PER_LOOK 65536u

@@ -24,7 +24,7 @@ void eng_worker_deinit(struct eng_worker *worker)
     for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
         assert(!worker->work[i]);
     }
-    assert(!worker->near_work && !worker->thick_work);
+    assert(!worker->narrow);
 }
 
 void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,

@@ -18,9 +18,8 @@
 #include "trace.h"
 
 struct eng_kernels;
-struct eng_near_work;
+struct eng_narrow;
 struct eng_scene;
-struct eng_thick_work;
 
 /* Where the threads of a region wait for each other (wait.h). */
 struct eng_meeting {
@@ -75,9 +74,8 @@ struct eng_worker {
     bool prunes;            /* that of the team */
     struct eng_found found; /* records */
     struct eng_exact exact;
-    void *work[PCCD_METHOD_COUNT];     /* by method, which casts it; NULL: none yet */
-    struct eng_near_work *near_work;   /* of whoever asks what is near; likewise */
-    struct eng_thick_work *thick_work; /* of steps with thickness; likewise */
+    void *work[PCCD_METHOD_COUNT]; /* by method, which casts it; NULL: none yet */
+    struct eng_narrow *narrow;     /* of the narrow phase (narrow.h); likewise */
     struct eng_thread_record record;
     struct eng_tally tally;
     uint64_t low_end_ns;    /* the paper's scheduler: when it knew that all were done with

@@ -6,9 +6,8 @@
 
 #include "finding.h"
 #include "memory.h"
-#include "near_work.h"
+#include "narrow.h"
 #include "solvers.h"
-#include "thick_work.h"
 #include "wide_free.h"
 #include "wide_grid.h"
 #include "wide_state.h"
@@ -119,24 +118,6 @@ static void make_quads(const struct eng_wide *wide, enum pccd_kind kind,
     }
 }
 
-/* Those pairs of a chunk that no axis separates: by the coordinates themselves, so that
- * it does not matter how boxes were rounded. */
-static void keep_candidates(struct eng_worker *worker, enum pccd_kind kind,
-                            const struct eng_wide_chunk *chunk)
-{
-    const struct eng_wide *wide = eng_wide_of(worker->scene);
-    struct eng_wide_work *work = eng_wide_work_of(worker);
-    uint32_t *left = work->batch.left;
-    make_quads(wide, kind, chunk, work->quads);
-    uint32_t count = work->join.kernels->reject_axes(
-        kind, wide->points, (const uint32_t(*)[4])work->quads, chunk->count, left);
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t pair = left[i];
-        struct pccd_pair name = name_of(wide, kind, chunk->a[pair], chunk->b[pair]);
-        eng_found_add(&worker->found, &name); /* a full list says so itself */
-    }
-}
-
 /* How many chunks go without what has kept so many of `count`. */
 static uint32_t chunks_without(uint32_t count, uint32_t kept)
 {
@@ -144,64 +125,6 @@ static uint32_t chunks_without(uint32_t count, uint32_t kept)
                ? 0
                : CHUNKS_WITHOUT_FILTER;
 }
-
-/* The sieve on the pairs of a chunk, if it is worth it here: those that it leaves are the
- * chunk's from then on. Says where the tests begin. */
-static enum eng_batch_from sift(struct eng_worker *worker, enum pccd_kind kind,
-                                struct eng_wide_chunk *chunk)
-{
-    const struct eng_wide *wide = eng_wide_of(worker->scene);
-    struct eng_wide_work *work = eng_wide_work_of(worker);
-    struct eng_wide_filters *filters = &work->filters[kind];
-    if (!eng_wide_has_marks(wide) || !eng_solvers[kind].has_kernels) {
-        return ENG_FROM_FILTER;
-    }
-    if (filters->chunks_without_sieve > 0) {
-        filters->chunks_without_sieve--;
-        return ENG_FROM_FILTER;
-    }
-    struct eng_sieve *sieve = &work->sieves[kind];
-    uint32_t count = chunk->count;
-    sieve->t_end = worker->box_bound;
-    chunk->count =
-        work->join.kernels->sift(kind, sieve, chunk->a, chunk->b, chunk->count);
-    filters->chunks_without_sieve = chunks_without(count, chunk->count);
-    if (filters->chunks_without_filter > 0) {
-        filters->chunks_without_filter--;
-        return ENG_FROM_BRACKET;
-    }
-    return ENG_FROM_FILTER;
-}
-
-static void test(struct eng_worker *worker, enum pccd_kind kind,
-                 struct eng_wide_chunk *chunk)
-{
-    const struct eng_wide *wide = eng_wide_of(worker->scene);
-    struct eng_wide_work *work = eng_wide_work_of(worker);
-    struct eng_batch *batch = &work->batch;
-    worker->record.tests += chunk->count;
-    batch->from = sift(worker, kind, chunk);
-    make_quads(wide, kind, chunk, work->quads);
-    uint32_t hits = eng_batch_test(
-        work->join.kernels, kind, wide->points, (const uint32_t(*)[4])work->quads,
-        chunk->count, worker->question->tolerance, worker->time_bound,
-        worker->question->brief ? NULL : &worker->exact, batch);
-    if (worker->question->brief && batch->unsure_count > 0) {
-        eng_worker_give_up(worker);
-    }
-    if (batch->from == ENG_FROM_FILTER) {
-        work->filters[kind].chunks_without_filter =
-            chunks_without(chunk->count, batch->survivors);
-    }
-    worker->tally.survivors += batch->survivors;
-    for (uint32_t i = 0; i < hits && !eng_stop_is_set(worker->stop); i++) {
-        uint32_t pair = batch->index[i];
-        struct pccd_pair name = name_of(wide, kind, chunk->a[pair], chunk->b[pair]);
-        eng_test_keep(worker, &name, &batch->hits[i]);
-    }
-}
-
-/* ---- what is near ------------------------------------------------------------------ */
 
 INLINE void name_kind(const struct eng_wide *wide, enum pccd_kind kind,
                       const struct eng_wide_chunk *chunk, const uint32_t *index,
@@ -213,8 +136,8 @@ INLINE void name_kind(const struct eng_wide *wide, enum pccd_kind kind,
 }
 
 /* With what there is most of as constants of the code. */
-static void name_near(const struct eng_worker *worker, enum pccd_kind kind,
-                      const uint32_t *index, uint32_t count, struct pccd_pair *names)
+static void name_pairs(const struct eng_worker *worker, enum pccd_kind kind,
+                       const uint32_t *index, uint32_t count, struct pccd_pair *names)
 {
     const struct eng_wide *wide = eng_wide_of(worker->scene);
     const struct eng_wide_chunk *chunk = &eng_wide_work_of(worker)->join.chunks[kind];
@@ -230,6 +153,56 @@ static void name_near(const struct eng_worker *worker, enum pccd_kind kind,
     }
 }
 
+/* ---- sieves: what is certainly not asked for goes, by the marks of points ---------- */
+
+/* Has that left out so many that to ask what is asked next is not worth it? */
+static enum eng_known known_of(uint32_t count, uint32_t left)
+{
+    return count - left >= count / FILTER_PAYS_FROM ? ENG_KNOWN_SIEVED : ENG_KNOWN_BOXES;
+}
+
+/* Contacts, if it is worth it here. */
+static enum eng_known sift(struct eng_worker *worker, enum pccd_kind kind,
+                           struct eng_wide_chunk *chunk)
+{
+    struct eng_wide_work *work = eng_wide_work_of(worker);
+    struct eng_wide_filters *filters = &work->filters[kind];
+    if (filters->chunks_without_sieve > 0) {
+        filters->chunks_without_sieve--;
+        return ENG_KNOWN_BOXES;
+    }
+    struct eng_sieve *sieve = &work->sieves[kind];
+    uint32_t count = chunk->count;
+    sieve->t_end = worker->box_bound;
+    chunk->count =
+        work->join.kernels->sift(kind, sieve, chunk->a, chunk->b, chunk->count);
+    filters->chunks_without_sieve = chunks_without(count, chunk->count);
+    if (filters->chunks_without_filter > 0) {
+        filters->chunks_without_filter--;
+        return ENG_KNOWN_SIEVED;
+    }
+    return ENG_KNOWN_BOXES;
+}
+
+/* Contacts at a distance: what is farther apart, all over the step, than any two features
+ * meet. */
+static enum eng_known sift_thick(struct eng_worker *worker, enum pccd_kind kind,
+                                 struct eng_wide_chunk *chunk)
+{
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    struct eng_wide_work *work = eng_wide_work_of(worker);
+    double reach = eng_thickness_reach_growth(worker->scene) * wide->grid.scale;
+    uint32_t count = chunk->count;
+    if (reach > ENG_GRID_REACH) {
+        return ENG_KNOWN_BOXES;
+    }
+    float cells = nextafterf((float)reach, INFINITY);
+    chunk->count = work->join.kernels->sift_thick(kind, &work->sieves[kind], cells,
+                                                  chunk->a, chunk->b, count);
+    eng_narrow_of(worker)->thick->candidates += count - chunk->count;
+    return known_of(count, chunk->count);
+}
+
 /* The reach of a question for a kind in cells of the grid, rounded up; 0: there is no
  * grid. */
 static float reach_of(const struct eng_worker *worker, uint32_t kind)
@@ -241,38 +214,58 @@ static float reach_of(const struct eng_worker *worker, uint32_t kind)
                                                                : 0;
 }
 
-/* Those of a chunk stay that are not certainly too far apart. Returns whether that has
- * left out so many that to look once more is not worth it. */
-static bool sift_near(struct eng_worker *worker, uint32_t kind,
-                      struct eng_wide_chunk *chunk)
+/* What is near. */
+static enum eng_known sift_near(struct eng_worker *worker, uint32_t kind,
+                                struct eng_wide_chunk *chunk)
 {
     struct eng_wide_work *work = eng_wide_work_of(worker);
     uint32_t count = chunk->count;
     float reach = reach_of(worker, kind);
-    if (reach == 0 || eng_wide_is_of_free((enum pccd_kind)kind)) {
-        return false;
+    if (reach == 0) {
+        return ENG_KNOWN_BOXES;
     }
     chunk->count =
         work->join.kernels->sift_near(kind, &work->sieves[kind], worker->question->end,
                                       reach, chunk->a, chunk->b, count);
-    return count - chunk->count >= count / FILTER_PAYS_FROM;
+    return known_of(count, chunk->count);
+}
+
+/* Those pairs that the sieve of the question leaves are the chunk's from then on. */
+static enum eng_known sieve(struct eng_worker *worker, uint32_t kind,
+                            struct eng_wide_chunk *chunk)
+{
+    uint32_t count = chunk->count;
+    if (!eng_wide_has_marks(eng_wide_of(worker->scene)) ||
+        eng_wide_is_of_free((enum pccd_kind)kind)) {
+        return ENG_KNOWN_BOXES;
+    }
+    if (eng_asks_near(worker->question)) {
+        return sift_near(worker, kind, chunk);
+    }
+    if (worker->question->mode == PCCD_MODE_PAIRS) {
+        return ENG_KNOWN_BOXES;
+    }
+    enum eng_known known = worker->scene->thickness.is_on
+                               ? sift_thick(worker, (enum pccd_kind)kind, chunk)
+                               : sift(worker, (enum pccd_kind)kind, chunk);
+    worker->record.tests += count - chunk->count;
+    return known;
 }
 
 /* What was found of the pairs of work->quads is known of their points from now on: a pair
  * that is farther apart than the bound of each of its own and any radii is not looked for
  * any more. */
-static void tell_marks(struct eng_worker *worker, enum pccd_kind kind, uint32_t found)
+static void tell_marks(struct eng_worker *worker, enum pccd_kind kind)
 {
     struct eng_wide *wide = eng_wide_of(worker->scene);
-    const struct eng_distance_batch *batch = &eng_near_work_of(worker)->batch;
+    const struct eng_batch *batch = &eng_narrow_of(worker)->batch;
     const struct eng_wide_work *work = eng_wide_work_of(worker);
     const struct eng_question *question = worker->question;
     double scale = wide->frame_scale * wide->grid.scale;
-    double radii =
-        question->sought.is_thick ? question->sought.reach - question->distance : 0;
+    double radii = question->sought.reach - question->distance;
     float reach = reach_of(worker, kind);
-    for (uint32_t i = 0; i < found && reach > 0; i++) {
-        double known = batch->found[i].lo;
+    for (uint32_t i = 0; i < batch->found && reach > 0; i++) {
+        double known = batch->near[i].lo;
         if (radii > 0) { /* they are taken off lengths that are rounded down to 33 bits */
             known = (known + radii) * (1 + 0x1p-30);
         }
@@ -281,89 +274,40 @@ static void tell_marks(struct eng_worker *worker, enum pccd_kind kind, uint32_t 
     }
 }
 
-/* Edges that pass through faces. */
-static void cross(struct eng_worker *worker, struct eng_wide_chunk *chunk)
+/* ---- the pairs of a chunk ---------------------------------------------------------- */
+
+static void make_fives(const struct eng_wide *wide, const struct eng_wide_chunk *chunk,
+                       uint32_t (*fives)[5])
 {
-    const struct eng_wide *wide = eng_wide_of(worker->scene);
-    struct eng_wide_work *work = eng_wide_work_of(worker);
-    (void)sift_near(worker, PCCD_EF, chunk);
     for (uint32_t i = 0; i < chunk->count; i++) {
-        put_points(wide, PCCD_TREE_EDGES, chunk->a[i], work->fives[i]);
-        put_points(wide, PCCD_TREE_FACES, chunk->b[i], work->fives[i] + 2);
+        put_points(wide, PCCD_TREE_EDGES, chunk->a[i], fives[i]);
+        put_points(wide, PCCD_TREE_FACES, chunk->b[i], fives[i] + 2);
     }
-    eng_near_cross(worker, wide->points, (const uint32_t(*)[5])work->fives, chunk->count,
-                   name_near);
 }
 
-static void test_near(struct eng_worker *worker, enum pccd_kind kind,
-                      struct eng_wide_chunk *chunk)
+static void test(struct eng_worker *worker, uint32_t kind, struct eng_wide_chunk *chunk)
 {
     const struct eng_wide *wide = eng_wide_of(worker->scene);
     struct eng_wide_work *work = eng_wide_work_of(worker);
-    if (kind == (enum pccd_kind)PCCD_EF) {
-        cross(worker, chunk);
-        return;
+    struct eng_pairs pairs = {.kind = kind, .points = wide->points};
+    pairs.known = sieve(worker, kind, chunk);
+    pairs.count = chunk->count;
+    if (kind == PCCD_EF) {
+        make_fives(wide, chunk, work->fives);
+        pairs.fives = (const uint32_t(*)[5])work->fives;
+    } else {
+        make_quads(wide, (enum pccd_kind)kind, chunk, work->quads);
+        pairs.quads = (const uint32_t(*)[4])work->quads;
     }
-    if (eng_near_leaves_out(worker->question, kind)) {
-        return;
-    }
-    bool is_sifted = sift_near(worker, kind, chunk);
-    make_quads(wide, kind, chunk, work->quads);
-    uint32_t found =
-        eng_near_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
-                      chunk->count, is_sifted, name_near);
+    eng_narrow_test(worker, &pairs, name_pairs);
     if (work->sieves[kind].narrows) {
-        tell_marks(worker, kind, found);
+        tell_marks(worker, (enum pccd_kind)kind);
     }
-}
-
-/* ---- what meets at a distance ------------------------------------------------------ */
-
-/* Those of a chunk stay that are not certainly farther apart, all over the step, than any
- * two features meet. Returns whether that has left out so many that to look once more is
- * not worth it. */
-static bool sift_thick(struct eng_worker *worker, enum pccd_kind kind,
-                       struct eng_wide_chunk *chunk)
-{
-    const struct eng_wide *wide = eng_wide_of(worker->scene);
-    struct eng_wide_work *work = eng_wide_work_of(worker);
-    double reach = eng_thickness_reach_growth(worker->scene) * wide->grid.scale;
-    uint32_t count = chunk->count;
-    if (worker->question->mode == PCCD_MODE_PAIRS || !eng_wide_has_marks(wide) ||
-        !eng_solvers[kind].has_kernels || reach > ENG_GRID_REACH) {
-        return false;
+    const struct eng_batch *batch = &eng_narrow_of(worker)->batch;
+    if (!eng_asks_near(worker->question) && pairs.known == ENG_KNOWN_BOXES) {
+        work->filters[kind].chunks_without_filter =
+            chunks_without(chunk->count, batch->survivors);
     }
-    float cells = nextafterf((float)reach, INFINITY);
-    chunk->count = work->join.kernels->sift_thick(kind, &work->sieves[kind], cells,
-                                                  chunk->a, chunk->b, count);
-    eng_thick_work_of(worker)->candidates += count - chunk->count;
-    worker->record.tests += count - chunk->count;
-    return count - chunk->count >= count / FILTER_PAYS_FROM;
-}
-
-/* Pairs of a chunk that meet at a distance are tested: only the others stay. */
-static void test_thick(struct eng_worker *worker, enum pccd_kind kind,
-                       struct eng_wide_chunk *chunk)
-{
-    const struct eng_wide *wide = eng_wide_of(worker->scene);
-    struct eng_wide_work *work = eng_wide_work_of(worker);
-    bool is_sifted = sift_thick(worker, kind, chunk);
-    make_quads(wide, kind, chunk, work->quads);
-    uint32_t count =
-        eng_thick_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
-                       chunk->count, is_sifted, name_near);
-    const uint32_t *rest = eng_thick_work_of(worker)->rest;
-    if (!eng_solvers[kind].search) {
-        count = 0; /* what keeps no distance is not tested */
-    }
-    if (worker->question->brief && count < chunk->count) {
-        eng_worker_give_up(worker);
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        chunk->a[i] = chunk->a[rest[i]];
-        chunk->b[i] = chunk->b[rest[i]];
-    }
-    chunk->count = count;
 }
 
 /* ---- chunks ------------------------------------------------------------------------ */
@@ -377,11 +321,6 @@ static void look(void *owner)
     if (worker->box_bound < 1) {
         eng_wide_join_until(join, worker->box_bound);
     }
-}
-
-static bool should_stop(void *owner)
-{
-    return eng_worker_should_stop(owner);
 }
 
 /* Pairs that the join has left out in time since the last chunk. To look at a block's
@@ -414,14 +353,7 @@ static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk
     if (worker->question->brief && worker->record.tests + count > ENG_BRIEF_TESTS) {
         eng_worker_give_up(worker);
     }
-    if (worker->scene->thickness.is_on && !eng_asks_near(worker->question) && count > 0) {
-        test_thick(worker, kind, chunk);
-    }
-    if (eng_asks_near(worker->question)) {
-        test_near(worker, kind, chunk);
-    } else if (worker->question->mode == PCCD_MODE_PAIRS) {
-        keep_candidates(worker, kind, chunk);
-    } else if (!eng_stop_is_set(worker->stop)) {
+    if (!eng_near_leaves_out(worker->question, kind) && !eng_stop_is_set(worker->stop)) {
         test(worker, kind, chunk);
     }
     chunk->count = 0;
@@ -437,8 +369,6 @@ void eng_wide_work_begin(struct eng_worker *worker)
     work->join.owner = worker;
     work->join.flush = flush;
     work->join.look = look;
-    work->batch.should_stop = should_stop;
-    work->batch.owner = worker;
     eng_wide_join_begin(&work->join, eng_wide_of(worker->scene),
                         eng_asks_near(worker->question) ? ENG_JOIN_AT : ENG_JOIN_MOVING);
     if (eng_asks_near(worker->question)) {

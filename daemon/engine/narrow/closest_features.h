@@ -28,7 +28,7 @@ struct eng_edges_known {
 
 /* Of `count` pairs of VF or EE, at most ENG_CHUNK_MAX, whose distances are known: names
  * and distances become those of the closest features, functions of their own points.
- * quads[index[i]]: the points of pair i, with the words of near_work.h. */
+ * quads[index[i]]: the points of pair i, with the words of narrow.h. */
 void eng_closest_features(const struct eng_scene *scene, enum pccd_kind kind,
                           const struct eng_point *points, const uint32_t (*quads)[4],
                           const uint32_t *index, uint32_t count,

@@ -1,11 +1,8 @@
-/* near_work.c - pairs that are near, as they were asked for. */
-#include "near_work.h"
-
+/* narrow_near.c - pairs that are near, as they were asked for. */
 #include <assert.h>
 #include <string.h>
 
-#include "memory.h"
-#include "thick_work.h"
+#include "narrow.h"
 
 /* Records are those of contacts, with other meanings: all that puts them in order, merges
  * and hashes them serves both. */
@@ -15,46 +12,6 @@ static_assert(sizeof(struct pccd_near) == sizeof(struct pccd_contact) &&
                   offsetof(struct pccd_near, count) ==
                       offsetof(struct pccd_contact, reserved),
               "records");
-
-static bool should_stop(void *owner)
-{
-    return eng_worker_should_stop(owner);
-}
-
-int eng_near_work_reserve(struct eng_worker *worker)
-{
-    if (worker->near_work) {
-        return PCCD_OK;
-    }
-    struct eng_near_work *work = eng_alloc(1, sizeof *work);
-    if (!work) {
-        return PCCD_E_NOMEM;
-    }
-    int status = eng_distances_init(&work->distances);
-    if (status != PCCD_OK) {
-        eng_free(work);
-        return status;
-    }
-    work->batch.should_stop = should_stop;
-    work->batch.owner = worker;
-    work->has_recent = true; /* what lies there */
-    worker->near_work = work;
-    return PCCD_OK;
-}
-
-void eng_near_work_free(struct eng_worker *worker)
-{
-    if (worker->near_work) {
-        eng_distances_deinit(&worker->near_work->distances);
-        eng_free(worker->near_work);
-        worker->near_work = NULL;
-    }
-}
-
-uint64_t eng_near_work_bytes(const struct eng_worker *worker)
-{
-    return worker->near_work ? sizeof *worker->near_work : 0;
-}
 
 struct eng_name_range eng_near_range(const struct eng_scene *scene)
 {
@@ -77,7 +34,7 @@ struct eng_name_range eng_near_range(const struct eng_scene *scene)
     return range;
 }
 
-static void forget_recent(struct eng_near_work *work)
+static void forget_recent(struct eng_narrow_near *work)
 {
     if (work->has_recent) {
         memset(work->recent, 0, sizeof work->recent);
@@ -87,28 +44,15 @@ static void forget_recent(struct eng_near_work *work)
 
 /* The range of all names saves looking at each. Of objects whose handles need many bits
  * it is not taken, so that the fewer that are near may have keys of one word. */
-void eng_near_work_begin(struct eng_worker *worker, const struct eng_name_range *range)
+void eng_near_begin(struct eng_worker *worker, const struct eng_name_range *range)
 {
-    struct eng_near_work *work = eng_near_work_of(worker);
+    struct eng_narrow_near *work = worker->narrow->near;
     (void)eng_found_expect(&worker->found, range);
     forget_recent(work);
     memset(&work->edges, 0, sizeof work->edges);
     work->least = 2e18;
     work->greatest = 0;
     work->pairs = work->crossings = 0;
-    work->batch.exact = 0;
-}
-
-static enum eng_distance_wanted wanted_for(uint32_t verb)
-{
-    switch (verb) {
-    case PCCD_NEAR_CROSSINGS:
-        return ENG_DISTANCE_WITHIN;
-    case PCCD_NEAR_VERTICES:
-        return ENG_DISTANCE_LENGTH;
-    default:
-        return ENG_DISTANCE_WHOLE;
-    }
 }
 
 static void write_record(struct pccd_near *record, const struct pccd_pair *name,
@@ -133,7 +77,7 @@ static void write_record(struct pccd_near *record, const struct pccd_pair *name,
 static void keep_anywhere(struct eng_worker *worker, const struct pccd_pair *name,
                           const struct eng_distance *distance)
 {
-    forget_recent(eng_near_work_of(worker)); /* they may be moved */
+    forget_recent(worker->narrow->near); /* they may be moved */
     struct pccd_near *record = eng_found_add(&worker->found, name);
     if (record) {
         write_record(record, name, distance);
@@ -186,7 +130,7 @@ static void keep_records(struct eng_worker *worker, const struct pccd_pair *name
 }
 
 /* Where a record of that key was put last. */
-static struct eng_near_recent *recent_of(struct eng_near_work *work, uint64_t key)
+static struct eng_near_recent *recent_of(struct eng_narrow_near *work, uint64_t key)
 {
     return &work->recent[key * 0x9e3779b97f4a7c15u >> (64 - ENG_NEAR_RECENT_BITS)];
 }
@@ -194,18 +138,18 @@ static struct eng_near_recent *recent_of(struct eng_near_work *work, uint64_t ke
 /* All that is said of a feature is a function of it alone, so another record of its name
  * only adds to the count of the first. Which do cannot be foreseen: each is written, to
  * the place of the next one if it is of no use. */
-static uint32_t write_features(struct eng_near_work *work, const struct eng_found *found,
-                               uint32_t first, uint32_t count, struct pccd_near *records,
-                               uint64_t *keys)
+static uint32_t write_features(struct eng_worker *worker, uint32_t first, uint32_t count,
+                               struct pccd_near *records, uint64_t *keys)
 {
+    struct eng_narrow_near *work = worker->narrow->near;
     uint32_t written = 0;
     for (uint32_t i = first; i < first + count; i++) {
-        uint64_t key = key_of(found, &work->names[i]);
+        uint64_t key = key_of(&worker->found, &work->names[i]);
         struct eng_near_recent *recent = recent_of(work, key);
         struct pccd_near *record = &records[written];
         struct pccd_near *const slots[2] = {record, recent->record};
         bool is_known = recent->record && recent->key == key;
-        write_record(record, &work->names[i], &work->batch.found[i]);
+        write_record(record, &work->names[i], &worker->narrow->batch.near[i]);
         record->count = 0;
         keys[written] = key;
         *recent = (struct eng_near_recent){key, slots[is_known]};
@@ -217,18 +161,17 @@ static uint32_t write_features(struct eng_near_work *work, const struct eng_foun
 
 static void keep_features(struct eng_worker *worker, uint32_t count)
 {
-    struct eng_near_work *work = eng_near_work_of(worker);
-    struct eng_found *found = &worker->found;
+    struct eng_narrow_near *work = worker->narrow->near;
     for (uint32_t i = 0; i < count;) {
         void *slots;
         uint64_t *keys;
         uint32_t n = open_records(worker, count - i, &work->names[i],
-                                  &work->batch.found[i], &slots, &keys);
+                                  &worker->narrow->batch.near[i], &slots, &keys);
         if (n == 0) {
             i++;
             continue;
         }
-        eng_found_close(found, write_features(work, found, i, n, slots, keys));
+        eng_found_close(&worker->found, write_features(worker, i, n, slots, keys));
         work->has_recent = true;
         i += n;
     }
@@ -244,28 +187,28 @@ static void keep_bound(_Atomic uint64_t *bound, uint64_t bits)
     }
 }
 
-static void keep_bounds(struct eng_worker *worker, const struct eng_point *points,
-                        const uint32_t (*quads)[4], uint32_t count)
+static void keep_bounds(struct eng_worker *worker, const struct eng_pairs *pairs)
 {
-    const struct eng_near_work *work = eng_near_work_of(worker);
+    const struct eng_batch *batch = &worker->narrow->batch;
     _Atomic uint64_t *bounds = worker->question->sought.bounds;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t *quad = quads[work->batch.index[i]];
+    for (uint32_t i = 0; i < batch->found; i++) {
+        const uint32_t *quad = pairs->quads[batch->index[i]];
         uint64_t bits;
-        memcpy(&bits, &work->batch.found[i].lo, sizeof bits);
+        memcpy(&bits, &batch->near[i].lo, sizeof bits);
         for (uint32_t k = 0; k < 4; k++) {
-            keep_bound(&bounds[(uint32_t)points[quad[k]].word0], bits);
+            keep_bound(&bounds[(uint32_t)pairs->points[quad[k]].word0], bits);
         }
     }
 }
 
 /* The least and the greatest of all that was found. */
-static void keep_range(struct eng_near_work *work, uint32_t count)
+static void keep_range(struct eng_narrow *narrow)
 {
+    struct eng_narrow_near *work = narrow->near;
     double least = work->least;
     double greatest = work->greatest;
-    for (uint32_t i = 0; i < count; i++) {
-        const struct eng_distance *distance = &work->batch.found[i];
+    for (uint32_t i = 0; i < narrow->batch.found; i++) {
+        const struct eng_distance *distance = &narrow->batch.near[i];
         least = distance->lo < least ? distance->lo : least;
         greatest = distance->hi > greatest ? distance->hi : greatest;
     }
@@ -273,112 +216,106 @@ static void keep_range(struct eng_near_work *work, uint32_t count)
     work->greatest = greatest;
 }
 
-/* CROSSINGS: so many features cross or touch. */
-static void tell_meeting(struct eng_worker *worker, uint32_t found)
+/* CROSSINGS: some features cross or touch. */
+static void tell_meeting(struct eng_worker *worker)
 {
-    if (found > 0) {
+    if (worker->narrow->batch.found > 0) {
         atomic_store_explicit(worker->question->sought.meets, true, memory_order_relaxed);
     }
 }
 
 /* Those of what was found stay that are within their own radii, too. */
-static uint32_t keep_within(struct eng_worker *worker, enum pccd_kind kind,
-                            const struct eng_point *points, const uint32_t (*quads)[4],
-                            uint32_t found)
+static void keep_within(struct eng_worker *worker, const struct eng_pairs *pairs)
 {
-    struct eng_distance_batch *batch = &eng_near_work_of(worker)->batch;
+    struct eng_batch *batch = &worker->narrow->batch;
     uint32_t kept = 0;
-    for (uint32_t i = 0; i < found; i++) {
-        if (eng_thick_is_near(worker, kind, points, quads[batch->index[i]],
-                              &batch->found[i])) {
+    for (uint32_t i = 0; i < batch->found; i++) {
+        if (eng_narrow_is_within(worker, pairs, batch->index[i], &batch->near[i])) {
             batch->index[kept] = batch->index[i];
-            batch->found[kept++] = batch->found[i];
+            batch->near[kept++] = batch->near[i];
         }
     }
-    return kept;
-}
-
-uint32_t eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
-                       const struct eng_point *points, const uint32_t (*quads)[4],
-                       uint32_t count, bool is_sifted, eng_names_fn names)
-{
-    const struct eng_question *asked = worker->question;
-    struct eng_near_work *work = eng_near_work_of(worker);
-    const struct eng_distance_question question = {
-        .kind = kind,
-        .end = asked->end,
-        .distance = asked->sought.is_thick ? asked->sought.reach : asked->distance,
-        .is_sifted = is_sifted,
-        .wanted = wanted_for(asked->verb)};
-    worker->record.tests += count;
-    uint32_t found = eng_distance_batch_test(worker->kernels, &question, points, quads,
-                                             count, &work->distances, &work->batch);
-    worker->tally.survivors += found;
-    if (question.wanted == ENG_DISTANCE_WITHIN) {
-        tell_meeting(worker, found);
-        return found;
-    }
-    if (asked->sought.is_thick) {
-        found = keep_within(worker, kind, points, quads, found);
-    }
-    work->pairs += found;
-    if (asked->counts_only) {
-        return found;
-    }
-    keep_range(work, found);
-    if (asked->verb == PCCD_NEAR_VERTICES) {
-        keep_bounds(worker, points, quads, found);
-        return found;
-    }
-    names(worker, kind, work->batch.index, found, work->names);
-    if (asked->verb == PCCD_NEAR_FEATURES) {
-        eng_closest_features(worker->scene, kind, points, quads, work->batch.index, found,
-                             &work->edges, work->names, work->batch.found);
-        keep_features(worker, found);
-    } else {
-        keep_records(worker, work->names, work->batch.found, found);
-    }
-    return found;
+    batch->found = kept;
 }
 
 /* Where along the edge it passes through the face, in a record's terms. */
-static struct eng_distance passage(struct eng_distances *distances, uint32_t end,
-                                   const struct eng_point *points, const uint32_t five[5])
+static struct eng_distance passage(struct eng_distances *distances,
+                                   const struct eng_pairs *pairs, uint32_t number)
 {
     struct eng_distance at = {.type = ENG_NEAREST_VF};
     double x[5][3];
     for (int i = 0; i < 5; i++) {
-        const struct eng_point *point = &points[five[i]];
-        memcpy(x[i], end == 0 ? point->x0 : point->x1, sizeof x[i]);
+        const struct eng_point *point = &pairs->points[pairs->fives[number][i]];
+        memcpy(x[i], pairs->question->end == 0 ? point->x0 : point->x1, sizeof x[i]);
     }
     at.param[0] = eng_distance_crossing(distances, (const double(*)[3])x);
     return at;
 }
 
-void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
-                    const uint32_t (*fives)[5], uint32_t count, eng_names_fn names)
+/* Edges that pass through faces. Beside other questions than CROSSINGS they are counted
+ * alone. */
+static void keep_crossings(struct eng_worker *worker, const struct eng_pairs *pairs,
+                           eng_names_fn names)
 {
-    struct eng_near_work *work = eng_near_work_of(worker);
+    struct eng_narrow_near *work = worker->narrow->near;
+    const struct eng_batch *batch = &worker->narrow->batch;
     const uint64_t *integers = &work->distances.decided[ENG_DISTANCE_BY_INTEGERS];
-    uint32_t end = worker->question->end;
-    worker->record.tests += count;
-    uint32_t found = eng_distance_batch_cross(worker->kernels, end, points, fives, count,
-                                              &work->distances, &work->batch);
-    worker->tally.survivors += found;
-    work->crossings += found;
-    if (worker->question->verb != PCCD_NEAR_CROSSINGS || worker->question->counts_only) {
+    work->crossings += batch->found;
+    if (pairs->question->verb != PCCD_NEAR_CROSSINGS || pairs->question->counts_only) {
         return;
     }
-    work->least = found > 0 ? 0 : work->least;
-    tell_meeting(worker, found);
-    names(worker, (enum pccd_kind)PCCD_EF, work->batch.index, found, work->names);
-    for (uint32_t i = 0; i < found; i++) {
+    work->least = batch->found > 0 ? 0 : work->least;
+    tell_meeting(worker);
+    names(worker, (enum pccd_kind)PCCD_EF, batch->index, batch->found, work->names);
+    for (uint32_t i = 0; i < batch->found; i++) {
         uint64_t before = *integers;
-        uint32_t pair = work->batch.index[i];
-        struct eng_distance at = passage(&work->distances, end, points, fives[pair]);
+        struct eng_distance at = passage(&work->distances, pairs, batch->index[i]);
         keep_records(worker, &work->names[i], &at, 1);
         if (*integers > before && eng_worker_should_stop(worker)) {
             return;
         }
+    }
+}
+
+static void keep_near(struct eng_worker *worker, const struct eng_pairs *pairs,
+                      eng_names_fn names)
+{
+    struct eng_narrow_near *work = worker->narrow->near;
+    struct eng_batch *batch = &worker->narrow->batch;
+    const enum pccd_kind kind = (enum pccd_kind)pairs->kind;
+    if (pairs->question->sought.is_thick) {
+        keep_within(worker, pairs);
+    }
+    work->pairs += batch->found;
+    if (pairs->question->counts_only) {
+        return;
+    }
+    keep_range(worker->narrow);
+    if (pairs->question->verb == PCCD_NEAR_VERTICES) {
+        keep_bounds(worker, pairs);
+        return;
+    }
+    names(worker, kind, batch->index, batch->found, work->names);
+    if (pairs->question->verb == PCCD_NEAR_FEATURES) {
+        eng_closest_features(worker->scene, kind, pairs->points, pairs->quads,
+                             batch->index, batch->found, &work->edges, work->names,
+                             batch->near);
+        keep_features(worker, batch->found);
+    } else {
+        keep_records(worker, work->names, batch->near, batch->found);
+    }
+}
+
+void eng_near_test(struct eng_worker *worker, struct eng_pairs *pairs, eng_names_fn names)
+{
+    pairs->reach = pairs->question->sought.reach;
+    worker->record.tests += pairs->count;
+    worker->tally.survivors += eng_batch_test(&worker->narrow->batch, pairs);
+    if (pairs->kind == PCCD_EF) {
+        keep_crossings(worker, pairs, names);
+    } else if (pairs->question->verb == PCCD_NEAR_CROSSINGS) {
+        tell_meeting(worker);
+    } else {
+        keep_near(worker, pairs, names);
     }
 }

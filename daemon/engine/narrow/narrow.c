@@ -1,0 +1,200 @@
+/* narrow.c - contacts and pairs, and what a worker needs to test any. */
+#include "narrow.h"
+
+#include <string.h>
+
+#include "memory.h"
+#include "solvers.h"
+
+/* Pairs that are named at a time. */
+#define NAMES 64u
+
+static bool should_stop(void *owner)
+{
+    return eng_worker_should_stop(owner);
+}
+
+static int reserve_thick(struct eng_narrow *narrow)
+{
+    struct eng_narrow_thick *thick = eng_alloc(1, sizeof *thick);
+    if (!thick) {
+        return PCCD_E_NOMEM;
+    }
+    int status = eng_thick_init(&thick->thick);
+    if (status == PCCD_OK) {
+        status = eng_distances_init(&thick->distances);
+        if (status != PCCD_OK) {
+            eng_thick_deinit(&thick->thick);
+        }
+    }
+    if (status != PCCD_OK) {
+        eng_free(thick);
+        return status;
+    }
+    narrow->thick = thick;
+    narrow->batch.thick = &thick->thick;
+    narrow->batch.lanes = &thick->lanes;
+    return PCCD_OK;
+}
+
+static int reserve_near(struct eng_narrow *narrow)
+{
+    struct eng_narrow_near *near = eng_alloc(1, sizeof *near);
+    if (!near) {
+        return PCCD_E_NOMEM;
+    }
+    int status = eng_distances_init(&near->distances);
+    if (status != PCCD_OK) {
+        eng_free(near);
+        return status;
+    }
+    near->has_recent = true; /* what lies there */
+    narrow->near = near;
+    narrow->batch.distances = &near->distances;
+    return PCCD_OK;
+}
+
+static int reserve_batch(struct eng_worker *worker)
+{
+    struct eng_narrow *narrow = eng_alloc(1, sizeof *narrow);
+    if (!narrow) {
+        return PCCD_E_NOMEM;
+    }
+    narrow->thick = NULL;
+    narrow->near = NULL;
+    narrow->batch.should_stop = should_stop;
+    narrow->batch.owner = worker;
+    narrow->batch.contacts = &worker->exact;
+    worker->narrow = narrow;
+    return PCCD_OK;
+}
+
+int eng_narrow_reserve(struct eng_worker *worker, const struct eng_scene *scene,
+                       const struct eng_question *question)
+{
+    bool is_near = eng_asks_near(question);
+    int status = worker->narrow ? PCCD_OK : reserve_batch(worker);
+    bool is_thick = is_near ? question->sought.is_thick : scene->thickness.is_on;
+    if (status == PCCD_OK && is_thick && !worker->narrow->thick) {
+        status = reserve_thick(worker->narrow);
+    }
+    if (status == PCCD_OK && is_near && !worker->narrow->near) {
+        status = reserve_near(worker->narrow);
+    }
+    return status;
+}
+
+void eng_narrow_free(struct eng_worker *worker)
+{
+    struct eng_narrow *narrow = worker->narrow;
+    if (narrow && narrow->thick) {
+        eng_thick_deinit(&narrow->thick->thick);
+        eng_distances_deinit(&narrow->thick->distances);
+        eng_free(narrow->thick);
+    }
+    if (narrow && narrow->near) {
+        eng_distances_deinit(&narrow->near->distances);
+        eng_free(narrow->near);
+    }
+    eng_free(narrow);
+    worker->narrow = NULL;
+}
+
+uint64_t eng_narrow_bytes(const struct eng_worker *worker)
+{
+    const struct eng_narrow *narrow = worker->narrow;
+    uint64_t bytes = narrow ? sizeof *narrow : 0;
+    if (narrow && narrow->thick) {
+        bytes += sizeof *narrow->thick + eng_thick_exact_bytes() + eng_numbers_bytes();
+    }
+    return bytes + (narrow && narrow->near ? sizeof *narrow->near : 0);
+}
+
+void eng_narrow_begin(struct eng_worker *worker)
+{
+    struct eng_narrow *narrow = worker->narrow;
+    if (!narrow) { /* it is asked of objects two by two */
+        return;
+    }
+    narrow->batch.kernels = worker->kernels;
+    narrow->batch.integers = 0;
+    if (narrow->thick) {
+        narrow->thick->candidates = 0;
+        narrow->thick->survivors = 0;
+    }
+}
+
+/* ---- contacts ---------------------------------------------------------------------- */
+
+/* Those of the batch, whose pairs are numbers number[..] of the candidates, NULL: as they
+ * are. */
+static void keep(struct eng_worker *worker, const struct eng_pairs *pairs,
+                 const uint32_t *number, eng_names_fn names)
+{
+    struct eng_batch *batch = &worker->narrow->batch;
+    bool is_listed = worker->question->mode == PCCD_MODE_PAIRS;
+    for (uint32_t i = 0; i < batch->found && number; i++) {
+        batch->index[i] = number[batch->index[i]];
+    }
+    for (uint32_t i = 0; i < batch->found; i += NAMES) {
+        struct pccd_pair name[NAMES];
+        uint32_t count = batch->found - i < NAMES ? batch->found - i : NAMES;
+        names(worker, (enum pccd_kind)pairs->kind, batch->index + i, count, name);
+        for (uint32_t k = 0; k < count; k++) {
+            if (is_listed) {
+                eng_found_add(&worker->found, &name[k]); /* a full list says so itself */
+            } else if (!eng_stop_is_set(worker->stop)) {
+                eng_test_keep(worker, &name[k], &batch->hits[i + k]);
+            }
+        }
+    }
+}
+
+static void test_contacts(struct eng_worker *worker, const struct eng_pairs *pairs,
+                          const uint32_t *number, eng_names_fn names)
+{
+    struct eng_batch *batch = &worker->narrow->batch;
+    if (pairs->count == 0 || (!pairs->radius && !eng_solvers[pairs->kind].search)) {
+        return; /* what keeps no distance is not tested */
+    }
+    eng_batch_test(batch, pairs);
+    if (worker->question->mode != PCCD_MODE_PAIRS) {
+        worker->record.tests += pairs->count;
+        worker->tally.survivors += batch->survivors;
+    }
+    if (worker->question->brief && (pairs->radius || batch->unsure_count > 0)) {
+        eng_worker_give_up(worker);
+    }
+    keep(worker, pairs, number, names);
+}
+
+/* Those that meet at a distance, then the others. */
+static void test_parts(struct eng_worker *worker, const struct eng_pairs *pairs,
+                       eng_names_fn names)
+{
+    struct eng_narrow_thick *thick = worker->narrow->thick;
+    struct eng_pairs parts[2];
+    eng_narrow_split(worker, pairs, parts);
+    test_contacts(worker, &parts[0], thick->number[0], names);
+    if (parts[0].count > 0 && worker->question->mode != PCCD_MODE_PAIRS) {
+        thick->survivors += worker->narrow->batch.survivors;
+    }
+    if (!eng_stop_is_set(worker->stop)) {
+        test_contacts(worker, &parts[1], thick->number[1], names);
+    }
+}
+
+void eng_narrow_test(struct eng_worker *worker, struct eng_pairs *pairs,
+                     eng_names_fn names)
+{
+    pairs->question = worker->question;
+    pairs->t_end = worker->time_bound;
+    pairs->radius = NULL;
+    if (eng_asks_near(worker->question)) {
+        eng_near_test(worker, pairs, names);
+    } else if (worker->scene->thickness.is_on) {
+        test_parts(worker, pairs, names);
+    } else {
+        test_contacts(worker, pairs, NULL, names);
+    }
+}

@@ -1,0 +1,106 @@
+/* narrow.h - the narrow phase: what becomes of the candidates that a method has found.
+ *
+ *     method      fills struct eng_pairs: points, and which of them each pair has
+ *     narrow.c    contacts, and mode pairs
+ *                 -> narrow_thick.c   takes those apart that meet at a distance
+ *     narrow_near.c    what is near
+ *     -> elementary/batch.c   decides, by the row of the question
+ *     -> result/              records
+ *
+ * Threads: [team]; what a worker has belongs to one thread.
+ */
+#ifndef ENG_NARROW_H
+#define ENG_NARROW_H
+
+#include "batch.h"
+#include "closest_features.h"
+#include "distance.h"
+#include "finding.h"
+#include "thick.h"
+#include "thickness.h"
+
+/* Of pairs that meet at a distance. */
+struct eng_narrow_thick {
+    struct eng_thick thick;
+    struct eng_thick_lanes lanes;
+    struct eng_distances distances; /* of registered positions */
+    uint64_t candidates;            /* tested in this step */
+    uint64_t survivors;
+    uint32_t number[2][ENG_CHUNK_MAX]; /* of the pairs of either part, among all */
+    uint32_t quads[2][ENG_CHUNK_MAX][4];
+    double radius[ENG_CHUNK_MAX][3]; /* of the first part, which is thick */
+    bool is_thin[ENG_CHUNK_MAX];
+};
+
+/* Records of the last features, by key, to each of which others of its name are added
+ * where it is: most of them follow soon. record NULL: none. */
+#define ENG_NEAR_RECENT_BITS 10
+#define ENG_NEAR_RECENT      (1u << ENG_NEAR_RECENT_BITS)
+
+struct eng_near_recent {
+    uint64_t key;
+    struct pccd_near *record;
+};
+
+/* Of what is near. */
+struct eng_narrow_near {
+    struct eng_distances distances;
+    struct pccd_pair names[ENG_CHUNK_MAX]; /* of what the batch has found */
+    bool has_recent;                       /* there is any */
+    struct eng_near_recent recent[ENG_NEAR_RECENT];
+    struct eng_edges_known edges;
+    double least;    /* d_lo of what was found; 2e18: nothing was */
+    double greatest; /* d_hi likewise; 0 */
+    uint64_t pairs;  /* that were found, but for crossings */
+    uint64_t crossings;
+};
+
+struct eng_narrow {
+    struct eng_batch batch;
+    struct eng_narrow_thick *thick; /* NULL: no step has asked for it yet */
+    struct eng_narrow_near *near;   /* likewise */
+};
+
+static inline struct eng_narrow *eng_narrow_of(const struct eng_worker *worker)
+{
+    return worker->narrow;
+}
+
+/* Memory for what is asked of the scene, once. PCCD_E_NOMEM. [compute] */
+int eng_narrow_reserve(struct eng_worker *worker, const struct eng_scene *scene,
+                       const struct eng_question *question);
+void eng_narrow_free(struct eng_worker *worker);
+uint64_t eng_narrow_bytes(const struct eng_worker *worker);
+
+/* Get ready: what was counted is 0. [compute] */
+void eng_narrow_begin(struct eng_worker *worker);
+
+/* Test candidates of one kind, of which the method sets kind, known, count, points, quads
+ * or fives, and keep what is found as the question wants it. Words of the points: word0
+ * is the index of the object << 32 | the vertex's in the scene's arrays, word1 the id of
+ * the object << 32 | the vertex's in its mesh. `names`: of the candidates, by number. */
+void eng_narrow_test(struct eng_worker *worker, struct eng_pairs *pairs,
+                     eng_names_fn names);
+
+/* ---- within this folder ------------------------------------------------------------ */
+
+/* In a step with thickness: those of the pairs that meet at a distance to parts[0], the
+ * others to parts[1]. */
+void eng_narrow_split(struct eng_worker *worker, const struct eng_pairs *pairs,
+                      struct eng_pairs parts[2]);
+
+/* Of what is near: is a pair whose distance is *found within that of the question and its
+ * radii, and not left out for its rest? Exactly. VERTICES: found->lo becomes its bound,
+ * and what is left thin has no radii. */
+bool eng_narrow_is_within(struct eng_worker *worker, const struct eng_pairs *pairs,
+                          uint32_t number, struct eng_distance *found);
+
+/* The range of all names in a scene; get ready for names within it. [compute] */
+struct eng_name_range eng_near_range(const struct eng_scene *scene);
+void eng_near_begin(struct eng_worker *worker, const struct eng_name_range *range);
+
+/* eng_narrow_test of what is near. */
+void eng_near_test(struct eng_worker *worker, struct eng_pairs *pairs,
+                   eng_names_fn names);
+
+#endif
