@@ -119,6 +119,27 @@ struct proto_batch_scene {
     uint32_t segments; /* of the table, that are this scene's; 0: it stands still */
 };
 
+/* An entry of a journal, which pages of scene.journal bring (PROTOCOL.md, "Journals"): a
+ * request as it was sent, and what lay in the slot. */
+struct proto_journal_entry {
+    uint64_t bytes; /* of all of it, a multiple of 8 */
+    uint32_t message_bytes;
+    uint32_t reserved;
+};
+/* Where its payload begins. */
+#define PROTO_JOURNAL_PAYLOAD(message_bytes)                                             \
+    ((sizeof(struct proto_journal_entry) + (uint64_t)(message_bytes) + 7) / 8 * 8)
+
+/* The payload of scene.add begins with it. */
+struct proto_journal_shape {
+    uint32_t vertex_count;
+    uint32_t radius_count; /* 0, or as many as vertices */
+    uint32_t triangle_count;
+    uint32_t edge_count;  /* those of the mesh that are free */
+    uint32_t point_count; /* likewise */
+    uint32_t reserved;
+};
+
 static_assert(sizeof(struct proto_shm_word) == 128, "a word has 128 bytes");
 static_assert(sizeof(struct proto_shm_header) == 128, "header");
 static_assert(offsetof(struct proto_shm_header, size) == 8, "header.size");
@@ -137,6 +158,8 @@ static_assert(sizeof(struct proto_upload) == 0x1000, "slot payloads begin at 0x1
 static_assert(sizeof(struct proto_slot) == 64, "a slot descriptor has 64 bytes");
 static_assert(offsetof(struct proto_slot, memory) == 16, "slot.memory");
 static_assert(sizeof(struct proto_segment) == 32, "a segment has 32 bytes");
+static_assert(sizeof(struct proto_journal_entry) == 16, "a message behind it is aligned");
+static_assert(sizeof(struct proto_journal_shape) == 24, "vertices behind it are aligned");
 static_assert(sizeof(struct proto_batch_scene) == 8, "segments behind it are aligned");
 static_assert(offsetof(struct proto_segment, kind) == 4, "segment.kind");
 static_assert(offsetof(struct proto_segment, first) == 8, "segment.first");

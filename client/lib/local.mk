@@ -29,6 +29,7 @@ libclient_la_SOURCES = \
     client/lib/record.c \
     client/lib/recorder.c \
     client/lib/recorder_events.c \
+    client/lib/recorder_requests.c \
     client/lib/recorder_shared.c \
     client/lib/recorder_snapshot.c \
     client/lib/recover.c \

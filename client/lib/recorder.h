@@ -61,17 +61,31 @@ int cli_record_append(struct cli_recorder *recorder, uint64_t bytes_max,
                       enum record_kind kind, const struct record_part *parts,
                       size_t count);
 
-/* ---- what is kept: recorder_snapshot.c --------------------------------------------- */
-
-/* Everything that is kept, into the segment that has just begun, then LOG, then the steps
- * without an answer. 0 or why it could not be written. */
-int cli_record_snapshot(struct pccd_client *client);
+/* ---- requests: recorder_requests.c ------------------------------------------------- */
 
 typedef int (*cli_record_fn)(struct pccd_client *client, enum record_kind kind,
                              const struct record_part *parts, size_t count);
 /* A mesh, written by `add`. */
 int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
                         const struct registry_shape *shape, cli_record_fn add);
+/* An object with a shape of its own, in doubles. */
+int cli_record_put_guest(struct pccd_client *client, uint32_t scene, uint32_t object,
+                         const struct registry_shape *shape);
+/* frame.submit or scene.near, with what it moves, in two parts, of which each may be
+ * empty. A step without a number is another client's. */
+int cli_record_motion(struct pccd_client *client, int method,
+                      const union cli_params *params, const struct record_part moved[2]);
+/* Whatever has made, set or destroyed something, written by `add`; nothing for other
+ * methods. `answer`: what tells a new handle, NULL: nobody knows it. */
+int cli_record_change(struct pccd_client *client, int method,
+                      const union cli_params *params, const void *answer,
+                      cli_record_fn add);
+
+/* ---- what is kept: recorder_snapshot.c --------------------------------------------- */
+
+/* Everything that is kept, into the segment that has just begun, then LOG, then the steps
+ * without an answer. 0 or why it could not be written. */
+int cli_record_snapshot(struct pccd_client *client);
 /* A step that has been sent, with the payload of its slot. */
 int cli_record_step(struct pccd_client *client, const struct cli_call *call);
 

@@ -292,93 +292,6 @@ static void add_near_answer(struct pccd_client *client, const struct cli_call *c
     }
 }
 
-/* What an object may meet, and what it may not. */
-static void add_filter(struct pccd_client *client,
-                       const struct proto_OBJECT_SET_request *set)
-{
-    struct common_attributes given;
-    struct record_filter filter;
-
-    COMMON_ATTRIBUTES_COPY(&given, set);
-    record_filter_make(&filter, set->scene, set->object, set->what, &given);
-    if (set->what != 0) { /* else it was only looked at */
-        (void)add_or_turn(client, RECORD_FILTER,
-                          &(struct record_part){&filter, sizeof filter}, 1);
-    }
-}
-
-static void add_pair(struct pccd_client *client,
-                     const struct proto_SCENE_IGNORE_request *request)
-{
-    const struct record_pairs pairs = {
-        .scene = request->scene, .ignored = request->ignored, .count = 1};
-    const uint32_t pair[2] = {request->a, request->b};
-    const struct record_part parts[2] = {{&pairs, sizeof pairs}, {pair, sizeof pair}};
-
-    (void)add_or_turn(client, RECORD_PAIRS, parts, 2);
-}
-
-/* What was made or destroyed. */
-static void add_change(struct pccd_client *client, const struct cli_call *call)
-{
-    const union cli_params *params = &call->params;
-    struct record_scene scene;
-    struct record_object object;
-    struct record_gone gone = {.scene = 0};
-    struct record_part part = {&gone, sizeof gone};
-    enum record_kind kind;
-
-    switch (call->method) {
-    case PROTO_METHOD_SCENE_CREATE: {
-        const struct proto_SCENE_CREATE_result *result = call->result;
-
-        if (result == NULL) {
-            return; /* it came too late: nobody knows its handle */
-        }
-        scene = (struct record_scene){.scene = result->scene};
-        part = (struct record_part){&scene, sizeof scene};
-        kind = RECORD_SCENE;
-        break;
-    }
-    case PROTO_METHOD_SCENE_ADD: {
-        const struct proto_SCENE_ADD_result *result = call->result;
-
-        if (result == NULL) {
-            return;
-        }
-        object = (struct record_object){.scene = params->SCENE_ADD.scene,
-                                        .mesh = params->SCENE_ADD.mesh,
-                                        .object = result->object};
-        part = (struct record_part){&object, sizeof object};
-        kind = RECORD_OBJECT;
-        break;
-    }
-    case PROTO_METHOD_SCENE_DESTROY:
-        cli_journal_end(client, params->SCENE_DESTROY.scene);
-        gone.scene = params->SCENE_DESTROY.scene;
-        kind = RECORD_SCENE_GONE;
-        break;
-    case PROTO_METHOD_SCENE_REMOVE:
-        gone.scene = params->SCENE_REMOVE.scene;
-        gone.object = params->SCENE_REMOVE.object;
-        kind = RECORD_OBJECT_GONE;
-        break;
-    case PROTO_METHOD_MESH_DESTROY:
-        gone.mesh = params->MESH_DESTROY.mesh;
-        kind = RECORD_MESH_GONE;
-        break;
-    case PROTO_METHOD_OBJECT_SET:
-        add_filter(client, &params->OBJECT_SET);
-        return;
-    case PROTO_METHOD_SCENE_IGNORE:
-        add_pair(client, &params->SCENE_IGNORE);
-        return;
-    default:
-        return;
-    }
-    (void)add_or_turn(client, kind, &part, 1);
-}
-
 /* A change of a scene whose journal says so. */
 static bool is_in_journal(const struct pccd_client *client, const struct cli_call *call)
 {
@@ -404,6 +317,9 @@ void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
         return;
     }
     begin_ns = common_now_ns();
+    if (call->method == PROTO_METHOD_SCENE_DESTROY && call->status == 0) {
+        cli_journal_end(client, call->params.SCENE_DESTROY.scene);
+    }
     switch (call->method) {
     case PROTO_METHOD_FRAME_SUBMIT:
         add_answer(client, call);
@@ -425,7 +341,8 @@ void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
         break;
     default:
         if (call->status == 0 && !is_in_journal(client, call)) {
-            add_change(client, call);
+            (void)cli_record_change(client, call->method, &call->params, call->result,
+                                    add_or_turn);
         }
         break;
     }

@@ -16,6 +16,7 @@
 struct cli_journal {
     struct cli_journal *next;
     uint32_t scene;
+    bool has_begun;   /* at the daemon */
     bool is_due;      /* there is more, or there may be */
     bool is_asked;    /* a page is on its way */
     uint64_t cursor;  /* of what has come */
@@ -29,8 +30,8 @@ struct cli_journal {
 /* Begin the journal of a scene, and write what is in it; waits. 0, or why not: the
  * recording has ended then. */
 int cli_journal_begin(struct pccd_client *client, uint32_t scene);
-/* Write all that has been done in the scene (0: in any) until now; waits. Nothing without
- * a journal. */
+/* Write all that has been done in the scene until now; waits. Nothing without a
+ * journal. */
 void cli_journal_settle(struct pccd_client *client, uint32_t scene);
 /* The same of all of them, and no more. */
 void cli_journal_stop(struct pccd_client *client);

@@ -2,6 +2,7 @@
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "coordinates.h"
@@ -35,46 +36,6 @@ static int write_scene(struct pccd_client *client, const struct registry_scene *
 
     return cli_record_add(client, RECORD_SCENE,
                           &(struct record_part){&scene, sizeof scene}, 1);
-}
-
-/* What goes before a mesh. */
-static int put_before(struct pccd_client *client, const struct registry_shape *shape,
-                      cli_record_fn add)
-{
-    const struct record_radii radii = {.vertex_count = shape->vertex_count};
-    const struct record_part of_radii[] = {
-        {&radii, sizeof radii}, {shape->radii, shape->vertex_count * sizeof(double)}};
-    const struct record_free free = {.vertex_count = shape->vertex_count,
-                                     .edge_count = shape->edge_count,
-                                     .point_count = shape->point_count};
-    const struct record_part of_free[] = {
-        {&free, sizeof free},
-        {shape->edges, shape->edge_count * sizeof(uint32_t[2])},
-        {shape->points, shape->point_count * sizeof(uint32_t)}};
-    int status = shape->radii != NULL ? add(client, RECORD_RADII, of_radii, 2) : 0;
-
-    return status == 0 && shape->edge_count + shape->point_count > 0
-               ? add(client, RECORD_FREE, of_free, 3)
-               : status;
-}
-
-int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
-                        const struct registry_shape *shape, cli_record_fn add)
-{
-    static const uint8_t zeros[8];
-    const struct record_mesh head = {.mesh = mesh,
-                                     .format = shape->format,
-                                     .vertex_count = shape->vertex_count,
-                                     .triangle_count = shape->triangle_count};
-    size_t bytes = shape->vertex_count * common_vertex_bytes(shape->format);
-    const struct record_part parts[] = {
-        {&head, sizeof head},
-        {shape->x, bytes},
-        {zeros, (8 - bytes % 8) % 8},
-        {shape->triangles, shape->triangle_count * sizeof(uint32_t[3])}};
-    int status = put_before(client, shape, add);
-
-    return status != 0 ? status : add(client, RECORD_MESH, parts, 4);
 }
 
 static int write_meshes(struct pccd_client *client)
@@ -214,65 +175,6 @@ static int write_scenes(struct pccd_client *client)
     return status;
 }
 
-/* What a call moves, behind `head`. */
-static int write_motion(struct pccd_client *client, const struct cli_call *call,
-                        enum record_kind kind, const char *tuning,
-                        struct record_part head, bool moves)
-{
-    struct record_part parts[2] = {head};
-    int status = cli_record_tuning(client, tuning);
-
-    if (call->slot != CLI_SLOT_NONE && moves) {
-        parts[1] = (struct record_part){cli_slot_payload(&client->ring, call->slot),
-                                        client->ring.slots[call->slot].used_bytes};
-    }
-    return status != 0 ? status
-                       : cli_record_add(client, kind, parts, parts[1].bytes > 0 ? 2 : 1);
-}
-
-static int write_near(struct pccd_client *client, const struct cli_call *call)
-{
-    const struct proto_SCENE_NEAR_request *request = &call->params.SCENE_NEAR;
-    const struct record_near near = {.step = request->step,
-                                     .scene = request->scene,
-                                     .segment_count = request->segments,
-                                     .what = request->what,
-                                     .end = request->end,
-                                     .method = request->method,
-                                     .threads = request->threads,
-                                     .objects = {request->object_a, request->object_b},
-                                     .distance = request->distance,
-                                     .gap = request->gap,
-                                     .deadline_ns = request->deadline_ns};
-    int status = cli_record_tells(client, request->tells_crossings);
-
-    return status != 0 ? status
-                       : write_motion(client, call, RECORD_NEAR, request->tuning,
-                                      (struct record_part){&near, sizeof near},
-                                      request->segments > 0);
-}
-
-static int write_frame(struct pccd_client *client, const struct cli_call *call)
-{
-    const struct proto_FRAME_SUBMIT_request *request = &call->params.FRAME_SUBMIT;
-    struct record_frame frame = {.step = request->step,
-                                 .scene = request->scene,
-                                 .segment_count = request->segments,
-                                 .mode = request->mode,
-                                 .method = request->method,
-                                 .threads = request->threads,
-                                 .tolerance = request->tolerance,
-                                 .deadline_ns = request->deadline_ns};
-    int status = cli_record_separation(client, request->separation, request->approach);
-
-    client->recorder->segment_frames++;
-    status = status != 0 ? status : cli_record_tells(client, request->tells_start);
-    return status != 0 ? status
-                       : write_motion(client, call, RECORD_FRAME, request->tuning,
-                                      (struct record_part){&frame, sizeof frame},
-                                      request->segments > 0);
-}
-
 /* The segments of a scene of a batch, with offsets as in a slot of its own, and where its
  * positions lie. */
 static struct record_part rebase(const struct pccd_client *client,
@@ -303,27 +205,27 @@ static struct record_part rebase(const struct pccd_client *client,
 static int write_scene_frame(struct pccd_client *client, const struct cli_call *call,
                              uint32_t scene, uint32_t first, struct proto_segment *table)
 {
-    const struct proto_BATCH_SUBMIT_request *request = &call->params.BATCH_SUBMIT;
+    const struct proto_BATCH_SUBMIT_request *batch = &call->params.BATCH_SUBMIT;
     const struct cli_slot *own = &client->ring.slots[call->slot];
     uint32_t count = own->scenes[scene].segments;
-    const struct record_frame frame = {.step = request->step + scene,
-                                       .scene = own->scenes[scene].scene,
-                                       .segment_count = count,
-                                       .mode = request->mode,
-                                       .method = request->method,
-                                       .threads = request->threads,
-                                       .tolerance = request->tolerance,
-                                       .deadline_ns = request->deadline_ns};
-    struct record_part parts[3] = {{&frame, sizeof frame},
-                                   {table, count * sizeof *table}};
-    int status = cli_record_separation(client, request->separation, request->approach);
+    union cli_params params = {.FRAME_SUBMIT = {.scene = own->scenes[scene].scene,
+                                                .segments = count,
+                                                .mode = batch->mode,
+                                                .method = batch->method,
+                                                .threads = batch->threads,
+                                                .tolerance = batch->tolerance,
+                                                .deadline_ns = batch->deadline_ns,
+                                                .step = batch->step + scene,
+                                                .separation = batch->separation,
+                                                .approach = batch->approach}};
+    struct record_part moved[2] = {{table, count * sizeof *table}, {NULL, 0}};
 
+    static_assert(sizeof params.FRAME_SUBMIT.tuning == sizeof batch->tuning, "a text");
+    memcpy(params.FRAME_SUBMIT.tuning, batch->tuning, sizeof batch->tuning);
     if (count > 0) {
-        parts[2] = rebase(client, call, own->segments + first, count, table);
+        moved[1] = rebase(client, call, own->segments + first, count, table);
     }
-    status = status != 0 ? status : cli_record_tuning(client, request->tuning);
-    return status != 0 ? status
-                       : cli_record_add(client, RECORD_FRAME, parts, count > 0 ? 3 : 1);
+    return cli_record_motion(client, PROTO_METHOD_FRAME_SUBMIT, &params, moved);
 }
 
 /* A batch: the steps of its scenes, one after the other, but for those whose journal says
@@ -341,7 +243,6 @@ static int write_batch(struct pccd_client *client, const struct cli_call *call)
     }
     for (uint32_t i = 0; status == 0 && i < own->scene_count; i++) {
         if (!cli_journal_has(client, own->scenes[i].scene)) {
-            client->recorder->segment_frames++;
             status = write_scene_frame(client, call, i, first, table);
         }
         first += own->scenes[i].segments;
@@ -355,6 +256,9 @@ int cli_record_step(struct pccd_client *client, const struct cli_call *call)
     bool is_near = call->method == PROTO_METHOD_SCENE_NEAR;
     uint32_t scene =
         is_near ? call->params.SCENE_NEAR.scene : call->params.FRAME_SUBMIT.scene;
+    uint32_t segments =
+        is_near ? call->params.SCENE_NEAR.segments : call->params.FRAME_SUBMIT.segments;
+    struct record_part moved[2] = {{NULL, 0}, {NULL, 0}};
 
     assert(cli_call_is_step(call->method) && call->step != 0);
     if (call->method == PROTO_METHOD_BATCH_SUBMIT) {
@@ -363,7 +267,11 @@ int cli_record_step(struct pccd_client *client, const struct cli_call *call)
     if (cli_journal_has(client, scene)) {
         return 0; /* the journal says when it was its turn */
     }
-    return is_near ? write_near(client, call) : write_frame(client, call);
+    if (call->slot != CLI_SLOT_NONE && segments > 0) {
+        moved[0] = (struct record_part){cli_slot_payload(&client->ring, call->slot),
+                                        client->ring.slots[call->slot].used_bytes};
+    }
+    return cli_record_motion(client, call->method, &call->params, moved);
 }
 
 /* Steps that are not in what is kept yet, in the order of their sending. */

@@ -14,8 +14,7 @@
 /* X(F, type, member, NAME, at first, meaning), in the order of the bits PCCD_OBJECT_NAME
  * of enum pccd_object_what. `type` is a number of messages.def: u32, u64, f64 or bool;
  * `member` is called so in struct pccd_object_settings and struct pccd_object_info, too.
- * F is handed through. New ones go to the end: journals and recordings have them in this
- * order. */
+ * F is handed through. New ones go to the end: recordings have them in this order. */
 #define COMMON_OBJECT_ATTRIBUTES(X, F)                                                   \
     X(F, u64, group, GROUP, 1, "bits: the groups that it is in; at first 1")             \
     X(F, u64, mask, MASK, UINT64_MAX, "bits: the groups that it may meet; at first all") \
@@ -42,7 +41,7 @@ struct common_attributes {
 #undef COMMON_MEMBER
 };
 
-/* Number of a word of a journal or a recording: COMMON_WORD_GROUP. */
+/* Number of a word of a recording: COMMON_WORD_GROUP. */
 enum {
 #define COMMON_NUMBER(F, type, member, name, at_first, meaning) COMMON_WORD_##name,
     COMMON_OBJECT_ATTRIBUTES(COMMON_NUMBER, )
@@ -95,7 +94,7 @@ static inline void common_attributes_set(struct common_attributes *to, uint32_t 
 #undef COMMON_SET
 }
 
-/* A word of a journal or a recording: the number, of a double its bits. */
+/* A word of a recording: the number, of a double its bits. */
 static inline uint64_t common_word_of_u32(uint32_t number)
 {
     return number;

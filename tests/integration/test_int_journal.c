@@ -13,7 +13,6 @@
 
 #include "crossing.h"
 #include "daemon.h"
-#include "journal.h"
 #include "raw.h"
 
 #define MIB (1ull << 20)
@@ -94,14 +93,18 @@ static const uint8_t *page(const struct proto_SCENE_JOURNAL_result *result)
 /* If it failed, a reader would be told something else than what was done. */
 static void journal__tells_what_is_done_in_order(void **state)
 {
-    static const uint32_t kinds[] = {PROTO_JOURNAL_OBJECT, PROTO_JOURNAL_STEP,
-                                     PROTO_JOURNAL_STEP, PROTO_JOURNAL_GONE};
+    static const int methods[] = {PROTO_METHOD_SCENE_ADD, PROTO_METHOD_FRAME_SUBMIT,
+                                  PROTO_METHOD_FRAME_SUBMIT, PROTO_METHOD_SCENE_REMOVE};
     struct proto_SCENE_REMOVE_request gone = {.scene = scene};
     struct proto_SCENE_JOURNAL_result result, again;
-    struct proto_journal_entry entry;
-    struct proto_journal_step told;
-    uint64_t at = 0;
-    double z;
+    union {
+        struct proto_SCENE_ADD_request add;
+        struct proto_FRAME_SUBMIT_request submit;
+        struct proto_SCENE_REMOVE_request gone;
+    } told;
+    struct proto_segment segment;
+    const uint8_t *at, *payload;
+    float z;
 
     (void)state;
     add();
@@ -112,21 +115,24 @@ static void journal__tells_what_is_done_in_order(void **state)
     gone.object = object;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &gone, NULL), 0);
     assert_int_equal(ask(0, 0, false, &result), 0); /* nothing was taken: all of it */
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        memcpy(&entry, page(&result) + at, sizeof entry);
-        assert_int_equal(entry.kind, kinds[i]);
-        assert_int_equal(entry.object, kinds[i] == PROTO_JOURNAL_STEP ? 0 : object);
-        if (i == 2) {
-            memcpy(&told, page(&result) + at + sizeof entry, sizeof told);
-            memcpy(&z, page(&result) + at + entry.bytes - sizeof z, sizeof z);
-            assert_int_equal(told.step, 2);
-            assert_int_equal(told.number, 2);
-            assert_int_equal(told.segments, 1);
-            assert_true(z == 0.5);
+    at = page(&result);
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
+        assert_int_equal(test_raw_entry(&raw, &at, &told, &payload), methods[i]);
+        if (i == 2) { /* as it was sent: floats, of the end alone */
+            memcpy(&segment, payload, sizeof segment);
+            memcpy(&z, payload + segment.offset1 + 2 * sizeof z, sizeof z);
+            assert_int_equal(told.submit.step, 2);
+            assert_int_equal(told.submit.segments, 1);
+            assert_int_equal(segment.object, object);
+            assert_int_equal(segment.kind, PROTO_SEGMENT_X1);
+            assert_int_equal(segment.format, PCCD_FORMAT_F32);
+            assert_true(z == 0.5f);
+        } else if (i != 1) {
+            assert_int_equal(i == 0 ? told.add.want : told.gone.object, object);
         }
-        at += entry.bytes;
+        assert_int_equal(i == 0 ? told.add.scene : told.gone.scene, scene);
     }
-    assert_int_equal(at, result.end);
+    assert_ptr_equal(at, page(&result) + result.count);
     /* Once more, from the middle of an entry, and the same bytes. */
     assert_int_equal(ask(result.end - 20, 0, false, &again), 0);
     assert_int_equal(again.count, 20);

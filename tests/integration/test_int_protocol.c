@@ -13,7 +13,6 @@
 #include <cmocka.h>
 
 #include "fixture.h"
-#include "journal.h"
 #include "prng.h"
 #include "raw.h"
 
@@ -312,43 +311,47 @@ static uint64_t u64_at(const uint8_t *at)
     return value;
 }
 
-/* The next entry of a page, which is of that kind and about that object; *at goes behind
- * it. */
-static const uint8_t *entry_at(const uint8_t **at, uint32_t kind, uint32_t object)
+/* The next entry of a page, whose request, *request, is of that method; *at goes behind
+ * it. Returns its payload. */
+static const uint8_t *entry_at(const uint8_t **at, int method, void *request)
 {
     const uint8_t *entry = *at;
+    const uint8_t *payload = NULL;
     assert_int_equal(u64_at(entry) % 8, 0);
-    assert_int_equal(u32_at(entry + 0x08), kind);
-    assert_int_equal(u32_at(entry + 0x0c), object);
-    *at += u64_at(entry);
-    return entry;
+    assert_int_equal(u32_at(entry + 0x0c), 0);
+    assert_int_equal(test_raw_entry(&raw, at, request, &payload), method);
+    assert_ptr_equal(payload, entry + (0x10 + u32_at(entry + 0x08) + 7) / 8 * 8);
+    assert_ptr_equal(*at, entry + u64_at(entry));
+    return payload;
 }
 
 /* What the document says of an entry for the small triangle, made of test_triangle_x. */
-static void check_object(const uint8_t *entry)
+static void check_object(const uint8_t *payload, const uint8_t *end)
 {
     double x[3];
-    assert_int_equal(u64_at(entry), 0x10 + 8 + 3 * 24 + 12 + 4); /* the last are zeros */
-    assert_int_equal(u32_at(entry + 0x10), 3);
-    assert_int_equal(u32_at(entry + 0x14), 1);
-    memcpy(x, entry + 0x18 + 24, sizeof x);
+    assert_int_equal(end - payload, 0x18 + 3 * 24 + 12 + 4); /* the last are zeros */
+    assert_int_equal(u32_at(payload), 3);
+    assert_int_equal(u32_at(payload + 0x04), 0); /* radii */
+    assert_int_equal(u32_at(payload + 0x08), 1);
+    assert_int_equal(u64_at(payload + 0x0c), 0); /* edges, points */
+    memcpy(x, payload + 0x18 + 24, sizeof x);
     assert_true(x[0] == 1 && x[1] == 0 && x[2] == 1);
-    assert_int_equal(u32_at(entry + 0x18 + 3 * 24 + 4), 1);
+    assert_int_equal(u32_at(payload + 0x18 + 3 * 24 + 4), 1);
 }
 
 /* The small triangle went from height 1 to -1. */
-static void check_step(const uint8_t *entry)
+static void check_step(const struct proto_FRAME_SUBMIT_request *submit,
+                       const uint8_t *slot)
 {
-    double z;
-    assert_int_equal(u64_at(entry + 0x18), 1);
-    assert_int_equal(u32_at(entry + 0x28), PCCD_MODE_ANY);
-    assert_int_equal(u32_at(entry + 0x34), 1);
-    assert_int_equal(entry[0x38], 0); /* no tuning */
-    const uint8_t *slot = entry + 0x78;
+    float z;
+    assert_int_equal(submit->mode, PCCD_MODE_ANY);
+    assert_int_equal(submit->segments, 1);
+    assert_int_equal(submit->tuning[0], 0);
     assert_int_equal(u32_at(slot), objects[1]);
-    memcpy(&z, slot + u64_at(slot + 0x10) + 16, sizeof z);
+    assert_int_equal(u32_at(slot + 0x04), PROTO_SEGMENT_X0X1); /* floats */
+    memcpy(&z, slot + u64_at(slot + 0x10) + 8, sizeof z);
     assert_true(z == 1);
-    memcpy(&z, slot + u64_at(slot + 0x18) + 16, sizeof z);
+    memcpy(&z, slot + u64_at(slot + 0x18) + 8, sizeof z);
     assert_true(z == -1);
 }
 
@@ -362,6 +365,13 @@ static void journal__is_laid_out_as_the_document_says(void **state)
     struct proto_OBJECT_SET_request set = {.what = 7, .group = 5, .mask = 6};
     struct proto_SCENE_IGNORE_request ignore = {.ignored = true};
     struct proto_SCENE_REMOVE_request remove = {0};
+    union {
+        struct proto_SCENE_ADD_request add;
+        struct proto_FRAME_SUBMIT_request submit;
+        struct proto_OBJECT_SET_request set;
+        struct proto_SCENE_IGNORE_request ignore;
+        struct proto_SCENE_REMOVE_request remove;
+    } told;
     (void)state;
     make_scene("journal");
     ask.scene = set.scene = ignore.scene = remove.scene = scene;
@@ -376,19 +386,19 @@ static void journal__is_laid_out_as_the_document_says(void **state)
     call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
     const uint8_t *at = (const uint8_t *)raw.result.base + page.offset;
     const uint8_t *end = at + page.count;
-    (void)entry_at(&at, 1, objects[0]);
-    check_object(entry_at(&at, 1, objects[1]));
-    check_step(entry_at(&at, 5, 0));
-    const uint8_t *filter = entry_at(&at, 3, objects[1]);
-    assert_int_equal(u64_at(filter + 0x10), 5);
-    assert_int_equal(u64_at(filter + 0x18), 6);
-    assert_int_equal(u32_at(filter + 0x20), 0);
-    const uint8_t *pairs = entry_at(&at, 4, 0);
-    assert_int_equal(u32_at(pairs + 0x10), 1);
-    assert_int_equal(u32_at(pairs + 0x14), 1);
-    assert_int_equal(u32_at(pairs + 0x18) + u32_at(pairs + 0x1c),
-                     objects[0] + objects[1]);
-    assert_int_equal(u64_at(entry_at(&at, 2, objects[1])), 0x10);
+    (void)entry_at(&at, PROTO_METHOD_SCENE_ADD, &told.add);
+    assert_int_equal(told.add.want, objects[0]);
+    const uint8_t *shape = entry_at(&at, PROTO_METHOD_SCENE_ADD, &told.add);
+    assert_int_equal(told.add.want, objects[1]);
+    check_object(shape, at);
+    const uint8_t *slot = entry_at(&at, PROTO_METHOD_FRAME_SUBMIT, &told.submit);
+    check_step(&told.submit, slot);
+    (void)entry_at(&at, PROTO_METHOD_OBJECT_SET, &told.set);
+    assert_memory_equal(&told.set, &set, sizeof set);
+    (void)entry_at(&at, PROTO_METHOD_SCENE_IGNORE, &told.ignore);
+    assert_memory_equal(&told.ignore, &ignore, sizeof ignore);
+    (void)entry_at(&at, PROTO_METHOD_SCENE_REMOVE, &told.remove);
+    assert_memory_equal(&told.remove, &remove, sizeof remove);
     assert_ptr_equal(at, end);
 }
 
@@ -445,32 +455,35 @@ static void write_rigid(struct prng *prng, uint32_t at, uint32_t first, uint32_t
     }
 }
 
-/* The positions at both ends of the step that a page of the journal ends with. */
-static void read_step(const struct proto_SCENE_JOURNAL_result *page, double x[2][3][3])
+/* The positions at both ends of the last step, of the object that it has moved: a journal
+ * begins with them. */
+static void read_step(double x[2][3][3])
 {
-    const uint8_t *at = (const uint8_t *)raw.result.base + page->offset;
-    const uint8_t *end = at + page->count;
-    struct proto_journal_entry entry = {0};
+    struct proto_SCENE_JOURNAL_request ask = {.scene = scene, .begin = MIB};
+    const struct proto_SCENE_JOURNAL_request stop = {.scene = scene, .stop = true};
+    struct proto_SCENE_JOURNAL_result page;
+    struct proto_FRAME_SUBMIT_request told;
+    struct proto_SCENE_ADD_request add;
     struct proto_segment segment;
-    for (; at < end; at += entry.bytes) {
-        memcpy(&entry, at, sizeof entry);
-        if (entry.kind == PROTO_JOURNAL_STEP) {
-            const uint8_t *slot = at + sizeof entry + sizeof(struct proto_journal_step);
-            memcpy(&segment, slot, sizeof segment);
-            assert_true(segment.object == objects[1] && segment.count == 3);
-            memcpy(x[0], slot + segment.offset0, sizeof x[0]);
-            memcpy(x[1], slot + segment.offset1, sizeof x[1]);
-        }
-    }
-    assert_int_equal(entry.kind, PROTO_JOURNAL_STEP);
+    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    const uint8_t *at = (const uint8_t *)raw.result.base + page.offset;
+    (void)entry_at(&at, PROTO_METHOD_SCENE_ADD, &add);
+    (void)entry_at(&at, PROTO_METHOD_SCENE_ADD, &add);
+    const uint8_t *slot = entry_at(&at, PROTO_METHOD_FRAME_SUBMIT, &told);
+    assert_ptr_equal(at, (const uint8_t *)raw.result.base + page.offset + page.count);
+    memcpy(&segment, slot, sizeof segment);
+    assert_true(told.place && told.segments == 1);
+    assert_true(segment.object == objects[1] && segment.count == 3);
+    memcpy(x[0], slot + segment.offset0, sizeof x[0]);
+    memcpy(x[1], slot + segment.offset1, sizeof x[1]);
+    atomic_store(&test_raw_upload(&raw)->result_head.value, page.release);
+    call(PROTO_METHOD_SCENE_JOURNAL, &stop, NULL);
 }
 
 /* If it failed, whoever computes rigid motion by the document, as to verify an answer or
  * to place objects again, would have other bits than the daemon. */
 static void rigid__has_the_bits_of_the_document_part_by_part(void **state)
 {
-    struct proto_SCENE_JOURNAL_request ask = {.begin = MIB};
-    struct proto_SCENE_JOURNAL_result page;
     struct proto_FRAME_SUBMIT_request submit = {.segments = 2};
     struct proto_FRAME_SUBMIT_result answer;
     struct prng prng = {prng_seed()};
@@ -479,19 +492,14 @@ static void rigid__has_the_bits_of_the_document_part_by_part(void **state)
     uint32_t others = 0;
     (void)state;
     make_scene_with("rigid", rest_x);
-    ask.scene = submit.scene = scene;
-    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    submit.scene = scene;
     for (int i = 0; i < 200; i++) {
         write_rigid(&prng, 0, 0, 2, expected, &others); /* the one part, and the other */
         write_rigid(&prng, 1, 2, 1, expected, &others);
         submit.seq = test_raw_publish(&raw, 0);
         call(PROTO_METHOD_FRAME_SUBMIT, &submit, &answer);
-        ask.begin = 0;
-        ask.cursor = page.end;
-        call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
-        read_step(&page, found);
+        read_step(found);
         assert_memory_equal(found, expected, sizeof found);
-        atomic_store(&test_raw_upload(&raw)->result_head.value, page.release);
     }
     assert_true(others > 100); /* or the order would not show */
 }
@@ -499,8 +507,6 @@ static void rigid__has_the_bits_of_the_document_part_by_part(void **state)
 /* If it failed, vertices that a rigid segment does not name would be dragged along. */
 static void rigid__leaves_the_rest_of_the_object_where_it_is(void **state)
 {
-    struct proto_SCENE_JOURNAL_request ask = {.begin = MIB};
-    struct proto_SCENE_JOURNAL_result page;
     struct proto_FRAME_SUBMIT_request submit = {.segments = 1};
     struct prng prng = {prng_seed()};
     double expected[2][3][3];
@@ -508,8 +514,7 @@ static void rigid__leaves_the_rest_of_the_object_where_it_is(void **state)
     uint32_t others = 0;
     (void)state;
     make_scene_with("part", rest_x);
-    ask.scene = submit.scene = scene;
-    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    submit.scene = scene;
     for (uint32_t i = 0; i < 9; i++) {
         expected[0][i / 3][i % 3] = expected[1][i / 3][i % 3] =
             (double)rest_x[i / 3][i % 3];
@@ -517,10 +522,7 @@ static void rigid__leaves_the_rest_of_the_object_where_it_is(void **state)
     write_rigid(&prng, 0, 1, 1, expected, &others);
     submit.seq = test_raw_publish(&raw, 0);
     call(PROTO_METHOD_FRAME_SUBMIT, &submit, NULL);
-    ask.begin = 0;
-    ask.cursor = page.end;
-    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
-    read_step(&page, found);
+    read_step(found);
     assert_memory_equal(found, expected, sizeof found);
 }
 

@@ -372,6 +372,67 @@ static void record__begins_with_what_others_have_done(void **state)
     }
 }
 
+/* What is near where the last step began. */
+static void ask_start(struct member *member)
+{
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+    settings.what = PCCD_NEAR_PAIRS;
+    settings.distance = 1.5;
+    settings.end = 0;
+    assert_int_equal(
+        pccd_ask_near(member->client, member->scene, NULL, 0, &settings, &answer), 0);
+    assert_true(answer.total > 0);
+    pccd_answer_release(member->client, &answer);
+    member->answered++;
+}
+
+/* Both move, in a step of that member, or only that one. */
+static void move_both(struct member *member, struct member *other)
+{
+    hold(other);
+    collect(member, submit(member, false));
+    collect(other, other->held);
+    other->held = 0;
+}
+
+/* If this failed, what is near where the last step began would be looked for, in a
+ * recording, where it ended: a step from before it began, or a still one of another. */
+static void record__knows_where_the_last_step_began(void **state)
+{
+    struct pccd_record_info info;
+    struct member a, b;
+
+    (void)state;
+    if (test_is_direct()) {
+        test_skip("with direct: nothing is kept of what was before");
+    }
+    for (int still = 0; still < 2; still++) {
+        uint64_t number = 0;
+
+        prng.state = prng_seed() + 200;
+        test_recording_clear();
+        connect_member(&a, 0);
+        connect_member(&b, 1);
+        enter(&a, "start");
+        enter(&b, "start");
+        move_both(&a, &b);
+        a.answered = 0;
+        assert_int_equal(pccd_record_start(a.client, test_recording, NULL), 0);
+        if (still != 0) {
+            move_both(&a, &b);
+            assert_int_equal(pccd_submit_still(b.client, b.scene, NULL, &number), 0);
+            collect(&b, number);
+        }
+        ask_start(&a);
+        assert_int_equal(pccd_record_stop(a.client, &info), 0);
+        pccd_close(a.client);
+        pccd_close(b.client);
+        assert_repeats(a.answered);
+    }
+}
+
 /* If this failed, a recording that cannot be right would look as if it were. */
 static void record__ends_where_it_would_not_be_whole(void **state)
 {
@@ -434,6 +495,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(record__holds_what_others_do),
         cmocka_unit_test(record__begins_with_what_others_have_done),
+        cmocka_unit_test(record__knows_where_the_last_step_began),
         cmocka_unit_test(record__ends_where_it_would_not_be_whole),
         cmocka_unit_test(record__ends_when_the_daemon_is_lost),
     };

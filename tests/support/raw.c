@@ -228,6 +228,25 @@ int test_raw_call(struct test_raw *raw, int method, const void *request, void *r
     return id == 0 ? PCCD_E_DISCONNECTED : test_raw_answer(raw, id, method, result);
 }
 
+int test_raw_entry(struct test_raw *raw, const uint8_t **at, void *request,
+                   const uint8_t **payload)
+{
+    struct proto_journal_entry entry;
+    memcpy(&entry, *at, sizeof entry);
+    *payload = *at + PROTO_JOURNAL_PAYLOAD(entry.message_bytes);
+    int status = proto_decode(raw->decoder, *at + sizeof entry, entry.message_bytes,
+                              &raw->envelope, &raw->error);
+    *at += entry.bytes;
+    if (status != 0 || entry.bytes % 8 != 0 || raw->envelope.kind != PROTO_REQUEST ||
+        raw->envelope.method < 0 || *payload > *at) {
+        return -1;
+    }
+    const struct proto_fields *fields = &proto_messages[raw->envelope.method].request;
+    return proto_decode_body(&raw->envelope, fields, request, &raw->error) == 0
+               ? raw->envelope.method
+               : -1;
+}
+
 int test_raw_hello(struct test_raw *raw)
 {
     struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MIN,

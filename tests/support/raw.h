@@ -57,6 +57,12 @@ int test_raw_call(struct test_raw *raw, int method, const void *request, void *r
 uint32_t test_raw_request(struct test_raw *raw, int method, const void *request);
 int test_raw_answer(struct test_raw *raw, uint32_t id, int method, void *result);
 
+/* Decode the request of a journal's entry at *at into *request, which is as large as any;
+ * *at goes behind the entry. Returns the method, -1: that is none; *payload: what was
+ * sent with it. */
+int test_raw_entry(struct test_raw *raw, const uint8_t **at, void *request,
+                   const uint8_t **payload);
+
 /* hello, and a ring. Both return as test_raw_call. */
 int test_raw_hello(struct test_raw *raw);
 int test_raw_attach(struct test_raw *raw, uint32_t slot_count, uint64_t slot_bytes);

@@ -105,7 +105,7 @@ static int begin_drive(struct playing *playing, struct ctl_error *error)
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", ""); /* it has been told */
     }
     playing->summary->daemon_pid = pccd_daemon_pid(playing->drive.client);
-    playing->drive.knows_no_begin = playing->place > 1; /* it is told where things are */
+    playing->drive.knows_no_begin = true; /* it is told where things are */
     return drive_begin(&playing->drive, &playing->world, error);
 }
 

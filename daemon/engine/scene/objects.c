@@ -400,12 +400,6 @@ const struct eng_mesh *eng_scene_mesh(const struct eng_scene *scene, uint32_t ob
     return scene->objects[object_idx].mesh;
 }
 
-bool eng_scene_was_moved(const struct eng_scene *scene, uint32_t object_idx)
-{
-    assert(eng_scene_object(scene, object_idx));
-    return scene->objects[object_idx].staged == scene->stage;
-}
-
 const double (*eng_scene_positions(const struct eng_scene *scene, uint32_t object_idx,
                                    unsigned end))[3]
 {

@@ -131,13 +131,10 @@ uint32_t eng_scene_ignored_count(const struct eng_scene *scene);
 bool eng_scene_next_ignored(const struct eng_scene *scene, uint32_t *from,
                             uint32_t pair_idx[2]);
 
-/* Of an object that there is. Its id and mesh; whether the last step wrote to it; its
- * vertices at the start (0) and the end (1) of that step, if it did, else 1 is where it
- * stands.
- * They lie in the scene until it is staged or changed. */
+/* Of an object that there is. Its id and mesh; its vertices where the last step began (0)
+ * and ended (1). They lie in the scene until it is staged or changed. */
 uint32_t eng_scene_object_id(const struct eng_scene *scene, uint32_t object_idx);
 const struct eng_mesh *eng_scene_mesh(const struct eng_scene *scene, uint32_t object_idx);
-bool eng_scene_was_moved(const struct eng_scene *scene, uint32_t object_idx);
 const double (*eng_scene_positions(const struct eng_scene *scene, uint32_t object_idx,
                                    unsigned end))[3];
 

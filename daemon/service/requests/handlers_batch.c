@@ -98,6 +98,7 @@ static int step_scene(const struct work *work, const struct srv_batch_item *item
     if (item->shared != NULL) {
         srv_shared_hide(scene);
         srv_held_check(scene, &item->shared->taken);
+        srv_journal_open(scene, item->segments);
     }
     eng_stage_begin(engine);
     if (settings->threads > 1) {

@@ -105,7 +105,7 @@ static int change(struct srv_request *request, struct srv_placed *placed,
     status = eng_scene_set_filter(engine, placed->engine_idx, &filter);
     PCCD_ASSERT(status == PCCD_OK); /* the engine has every object that is placed */
     placed->attributes = now;
-    srv_journal_filter(request->plan.scene, placed);
+    srv_journal_note(request->plan.scene, PROTO_METHOD_OBJECT_SET, asked);
     return 0;
 }
 
@@ -210,7 +210,7 @@ static int work_ignore(struct srv_request *request)
         return proto_error_set(&request->error, status, "no memory for another pair");
     }
     srv_scene_count_ignored(request->plan.scene);
-    srv_journal_pair(request->plan.scene, asked->a, asked->b, asked->ignored);
+    srv_journal_note(request->plan.scene, PROTO_METHOD_SCENE_IGNORE, asked);
     request->result.SCENE_IGNORE.pairs = eng_scene_ignored_count(engine);
     return 0;
 }

@@ -56,7 +56,7 @@ static int work_journal(struct srv_request *request)
             return refuse(request, status);
         }
     }
-    struct srv_journal *journal = srv_journal_find(scene, request->plan.member);
+    struct srv_journal *journal = request->plan.member->journal;
     if (journal == NULL) {
         return proto_error_set(&request->error, PCCD_E_STATE,
                                "this session keeps no journal of scene 0x%x",

@@ -9,6 +9,7 @@
 #include "member.h"
 #include "service.h"
 #include "session.h"
+#include "srv_journal.h"
 
 #define NS_PER_MS 1000000u
 
@@ -180,6 +181,7 @@ int srv_stepping_begin(struct srv_request *request)
 void srv_stepping_open(struct srv_request *request, struct eng_scene *engine)
 {
     struct eng_question settings = srv_stepping_settings(request);
+    srv_journal_open(request->plan.scene, asked_of(request).cargo.segments);
     eng_stage_begin(engine);
     if (!settings.brief) {
         eng_stage_share(engine, settings.threads, settings.affinity);

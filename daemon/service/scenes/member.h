@@ -12,6 +12,7 @@
 #include "compute.h"
 
 struct srv_held;
+struct srv_journal;
 struct srv_session;
 struct srv_shared;
 
@@ -29,7 +30,8 @@ struct srv_member {
     uint32_t cursor;         /* [compute] objects before it have been taken out */
     uint32_t aside;          /* place of the next object of srv_shared_aside */
     uint32_t handle;         /* of the scene, in the session's table */
-    uint64_t journal_bytes;  /* SRV_QUOTA_SHM_BYTES, for its journal; 0: none */
+    struct srv_journal *journal; /* [compute] of the scene; NULL: none */
+    uint64_t journal_bytes;      /* SRV_QUOTA_SHM_BYTES, for its journal; 0: none */
     bool is_writer;
     bool holds;         /* a frame for the scene's next step (held.h) */
     uint64_t held_step; /* the client's number of the frame that waits; 0: none does */

@@ -1,12 +1,18 @@
 /* srv_journal.c - what is done to a shared scene, written down for a session. */
 #include "srv_journal.h"
 
+#include <assert.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "held.h"
 #include "invariant.h"
-#include "shm.h"
+#include "member.h"
+#include "service.h"
+#include "session.h"
+#include "staging.h"
+#include "workspace.h"
 
 struct srv_journal_entry {
     struct srv_journal_entry *next;
@@ -16,22 +22,20 @@ struct srv_journal_entry {
 
 /* ---- what is kept ------------------------------------------------------------------ */
 
-static uint64_t padded(uint64_t bytes)
+static uint64_t kept_bytes(const struct srv_journal *journal)
 {
-    return (bytes + 7) / 8 * 8;
+    return journal->end - journal->begin;
 }
 
-/* Room for an entry with `bytes` behind its head, zeros; NULL: it is full. */
-static uint8_t *append(struct srv_journal *journal, enum proto_journal_kind kind,
-                       uint32_t object, uint64_t bytes)
+/* A request of so many encoded bytes, and room for `bytes` of payload, zeros; NULL: it is
+ * full. */
+static uint8_t *add_entry(struct srv_journal *journal,
+                          const struct proto_encoder *message, uint64_t bytes)
 {
     const struct proto_journal_entry head = {
-        .bytes = padded(sizeof head + bytes), .kind = (uint32_t)kind, .object = object};
-    uint64_t kept = journal->end - journal->begin;
-    if (journal->status != 0) {
-        return NULL;
-    }
-    if (kept > journal->bytes_max || head.bytes > journal->bytes_max - kept) {
+        .bytes = PROTO_JOURNAL_PAYLOAD(message->bytes) + (bytes + 7) / 8 * 8,
+        .message_bytes = (uint32_t)message->bytes};
+    if (head.bytes > journal->bytes_max - kept_bytes(journal)) {
         journal->status = PCCD_E_LIMIT;
         return NULL;
     }
@@ -42,6 +46,7 @@ static uint8_t *append(struct srv_journal *journal, enum proto_journal_kind kind
     }
     entry->bytes = head.bytes;
     memcpy(entry->data, &head, sizeof head);
+    memcpy(entry->data + sizeof head, message->data, message->bytes);
     if (journal->last != NULL) {
         journal->last->next = entry;
     } else {
@@ -49,7 +54,48 @@ static uint8_t *append(struct srv_journal *journal, enum proto_journal_kind kind
     }
     journal->last = entry;
     journal->end += head.bytes;
-    return entry->data + sizeof head;
+    return entry->data + PROTO_JOURNAL_PAYLOAD(message->bytes);
+}
+
+#define REQUESTS(X)                                                                      \
+    X(SCENE_ADD)                                                                         \
+    X(SCENE_REMOVE) X(OBJECT_SET) X(SCENE_IGNORE) X(FRAME_SUBMIT) X(SCENE_NEAR)
+#define MEMBER(ID) struct proto_##ID##_request ID;
+#define HAS_SCENE_FIRST(ID)                                                              \
+    static_assert(offsetof(struct proto_##ID##_request, scene) == 0, #ID);
+/* Each begins with the handle of its scene. */
+union params {
+    uint32_t scene;
+    REQUESTS(MEMBER)
+};
+REQUESTS(HAS_SCENE_FIRST)
+
+/* The same of a request that is to be encoded, with this session's handle. */
+static uint8_t *add_request(struct srv_journal *journal, int method, const void *request,
+                            uint64_t bytes)
+{
+    struct proto_encoder *encoder =
+        srv_workspace_of_thread(journal->member->session->service->workspaces)->encoder;
+    union params params;
+    if (journal->status != 0) {
+        return NULL;
+    }
+    memcpy(&params, request, proto_messages[method].request.struct_bytes);
+    params.scene = journal->member->handle;
+    int status = proto_encode_request(encoder, 0, method, &params);
+    PCCD_ASSERT(status == 0); /* it has come as a message */
+    return add_entry(journal, encoder, bytes);
+}
+
+/* A request with what its slot held. */
+static void add_motion(struct srv_journal *journal, int method, const void *request,
+                       const struct srv_sent *sent)
+{
+    journal->status = journal->status != 0 ? journal->status : sent->status;
+    uint8_t *to = add_request(journal, method, request, sent->bytes);
+    if (to != NULL && sent->bytes > 0) {
+        memcpy(to, sent->slot, sent->bytes);
+    }
 }
 
 void srv_journal_forget(struct srv_journal *journal, uint64_t position)
@@ -86,108 +132,68 @@ void srv_journal_copy(const struct srv_journal *journal, uint64_t position,
     }
 }
 
-struct srv_journal *srv_journal_find(const struct srv_scene *scene,
-                                     const struct srv_member *member)
+void srv_journal_end(struct srv_scene *scene, struct srv_member *member)
 {
     srv_assert_compute();
-    struct srv_journal *journal = scene->diaries;
-    while (journal != NULL && journal->member != member) {
-        journal = journal->next;
-    }
-    return journal;
-}
-
-void srv_journal_end(struct srv_scene *scene, const struct srv_member *member)
-{
-    srv_assert_compute();
+    struct srv_journal *journal = member->journal;
     struct srv_journal **at = &scene->diaries;
-    while (*at != NULL && (*at)->member != member) {
+    if (journal == NULL) {
+        return;
+    }
+    while (*at != journal) {
         at = &(*at)->next;
     }
-    struct srv_journal *journal = *at;
-    if (journal != NULL) {
-        *at = journal->next;
-        srv_journal_forget(journal, UINT64_MAX);
-        free(journal);
+    *at = journal->next;
+    member->journal = NULL;
+    srv_journal_forget(journal, UINT64_MAX);
+    free(journal);
+    if (scene->diaries == NULL) {
+        srv_sent_end(&scene->sent);
     }
 }
 
 /* ---- objects ----------------------------------------------------------------------- */
 
-static void note_radii(struct srv_journal *journal, const struct eng_mesh *mesh,
-                       uint32_t vertex_count)
+/* `count` items of an array, which is NULL if there are none. Returns what is behind. */
+static uint8_t *put(uint8_t *to, const void *items, uint64_t count, size_t item_bytes)
 {
-    const double *radii = eng_mesh_radii(mesh);
-    const struct proto_journal_radii head = {.vertex_count = vertex_count};
-    uint64_t bytes = vertex_count * sizeof *radii;
-    uint8_t *to = radii != NULL
-                      ? append(journal, PROTO_JOURNAL_RADII, 0, sizeof head + bytes)
-                      : NULL;
-    if (to != NULL) {
-        memcpy(to, &head, sizeof head);
-        memcpy(to + sizeof head, radii, bytes);
+    if (count > 0) {
+        memcpy(to, items, count * item_bytes);
     }
-}
-
-static void note_free(struct srv_journal *journal, const struct eng_mesh *mesh,
-                      const struct eng_mesh_info *info)
-{
-    const struct proto_journal_free head = {.vertex_count = info->vertex_count,
-                                            .edge_count = info->free_edge_count,
-                                            .point_count = info->free_point_count};
-    uint64_t edge_bytes = head.edge_count * sizeof(uint32_t[2]);
-    uint64_t point_bytes = head.point_count * sizeof(uint32_t);
-    uint8_t *to = edge_bytes + point_bytes > 0
-                      ? append(journal, PROTO_JOURNAL_FREE, 0,
-                               sizeof head + edge_bytes + point_bytes)
-                      : NULL;
-    if (to != NULL) {
-        memcpy(to, &head, sizeof head);
-        to += sizeof head;
-        eng_mesh_get_free(mesh, (uint32_t(*)[2])(void *)to,
-                          (uint32_t *)(void *)(to + edge_bytes));
-    }
+    return to + count * item_bytes;
 }
 
 static void note_object(struct srv_journal *journal, const struct srv_scene *scene,
                         const struct srv_placed *placed)
 {
+    const struct proto_SCENE_ADD_request add = {.want = placed->handle};
     const struct eng_mesh *mesh = eng_scene_mesh(scene->engine, placed->engine_idx);
+    const double *radii = eng_mesh_radii(mesh);
     struct eng_mesh_info info;
     eng_mesh_get_info(mesh, &info);
-    const struct proto_journal_object head = {info.vertex_count, info.triangle_count};
-    uint64_t x_bytes = info.vertex_count * sizeof(double[3]);
-    note_radii(journal, mesh, info.vertex_count);
-    note_free(journal, mesh, &info);
-    uint8_t *to =
-        append(journal, PROTO_JOURNAL_OBJECT, placed->handle,
-               sizeof head + x_bytes + info.triangle_count * sizeof(uint32_t[3]));
-    if (to != NULL) {
-        memcpy(to, &head, sizeof head);
-        memcpy(to + sizeof head, eng_mesh_vertices(mesh), x_bytes);
-        eng_mesh_get_corners(mesh, (uint32_t(*)[3])(void *)(to + sizeof head + x_bytes));
+    const struct proto_journal_shape shape = {.vertex_count = info.vertex_count,
+                                              .radius_count =
+                                                  radii != NULL ? info.vertex_count : 0,
+                                              .triangle_count = info.triangle_count,
+                                              .edge_count = info.free_edge_count,
+                                              .point_count = info.free_point_count};
+    uint8_t *to = add_request(journal, PROTO_METHOD_SCENE_ADD, &add,
+                              sizeof shape + shape.vertex_count * sizeof(double[3]) +
+                                  shape.radius_count * sizeof(double) +
+                                  shape.triangle_count * sizeof(uint32_t[3]) +
+                                  shape.edge_count * sizeof(uint32_t[2]) +
+                                  shape.point_count * sizeof(uint32_t));
+    if (to == NULL) {
+        return;
     }
-}
-
-static void note_filter(struct srv_journal *journal, const struct srv_placed *placed)
-{
-    uint64_t words[COMMON_WORDS];
-    common_attributes_pack(&placed->attributes, words);
-    uint8_t *to = append(journal, PROTO_JOURNAL_FILTER, placed->handle, sizeof words);
-    if (to != NULL) {
-        memcpy(to, words, sizeof words);
-    }
-}
-
-static void note_pairs(struct srv_journal *journal, const uint32_t (*pairs)[2],
-                       uint32_t count, bool ignored)
-{
-    const struct proto_journal_pairs head = {count, ignored};
-    uint8_t *to =
-        append(journal, PROTO_JOURNAL_PAIRS, 0, sizeof head + count * sizeof *pairs);
-    if (to != NULL) {
-        memcpy(to, &head, sizeof head);
-        memcpy(to + sizeof head, pairs, count * sizeof *pairs);
+    to = put(to, &shape, 1, sizeof shape);
+    to = put(to, eng_mesh_vertices(mesh), shape.vertex_count, sizeof(double[3]));
+    to = put(to, radii, shape.radius_count, sizeof(double));
+    uint32_t(*triangles)[3] = (uint32_t(*)[3])(void *)to;
+    uint32_t(*edges)[2] = (uint32_t(*)[2])(void *)(triangles + shape.triangle_count);
+    eng_mesh_get_corners(mesh, triangles);
+    if (shape.edge_count + shape.point_count > 0) {
+        eng_mesh_get_free(mesh, edges, (uint32_t *)(void *)(edges + shape.edge_count));
     }
 }
 
@@ -202,133 +208,37 @@ void srv_journal_add(struct srv_scene *scene, const struct srv_placed *placed)
 
 void srv_journal_gone(struct srv_scene *scene, uint32_t object)
 {
-    srv_assert_compute();
-    for (struct srv_journal *journal = scene->diaries; journal != NULL;
-         journal = journal->next) {
-        (void)append(journal, PROTO_JOURNAL_GONE, object, 0);
-    }
+    const struct proto_SCENE_REMOVE_request gone = {.object = object};
+    srv_journal_note(scene, PROTO_METHOD_SCENE_REMOVE, &gone);
 }
 
-void srv_journal_filter(struct srv_scene *scene, const struct srv_placed *placed)
+void srv_journal_note(struct srv_scene *scene, int method, const void *request)
 {
     srv_assert_compute();
     for (struct srv_journal *journal = scene->diaries; journal != NULL;
          journal = journal->next) {
-        note_filter(journal, placed);
-    }
-}
-
-void srv_journal_pair(struct srv_scene *scene, uint32_t a, uint32_t b, bool ignored)
-{
-    const uint32_t pair[1][2] = {{a, b}};
-    srv_assert_compute();
-    for (struct srv_journal *journal = scene->diaries; journal != NULL;
-         journal = journal->next) {
-        note_pairs(journal, pair, 1, ignored);
+        (void)add_request(journal, method, request, 0);
     }
 }
 
 /* ---- steps ------------------------------------------------------------------------- */
 
-typedef bool (*choose_fn)(const struct srv_scene *scene, const struct srv_placed *placed);
-
-static bool was_moved(const struct srv_scene *scene, const struct srv_placed *placed)
+void srv_journal_open(struct srv_scene *scene, uint32_t segments)
 {
-    return placed->handle != 0 && eng_scene_was_moved(scene->engine, placed->engine_idx);
-}
-
-/* Whether it is not where its mesh was registered. */
-static bool is_elsewhere(const struct srv_scene *scene, const struct srv_placed *placed)
-{
-    return placed->handle != 0 &&
-           memcmp(eng_scene_positions(scene->engine, placed->engine_idx, 1),
-                  eng_mesh_vertices(eng_scene_mesh(scene->engine, placed->engine_idx)),
-                  placed->vertex_count * sizeof(double[3])) != 0;
-}
-
-/* How many objects are chosen, and the bytes of a segment table and positions of both
- * ends. */
-static uint32_t measure(const struct srv_scene *scene, choose_fn is_chosen,
-                        uint64_t *bytes)
-{
-    uint32_t count = 0;
-    uint64_t x_bytes = 0;
-    for (uint32_t i = 0; i < scene->placed_count; i++) {
-        if (is_chosen(scene, &scene->placed[i])) {
-            count++;
-            x_bytes += scene->placed[i].vertex_count * sizeof(double[3]);
-        }
+    srv_assert_compute();
+    uint64_t segments_max = segments;
+    uint64_t bytes_max = 0;
+    for (const struct srv_held *held = scene->held; held != NULL; held = held->next) {
+        segments_max += held->submit.segments;
     }
-    *bytes = count * sizeof(struct proto_segment) + 2 * x_bytes;
-    return count;
-}
-
-/* The `count` objects that are chosen, from where they were at the end `from` to where
- * they are, as they could have stood in a slot. */
-static void write_motion(uint8_t *to, const struct srv_scene *scene, choose_fn is_chosen,
-                         uint32_t count, unsigned from)
-{
-    uint64_t offset = count * sizeof(struct proto_segment);
-    uint8_t *table = to;
-    for (uint32_t i = 0; i < scene->placed_count; i++) {
-        const struct srv_placed *placed = &scene->placed[i];
-        if (!is_chosen(scene, placed)) {
-            continue;
-        }
-        uint64_t bytes = placed->vertex_count * sizeof(double[3]);
-        const struct proto_segment segment = {.object = placed->handle,
-                                              .kind = PROTO_SEGMENT_X0X1,
-                                              .format = PCCD_FORMAT_F64,
-                                              .count = placed->vertex_count,
-                                              .offset0 = offset,
-                                              .offset1 = offset + bytes};
-        memcpy(table, &segment, sizeof segment);
-        memcpy(to + segment.offset0,
-               eng_scene_positions(scene->engine, placed->engine_idx, from), bytes);
-        memcpy(to + segment.offset1,
-               eng_scene_positions(scene->engine, placed->engine_idx, 1), bytes);
-        table += sizeof segment;
-        offset += 2 * bytes;
+    for (const struct srv_journal *journal = scene->diaries; journal != NULL;
+         journal = journal->next) {
+        uint64_t left =
+            journal->status == 0 ? journal->bytes_max - kept_bytes(journal) : 0;
+        bytes_max = left > bytes_max ? left : bytes_max;
     }
-}
-
-/* What a step is asked for, but for its head. */
-struct asked {
-    struct proto_journal_separation separation;
-    bool tells_start;
-};
-
-/* NULL: nobody was to meet anybody. */
-static void note_asked(struct srv_journal *journal, const struct asked *asked)
-{
-    if (asked != NULL && asked->tells_start) {
-        (void)append(journal, PROTO_JOURNAL_TELLS, 0, 0);
-    }
-    if (asked == NULL ||
-        (asked->separation.separation == 0.0 && asked->separation.approach == 0.0)) {
-        return;
-    }
-    uint8_t *to = append(journal, PROTO_JOURNAL_SEPARATION, 0, sizeof asked->separation);
-    if (to != NULL) {
-        memcpy(to, &asked->separation, sizeof asked->separation);
-    }
-}
-
-/* A step of the objects that are chosen, which were at the end `from`. */
-static void note_step(struct srv_journal *journal, const struct srv_scene *scene,
-                      struct proto_journal_step head, const struct asked *asked,
-                      choose_fn is_chosen, unsigned from)
-{
-    uint64_t bytes = 0;
-    head.segments = measure(scene, is_chosen, &bytes);
-    if (head.segments == 0 && head.step == 0) {
-        return; /* nothing that a reader could not do without */
-    }
-    note_asked(journal, asked);
-    uint8_t *to = append(journal, PROTO_JOURNAL_STEP, 0, sizeof head + bytes);
-    if (to != NULL) {
-        memcpy(to, &head, sizeof head);
-        write_motion(to + sizeof head, scene, is_chosen, head.segments, from);
+    if (scene->diaries != NULL) {
+        srv_sent_begin(&scene->sent, segments_max, bytes_max);
     }
 }
 
@@ -347,40 +257,18 @@ void srv_journal_step(struct srv_scene *scene,
                       const struct srv_member *member, const struct srv_held *taken)
 {
     srv_assert_compute();
-    struct proto_journal_step head = {.number = submit->place ? 0 : scene->number,
-                                      .tolerance = submit->tolerance,
-                                      .mode = submit->mode,
-                                      .method = submit->method,
-                                      .threads = submit->threads};
-    const struct asked asked = {{submit->separation, submit->approach},
-                                submit->tells_start};
-    memcpy(head.tuning, submit->tuning, strnlen(submit->tuning, sizeof head.tuning));
+    struct proto_FRAME_SUBMIT_request told = *submit;
+    told.slot = 0; /* the payload has it all */
+    told.seq = 0;
+    told.segments = scene->sent.segments;
     for (struct srv_journal *journal = scene->diaries; journal != NULL;
          journal = journal->next) {
-        head.step = submit->place               ? 0
+        told.step = submit->place               ? 0
                     : journal->member == member ? submit->step
                                                 : number_of_held(taken, journal->member);
-        note_step(journal, scene, head, &asked, was_moved, 0);
+        add_motion(journal, PROTO_METHOD_FRAME_SUBMIT, &told, &scene->sent);
     }
-}
-
-static bool none(const struct srv_scene *scene, const struct srv_placed *placed)
-{
-    (void)scene;
-    (void)placed;
-    return false;
-}
-
-static void note_near(struct srv_journal *journal, const struct srv_scene *scene,
-                      struct proto_journal_near head, choose_fn is_chosen)
-{
-    uint64_t bytes = 0;
-    head.segments = measure(scene, is_chosen, &bytes);
-    uint8_t *to = append(journal, PROTO_JOURNAL_NEAR, 0, sizeof head + bytes);
-    if (to != NULL) {
-        memcpy(to, &head, sizeof head);
-        write_motion(to + sizeof head, scene, is_chosen, head.segments, 0);
-    }
+    srv_sent_end(&scene->sent);
 }
 
 void srv_journal_near(struct srv_scene *scene,
@@ -388,62 +276,104 @@ void srv_journal_near(struct srv_scene *scene,
                       const struct srv_member *member)
 {
     srv_assert_compute();
-    bool moves = near->segments > 0;
-    struct proto_journal_near head = {.step = near->step,
-                                      .distance = near->distance,
-                                      .gap = near->gap,
-                                      .what = near->what,
-                                      .end = near->end,
-                                      .object_a = near->object_a,
-                                      .object_b = near->object_b,
-                                      .method = near->method,
-                                      .threads = near->threads,
-                                      .tells_crossings = near->tells_crossings};
-    memcpy(head.tuning, near->tuning, strnlen(near->tuning, sizeof head.tuning));
+    struct proto_SCENE_NEAR_request told = *near;
+    if (near->segments == 0) { /* no staging was opened */
+        srv_sent_end(&scene->sent);
+    }
+    told.slot = 0;
+    told.seq = 0;
+    told.segments = scene->sent.segments;
+    const struct proto_FRAME_SUBMIT_request moved = {.segments = told.segments};
     for (struct srv_journal *journal = scene->diaries; journal != NULL;
          journal = journal->next) {
         if (journal->member == member) {
-            note_near(journal, scene, head, moves ? was_moved : none);
-        } else if (moves) {
-            const struct proto_journal_step moved = {.step = 0};
-            note_step(journal, scene, moved, NULL, was_moved, 0);
+            add_motion(journal, PROTO_METHOD_SCENE_NEAR, &told, &scene->sent);
+        } else if (near->segments > 0) {
+            add_motion(journal, PROTO_METHOD_FRAME_SUBMIT, &moved, &scene->sent);
         }
     }
+    srv_sent_end(&scene->sent);
 }
 
 /* ---- the beginning ----------------------------------------------------------------- */
 
-/* All pairs that ignore each other: by index in the engine, to be named by handle. */
-static void note_ignored(struct srv_journal *journal, const struct srv_scene *scene)
+static void note_attributes(struct srv_journal *journal, const struct srv_placed *placed)
 {
-    uint32_t count = eng_scene_ignored_count(scene->engine);
-    const struct proto_journal_pairs head = {count, true};
-    uint32_t from = 0;
-    uint32_t pair[2];
-    if (count == 0) {
-        return;
+    const struct common_attributes *is = &placed->attributes;
+    struct proto_OBJECT_SET_request set = {.object = placed->handle,
+                                           .what = COMMON_OBJECT_KNOWN};
+    if (!common_attributes_are_thick(is)) {
+        set.what &= ~COMMON_OBJECT_THICK; /* a recording that needs no reader of these */
     }
-    uint8_t *to =
-        append(journal, PROTO_JOURNAL_PAIRS, 0, sizeof head + count * sizeof pair);
-    if (to == NULL) {
-        return;
-    }
-    memcpy(to, &head, sizeof head);
-    to += sizeof head;
-    while (eng_scene_next_ignored(scene->engine, &from, pair)) {
-        for (int k = 0; k < 2; k++) {
-            pair[k] = eng_scene_object_id(scene->engine, pair[k]);
-        }
-        memcpy(to, pair, sizeof pair);
-        to += sizeof pair;
+    COMMON_ATTRIBUTES_COPY(&set, is);
+    if (!common_attributes_are_at_first(is)) {
+        (void)add_request(journal, PROTO_METHOD_OBJECT_SET, &set, 0);
     }
 }
 
-int srv_journal_begin(struct srv_scene *scene, const struct srv_member *member,
+/* All pairs that ignore each other: by index in the engine, to be named by handle. */
+static void note_ignored(struct srv_journal *journal, const struct eng_scene *engine)
+{
+    uint32_t from = 0;
+    uint32_t pair[2];
+    while (eng_scene_next_ignored(engine, &from, pair)) {
+        const struct proto_SCENE_IGNORE_request ignore = {
+            .a = eng_scene_object_id(engine, pair[0]),
+            .b = eng_scene_object_id(engine, pair[1]),
+            .ignored = true};
+        (void)add_request(journal, PROTO_METHOD_SCENE_IGNORE, &ignore, 0);
+    }
+}
+
+/* Where the scene's last step has moved the object, and from where, unless it stands
+ * where its mesh was registered. */
+static void add_place(struct srv_sent *sent, const struct srv_scene *scene,
+                      const struct srv_placed *placed)
+{
+    const struct eng_scene *engine = scene->engine;
+    uint32_t idx = placed->engine_idx;
+    const void *registered = eng_mesh_vertices(eng_scene_mesh(engine, idx));
+    const uint8_t *ends[2] = {(const uint8_t *)eng_scene_positions(engine, idx, 0),
+                              (const uint8_t *)eng_scene_positions(engine, idx, 1)};
+    uint64_t bytes = placed->vertex_count * sizeof(double[3]);
+    const struct proto_segment segment = {.object = placed->handle,
+                                          .kind = PROTO_SEGMENT_X0X1,
+                                          .format = PCCD_FORMAT_F64,
+                                          .count = placed->vertex_count};
+    if (memcmp(ends[0], registered, bytes) != 0 ||
+        memcmp(ends[1], registered, bytes) != 0) {
+        srv_sent_add(sent, &segment, bytes, ends);
+    }
+}
+
+static void note_scene(struct srv_journal *journal, const struct srv_scene *scene)
+{
+    struct proto_FRAME_SUBMIT_request placing = {.place = true};
+    struct srv_sent places = {.slot = NULL};
+    srv_sent_begin(&places, scene->placed_count, journal->bytes_max);
+    for (uint32_t i = 0; i < scene->placed_count; i++) {
+        const struct srv_placed *placed = &scene->placed[i];
+        if (placed->handle != 0) {
+            note_object(journal, scene, placed);
+            note_attributes(journal, placed);
+            add_place(&places, scene, placed);
+        }
+    }
+    if (scene->engine != NULL) {
+        note_ignored(journal, scene->engine);
+    }
+    placing.segments = places.segments;
+    if (places.segments > 0 || places.status != 0) {
+        add_motion(journal, PROTO_METHOD_FRAME_SUBMIT, &placing, &places);
+    }
+    srv_sent_end(&places);
+}
+
+int srv_journal_begin(struct srv_scene *scene, struct srv_member *member,
                       uint64_t bytes_max)
 {
     srv_assert_compute();
-    if (srv_journal_find(scene, member) != NULL) {
+    if (member->journal != NULL) {
         return PCCD_E_STATE;
     }
     struct srv_journal *journal = calloc(1, sizeof *journal);
@@ -453,19 +383,8 @@ int srv_journal_begin(struct srv_scene *scene, const struct srv_member *member,
     *journal = (struct srv_journal){
         .next = scene->diaries, .member = member, .bytes_max = bytes_max};
     scene->diaries = journal;
-    for (uint32_t i = 0; i < scene->placed_count; i++) {
-        if (scene->placed[i].handle != 0) {
-            note_object(journal, scene, &scene->placed[i]);
-            if (!common_attributes_are_at_first(&scene->placed[i].attributes)) {
-                note_filter(journal, &scene->placed[i]);
-            }
-        }
-    }
-    if (scene->engine != NULL) {
-        const struct proto_journal_step placing = {.step = 0};
-        note_ignored(journal, scene);
-        note_step(journal, scene, placing, NULL, is_elsewhere, 1);
-    }
+    member->journal = journal;
+    note_scene(journal, scene);
     int status = journal->status;
     if (status != 0) {
         srv_journal_end(scene, member);

@@ -1,8 +1,8 @@
 /* srv_journal.h - the journal of a shared scene: everything that any client does to it,
  * for a member that records it.
  *
- * Note each object that comes, goes or changes, and each step with what moved, in the
- * order in which it was done; keep the notes until the member has fetched them.
+ * Note the requests that change the scene as they were sent, and the slots of steps, in
+ * the order in which they were done; keep them until the member has fetched them.
  *
  * Threads: [compute]. The memory is the C library's, charged before it is taken
  * (handlers_journal.c).
@@ -13,7 +13,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "journal.h"
 #include "srv_scene.h"
 
 struct srv_held;
@@ -33,24 +32,24 @@ struct srv_journal {
 
 /* Begin one with the scene as it is. PCCD_E_STATE: the session has one; PCCD_E_LIMIT:
  * even this does not fit; PCCD_E_NOMEM. */
-int srv_journal_begin(struct srv_scene *scene, const struct srv_member *member,
+int srv_journal_begin(struct srv_scene *scene, struct srv_member *member,
                       uint64_t bytes_max);
-/* NULL: it has none. */
-struct srv_journal *srv_journal_find(const struct srv_scene *scene,
-                                     const struct srv_member *member);
 /* Forget the entries before `position`, as far as they are whole. */
 void srv_journal_forget(struct srv_journal *journal, uint64_t position);
 /* Copy `bytes` bytes from `position` on, which are kept. */
 void srv_journal_copy(const struct srv_journal *journal, uint64_t position,
                       uint64_t bytes, uint8_t *to);
 /* The session's, if it has one. */
-void srv_journal_end(struct srv_scene *scene, const struct srv_member *member);
+void srv_journal_end(struct srv_scene *scene, struct srv_member *member);
 
 /* Note what has been done, for every session that wants to know; nothing for none. */
 void srv_journal_add(struct srv_scene *scene, const struct srv_placed *placed);
 void srv_journal_gone(struct srv_scene *scene, uint32_t object);
-void srv_journal_filter(struct srv_scene *scene, const struct srv_placed *placed);
-void srv_journal_pair(struct srv_scene *scene, uint32_t a, uint32_t b, bool ignored);
+/* object.set or scene.ignore, as it was sent. */
+void srv_journal_note(struct srv_scene *scene, int method, const void *request);
+/* A staging is opened, of so many segments and those of held frames: what it takes is
+ * kept until its step is noted. */
+void srv_journal_open(struct srv_scene *scene, uint32_t segments);
 /* A step has run that a session submitted with that member, and has taken along what was
  * held. */
 void srv_journal_step(struct srv_scene *scene,

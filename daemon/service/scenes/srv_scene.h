@@ -43,6 +43,18 @@ struct srv_kept {
     struct proto_answer answer; /* but for the page */
 };
 
+/* What a step moves, as clients have sent it: for journals. All zero: nothing was sent,
+ * and nothing may be. */
+struct srv_sent {
+    uint8_t *slot; /* the payload of a slot that holds it all */
+    uint64_t bytes;
+    uint64_t room;
+    uint64_t bytes_max;
+    uint64_t segments_max; /* its table has room for */
+    uint32_t segments;     /* are in there */
+    int status;            /* 0, or why not all is here: PCCD_E_LIMIT, PCCD_E_NOMEM */
+};
+
 struct srv_scene {
     struct srv_resource resource;
     struct srv_handles objects;          /* [loop] of struct srv_object */
@@ -62,6 +74,7 @@ struct srv_scene {
                               * has its own */
     struct srv_held *held;   /* frames for its next step (held.h), oldest first */
     struct srv_journal *diaries; /* of what is done to it (srv_journal.h) */
+    struct srv_sent sent;        /* what the staging that is open moves, for these */
     uint64_t changes;            /* objects that went, or got another shape */
     uint64_t number;             /* of its last step */
     struct srv_kept stepped;     /* its last step's */

@@ -6,6 +6,80 @@
 
 #include "coordinates.h"
 #include "invariant.h"
+#include "proto_limits.h"
+
+/* ---- a copy for journals ----------------------------------------------------------- */
+
+/* Room for so many bytes more. */
+static int reserve_sent(struct srv_sent *sent, uint64_t bytes)
+{
+    if (bytes > sent->bytes_max - sent->bytes) {
+        return PCCD_E_LIMIT;
+    }
+    uint64_t need = sent->bytes + bytes;
+    if (need > sent->room) {
+        uint64_t room = need + need / 2;
+        uint8_t *slot = realloc(sent->slot, room);
+        if (slot == NULL) {
+            return PCCD_E_NOMEM;
+        }
+        sent->slot = slot;
+        sent->room = room;
+    }
+    return 0;
+}
+
+void srv_sent_begin(struct srv_sent *sent, uint64_t segments_max, uint64_t bytes_max)
+{
+    uint64_t table_bytes = segments_max * sizeof(struct proto_segment);
+    srv_sent_end(sent);
+    sent->bytes_max = bytes_max;
+    sent->segments_max = segments_max;
+    sent->status = segments_max > PROTO_SEGMENTS_MAX ? PCCD_E_LIMIT
+                                                     : reserve_sent(sent, table_bytes);
+    if (sent->status == 0 && table_bytes > 0) {
+        memset(sent->slot, 0, table_bytes);
+        sent->bytes = table_bytes;
+    }
+}
+
+/* Append what `*part` points to, and point to the copy. Returns its offset. */
+static uint64_t append_sent(struct srv_sent *sent, const uint8_t **part, uint64_t bytes)
+{
+    uint64_t offset = sent->bytes;
+    uint64_t padded = (bytes + 7) / 8 * 8;
+    uint8_t *to = sent->slot + offset;
+    memcpy(to, *part, bytes);
+    memset(to + bytes, 0, padded - bytes);
+    *part = to;
+    sent->bytes += padded;
+    return offset;
+}
+
+void srv_sent_add(struct srv_sent *sent, const struct proto_segment *segment,
+                  uint64_t bytes, const uint8_t *parts[2])
+{
+    struct proto_segment copy = *segment;
+    if (sent->status == 0) {
+        sent->status = reserve_sent(sent, 2 * (bytes + 8));
+    }
+    if (sent->status != 0) {
+        return;
+    }
+    PCCD_ASSERT(sent->segments < sent->segments_max);
+    copy.offset0 =
+        segment->kind == PROTO_SEGMENT_X1 ? 0 : append_sent(sent, &parts[0], bytes);
+    copy.offset1 = append_sent(sent, &parts[1], bytes);
+    memcpy(sent->slot + sent->segments++ * sizeof copy, &copy, sizeof copy);
+}
+
+void srv_sent_end(struct srv_sent *sent)
+{
+    free(sent->slot);
+    *sent = (struct srv_sent){.slot = NULL};
+}
+
+/* ---- staging ----------------------------------------------------------------------- */
 
 /* A slot while it is being staged. */
 struct staging {
@@ -63,24 +137,29 @@ static int check_segment(const struct staging *staging,
     return 0;
 }
 
-/* Copy the positions of a checked segment of `object` into the scene's staging. Returns
- * an engine status. */
+/* Copy the positions of a checked segment of `object`, whose parts have `bytes` each,
+ * into the scene's staging. Returns an engine status. */
 static int copy_segment(const struct staging *staging, const struct srv_placed *object,
-                        const struct proto_segment *segment)
+                        const struct proto_segment *segment, uint64_t bytes)
 {
     struct eng_scene *engine = staging->scene->engine;
-    const uint8_t *start = staging->payload + segment->offset0;
-    const uint8_t *end = staging->payload + segment->offset1;
+    const uint8_t *parts[2] = {staging->payload + segment->offset0,
+                               staging->payload + segment->offset1};
     enum pccd_format format = (enum pccd_format)segment->format;
     uint32_t idx = object->engine_idx;
+    if (staging->scene->diaries != NULL) {
+        srv_sent_add(&staging->scene->sent, segment, bytes, parts);
+    }
     switch ((enum proto_segment_kind)segment->kind) {
     case PROTO_SEGMENT_X1:
-        return eng_stage_x1(engine, idx, format, segment->first, segment->count, end);
+        return eng_stage_x1(engine, idx, format, segment->first, segment->count,
+                            parts[1]);
     case PROTO_SEGMENT_X0X1:
-        return eng_stage_x0x1(engine, idx, format, segment->first, segment->count, start,
-                              end);
+        return eng_stage_x0x1(engine, idx, format, segment->first, segment->count,
+                              parts[0], parts[1]);
     case PROTO_SEGMENT_RIGID:
-        return eng_stage_rigid(engine, idx, segment->first, segment->count, start, end);
+        return eng_stage_rigid(engine, idx, segment->first, segment->count, parts[0],
+                               parts[1]);
     case PROTO_SEGMENT_KIND_COUNT:
         break;
     }
@@ -120,7 +199,7 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
                                at, segment->count, segment->first, segment->object,
                                object->vertex_count, object->generation);
     }
-    status = copy_segment(staging, object, segment);
+    status = copy_segment(staging, object, segment, bytes);
     if (status != 0) {
         return proto_error_set(
             staging->error, status, "segment %u (object 0x%x, vertices from %u): %s", at,

@@ -46,4 +46,16 @@ int srv_stage_keep(struct srv_ring *ring, const struct srv_cargo *cargo,
                    uint64_t bytes_max, uint8_t **copy, uint64_t *bytes,
                    struct proto_error *error);
 
+/* ---- what is kept of it for journals [compute] ------------------------------------- */
+
+/* While a scene has journals, its staging copies each segment to scene->sent first and
+ * reads the copy: shared memory is read once. Forget what there is; up to so many
+ * segments come, and bytes with their table. */
+void srv_sent_begin(struct srv_sent *sent, uint64_t segments_max, uint64_t bytes_max);
+/* Copy a checked segment. Its parts, of `bytes` each, are where its positions start
+ * (of X1 any) and where they end; then they are the copies, if these fit. */
+void srv_sent_add(struct srv_sent *sent, const struct proto_segment *segment,
+                  uint64_t bytes, const uint8_t *parts[2]);
+void srv_sent_end(struct srv_sent *sent);
+
 #endif

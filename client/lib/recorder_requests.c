@@ -1,0 +1,216 @@
+/* recorder_requests.c - requests as chunks of a recording, this client's and what others
+ * do to a scene that it shares.
+ */
+#include "recorder.h"
+
+#include "coordinates.h"
+#include "payload.h"
+
+/* ---- shapes ------------------------------------------------------------------------ */
+
+/* What goes before a mesh. */
+static int put_before(struct pccd_client *client, const struct registry_shape *shape,
+                      cli_record_fn add)
+{
+    const struct record_radii radii = {.vertex_count = shape->vertex_count};
+    const struct record_part of_radii[] = {
+        {&radii, sizeof radii}, {shape->radii, shape->vertex_count * sizeof(double)}};
+    const struct record_free free = {.vertex_count = shape->vertex_count,
+                                     .edge_count = shape->edge_count,
+                                     .point_count = shape->point_count};
+    const struct record_part of_free[] = {
+        {&free, sizeof free},
+        {shape->edges, shape->edge_count * sizeof(uint32_t[2])},
+        {shape->points, shape->point_count * sizeof(uint32_t)}};
+    int status = shape->radii != NULL ? add(client, RECORD_RADII, of_radii, 2) : 0;
+
+    return status == 0 && shape->edge_count + shape->point_count > 0
+               ? add(client, RECORD_FREE, of_free, 3)
+               : status;
+}
+
+int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
+                        const struct registry_shape *shape, cli_record_fn add)
+{
+    static const uint8_t zeros[8];
+    const struct record_mesh head = {.mesh = mesh,
+                                     .format = shape->format,
+                                     .vertex_count = shape->vertex_count,
+                                     .triangle_count = shape->triangle_count};
+    size_t bytes = shape->vertex_count * common_vertex_bytes(shape->format);
+    const struct record_part parts[] = {
+        {&head, sizeof head},
+        {shape->x, bytes},
+        {zeros, (8 - bytes % 8) % 8},
+        {shape->triangles, shape->triangle_count * sizeof(uint32_t[3])}};
+    int status = put_before(client, shape, add);
+
+    return status != 0 ? status : add(client, RECORD_MESH, parts, 4);
+}
+
+int cli_record_put_guest(struct pccd_client *client, uint32_t scene, uint32_t object,
+                         const struct registry_shape *shape)
+{
+    const struct record_guest head = {.scene = scene,
+                                      .object = object,
+                                      .vertex_count = shape->vertex_count,
+                                      .triangle_count = shape->triangle_count};
+    const struct record_part parts[] = {
+        {&head, sizeof head},
+        {shape->x, shape->vertex_count * sizeof(double[3])},
+        {shape->triangles, shape->triangle_count * sizeof(uint32_t[3])}};
+    int status = put_before(client, shape, cli_record_add);
+
+    return status != 0 ? status : cli_record_add(client, RECORD_GUEST, parts, 3);
+}
+
+/* ---- movements --------------------------------------------------------------------- */
+
+/* What a request moves, behind `head`. */
+static int write_motion(struct pccd_client *client, enum record_kind kind,
+                        const char *tuning, struct record_part head,
+                        const struct record_part moved[2])
+{
+    const struct record_part parts[3] = {head, moved[0], moved[1]};
+    int status = cli_record_tuning(client, tuning);
+
+    return status != 0 ? status : cli_record_add(client, kind, parts, 3);
+}
+
+static int write_near(struct pccd_client *client,
+                      const struct proto_SCENE_NEAR_request *request,
+                      const struct record_part moved[2])
+{
+    const struct record_near near = {.step = request->step,
+                                     .scene = request->scene,
+                                     .segment_count = request->segments,
+                                     .what = request->what,
+                                     .end = request->end,
+                                     .method = request->method,
+                                     .threads = request->threads,
+                                     .objects = {request->object_a, request->object_b},
+                                     .distance = request->distance,
+                                     .gap = request->gap,
+                                     .deadline_ns = request->deadline_ns};
+    int status = cli_record_tells(client, request->tells_crossings);
+
+    return status != 0 ? status
+                       : write_motion(client, RECORD_NEAR, request->tuning,
+                                      (struct record_part){&near, sizeof near}, moved);
+}
+
+static int write_frame(struct pccd_client *client,
+                       const struct proto_FRAME_SUBMIT_request *request,
+                       const struct record_part moved[2])
+{
+    const struct record_frame frame = {.step = request->step,
+                                       .scene = request->scene,
+                                       .segment_count = request->segments,
+                                       .mode = request->mode,
+                                       .method = request->method,
+                                       .threads = request->threads,
+                                       .tolerance = request->tolerance,
+                                       .deadline_ns = request->deadline_ns};
+    enum record_kind kind = request->step != 0 ? RECORD_FRAME : RECORD_MOVE;
+    int status = cli_record_separation(client, request->separation, request->approach);
+
+    client->recorder->segment_frames += kind == RECORD_FRAME;
+    status = status != 0 ? status : cli_record_tells(client, request->tells_start);
+    return status != 0 ? status
+                       : write_motion(client, kind, request->tuning,
+                                      (struct record_part){&frame, sizeof frame}, moved);
+}
+
+int cli_record_motion(struct pccd_client *client, int method,
+                      const union cli_params *params, const struct record_part moved[2])
+{
+    return method == PROTO_METHOD_SCENE_NEAR
+               ? write_near(client, &params->SCENE_NEAR, moved)
+               : write_frame(client, &params->FRAME_SUBMIT, moved);
+}
+
+/* ---- what was made, set or destroyed ----------------------------------------------- */
+
+/* What an object may meet, and what it may not. */
+static int write_filter(struct pccd_client *client,
+                        const struct proto_OBJECT_SET_request *set, cli_record_fn add)
+{
+    struct common_attributes given;
+    struct record_filter filter;
+
+    COMMON_ATTRIBUTES_COPY(&given, set);
+    record_filter_make(&filter, set->scene, set->object, set->what, &given);
+    return set->what == 0 /* it was only looked at */
+               ? 0
+               : add(client, RECORD_FILTER, &(struct record_part){&filter, sizeof filter},
+                     1);
+}
+
+static int write_pair(struct pccd_client *client,
+                      const struct proto_SCENE_IGNORE_request *request, cli_record_fn add)
+{
+    const struct record_pairs pairs = {
+        .scene = request->scene, .ignored = request->ignored, .count = 1};
+    const uint32_t pair[2] = {request->a, request->b};
+    const struct record_part parts[2] = {{&pairs, sizeof pairs}, {pair, sizeof pair}};
+
+    return add(client, RECORD_PAIRS, parts, 2);
+}
+
+int cli_record_change(struct pccd_client *client, int method,
+                      const union cli_params *params, const void *answer,
+                      cli_record_fn add)
+{
+    struct record_scene scene;
+    struct record_object object;
+    struct record_gone gone = {.scene = 0};
+    struct record_part part = {&gone, sizeof gone};
+    enum record_kind kind;
+
+    switch (method) {
+    case PROTO_METHOD_SCENE_CREATE: {
+        const struct proto_SCENE_CREATE_result *result = answer;
+
+        if (result == NULL) {
+            return 0; /* it came too late: nobody knows its handle */
+        }
+        scene = (struct record_scene){.scene = result->scene};
+        part = (struct record_part){&scene, sizeof scene};
+        kind = RECORD_SCENE;
+        break;
+    }
+    case PROTO_METHOD_SCENE_ADD: {
+        const struct proto_SCENE_ADD_result *result = answer;
+
+        if (result == NULL) {
+            return 0;
+        }
+        object = (struct record_object){.scene = params->SCENE_ADD.scene,
+                                        .mesh = params->SCENE_ADD.mesh,
+                                        .object = result->object};
+        part = (struct record_part){&object, sizeof object};
+        kind = RECORD_OBJECT;
+        break;
+    }
+    case PROTO_METHOD_SCENE_DESTROY:
+        gone.scene = params->SCENE_DESTROY.scene;
+        kind = RECORD_SCENE_GONE;
+        break;
+    case PROTO_METHOD_SCENE_REMOVE:
+        gone.scene = params->SCENE_REMOVE.scene;
+        gone.object = params->SCENE_REMOVE.object;
+        kind = RECORD_OBJECT_GONE;
+        break;
+    case PROTO_METHOD_MESH_DESTROY:
+        gone.mesh = params->MESH_DESTROY.mesh;
+        kind = RECORD_MESH_GONE;
+        break;
+    case PROTO_METHOD_OBJECT_SET:
+        return write_filter(client, &params->OBJECT_SET, add);
+    case PROTO_METHOD_SCENE_IGNORE:
+        return write_pair(client, &params->SCENE_IGNORE, add);
+    default:
+        return 0;
+    }
+    return add(client, kind, &part, 1);
+}
