@@ -18,6 +18,7 @@
 #include "rigid.h"
 #include "schedule_steal.h"
 #include "wait.h"
+#include "wide_crowded.h"
 
 /* Leaves of the scene, 2^32 - 1 if there are more. */
 uint32_t eng_detect_size(const struct eng_scene *scene)
@@ -93,7 +94,7 @@ static void beside(struct eng_team *team, struct eng_worker *worker)
         return;
     }
     uint64_t begin_ns = common_now_ns();
-    eng_rigid_share(team->scene);
+    eng_wide_crowded_share(team->scene);
     worker->record.low_ns += common_now_ns() - begin_ns;
 }
 

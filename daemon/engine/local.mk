@@ -73,7 +73,6 @@ libengine_la_SOURCES = \
     daemon/engine/team/trace.c \
     daemon/engine/team/wait.c \
     daemon/engine/team/worker.c \
-    daemon/engine/scene/blur.c \
     daemon/engine/scene/closed.c \
     daemon/engine/scene/feature.c \
     daemon/engine/scene/frames.c \
@@ -87,7 +86,6 @@ libengine_la_SOURCES = \
     daemon/engine/scene/range.c \
     daemon/engine/scene/rigid.c \
     daemon/engine/scene/rings.c \
-    daemon/engine/scene/spacing.c \
     daemon/engine/scene/stage.c \
     daemon/engine/scene/thickness.c \
     daemon/engine/scene/world.c \
@@ -106,6 +104,7 @@ libengine_la_SOURCES = \
     daemon/engine/paper/paper_test.c \
     daemon/engine/paper/trees.c \
     daemon/engine/wide/wide.c \
+    daemon/engine/wide/wide_crowded.c \
     daemon/engine/wide/wide_faces.c \
     daemon/engine/wide/wide_free.c \
     daemon/engine/wide/wide_grid.c \

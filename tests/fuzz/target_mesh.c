@@ -137,6 +137,9 @@ static bool make_mesh(const struct shape *shape, struct eng_mesh **mesh)
     if (!is_refusal(status)) {
         status = eng_mesh_commit(*mesh);
     }
+    if (!is_refusal(status)) {
+        status = eng_mesh_arrange(*mesh, 1);
+    }
     return !is_refusal(status);
 }
 

@@ -79,11 +79,11 @@ ENG_TESTS = \
     tests/unit/test_eng_lend \
     tests/unit/test_eng_masks \
     tests/unit/test_eng_pairset \
-    tests/unit/test_eng_blur \
+    tests/unit/test_eng_rounding \
     tests/unit/test_eng_near \
     tests/unit/test_eng_near_depth \
     tests/unit/test_eng_near_nearest \
-    tests/unit/test_eng_spacing
+    tests/unit/test_eng_crowded
 check_PROGRAMS += $(ENG_TESTS)
 TESTS += $(ENG_TESTS)
 
@@ -91,13 +91,13 @@ tests_unit_test_eng_masks_SOURCES = tests/unit/test_eng_masks.c
 tests_unit_test_eng_masks_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
 tests_unit_test_eng_masks_LDADD = $(ENG_TEST_LDADD)
 
-tests_unit_test_eng_blur_SOURCES = tests/unit/test_eng_blur.c
-tests_unit_test_eng_blur_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
-tests_unit_test_eng_blur_LDADD = $(ENG_TEST_LDADD)
+tests_unit_test_eng_rounding_SOURCES = tests/unit/test_eng_rounding.c
+tests_unit_test_eng_rounding_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_rounding_LDADD = $(ENG_TEST_LDADD)
 
-tests_unit_test_eng_spacing_SOURCES = tests/unit/test_eng_spacing.c
-tests_unit_test_eng_spacing_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
-tests_unit_test_eng_spacing_LDADD = $(ENG_TEST_LDADD)
+tests_unit_test_eng_crowded_SOURCES = tests/unit/test_eng_crowded.c
+tests_unit_test_eng_crowded_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_crowded_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_near_SOURCES = tests/unit/test_eng_near.c
 tests_unit_test_eng_near_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -40,6 +40,7 @@ static struct eng_mesh *make_sheet(void)
     RETRY(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, V, x));
     RETRY(eng_mesh_write_triangles(mesh, 0, 2 * SIDE * SIDE, triangles, &bad));
     RETRY(eng_mesh_commit(mesh));
+    RETRY(eng_mesh_arrange(mesh, 1));
     return mesh;
 }
 

@@ -266,34 +266,34 @@ static uint32_t order_leaves(struct eng_mesh_info *info, struct eng_face *leaves
     return count;
 }
 
-static void set_bit(uint64_t *bits, uint32_t i)
-{
-    bits[i / 64] |= 1ull << i % 64;
-}
-
 /* A bit for each edge and each point that is free; `first`: eng_feature_index. */
 static void mark_free(struct eng_mesh *mesh, const uint32_t *first)
 {
     const struct eng_face *leaf = mesh->leaves + mesh->info.triangle_count;
     for (uint32_t i = 0; i < mesh->info.free_edge_count; i++, leaf++) {
-        set_bit(mesh->free[PCCD_TREE_EDGES],
-                eng_feature_edge(mesh, first, leaf->v[0], leaf->v[1]));
+        eng_mesh_set_bit(mesh->free[PCCD_TREE_EDGES],
+                         eng_feature_edge(mesh, first, leaf->v[0], leaf->v[1]));
     }
     for (uint32_t i = 0; i < mesh->info.free_point_count; i++, leaf++) {
-        set_bit(mesh->free[PCCD_TREE_VERTICES], leaf->v[0]);
+        eng_mesh_set_bit(mesh->free[PCCD_TREE_VERTICES], leaf->v[0]);
     }
+}
+
+uint64_t *eng_feature_new_bits(uint32_t count)
+{
+    size_t words = (size_t)count / 64 + 1;
+    uint64_t *bits = eng_alloc(words, sizeof *bits);
+    if (bits) {
+        memset(bits, 0, words * sizeof *bits);
+    }
+    return bits;
 }
 
 /* Bits for `count` features of which some are free. */
 static uint64_t *new_bits(uint32_t count, uint32_t free_count, int *status)
 {
-    size_t words = (size_t)count / 64 + 1;
-    uint64_t *bits = free_count > 0 ? eng_alloc(words, sizeof *bits) : NULL;
-    if (bits) {
-        memset(bits, 0, words * sizeof *bits);
-    } else if (free_count > 0) {
-        *status = PCCD_E_NOMEM;
-    }
+    uint64_t *bits = free_count > 0 ? eng_feature_new_bits(count) : NULL;
+    *status = free_count > 0 && !bits ? PCCD_E_NOMEM : *status;
     return bits;
 }
 

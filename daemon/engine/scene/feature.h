@@ -22,6 +22,9 @@ void eng_feature_index(const struct eng_mesh *mesh, uint32_t *first);
 uint32_t eng_feature_edge(const struct eng_mesh *mesh, const uint32_t *first, uint32_t a,
                           uint32_t b);
 
+/* A bit for each of `count` features, none of them set. NULL: no memory. */
+uint64_t *eng_feature_new_bits(uint32_t count);
+
 /* Every vertex in a leaf and every edge is owned exactly once, and by a leaf that has
  * it. O(counts); true when it cannot allocate what it needs. */
 bool eng_feature_validate(const struct eng_mesh *mesh);

@@ -19,8 +19,8 @@
  * that are not are known to have no contact. */
 enum eng_self {
     ENG_SELF_TESTED,
-    ENG_SELF_NEAR, /* only those of two features that are near (spacing.h) */
-    ENG_SELF_APART /* none */
+    ENG_SELF_CROWDED, /* only those of two features that are crowded (wide_crowded.h) */
+    ENG_SELF_EXEMPT   /* none */
 };
 
 struct eng_masks_entry {
@@ -81,14 +81,14 @@ static inline bool eng_masks_ignores(const struct eng_masks *masks, uint32_t a,
            eng_pairset_has(&masks->ignored, a, b);
 }
 
-/* May object a meet object b? Of one that may meet itself only where it is near itself,
+/* May object a meet object b? Of one that may meet itself only where it is crowded,
  * anything may. */
 static inline bool eng_masks_allows(const struct eng_masks *masks, uint32_t a, uint32_t b)
 {
     const struct eng_masks_entry *of_a = &masks->entries[a];
     const struct eng_masks_entry *of_b = &masks->entries[b];
     if (a == b) {
-        return of_a->self && of_a->left_out != ENG_SELF_APART;
+        return of_a->self && of_a->left_out != ENG_SELF_EXEMPT;
     }
     return (of_a->group & of_b->mask) != 0 && (of_b->group & of_a->mask) != 0 &&
            !eng_masks_ignores(masks, a, b);

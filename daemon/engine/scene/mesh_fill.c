@@ -14,7 +14,6 @@
 #include "kernel.h"
 #include "memory.h"
 #include "rings.h"
-#include "spacing.h"
 #include "topology.h"
 
 #define RADIUS_MAX 1e18
@@ -35,7 +34,7 @@ int eng_mesh_make(const struct eng_mesh_counts *counts, struct eng_mesh **mesh)
     }
     memset(m, 0, sizeof *m);
     atomic_init(&m->references, 1);
-    atomic_init(&m->spacing.state, ENG_SPACING_UNKNOWN);
+    atomic_init(&m->clearance.state, ENG_CLEARANCE_UNKNOWN);
     m->counts = *counts;
     m->account = eng_payer()->account;
     m->info.vertex_count = counts->vertices;
@@ -84,7 +83,10 @@ void eng_mesh_release(struct eng_mesh *mesh)
     eng_free(mesh->reach);
     eng_free(mesh->order);
     eng_rings_deinit(mesh);
-    eng_spacing_deinit(mesh);
+    eng_free(mesh->clearance.search);
+    for (int tree = 0; tree <= PCCD_TREE_FACES; tree++) {
+        eng_free(mesh->clearance.crowded[tree]);
+    }
     eng_free(mesh);
 }
 

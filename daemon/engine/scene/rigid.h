@@ -1,9 +1,17 @@
 /* rigid.h - which objects need not be tested against themselves in a step, because the
  * poses that move them prove that they do not meet themselves.
  *
- * Compare, for each object, what rounding can bring together in this step (blur.h) with
- * how near its features lie to each other (spacing.h), and enter in the masks what
- * follows. Have spacings found out that are missing.
+ * Compare, for each object, what rounding can bring together in this step, its
+ * *rounding reach*, with how close its features lie to each other (wide_crowded.h), and
+ * enter in the masks what follows.
+ *
+ * Source: elementary/BOUNDS.md, "Objects that move by poses".
+ *
+ * A vertex p of an object that two poses move goes on a straight line from A0 p + c0 to
+ * A1 p + c1, both rounded. Between the two the object is not rigid: it shrinks, for a
+ * turn by an angle a to cos(a / 2) of its size at worst. As long as it does not shrink to
+ * nothing, points that are apart stay apart, but for the rounding: that alone may close a
+ * small distance. The rounding reach is that distance, in the coordinates of the mesh.
  *
  * An object is eligible while nothing but poses, each of all its vertices, has moved it:
  * both ends of the step are such poses; or it stands where the last one took it; or it
@@ -17,7 +25,7 @@
 
 #include "world.h"
 
-/* Before a step: see which spacings are known, so that the step goes by these, whatever
+/* Before a step: see which clearances are known, so that the step goes by these, whatever
  * becomes known meanwhile. [compute] */
 void eng_rigid_prepare(struct eng_scene *scene);
 
@@ -25,12 +33,25 @@ void eng_rigid_prepare(struct eng_scene *scene);
  * None if not `may_leave_out`. [compute] */
 void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out);
 
-/* Will a step that writes nothing find no spacing that has become known, and search for
+/* Will a step that writes nothing find no clearance that has become known, and search for
  * none? [compute] */
 bool eng_rigid_is_settled(const struct eng_scene *scene);
 
-/* While others traverse: a share of the search for a spacing that was missed. By one
- * thread; later steps have what it finds. [team] */
-void eng_rigid_share(struct eng_scene *scene);
+/* Of any vector of the mesh: no less than this part of its length is left at any time
+ * between the poses m0 and m1 (coordinates.h). 1 for shifts, cos(a / 2) or somewhat less
+ * for a turn by an angle a. 0: nothing is certain, for example if the object turns by 180
+ * degrees, or is pressed flat. The numbers of a pose are at most 1e18. */
+double eng_pose_shrink(const double m0[12], const double m1[12]);
+
+/* No vertex within the bounds is farther from where the pose takes it than that, as its
+ * coordinates are rounded. Greater than 0. */
+double eng_rounding_error(const double m[12], const struct eng_bounds *bounds);
+
+/* Two features of a mesh whose distance, as registered, is greater than what this returns
+ * do not touch each other at any time of a step that takes each vertex from where m0
+ * transforms it to where m1 does, both rounded. `bounds` are around the features, as
+ * registered. Greater than 0; INFINITY: nothing is certain. */
+double eng_rounding_reach(const double m0[12], const double m1[12],
+                          const struct eng_bounds *bounds);
 
 #endif

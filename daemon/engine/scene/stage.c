@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "blur.h"
 #include "clock.h"
 #include "coordinates.h"
 #include "ingest.h"
@@ -19,6 +18,7 @@
 #include "memory.h"
 #include "moving.h"
 #include "question.h"
+#include "rigid.h"
 
 void eng_stage_begin(struct eng_scene *scene)
 {
@@ -127,7 +127,7 @@ static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t fir
                                            .count = count,
                                            .has_start = has_start,
                                            .bounds = {ENG_NO_BOUNDS, ENG_NO_BOUNDS},
-                                           .blur = {INFINITY, INFINITY}});
+                                           .rounding_reach = {INFINITY, INFINITY}});
     if (status == PCCD_OK && (has_start || scene->is_trial)) {
         status = reserve_start(scene);
     }
@@ -273,8 +273,10 @@ int eng_stage_rigid(struct eng_scene *scene, uint32_t object_idx, uint32_t first
                                &write->bounds[1]);
         }
         if (status == PCCD_OK && count == object->vertices.count) {
-            write->blur[0] = eng_blur(matrix0, matrix1, &object->mesh->bounds);
-            write->blur[1] = eng_blur(matrix1, matrix1, &object->mesh->bounds);
+            write->rounding_reach[0] =
+                eng_rounding_reach(matrix0, matrix1, &object->mesh->bounds);
+            write->rounding_reach[1] =
+                eng_rounding_reach(matrix1, matrix1, &object->mesh->bounds);
         }
     }
     scene->stage_ns += common_now_ns() - begin_ns;
@@ -419,10 +421,11 @@ static void measure_written(struct eng_scene *scene)
                scene->writes[i].object == scene->writes[first].object) {
             i++;
         }
-        /* Several are parts: they have no blur. */
+        /* Several are parts: they have none. */
         struct eng_object *object = &scene->objects[scene->writes[first].object];
-        memcpy(object->blur, scene->writes[first].blur, sizeof object->blur);
-        object->is_posed = object->blur[1] < INFINITY;
+        memcpy(object->rounding_reach, scene->writes[first].rounding_reach,
+               sizeof object->rounding_reach);
+        object->is_posed = object->rounding_reach[1] < INFINITY;
         measure(scene, scene->now, 0, &scene->writes[first], i - first);
         measure(scene, 1 - scene->now, 1, &scene->writes[first], i - first);
     }
@@ -444,7 +447,7 @@ int eng_stage_commit(struct eng_scene *scene)
         if (object->mesh && object->staged != scene->stage && !object->still) {
             eng_moving_catch_up(scene, object);
             object->bounds[1 - scene->now] = object->bounds[scene->now];
-            object->blur[0] = object->blur[1];
+            object->rounding_reach[0] = object->rounding_reach[1];
             object->still = true;
         }
         object->is_spoilt = false;

@@ -28,27 +28,28 @@ struct eng_face {
     uint32_t owns; /* ENG_OWNS_* */
 };
 
-enum eng_spacing_state {
-    ENG_SPACING_UNKNOWN, /* nobody is at it */
-    ENG_SPACING_TAKEN,   /* a thread is */
-    ENG_SPACING_KNOWN
+enum eng_clearance_state {
+    ENG_CLEARANCE_UNKNOWN, /* nobody is at it */
+    ENG_CLEARANCE_TAKEN,   /* a thread is */
+    ENG_CLEARANCE_KNOWN
 };
 
-/* Which features of a mesh are near each other (spacing.h). All but the state belongs to
+/* Which features of a mesh are crowded (wide_crowded.h). All but the state belongs to
  * whoever has taken it, and does not change any more once it is known. */
-struct eng_spacing {
-    atomic_int state; /* enum eng_spacing_state */
-    double length;    /* the spacing; 0: of no use, too much is near */
-    /* By enum pccd_tree a bit for each vertex, edge and face; NULL: nothing is near. */
-    uint64_t *near[PCCD_TREE_FACES + 1];
-    uint64_t near_count;
+struct eng_clearance {
+    atomic_int state; /* enum eng_clearance_state */
+    double length;    /* the clearance; 0: of no use, too much is crowded */
+    /* By enum pccd_tree a bit for each vertex, edge and face; NULL: none is crowded. */
+    uint64_t *crowded[PCCD_TREE_FACES + 1];
+    uint64_t crowded_count;
     uint64_t work; /* so far */
-    struct eng_spacing_search *search;
+    struct eng_wide_crowded *search;
 };
 
 struct eng_rings; /* rings.h */
 struct eng_account;
 struct eng_wide_order;
+struct eng_wide_crowded;
 
 struct eng_mesh {
     atomic_uint references;
@@ -81,7 +82,7 @@ struct eng_mesh {
      * another one's scene; NULL: nobody. */
     struct eng_account *account;
     _Atomic(struct eng_rings *) rings[ENG_RINGS_MAX]; /* [n - 1], those that were asked */
-    struct eng_spacing spacing; /* which is found out after commit, if at all */
+    struct eng_clearance clearance; /* which is found out after commit, if at all */
     /* Of the method wide: the order of the features at the registered positions, which
      * objects share until they need another (wide.h); `order_bytes` of eng_alloc. NULL:
      * there is none. */
@@ -97,12 +98,22 @@ int eng_mesh_check_radius(double radius);
  * not count. */
 struct eng_bounds eng_mesh_measure(const struct eng_mesh *mesh, const double (*x)[3]);
 
+static inline bool eng_mesh_has_bit(const uint64_t *bits, uint32_t feature)
+{
+    return (bits[feature / 64] >> feature % 64 & 1u) != 0;
+}
+
+static inline void eng_mesh_set_bit(uint64_t *bits, uint32_t feature)
+{
+    bits[feature / 64] |= 1ull << feature % 64;
+}
+
 /* Is a vertex, or an edge, free? */
 static inline bool eng_mesh_is_free(const struct eng_mesh *mesh, enum pccd_tree tree,
                                     uint32_t feature)
 {
     const uint64_t *bits = tree <= PCCD_TREE_EDGES ? mesh->free[tree] : NULL;
-    return bits && (bits[feature / 64] >> feature % 64 & 1u);
+    return bits && eng_mesh_has_bit(bits, feature);
 }
 
 /* Of a face it does not matter: it is first in no pair. */
@@ -110,12 +121,33 @@ static inline bool eng_mesh_is_foreign(const struct eng_mesh *mesh, enum pccd_tr
                                        uint32_t feature)
 {
     const uint64_t *bits = tree <= PCCD_TREE_EDGES ? mesh->own[tree] : NULL;
-    return bits && !(bits[feature / 64] >> feature % 64 & 1u);
+    return bits && !eng_mesh_has_bit(bits, feature);
 }
 
 static inline bool eng_mesh_has_foreign(const struct eng_mesh *mesh)
 {
     return mesh->own[PCCD_TREE_VERTICES] != NULL;
+}
+
+/* Is it known which features are crowded? What is said then stays so. [any] */
+static inline bool eng_mesh_knows_clearance(const struct eng_mesh *mesh)
+{
+    return atomic_load_explicit(&mesh->clearance.state, memory_order_acquire) ==
+           ENG_CLEARANCE_KNOWN;
+}
+
+/* 0: not known yet, or of no use. [any] */
+static inline double eng_mesh_clearance(const struct eng_mesh *mesh)
+{
+    return eng_mesh_knows_clearance(mesh) ? mesh->clearance.length : 0;
+}
+
+/* Once the clearance is known. [any] */
+static inline bool eng_mesh_is_crowded(const struct eng_mesh *mesh, enum pccd_tree tree,
+                                       uint32_t feature)
+{
+    const uint64_t *bits = mesh->clearance.crowded[tree];
+    return bits && eng_mesh_has_bit(bits, feature);
 }
 
 #endif

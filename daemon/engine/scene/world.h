@@ -55,15 +55,16 @@ struct eng_object {
     struct eng_mesh *mesh; /* NULL: this index is free */
     uint32_t id;           /* what records carry */
     struct eng_range vertices;
-    double spacing; /* of the mesh, as the step goes by it; 0: not known (rigid.h) */
-    bool has_near;  /* likewise: some features are nearer */
-    bool is_posed;  /* the blur is that of poses, not of where it was registered */
-    bool is_new;    /* it was in no step yet */
-    bool still;     /* x[0] and x[1] hold the same positions of this object */
-    bool is_spoilt; /* x[1 - now] has been written to since the last step */
+    double clearance; /* of the mesh, as the step goes by it; 0: not known (rigid.h) */
+    bool has_crowded; /* likewise: some features are closer */
+    bool is_posed;    /* the rounding reach is that of poses, not of where it was
+                       * registered */
+    bool is_new;      /* it was in no step yet */
+    bool still;       /* x[0] and x[1] hold the same positions of this object */
+    bool is_spoilt;   /* x[1 - now] has been written to since the last step */
     /* Points of the mesh that are farther apart than that do not meet: in the step, and
-     * in later ones until something is written to it (blur.h). */
-    double blur[2];
+     * in later ones until something is written to it (rigid.h). */
+    double rounding_reach[2];
     uint64_t staged;             /* stage number that last wrote to it */
     enum eng_movement movement;  /* in the last step, and .. */
     enum eng_movement moved;     /* .. in it without the one before */
@@ -88,11 +89,11 @@ struct eng_moving {
 
 /* Objects that need not be tested against themselves in a step (rigid.h). */
 struct eng_rigid {
-    uint32_t version; /* goes on, and round, with the spacings that the step goes by */
-    bool is_possible; /* some have a spacing */
-    uint32_t objects; /* that are left out, but for what is near */
+    uint32_t version; /* goes on, and round, with the clearances that the step goes by */
+    bool is_possible; /* some have a clearance */
+    uint32_t objects; /* that are left out, but for what is crowded */
     uint64_t leaves;  /* of these */
-    uint32_t wanted;  /* the first whose spacing is to be found; ENG_NO_OBJECT */
+    uint32_t wanted;  /* the first whose clearance is to be found; ENG_NO_OBJECT */
 };
 
 /* Which pairs meet at a distance (thickness.h). */
@@ -145,7 +146,8 @@ struct eng_write {
     uint32_t count;
     bool has_start;              /* x0 waits in scene->start */
     struct eng_bounds bounds[2]; /* of x0, if there is one, and of x1 */
-    double blur[2]; /* as that of an object: INFINITY unless these are poses of it all */
+    double rounding_reach[2]; /* as that of an object: INFINITY unless these are poses of
+                               * it all */
 };
 
 struct eng_scene {

@@ -5,7 +5,6 @@
 
 #include "array.h"
 #include "memory.h"
-#include "spacing.h"
 
 static const struct eng_wide_owner nobody = {
     .first = 1, .last = 0, .object = ENG_NO_OBJECT};
@@ -42,18 +41,18 @@ static int reserve(struct eng_wide_owners *owners, const struct eng_wide *wide)
     return PCCD_OK;
 }
 
-/* Is any of a block's features near another of its object? */
-static bool block_has_near(const struct eng_object *object, enum pccd_tree kind,
-                           uint32_t first)
+/* Is any of a block's features crowded? */
+static bool block_has_crowded(const struct eng_object *object, enum pccd_tree kind,
+                              uint32_t first)
 {
     const struct eng_wide_order *order = eng_wide_order_of(object);
-    bool has_near = false;
+    bool has_crowded = false;
     for (uint32_t i = first; i < first + ENG_WIDE && i < order->count[kind]; i++) {
         uint32_t feature = order->feature[kind][i];
-        has_near |= feature != ENG_WIDE_NO_FEATURE &&
-                    eng_spacing_is_near(object->mesh, kind, feature);
+        has_crowded |= feature != ENG_WIDE_NO_FEATURE &&
+                       eng_mesh_is_crowded(object->mesh, kind, feature);
     }
-    return has_near;
+    return has_crowded;
 }
 
 /* The blocks of features, object by object. */
@@ -66,7 +65,7 @@ static void own_blocks(struct eng_wide_owners *owners, const struct eng_wide *wi
     for (uint32_t i = 0; i < scene->object_count; i++) {
         uint32_t object = wide->items[i].id;
         const struct eng_masks_entry *entry = &scene->masks.entries[object];
-        bool can_have_near = scene->objects[object].has_near;
+        bool can_have_crowded = scene->objects[object].has_crowded;
         uint32_t count = eng_wide_order_of(&scene->objects[object])->count[kind];
         uint32_t first = eng_wide_first_slot(end, count);
         end = first + count;
@@ -80,9 +79,9 @@ static void own_blocks(struct eng_wide_owners *owners, const struct eng_wide *wi
                                                    .last = i,
                                                    .object = object,
                                                    .has_self = entry->self};
-            owner[block].has_near =
-                can_have_near &&
-                block_has_near(&scene->objects[object], kind, block * ENG_WIDE - first);
+            owner[block].has_crowded =
+                can_have_crowded && block_has_crowded(&scene->objects[object], kind,
+                                                      block * ENG_WIDE - first);
         }
     }
     for (; block < wide->trees[kind].block_count[0]; block++) {
@@ -102,7 +101,7 @@ static struct eng_wide_owner unite(const struct eng_wide_owner *below, uint32_t 
         all.groups |= below[i].groups;
         all.masks |= below[i].masks;
         all.has_self |= below[i].has_self;
-        all.has_near |= below[i].has_near;
+        all.has_crowded |= below[i].has_crowded;
         all.first = is_first ? below[i].first : all.first;
         all.last = below[i].last;
         all.object =
@@ -134,7 +133,7 @@ int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wid
     *has_changed = owners->version != scene->masks.version;
     bool is_old = *has_changed || !owners->masks ||
                   owners->assembled != wide->assembled ||
-                  owners->near_version != scene->rigid.version;
+                  owners->rigid_version != scene->rigid.version;
     if (is_on && is_old) {
         int status = reserve(owners, wide);
         if (status != PCCD_OK) {
@@ -149,7 +148,7 @@ int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wid
     owners->assembled = wide->assembled;
     owners->masks = is_on ? &scene->masks : NULL;
     owners->version = scene->masks.version;
-    owners->near_version = scene->rigid.version;
+    owners->rigid_version = scene->rigid.version;
     return PCCD_OK;
 }
 
@@ -166,9 +165,9 @@ static bool may_meet_within(const struct eng_masks *masks, const struct eng_wide
     switch (masks->entries[a->object].left_out) {
     case ENG_SELF_TESTED:
         return a->has_self;
-    case ENG_SELF_NEAR:
-        return a->has_self && a->has_near && b->has_near;
-    case ENG_SELF_APART:
+    case ENG_SELF_CROWDED:
+        return a->has_self && a->has_crowded && b->has_crowded;
+    case ENG_SELF_EXEMPT:
         break;
     }
     return false;
@@ -222,7 +221,7 @@ uint32_t eng_wide_owners_keep(const struct eng_wide_owners *owners, enum pccd_ki
     uint32_t b_object = owners_of(owners, kind, 1, level)[m].object;
     bool is_one = a_object == b_object && a_object != ENG_NO_OBJECT;
     if (a_object != ENG_NO_OBJECT && b_object != ENG_NO_OBJECT &&
-        !(is_one && masks->entries[a_object].left_out == ENG_SELF_NEAR)) {
+        !(is_one && masks->entries[a_object].left_out == ENG_SELF_CROWDED)) {
         return count; /* what is below two objects' nodes is theirs */
     }
     const struct eng_wide_owner *of_a = owners_of(owners, kind, 0, level - 1);

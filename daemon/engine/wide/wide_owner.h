@@ -13,8 +13,8 @@
  * other node. Example: a thousand things that stand still and ignore each other cost only
  * a few tests.
  *
- * A rigid object does not meet itself (rigid.h), but for features of it that are near
- * each other: then only blocks that have such are joined. Which objects these are is
+ * A rigid object does not meet itself (rigid.h), but for features of it that are crowded:
+ * then only blocks that have such are joined. Which objects these are is
  * asked of the masks while traversing, as it may change with every step.
  */
 #ifndef ENG_WIDE_OWNER_H
@@ -30,9 +30,9 @@ struct eng_wide_owner {
     uint64_t masks;
     uint32_t first; /* of the objects in their order in the trees; nobody: 1 .. 0 */
     uint32_t last;
-    uint32_t object; /* the only one; of several: ENG_NO_OBJECT */
-    bool has_self;   /* an object below may meet itself */
-    bool has_near;   /* something below is near something of its own object (spacing.h) */
+    uint32_t object;  /* the only one; of several: ENG_NO_OBJECT */
+    bool has_self;    /* an object below may meet itself */
+    bool has_crowded; /* something below is crowded in its object (wide_crowded.h) */
 };
 
 struct eng_wide_owners {
@@ -41,16 +41,16 @@ struct eng_wide_owners {
     const struct eng_masks *masks; /* NULL: they are not made, or nothing is left out */
     struct eng_wide_owner *of[ENG_WIDE_TREES]; /* [capacity] by block, as the boxes */
     uint32_t capacity[ENG_WIDE_TREES];
-    uint32_t version;      /* of the masks that they were made by, .. */
-    uint32_t near_version; /* .. and of what was known to be near (rigid.h) */
+    uint32_t version;       /* of the masks that they were made by, .. */
+    uint32_t rigid_version; /* .. and of what was known to be crowded (rigid.h) */
 };
 
 void eng_wide_owners_deinit(struct eng_wide_owners *owners);
 uint64_t eng_wide_owners_bytes(const struct eng_wide_owners *owners);
 
 /* Before a step, the trees being put together: make them anew, O(blocks), when the masks
- * have changed, the trees, or what is known to be near. No more than a look while nothing
- * can be left out. *has_changed: the masks have. PCCD_E_NOMEM. [compute] */
+ * have changed, the trees, or what is known to be crowded. No more than a look while
+ * nothing can be left out. *has_changed: the masks have. PCCD_E_NOMEM. [compute] */
 int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wide *wide,
                             const struct eng_scene *scene, bool *has_changed);
 

@@ -1,8 +1,8 @@
-/* test_eng_spacing.c - which features of a mesh are near each other.
+/* test_eng_crowded.c - which features of a mesh are crowded.
  *
- * Compare the features that are said to be near with the distances of all pairs of small
- * meshes, measured in another way; look at sheets at known distances, at meshes for which
- * it is of no use, and at searches in parts.
+ * Compare the features that are said to be crowded with the distances of all pairs of
+ * small meshes, measured in another way; look at sheets at known distances, at meshes for
+ * which it is of no use, and at searches in parts.
  */
 #include "eng_kit.h"
 
@@ -12,8 +12,9 @@
 
 #include "memory.h"
 #include "rings.h"
-#include "spacing.h"
+#include "step.h"
 #include "topology.h"
+#include "wide_crowded.h"
 
 typedef long double real;
 
@@ -98,32 +99,45 @@ static real edge_to_edge(const double *a, const double *b, const double *c,
     return least;
 }
 
+/* With its features in order, as a daemon's meshes are. */
+static struct eng_mesh *in_order(struct eng_mesh *mesh)
+{
+    assert_int_equal(eng_mesh_arrange(mesh, 1), PCCD_OK);
+    return mesh;
+}
+
+static bool has_crowded(const struct eng_mesh *mesh)
+{
+    return mesh->clearance.crowded_count > 0;
+}
+
 /* To the end, by small parts. */
 static void search(struct eng_mesh *mesh, uint64_t budget)
 {
     uint32_t parts = 0;
-    while (!eng_spacing_is_known(mesh)) {
-        assert_true(eng_spacing_of(mesh) == 0);
-        assert_true(eng_spacing_advance(mesh, budget) > 0);
+    while (!eng_mesh_knows_clearance(mesh)) {
+        assert_true(eng_mesh_clearance(mesh) == 0);
+        assert_true(eng_wide_crowded_advance(mesh, budget) > 0);
         assert_true(++parts < 1000000);
     }
-    assert_true(eng_spacing_advance(mesh, budget) == 0);
+    assert_true(eng_wide_crowded_advance(mesh, budget) == 0);
 }
 
-static uint64_t near_of(const struct eng_mesh *mesh, enum pccd_tree tree, uint32_t count)
+static uint64_t crowded_of(const struct eng_mesh *mesh, enum pccd_tree tree,
+                           uint32_t count)
 {
-    uint64_t near = 0;
+    uint64_t crowded = 0;
     for (uint32_t i = 0; i < count; i++) {
-        near += eng_spacing_is_near(mesh, tree, i);
+        crowded += eng_mesh_is_crowded(mesh, tree, i);
     }
-    return near;
+    return crowded;
 }
 
-static uint64_t all_near_of(const struct eng_mesh *mesh)
+static uint64_t all_crowded_of(const struct eng_mesh *mesh)
 {
-    return near_of(mesh, PCCD_TREE_VERTICES, mesh->info.vertex_count) +
-           near_of(mesh, PCCD_TREE_EDGES, mesh->info.edge_count) +
-           near_of(mesh, PCCD_TREE_FACES, mesh->info.triangle_count);
+    return crowded_of(mesh, PCCD_TREE_VERTICES, mesh->info.vertex_count) +
+           crowded_of(mesh, PCCD_TREE_EDGES, mesh->info.edge_count) +
+           crowded_of(mesh, PCCD_TREE_FACES, mesh->info.triangle_count);
 }
 
 /* ---- against all pairs ------------------------------------------------------------- */
@@ -139,11 +153,11 @@ static void meet(struct least *least, enum pccd_tree tree_a, uint32_t a,
     least->of[tree_b][b] = fminl(least->of[tree_b][b], distance);
 }
 
-/* Every pair that is within the spacing has both its features near. */
+/* Every pair that is within the clearance has both its features crowded. */
 static void check_pairs(const struct eng_mesh *mesh, struct least *least)
 {
     const double(*x)[3] = (const double(*)[3])mesh->x;
-    real length = (real)eng_spacing_of(mesh);
+    real length = (real)eng_mesh_clearance(mesh);
     for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
         const uint32_t *f = mesh->leaves[i].v;
         for (uint32_t v = 0; v < mesh->info.vertex_count; v++) {
@@ -152,8 +166,8 @@ static void check_pairs(const struct eng_mesh *mesh, struct least *least)
             }
             real distance = vertex_to_face(x[v], x[f[0]], x[f[1]], x[f[2]]);
             assert_true(distance > length ||
-                        (eng_spacing_is_near(mesh, PCCD_TREE_VERTICES, v) &&
-                         eng_spacing_is_near(mesh, PCCD_TREE_FACES, i)));
+                        (eng_mesh_is_crowded(mesh, PCCD_TREE_VERTICES, v) &&
+                         eng_mesh_is_crowded(mesh, PCCD_TREE_FACES, i)));
             meet(least, PCCD_TREE_VERTICES, v, PCCD_TREE_FACES, i, distance);
         }
     }
@@ -166,22 +180,22 @@ static void check_pairs(const struct eng_mesh *mesh, struct least *least)
             }
             real distance = edge_to_edge(x[a[0]], x[a[1]], x[b[0]], x[b[1]]);
             assert_true(distance > length ||
-                        (eng_spacing_is_near(mesh, PCCD_TREE_EDGES, i) &&
-                         eng_spacing_is_near(mesh, PCCD_TREE_EDGES, j)));
+                        (eng_mesh_is_crowded(mesh, PCCD_TREE_EDGES, i) &&
+                         eng_mesh_is_crowded(mesh, PCCD_TREE_EDGES, j)));
             meet(least, PCCD_TREE_EDGES, i, PCCD_TREE_EDGES, j, distance);
         }
     }
 }
 
-/* Nothing is near without a reason. */
+/* Nothing is crowded without a reason. */
 static void check_reasons(const struct eng_mesh *mesh, const struct least *least)
 {
     const uint32_t counts[] = {mesh->info.vertex_count, mesh->info.edge_count,
                                mesh->info.triangle_count};
     for (int tree = 0; tree <= PCCD_TREE_FACES; tree++) {
         for (uint32_t i = 0; i < counts[tree]; i++) {
-            assert_true(!eng_spacing_is_near(mesh, (enum pccd_tree)tree, i) ||
-                        least->of[tree][i] <= 1.001L * (real)eng_spacing_of(mesh));
+            assert_true(!eng_mesh_is_crowded(mesh, (enum pccd_tree)tree, i) ||
+                        least->of[tree][i] <= 1.001L * (real)eng_mesh_clearance(mesh));
         }
     }
 }
@@ -246,8 +260,8 @@ static struct eng_mesh *some_mesh(struct kit_random *random, uint32_t side,
         memcpy(triangles[n++], (uint32_t[]){v, v + 1, v + 2}, sizeof *triangles);
         memcpy(triangles[n++], (uint32_t[]){v, v + 2, v + 3}, sizeof *triangles);
     }
-    struct eng_mesh *mesh =
-        kit_mesh((const double(*)[3])x, vertices, (const uint32_t(*)[3])triangles, count);
+    struct eng_mesh *mesh = in_order(kit_mesh((const double(*)[3])x, vertices,
+                                              (const uint32_t(*)[3])triangles, count));
     free(x);
     free(triangles);
     return mesh;
@@ -255,34 +269,35 @@ static struct eng_mesh *some_mesh(struct kit_random *random, uint32_t side,
 
 /* If this failed, features that touch would be taken for apart, and their contacts be
  * missed once the mesh is moved by poses; or rigid objects would be tested against
- * themselves though nothing of them is near. */
-static void spacing__near_is_what_lies_within_it(void **state)
+ * themselves though nothing of them is crowded. */
+static void crowded__is_what_lies_within_the_clearance(void **state)
 {
     struct kit_random random = {21};
-    uint32_t with_near = 0;
+    uint32_t with_crowded = 0;
     uint32_t without = 0;
     (void)state;
     for (uint32_t i = 0; i < 60; i++) {
         double gap = 0x1p-20 * exp2(kit_between(&random, -6, 6));
         struct eng_mesh *mesh = some_mesh(&random, 8, i % 3, i % 7 ? gap : 0);
         search(mesh, 1 + kit_below(&random, 3000));
-        assert_true(eng_spacing_of(mesh) > 0x1p-22 && eng_spacing_of(mesh) < 0x1p-19);
+        assert_true(eng_mesh_clearance(mesh) > 0x1p-22 &&
+                    eng_mesh_clearance(mesh) < 0x1p-19);
         check(mesh);
-        with_near += eng_spacing_has_near(mesh);
-        without += !eng_spacing_has_near(mesh);
-        assert_true(eng_spacing_has_near(mesh) == (all_near_of(mesh) > 0));
+        with_crowded += has_crowded(mesh);
+        without += !has_crowded(mesh);
+        assert_true(has_crowded(mesh) == (all_crowded_of(mesh) > 0));
         eng_mesh_release(mesh);
     }
-    assert_true(with_near > 10 && without > 10);
+    assert_true(with_crowded > 10 && without > 10);
 }
 
-/* If this failed, the two sheets of a folded thing would be apart or near by chance. */
-static void spacing__parallel_sheets_are_told_by_their_distance(void **state)
+/* If this failed, whether two sheets of a folded thing are crowded would be chance. */
+static void crowded__parallel_sheets_are_told_by_their_distance(void **state)
 {
     (void)state;
     for (int i = 0; i < 2; i++) {
         enum { SIDE = 24 };
-        struct eng_mesh *sheet = kit_sheet(SIDE, 0);
+        struct eng_mesh *sheet = in_order(kit_sheet(SIDE, 0));
         uint32_t vertices = sheet->info.vertex_count;
         uint32_t count = sheet->info.triangle_count;
         double(*x)[3] = malloc((vertices + 3) * sizeof *x);
@@ -291,19 +306,20 @@ static void spacing__parallel_sheets_are_told_by_their_distance(void **state)
         memcpy(x, sheet->x, vertices * sizeof *x);
         eng_mesh_get_corners(sheet, triangles);
         search(sheet, 1000);
-        double length = eng_spacing_of(sheet);
-        assert_true(length > 0 && !eng_spacing_has_near(sheet));
+        double length = eng_mesh_clearance(sheet);
+        assert_true(length > 0 && !has_crowded(sheet));
         double height = length * (i == 0 ? 1.01 : 0.99);
         memcpy(x[vertices], (double[]){0.5, 0.5, height}, sizeof *x);
         memcpy(x[vertices + 1], (double[]){0.52, 0.51, height}, sizeof *x);
         memcpy(x[vertices + 2], (double[]){0.5, 0.53, height}, sizeof *x);
         memcpy(triangles[count], (uint32_t[]){vertices, vertices + 1, vertices + 2},
                sizeof *triangles);
-        struct eng_mesh *two = kit_mesh((const double(*)[3])x, vertices + 3,
-                                        (const uint32_t(*)[3])triangles, count + 1);
+        struct eng_mesh *two =
+            in_order(kit_mesh((const double(*)[3])x, vertices + 3,
+                              (const uint32_t(*)[3])triangles, count + 1));
         search(two, 1000);
-        assert_true(eng_spacing_of(two) == length);
-        assert_int_equal(eng_spacing_has_near(two), i);
+        assert_true(eng_mesh_clearance(two) == length);
+        assert_int_equal(has_crowded(two), i);
         check(two);
         free(x);
         free(triangles);
@@ -314,13 +330,13 @@ static void spacing__parallel_sheets_are_told_by_their_distance(void **state)
 
 /* If this failed, a soup of triangles would keep every step busy with a search that is of
  * no use, or a mesh without size would be divided by. */
-static void spacing__has_no_use_for_heaps_and_points(void **state)
+static void crowded__is_not_told_of_heaps_and_points(void **state)
 {
     static const double points[3][3] = {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}};
     static const uint32_t one[1][3] = {{0, 1, 2}};
     struct kit_random random = {22};
     (void)state;
-    struct eng_mesh *meshes[3] = {kit_mesh(points, 3, one, 1), NULL,
+    struct eng_mesh *meshes[3] = {in_order(kit_mesh(points, 3, one, 1)), NULL,
                                   some_mesh(&random, 2, 30, 0)};
     double(*heap)[3] = malloc(sizeof *heap * 3 * 4000);
     uint32_t(*triangles)[3] = malloc(sizeof *triangles * 4000);
@@ -331,13 +347,13 @@ static void spacing__has_no_use_for_heaps_and_points(void **state)
         }
         triangles[v / 3][v % 3] = v;
     }
-    meshes[1] = kit_mesh((const double(*)[3])heap, 3 * 4000,
-                         (const uint32_t(*)[3])triangles, 4000);
+    meshes[1] = in_order(kit_mesh((const double(*)[3])heap, 3 * 4000,
+                                  (const uint32_t(*)[3])triangles, 4000));
     for (int i = 0; i < 3; i++) {
         search(meshes[i], 10000);
-        assert_true(eng_spacing_of(meshes[i]) == 0);
-        assert_true(all_near_of(meshes[i]) == 0);
-        assert_true(meshes[i]->spacing.work < 1100 * 4000);
+        assert_true(eng_mesh_clearance(meshes[i]) == 0);
+        assert_true(all_crowded_of(meshes[i]) == 0);
+        assert_true(meshes[i]->clearance.work < 1100 * 4000);
         eng_mesh_release(meshes[i]);
     }
     free(heap);
@@ -345,7 +361,7 @@ static void spacing__has_no_use_for_heaps_and_points(void **state)
 }
 
 /* If this failed, what is found would depend on how long steps take. */
-static void spacing__is_found_alike_in_one_part_and_in_many(void **state)
+static void crowded__is_found_alike_in_one_part_and_in_many(void **state)
 {
     struct kit_random random = {23};
     (void)state;
@@ -355,21 +371,22 @@ static void spacing__is_found_alike_in_one_part_and_in_many(void **state)
         struct eng_mesh *parts = some_mesh(&same, 20, 8, 0x1p-22);
         search(whole, UINT64_MAX);
         search(parts, 1 + i * 50);
-        assert_true(eng_spacing_of(whole) > 0);
-        assert_true(eng_spacing_of(whole) == eng_spacing_of(parts));
-        assert_true(whole->spacing.near_count == parts->spacing.near_count);
-        assert_true(all_near_of(whole) == all_near_of(parts) && all_near_of(whole) > 0);
+        assert_true(eng_mesh_clearance(whole) > 0);
+        assert_true(eng_mesh_clearance(whole) == eng_mesh_clearance(parts));
+        assert_true(whole->clearance.crowded_count == parts->clearance.crowded_count);
+        assert_true(all_crowded_of(whole) == all_crowded_of(parts) &&
+                    all_crowded_of(whole) > 0);
         eng_mesh_release(parts);
         eng_mesh_release(whole);
     }
     struct eng_mesh *begun = some_mesh(&random, 20, 1, 1);
-    assert_true(eng_spacing_advance(begun, 100) > 0);
+    assert_true(eng_wide_crowded_advance(begun, 100) > 0);
     eng_mesh_release(begun); /* a leak would show in a build with sanitizers */
 }
 
 /* If this failed, features far from the origin, of tiny or of huge meshes would be taken
- * for apart by rounding, or for near. */
-static void spacing__scales_with_the_mesh(void **state)
+ * for apart by rounding, or for crowded. */
+static void crowded__scales_with_the_mesh(void **state)
 {
     static const double scales[] = {0x1p-200, 0x1p-40, 1, 0x1p40};
     struct kit_random random = {24};
@@ -384,12 +401,12 @@ static void spacing__scales_with_the_mesh(void **state)
         for (uint32_t k = 0; k < 3 * mesh->info.vertex_count; k++) {
             x[k / 3][k % 3] = scales[i] * mesh->x[k / 3][k % 3];
         }
-        struct eng_mesh *other =
+        struct eng_mesh *other = in_order(
             kit_mesh((const double(*)[3])x, mesh->info.vertex_count,
-                     (const uint32_t(*)[3])triangles, mesh->info.triangle_count);
+                     (const uint32_t(*)[3])triangles, mesh->info.triangle_count));
         search(other, UINT64_MAX);
-        assert_true(eng_spacing_of(other) == scales[i] * eng_spacing_of(mesh));
-        assert_true(all_near_of(other) == all_near_of(mesh));
+        assert_true(eng_mesh_clearance(other) == scales[i] * eng_mesh_clearance(mesh));
+        assert_true(all_crowded_of(other) == all_crowded_of(mesh));
         eng_mesh_release(other);
     }
     free(x);
@@ -399,7 +416,7 @@ static void spacing__scales_with_the_mesh(void **state)
 
 /* If this failed, a mesh in another user's scene would leave that one with memory that he
  * has not, and its owner with less than none: the daemon stops where it finds that. */
-static void spacing__is_charged_to_whoever_made_the_mesh(void **state)
+static void crowded__is_charged_to_whoever_made_the_mesh(void **state)
 {
     struct eng_account owner = {.limit = INT64_MAX}, other = {.limit = INT64_MAX};
     struct kit_random random = {25};
@@ -408,10 +425,10 @@ static void spacing__is_charged_to_whoever_made_the_mesh(void **state)
     struct eng_mesh *mesh = some_mesh(&random, 20, 8, 0x1p-22);
     int64_t begun = owner.bytes;
     eng_payer()->account = &other;
-    (void)eng_spacing_advance(mesh, 100);
+    (void)eng_wide_crowded_advance(mesh, 100);
     assert_true(owner.bytes > begun && other.bytes == 0);
     search(mesh, UINT64_MAX);
-    assert_true(all_near_of(mesh) > 0 && owner.bytes > begun && other.bytes == 0);
+    assert_true(all_crowded_of(mesh) > 0 && owner.bytes > begun && other.bytes == 0);
     begun = owner.bytes;
     assert_int_equal(eng_rings_prepare(mesh, 2, NULL), PCCD_OK);
     assert_true(owner.bytes > begun && other.bytes == 0);
@@ -427,12 +444,12 @@ static void spacing__is_charged_to_whoever_made_the_mesh(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spacing__near_is_what_lies_within_it),
-        cmocka_unit_test(spacing__parallel_sheets_are_told_by_their_distance),
-        cmocka_unit_test(spacing__has_no_use_for_heaps_and_points),
-        cmocka_unit_test(spacing__is_found_alike_in_one_part_and_in_many),
-        cmocka_unit_test(spacing__scales_with_the_mesh),
-        cmocka_unit_test(spacing__is_charged_to_whoever_made_the_mesh),
+        cmocka_unit_test(crowded__is_what_lies_within_the_clearance),
+        cmocka_unit_test(crowded__parallel_sheets_are_told_by_their_distance),
+        cmocka_unit_test(crowded__is_not_told_of_heaps_and_points),
+        cmocka_unit_test(crowded__is_found_alike_in_one_part_and_in_many),
+        cmocka_unit_test(crowded__scales_with_the_mesh),
+        cmocka_unit_test(crowded__is_charged_to_whoever_made_the_mesh),
     };
-    return cmocka_run_group_tests_name("eng_spacing", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("eng_crowded", tests, NULL, NULL);
 }

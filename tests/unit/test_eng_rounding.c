@@ -1,5 +1,5 @@
-/* test_eng_blur.c - how much an object that two poses move shrinks between them, and how
- * far rounding takes its vertices.
+/* test_eng_rounding.c - how much an object that two poses move shrinks between them, and
+ * how far rounding takes its vertices.
  *
  * Compare the bounds with what random poses, times, directions and points do: turns of
  * all angles, scales, shears, matrices of any numbers.
@@ -12,8 +12,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "blur.h"
 #include "coordinates.h"
+#include "rigid.h"
 
 #define PI 3.14159265358979323846
 
@@ -142,7 +142,7 @@ static long double least_left(struct kit_random *random, const double m0[12],
 
 /* If this failed, an object that turns, or is pressed together, could meet itself and not
  * be tested. */
-static void blur__no_length_shrinks_more_than_is_said(void **state)
+static void rounding__no_length_shrinks_more_than_is_said(void **state)
 {
     struct kit_random random = {11};
     uint32_t certain[FAMILIES] = {0};
@@ -152,7 +152,7 @@ static void blur__no_length_shrinks_more_than_is_said(void **state)
         double m0[12];
         double m1[12];
         some_poses(&random, family, m0, m1);
-        double shrink = eng_blur_shrink(m0, m1);
+        double shrink = eng_pose_shrink(m0, m1);
         long double least = least_left(&random, m0, m1);
         assert_true(shrink >= 0);
         assert_true((long double)shrink <= least * (1 + 1e-15L));
@@ -166,7 +166,7 @@ static void blur__no_length_shrinks_more_than_is_said(void **state)
 
 /* If this failed, more would be tested than need be: bodies turn in a step, about any
  * axis. */
-static void blur__turns_are_bounded_tightly(void **state)
+static void rounding__turns_are_bounded_tightly(void **state)
 {
     struct kit_random random = {12};
     (void)state;
@@ -181,19 +181,19 @@ static void blur__turns_are_bounded_tightly(void **state)
         memcpy(m1, m0, sizeof m1);
         unit(&random, axis);
         turn(m1, axis, angle);
-        assert_true(eng_blur_shrink(m0, m1) > 0.6 * cos(angle / 2) - 0.003);
+        assert_true(eng_pose_shrink(m0, m1) > 0.6 * cos(angle / 2) - 0.003);
         axis[0] = axis[1] = 0; /* about an axis of the mesh: as it is */
         axis[2] = 1;
         identity(m0);
         identity(m1);
         turn(m1, axis, angle);
-        assert_true(fabs(eng_blur_shrink(m0, m1) - cos(angle / 2)) < 1e-3);
+        assert_true(fabs(eng_pose_shrink(m0, m1) - cos(angle / 2)) < 1e-3);
     }
 }
 
 /* If this failed, an object that passes through itself could be taken for one that does
  * not: half a turn takes every point through the axis. */
-static void blur__says_nothing_of_half_a_turn_and_of_mirrors(void **state)
+static void rounding__says_nothing_of_half_a_turn_and_of_mirrors(void **state)
 {
     struct kit_random random = {13};
     const struct eng_bounds bounds = {{0, 0, 0}, {1, 1, 1}};
@@ -210,20 +210,20 @@ static void blur__says_nothing_of_half_a_turn_and_of_mirrors(void **state)
             axis[i / 2 % 3] = 1;
         }
         turn(m1, axis, PI);
-        assert_true(eng_blur_shrink(m0, m1) == 0);
-        assert_true(isinf(eng_blur(m0, m1, &bounds)));
+        assert_true(eng_pose_shrink(m0, m1) == 0);
+        assert_true(isinf(eng_rounding_reach(m0, m1, &bounds)));
         for (int k = 0; k < 12; k++) { /* inside out */
             m1[k] = -m0[k];
         }
-        assert_true(eng_blur_shrink(m0, m1) == 0);
+        assert_true(eng_pose_shrink(m0, m1) == 0);
         memset(m1, 0, sizeof m1);
-        assert_true(eng_blur_shrink(m1, m1) == 0 && eng_blur_shrink(m0, m1) == 0);
+        assert_true(eng_pose_shrink(m1, m1) == 0 && eng_pose_shrink(m0, m1) == 0);
     }
 }
 
 /* If this failed, rounding could bring together what is taken for apart; or, if it were
  * vacuous, bodies a kilometre away would be tested against themselves. */
-static void blur__vertices_are_no_farther_off_than_is_said(void **state)
+static void rounding__vertices_are_no_farther_off_than_is_said(void **state)
 {
     struct kit_random random = {14};
     long double worst = 0;
@@ -243,7 +243,7 @@ static void blur__vertices_are_no_farther_off_than_is_said(void **state)
             bounds.low[k] = fmin(x[k], 0.5 * x[k]);
             bounds.high[k] = fmax(x[k], 0.5 * x[k]);
         }
-        double error = eng_blur_error(m, &bounds);
+        double error = eng_rounding_error(m, &bounds);
         common_transform(m, x, y);
         long double square = 0;
         for (int row = 0; row < 3; row++) {
@@ -262,7 +262,7 @@ static void blur__vertices_are_no_farther_off_than_is_said(void **state)
 
 /* If this failed, a mesh of a millimetre that is taken 1e9 m away would be trusted, all
  * of whose vertices may fall on one point there. */
-static void blur__grows_with_the_distance(void **state)
+static void rounding__grows_with_the_distance(void **state)
 {
     const struct eng_bounds bounds = {{-1e-3, -1e-3, -1e-3}, {1e-3, 1e-3, 1e-3}};
     double near[12];
@@ -271,22 +271,23 @@ static void blur__grows_with_the_distance(void **state)
     identity(near);
     identity(far);
     far[3] = 1e9;
-    assert_true(eng_blur(near, near, &bounds) < 1e-17);
-    assert_true(eng_blur(near, far, &bounds) > 1e-7);
-    assert_true(eng_blur(far, far, &bounds) < 1e-5);
+    assert_true(eng_rounding_reach(near, near, &bounds) < 1e-17);
+    assert_true(eng_rounding_reach(near, far, &bounds) > 1e-7);
+    assert_true(eng_rounding_reach(far, far, &bounds) < 1e-5);
     far[3] = 0;
     far[5] = 0x1p-40; /* almost flat: what it does not shrink by rounding may close */
-    assert_true(eng_blur(far, far, &bounds) > 0x1p39 * eng_blur(near, near, &bounds));
+    assert_true(eng_rounding_reach(far, far, &bounds) >
+                0x1p39 * eng_rounding_reach(near, near, &bounds));
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blur__no_length_shrinks_more_than_is_said),
-        cmocka_unit_test(blur__turns_are_bounded_tightly),
-        cmocka_unit_test(blur__says_nothing_of_half_a_turn_and_of_mirrors),
-        cmocka_unit_test(blur__vertices_are_no_farther_off_than_is_said),
-        cmocka_unit_test(blur__grows_with_the_distance),
+        cmocka_unit_test(rounding__no_length_shrinks_more_than_is_said),
+        cmocka_unit_test(rounding__turns_are_bounded_tightly),
+        cmocka_unit_test(rounding__says_nothing_of_half_a_turn_and_of_mirrors),
+        cmocka_unit_test(rounding__vertices_are_no_farther_off_than_is_said),
+        cmocka_unit_test(rounding__grows_with_the_distance),
     };
-    return cmocka_run_group_tests_name("eng_blur", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("eng_rounding", tests, NULL, NULL);
 }
