@@ -10,6 +10,13 @@
 #define LANES  16u
 #define EVENTS (1u << 15)
 
+static struct pccd_trace_event event(uint32_t thread, enum pccd_trace_kind kind,
+                                     uint64_t begin_ns, uint64_t end_ns, uint32_t a,
+                                     uint32_t b)
+{
+    return (struct pccd_trace_event){begin_ns, end_ns, kind, thread, a, b};
+}
+
 /* If it failed: a reader would get events that were overwritten, or not the last ones. */
 static void trace__ring_keeps_the_newest(void **state)
 {
@@ -19,7 +26,7 @@ static void trace__ring_keeps_the_newest(void **state)
     assert_int_equal(trace.capacity, 8);
     for (uint32_t i = 0; i < 27; i++) {
         assert_int_equal(eng_trace_count(&trace, 1), i < 8 ? i : 8);
-        eng_trace_add(&trace, 1, PCCD_TRACE_UNIT, 10 * i, 10 * i + 7, i, i + 1);
+        eng_trace_add(&trace, event(1, PCCD_TRACE_UNIT, 10 * i, 10 * i + 7, i, i + 1));
     }
     assert_int_equal(eng_trace_count(&trace, 0), 0);
     for (uint32_t i = 0; i < 8; i++) {
@@ -43,14 +50,14 @@ static void trace__refuses_what_has_no_room(void **state)
     assert_int_equal(eng_trace_init(&trace, 0, 8, 0), PCCD_E_INVAL);
     assert_int_equal(eng_trace_init(&trace, 1, 0, 0), PCCD_E_INVAL);
     assert_int_equal(eng_trace_init(&trace, 1, 8, 100), PCCD_OK);
-    eng_trace_add(&trace, 1, PCCD_TRACE_STEP, 0, 1, 0, 0);
-    eng_trace_add(NULL, 0, PCCD_TRACE_STEP, 0, 1, 0, 0);
-    eng_trace_add(&trace, 0, PCCD_TRACE_UNIT, 0, 99, 0, 0);
-    eng_trace_add(&trace, 0, PCCD_TRACE_SUBTREE, 0, 99, 0, 0);
-    eng_trace_add(&trace, 0, PCCD_TRACE_PAIRS, 0, 99, 0, 0);
+    eng_trace_add(&trace, event(1, PCCD_TRACE_STEP, 0, 1, 0, 0));
+    eng_trace_add(NULL, event(0, PCCD_TRACE_STEP, 0, 1, 0, 0));
+    eng_trace_add(&trace, event(0, PCCD_TRACE_UNIT, 0, 99, 0, 0));
+    eng_trace_add(&trace, event(0, PCCD_TRACE_SUBTREE, 0, 99, 0, 0));
+    eng_trace_add(&trace, event(0, PCCD_TRACE_PAIRS, 0, 99, 0, 0));
     assert_int_equal(eng_trace_count(&trace, 0), 0);
-    eng_trace_add(&trace, 0, PCCD_TRACE_UNIT, 0, 100, 0, 0);
-    eng_trace_add(&trace, 0, PCCD_TRACE_WAIT, 0, 1, 0, 0);
+    eng_trace_add(&trace, event(0, PCCD_TRACE_UNIT, 0, 100, 0, 0));
+    eng_trace_add(&trace, event(0, PCCD_TRACE_WAIT, 0, 1, 0, 0));
     assert_int_equal(eng_trace_count(&trace, 0), 2);
     eng_trace_deinit(&trace);
 }
@@ -136,6 +143,21 @@ static void trace__holds_a_slice_for_each_task_unit(void **state)
     eng_trace_deinit(&trace);
 }
 
+/* If it failed: threads that step a scene each would write to one ring at the same time,
+ * and the picture of a batch would show one thread doing what all did. */
+static void trace__of_a_step_by_one_thread_is_in_its_lane(void **state)
+{
+    struct crew *crew = *state;
+    struct eng_trace trace;
+    assert_int_equal(eng_trace_init(&trace, 2, EVENTS, 0), PCCD_OK);
+    struct eng_question question = crew_alone(PCCD_MODE_ALL);
+    question.lane = 1;
+    traced(crew, question, &trace);
+    assert_true(totals_of(&trace, 1).candidates > 0);
+    assert_int_equal(eng_trace_count(&trace, 0), 0);
+    eng_trace_deinit(&trace);
+}
+
 /* Events come in the order of their ends: one that began before another's begin holds it,
  * else it must have begun after its end. */
 static void check_nesting(const struct eng_trace *trace, uint32_t lane)
@@ -195,6 +217,7 @@ int main(void)
         cmocka_unit_test(trace__ring_keeps_the_newest),
         cmocka_unit_test(trace__refuses_what_has_no_room),
         CREW_TEST(trace__holds_a_slice_for_each_task_unit),
+        CREW_TEST(trace__of_a_step_by_one_thread_is_in_its_lane),
         CREW_TEST(trace__slices_of_a_thread_nest),
         CREW_TEST(trace__leaves_short_tasks_out),
     };

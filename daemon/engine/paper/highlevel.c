@@ -78,8 +78,7 @@ static void end_part(struct eng_worker *worker, uint32_t node, uint64_t begin_ns
 {
     uint64_t end_ns = common_now_ns();
     worker->record.high_ns += end_ns - begin_ns;
-    eng_trace_add(worker->question->trace, worker->thread, PCCD_TRACE_HIGH, begin_ns,
-                  end_ns, node, pairs);
+    eng_worker_trace_until(worker, PCCD_TRACE_HIGH, begin_ns, end_ns, node, pairs);
 }
 
 /* This thread's share of the pairs. */

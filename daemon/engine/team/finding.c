@@ -46,7 +46,6 @@ void eng_test_end(struct eng_worker *worker, enum pccd_kind kind, uint32_t teste
     uint64_t end_ns = common_now_ns();
     worker->record.tests_ns += end_ns - begin_ns;
     if (tested > 0) {
-        eng_trace_add(worker->question->trace, worker->thread, PCCD_TRACE_TESTS, begin_ns,
-                      end_ns, kind, tested);
+        eng_worker_trace_until(worker, PCCD_TRACE_TESTS, begin_ns, end_ns, kind, tested);
     }
 }

@@ -46,20 +46,18 @@ void eng_trace_deinit(struct eng_trace *trace)
     memset(trace, 0, sizeof *trace);
 }
 
-void eng_trace_add(struct eng_trace *trace, uint32_t thread, enum pccd_trace_kind kind,
-                   uint64_t begin_ns, uint64_t end_ns, uint32_t a, uint32_t b)
+void eng_trace_add(struct eng_trace *trace, struct pccd_trace_event event)
 {
-    assert(kind < PCCD_TRACE_KIND_COUNT);
-    if (!trace || thread >= trace->lane_count) {
+    assert(event.kind < PCCD_TRACE_KIND_COUNT);
+    if (!trace || event.thread >= trace->lane_count) {
         return;
     }
-    if (kind >= PCCD_TRACE_UNIT && kind <= PCCD_TRACE_PAIRS &&
-        end_ns - begin_ns < trace->min_ns) {
+    if (event.kind >= PCCD_TRACE_UNIT && event.kind <= PCCD_TRACE_PAIRS &&
+        event.end_ns - event.begin_ns < trace->min_ns) {
         return;
     }
-    struct eng_trace_lane *lane = &trace->lanes[thread];
-    lane->events[lane->added++ & (trace->capacity - 1)] = (struct pccd_trace_event){
-        .begin_ns = begin_ns, .end_ns = end_ns, .kind = kind, .thread = thread, a, b};
+    struct eng_trace_lane *lane = &trace->lanes[event.thread];
+    lane->events[lane->added++ & (trace->capacity - 1)] = event;
 }
 
 uint64_t eng_trace_count(const struct eng_trace *trace, uint32_t lane)

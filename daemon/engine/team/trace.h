@@ -31,9 +31,8 @@ int eng_trace_init(struct eng_trace *trace, uint32_t lanes, uint32_t capacity,
                    uint64_t min_ns);
 void eng_trace_deinit(struct eng_trace *trace);
 
-/* Append an event to the lane of `thread`; nothing if `trace` is NULL. [team] */
-void eng_trace_add(struct eng_trace *trace, uint32_t thread, enum pccd_trace_kind kind,
-                   uint64_t begin_ns, uint64_t end_ns, uint32_t a, uint32_t b);
+/* Append an event to the lane of its thread; nothing if `trace` is NULL. [team] */
+void eng_trace_add(struct eng_trace *trace, struct pccd_trace_event event);
 
 /* Events of a lane that are still there, and the i-th of them, oldest first. */
 uint64_t eng_trace_count(const struct eng_trace *trace, uint32_t lane);

@@ -172,6 +172,5 @@ void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns)
     assert(begin_ns > 0);
     uint64_t end_ns = common_now_ns();
     worker->record.wait_ns += end_ns - begin_ns;
-    eng_trace_add(worker->question->trace, worker->thread, PCCD_TRACE_WAIT, begin_ns,
-                  end_ns, 0, 0);
+    eng_worker_trace_until(worker, PCCD_TRACE_WAIT, begin_ns, end_ns, 0, 0);
 }

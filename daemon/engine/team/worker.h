@@ -116,14 +116,23 @@ static inline uint64_t eng_worker_slice(const struct eng_worker *worker)
     return worker->question->trace ? common_now_ns() : 0;
 }
 
+/* End it. */
+static inline void eng_worker_trace_until(const struct eng_worker *worker,
+                                          enum pccd_trace_kind kind, uint64_t begin_ns,
+                                          uint64_t end_ns, uint32_t a, uint32_t b)
+{
+    uint32_t lane = worker->question->lane + worker->thread;
+    eng_trace_add(worker->question->trace,
+                  (struct pccd_trace_event){begin_ns, end_ns, kind, lane, a, b});
+}
+
 /* End it now. */
 static inline void eng_worker_trace(const struct eng_worker *worker,
                                     enum pccd_trace_kind kind, uint64_t begin_ns,
                                     uint32_t a, uint32_t b)
 {
     if (worker->question->trace) {
-        eng_trace_add(worker->question->trace, worker->question->lane + worker->thread,
-                      kind, begin_ns, common_now_ns(), a, b);
+        eng_worker_trace_until(worker, kind, begin_ns, common_now_ns(), a, b);
     }
 }
 
