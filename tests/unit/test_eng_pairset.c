@@ -160,9 +160,9 @@ static void pairset__of_hidden_objects_goes_at_once(void **state)
         }
         uint32_t hidden = kit_below(&random, NUMBERS + 1); /* the first ones */
         for (uint32_t a = 0; a < hidden; a++) {
-            eng_masks_hide(&masks, a);
+            eng_masks_exclude(&masks, a);
         }
-        eng_masks_forget_hidden(&masks);
+        eng_masks_purge_excluded(&masks);
         for (uint32_t a = 0; a < NUMBERS; a++) {
             uint32_t count = 0;
             for (uint32_t b = 0; b < NUMBERS; b++) {

@@ -92,18 +92,18 @@ int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignor
     return status;
 }
 
-void eng_masks_hide(struct eng_masks *masks, uint32_t object)
+void eng_masks_exclude(struct eng_masks *masks, uint32_t object)
 {
     assert(object < masks->capacity);
     const struct eng_object_filter nothing = {.group = 0, .mask = 0, .self = false};
     eng_masks_set(masks, object, &nothing);
-    masks->entries[object].is_hidden = true;
+    masks->entries[object].is_excluded = true;
 }
 
 static bool goes(void *context, uint32_t a, uint32_t b)
 {
     const struct eng_masks *masks = context;
-    if (!masks->entries[a].is_hidden && !masks->entries[b].is_hidden) {
+    if (!masks->entries[a].is_excluded && !masks->entries[b].is_excluded) {
         return false;
     }
     masks->entries[a].ignored--;
@@ -111,7 +111,7 @@ static bool goes(void *context, uint32_t a, uint32_t b)
     return true;
 }
 
-void eng_masks_forget_hidden(struct eng_masks *masks)
+void eng_masks_purge_excluded(struct eng_masks *masks)
 {
     eng_pairset_prune(&masks->ignored, goes, masks);
     masks->version++;

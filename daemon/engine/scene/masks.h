@@ -29,7 +29,7 @@ struct eng_masks_entry {
     uint32_t ignored; /* pairs that it is part of */
     bool self;
     bool is_changed;        /* not as an object begins */
-    bool is_hidden;         /* about to go away */
+    bool is_excluded;         /* about to go away */
     enum eng_self left_out; /* in this step */
 };
 
@@ -50,10 +50,10 @@ uint64_t eng_masks_bytes(const struct eng_masks *masks);
 int eng_masks_reserve(struct eng_masks *masks, uint32_t capacity);
 
 /* The object is about to go away: it meets nothing any more. */
-void eng_masks_hide(struct eng_masks *masks, uint32_t object);
-/* The pairs of all that are hidden go, at once: to search for those of each takes up to a
- * millisecond. */
-void eng_masks_forget_hidden(struct eng_masks *masks);
+void eng_masks_exclude(struct eng_masks *masks, uint32_t object);
+/* The pairs of all that are excluded go, at once: to search for those of each takes up to
+ * a millisecond. */
+void eng_masks_purge_excluded(struct eng_masks *masks);
 /* The object went away: its pairs go, its place is as objects begin. */
 void eng_masks_forget(struct eng_masks *masks, uint32_t object);
 

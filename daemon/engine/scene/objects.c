@@ -353,18 +353,18 @@ int eng_scene_get_filter(const struct eng_scene *scene, uint32_t object_idx,
     return PCCD_OK;
 }
 
-int eng_scene_hide(struct eng_scene *scene, uint32_t object_idx)
+int eng_scene_exclude(struct eng_scene *scene, uint32_t object_idx)
 {
     if (!eng_scene_object(scene, object_idx)) {
         return PCCD_E_INVAL;
     }
-    eng_masks_hide(&scene->masks, object_idx);
+    eng_masks_exclude(&scene->masks, object_idx);
     return PCCD_OK;
 }
 
-void eng_scene_forget_hidden(struct eng_scene *scene)
+void eng_scene_purge_excluded(struct eng_scene *scene)
 {
-    eng_masks_forget_hidden(&scene->masks);
+    eng_masks_purge_excluded(&scene->masks);
 }
 
 int eng_scene_ignore(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,

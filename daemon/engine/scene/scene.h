@@ -121,8 +121,8 @@ int eng_scene_get_thickness(const struct eng_scene *scene, uint32_t object_idx,
 
 /* Of an object that will be removed: from now on it meets nothing. PCCD_E_INVAL: there is
  * none. Then, once for all of these: the pairs that they are part of go. */
-int eng_scene_hide(struct eng_scene *scene, uint32_t object_idx);
-void eng_scene_forget_hidden(struct eng_scene *scene);
+int eng_scene_exclude(struct eng_scene *scene, uint32_t object_idx);
+void eng_scene_purge_excluded(struct eng_scene *scene);
 int eng_scene_ignore(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
                      bool ignored);
 uint32_t eng_scene_ignored_count(const struct eng_scene *scene);

@@ -122,6 +122,13 @@ struct eng_wide {
     bool is_stale; /* objects came or went, or have a new order, since it was made */
 };
 
+/* Pairs of nodes of one level that wait. */
+struct eng_wide_list {
+    uint32_t count;
+    uint32_t a[ENG_JOIN_MAX];
+    uint32_t b[ENG_JOIN_MAX];
+};
+
 /* That of a scene. It begins what is in its slot (wide_state.h). */
 static inline struct eng_wide *eng_wide_of(const struct eng_scene *scene)
 {

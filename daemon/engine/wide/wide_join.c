@@ -211,8 +211,7 @@ void eng_wide_join_refine(struct eng_wide_join *join, enum pccd_kind kind, uint3
             eng_wide_free_keep(join->wide, kind, level, below->a, below->b, below->count);
     }
     if (join->owners) {
-        below->count = eng_wide_owners_keep(join->owners, kind, level, n, m, below->a,
-                                            below->b, below->count);
+        eng_wide_owners_keep(join->owners, kind, level, n, m, below);
     }
 }
 

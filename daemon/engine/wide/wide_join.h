@@ -18,13 +18,6 @@ struct eng_wide_chunk {
     uint32_t b[ENG_CHUNK_MAX + ENG_SIEVE_SPARE];
 };
 
-/* Pairs of nodes of one level that wait. */
-struct eng_wide_list {
-    uint32_t count;
-    uint32_t a[ENG_JOIN_MAX];
-    uint32_t b[ENG_JOIN_MAX];
-};
-
 struct eng_wide_join {
     const struct eng_kernels *kernels;
     const struct eng_wide_owners *owners; /* that are asked; NULL: anything may meet */

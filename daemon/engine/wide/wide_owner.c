@@ -208,29 +208,31 @@ bool eng_wide_owners_allow(const struct eng_wide_owners *owners, enum pccd_kind 
                     owners_of(owners, kind, 1, level) + m);
 }
 
-uint32_t eng_wide_owners_keep(const struct eng_wide_owners *owners, enum pccd_kind kind,
-                              uint32_t level, uint32_t n, uint32_t m, uint32_t *a,
-                              uint32_t *b, uint32_t count)
+void eng_wide_owners_keep(const struct eng_wide_owners *owners, enum pccd_kind kind,
+                          uint32_t level, uint32_t n, uint32_t m,
+                          struct eng_wide_list *below)
 {
     assert(level >= 1);
     const struct eng_masks *masks = owners->masks;
     if (!masks) {
-        return count;
+        return;
     }
     uint32_t a_object = owners_of(owners, kind, 0, level)[n].object;
     uint32_t b_object = owners_of(owners, kind, 1, level)[m].object;
     bool is_one = a_object == b_object && a_object != ENG_NO_OBJECT;
     if (a_object != ENG_NO_OBJECT && b_object != ENG_NO_OBJECT &&
         !(is_one && masks->entries[a_object].left_out == ENG_SELF_CROWDED)) {
-        return count; /* what is below two objects' nodes is theirs */
+        return; /* what is below two objects' nodes is theirs */
     }
     const struct eng_wide_owner *of_a = owners_of(owners, kind, 0, level - 1);
     const struct eng_wide_owner *of_b = owners_of(owners, kind, 1, level - 1);
     uint32_t kept = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        a[kept] = a[i];
-        b[kept] = b[i];
-        kept += may_meet(masks, &of_a[a[i]], &of_b[b[i]]);
+    for (uint32_t i = 0; i < below->count; i++) {
+        uint32_t a = below->a[i];
+        uint32_t b = below->b[i];
+        below->a[kept] = a;
+        below->b[kept] = b;
+        kept += may_meet(masks, &of_a[a], &of_b[b]);
     }
-    return kept;
+    below->count = kept;
 }

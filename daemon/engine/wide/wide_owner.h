@@ -63,10 +63,10 @@ bool eng_wide_owners_are_on(const struct eng_wide_owners *owners);
 bool eng_wide_owners_allow(const struct eng_wide_owners *owners, enum pccd_kind kind,
                            uint32_t level, uint32_t n, uint32_t m);
 
-/* Of the pairs a[count], b[count] of nodes of level - 1 that (n, m) of `level`, which may
- * meet, led to, those that may: to the front, in their order. Returns how many. [any] */
-uint32_t eng_wide_owners_keep(const struct eng_wide_owners *owners, enum pccd_kind kind,
-                              uint32_t level, uint32_t n, uint32_t m, uint32_t *a,
-                              uint32_t *b, uint32_t count);
+/* Leave in `below`, the pairs of nodes of level - 1 that (n, m) of `level`, which may
+ * meet, led to, those that may meet, in their order. [any] */
+void eng_wide_owners_keep(const struct eng_wide_owners *owners, enum pccd_kind kind,
+                          uint32_t level, uint32_t n, uint32_t m,
+                          struct eng_wide_list *below);
 
 #endif

@@ -139,13 +139,13 @@ static void hide(const struct srv_member *member)
     for (uint32_t i = 0; i < scene->placed_count; i++) {
         const struct srv_placed *placed = &scene->placed[i];
         if (placed->handle != 0 && placed->member == member) {
-            int status = eng_scene_hide(scene->engine, placed->engine_idx);
+            int status = eng_scene_exclude(scene->engine, placed->engine_idx);
             PCCD_ASSERT(status == PCCD_OK); /* it has every object that is placed */
             is_any = true;
         }
     }
     if (is_any) {
-        eng_scene_forget_hidden(scene->engine);
+        eng_scene_purge_excluded(scene->engine);
     }
 }
 
