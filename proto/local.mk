@@ -9,7 +9,7 @@ libproto_la_SOURCES = \
     proto/messages.c \
     proto/prescan.c \
     proto/seqpacket.c
-libproto_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto $(MSGPACK_CFLAGS)
+libproto_la_CPPFLAGS = $(PCCD_CPPFLAGS) -iquote $(top_srcdir)/proto $(MSGPACK_CFLAGS)
 libproto_la_LIBADD = $(MSGPACK_LIBS)
 
 dist_doc_DATA += proto/PROTOCOL.md
@@ -17,8 +17,7 @@ dist_doc_DATA += proto/PROTOCOL.md
 # The tables of PROTOCOL.md and pccd-protocol.7, and the list of fields in tests/abi, from the
 # manifest: make protocol-doc writes them anew.
 noinst_PROGRAMS += proto/gendoc
-proto_gendoc_SOURCES = proto/gendoc.c
-proto_gendoc_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto
+proto_gendoc_CPPFLAGS = $(PCCD_CPPFLAGS) -iquote $(top_srcdir)/proto
 proto_gendoc_LDADD = libproto.la
 
 protocol-doc: proto/gendoc$(EXEEXT)

@@ -3,7 +3,7 @@
 # make bench-quick       every scene against the baseline, and instructions; a minute
 # make bench-baseline    write the baseline anew: commit it with what has changed it
 
-TESTS += bench/counted/counted.sh
+test_scripts += bench/counted/counted.sh
 
 .PHONY: bench-quick bench-baseline
 bench-quick: bench/pccd-bench$(EXEEXT)

@@ -5,11 +5,8 @@
 # make bench-growth GROWTH_INTO=FOLDER  somewhere else
 
 check_PROGRAMS += bench/growth/growth
-bench_growth_growth_SOURCES = bench/growth/growth.c $(bench_engine_sources)
-bench_growth_growth_CPPFLAGS = $(bench_engine_cppflags)
-bench_growth_growth_LDADD = $(bench_engine_libs)
 
-TESTS += bench/growth/smoke.sh
+test_scripts += bench/growth/smoke.sh
 
 GROWTH_INTO = bench/growth/results
 .PHONY: bench-growth

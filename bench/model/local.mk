@@ -12,13 +12,9 @@ bench_model_model_SOURCES = \
     bench/model/measure.c \
     bench/model/model.c \
     bench/model/record.c \
-    bench/model/schedule.c \
-    $(bench_engine_sources)
-bench_model_model_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/model
-bench_model_model_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
-bench_model_model_LDADD = $(bench_engine_libs)
+    bench/model/schedule.c
 
-TESTS += bench/model/smoke.sh
+test_scripts += bench/model/smoke.sh
 
 .PHONY: bench-model
 bench-model: bench/model/model
@@ -44,18 +40,9 @@ clean-bench-model:
 # make bench-ranks RANKS_ARGS=replay          recordings dealt to ranks
 if HAVE_MPI
 check_PROGRAMS += bench/model/ranks
-bench_model_ranks_SOURCES = \
-    bench/model/ranks.c \
-    bench/report.c \
-    bench/scenes/bench_scene.c \
-    bench/scenes/layers.c \
-    bench/scenes/recorded.c \
-    bench/scenes/surface.c \
-    tests/support/data.c \
-    tests/support/ply.c
-bench_model_ranks_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/tests/support \
-    -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib $(MPI_CPPFLAGS)
-bench_model_ranks_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(GMP_LIBS) $(LIBM)
+# By the shared library, as libpccd-mpi is.
+bench_model_ranks_LDADD = libbench.la libtests.la libpccd-mpi.la libpccd.la $(MPI_LIBS) $(GMP_LIBS) \
+    $(LIBM)
 endif
 .PHONY: bench-ranks
 bench-ranks: bench/model/model bench/model/ranks tests/mpi/large libpccd-direct.la pccdctl pccd-mpi

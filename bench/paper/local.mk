@@ -4,7 +4,7 @@
 # make bench BENCH_PARTS="peers figures"   parts of it (evaluate.sh has their names)
 # make bench BENCH_MACHINE=desk            a name for this machine
 
-TESTS += bench/paper/smoke.sh
+test_scripts += bench/paper/smoke.sh
 
 # The processor's name and how many there are, as a folder's name.
 BENCH_MACHINE = $$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1 | \

@@ -14,18 +14,16 @@ PEERS_CXXFLAGS = -std=c++17 -Wall -Wextra -Wshadow
 # What is near: ours is measured by itself where there is no ipc-toolkit.
 near_sources = \
     bench/peers/near_ours.c \
-    bench/peers/swept.c \
-    $(bench_engine_sources)
+    bench/peers/swept.c
 if HAVE_IPC_TOOLKIT
 near_sources += bench/peers/ipc_toolkit.cc
 endif
 check_PROGRAMS += bench/peers/near
 bench_peers_near_SOURCES = bench/peers/near.c bench/peers/near_judge.c $(near_sources)
-bench_peers_near_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/peers \
-    -I$(top_srcdir)/client/oracle
+bench_peers_near_CPPFLAGS = $(AM_CPPFLAGS)
 bench_peers_near_CXXFLAGS = $(PEERS_CXXFLAGS) $(IPC_TOOLKIT_CXXFLAGS)
 bench_peers_near_LINK = $(LINK) $(OPENMP_CFLAGS)
-bench_peers_near_LDADD = $(bench_engine_libs) liboracle.la $(GMP_LIBS)
+bench_peers_near_LDADD = $(LDADD)
 
 # How much of a step is safe at a distance.
 check_PROGRAMS += bench/peers/allowed
@@ -56,16 +54,13 @@ bench_peers_peers_SOURCES = \
     bench/peers/ours.c \
     bench/peers/peers.c \
     bench/peers/steps.c \
-    bench/peers/tests.c \
-    $(bench_engine_sources)
-bench_peers_peers_CPPFLAGS = $(bench_engine_cppflags) $(PEERS_CPPFLAGS) \
-    -I$(top_srcdir)/bench/peers
-bench_peers_peers_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+    bench/peers/tests.c
+bench_peers_peers_CPPFLAGS = $(AM_CPPFLAGS) $(PEERS_CPPFLAGS)
 bench_peers_peers_CXXFLAGS = $(PEERS_CXXFLAGS)
 # Linked by the C compiler, which knows the OpenMP and the sanitizers that ours has been
 # compiled for; CXX may be another one's.
 bench_peers_peers_LINK = $(LINK) $(OPENMP_CFLAGS)
-bench_peers_peers_LDADD = $(bench_engine_libs) $(PEERS_LIBS) -lstdc++
+bench_peers_peers_LDADD = $(LDADD) $(PEERS_LIBS) -lstdc++
 if HAVE_EMBREE
 bench_peers_peers_SOURCES += bench/peers/embree.cc
 endif
@@ -87,4 +82,4 @@ bench-peers:
 endif
 .PHONY: bench-peers
 
-TESTS += bench/peers/smoke.sh
+test_scripts += bench/peers/smoke.sh

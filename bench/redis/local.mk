@@ -7,7 +7,6 @@
 check_PROGRAMS += bench/redis/beside_redis
 
 bench_redis_beside_redis_SOURCES = \
-    bench/asker.c \
     bench/redis/busy.c \
     bench/redis/crowd.c \
     bench/redis/least.c \
@@ -15,12 +14,9 @@ bench_redis_beside_redis_SOURCES = \
     bench/redis/pairs.c \
     bench/redis/redis.c \
     bench/redis/trips.c \
-    bench/redis/updates.c \
-    bench/report.c
-bench_redis_beside_redis_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/bench/redis \
-    -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
-bench_redis_beside_redis_CFLAGS = $(AM_CFLAGS) $(SECCOMP_CFLAGS)
-bench_redis_beside_redis_LDADD = libpccd.la libproto.la $(SECCOMP_LIBS)
+    bench/redis/updates.c
+bench_redis_beside_redis_CPPFLAGS = $(AM_CPPFLAGS) $(SECCOMP_CFLAGS)
+bench_redis_beside_redis_LDADD = $(LDADD) $(SECCOMP_LIBS)
 
 .PHONY: bench-ipc
 bench-ipc: bench/redis/beside_redis$(EXEEXT) pccdd$(EXEEXT)

@@ -6,7 +6,6 @@
 check_PROGRAMS += bench/pccd-bench
 
 bench_pccd_bench_SOURCES = \
-    bench/asker.c \
     bench/run/frame.c \
     bench/run/output.c \
     bench/run/output_json.c \
@@ -15,15 +14,11 @@ bench_pccd_bench_SOURCES = \
     bench/run/settings.c \
     bench/run/setup.c \
     bench/run/way_client.c \
-    bench/run/way_engine.c \
-    $(bench_engine_sources)
+    bench/run/way_engine.c
 nodist_bench_pccd_bench_SOURCES = bench/run/commit.c
-bench_pccd_bench_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/run \
-    -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto $(text_cppflags) \
-    -DBENCH_DAEMON='"$(abs_top_builddir)/pccdd"' $(XXHASH_CFLAGS) $(JANSSON_CFLAGS)
-bench_pccd_bench_LDADD = $(bench_engine_libs) libpccd.la $(XXHASH_LIBS) $(JANSSON_LIBS)
+bench_pccd_bench_CPPFLAGS = $(bench_cppflags) -DBENCH_DAEMON='"$(abs_top_builddir)/pccdd"'
 
-TESTS += bench/run/smoke.sh
+test_scripts += bench/run/smoke.sh
 
 # Which sources these are; written anew only when that has changed.
 bench/run/commit.c: bench-commit

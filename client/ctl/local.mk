@@ -121,12 +121,12 @@ ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/oracle \
     -iquote $(top_srcdir)/client/registry \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto $(tool_cppflags)
-libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS) \
+libctl_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS) \
     $(XXHASH_CFLAGS)
 # The assembler takes the page in: no compiler tells of it.
 noinst_LTLIBRARIES += libpage.la
 libpage_la_SOURCES = client/ctl/inspect/page_template.c
-libpage_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -Wa,-I.
+libpage_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(ctl_cppflags) -Wa,-I.
 $(libpage_la_OBJECTS): client/inspect/page.html
 libctl_la_LIBADD = libpage.la libtools.la libregistry.la
 

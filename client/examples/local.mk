@@ -13,29 +13,13 @@ example_names = \
     client/examples/two_processes
 check_PROGRAMS += $(example_names)
 
-example_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto/common
+example_libs = libpccd.la $(LIBM)
+client_examples_hello_LDADD = $(example_libs)
+client_examples_cloth_LDADD = $(example_libs)
+client_examples_cloth_near_LDADD = $(example_libs)
+client_examples_cloth_thick_LDADD = $(example_libs)
+client_examples_game_balls_LDADD = $(example_libs)
+client_examples_game_loop_LDADD = $(example_libs)
+client_examples_two_processes_LDADD = $(example_libs)
 
-client_examples_hello_SOURCES = client/examples/hello.c
-client_examples_hello_CPPFLAGS = $(example_cppflags)
-client_examples_hello_LDADD = libpccd.la
-client_examples_cloth_SOURCES = client/examples/cloth.c
-client_examples_cloth_CPPFLAGS = $(example_cppflags)
-client_examples_cloth_LDADD = libpccd.la -lm
-client_examples_cloth_thick_SOURCES = client/examples/cloth_thick.c
-client_examples_cloth_thick_CPPFLAGS = $(example_cppflags)
-client_examples_cloth_thick_LDADD = libpccd.la -lm
-
-client_examples_cloth_near_SOURCES = client/examples/cloth_near.c
-client_examples_cloth_near_CPPFLAGS = $(example_cppflags)
-client_examples_cloth_near_LDADD = libpccd.la -lm
-client_examples_game_balls_SOURCES = client/examples/game_balls.c
-client_examples_game_balls_CPPFLAGS = $(example_cppflags)
-client_examples_game_balls_LDADD = libpccd.la -lm
-client_examples_game_loop_SOURCES = client/examples/game_loop.c
-client_examples_game_loop_CPPFLAGS = $(example_cppflags)
-client_examples_game_loop_LDADD = libpccd.la -lm
-client_examples_two_processes_SOURCES = client/examples/two_processes.c
-client_examples_two_processes_CPPFLAGS = $(example_cppflags)
-client_examples_two_processes_LDADD = libpccd.la
-
-TESTS += client/examples/run_examples.sh
+test_scripts += client/examples/run_examples.sh

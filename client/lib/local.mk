@@ -42,7 +42,7 @@ libclient_la_SOURCES = \
     client/lib/stats.c \
     client/lib/step.c \
     client/lib/weld.c
-libclient_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
+libclient_la_CPPFLAGS = $(PCCD_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \
     -iquote $(top_srcdir)/client/registry \
     -DCLI_DAEMON_PATH='"$(bindir)/pccdd"' -DCLI_LIBRARY_FOLDER='"$(libdir)"'

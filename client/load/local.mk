@@ -27,7 +27,7 @@ libload_la_SOURCES = \
     client/load/watch.c
 load_cppflags = -iquote $(top_srcdir)/client/load -iquote $(top_srcdir)/client/lib \
     -iquote $(top_srcdir)/proto $(tool_cppflags)
-libload_la_CPPFLAGS = $(AM_CPPFLAGS) $(load_cppflags)
+libload_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(load_cppflags)
 libload_la_LIBADD = libtools.la
 
 pccd_load_SOURCES = client/load/main.c

@@ -64,7 +64,7 @@ include_HEADERS += client/mpi/pccd_mpi.h
 pkgconfig_DATA += client/mpi/pccd-mpi.pc
 
 libranks_la_SOURCES = $(ranks_sources)
-libranks_la_CPPFLAGS = $(AM_CPPFLAGS) $(ranks_cppflags) $(MPI_CPPFLAGS) $(XXHASH_CFLAGS)
+libranks_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(ranks_cppflags) $(MPI_CPPFLAGS) $(XXHASH_CFLAGS)
 libranks_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 libranks_la_LDFLAGS = $(OPENMP_CFLAGS)
 libpccd_mpi_la_SOURCES =
@@ -74,7 +74,7 @@ libpccd_mpi_la_LDFLAGS = $(AM_LDFLAGS) -no-undefined -version-info 0:0:0 \
 EXTRA_libpccd_mpi_la_DEPENDENCIES = client/mpi/libpccd-mpi.map
 
 pccd_mpi_SOURCES = $(mpi_program_sources)
-pccd_mpi_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -iquote $(top_srcdir)/client/mpi $(MPI_CPPFLAGS) \
+pccd_mpi_CPPFLAGS = $(PCCD_CPPFLAGS) $(ctl_cppflags) -iquote $(top_srcdir)/client/mpi $(MPI_CPPFLAGS) \
     $(JANSSON_CFLAGS)
 pccd_mpi_LDADD = libranks.la libctl.la libclient.la liboracle.la $(MPI_LIBS) $(JANSSON_LIBS) $(LIBM)
 
@@ -94,8 +94,5 @@ $(mpi_completion)/pccd-mpi.fish: pccd-mpi$(EXEEXT)
 
 # For mpirun; tests/mpi/mpi_check.sh runs it.
 check_PROGRAMS += client/mpi/example/cloth_mpi
-client_mpi_example_cloth_mpi_SOURCES = client/mpi/example/cloth_mpi.c
-client_mpi_example_cloth_mpi_CPPFLAGS = $(AM_CPPFLAGS) $(ranks_cppflags) \
-    -iquote $(top_srcdir)/client/examples $(MPI_CPPFLAGS)
 client_mpi_example_cloth_mpi_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(LIBM)
 endif

@@ -17,5 +17,5 @@ liboracle_la_SOURCES = \
     client/oracle/oracle_thick.c \
     client/oracle/oracle_vec.c \
     client/oracle/oracle_within.c
-liboracle_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/oracle
+liboracle_la_CPPFLAGS = $(PCCD_CPPFLAGS) -I$(top_srcdir)/client/oracle
 liboracle_la_LIBADD = $(GMP_LIBS) $(LIBM)

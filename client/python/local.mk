@@ -43,7 +43,7 @@ python/pccd/abi.py: Makefile $(top_srcdir)/client/python/abi.awk $(python_header
 	done && \
 	{ echo '#include "pccd.h"'; \
 	  echo 'pccd_abi_version PCCD_VERSION_MAJOR PCCD_VERSION_MINOR PCCD_VERSION_PATCH'; } | \
-	    $(CC) -E -C $(AM_CPPFLAGS) -iquote $(top_srcdir)/client/lib - \
+	    $(CC) -E -C $(PCCD_CPPFLAGS) -iquote $(top_srcdir)/client/lib - \
 	    >python/pccd/abi.i && \
 	$(AWK) -v library_folder='$(libdir)' -f $(top_srcdir)/client/python/abi.awk \
 	    <python/pccd/abi.i >$@.new && rm python/pccd/abi.i && mv $@.new $@

@@ -10,5 +10,5 @@ librecord_la_SOURCES = \
     client/record/reader.c
 record_cppflags = -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/lib \
     -iquote $(top_srcdir)/proto
-librecord_la_CPPFLAGS = $(AM_CPPFLAGS) $(record_cppflags) $(XXHASH_CFLAGS) $(ZSTD_CFLAGS)
+librecord_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(record_cppflags) $(XXHASH_CFLAGS) $(ZSTD_CFLAGS)
 librecord_la_LIBADD = $(ZSTD_LIBS)

@@ -8,4 +8,4 @@ libregistry_la_SOURCES = \
     client/registry/registry_pairs.c \
     client/registry/registry_positions.c
 registry_cppflags = -iquote $(top_srcdir)/client/registry
-libregistry_la_CPPFLAGS = $(AM_CPPFLAGS) $(registry_cppflags)
+libregistry_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(registry_cppflags)

@@ -6,5 +6,5 @@ libtools_la_SOURCES = \
     client/tool/shown.c \
     client/tool/whole_file.c
 tool_cppflags = -iquote $(top_srcdir)/client/tool $(text_cppflags)
-libtools_la_CPPFLAGS = $(AM_CPPFLAGS) $(tool_cppflags)
+libtools_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(tool_cppflags)
 libtools_la_LIBADD = libtext.la

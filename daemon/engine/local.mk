@@ -2,17 +2,17 @@
 
 # The folders are one room: whoever may include one of its headers may include all.
 ENGINE_CPPFLAGS = \
-    -I$(top_srcdir)/daemon/engine \
-    -I$(top_srcdir)/daemon/engine/base \
-    -I$(top_srcdir)/daemon/engine/kernel \
-    -I$(top_srcdir)/daemon/engine/elementary \
-    -I$(top_srcdir)/daemon/engine/result \
-    -I$(top_srcdir)/daemon/engine/team \
-    -I$(top_srcdir)/daemon/engine/scene \
-    -I$(top_srcdir)/daemon/engine/narrow \
-    -I$(top_srcdir)/daemon/engine/near \
-    -I$(top_srcdir)/daemon/engine/paper \
-    -I$(top_srcdir)/daemon/engine/wide
+    -iquote $(top_srcdir)/daemon/engine \
+    -iquote $(top_srcdir)/daemon/engine/base \
+    -iquote $(top_srcdir)/daemon/engine/kernel \
+    -iquote $(top_srcdir)/daemon/engine/elementary \
+    -iquote $(top_srcdir)/daemon/engine/result \
+    -iquote $(top_srcdir)/daemon/engine/team \
+    -iquote $(top_srcdir)/daemon/engine/scene \
+    -iquote $(top_srcdir)/daemon/engine/narrow \
+    -iquote $(top_srcdir)/daemon/engine/near \
+    -iquote $(top_srcdir)/daemon/engine/paper \
+    -iquote $(top_srcdir)/daemon/engine/wide
 
 include $(top_srcdir)/daemon/engine/kernel/local.mk
 
@@ -141,7 +141,7 @@ libengine_la_SOURCES = \
     daemon/engine/new_scene.c \
     daemon/engine/step.c \
     daemon/engine/step_memory.c
-libengine_la_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
+libengine_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(ENGINE_CPPFLAGS)
 libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
 # libtool hands -fopenmp on to whatever links this library.
 libengine_la_LDFLAGS = $(OPENMP_CFLAGS)

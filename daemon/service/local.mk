@@ -58,7 +58,7 @@ libservice_la_SOURCES = \
     daemon/service/requests/stepping.c \
     daemon/service/setup.c
 # In the room every header has a name of its own, and is included by that alone.
-service_cppflags = $(AM_CPPFLAGS) \
+service_cppflags = $(PCCD_CPPFLAGS) \
     -iquote $(top_srcdir)/daemon/service \
     -iquote $(top_srcdir)/daemon/service/base \
     -iquote $(top_srcdir)/daemon/service/queue \

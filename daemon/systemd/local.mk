@@ -26,5 +26,3 @@ install-data-local:
 	$(INSTALL_DATA) $(srcdir)/daemon/systemd/pccd.sysusers '$(DESTDIR)$(sysusersdir)/pccd.conf'
 uninstall-local:
 	rm -f '$(DESTDIR)$(sysusersdir)/pccd.conf'
-
-TESTS += tests/integration/unit_check.sh

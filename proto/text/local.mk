@@ -4,4 +4,4 @@ noinst_LTLIBRARIES += libtext.la
 libtext_la_SOURCES = \
     proto/text/printable.c
 text_cppflags = -iquote $(top_srcdir)/proto/text
-libtext_la_CPPFLAGS = $(AM_CPPFLAGS) $(text_cppflags) -iquote $(top_srcdir)/proto
+libtext_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(text_cppflags) -iquote $(top_srcdir)/proto

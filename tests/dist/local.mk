@@ -5,7 +5,7 @@
 #
 # Both take minutes and want what a build wants; the second debhelper, dh-python and lintian.
 
-TESTS += tests/dist/bootstrap_check.sh tests/dist/container_check.sh \
+test_scripts += tests/dist/bootstrap_check.sh tests/dist/container_check.sh \
     tests/dist/cross_check.sh tests/dist/install_check.sh
 
 .PHONY: dist-check-reproducible deb-check

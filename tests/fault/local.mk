@@ -30,50 +30,19 @@ tests_fault_pccdd_faulty_LDFLAGS = $(AM_LDFLAGS) $(FAULT_WRAP_MEMORY) $(FAULT_WR
 tests_fault_pccdd_faulty_LDADD = $(MSGPACK_ARCHIVE) libserver.la libengine.la libproto.la \
     $(UV_ARCHIVE)
 
-check_LTLIBRARIES += libfaultkeeper.la
-libfaultkeeper_la_SOURCES = \
-    tests/fault/fault.c \
-    tests/fault/keeper.c \
-    tests/fault/life.c
-fault_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/fault \
-    -iquote $(top_srcdir)/tests/support -iquote $(top_srcdir)/proto \
-    -iquote $(top_srcdir)/client/lib $(CMOCKA_CFLAGS)
-libfaultkeeper_la_CPPFLAGS = $(fault_cppflags)
-fault_libs = libfaultkeeper.la libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
-
-FAULT_TESTS = \
+fault_tests = \
     tests/fault/test_fault_calls \
     tests/fault/test_fault_limits \
     tests/fault/test_fault_memory \
     tests/fault/test_fault_start \
     tests/fault/test_fault_threads
-check_PROGRAMS += $(FAULT_TESTS)
-TESTS += $(FAULT_TESTS) tests/fault/archives_check.sh
-
-tests_fault_test_fault_calls_SOURCES = tests/fault/test_fault_calls.c
-tests_fault_test_fault_calls_CPPFLAGS = $(fault_cppflags)
-tests_fault_test_fault_calls_LDADD = $(fault_libs)
-
-tests_fault_test_fault_memory_SOURCES = tests/fault/test_fault_memory.c
-tests_fault_test_fault_memory_CPPFLAGS = $(fault_cppflags)
-tests_fault_test_fault_memory_LDADD = $(fault_libs)
-
-tests_fault_test_fault_limits_SOURCES = tests/fault/test_fault_limits.c
-tests_fault_test_fault_limits_CPPFLAGS = $(fault_cppflags)
-tests_fault_test_fault_limits_LDADD = $(fault_libs)
-
-tests_fault_test_fault_start_SOURCES = tests/fault/test_fault_start.c
-tests_fault_test_fault_start_CPPFLAGS = $(fault_cppflags)
-tests_fault_test_fault_start_LDADD = $(fault_libs)
-
-tests_fault_test_fault_threads_SOURCES = tests/fault/test_fault_threads.c
-tests_fault_test_fault_threads_CPPFLAGS = $(fault_cppflags)
-tests_fault_test_fault_threads_LDADD = $(fault_libs)
+test_programs += $(fault_tests)
+test_scripts += tests/fault/archives_check.sh
 
 # Every fault; make check tries a sample of the slower ones.
 FAULT_EVERY = 1
 .PHONY: fault-sweep
-fault-sweep: $(FAULT_TESTS) tests/fault/pccdd-faulty pccdd
+fault-sweep: $(fault_tests) tests/fault/pccdd-faulty pccdd
 	@$(AM_TESTS_ENVIRONMENT) unset CMOCKA_MESSAGE_OUTPUT; \
 	FAULT_EVERY=$(FAULT_EVERY); export FAULT_EVERY; \
-	for test in $(FAULT_TESTS); do ./$$test || exit 1; done
+	for test in $(fault_tests); do ./$$test || exit 1; done

@@ -1,7 +1,6 @@
 # tests/files/local.mk - files of real programs; each is skipped by name where it is not here.
 
-files_tests = tests/files/test_files_programs.sh
-TESTS += $(files_tests)
+test_scripts += tests/files/test_files_programs.sh
 
 # A row for each file in $PCCD_FILES, or of the programs that are here, and the sums.
 files-table: all
@@ -14,8 +13,7 @@ files-table: all
 .PHONY: files-table
 
 check_PROGRAMS += tests/files/read_mesh
-tests_files_read_mesh_SOURCES = tests/files/read_mesh.c
-tests_files_read_mesh_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags)
+tests_files_read_mesh_CPPFLAGS = $(PCCD_CPPFLAGS) $(ctl_cppflags)
 tests_files_read_mesh_LDADD = libctl.la $(JANSSON_LIBS) $(LIBM)
 
 # Times and memory of the readers, beside meshio, trimesh and $OLD_READ_MESH, that program of

@@ -10,8 +10,18 @@
 
 #define FOREVER (UINT64_MAX / 2)
 
-void fuzz_call(void (*target)(const uint8_t *data, size_t bytes), const uint8_t *data,
-               size_t bytes)
+fuzz_function *fuzz_target(const char *name)
+{
+#define FUZZ_NAMED(target)                                                               \
+    if (strcmp(name, #target) == 0) {                                                    \
+        return fuzz_##target;                                                            \
+    }
+    FUZZ_TARGETS(FUZZ_NAMED)
+#undef FUZZ_NAMED
+    return NULL;
+}
+
+void fuzz_call(fuzz_function *target, const uint8_t *data, size_t bytes)
 {
     if (bytes == 0) {
         return;

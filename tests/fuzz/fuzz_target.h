@@ -27,9 +27,11 @@
 FUZZ_TARGETS(FUZZ_DECLARE)
 #undef FUZZ_DECLARE
 
+typedef void fuzz_function(const uint8_t *data, size_t bytes);
+/* Return the target of that name, or NULL. */
+fuzz_function *fuzz_target(const char *name);
 /* Take the allocator's byte off, and call. */
-void fuzz_call(void (*target)(const uint8_t *data, size_t bytes), const uint8_t *data,
-               size_t bytes);
+void fuzz_call(fuzz_function *target, const uint8_t *data, size_t bytes);
 
 /* Between these two no allocation fails: for what judges and not what is judged. */
 void fuzz_scarcity_pause(void);

@@ -6,14 +6,13 @@
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "fuzz_target.h"
 
 #define INPUT_MAX (1u << 20)
 
-static void (*target)(const uint8_t *data, size_t bytes);
+static fuzz_function *target;
 static unsigned long inputs;
 
 static void replay_file(const char *path)
@@ -48,12 +47,7 @@ static void replay_folder(const char *path)
 
 int main(int argc, char **argv)
 {
-#define REPLAY_TARGET(name)                                                              \
-    if (argc > 1 && strcmp(argv[1], #name) == 0) {                                       \
-        target = fuzz_##name;                                                            \
-    }
-    FUZZ_TARGETS(REPLAY_TARGET)
-#undef REPLAY_TARGET
+    target = argc > 1 ? fuzz_target(argv[1]) : NULL;
     if (target == NULL) {
         fprintf(stderr, "usage: %s TARGET FILE-OR-FOLDER...\n", argv[0]);
         return 2;

@@ -15,7 +15,7 @@ failed=0
 mkdir -p "$found"
 for target in $only; do
     mkdir -p "$found/$target"
-    nice -n 19 "$build/tests/fuzz/fuzz_$target" -max_total_time="$seconds" -timeout=300 \
+    FUZZ_TARGET=$target nice -n 19 "$build/tests/fuzz/fuzz" -max_total_time="$seconds" -timeout=300 \
         -rss_limit_mb=4096 -detect_leaks=0 -max_len=4096 -print_final_stats=1 -verbosity=1 \
         -artifact_prefix="$found/$target-" "$found/$target" "$corpus/$target" \
         >"$found/$target.log" 2>&1

@@ -6,26 +6,15 @@ mpi_test_scripts = tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh \
 mpi_test_programs = tests/mpi/large tests/mpi/misuse tests/mpi/rounding tests/mpi/same_as_one \
     tests/mpi/stop
 mpi_check_programs = $(mpi_test_programs) client/mpi/example/cloth_mpi
-TESTS += $(mpi_test_scripts)
+test_scripts += $(mpi_test_scripts)
 if HAVE_MPI
 check_PROGRAMS += $(mpi_test_programs)
-tests_mpi_same_as_one_SOURCES = tests/mpi/same_as_one.c
-mpi_test_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/client/mpi \
-    -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/tests/support $(MPI_CPPFLAGS)
-tests_mpi_same_as_one_CPPFLAGS = $(mpi_test_cppflags)
-tests_mpi_same_as_one_LDADD = libpccd-mpi.la libpccd.la libtestscenes.la $(MPI_LIBS) $(LIBM)
-tests_mpi_large_SOURCES = tests/mpi/large.c
-tests_mpi_large_CPPFLAGS = $(mpi_test_cppflags)
-tests_mpi_large_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(LIBM)
-tests_mpi_misuse_SOURCES = tests/mpi/misuse.c
-tests_mpi_misuse_CPPFLAGS = $(mpi_test_cppflags)
-tests_mpi_misuse_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS)
-tests_mpi_rounding_SOURCES = tests/mpi/rounding.c
-tests_mpi_rounding_CPPFLAGS = $(mpi_test_cppflags)
-tests_mpi_rounding_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(LIBM)
-tests_mpi_stop_SOURCES = tests/mpi/stop.c
-tests_mpi_stop_CPPFLAGS = $(mpi_test_cppflags)
-tests_mpi_stop_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) -lpthread
+mpi_test_libs = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(LIBM)
+tests_mpi_large_LDADD = $(mpi_test_libs)
+tests_mpi_misuse_LDADD = $(mpi_test_libs)
+tests_mpi_rounding_LDADD = $(mpi_test_libs)
+tests_mpi_same_as_one_LDADD = libtests.la $(mpi_test_libs) $(GMP_LIBS)
+tests_mpi_stop_LDADD = $(mpi_test_libs) -lpthread
 endif
 
 # All of it, by both MPIs, each in a build of its own.

@@ -1,7 +1,7 @@
 # tests/planner/local.mk - what the planner calls free, by dense samples. Where configure has
 # not found OMPL the script skips its cases by name.
 
-TESTS += tests/planner/test_planner.sh
+test_scripts += tests/planner/test_planner.sh
 if HAVE_OMPL
 check_PROGRAMS += tests/planner/check tests/planner/turns
 tests_planner_check_SOURCES = tests/planner/check.cc

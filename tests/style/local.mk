@@ -1,11 +1,10 @@
 # tests/style/local.mk - the rules of CONTRIBUTING.md that a script can check.
 
-style_tests = \
+test_scripts += \
     tests/style/test_style_files.sh \
     tests/style/test_style_rooms.sh \
     tests/style/test_style_size.sh \
     tests/style/test_style_words.sh
-TESTS += $(style_tests)
 
 # `make size`: what there is to learn, beside the baseline; `make size-baseline` writes that.
 .PHONY: size size-baseline

@@ -32,11 +32,11 @@ check() {
 }
 exec 2>"$work/errors"
 
-# If this failed, a source would lie there that nothing compiles. (Headers need no list: the
-# tarball has what git tracks, and dist_check.sh compares. Lists of tests/ shorten names.)
-mapfile -t lists < <(find proto daemon client bench -name local.mk)
-LC_ALL=C comm -23 <(printf '%s\n' "${sources[@]}" | grep -v ^tests/ | grep '[.]c$') \
-    <(grep -ohE '(proto|daemon|client|bench)/[a-z0-9_/]*[.]c\>' "${lists[@]}" | LC_ALL=C sort -u) |
+# If this failed, a source would lie there that nothing compiles. A program of one file is named
+# without the ".c". (Headers need no list: the tarball has what git tracks.)
+mapfile -t lists < <(find proto daemon client bench tests -name local.mk)
+LC_ALL=C comm -23 <(printf '%s\n' "${sources[@]}" | sed -n 's/[.]c$//p') \
+    <(grep -ohE '(proto|daemon|client|bench|tests)/[a-z0-9_/]+' "${lists[@]}" | LC_ALL=C sort -u) |
     sed 's/^/no list names /' >"$work/log"
 check sources__are_in_a_list
 

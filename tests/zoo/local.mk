@@ -1,11 +1,6 @@
 # tests/zoo/local.mk - hostile clients beside an honest one.
 
-check_PROGRAMS += tests/zoo/test_zoo_animals tests/zoo/test_zoo_idle
-TESTS += tests/zoo/test_zoo_animals tests/zoo/test_zoo_idle
-
-zoo_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
-    -I$(top_srcdir)/tests/support -I$(top_srcdir)/tests/zoo $(CMOCKA_CFLAGS)
-zoo_libs = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
+test_programs += tests/zoo/test_zoo_animals tests/zoo/test_zoo_idle
 
 tests_zoo_test_zoo_animals_SOURCES = \
     tests/zoo/animals_data.c \
@@ -16,12 +11,6 @@ tests_zoo_test_zoo_animals_SOURCES = \
     tests/zoo/cage.c \
     tests/zoo/keeper.c \
     tests/zoo/test_zoo_animals.c
-tests_zoo_test_zoo_animals_CPPFLAGS = $(zoo_cppflags)
-tests_zoo_test_zoo_animals_LDADD = $(zoo_libs)
-
-tests_zoo_test_zoo_idle_SOURCES = tests/zoo/test_zoo_idle.c
-tests_zoo_test_zoo_idle_CPPFLAGS = $(zoo_cppflags)
-tests_zoo_test_zoo_idle_LDADD = $(zoo_libs)
 
 # All of it: seconds become minutes, and the figures are printed.
 .PHONY: zoo idle deadlines long-requests

@@ -20,7 +20,7 @@ kernel_sources = \
     daemon/engine/kernel/sift_near.c \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/within.c
-kernel_cppflags = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)
+kernel_cppflags = $(PCCD_CPPFLAGS) $(ENGINE_CPPFLAGS)
 # The loops are short and everything in them is inlined: what -O3 adds is unrolling.
 kernel_cflags = $(AM_CFLAGS) -fno-trapping-math -fno-math-errno $(PCCD_KERNEL_CFLAGS)
 
