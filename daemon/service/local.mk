@@ -26,7 +26,7 @@ libservice_la_SOURCES = \
     daemon/service/sessions/session.c \
     daemon/service/sessions/stray.c \
     daemon/service/sessions/tracing.c \
-    daemon/service/scenes/srv_batch.c \
+    daemon/service/requests/srv_batch.c \
     daemon/service/scenes/srv_journal.c \
     daemon/service/scenes/held.c \
     daemon/service/scenes/meshes.c \
@@ -39,23 +39,22 @@ libservice_la_SOURCES = \
     daemon/service/requests/config.c \
     daemon/service/requests/dispatch.c \
     daemon/service/requests/handlers_admin.c \
-    daemon/service/requests/handlers_batch.c \
     daemon/service/requests/handlers_boxes.c \
     daemon/service/requests/handlers_config.c \
     daemon/service/requests/handlers_fetch.c \
     daemon/service/requests/handlers_filter.c \
-    daemon/service/requests/handlers_frame.c \
+    daemon/service/requests/handlers_step.c \
     daemon/service/requests/handlers_hello.c \
     daemon/service/requests/handlers_journal.c \
     daemon/service/requests/handlers_list.c \
     daemon/service/requests/handlers_mesh.c \
-    daemon/service/requests/handlers_near.c \
+    daemon/service/requests/srv_step.c \
     daemon/service/requests/handlers_scene.c \
     daemon/service/requests/handlers_watch.c \
     daemon/service/requests/holding.c \
     daemon/service/requests/teardown.c \
     daemon/service/requests/request.c \
-    daemon/service/requests/stepping.c \
+    daemon/service/requests/step_tell.c \
     daemon/service/setup.c
 # In the room every header has a name of its own, and is included by that alone.
 service_cppflags = $(PCCD_CPPFLAGS) \

@@ -1,6 +1,8 @@
 /* admission.c - what every request that uses the ring is asked for first. */
 #include "admission.h"
 
+#include <math.h>
+
 #include "session.h"
 
 int srv_admit_ring(struct srv_call *call, struct srv_ring **ring)
@@ -31,6 +33,27 @@ int srv_admit_slot(struct srv_call *call, const struct srv_ring *ring, uint32_t 
         return proto_error_set(&call->error, PCCD_E_INVAL,
                                "seq is %llu, a written slot has an even one from 2 on",
                                (unsigned long long)seq);
+    }
+    return 0;
+}
+
+int srv_check_choice(struct srv_call *call, const char *name, uint32_t value,
+                     uint32_t count)
+{
+    return value < count ? 0
+                         : proto_error_set(&call->error, PCCD_E_INVAL, "unknown %s %u",
+                                           name, value);
+}
+
+int srv_check_length(struct srv_call *call, const char *name, double length)
+{
+    if (!(length >= 0.0) || isinf(length)) { /* written so that NaN is refused */
+        return proto_error_set(&call->error, PCCD_E_INVAL, "%s is %g, not 0 to %g", name,
+                               length, PROTO_COORDINATE_MAX);
+    }
+    if (length > PROTO_COORDINATE_MAX) {
+        return proto_error_set(&call->error, PCCD_E_LIMIT, "%s is %g, at most %g may be",
+                               name, length, PROTO_COORDINATE_MAX);
     }
     return 0;
 }

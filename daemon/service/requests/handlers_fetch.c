@@ -7,13 +7,12 @@
 
 #include "admission.h"
 #include "call.h"
-#include "frame.h"
 #include "invariant.h"
 #include "now.h"
-#include "numbers.h"
 #include "request.h"
 #include "service.h"
 #include "session.h"
+#include "srv_step.h"
 
 /* Copied between two looks at the cancel flag, some 100 us; and in any case: a step that
  * was cancelled keeps no more. */
@@ -37,16 +36,6 @@ static uint64_t copy_records(struct srv_request *request, uint8_t *to,
         done += n;
     }
     return done;
-}
-
-void srv_answer_describe(const struct eng_step_result *result, uint32_t record_bytes,
-                         struct proto_answer *answer)
-{
-    *answer = (struct proto_answer){.total = result->count, .record_bytes = record_bytes};
-#define PUT(unused, type, name, of_step, of_near, member, meaning)                       \
-    answer->name = result->member;
-    COMMON_NUMBERS(PUT, )
-#undef PUT
 }
 
 int srv_answer_page(struct srv_request *request, const struct srv_kept *kept,

@@ -3,13 +3,13 @@
  */
 #include <inttypes.h>
 
+#include "admission.h"
 #include "call.h"
 #include "enginemem.h"
 #include "invariant.h"
 #include "request.h"
 #include "session.h"
 #include "srv_journal.h"
-#include "stepping.h"
 
 /* Admission: a scene and an object that is in it, or soon will be; `is_own`: this
  * session's, which alone says what it may meet where a scene is shared. */

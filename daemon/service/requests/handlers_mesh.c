@@ -411,6 +411,8 @@ int srv_on_MESH_COMMIT(struct srv_call *call)
             return status;
         }
         plan.generation++;
+        plan.claims = plan.replacement->claims;
+        plan.claim_count = plan.replacement->scene_count;
     }
     int status = srv_request_start(call, &plan);
     if (status < 0 && plan.replacement != NULL) {

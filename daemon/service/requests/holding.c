@@ -3,14 +3,13 @@
 
 #include <stdlib.h>
 
-#include "frame.h"
 #include "held.h"
 #include "invariant.h"
 #include "now.h"
 #include "service.h"
 #include "session.h"
 #include "shared.h"
-#include "staging.h"
+#include "srv_step.h"
 
 /* ---- the end of waiting ------------------------------------------------------------ */
 
@@ -42,7 +41,7 @@ static void part(struct srv_request *request)
 static void say_nothing_yet(struct srv_request *request, enum pccd_incomplete why)
 {
     struct proto_answer *answer = &request->result.answer;
-    srv_frame_nothing(&request->params.FRAME_SUBMIT, why, answer);
+    srv_step_nothing(request, why, answer);
     leave_out_page(request, answer);
     part(request);
 }
@@ -164,7 +163,7 @@ static int work_hold(struct srv_request *request)
                               .member = request->plan.member,
                               .submit = *submit,
                               .charge = request->plan.held_bytes};
-    int status = srv_stage_keep(request->plan.ring, SRV_CARGO_OF(submit),
+    int status = srv_stage_keep(request->plan.ring, &SRV_SLOT_OF(submit),
                                 request->plan.ring->slot_stride, &held->copy,
                                 &held->bytes, &request->error);
     srv_request_return_slot(request);

@@ -13,10 +13,8 @@
 #include "linger.h"
 #include "meshes.h"
 #include "now.h"
-#include "replacement.h"
 #include "service.h"
 #include "session.h"
-#include "srv_batch.h"
 #include "stray.h"
 #include "tracing.h"
 
@@ -111,8 +109,8 @@ static void conclude(struct srv_request *request)
 static bool may_reply(const struct srv_request *request)
 {
     return request->outlet != NULL && request->status == 0 &&
-           srv_request_state(request) != SRV_REQUEST_BRIEF && request->taken == NULL &&
-           atomic_load(&request->session->owed_count) == 0;
+           srv_request_state(request) != SRV_REQUEST_BRIEF &&
+           request->item.taken == NULL && atomic_load(&request->session->owed_count) == 0;
 }
 
 /* Returns whether the client has its answer. [compute] */
@@ -428,12 +426,9 @@ static bool run_here(struct srv_request *request)
  * list.pair any. */
 static void claim(struct srv_request *request, const struct srv_plan *plan)
 {
-    if (plan->batch != NULL) {
-        request->job.claims = plan->batch->claims;
-        request->job.claim_count = plan->batch->claim_count;
-    } else if (plan->replacement != NULL) {
-        request->job.claims = plan->replacement->claims;
-        request->job.claim_count = plan->replacement->scene_count;
+    if (plan->claims != NULL) {
+        request->job.claims = plan->claims;
+        request->job.claim_count = plan->claim_count;
     } else if (plan->scene != NULL) {
         request->claim = &plan->scene->claim;
         request->job.claims = &request->claim;
@@ -469,6 +464,8 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
     request->session = session;
     request->connection = session->connection;
     request->plan = *plan;
+    request->item = (struct srv_item){
+        .scene = plan->scene, .member = plan->member, .answer = &request->result.answer};
     request->id = call->id;
     request->method = call->method;
     request->arrival_ns = call->arrival_ns;

@@ -40,6 +40,21 @@ struct srv_request;
 struct srv_service;
 struct srv_tracing;
 
+/* A scene that a request steps, or asks about. */
+struct srv_item {
+    struct srv_scene *scene; /* NULL: `status` says why there is none */
+    struct srv_member
+        *member;            /* with which the session takes part; NULL: it is its own */
+    int32_t status;         /* of the table of a batch, then [compute] of the step */
+    uint32_t segments;      /* of a batch: that are its own, */
+    uint32_t first;         /* and where they begin in the table of all */
+    bool has_stepped;       /* [compute] then [loop], as all that follows */
+    struct srv_held *taken; /* held frames that went along */
+    struct proto_answer
+        *answer; /* what others who take part are told; NULL: nobody does */
+    struct proto_STEP_request told; /* what those who watch are told of how it went */
+};
+
 /* What a handler asks for. References are taken for as long as the request lives. */
 struct srv_plan {
     /* [compute]; returns 0 with request->result filled in, or with job.goes_on set, to be
@@ -58,12 +73,14 @@ struct srv_plan {
     struct srv_tracing *tracing;         /* a reference is taken */
     struct srv_replacement *replacement; /* given back by `finish`; NULL: none */
     struct srv_batch *batch;             /* likewise */
-    uint64_t mesh_number;                /* of the mesh that `shape` serves */
-    uint32_t generation;                 /* likewise */
-    uint32_t object;                     /* handle in `scene` */
+    struct srv_claim **claims; /* of these two, of their scenes, which no other */
+    uint32_t claim_count;      /* job uses meanwhile; NULL: of `scene` */
+    uint64_t mesh_number;      /* of the mesh that `shape` serves */
+    uint32_t generation;       /* likewise */
+    uint32_t object;           /* handle in `scene` */
     struct srv_member
         *member;         /* with which the session takes part in it: leaves it behind
-                            * its requests (shared.h); NULL: the scene is its own */
+                                * its requests (shared.h); NULL: the scene is its own */
     uint64_t held_bytes; /* charged for a frame that is held (held.h); 0: none */
     bool takes_slot;     /* a slot of the ring, to be returned exactly once */
     bool makes_pages;    /* the work is done on [pages], beside what is computed */
@@ -119,7 +136,6 @@ struct srv_request {
     uint64_t begin_ns;      /* [compute] of a step: since when it computes */
     uint32_t items_done;    /* [compute] of a request that runs in parts */
     const uint8_t *payload; /* [compute] likewise, in its slot */
-    bool has_stepped;       /* [compute] then [loop]: its scene has moved on */
     struct srv_laststep *last_step; /* of a step that was computed; else NULL */
     int fds[2];                     /* to send with the answer and close; -1: none */
     struct srv_deadline deadline;   /* [loop] the plan's; at_ns 0: none */
@@ -128,9 +144,9 @@ struct srv_request {
     struct srv_outlet *outlet; /* [loop] may answer by it on [compute]; NULL: on [loop] */
     uint64_t replied_ns;       /* REPLIED: when */
     struct srv_kept_reply
-        reply;              /* REPLIED: for a client that comes back; 0 bytes: none */
-    struct srv_held *held;  /* that it has brought; NULL: none, or it was answered */
-    struct srv_held *taken; /* [compute] then [loop]: by its step */
+        reply;             /* REPLIED: for a client that comes back; 0 bytes: none */
+    struct srv_held *held; /* that it has brought; NULL: none, or it was answered */
+    struct srv_item item;  /* plan.scene; those of a batch are its own (srv_batch.h) */
 };
 
 /* Whether a method is one of those that move scenes: it counts among the steps in flight,

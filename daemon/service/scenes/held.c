@@ -29,11 +29,16 @@ void srv_held_refund(struct srv_member *member, uint64_t bytes)
 static int stage(const struct srv_held *held, struct srv_scene *scene,
                  struct proto_error *error)
 {
-    struct srv_workspace *workspace =
-        srv_workspace_of_thread(held->member->session->service->workspaces);
-    uint64_t bytes = 0;
-    return srv_stage_copy(held->copy, held->bytes, SRV_CARGO_OF(&held->submit),
-                          held->member, scene, workspace->segments, &bytes, error);
+    struct srv_staging staging = {
+        .scene = scene,
+        .member = held->member,
+        .slot = SRV_SLOT_OF(&held->submit),
+        .payload = held->copy,
+        .payload_bytes = held->bytes,
+        .table =
+            srv_workspace_of_thread(held->member->session->service->workspaces)->segments,
+        .error = error};
+    return srv_stage(&staging);
 }
 
 /* Whether the scene takes it as it is now; nothing moves. */

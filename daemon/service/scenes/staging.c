@@ -81,27 +81,16 @@ void srv_sent_end(struct srv_sent *sent)
 
 /* ---- staging ----------------------------------------------------------------------- */
 
-/* A slot while it is being staged. */
-struct staging {
-    struct srv_scene *scene;
-    const struct srv_member *member; /* whose objects may be moved; NULL: all */
-    const uint8_t *payload;
-    uint64_t payload_bytes;
-    uint64_t table_bytes; /* at the start of the payload; positions lie behind it */
-    uint64_t copied;      /* bytes of positions so far */
-    struct proto_error *error;
-};
-
 /* Whether [offset, offset + bytes) lies between the table and the end of the payload. */
-static bool is_inside(const struct staging *staging, uint64_t offset, uint64_t bytes)
+static bool is_inside(const struct srv_staging *staging, uint64_t offset, uint64_t bytes)
 {
-    return offset % 8 == 0 && offset >= staging->table_bytes &&
+    return offset % 8 == 0 && offset >= staging->tables_bytes &&
            offset <= staging->payload_bytes && bytes <= staging->payload_bytes - offset;
 }
 
 /* Everything of segment `at` that does not need the object. *bytes: of each of its
  * parts. */
-static int check_segment(const struct staging *staging,
+static int check_segment(const struct srv_staging *staging,
                          const struct proto_segment *segment, uint32_t at,
                          uint64_t *bytes)
 {
@@ -131,7 +120,7 @@ static int check_segment(const struct staging *staging,
             "slot's bytes %llu to %llu, or are no multiples of 8",
             at, (unsigned long long)segment->offset0,
             (unsigned long long)segment->offset1, (unsigned long long)*bytes,
-            (unsigned long long)staging->table_bytes,
+            (unsigned long long)staging->tables_bytes,
             (unsigned long long)staging->payload_bytes);
     }
     return 0;
@@ -139,7 +128,8 @@ static int check_segment(const struct staging *staging,
 
 /* Copy the positions of a checked segment of `object`, whose parts have `bytes` each,
  * into the scene's staging. Returns an engine status. */
-static int copy_segment(const struct staging *staging, const struct srv_placed *object,
+static int copy_segment(const struct srv_staging *staging,
+                        const struct srv_placed *object,
                         const struct proto_segment *segment, uint64_t bytes)
 {
     struct eng_scene *engine = staging->scene->engine;
@@ -166,13 +156,13 @@ static int copy_segment(const struct staging *staging, const struct srv_placed *
     srv_assert_failed("the kind was checked", __FILE__, __LINE__);
 }
 
-static bool may_move(const struct staging *staging, const struct srv_placed *object)
+static bool may_move(const struct srv_staging *staging, const struct srv_placed *object)
 {
     return staging->member == NULL || object->member == staging->member;
 }
 
 /* Check and stage segment `at` of a table that was copied already. */
-static int take_segment(struct staging *staging, const struct proto_segment *segment,
+static int take_segment(struct srv_staging *staging, const struct proto_segment *segment,
                         uint32_t at)
 {
     uint64_t bytes = 0;
@@ -213,125 +203,79 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
 
 /* Segments that are not staged any more: their objects count as if they had stood still,
  * as all that the request names. */
-static void forget_rest(const struct staging *staging, uint32_t segments,
-                        const struct proto_segment *table)
+static void forget_from(const struct srv_staging *staging, uint32_t first)
 {
-    for (uint32_t at = 0; at < segments; at++) {
+    for (uint32_t at = first; at < staging->slot.segments; at++) {
         const struct srv_placed *object =
-            srv_scene_find(staging->scene, table[at].object);
+            srv_scene_find(staging->scene, staging->table[at].object);
         if (object != NULL && may_move(staging, object)) {
             eng_stage_forget(staging->scene->engine, object->engine_idx);
         }
     }
 }
 
-/* Stage segments of a table that was copied already. */
-static int stage_copied(struct staging *staging, uint32_t segments,
-                        const struct proto_segment *table)
-{
-    int status = 0;
-    uint32_t at = 0;
-    for (; at < segments && status == 0; at++) {
-        status = take_segment(staging, &table[at], at);
-    }
-    if (status != 0) { /* what is named before that was staged, and will be aborted */
-        forget_rest(staging, segments - (at - 1), table + at - 1);
-    }
-    return status;
-}
-
-/* Copy the table and stage all of it. */
-static int stage(struct staging *staging, uint32_t segments, struct proto_segment *table,
-                 uint64_t *bytes)
-{
-    memcpy(table, staging->payload, staging->table_bytes); /* the one read of the table */
-    int status = stage_copied(staging, segments, table);
-    *bytes = staging->table_bytes + staging->copied;
-    return status;
-}
-
-static int refuse_table(const struct staging *staging, uint32_t segments)
+static int refuse_table(const struct srv_staging *staging)
 {
     return proto_error_set(staging->error, PCCD_E_SEGMENT,
                            "a table of %u segments does not fit in %llu bytes of a slot",
-                           segments, (unsigned long long)staging->payload_bytes);
+                           staging->slot.segments,
+                           (unsigned long long)staging->payload_bytes);
 }
 
-int srv_stage_slot(struct srv_ring *ring, const struct srv_cargo *cargo,
-                   const struct srv_member *member, struct srv_scene *scene,
-                   struct proto_segment *table, uint64_t *bytes,
-                   struct proto_error *error)
+static int read_table(struct srv_staging *staging)
 {
-    PCCD_ASSERT(cargo->segments >= 1 && cargo->segments <= PROTO_SEGMENTS_MAX);
-    struct staging staging = {
-        .scene = scene,
-        .member = member,
-        .payload_bytes = ring->slot_stride,
-        .table_bytes = (uint64_t)cargo->segments * sizeof(struct proto_segment),
-        .error = error,
-    };
-    int status =
-        srv_ring_open_slot(ring, cargo->slot, cargo->seq, &staging.payload, error);
+    staging->tables_bytes = staging->slot.segments * sizeof *staging->table;
+    if (staging->tables_bytes > staging->payload_bytes) {
+        return refuse_table(staging);
+    }
+    memcpy(staging->table, staging->payload, staging->tables_bytes); /* the one read */
+    staging->copied = staging->tables_bytes;
+    return 0;
+}
+
+static int stage_segments(struct srv_staging *staging)
+{
+    for (uint32_t at = 0; at < staging->slot.segments; at++) {
+        int status = take_segment(staging, &staging->table[at], at);
+        if (status != 0) { /* what is before it was staged, and will be aborted */
+            forget_from(staging, at);
+            return status;
+        }
+    }
+    return 0;
+}
+
+int srv_stage(struct srv_staging *staging)
+{
+    const struct srv_slot_ref *slot = &staging->slot;
+    bool has_table = staging->tables_bytes > 0;
+    int status = 0;
+    PCCD_ASSERT(slot->segments >= 1 && slot->segments <= PROTO_SEGMENTS_MAX);
+    if (staging->ring != NULL) {
+        staging->payload_bytes = staging->ring->slot_stride;
+        status = srv_ring_open_slot(staging->ring, slot->slot, slot->seq,
+                                    &staging->payload, staging->error);
+    }
+    if (status == 0 && !has_table) {
+        status = read_table(staging);
+    }
     if (status != 0) {
         return status;
     }
-    if (staging.table_bytes > staging.payload_bytes) {
-        return refuse_table(&staging, cargo->segments);
-    }
-    status = stage(&staging, cargo->segments, table, bytes);
+    status = stage_segments(staging);
     /* A slot that changed explains any other complaint. */
-    int torn = srv_ring_check_slot(ring, cargo->slot, cargo->seq, error);
+    int torn = staging->ring != NULL ? srv_ring_check_slot(staging->ring, slot->slot,
+                                                           slot->seq, staging->error)
+                                     : 0;
     return torn != 0 ? torn : status;
-}
-
-int srv_stage_scene(struct srv_ring *ring, const struct srv_cargo *cargo,
-                    uint64_t tables_bytes, const struct srv_member *member,
-                    struct srv_scene *scene, const struct proto_segment *table,
-                    uint64_t *bytes, struct proto_error *error)
-{
-    PCCD_ASSERT(tables_bytes <= ring->slot_stride);
-    struct staging staging = {
-        .scene = scene,
-        .member = member,
-        .payload_bytes = ring->slot_stride,
-        .table_bytes = tables_bytes,
-        .error = error,
-    };
-    int status =
-        srv_ring_open_slot(ring, cargo->slot, cargo->seq, &staging.payload, error);
-    if (status != 0) {
-        return status;
-    }
-    status = stage_copied(&staging, cargo->segments, table);
-    *bytes = staging.copied;
-    int torn = srv_ring_check_slot(ring, cargo->slot, cargo->seq, error);
-    return torn != 0 ? torn : status;
-}
-
-int srv_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
-                   const struct srv_cargo *cargo, const struct srv_member *member,
-                   struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
-                   struct proto_error *error)
-{
-    srv_assert_compute();
-    struct staging staging = {
-        .scene = scene,
-        .member = member,
-        .payload = copy,
-        .payload_bytes = copy_bytes,
-        .table_bytes = (uint64_t)cargo->segments * sizeof(struct proto_segment),
-        .error = error,
-    };
-    PCCD_ASSERT(staging.table_bytes <= copy_bytes);
-    return stage(&staging, cargo->segments, table, bytes);
 }
 
 /* Where the last segment of a copied table ends; 0: something is wrong with one, and the
  * error is set. */
-static uint64_t extent_of(const struct staging *staging, uint32_t segments)
+static uint64_t extent_of(const struct srv_staging *staging)
 {
-    uint64_t extent = staging->table_bytes;
-    for (uint32_t at = 0; at < segments; at++) {
+    uint64_t extent = staging->tables_bytes;
+    for (uint32_t at = 0; at < staging->slot.segments; at++) {
         struct proto_segment segment;
         uint64_t bytes = 0;
         memcpy(&segment, staging->payload + at * sizeof segment, sizeof segment);
@@ -346,37 +290,38 @@ static uint64_t extent_of(const struct staging *staging, uint32_t segments)
     return extent;
 }
 
-int srv_stage_keep(struct srv_ring *ring, const struct srv_cargo *cargo,
+int srv_stage_keep(struct srv_ring *ring, const struct srv_slot_ref *slot,
                    uint64_t bytes_max, uint8_t **copy, uint64_t *bytes,
                    struct proto_error *error)
 {
-    PCCD_ASSERT(cargo->slot < ring->slot_count && bytes_max <= ring->slot_stride);
-    struct staging staging = {
+    PCCD_ASSERT(slot->slot < ring->slot_count && bytes_max <= ring->slot_stride);
+    struct srv_staging staging = {
+        .slot = *slot,
         .payload_bytes = bytes_max,
-        .table_bytes = (uint64_t)cargo->segments * sizeof(struct proto_segment),
+        .tables_bytes = (uint64_t)slot->segments * sizeof(struct proto_segment),
         .error = error,
     };
     const uint8_t *payload = NULL;
-    int status = srv_ring_open_slot(ring, cargo->slot, cargo->seq, &payload, error);
+    int status = srv_ring_open_slot(ring, slot->slot, slot->seq, &payload, error);
     if (status != 0) {
         return status;
     }
-    if (staging.table_bytes > bytes_max) {
-        return refuse_table(&staging, cargo->segments);
+    if (staging.tables_bytes > bytes_max) {
+        return refuse_table(&staging);
     }
     uint8_t *new = malloc(bytes_max);
     if (new == NULL) {
         return proto_error_set(error, PCCD_E_NOMEM, "no memory to copy a slot");
     }
-    memcpy(new, payload, staging.table_bytes); /* the one read of the table */
+    memcpy(new, payload, staging.tables_bytes); /* the one read of the table */
     staging.payload = new;
-    *bytes = extent_of(&staging, cargo->segments);
+    *bytes = extent_of(&staging);
     if (*bytes > 0) {
-        memcpy(new + staging.table_bytes, payload + staging.table_bytes,
-               *bytes - staging.table_bytes);
+        memcpy(new + staging.tables_bytes, payload + staging.tables_bytes,
+               *bytes - staging.tables_bytes);
     }
     /* A slot that changed explains any other complaint. */
-    int torn = srv_ring_check_slot(ring, cargo->slot, cargo->seq, error);
+    int torn = srv_ring_check_slot(ring, slot->slot, slot->seq, error);
     if (torn != 0 || *bytes == 0) {
         free(new);
         return torn != 0 ? torn : error->code;

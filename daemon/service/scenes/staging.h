@@ -8,41 +8,41 @@
 #include "shm.h"
 #include "srv_scene.h"
 
-/* Where a request says that what it moves is written. */
-struct srv_cargo {
+/* Where a message says that what it moves is written. */
+struct srv_slot_ref {
     uint32_t slot;
-    uint32_t segments; /* >= 1 */
+    uint32_t segments; /* 0: nothing moves */
     uint64_t seq;
 };
 
 /* Of frame.submit, or of another message with these fields. */
-#define SRV_CARGO_OF(request)                                                            \
-    (&(const struct srv_cargo){(request)->slot, (request)->segments, (request)->seq})
+#define SRV_SLOT_OF(request)                                                             \
+    ((const struct srv_slot_ref){(request)->slot, (request)->segments, (request)->seq})
 
-/* Stage the step in a slot: copy and check the segment table, then copy the positions of
- * each segment into `scene`, which has its staging open. On failure the caller aborts it.
- * Only objects that were added with `member` may be moved (PCCD_E_ACCESS), NULL: all.
- * `table` has room for PROTO_SEGMENTS_MAX. *bytes is what was copied. [compute] */
-int srv_stage_slot(struct srv_ring *ring, const struct srv_cargo *cargo,
-                   const struct srv_member *member, struct srv_scene *scene,
-                   struct proto_segment *table, uint64_t *bytes,
-                   struct proto_error *error);
-/* The same of one scene of a batch, whose tables were copied already (srv_batch.h): stage
- * the `segments` of the cargo, which are at `table`; positions lie behind the
- * `tables_bytes`. Scenes of a batch are staged by several threads. [compute], [team] */
-int srv_stage_scene(struct srv_ring *ring, const struct srv_cargo *cargo,
-                    uint64_t tables_bytes, const struct srv_member *member,
-                    struct srv_scene *scene, const struct proto_segment *table,
-                    uint64_t *bytes, struct proto_error *error);
-/* The same out of a copy of a slot. [compute] */
-int srv_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
-                   const struct srv_cargo *cargo, const struct srv_member *member,
-                   struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
-                   struct proto_error *error);
+/* What a request moves in one scene, while it is staged. */
+struct srv_staging {
+    struct srv_scene *scene;         /* has its staging open */
+    const struct srv_member *member; /* whose objects may be moved; NULL: all */
+    struct srv_ring *ring;           /* has the slot; NULL: there is a copy of it */
+    struct srv_slot_ref slot;        /* segments >= 1: those of this scene */
+    const uint8_t *payload;          /* of the copy, or of the slot from srv_stage on */
+    uint64_t payload_bytes;
+    struct proto_segment *table; /* [slot.segments] */
+    uint64_t tables_bytes;       /* before the positions; 0: `table` is only room for what
+                                  * the payload begins with */
+    uint64_t copied;             /* bytes so far */
+    struct proto_error *error;
+};
+
+/* Copy and check the table of segments, unless that was done, then copy the positions of
+ * each segment into the scene. On failure the caller aborts. Only objects that were added
+ * with the member may be moved (PCCD_E_ACCESS). Scenes of a batch are staged by several
+ * threads. [compute], [team] */
+int srv_stage(struct srv_staging *staging);
 /* A copy, of malloc, of what the step uses of its slot, *bytes of at most `bytes_max`.
  * Returns 0, PCCD_E_SLOT_STALE, PCCD_E_SLOT_TORN, PCCD_E_SEGMENT (it uses more, or a
  * segment is not as it must be) or PCCD_E_NOMEM with *error set. [any] */
-int srv_stage_keep(struct srv_ring *ring, const struct srv_cargo *cargo,
+int srv_stage_keep(struct srv_ring *ring, const struct srv_slot_ref *slot,
                    uint64_t bytes_max, uint8_t **copy, uint64_t *bytes,
                    struct proto_error *error);
 

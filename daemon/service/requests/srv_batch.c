@@ -1,0 +1,557 @@
+/* srv_batch.c - a batch: a step of each of many scenes.
+ *
+ * First the scenes that are shared, and those that are a large part of the work, are
+ * stepped by the whole team, as by itself; then the others by one thread each, whichever
+ * is free. What each scene does is what it does alone (srv_step_run). A scene that fails
+ * says why in its own answer.
+ */
+#include "srv_batch.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "enginemem.h"
+#include "invariant.h"
+#include "now.h"
+#include "service.h"
+#include "session.h"
+#include "shared.h"
+#include "tracing.h"
+
+/* Records are written in such units, so that those of each scene are aligned. */
+#define UNIT_BYTES 64u
+
+_Static_assert(sizeof(struct pccd_scene_answer) % UNIT_BYTES == 0, "whole units");
+
+/* ---- the table --------------------------------------------------------------------- */
+
+/* The scene of an entry, or why there is none; its member, if it is shared. */
+static int find(const struct srv_session *session, uint32_t handle, uint64_t number,
+                struct srv_scene **found, struct srv_member **member)
+{
+    struct srv_scene *scene = srv_handles_get(&session->scenes, handle);
+    if (scene == NULL) {
+        return PCCD_E_HANDLE;
+    }
+    *member = srv_shared_member(scene, session);
+    if (*member != NULL && !(*member)->is_writer) {
+        return PCCD_E_ACCESS;
+    }
+    if (scene->batch == number) {
+        return PCCD_E_INVAL;
+    }
+    scene->batch = number;
+    srv_resource_acquire(&scene->resource);
+    *found = scene;
+    return 0;
+}
+
+/* Every entry, at `table` in the slot. Returns how many segments they have together. */
+static uint64_t read_table(struct srv_batch *batch, const struct srv_session *session,
+                           const uint8_t *table)
+{
+    uint64_t number = ++session->service->batch_last;
+    uint64_t first = 0;
+    for (uint32_t i = 0; i < batch->count; i++) {
+        struct srv_item *item = &batch->items[i];
+        struct proto_batch_scene entry;
+        memcpy(&entry, table + i * sizeof entry, sizeof entry); /* the one read of it */
+        __asm__ volatile("" : : : "memory");
+        *item = (struct srv_item){.first = (uint32_t)first,
+                                  .segments = entry.segments,
+                                  .told = {.scene = entry.scene}};
+        first += entry.segments;
+        item->status = find(session, entry.scene, number, &item->scene, &item->member);
+        if (item->scene == NULL) {
+            continue;
+        }
+        batch->claims[batch->claim_count++] = &item->scene->claim;
+        if (item->member == NULL) {
+            batch->order[batch->order_count++] = i;
+        } else {
+            PCCD_ASSERT(batch->shared_count < session->shared_count);
+            item->answer = &batch->shared[batch->shared_count++];
+        }
+    }
+    return first;
+}
+
+/* The next `count` items of `bytes` each behind *end. */
+static void *put(void *base, size_t *end, size_t count, size_t bytes)
+{
+    void *at = base != NULL ? (char *)base + *end : NULL;
+    *end += (count * bytes + 15) / 16 * 16;
+    return at;
+}
+
+/* Where everything is that a batch has, behind each other; returns the size of it all.
+ * `batch` NULL: only that. */
+static size_t lay_out(struct srv_batch *batch, const struct srv_session *session,
+                      const struct srv_step_params *params)
+{
+    uint32_t count = params->scenes;
+    uint32_t lanes = session->service->options->threads_max;
+    struct srv_batch made = {.count = count, .lane_count = lanes};
+    size_t end = 0;
+    (void)put(batch, &end, 1, sizeof made + count * sizeof made.items[0]);
+    made.lanes = put(batch, &end, lanes, sizeof *made.lanes);
+    made.shared =
+        put(batch, &end, count < session->shared_count ? count : session->shared_count,
+            sizeof *made.shared);
+    size_t cleared = end;
+    made.claims = put(batch, &end, count, sizeof *made.claims);
+    made.segments = put(batch, &end, params->slot.segments, sizeof *made.segments);
+    made.order = put(batch, &end, count, sizeof *made.order);
+    made.rest = put(batch, &end, count, sizeof *made.rest);
+    if (batch != NULL) {
+        memset(batch, 0, cleared);
+        *batch = made;
+        batch->user = session->owner.user;
+        batch->bytes = end;
+    }
+    return end;
+}
+
+int srv_batch_begin(struct srv_call *call, struct srv_ring *ring,
+                    const struct srv_step_params *params, struct srv_batch **batch)
+{
+    srv_assert_loop();
+    const struct srv_session *session = call->session;
+    const struct srv_slot_ref *slot = &params->slot;
+    struct proto_error *error = &call->error;
+    struct srv_quota_user *user = session->owner.user;
+    const uint8_t *payload = NULL;
+    int status = srv_ring_open_slot(ring, slot->slot, slot->seq, &payload, error);
+    if (status != 0) {
+        return status;
+    }
+    size_t bytes = lay_out(NULL, session, params);
+    status = srv_quota_charge(user, SRV_QUOTA_SHM_BYTES, bytes, error);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_batch *made = malloc(bytes);
+    if (made == NULL) {
+        srv_quota_refund(user, SRV_QUOTA_SHM_BYTES, bytes);
+        return proto_error_set(error, PCCD_E_NOMEM, "no memory for a batch");
+    }
+    (void)lay_out(made, session, params);
+    uint64_t segments = read_table(made, session, payload);
+    status = srv_ring_check_slot(ring, slot->slot, slot->seq, error);
+    if (status == 0 && segments != slot->segments) {
+        status = proto_error_set(
+            error, PCCD_E_SEGMENT,
+            "the scenes of the table have %llu segments, the request says %u",
+            (unsigned long long)segments, slot->segments);
+    }
+    if (status != 0) {
+        srv_batch_end(made);
+        return status;
+    }
+    *batch = made;
+    return 0;
+}
+
+void srv_batch_end(struct srv_batch *batch)
+{
+    srv_assert_loop();
+    for (uint32_t i = 0; i < batch->count; i++) {
+        if (batch->items[i].scene != NULL) {
+            srv_resource_drop(&batch->items[i].scene->resource);
+        }
+    }
+    srv_quota_refund(batch->user, SRV_QUOTA_SHM_BYTES, batch->bytes);
+    free(batch);
+}
+
+/* ---- computed ---------------------------------------------------------------------- */
+
+struct work {
+    struct srv_request *request;
+    const struct srv_step_params *params;
+    struct srv_batch *batch;
+    struct pccd_scene_answer *answers; /* [batch->count], in the result region */
+    uint64_t tables_bytes;
+    struct eng_question question; /* of a scene that the whole team steps */
+    struct srv_enginemem memory;  /* as the batch began */
+};
+
+/* What the threads of a step did; that of one alone is the lane's. */
+static void add_records(const struct work *work, const struct eng_step_result *step,
+                        struct srv_batch_lane *lane)
+{
+    for (uint32_t i = 0; i < step->threads && i < work->batch->lane_count; i++) {
+        struct srv_batch_lane *to = step->threads == 1 ? lane : &work->batch->lanes[i];
+#define ADD(type, name, need, text) to->record.name += step->thread_records[i].name;
+        PROTO_THREAD_RECORD(ADD)
+#undef ADD
+        to->scenes++;
+    }
+}
+
+/* What came of it, but for where its records are. */
+static void describe(const struct proto_answer *from, struct pccd_scene_answer *answer)
+{
+    answer->incomplete = from->incomplete;
+    answer->verdict = from->verdict;
+    answer->number = from->number;
+    answer->total = from->total;
+    answer->possible = from->possible;
+    answer->initial = from->initial;
+    answer->inside = from->inside;
+    answer->toi_first = from->toi_first;
+    answer->safe_step = from->safe_step;
+    answer->hash[0] = from->hash_hi;
+    answer->hash[1] = from->hash_lo;
+    answer->ns_step = from->ns_step;
+    answer->threads = from->threads;
+    answer->crowded = from->crowded;
+#define GET(unused, type, name, of_step, of_near, member, meaning)                       \
+    answer->member = from->name;
+    COMMON_KINDS(GET, )
+#undef GET
+}
+
+/* Its answer, and what the loop will tell of it. */
+static void note(struct srv_item *item, struct pccd_scene_answer *answer,
+                 struct srv_batch_lane *lane)
+{
+    const struct proto_answer *from = &item->scene->stepped.answer;
+    describe(from, answer);
+    srv_step_note(item, from);
+    srv_metrics_add_step(&lane->metrics, from);
+    srv_told_add_step(&lane->told, from);
+    if (item->answer != NULL) {
+        *item->answer = *from;
+    }
+}
+
+static void refuse(const struct srv_item *item, const char *why,
+                   struct pccd_scene_answer *answer, struct srv_batch_lane *lane)
+{
+    answer->status = item->status;
+    (void)snprintf(answer->why, sizeof answer->why, "%.*s", (int)sizeof answer->why - 1,
+                   why);
+    lane->failed++;
+    srv_metrics_add_error(&lane->metrics, item->status);
+}
+
+static const char *why_not(int status)
+{
+    switch (status) {
+    case PCCD_E_HANDLE:
+        return "there is no such scene";
+    case PCCD_E_ACCESS:
+        return "the session may only read the scene";
+    default:
+        return "the batch names the scene more than once";
+    }
+}
+
+static void work_scene(struct work *work, uint32_t i, const struct eng_question *question,
+                       struct srv_batch_lane *lane)
+{
+    struct srv_batch *batch = work->batch;
+    struct srv_item *item = &batch->items[i];
+    struct eng_step_result result;
+    struct srv_step_run run = {.request = work->request,
+                               .item = item,
+                               .params = work->params,
+                               .question = question,
+                               .step = work->params->step + i,
+                               .staging = {.ring = work->request->plan.ring,
+                                           .slot = {.slot = work->params->slot.slot,
+                                                    .segments = item->segments,
+                                                    .seq = work->params->slot.seq},
+                                           .table = batch->segments + item->first,
+                                           .tables_bytes = work->tables_bytes,
+                                           .error = &lane->error},
+                               .result = &result};
+    int status = srv_step_run(&run);
+    PCCD_ASSERT(status != PCCD_E_AGAIN); /* none is brief */
+    item->status =
+        status == 0 ? 0 : srv_enginemem_tell(&work->memory, status, &lane->error);
+    lane->upload_bytes += run.staging.copied;
+    if (item->status == 0) {
+        add_records(work, &result, lane);
+        note(item, &work->answers[i], lane);
+    } else {
+        refuse(item, lane->error.text, &work->answers[i], lane);
+    }
+    atomic_fetch_add_explicit(&batch->done, 1, memory_order_relaxed);
+}
+
+/* A scene that others share, whose memory may be another user's. */
+static void work_shared(struct work *work, uint32_t i)
+{
+    const struct srv_scene *scene = work->batch->items[i].scene;
+    struct srv_enginemem memory = work->memory;
+    srv_enginemem_begin(&work->memory, scene->resource.owner->user);
+    work_scene(work, i, &work->question, &work->batch->lanes[0]);
+    work->memory = memory;
+    eng_payer()->account = &work->request->session->owner.user->engine;
+}
+
+/* One scene by one thread, which uses the worker of its first scene for all. [team] */
+static void work_item(void *context, uint32_t at, uint32_t thread)
+{
+    struct work *work = context;
+    struct eng_question question = work->question;
+    const uint32_t *rest = work->batch->rest;
+    const struct srv_scene *first = work->batch->items[rest[thread]].scene;
+    if (thread != 0) {
+        srv_thread_enter(SRV_THREAD_COMPUTE);
+    }
+    question.threads = 1;
+    question.affinity = NULL;
+    question.is_stopped = thread == 0 ? question.is_stopped : NULL; /* its own thread */
+    question.lane = thread;
+    question.lender = first->engine; /* NULL: the first has none yet */
+    work_scene(work, rest[at], &question, &work->batch->lanes[thread]);
+    if (thread != 0) {
+        srv_thread_enter(SRV_THREAD_OTHER);
+    }
+}
+
+/* ---- who computes what ------------------------------------------------------------- */
+
+#define SIZES 64u /* by powers of two */
+
+static uint64_t expects(const struct work *work, uint32_t i)
+{
+    const struct srv_scene *scene = work->batch->items[i].scene;
+    return scene->engine == NULL ? 1 : eng_step_expects(scene->engine, &work->question);
+}
+
+static uint32_t size_of(uint64_t work_ns)
+{
+    return work_ns == 0 ? 0 : SIZES - 1 - (uint32_t)__builtin_clzll(work_ns);
+}
+
+/* Step the scenes that are so large that the others would be done before them: by the
+ * whole team, one after the other. Those that are left go to batch->rest: as they come
+ * the first ones, whose workers the threads use, then the largest first. Returns how
+ * many, and *rest_ns, the work that they are expected to be. */
+static uint32_t work_large(struct work *work, uint64_t *rest_ns)
+{
+    struct srv_batch *batch = work->batch;
+    uint32_t *rest = batch->rest;
+    uint32_t threads = work->question.threads;
+    uint32_t ends[SIZES + 1] = {0};
+    uint64_t all_ns = 0;
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < batch->order_count; i++) {
+        all_ns += expects(work, batch->order[i]);
+    }
+    for (uint32_t i = 0; i < batch->order_count; i++) {
+        uint32_t item = batch->order[i];
+        uint64_t own_ns = expects(work, item);
+        if (threads > 1 && eng_step_is_enough(own_ns) &&
+            own_ns > all_ns / (2 * threads)) {
+            work_scene(work, item, &work->question, &batch->lanes[0]);
+        } else {
+            batch->order[left++] = item;
+            *rest_ns += own_ns;
+        }
+    }
+    uint32_t first = left < threads ? left : threads;
+    memcpy(rest, batch->order, first * sizeof *rest);
+    for (uint32_t i = first; i < left; i++) {
+        ends[SIZES - 1 - size_of(expects(work, batch->order[i]))]++;
+    }
+    for (uint32_t size = 0, end = first; size < SIZES; size++) {
+        uint32_t count = ends[size];
+        ends[size] = end;
+        end += count;
+    }
+    for (uint32_t i = first; i < left; i++) {
+        uint32_t size = SIZES - 1 - size_of(expects(work, batch->order[i]));
+        rest[ends[size]++] = batch->order[i];
+    }
+    return left;
+}
+
+/* Returns how many threads had a part in it. */
+static uint32_t work_scenes(struct work *work)
+{
+    struct srv_batch *batch = work->batch;
+    uint64_t rest_ns = 0;
+    for (uint32_t i = 0; i < batch->count; i++) {
+        const struct srv_item *item = &batch->items[i];
+        work->answers[i] = (struct pccd_scene_answer){.scene = item->told.scene};
+        if (item->scene == NULL) {
+            refuse(item, why_not(item->status), &work->answers[i], &batch->lanes[0]);
+            atomic_fetch_add_explicit(&batch->done, 1, memory_order_relaxed);
+        } else if (item->member != NULL) {
+            work_shared(work, i);
+        }
+    }
+    uint32_t left = work_large(work, &rest_ns);
+    uint32_t threads = work->question.threads < left ? work->question.threads : left;
+    threads = threads > 1 && eng_step_is_enough(rest_ns) ? threads : 1;
+    eng_each(&(const struct eng_each){.count = left,
+                                      .threads = threads,
+                                      .affinity = work->question.affinity,
+                                      .item = work_item,
+                                      .context = work});
+    for (uint32_t i = 0; i < batch->count; i++) {
+        uint32_t own = batch->items[i].told.threads;
+        threads = own > threads ? own : threads;
+    }
+    return threads;
+}
+
+/* ---- answers ----------------------------------------------------------------------- */
+
+static uint64_t units_of(const struct srv_item *item)
+{
+    const struct srv_scene *scene = item->scene;
+    if (item->status != 0) {
+        return 0;
+    }
+    return (scene->stepped.answer.total * scene->stepped.answer.record_bytes +
+            UNIT_BYTES - 1) /
+           UNIT_BYTES;
+}
+
+/* Copy the records of all scenes behind each other, as many as fit. */
+static int write_records(struct srv_request *request, struct work *work,
+                         struct proto_BATCH_SUBMIT_result *result)
+{
+    struct srv_batch *batch = work->batch;
+    struct srv_page page;
+    void *data = NULL;
+    uint64_t wanted = 0;
+    uint64_t used = 0;
+    for (uint32_t i = 0; i < batch->count; i++) {
+        wanted += units_of(&batch->items[i]);
+    }
+    int status = srv_ring_reserve(request->plan.ring, UNIT_BYTES, wanted, &page, &data,
+                                  &request->error);
+    if (status != 0) {
+        return status;
+    }
+    for (uint32_t i = 0; i < batch->count; i++) {
+        const struct srv_item *item = &batch->items[i];
+        struct pccd_scene_answer *answer = &work->answers[i];
+        uint64_t units = units_of(item);
+        if (units == 0) {
+            continue;
+        }
+        uint32_t record_bytes = item->scene->stepped.answer.record_bytes;
+        uint64_t total = item->scene->stepped.answer.total;
+        uint64_t room = (page.count - used) * UNIT_BYTES / record_bytes;
+        uint64_t count = total < room ? total : room;
+        answer->count = count;
+        answer->offset = page.position + used * UNIT_BYTES;
+        memcpy((uint8_t *)data + used * UNIT_BYTES, item->scene->stepped.records,
+               count * record_bytes);
+        used += units < page.count - used ? units : page.count - used;
+        result->total += total;
+        if (count < total && item->told.incomplete == PCCD_COMPLETE) {
+            answer->incomplete = PCCD_INCOMPLETE_RESULT_FULL;
+            result->incomplete++;
+        }
+    }
+    if (page.count > 0) {
+        result->release = page.release;
+    }
+    return 0;
+}
+
+/* What all threads have counted, which the first lane has then. */
+static void add_up(struct srv_request *request, const struct work *work,
+                   struct proto_BATCH_SUBMIT_result *result)
+{
+    struct srv_batch_lane *lanes = work->batch->lanes;
+    for (uint32_t i = 0; i < work->question.threads; i++) {
+        request->upload_bytes += lanes[i].upload_bytes;
+        result->failed += lanes[i].failed;
+        if (i > 0) {
+            srv_metrics_add_all(&lanes[0].metrics, &lanes[i].metrics);
+            srv_told_add_all(&lanes[0].told, &lanes[i].told);
+        }
+    }
+    result->incomplete += (uint32_t)lanes[0].told.steps_incomplete;
+    result->ns_steps = lanes[0].told.ns_step;
+}
+
+/* The table of segments, which lies behind that of the scenes. */
+static int copy_segments(struct work *work)
+{
+    const struct srv_slot_ref *slot = &work->params->slot;
+    struct srv_ring *ring = work->request->plan.ring;
+    struct proto_error *error = &work->request->error;
+    uint64_t scenes_bytes = work->batch->count * sizeof(struct proto_batch_scene);
+    uint64_t bytes = slot->segments * sizeof *work->batch->segments;
+    const uint8_t *payload = NULL;
+    int status = srv_ring_open_slot(ring, slot->slot, slot->seq, &payload, error);
+    if (status != 0) {
+        return status;
+    }
+    work->tables_bytes = scenes_bytes + bytes;
+    memcpy(work->batch->segments, payload + scenes_bytes, bytes);
+    return srv_ring_check_slot(ring, slot->slot, slot->seq, error);
+}
+
+/* Place for the answers, before anything moves. */
+static int reserve_answers(struct srv_request *request, struct work *work,
+                           struct proto_BATCH_SUBMIT_result *result)
+{
+    struct srv_page page;
+    void *data = NULL;
+    int status = srv_ring_reserve_all(request->plan.ring, sizeof *work->answers,
+                                      work->batch->count, &page, &data, &request->error);
+    if (status == 0) {
+        work->answers = data;
+        result->count = page.count;
+        result->offset = page.position;
+        result->release = page.release;
+    }
+    return status;
+}
+
+/* What its threads did, as of one step. */
+static void keep_records(struct srv_request *request, uint32_t threads)
+{
+    const struct srv_batch_lane *lanes = request->plan.batch->lanes;
+    struct srv_laststep *last =
+        srv_laststep_new(&request->session->service->spare_step, threads);
+    for (uint32_t i = 0; last != NULL && i < threads; i++) {
+        last->threads[i] = (struct srv_laststep_thread){lanes[i].record, lanes[i].scenes};
+    }
+    request->last_step = last;
+}
+
+int srv_batch_work(struct srv_request *request)
+{
+    const struct srv_step_params params =
+        srv_step_params_of(request->method, &request->params);
+    struct proto_BATCH_SUBMIT_result *result = &request->result.BATCH_SUBMIT;
+    struct srv_batch *batch = request->plan.batch;
+    struct work work = {.request = request, .params = &params, .batch = batch};
+    struct eng_question *question = &work.question;
+    (void)srv_step_begin(request, &work.question);
+    if (question->threads > batch->lane_count) { /* they have become more since */
+        question->threads = batch->lane_count;
+    }
+    atomic_store_explicit(&batch->has_begun, true, memory_order_relaxed);
+    srv_enginemem_begin(&work.memory, request->session->owner.user);
+    int status = copy_segments(&work);
+    status = status != 0 ? status : reserve_answers(request, &work, result);
+    if (status == 0) {
+        result->threads = work_scenes(&work);
+        keep_records(request, result->threads);
+    }
+    srv_tracing_return(question->trace);
+    srv_request_return_slot(request);
+    status = status != 0 ? status : write_records(request, &work, result);
+    if (status == 0) {
+        add_up(request, &work, result);
+        result->step = params.step;
+        result->ns_queue = request->begin_ns - request->arrival_ns;
+        result->ns_batch = common_now_ns() - request->begin_ns;
+    }
+    return status;
+}
