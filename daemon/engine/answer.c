@@ -232,19 +232,19 @@ static int put_together(struct eng_step_memory *memory, const struct eng_team *t
 }
 
 /* See struct eng_step_result. */
-static double safe_step(const struct eng_step_result *result)
+static double safe_step(const double span[2], const struct eng_step_result *result)
 {
     bool is_empty = result->mode == PCCD_MODE_ANY ? result->verdict == PCCD_VERDICT_NO
                                                   : result->count == 0;
     if (result->incomplete != PCCD_COMPLETE) {
-        return 0;
+        return span[0];
     }
     if (is_empty) {
-        return 1;
+        return span[1];
     }
-    return result->toi_first > 0 && result->toi_first <= 1
+    return result->toi_first > span[0] && result->toi_first <= span[1]
                ? nextafter(result->toi_first, 0)
-               : 0;
+               : span[0];
 }
 
 /* A pair that decided mode any. NULL: none has. */
@@ -273,7 +273,7 @@ void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
         eng_answer_nothing(result);
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
     }
-    result->safe_step = safe_step(result);
+    result->safe_step = safe_step(team->workers[0]->question->span, result);
     eng_kept_finish(&memory->kept, team->scene, team->workers[0]->question, result,
                     &counts, proof_of(team));
 }

@@ -28,7 +28,8 @@
 bool eng_brief_fits(const struct eng_question *question)
 {
     return question->mode != PCCD_MODE_PAIRS && question->distance == 0 &&
-           !question->tells_start && eng_method_of(question) == PCCD_METHOD_WIDE;
+           !question->tells_start && !eng_asks_part(question) &&
+           eng_method_of(question) == PCCD_METHOD_WIDE;
 }
 
 /* The trees are there, and small. */

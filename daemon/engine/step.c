@@ -28,12 +28,20 @@ static bool thickness_is_valid(const struct eng_question *question)
            question->approach >= 0 && question->approach < 1;
 }
 
+/* A part of a step neither says how the step begins nor can be brief. */
+static bool span_is_valid(const struct eng_question *question)
+{
+    const double *span = question->span;
+    return span[0] >= 0 && span[0] < span[1] && span[1] <= 1 &&
+           !(eng_asks_part(question) && (question->brief || question->tells_start));
+}
+
 static bool settings_are_valid(const struct eng_question *question)
 {
     return thickness_is_valid(question) && question->verb == ENG_CONTACTS &&
-           question->span[0] == 0 && question->span[1] == 1 &&
-           question->mode < PCCD_MODE_COUNT && question->method < PCCD_METHOD_COUNT &&
-           question->threads >= 1 && question->tuning.scheduler < ENG_SCHEDULER_COUNT &&
+           span_is_valid(question) && question->mode < PCCD_MODE_COUNT &&
+           question->method < PCCD_METHOD_COUNT && question->threads >= 1 &&
+           question->tuning.scheduler < ENG_SCHEDULER_COUNT &&
            question->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
            question->tuning.refit < ENG_REFIT_COUNT &&
            question->tuning.still < ENG_STILL_COUNT && question->tolerance >= 1e-12 &&
@@ -137,6 +145,23 @@ static void forget_records(struct eng_step_memory *memory)
     memory->was_emptied = false;
 }
 
+/* The scene moves on; unless the last step, which had given up, or of which a part is
+ * asked, has moved it. *staged_ns: what staging took, without this. */
+static int arrive(struct eng_scene *scene, const struct eng_question *question,
+                  uint64_t *staged_ns)
+{
+    bool has_moved = !scene->staging && (scene->is_owed || eng_asks_part(question));
+    if (!scene->staging && !scene->is_owed) {
+        scene->stage_ns = 0;
+    }
+    *staged_ns = scene->stage_ns;
+    int status = has_moved ? PCCD_OK : eng_stage_commit(scene);
+    if (status == PCCD_OK && eng_asks_part(question)) {
+        eng_part_enter(scene, question->span);
+    }
+    return status;
+}
+
 /* The step, by the workers that the scene has, or was lent. */
 static int step(struct eng_scene *scene, const struct eng_question *question,
                 struct eng_step_result *result)
@@ -158,14 +183,16 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
             eng_detect_prepare(scene, question, &memory->effort[eng_method_of(question)],
                                &memory->sorted, &stop, &team);
     }
+    bool is_part = eng_asks_part(question);
+    if (status == PCCD_OK && is_part) {
+        status = eng_part_reserve(scene);
+    }
     if (status != PCCD_OK) {
         eng_stage_abort(scene);
         return status;
     }
-    bool is_owed = scene->is_owed && !scene->staging;
-    /* Without the commit. */
-    uint64_t staged_ns = scene->staging || is_owed ? scene->stage_ns : 0;
-    status = is_owed ? PCCD_OK : eng_stage_commit(scene);
+    uint64_t staged_ns;
+    status = arrive(scene, question, &staged_ns);
     if (status != PCCD_OK) {
         return status;
     }
@@ -178,7 +205,7 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     scene->step++;
     keep_what_stands(&team, question, &stop);
     eng_frames_follow(scene);
-    eng_rigid_choose(scene, question->mode != PCCD_MODE_PAIRS);
+    eng_rigid_choose(scene, question->mode != PCCD_MODE_PAIRS && !is_part);
     team.method->start(&team, question);
     if (question->brief && !eng_brief_is_bounded(scene, &team)) {
         eng_worker_give_up(team.workers[0]);
@@ -192,6 +219,9 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     r.incomplete =
         (enum pccd_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
     merge(&team, eng_step_memory_of(scene), begin_ns, detect_ns, &r);
+    if (is_part) {
+        eng_part_leave(scene);
+    }
     eng_worker_trace(team.workers[0], PCCD_TRACE_STEP, begin_ns, eng_detect_size(scene),
                      team.count);
     r.times.step = common_now_ns() - begin_ns + staged_ns;

@@ -19,7 +19,8 @@ int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **
  * it each has its own; no answer depends on it. PCCD_E_STATE, PCCD_E_NOMEM. */
 int eng_mesh_arrange(struct eng_mesh *mesh, uint32_t threads);
 
-/* Run the step that was staged on `scene` (without staging: everything stands still).
+/* Run the step that was staged on `scene` (without staging: everything stands still; of a
+ * part, question->span: the last step once more).
  * Returns PCCD_OK with *result, also when incomplete; PCCD_E_AGAIN (brief.h): positions
  * have moved on. Settings out of range (PCCD_E_INVAL), a separation beyond 1e18
  * (PCCD_E_LIMIT), PCCD_E_NOMEM: as before. */

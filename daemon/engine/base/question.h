@@ -79,8 +79,12 @@ struct eng_sought {
 
 struct eng_question {
     /* ---- what is asked ---- */
-    uint32_t verb;       /* ENG_CONTACTS, by eng_step; enum pccd_near_what, by eng_near */
-    double span[2];      /* ENG_CONTACTS: times of the step, 0 .. 1 */
+    uint32_t verb; /* ENG_CONTACTS, by eng_step; enum pccd_near_what, by eng_near */
+    /* ENG_CONTACTS: the part of the step that is asked about, 0 <= span[0] < span[1] <=
+     * 1. Its answer is that of the step in which every vertex goes straight from where it
+     * is at span[0] to where it is at span[1] (eng_part_enter); its times are the whole
+     * step's. */
+    double span[2];
     uint32_t end;        /* of what is near: the end of the step, 0 or 1 */
     enum pccd_mode mode; /* ENG_CONTACTS */
     /* Two features meet, or are near, where they come within r of each other, the exact
@@ -150,6 +154,44 @@ static inline enum pccd_method eng_method_of(const struct eng_question *question
     }
     return question->tuning.scheduler == ENG_SCHEDULER_PAPER ? PCCD_METHOD_PAPER
                                                              : PCCD_METHOD_WIDE;
+}
+
+/* Is it about a part of the step? */
+static inline bool eng_asks_part(const struct eng_question *question)
+{
+    return question->span[0] != 0 || question->span[1] != 1;
+}
+
+/* More than what rounding adds to a time that goes from the part to the step or back. */
+#define ENG_PART_SLACK 0x1p-51
+
+/* Not after time t, 0 .. 1, of the part; and not before it. As times of the step. */
+static inline double eng_part_toi(const struct eng_question *question, double t)
+{
+    const double *span = question->span;
+    double time = span[0] + t * (span[1] - span[0]) - ENG_PART_SLACK;
+    return t >= 1 ? span[1] : fmax(span[0], time);
+}
+
+static inline double eng_part_toi_hi(const struct eng_question *question, double t)
+{
+    const double *span = question->span;
+    double time = span[0] + t * (span[1] - span[0]) + ENG_PART_SLACK;
+    return t <= 0 ? span[0] : fmin(span[1], time);
+}
+
+/* Not before any time of the part whose eng_part_toi is at most `time`; at most 1. */
+static inline double eng_part_time(const struct eng_question *question, double time)
+{
+    double length = question->span[1] - question->span[0];
+    return fmin((time - question->span[0] + 4 * ENG_PART_SLACK) / length, 1);
+}
+
+/* toi_hi - toi of the part, so that the step's is not longer than the tolerance. */
+static inline double eng_part_tolerance(const struct eng_question *question)
+{
+    double length = question->span[1] - question->span[0];
+    return fmin((question->tolerance - 4 * ENG_PART_SLACK) / length, 1);
 }
 
 /* Is it about what is near at one moment? */

@@ -75,7 +75,8 @@ struct eng_step_result {
     /* On [0, safe_step] no pair meets, and each is farther apart than the distance at
      * which it would: 1 where none meets; else the double just below toi_first. 0 if that
      * is 0, if there are crossings, or not known: of an incomplete answer, or of mode any
-     * or pairs that is not empty. */
+     * or pairs that is not empty. Of a part of the step: its ends in the place of 0 and
+     * 1. */
     double safe_step;
     uint64_t hash[2]; /* version 2 of the hash of the answer: result/hash.h; of VERTICES
                        * over struct eng_vertex_bound; zeros with a gap */

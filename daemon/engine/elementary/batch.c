@@ -407,8 +407,10 @@ uint32_t eng_batch_test(struct eng_batch *batch, const struct eng_pairs *pairs)
     const struct row *row = row_of(pairs);
     assert(pairs->count <= ENG_CHUNK_MAX);
     batch->has_stopped = false;
-    batch->tolerance = pairs->question->tolerance;
-    batch->t_end = pairs->t_end;
+    bool is_part = eng_asks_part(pairs->question) && !eng_asks_near(pairs->question);
+    batch->tolerance =
+        is_part ? eng_part_tolerance(pairs->question) : pairs->question->tolerance;
+    batch->t_end = is_part ? eng_part_time(pairs->question, pairs->t_end) : pairs->t_end;
     batch->found = batch->unsure_count = 0;
     batch->survivors = row->reject(batch, pairs);
     row->decide(batch, pairs);
@@ -420,6 +422,11 @@ uint32_t eng_batch_test(struct eng_batch *batch, const struct eng_pairs *pairs)
     }
     if (row->describe) {
         row->describe(batch, pairs);
+    }
+    for (uint32_t i = 0; i < batch->found && is_part; i++) {
+        struct eng_hit *hit = &batch->hits[i];
+        hit->toi = eng_part_toi(pairs->question, hit->toi);
+        hit->toi_hi = eng_part_toi_hi(pairs->question, hit->toi_hi);
     }
     return batch->found;
 }

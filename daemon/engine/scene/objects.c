@@ -117,6 +117,9 @@ void eng_scene_free(struct eng_scene *scene)
     eng_free(scene->x[0]);
     eng_free(scene->x[1]);
     eng_free(scene->start);
+    eng_free(scene->part.x[0]);
+    eng_free(scene->part.x[1]);
+    eng_free(scene->part.bounds);
     eng_free(scene->moving.moves);
     eng_free(scene->framing.items);
     eng_free(scene->writes);
@@ -433,5 +436,7 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene)
            (uint64_t)scene->vertex_capacity *
                (2 * sizeof *scene->x[0] + sizeof *scene->moving.moves) +
            (uint64_t)scene->start_capacity * sizeof *scene->start +
+           (uint64_t)scene->part.capacity * 2 * sizeof *scene->part.x[0] +
+           (uint64_t)scene->part.bound_capacity * sizeof *scene->part.bounds +
            (uint64_t)scene->write_capacity * sizeof *scene->writes;
 }

@@ -8,9 +8,11 @@
 #include "stage.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "array.h"
 #include "clock.h"
 #include "coordinates.h"
 #include "ingest.h"
@@ -461,4 +463,87 @@ int eng_stage_commit(struct eng_scene *scene)
     scene->write_count = 0;
     scene->stage_ns += common_now_ns() - begin_ns;
     return PCCD_OK;
+}
+
+/* ---- a part of the step ------------------------------------------------------------ */
+
+int eng_part_reserve(struct eng_scene *scene)
+{
+    struct eng_part *part = &scene->part;
+    int status = PCCD_OK;
+    if (part->capacity < scene->vertex_capacity) {
+        status = eng_array_grow(&part->x[0], scene->vertex_capacity, sizeof *part->x[0]);
+        if (status == PCCD_OK) {
+            status =
+                eng_array_grow(&part->x[1], scene->vertex_capacity, sizeof *part->x[1]);
+        }
+        part->capacity = status == PCCD_OK ? scene->vertex_capacity : part->capacity;
+    }
+    if (status == PCCD_OK && part->bound_capacity < scene->object_capacity) {
+        status =
+            eng_array_grow(&part->bounds, scene->object_capacity, sizeof *part->bounds);
+        part->bound_capacity =
+            status == PCCD_OK ? scene->object_capacity : part->bound_capacity;
+    }
+    return status;
+}
+
+static double between(double x0, double x1, double t)
+{
+    double x = t < 1 ? x0 + t * (x1 - x0) : x1;
+    return fmin(fmax(x, fmin(x0, x1)), fmax(x0, x1));
+}
+
+/* Where the vertices of an object are at t, as which end of the part. */
+static void place_object(struct eng_scene *scene, struct eng_object *object, unsigned end,
+                         double t)
+{
+    const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
+    const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
+    unsigned which = end == 1 ? scene->now : 1 - scene->now;
+    double(*x)[3] = scene->part.x[which];
+    uint32_t first = object->vertices.first;
+    for (uint32_t v = first; v < first + object->vertices.count; v++) {
+        for (int k = 0; k < 3; k++) {
+            x[v][k] = between(x0[v][k], x1[v][k], t);
+        }
+    }
+    object->bounds[which] = eng_mesh_measure(object->mesh, (const double(*)[3])x + first);
+}
+
+/* Trade the positions of the whole step for those of the part, or back. Boxes and records
+ * go by the number of the motion. */
+static void trade(struct eng_scene *scene)
+{
+    for (int i = 0; i < 2; i++) {
+        double(*x)[3] = scene->x[i];
+        scene->x[i] = scene->part.x[i];
+        scene->part.x[i] = x;
+    }
+    scene->moving.number += 2;
+}
+
+void eng_part_enter(struct eng_scene *scene, const double span[2])
+{
+    assert(!scene->staging && scene->part.capacity >= scene->vertex_capacity);
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        struct eng_object *object = &scene->objects[i];
+        if (object->mesh) {
+            memcpy(scene->part.bounds[i], object->bounds, sizeof object->bounds);
+            place_object(scene, object, 0, span[0]);
+            place_object(scene, object, 1, span[1]);
+        }
+    }
+    trade(scene);
+}
+
+void eng_part_leave(struct eng_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        struct eng_object *object = &scene->objects[i];
+        if (object->mesh) {
+            memcpy(object->bounds, scene->part.bounds[i], sizeof object->bounds);
+        }
+    }
+    trade(scene);
 }

@@ -139,6 +139,14 @@ struct eng_replaced {
     struct eng_object before;
 };
 
+/* What a part of the last step has in the place of the whole one's (stage.h). */
+struct eng_part {
+    double (*x[2])[3];
+    uint32_t capacity;              /* of positions */
+    struct eng_bounds (*bounds)[2]; /* [object_capacity] what the objects' were */
+    uint32_t bound_capacity;
+};
+
 /* A range written by the step being staged. */
 struct eng_write {
     uint32_t object;
@@ -155,8 +163,8 @@ struct eng_scene {
     struct eng_object *objects;
     uint32_t object_capacity; /* indices 0 .. capacity-1; free ones have mesh = NULL */
     uint32_t object_count;
-    uint32_t object_free; /* the lowest index that may be free */
-    struct eng_ids ids;   /* of objects */
+    uint32_t object_free;          /* the lowest index that may be free */
+    struct eng_ids ids;            /* of objects */
     uint64_t leaf_count;           /* of all objects */
     uint64_t leaf_most;            /* that it was since the slots were told `emptied` */
     struct eng_replaced *replaced; /* not settled yet */
@@ -172,6 +180,7 @@ struct eng_scene {
     unsigned now;
     double (*start)[3]; /* x0 of the step being staged, where given */
     uint32_t start_capacity;
+    struct eng_part part;
 
     uint32_t step; /* number of the step; goes round */
 

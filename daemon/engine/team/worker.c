@@ -90,14 +90,17 @@ static void look_at_bound(struct eng_worker *worker)
 {
     double bound = eng_stop_time_bound(worker->stop);
     if (bound < worker->time_bound) {
+        const struct eng_question *question = worker->question;
+        bool is_part = eng_asks_part(question);
+        double part_bound = is_part ? eng_part_time(question, bound) : bound;
+        double tolerance = is_part ? eng_part_tolerance(question) : question->tolerance;
         worker->time_bound = bound;
         /* A record is kept for its toi, and the contact begins later by less than the
          * length of its bracket: the tolerance, and 16 u = 2^-49 where exact arithmetic
          * has rounded outward (elementary/BOUNDS.md, the T of the bracket kernel). So
          * the boxes must let it through, however soon the bound was known; the other
          * 2^-49 is for the rounding of this sum, 2^-51 at most. */
-        worker->box_bound =
-            eng_round_up(bound + worker->question->tolerance + BEGINS_LATER);
+        worker->box_bound = eng_round_up(part_bound + tolerance + BEGINS_LATER);
     }
 }
 

@@ -65,9 +65,10 @@ struct eng_worker {
     const struct eng_question *question;
     const struct eng_kernels *kernels; /* of the settings, never NULL */
     struct eng_stop *stop;
-    uint32_t thread;        /* place in the team */
-    double time_bound;      /* the shared one as last seen */
-    float box_bound;        /* the same and the tolerance, rounded up */
+    uint32_t thread;   /* place in the team */
+    double time_bound; /* the shared one as last seen */
+    float box_bound;   /* the same and the tolerance, rounded up, as boxes know it: of
+                             * a part of the step in the time of the part */
     struct eng_deque deque; /* work stealing: tasks others may take */
     uint32_t victim;        /* whom to rob next */
     bool is_dealt;          /* the step began with tasks for it */
