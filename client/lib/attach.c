@@ -2,7 +2,6 @@
 #include "attach.h"
 
 #include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "connection.h"

@@ -6,7 +6,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 static _Thread_local char connect_error[CLI_TEXT_BYTES];
 /* The client that another thread was in a call with when this one called last. Its text

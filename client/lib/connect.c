@@ -1,15 +1,9 @@
 /* connect.c - a client: options, connect, close, error text. */
-#include <errno.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <time.h>
 #include <unistd.h>
 
-#include "attach.h"
 #include "client.h"
 #include "connection.h"
 #include "events.h"
@@ -19,7 +13,6 @@
 #include "records.h" /* asserts that the records have the layout of the wire */
 #include "replica.h"
 #include "rpc.h"
-#include "seqpacket.h"
 #include "step.h"
 
 #define CLI_TIMEOUT_MS     30000
@@ -59,8 +52,8 @@ void pccd_options_init(struct pccd_options *options)
     options->timeout_ms = CLI_TIMEOUT_MS;
     options->slot_count = CLI_SLOT_COUNT;
     options->result_bytes = CLI_RESULT_BYTES;
-    /* With one CPU a spin only keeps the daemon from running. */
     options->reconnect_ms = CLI_RECONNECT_MS;
+    /* With one CPU a spin only keeps the daemon from running. */
     options->spin_us = sysconf(_SC_NPROCESSORS_ONLN) > 1 ? CLI_SPIN_US : 0;
 }
 
@@ -103,48 +96,32 @@ static int check_options(struct pccd_client *client, const struct pccd_options *
 static int take_options(struct pccd_client *client, const struct pccd_options *asked,
                         struct pccd_options *options)
 {
-    struct pccd_options known;
+    struct pccd_options defaults;
     int status;
 
-    pccd_options_init(options);
+    pccd_options_init(&defaults);
+    *options = defaults;
     if (asked == NULL) {
         return 0;
     }
-    status = cli_struct_read(client, "options", asked, &known, sizeof known);
-    if (status != 0) {
-        return status;
+    status = cli_struct_read(client, "options", asked, options, sizeof *options);
+    status = status != 0 ? status : check_options(client, options);
+    if (options->timeout_ms == 0) {
+        options->timeout_ms = defaults.timeout_ms;
     }
-    status = check_options(client, asked);
-    if (status != 0) {
-        return status;
+    if (options->reconnect_ms == 0) {
+        options->reconnect_ms = defaults.reconnect_ms;
     }
-    options->url = asked->url;
-    options->daemon = asked->daemon;
-    options->name = asked->name;
-    options->no_autostart = asked->no_autostart;
-    options->private_daemon = asked->private_daemon;
-    options->no_keep = asked->no_keep;
-    options->daemons_max = asked->daemons_max;
-    options->slot_bytes = asked->slot_bytes;
-    options->observes = asked->observes;
-    options->unmap = asked->unmap;
-    options->unmap_context = asked->unmap_context;
-    if (asked->timeout_ms != 0) {
-        options->timeout_ms = asked->timeout_ms;
+    if (options->slot_count == 0) {
+        options->slot_count = defaults.slot_count;
     }
-    if (asked->reconnect_ms != 0) {
-        options->reconnect_ms = asked->reconnect_ms;
+    if (options->result_bytes == 0) {
+        options->result_bytes = defaults.result_bytes;
     }
-    if (asked->slot_count != 0) {
-        options->slot_count = asked->slot_count;
+    if (options->struct_bytes == 0) {
+        options->spin_us = defaults.spin_us;
     }
-    if (asked->result_bytes != 0) {
-        options->result_bytes = asked->result_bytes;
-    }
-    if (asked->struct_bytes != 0) {
-        options->spin_us = asked->spin_us;
-    }
-    return 0;
+    return status;
 }
 
 /* Which way the options, or the environment, lead to a daemon. */

@@ -1,7 +1,6 @@
 /* frame.c - the positions of a step, written into a slot. */
 #include <assert.h>
 #include <stdatomic.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "attach.h"

@@ -27,8 +27,9 @@ int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info)
 
 /* A request that may be made: nothing that must be given is NULL, and the daemon knows
  * the method. */
-static int check(struct pccd_client *client, const char *what, bool given)
+static int check(struct pccd_client *client, int method, bool given)
 {
+    const char *what = proto_messages[method].name;
     int status;
 
     if (!given) {
@@ -55,7 +56,6 @@ static int call(struct pccd_client *client, int method, const void *request, voi
 /* Entries are kept until all are there. If another daemon takes the place of the one that
  * is asked, it may have them in another order, and the list is read anew. */
 struct list {
-    const char *what;
     int method;
     uint64_t session; /* that was asked for; 0: the client's own, or no such */
     void *request;
@@ -76,7 +76,7 @@ static int keep(struct pccd_client *client, struct list *list)
 
         if (entries == NULL) {
             return cli_fail(client, PCCD_E_NOMEM, "%s: no memory for the list",
-                            list->what);
+                            proto_messages[list->method].name);
         }
         list->entries = entries;
         list->room = room;
@@ -90,13 +90,14 @@ static int keep(struct pccd_client *client, struct list *list)
 static int begin_anew(struct pccd_client *client, struct list *list, uint32_t ended)
 {
     if (list->session != 0) {
-        return cli_fail(client, PCCD_E_HANDLE,
-                        "%s: the daemon that had session %llu has ended", list->what,
-                        (unsigned long long)list->session);
+        return cli_fail(
+            client, PCCD_E_HANDLE, "%s: the daemon that had session %llu has ended",
+            proto_messages[list->method].name, (unsigned long long)list->session);
     }
     if (ended == ENDED_MAX) {
         return cli_fail(client, PCCD_E_DISCONNECTED,
-                        "%s: %u daemons have ended while it was read", list->what, ended);
+                        "%s: %u daemons have ended while it was read",
+                        proto_messages[list->method].name, ended);
     }
     list->count = 0;
     return list->next(client, list->request, NULL);
@@ -105,7 +106,7 @@ static int begin_anew(struct pccd_client *client, struct list *list, uint32_t en
 /* All entries, none on failure. `given`: as check says. */
 static int read_list(struct pccd_client *client, struct list *list, bool given)
 {
-    int status = check(client, list->what, given);
+    int status = check(client, list->method, given);
     uint64_t epoch = status == 0 ? client->link.epoch : 0;
     uint32_t ended = 0;
 
@@ -159,7 +160,8 @@ NEXT_OF(LIST_OBJECT, object)
 NEXT_OF(LIST_PAIR, a)
 NEXT_OF(LIST_MESH, mesh)
 
-static int next_session(struct pccd_client *client, void *request, const void *result)
+static int next_LIST_SESSION(struct pccd_client *client, void *request,
+                             const void *result)
 {
     struct proto_LIST_SESSION_request *asked = request;
     const struct proto_LIST_SESSION_result *got = result;
@@ -175,57 +177,33 @@ static int next_session(struct pccd_client *client, void *request, const void *r
     return 1;
 }
 
-static struct pccd_session_info
-session_info(const struct proto_LIST_SESSION_result *result)
+/* A list, with its `request` at hand; of a session or, 0, of no other. */
+#define LIST_OF(METHOD, of_session)                                                      \
+    struct proto_##METHOD##_result result;                                               \
+    struct list list = {.method = PROTO_METHOD_##METHOD,                                 \
+                        .session = of_session,                                           \
+                        .request = &request,                                             \
+                        .result = &result,                                               \
+                        .result_bytes = sizeof result,                                   \
+                        .next = next_##METHOD}
+
+static const void *entry_of(const struct list *list, size_t i)
 {
-    return (struct pccd_session_info){
-        .session = result->session,
-        .client = result->client,
-        .uid = result->uid,
-        .pid = result->pid,
-        .waiting = result->waiting,
-        .ns_open = result->ns_open,
-        .scenes = result->scenes,
-        .objects = result->objects,
-        .meshes = result->meshes,
-        .requests = result->requests,
-        .triangles = result->triangles,
-        .shm_bytes = result->shm_bytes,
-        .errors = result->errors,
-        .steps = result->steps,
-        .steps_incomplete = result->steps_incomplete,
-        .contacts = result->contacts,
-        .upload_bytes = result->upload_bytes,
-        .result_bytes = result->result_bytes,
-        .ns_queue = result->ns_queue,
-        .ns_ingest = result->ns_ingest,
-        .ns_refit = result->ns_refit,
-        .ns_traversal = result->ns_traversal,
-        .ns_tests = result->ns_tests,
-        .ns_merge = result->ns_merge,
-        .ns_step = result->ns_step,
-        .batch = result->batch,
-        .batch_done = result->batch_done,
-    };
+    return list->entries + i * list->result_bytes;
 }
 
 int pccd_list_sessions(struct pccd_client *client, pccd_session_fn each, void *context)
 {
     CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_SESSION_request request = {.before = 0};
-    struct proto_LIST_SESSION_result result;
-    struct list list = {.what = "list.session",
-                        .method = PROTO_METHOD_LIST_SESSION,
-                        .request = &request,
-                        .result = &result,
-                        .result_bytes = sizeof result,
-                        .next = next_session};
+    LIST_OF(LIST_SESSION, 0);
     int status = read_list(client, &list, each != NULL);
 
     for (size_t i = 0; i < list.count; i++) {
-        const struct proto_LIST_SESSION_result *entries =
-            (const struct proto_LIST_SESSION_result *)(const void *)list.entries;
-        const struct pccd_session_info info = session_info(&entries[i]);
+        const struct proto_LIST_SESSION_result *entry = entry_of(&list, i);
+#define GET(type, name, presence, meaning) .name = entry->name,
+        const struct pccd_session_info info = {PROTO_LIST_SESSION_RESULT(GET)};
+#undef GET
 
         each(context, &info);
     }
@@ -238,19 +216,11 @@ int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn
 {
     CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_SCENE_request request = {.session = session};
-    struct proto_LIST_SCENE_result result;
-    struct list list = {.what = "list.scene",
-                        .method = PROTO_METHOD_LIST_SCENE,
-                        .session = session,
-                        .request = &request,
-                        .result = &result,
-                        .result_bytes = sizeof result,
-                        .next = next_LIST_SCENE};
+    LIST_OF(LIST_SCENE, session);
     int status = read_list(client, &list, each != NULL);
 
     for (size_t i = 0; i < list.count; i++) {
-        const struct proto_LIST_SCENE_result *entry =
-            (const struct proto_LIST_SCENE_result *)(const void *)list.entries + i;
+        const struct proto_LIST_SCENE_result *entry = entry_of(&list, i);
         const struct pccd_scene_info info = {
             .scene = entry->scene,
             .objects = entry->objects,
@@ -279,19 +249,11 @@ int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t sce
 {
     CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_OBJECT_request request = {.session = session, .scene = scene};
-    struct proto_LIST_OBJECT_result result;
-    struct list list = {.what = "list.object",
-                        .method = PROTO_METHOD_LIST_OBJECT,
-                        .session = session,
-                        .request = &request,
-                        .result = &result,
-                        .result_bytes = sizeof result,
-                        .next = next_LIST_OBJECT};
+    LIST_OF(LIST_OBJECT, session);
     int status = read_list(client, &list, each != NULL);
 
     for (size_t i = 0; i < list.count; i++) {
-        const struct proto_LIST_OBJECT_result *entry =
-            (const struct proto_LIST_OBJECT_result *)(const void *)list.entries + i;
+        const struct proto_LIST_OBJECT_result *entry = entry_of(&list, i);
         struct pccd_object_info info = {.object = entry->object,
                                         .mesh = entry->mesh,
                                         .triangles = entry->triangles,
@@ -309,19 +271,11 @@ int pccd_list_pairs(struct pccd_client *client, uint64_t session, uint32_t scene
 {
     CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_PAIR_request request = {.session = session, .scene = scene};
-    struct proto_LIST_PAIR_result result;
-    struct list list = {.what = "list.pair",
-                        .method = PROTO_METHOD_LIST_PAIR,
-                        .session = session,
-                        .request = &request,
-                        .result = &result,
-                        .result_bytes = sizeof result,
-                        .next = next_LIST_PAIR};
+    LIST_OF(LIST_PAIR, session);
     int status = read_list(client, &list, each != NULL);
 
     for (size_t i = 0; i < list.count; i++) {
-        const struct proto_LIST_PAIR_result *entry =
-            (const struct proto_LIST_PAIR_result *)(const void *)list.entries + i;
+        const struct proto_LIST_PAIR_result *entry = entry_of(&list, i);
         const struct pccd_ignored_pair pair = {entry->a, entry->b};
 
         each(context, &pair);
@@ -335,19 +289,11 @@ int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn 
 {
     CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_MESH_request request = {.session = session};
-    struct proto_LIST_MESH_result result;
-    struct list list = {.what = "list.mesh",
-                        .method = PROTO_METHOD_LIST_MESH,
-                        .session = session,
-                        .request = &request,
-                        .result = &result,
-                        .result_bytes = sizeof result,
-                        .next = next_LIST_MESH};
+    LIST_OF(LIST_MESH, session);
     int status = read_list(client, &list, each != NULL);
 
     for (size_t i = 0; i < list.count; i++) {
-        const struct proto_LIST_MESH_result *entry =
-            (const struct proto_LIST_MESH_result *)(const void *)list.entries + i;
+        const struct proto_LIST_MESH_result *entry = entry_of(&list, i);
         const struct pccd_registered_mesh info = {
             .mesh = entry->mesh,
             .vertex_count = entry->vertex_count,
@@ -374,7 +320,7 @@ int pccd_histogram(struct pccd_client *client, enum pccd_histogram_kind kind,
     CLI_ENTER_OR_RETURN(client);
     struct proto_STATS_HISTOGRAM_request request = {.kind = (uint32_t)kind};
     struct proto_STATS_HISTOGRAM_result result;
-    int status = check(client, "stats.histogram", info != NULL);
+    int status = check(client, PROTO_METHOD_STATS_HISTOGRAM, info != NULL);
 
     if (status == 0) {
         status = call(client, PROTO_METHOD_STATS_HISTOGRAM, &request, &result);
@@ -432,7 +378,7 @@ int pccd_config_get(struct pccd_client *client, const char *name, pccd_setting_f
     CLI_ENTER_OR_RETURN(client);
     struct proto_CONFIG_GET_request request = {.index = 0};
     uint32_t count = 1;
-    int status = check(client, "config.get", each != NULL);
+    int status = check(client, PROTO_METHOD_CONFIG_GET, each != NULL);
 
     if (status == 0 && name != NULL) {
         status = put(client, request.name, name);
@@ -448,7 +394,7 @@ int pccd_config_set(struct pccd_client *client, const char *name, const char *va
 {
     CLI_ENTER_OR_RETURN(client);
     struct proto_CONFIG_SET_request request = {.name = ""};
-    int status = check(client, "config.set", name != NULL && value != NULL);
+    int status = check(client, PROTO_METHOD_CONFIG_SET, name != NULL && value != NULL);
 
     if (status == 0) {
         status = put(client, request.name, name);

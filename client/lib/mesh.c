@@ -17,25 +17,31 @@
 /* Parts of a mesh, each an array; all but the first may be empty. */
 enum { PART_VERTICES, PART_TRIANGLES, PART_RADII, PART_EDGES, PART_POINTS, PARTS };
 
-/* One array on its way to the daemon. */
-struct upload {
-    uint32_t mesh;
-    uint32_t part;
-    uint32_t format;
-    const uint8_t *source;
+struct part {
+    const void *source;
     uint32_t item_bytes;
     uint32_t count;
 };
 
-static int send_chunk(struct cli_pipeline *pipeline, const struct upload *upload,
-                      uint32_t first, uint32_t count)
+static void parts_of(const struct registry_shape *shape, struct part parts[PARTS])
+{
+    parts[PART_VERTICES] = (struct part){
+        shape->x, (uint32_t)common_vertex_bytes(shape->format), shape->vertex_count};
+    parts[PART_TRIANGLES] =
+        (struct part){shape->triangles, sizeof(uint32_t[3]), shape->triangle_count};
+    parts[PART_RADII] = (struct part){shape->radii, sizeof(double),
+                                      shape->radii != NULL ? shape->vertex_count : 0};
+    parts[PART_EDGES] =
+        (struct part){shape->edges, sizeof(uint32_t[2]), shape->edge_count};
+    parts[PART_POINTS] =
+        (struct part){shape->points, sizeof(uint32_t), shape->point_count};
+}
+
+/* Send items of a part by a slot; the request says of which mesh and part. */
+static int send_chunk(struct cli_pipeline *pipeline,
+                      struct proto_MESH_DATA_request *request, const struct part *part)
 {
     struct pccd_client *client = pipeline->client;
-    struct proto_MESH_DATA_request request = {.mesh = upload->mesh,
-                                              .part = upload->part,
-                                              .format = upload->format,
-                                              .first = first,
-                                              .count = count};
     uint32_t slot = 0;
     int status = cli_slot_begin(client, cli_deadline(client, -1), &slot);
 
@@ -43,63 +49,68 @@ static int send_chunk(struct cli_pipeline *pipeline, const struct upload *upload
         return status;
     }
     memcpy(cli_slot_payload(&client->ring, slot),
-           upload->source + (size_t)first * upload->item_bytes,
-           (size_t)count * upload->item_bytes);
-    request.slot = slot;
-    request.seq = cli_slot_publish(&client->ring, slot);
-    status = cli_pipeline_send(pipeline, PROTO_METHOD_MESH_DATA, &request, slot, NULL);
+           (const uint8_t *)part->source + (size_t)request->first * part->item_bytes,
+           (size_t)request->count * part->item_bytes);
+    request->slot = slot;
+    request->seq = cli_slot_publish(&client->ring, slot);
+    status = cli_pipeline_send(pipeline, PROTO_METHOD_MESH_DATA, request, slot, NULL);
     if (status != 0) {
         cli_slot_abort(&client->ring, slot);
     }
     return status;
 }
 
-static int send_array(struct cli_pipeline *pipeline, const struct upload *upload)
+static int send_part(struct cli_pipeline *pipeline, uint32_t mesh, uint32_t number,
+                     uint32_t format, const struct part *part)
 {
     const struct cli_ring *ring = &pipeline->client->ring;
     uint64_t slot_bytes =
         ring->slot_stride < CHUNK_BYTES ? ring->slot_stride : CHUNK_BYTES;
-    uint32_t chunk = (uint32_t)(slot_bytes / upload->item_bytes);
+    uint32_t most = (uint32_t)(slot_bytes / part->item_bytes);
     int status = 0;
 
-    assert(chunk > 0); /* or the upload would never end */
-    for (uint32_t first = 0; status == 0 && first < upload->count;) {
-        uint32_t count = upload->count - first < chunk ? upload->count - first : chunk;
+    assert(most > 0); /* or the upload would never end */
+    for (uint32_t first = 0, count; status == 0 && first < part->count; first += count) {
+        uint32_t left = part->count - first;
 
-        status = send_chunk(pipeline, upload, first, count);
-        first += count;
+        count = left < most ? left : most;
+
+        struct proto_MESH_DATA_request request = {.mesh = mesh,
+                                                  .part = number,
+                                                  .format = format,
+                                                  .first = first,
+                                                  .count = count};
+
+        status = send_chunk(pipeline, &request, part);
     }
     return status;
 }
 
-static int send_arrays(struct cli_pipeline *pipeline, const struct upload arrays[PARTS])
+/* All parts of a mesh that the daemon has announced. `waits`: for each of them, as a
+ * daemon whose queue is short refuses what comes at once. */
+static int send_parts(struct cli_pipeline *pipeline, uint32_t mesh,
+                      const struct registry_shape *shape, bool waits)
 {
+    struct part parts[PARTS];
     int status = 0;
 
-    for (int part = 0; status == 0 && part < PARTS; part++) {
-        status = send_array(pipeline, &arrays[part]);
+    parts_of(shape, parts);
+    for (uint32_t i = 0; status == 0 && i < PARTS; i++) {
+        status = send_part(pipeline, mesh, i, i == PART_VERTICES ? shape->format : 0,
+                           &parts[i]);
+        status = waits ? cli_pipeline_end(pipeline, status) : status;
     }
     return status;
 }
 
-/* Upload and commit a mesh that the daemon has announced. What has not arrived whole is
- * not committed. */
-static int fill_mesh(struct pccd_client *client, const struct upload arrays[PARTS],
-                     struct proto_MESH_COMMIT_result *result)
+static struct proto_MESH_CREATE_request create_request(const struct registry_shape *shape,
+                                                       uint32_t want)
 {
-    struct proto_MESH_COMMIT_request request = {.mesh = arrays[0].mesh};
-    struct cli_pipeline pipeline = {.client = client};
-    int status = 0;
-
-    /* One array at a time: a daemon whose queue is short refuses what comes at once. */
-    for (int part = 0; status == 0 && part < PARTS; part++) {
-        status = cli_pipeline_end(&pipeline, send_array(&pipeline, &arrays[part]));
-    }
-    if (status == 0) {
-        status = cli_call_sync(client, PROTO_METHOD_MESH_COMMIT, &request, result,
-                               cli_deadline(client, -1));
-    }
-    return status;
+    return (struct proto_MESH_CREATE_request){.vertex_count = shape->vertex_count,
+                                              .triangle_count = shape->triangle_count,
+                                              .want = want,
+                                              .edge_count = shape->edge_count,
+                                              .point_count = shape->point_count};
 }
 
 static void fill_info(struct pccd_mesh_info *info,
@@ -170,172 +181,103 @@ static int check_mesh(struct pccd_client *client, const struct pccd_mesh_data *d
     return status;
 }
 
-static void arrays_of(uint32_t mesh, const struct pccd_mesh_data *data,
-                      struct upload arrays[PARTS])
+/* Announce a mesh (*mesh = 0, then it has a handle), or other contents for one. */
+static int announce(struct pccd_client *client, const struct registry_shape *shape,
+                    uint32_t want, uint32_t *mesh)
 {
-    arrays[PART_VERTICES] =
-        (struct upload){mesh,
-                        PART_VERTICES,
-                        (uint32_t)data->format,
-                        data->x,
-                        (uint32_t)common_vertex_bytes((uint32_t)data->format),
-                        data->vertex_count};
-    arrays[PART_TRIANGLES] = (struct upload){mesh,
-                                             PART_TRIANGLES,
-                                             0,
-                                             (const uint8_t *)data->triangles,
-                                             sizeof(uint32_t[3]),
-                                             data->triangle_count};
-    arrays[PART_RADII] = (struct upload){mesh,
-                                         PART_RADII,
-                                         0,
-                                         (const uint8_t *)data->radii,
-                                         sizeof(double),
-                                         data->radii != NULL ? data->vertex_count : 0};
-    arrays[PART_EDGES] = (struct upload){mesh,
-                                         PART_EDGES,
-                                         0,
-                                         (const uint8_t *)data->edges,
-                                         sizeof(uint32_t[2]),
-                                         data->edge_count};
-    arrays[PART_POINTS] = (struct upload){mesh,
-                                          PART_POINTS,
-                                          0,
-                                          (const uint8_t *)data->points,
-                                          sizeof(uint32_t),
-                                          data->point_count};
+    const struct proto_MESH_CREATE_request create = create_request(shape, want);
+    const struct proto_MESH_REPLACE_request replace = {
+        .mesh = *mesh,
+        .vertex_count = shape->vertex_count,
+        .triangle_count = shape->triangle_count,
+        .edge_count = shape->edge_count,
+        .point_count = shape->point_count};
+    struct proto_MESH_CREATE_result created = {.mesh = *mesh};
+    struct proto_MESH_REPLACE_result replaced;
+    int status = *mesh == 0 ? cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &create,
+                                            &created, cli_deadline(client, -1))
+                            : cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &replace,
+                                            &replaced, cli_deadline(client, -1));
+
+    if (status == 0) {
+        *mesh = created.mesh;
+    }
+    return status;
 }
 
-/* Announce, upload and commit; arrays[].mesh is set to the new handle. */
-static int make_mesh(struct pccd_client *client, struct upload arrays[PARTS],
-                     uint32_t want, struct proto_MESH_COMMIT_result *result)
+/* Nothing half-made stays in the daemon; a mesh that there was goes on as it was. What
+ * went wrong first is what counts. */
+static int take_back(struct pccd_client *client, uint32_t mesh, bool is_new, int status)
 {
-    struct proto_MESH_CREATE_request request = {.vertex_count = arrays[0].count,
-                                                .triangle_count = arrays[1].count,
-                                                .want = want,
-                                                .edge_count = arrays[PART_EDGES].count,
-                                                .point_count = arrays[PART_POINTS].count};
-    struct proto_MESH_CREATE_result created;
-    struct proto_MESH_DESTROY_request destroy;
+    const struct proto_MESH_DESTROY_request destroy = {.mesh = mesh};
+    const struct proto_MESH_REPLACE_request nothing = {.mesh = mesh};
     char text[CLI_TEXT_BYTES];
-    int status = cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &request, &created,
-                               cli_deadline(client, -1));
+
+    memcpy(text, client->error, sizeof text);
+    (void)cli_call_sync(client,
+                        is_new ? PROTO_METHOD_MESH_DESTROY : PROTO_METHOD_MESH_REPLACE,
+                        is_new ? (const void *)&destroy : (const void *)&nothing, NULL,
+                        cli_deadline(client, -1));
+    return cli_fail(client, status, "%s", text);
+}
+
+/* Announce, upload and commit. What has not arrived whole is not committed. */
+static int send_mesh(struct pccd_client *client, const struct registry_shape *shape,
+                     uint32_t want, uint32_t *mesh,
+                     struct proto_MESH_COMMIT_result *result)
+{
+    struct proto_MESH_COMMIT_request commit;
+    struct cli_pipeline pipeline = {.client = client};
+    bool is_new = *mesh == 0;
+    int status = announce(client, shape, want, mesh);
 
     if (status != 0) {
         return status;
     }
-    for (int part = 0; part < PARTS; part++) {
-        arrays[part].mesh = created.mesh;
-    }
-    status = fill_mesh(client, arrays, result);
+    commit.mesh = *mesh;
+    status = send_parts(&pipeline, *mesh, shape, true);
     if (status == 0) {
-        return 0;
+        status = cli_call_sync(client, PROTO_METHOD_MESH_COMMIT, &commit, result,
+                               cli_deadline(client, -1));
     }
-    /* Nothing half-made stays in the daemon; what went wrong first is what counts. */
-    memcpy(text, client->error, sizeof text);
-    destroy.mesh = created.mesh;
-    (void)cli_call_sync(client, PROTO_METHOD_MESH_DESTROY, &destroy, NULL,
-                        cli_deadline(client, -1));
-    return cli_fail(client, status, "%s", text);
+    return status == 0 ? 0 : take_back(client, *mesh, is_new, status);
 }
 
 int cli_mesh_send(struct cli_pipeline *pipeline, const struct registry_mesh *copy,
                   uint32_t want, uint32_t *handle)
 {
-    struct pccd_client *client = pipeline->client;
-    struct proto_MESH_CREATE_request create = {.vertex_count = copy->vertex_count,
-                                               .triangle_count = copy->triangle_count,
-                                               .want = want,
-                                               .edge_count = copy->named_edge_count,
-                                               .point_count = copy->named_point_count};
+    const struct registry_shape shape = registry_mesh_shape(copy);
+    const struct proto_MESH_CREATE_request create = create_request(&shape, want);
     struct proto_MESH_CREATE_result created = {.mesh = want};
     struct proto_MESH_COMMIT_request commit;
-    struct upload arrays[PARTS];
-    int status = want != 0 ? cli_pipeline_send(pipeline, PROTO_METHOD_MESH_CREATE,
-                                               &create, CLI_SLOT_NONE, NULL)
-                           : cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &create,
-                                           &created, cli_deadline(client, -1));
+    int status = want != 0
+                     ? cli_pipeline_send(pipeline, PROTO_METHOD_MESH_CREATE, &create,
+                                         CLI_SLOT_NONE, NULL)
+                     : cli_call_sync(pipeline->client, PROTO_METHOD_MESH_CREATE, &create,
+                                     &created, cli_deadline(pipeline->client, -1));
 
     *handle = commit.mesh = created.mesh;
-    arrays_of(created.mesh,
-              &(struct pccd_mesh_data){.x = copy->x,
-                                       .format = (enum pccd_format)copy->format,
-                                       .vertex_count = copy->vertex_count,
-                                       .triangle_count = copy->triangle_count,
-                                       .triangles = (const uint32_t *)copy->triangles,
-                                       .radii = copy->radii,
-                                       .edges = (const uint32_t *)copy->named_edges,
-                                       .points = copy->named_points,
-                                       .edge_count = copy->named_edge_count,
-                                       .point_count = copy->named_point_count},
-              arrays);
-    status = status != 0 ? status : send_arrays(pipeline, arrays);
+    status = status != 0 ? status : send_parts(pipeline, created.mesh, &shape, false);
     return status != 0 ? status
                        : cli_pipeline_send(pipeline, PROTO_METHOD_MESH_COMMIT, &commit,
                                            CLI_SLOT_NONE, NULL);
 }
 
-/* Announce other contents for a mesh, upload and commit them. */
-static int replace_mesh(struct pccd_client *client, const struct upload arrays[PARTS],
-                        struct proto_MESH_COMMIT_result *result)
-{
-    struct proto_MESH_REPLACE_request request = {.mesh = arrays[0].mesh,
-                                                 .vertex_count = arrays[0].count,
-                                                 .triangle_count = arrays[1].count,
-                                                 .edge_count = arrays[PART_EDGES].count,
-                                                 .point_count =
-                                                     arrays[PART_POINTS].count};
-    struct proto_MESH_REPLACE_result announced;
-    char text[CLI_TEXT_BYTES];
-    int status = cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, &announced,
-                               cli_deadline(client, -1));
-
-    if (status != 0) {
-        return status;
-    }
-    status = fill_mesh(client, arrays, result);
-    if (status != 0) {
-        /* What was announced is forgotten; the mesh goes on as it was. */
-        memcpy(text, client->error, sizeof text);
-        request = (struct proto_MESH_REPLACE_request){.mesh = request.mesh};
-        (void)cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, NULL,
-                            cli_deadline(client, -1));
-        return cli_fail(client, status, "%s", text);
-    }
-    return 0;
-}
-
-static struct registry_shape shape_of(const struct upload arrays[PARTS])
-{
-    assert(arrays[0].part == PART_VERTICES && arrays[1].part == PART_TRIANGLES);
-    return (struct registry_shape){.format = arrays[0].format,
-                                   .vertex_count = arrays[0].count,
-                                   .triangle_count = arrays[1].count,
-                                   .edge_count = arrays[PART_EDGES].count,
-                                   .point_count = arrays[PART_POINTS].count,
-                                   .x = arrays[0].source,
-                                   .triangles = arrays[1].source,
-                                   .edges = arrays[PART_EDGES].source,
-                                   .points = arrays[PART_POINTS].source,
-                                   .radii = arrays[PART_RADII].source};
-}
-
 /* Create a mesh (*mesh = 0) or replace one, and keep a copy. When another daemon took
  * over on the way, all is sent to that one from the beginning; but a mesh over which
  * daemons end is as any request is (recover.c). */
-static int register_mesh(struct pccd_client *client, struct upload arrays[PARTS],
+static int register_mesh(struct pccd_client *client, const struct registry_shape *shape,
                          uint32_t *mesh, struct pccd_mesh_info *info)
 {
     struct registry_mesh *copy = NULL;
     struct proto_MESH_COMMIT_result result;
     uint64_t before;
     uint32_t want;
+    uint32_t made;
     int status;
 
-    const struct registry_shape shape = shape_of(arrays);
-
     if (client->keeps) {
-        copy = registry_mesh_copy(&shape);
+        copy = registry_mesh_copy(shape);
         if (copy == NULL) {
             return cli_fail(client, PCCD_E_NOMEM,
                             "no memory for a copy of the mesh (options.no_keep)");
@@ -345,8 +287,8 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[PARTS]
     client->link.uploads_ended = 0;
     do {
         before = client->link.told_anew;
-        status = *mesh == 0 ? make_mesh(client, arrays, want, &result)
-                            : replace_mesh(client, arrays, &result);
+        made = *mesh;
+        status = send_mesh(client, shape, want, &made, &result);
     } while (status != 0 && !client->dead && client->link.told_anew != before &&
              client->link.uploads_ended < client->link.daemons_max);
     if (status != 0 && client->link.uploads_ended >= client->link.daemons_max) {
@@ -357,11 +299,11 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[PARTS]
         registry_mesh_free(copy);
         return status;
     }
-    *mesh = arrays[0].mesh;
+    *mesh = made;
     if (copy != NULL) {
-        cli_replica_mesh(client, *mesh, copy);
+        cli_replica_mesh(client, made, copy);
     }
-    cli_record_mesh(client, *mesh, &shape);
+    cli_record_mesh(client, made, shape);
     if (info != NULL) {
         fill_info(info, &result);
     }
@@ -372,8 +314,6 @@ int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *asked
                   uint32_t *mesh, struct pccd_mesh_info *info)
 {
     struct pccd_mesh_data data;
-    struct upload arrays[PARTS];
-    uint32_t handle;
     int status;
 
     CLI_ENTER_OR_RETURN(client);
@@ -383,16 +323,20 @@ int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *asked
     }
     status = cli_struct_read(client, "data of the mesh", asked, &data, sizeof data);
     status = status != 0 ? status : check_mesh(client, &data);
-    if (status != 0) {
-        return status;
-    }
-    handle = *mesh;
-    arrays_of(handle, &data, arrays);
-    status = register_mesh(client, arrays, &handle, info);
-    if (status == 0) {
-        *mesh = handle;
-    }
-    return status;
+    return status != 0 ? status
+                       : register_mesh(client,
+                                       &(struct registry_shape){
+                                           .format = (uint32_t)data.format,
+                                           .vertex_count = data.vertex_count,
+                                           .triangle_count = data.triangle_count,
+                                           .edge_count = data.edge_count,
+                                           .point_count = data.point_count,
+                                           .x = data.x,
+                                           .triangles = data.triangles,
+                                           .edges = data.edges,
+                                           .points = data.points,
+                                           .radii = data.radii},
+                                       mesh, info);
 }
 
 static struct pccd_mesh_data triangles_alone(const void *x, enum pccd_format format,

@@ -86,24 +86,26 @@ int cli_page_check(struct pccd_client *client)
                           cli_page_count(client));
 }
 
-int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
-                 uint32_t record_bytes, uint64_t release, uint64_t *serial)
+int cli_page_add(struct pccd_client *client, const struct proto_page *page,
+                 uint64_t *serial)
 {
-    uint64_t size = client->ring.result.bytes;
+    const struct proto_memory *region = &client->ring.result;
 
-    if (count == 0) {
-        *serial = 0;
+    *serial = 0;
+    if (page->count == 0) {
         return 0;
     }
-    if (client->ring.result.base == NULL || record_bytes == 0 || offset % 8 != 0 ||
-        offset < PROTO_SHM_PAGE || offset > size ||
-        count > (size - offset) / record_bytes || cli_page_count(client) == CLI_PAGES) {
+    if (region->base == NULL || page->record_bytes == 0 || page->offset % 8 != 0 ||
+        page->offset < PROTO_SHM_PAGE || page->offset > region->bytes ||
+        page->count > (region->bytes - page->offset) / page->record_bytes ||
+        cli_page_count(client) == CLI_PAGES) {
         return PCCD_E_BADMSG;
     }
     client->pages[client->page_end % CLI_PAGES] =
-        (struct cli_page){release, client->ring.result.base, false};
+        (struct cli_page){page->release, region->base, false};
     *serial = client->page_end++;
-    proto_memory_touch(&client->ring.result, offset + count * record_bytes);
+    proto_memory_touch(&client->ring.result,
+                       page->offset + page->count * page->record_bytes);
     return 0;
 }
 

@@ -4,19 +4,12 @@
  * The answer says which vertices hit which faces and which edges hit which edges, when,
  * and where. A daemon, pccdd, computes it; with the url direct: this process does.
  *
- * Room:     client/lib; installed. May include: pccd_*.h. Compiles as C++.
- * Does:     connect to pccdd (or start a private one), register meshes, place them in
- *           scenes, stream vertex positions through shared memory, and read the contacts
- *           of a step.
  * Threads:  a client and everything made from it belong to one thread at a time. While
  *           one is in a call, another one's call is E_BUSY and does nothing; what returns
  *           nothing, such as pccd_answer_release, waits until the first is out. A program
  *           with several threads connects a client for each. The library has no threads
  *           of its own; the url direct: has those that compute a step. In a forked copy
  *           of the process every call with a client but pccd_close is E_DISCONNECTED.
- *
- * More than 200 lines: one header is the whole library, to be read from top to bottom.
- * More than 600 lines: likewise.
  *
  * Every function that returns int returns 0 (PCCD_OK) or a negative status of
  * enum pccd_status, and leaves its outputs untouched on failure unless it says otherwise.
@@ -73,9 +66,9 @@ struct pccd_client;
 const char *pccd_status_name(int status);
 const char *pccd_status_text(int status);
 
-/* A sentence that says why the last call failed that failed on this client; "" when none
- * has. With a NULL client it is about the last pccd_connect of this thread, or its last
- * call without a client. Valid until the next call. */
+/* Why the most recent failed call on this client failed, as a sentence; "" when none has.
+ * With a NULL client it is about the last pccd_connect of this thread, or its last call
+ * without a client. Valid until the next call. */
 const char *pccd_error_text(const struct pccd_client *client);
 
 /* "0.1.0" of the library in use. [any thread] */

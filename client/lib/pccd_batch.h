@@ -1,12 +1,12 @@
 /* pccd_batch.h - steps of many scenes by one request: for learners, planners and farms,
  * which have many small worlds.
  *
- * Room:     client/lib; installed. May include: pccd_types.h. Compiles as C++.
- * Does:     say once which scenes there are and what moves in each; then, for each step,
- *           bring all positions at once and get an array of answers, one a scene. Threads
- *           of the daemon take scenes as they are free. Each answer is that of a step of
- *           the scene by itself (pccd_step), with the same hash.
- * Threads:  as pccd.h, which includes this header.
+ * Say once which scenes there are and what moves in each; then, for each step, bring all
+ * positions at once and get an array of answers, one a scene. Threads of the daemon take
+ * scenes one by one. Each answer is that of a step of the scene by itself (pccd_step),
+ * with the same hash.
+ *
+ * Threads: as pccd.h, which includes this header.
  *
  * A thousand worlds with one body each:
  *

@@ -1,12 +1,12 @@
 /* pccd_near.h - how near things are at one moment: distances, closest features,
  * crossings, depth.
  *
- * Room:     client/lib; installed. May include: pccd_types.h. Compiles as C++.
- * Does:     ask about a scene where its last step began or ended, or at positions that
- *           the same request brings. Exact arithmetic decides each distance; a pair that
- *           is exactly `distance` apart is in the answer. Of thick objects it is that of
- *           their surfaces: pccd(7), THICKNESS, says what that is for each question.
- * Threads:  as pccd.h, which includes this header.
+ * Ask about a scene where its last step began or ended, or at positions that the same
+ * request brings. Exact arithmetic decides each distance; a pair that is exactly
+ * `distance` apart is in the answer. Of thick objects it is that of their surfaces:
+ * pccd(7), THICKNESS, says what that is for each question.
+ *
+ * Threads: as pccd.h, which includes this header.
  *
  * All pairs of features that are at most 0.01 apart:
  *

@@ -1,11 +1,11 @@
 /* pccd_weld.h - vertices of a mesh that are one, though it has several of them.
  *
- * Room:     client/lib; installed. May include: pccd_types.h. Compiles as C++.
- * Does:     find vertices that are at one place in every frame: exporters split them at
- *           normals and seams of textures, and what was split touches itself there.
- * Does not: need a client or a daemon. Renumber: a vertex that is joined to another one
- *           stays where it is, and nothing names it any more.
- * Threads:  a weld belongs to one thread at a time; several threads may have one each.
+ * Find vertices that are at one place in every frame: exporters split them at normals and
+ * seams of textures, and what was split touches itself there. It needs no client. Nothing
+ * is renumbered: a vertex that is joined to another one stays where it is, and nothing
+ * names it any more.
+ *
+ * Threads: a weld belongs to one thread at a time; several threads may have one each.
  *
  *     struct pccd_weld *weld;
  *     pccd_weld_begin(&mesh, 0, false, &weld);

@@ -2,7 +2,6 @@
 #include <assert.h>
 #include <errno.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "connection.h"
 #include "rpc.h"
@@ -21,7 +20,16 @@ static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
     return NULL;
 }
 
-static size_t record_bytes_of(const struct cli_call *call)
+/* Whether it is answered by numbers and a page of records (proto_answer). */
+static bool is_answered(const struct cli_call *call)
+{
+    return call->method == PROTO_METHOD_FRAME_SUBMIT ||
+           call->method == PROTO_METHOD_FRAME_FETCH ||
+           call->method == PROTO_METHOD_SCENE_NEAR ||
+           call->method == PROTO_METHOD_NEAR_FETCH;
+}
+
+static uint32_t record_bytes_of(const struct cli_call *call)
 {
     const struct proto_answer *answer = &call->answer;
 
@@ -34,22 +42,73 @@ static size_t record_bytes_of(const struct cli_call *call)
                                            : sizeof(struct pccd_contact);
 }
 
-/* The answer of a step, or about what is near, and its first page. */
-static int take_answer(struct pccd_client *client, struct cli_call *call,
-                       const struct proto_envelope *envelope, struct proto_error *error)
+/* Results with a page that are kept nowhere, when nobody waits for them any more. */
+union result {
+#define MEMBER(ID, name, since, flags, text) struct proto_##ID##_result ID;
+    PROTO_METHODS(MEMBER)
+#undef MEMBER
+};
+
+/* Where the result of a call goes. A journal is read by whoever records, also when nobody
+ * waits for it any more. */
+static void *result_of(struct cli_call *call, union result *unused)
 {
-    struct proto_answer *answer = &call->answer;
-    int status =
-        proto_decode_body(envelope, &proto_messages[call->method].result, answer, error);
-    if (status != 0) {
-        return status;
-    }
-    if (answer->count > 0 && answer->record_bytes != record_bytes_of(call)) {
+    return is_answered(call)                            ? &call->answer
+           : call->method == PROTO_METHOD_BATCH_SUBMIT  ? (void *)&call->batch
+           : call->method == PROTO_METHOD_SCENE_JOURNAL ? (void *)&call->journal
+           : call->result != NULL                       ? call->result
+                                                        : (void *)unused;
+}
+
+/* The handle that a result brings; not 0 where it brings none. */
+static uint32_t handle_in(const struct cli_call *call, const void *result)
+{
+    const struct proto_SCENE_CREATE_result *scene = result;
+    const struct proto_SCENE_ADD_result *object = result;
+    const struct proto_MESH_CREATE_result *mesh = result;
+
+    return call->method == PROTO_METHOD_SCENE_CREATE  ? scene->scene
+           : call->method == PROTO_METHOD_SCENE_ADD   ? object->object
+           : call->method == PROTO_METHOD_MESH_CREATE ? mesh->mesh
+                                                      : 1;
+}
+
+/* What a result must be, whatever a daemon says. */
+static int check_result(const struct cli_call *call, const void *result,
+                        struct proto_error *error)
+{
+    if (is_answered(call) && call->answer.count > 0 &&
+        call->answer.record_bytes != record_bytes_of(call)) {
         return proto_error_set(error, PCCD_E_BADMSG, "records of %u bytes",
-                               answer->record_bytes);
+                               call->answer.record_bytes);
     }
-    return cli_page_add(client, answer->offset, answer->count, answer->record_bytes,
-                        answer->release, &call->page);
+    if (call->method == PROTO_METHOD_BATCH_SUBMIT &&
+        call->batch.count != call->params.BATCH_SUBMIT.scenes) {
+        return proto_error_set(error, PCCD_E_BADMSG, "%llu answers to %u scenes",
+                               (unsigned long long)call->batch.count,
+                               call->params.BATCH_SUBMIT.scenes);
+    }
+    return handle_in(call, result) != 0
+               ? 0
+               : proto_error_set(error, PCCD_E_BADMSG,
+                                 "the daemon gives 0, which is no handle");
+}
+
+/* The page that a result brings; of a step, without looking for its fields by name. */
+static struct proto_page page_of(const struct cli_call *call, const void *result)
+{
+    const struct proto_answer *answer = &call->answer;
+    const struct proto_BATCH_SUBMIT_result *batch = &call->batch;
+
+    if (is_answered(call)) {
+        return (struct proto_page){answer->offset, answer->count, answer->release,
+                                   answer->record_bytes};
+    }
+    if (call->method == PROTO_METHOD_BATCH_SUBMIT) {
+        return (struct proto_page){batch->offset, batch->count, batch->release,
+                                   sizeof(struct pccd_scene_answer)};
+    }
+    return proto_page_of(call->method, result);
 }
 
 /* Whether the records of a scene lie inside the result region. */
@@ -64,98 +123,40 @@ static bool are_inside(const struct pccd_client *client,
             scene->count <= (size - scene->offset) / record_bytes);
 }
 
-/* The answers of a batch, and their records. */
-static int take_batch(struct pccd_client *client, struct cli_call *call,
-                      const struct proto_envelope *envelope, struct proto_error *error)
+/* The records of a batch, which lie beside its page of answers. */
+static int touch_records(struct pccd_client *client, const struct cli_call *call)
 {
-    const struct proto_BATCH_SUBMIT_request *asked = &call->params.BATCH_SUBMIT;
-    struct proto_BATCH_SUBMIT_result *batch = &call->batch;
-    uint64_t record_bytes = asked->mode == PCCD_MODE_PAIRS ? sizeof(struct pccd_pair)
-                                                           : sizeof(struct pccd_contact);
-    int status =
-        proto_decode_body(envelope, &proto_messages[call->method].result, batch, error);
+    const struct pccd_scene_answer *scenes = cli_batch_answers(client, call);
+    uint64_t record_bytes = call->params.BATCH_SUBMIT.mode == PCCD_MODE_PAIRS
+                                ? sizeof(struct pccd_pair)
+                                : sizeof(struct pccd_contact);
 
-    if (status == 0 && batch->count != asked->scenes) {
-        status = proto_error_set(error, PCCD_E_BADMSG, "%llu answers to %u scenes",
-                                 (unsigned long long)batch->count, asked->scenes);
-    }
-    if (status == 0) {
-        status =
-            cli_page_add(client, batch->offset, batch->count,
-                         sizeof(struct pccd_scene_answer), batch->release, &call->page);
-    }
-    for (uint64_t i = 0; status == 0 && i < batch->count; i++) {
-        const struct pccd_scene_answer *scene =
-            (const void *)((const uint8_t *)client->ring.result.base + batch->offset +
-                           i * sizeof *scene);
-
-        if (!are_inside(client, scene, record_bytes)) {
-            cli_page_release(client, call->page);
-            call->page = 0;
-            status = PCCD_E_BADMSG;
-        } else if (scene->count > 0) {
+    for (uint64_t i = 0; i < call->batch.count; i++) {
+        if (!are_inside(client, &scenes[i], record_bytes)) {
+            return PCCD_E_BADMSG;
+        }
+        if (scenes[i].count > 0) {
             proto_memory_touch(&client->ring.result,
-                               scene->offset + scene->count * record_bytes);
+                               scenes[i].offset + scenes[i].count * record_bytes);
         }
     }
-    return status;
+    return 0;
 }
 
-/* Every result that brings a page. */
-union result {
-#define MEMBER(ID, name, since, flags, text) struct proto_##ID##_result ID;
-    PROTO_METHODS(MEMBER)
-#undef MEMBER
-};
-
-/* A result, and the page that it brings. */
 static int take_page(struct pccd_client *client, struct cli_call *call,
-                     const struct proto_envelope *envelope, struct proto_error *error)
+                     const void *result)
 {
-    const struct proto_fields *fields = &proto_messages[call->method].result;
-    /* A journal is read by whoever records, also when nobody waits for it any more. */
-    void *to = call->method == PROTO_METHOD_SCENE_JOURNAL ? &call->journal : call->result;
-    union result result;
-    int status = proto_decode_body(envelope, fields, &result, error);
-    if (status == 0) {
-        const struct proto_page page = proto_page_of(call->method, &result);
-        status = cli_page_add(client, page.offset, page.count, page.record_bytes,
-                              page.release, &call->page);
+    const struct proto_page page = page_of(call, result);
+    int status = cli_page_add(client, &page, &call->page);
+
+    if (status == 0 && call->method == PROTO_METHOD_BATCH_SUBMIT) {
+        status = touch_records(client, call);
     }
-    if (status == 0 && to != NULL) {
-        memcpy(to, &result, fields->struct_bytes);
+    if (status != 0) {
+        cli_page_release(client, call->page);
+        call->page = 0;
     }
     return status;
-}
-
-/* A result that brings no page. 0 is the handle of nothing, and is kept nowhere. */
-static int take_plain(const struct cli_call *call, const struct proto_envelope *envelope,
-                      struct proto_error *error)
-{
-    const struct proto_fields *fields = &proto_messages[call->method].result;
-    const struct proto_SCENE_CREATE_result *scene = call->result;
-    const struct proto_SCENE_ADD_result *object = call->result;
-    const struct proto_MESH_CREATE_result *mesh = call->result;
-    uint32_t handle = 1;
-    int status;
-
-    if (call->result == NULL) {
-        return 0;
-    }
-    status = proto_decode_body(envelope, fields, call->result, error);
-    if (status != 0) {
-        return status;
-    }
-    if (call->method == PROTO_METHOD_SCENE_CREATE) {
-        handle = scene->scene;
-    } else if (call->method == PROTO_METHOD_SCENE_ADD) {
-        handle = object->object;
-    } else if (call->method == PROTO_METHOD_MESH_CREATE) {
-        handle = mesh->mesh;
-    }
-    return handle != 0 ? 0
-                       : proto_error_set(error, PCCD_E_BADMSG,
-                                         "the daemon gives 0, which is no handle");
 }
 
 /* The result of a call, and the page that it brings. */
@@ -163,29 +164,23 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
                        const struct proto_envelope *envelope, struct proto_error *error)
 {
     const struct proto_message_info *info = &proto_messages[call->method];
+    bool has_page = (info->flags & PROTO_F_HAS_PAGE) != 0;
+    union result unused;
+    void *result = result_of(call, &unused);
     int status;
 
-    if ((info->flags & PROTO_F_HAS_PAGE) == 0) {
-        return take_plain(call, envelope, error);
+    if (result == &unused && !has_page) {
+        return 0;
     }
-    switch (call->method) {
-    case PROTO_METHOD_FRAME_SUBMIT:
-    case PROTO_METHOD_FRAME_FETCH:
-    case PROTO_METHOD_SCENE_NEAR:
-    case PROTO_METHOD_NEAR_FETCH:
-        status = take_answer(client, call, envelope, error);
-        break;
-    case PROTO_METHOD_BATCH_SUBMIT:
-        status = take_batch(client, call, envelope, error);
-        break;
-    default:
-        status = take_page(client, call, envelope, error);
-        break;
+    status = proto_decode_body(envelope, &info->result, result, error);
+    status = status != 0 ? status : check_result(call, result, error);
+    if (status != 0 || !has_page) {
+        return status;
     }
-    if (status != 0 && error->text[0] == '\0') {
-        (void)proto_error_set(error, status, "a page outside the result region");
-    }
-    return status;
+    status = take_page(client, call, result);
+    return status == 0
+               ? 0
+               : proto_error_set(error, status, "a page outside the result region");
 }
 
 /* An answer to nobody: when the daemon closes after it, its last words. */

@@ -61,11 +61,10 @@ int cli_await(struct pccd_client *client);
 
 /* ---- pages of records -------------------------------------------------------------- */
 
-/* Enter a page of `count` records of record_bytes at `offset` of the result region, given
- * back by storing `release`. *serial = 0 when count is 0. Returns 0 or PCCD_E_BADMSG: the
- * page does not lie inside the mapping, then it is not entered. */
-int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
-                 uint32_t record_bytes, uint64_t release, uint64_t *serial);
+/* Enter a page. *serial = 0 when it has no records. Returns 0 or PCCD_E_BADMSG: it does
+ * not lie inside the mapping, and is not entered. */
+int cli_page_add(struct pccd_client *client, const struct proto_page *page,
+                 uint64_t *serial);
 
 /* Release the page of that serial; one that is released already, or never was, is
  * ignored. */

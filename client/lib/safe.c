@@ -1,5 +1,4 @@
 /* safe.c - go as far as nothing meets. */
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
