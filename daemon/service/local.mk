@@ -34,13 +34,11 @@ libservice_la_SOURCES = \
     daemon/service/scenes/shared.c \
     daemon/service/scenes/srv_scene.c \
     daemon/service/scenes/staging.c \
-    daemon/service/requests/admission.c \
+    daemon/service/requests/call.c \
     daemon/service/requests/answer.c \
     daemon/service/requests/config.c \
     daemon/service/requests/dispatch.c \
     daemon/service/requests/handlers_admin.c \
-    daemon/service/requests/handlers_boxes.c \
-    daemon/service/requests/handlers_config.c \
     daemon/service/requests/handlers_fetch.c \
     daemon/service/requests/handlers_filter.c \
     daemon/service/requests/handlers_step.c \
@@ -52,7 +50,6 @@ libservice_la_SOURCES = \
     daemon/service/requests/handlers_scene.c \
     daemon/service/requests/handlers_watch.c \
     daemon/service/requests/holding.c \
-    daemon/service/requests/teardown.c \
     daemon/service/requests/request.c \
     daemon/service/requests/step_tell.c \
     daemon/service/setup.c

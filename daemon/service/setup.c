@@ -5,13 +5,13 @@
 #include <sys/random.h>
 #include <unistd.h>
 
+#include "dispatch.h"
 #include "invariant.h"
 #include "linger.h"
 #include "now.h"
 #include "pccd_types.h"
 #include "request.h"
 #include "stray.h"
-#include "teardown.h"
 
 /* A number that differs from start to start. */
 static uint64_t make_epoch(void)

@@ -1,10 +1,13 @@
-/* call.h - one decoded request while it is being answered. */
+/* call.h - one decoded request while it is being answered, and what many are checked
+ * for. */
 #ifndef SRV_CALL_H
 #define SRV_CALL_H
 
 #include "codec.h"
 #include "messages.h"
 
+struct srv_ring;
+struct srv_scene;
 struct srv_session;
 
 #define SRV_MEMBER(ID, name, since, flags, text) struct proto_##ID##_request ID;
@@ -38,5 +41,25 @@ struct srv_call {
 #define SRV_HANDLER(ID, name, since, flags, text) int srv_on_##ID(struct srv_call *call);
 PROTO_METHODS(SRV_HANDLER)
 #undef SRV_HANDLER
+
+/* ---- checks [loop] ----------------------------------------------------------------- */
+
+/* The scene that `owner` knows by the handle; NULL, with call->error set to
+ * PCCD_E_HANDLE: there is none. */
+struct srv_scene *srv_admit_scene(struct srv_call *call, const struct srv_session *owner,
+                                  uint32_t handle);
+/* The session's ring, or PCCD_E_STATE with call->error set. */
+int srv_admit_ring(struct srv_call *call, struct srv_ring **ring);
+/* 0, or with call->error set PCCD_E_INVAL: slot and sequence number cannot be those of a
+ * written slot, or PCCD_E_STATE: the slot has no memory. */
+int srv_admit_slot(struct srv_call *call, const struct srv_ring *ring, uint32_t slot,
+                   uint64_t seq);
+/* A choice of a message by name, of 0 .. count-1: 0, or PCCD_E_INVAL with call->error
+ * set. */
+int srv_check_choice(struct srv_call *call, const char *name, uint32_t value,
+                     uint32_t count);
+/* A length of a message, 0 .. 1e18: 0; or, with call->error set, PCCD_E_INVAL: negative
+ * or not finite, PCCD_E_LIMIT: longer. */
+int srv_check_length(struct srv_call *call, const char *name, double length);
 
 #endif

@@ -1,4 +1,4 @@
-/* config.c - settings of a daemon that may change while it runs.
+/* config.c - settings of a daemon that may change while it runs; config.get and .set.
  *
  * Threads: [loop]. Threads that compute read some of the values: those are atomic.
  */
@@ -10,11 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "call.h"
 #include "host.h"
 #include "invariant.h"
 #include "log.h"
 #include "proto_limits.h"
 #include "service.h"
+#include "session.h"
 
 /* X(ID, name, least, most, text). Most 0: the value at the daemon's start, from which the
  * team and the table of descriptors have their sizes. */
@@ -74,12 +76,8 @@ static const char *const level_names[SRV_LOG_COUNT] = {"error", "warn", "info", 
 
 #define MIB_SHIFT 20
 
-uint32_t srv_config_count(void)
-{
-    return SETTING_COUNT;
-}
-
-uint32_t srv_config_find(const char *name)
+/* The place of a setting in their order; SETTING_COUNT: there is none. */
+static uint32_t find(const char *name)
 {
     uint32_t index = 0;
     while (index < SETTING_COUNT && strcmp(settings[index].name, name) != 0) {
@@ -220,8 +218,9 @@ static void print_value(uint64_t value, enum setting setting, char *text, size_t
     }
 }
 
-void srv_config_describe(const struct srv_service *service, uint32_t index,
-                         struct proto_CONFIG_GET_result *result)
+/* Everything but `count`. */
+static void describe(const struct srv_service *service, uint32_t index,
+                     struct proto_CONFIG_GET_result *result)
 {
     srv_assert_loop();
     PCCD_ASSERT(index < SETTING_COUNT);
@@ -247,8 +246,9 @@ static bool parse_value(const char *text, enum setting setting, uint64_t *value)
     return text[0] >= '0' && text[0] <= '9' && *end == '\0' && errno == 0;
 }
 
-int srv_config_set(struct srv_service *service, uint32_t index, const char *text,
-                   struct proto_error *error)
+/* Returns 0, PCCD_E_INVAL with *error set: no such value. */
+static int set(struct srv_service *service, uint32_t index, const char *text,
+               struct proto_error *error)
 {
     srv_assert_loop();
     PCCD_ASSERT(index < SETTING_COUNT);
@@ -290,4 +290,56 @@ void srv_config_restore(struct srv_service *service, struct srv_config_kept *kep
                     text);
         }
     }
+}
+
+/* ---- the messages ------------------------------------------------------------------ */
+
+static int find_setting(struct srv_call *call, const char *name, uint32_t *index)
+{
+    *index = find(name);
+    return *index < SETTING_COUNT
+               ? 0
+               : proto_error_set(&call->error, PCCD_E_INVAL,
+                                 "there is no setting \"%.64s\"", name);
+}
+
+int srv_on_CONFIG_GET(struct srv_call *call)
+{
+    const struct proto_CONFIG_GET_request *request = &call->params.CONFIG_GET;
+    uint32_t index = request->index;
+    int status = request->name[0] != '\0' ? find_setting(call, request->name, &index) : 0;
+    if (status != 0) {
+        return status;
+    }
+    if (index >= SETTING_COUNT) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "setting %u is wanted, there are %u", index,
+                               SETTING_COUNT);
+    }
+    call->result.CONFIG_GET.count = SETTING_COUNT;
+    describe(call->session->service, index, &call->result.CONFIG_GET);
+    return 0;
+}
+
+int srv_on_CONFIG_SET(struct srv_call *call)
+{
+    const struct proto_CONFIG_SET_request *request = &call->params.CONFIG_SET;
+    struct srv_service *service = call->session->service;
+    struct proto_CONFIG_GET_result before;
+    uint32_t index = 0;
+    int status = srv_session_refuse_stranger(call->session, &call->error);
+    if (status == 0) {
+        status = find_setting(call, request->name, &index);
+    }
+    if (status != 0) {
+        return status;
+    }
+    describe(service, index, &before);
+    status = set(service, index, request->value, &call->error);
+    if (status == 0) {
+        memcpy(call->result.CONFIG_SET.before, before.value, sizeof before.value);
+        srv_log(SRV_LOG_INFO, call->session->id, "%s: %s, was %s", request->name,
+                request->value, before.value);
+    }
+    return status;
 }

@@ -1,4 +1,4 @@
-/* dispatch.c - from a message to an answer. */
+/* dispatch.c - from a message to an answer, and the end of a session. */
 #include "dispatch.h"
 
 #include "answer.h"
@@ -7,14 +7,18 @@
 #include "host.h"
 #include "invariant.h"
 #include "linger.h"
+#include "meshes.h"
 #include "now.h"
 #include "plural.h"
 #include "replies.h"
 #include "request.h"
+#include "ringio.h"
 #include "service.h"
 #include "session.h"
 #include "shared.h"
+#include "srv_scene.h"
 #include "tracing.h"
+#include "watcher.h"
 
 /* ---- the table --------------------------------------------------------------------- */
 
@@ -314,4 +318,45 @@ void srv_dispatch(struct srv_session *session, const void *message, size_t bytes
     srv_shared_catch_up(session);
     srv_tracing_add(service, PCCD_TRACE_RECEIVE, session, call.arrival_ns, call.method,
                     call.id);
+}
+
+/* ---- the end of a session ---------------------------------------------------------- */
+
+/* Drop the session's own references; what requests still use goes with the last of
+ * them. */
+static void drop_everything(struct srv_session *session)
+{
+    uint32_t cursor = 0;
+    for (struct srv_scene *scene; (scene = srv_handles_pop(&session->scenes, &cursor));) {
+        if (scene->shared != NULL) {
+            srv_shared_leave(session, scene);
+        } else {
+            srv_resource_drop(&scene->resource);
+        }
+    }
+    cursor = 0;
+    for (struct srv_mesh *mesh; (mesh = srv_handles_pop(&session->meshes, &cursor));) {
+        srv_mesh_free(mesh);
+    }
+    if (session->ring != NULL) {
+        srv_resource_drop(&session->ring->resource);
+        session->ring = NULL;
+    }
+    srv_tracing_drop(session);
+    (void)srv_watcher_stop(session);
+}
+
+void srv_refuse(struct srv_session *session, const struct proto_error *error)
+{
+    if (session->conn != NULL) {
+        srv_dispatch_violation(session, error->code, error->text);
+    } else {
+        srv_linger_end(session, error->text);
+    }
+}
+
+void srv_let_go(struct srv_session *session)
+{
+    srv_request_abandon_all(session);
+    drop_everything(session);
 }

@@ -2,7 +2,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "admission.h"
 #include "call.h"
 #include "engine.h"
 #include "invariant.h"

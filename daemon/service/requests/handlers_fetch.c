@@ -5,7 +5,6 @@
  */
 #include <string.h>
 
-#include "admission.h"
 #include "call.h"
 #include "invariant.h"
 #include "now.h"
@@ -151,10 +150,9 @@ static int work_near_fetch(struct srv_request *request)
 static int fetch_from(struct srv_call *call, uint32_t handle,
                       int (*work)(struct srv_request *request))
 {
-    struct srv_scene *scene = srv_handles_get(&call->session->scenes, handle);
+    struct srv_scene *scene = srv_admit_scene(call, call->session, handle);
     if (scene == NULL) {
-        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
-                               handle);
+        return call->error.code;
     }
     struct srv_ring *ring = NULL;
     int status = srv_admit_ring(call, &ring);

@@ -3,7 +3,6 @@
  */
 #include <inttypes.h>
 
-#include "admission.h"
 #include "call.h"
 #include "enginemem.h"
 #include "invariant.h"
@@ -16,10 +15,9 @@
 static int find_object(struct srv_call *call, uint32_t scene_handle, uint32_t object,
                        struct srv_scene **scene, bool *is_own)
 {
-    struct srv_scene *found = srv_handles_get(&call->session->scenes, scene_handle);
+    struct srv_scene *found = srv_admit_scene(call, call->session, scene_handle);
     if (found == NULL) {
-        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
-                               scene_handle);
+        return call->error.code;
     }
     const struct srv_object *item = srv_handles_get(&found->objects, object);
     if (item == NULL) {

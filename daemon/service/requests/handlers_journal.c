@@ -1,5 +1,4 @@
 /* handlers_journal.c - scene.journal. */
-#include "admission.h"
 #include "call.h"
 #include "request.h"
 #include "service.h"
@@ -89,11 +88,10 @@ int srv_on_SCENE_JOURNAL(struct srv_call *call)
 {
     const struct proto_SCENE_JOURNAL_request *asked = &call->params.SCENE_JOURNAL;
     struct srv_session *session = call->session;
-    struct srv_scene *scene = srv_handles_get(&session->scenes, asked->scene);
+    struct srv_scene *scene = srv_admit_scene(call, session, asked->scene);
     struct srv_ring *ring = NULL;
     if (scene == NULL) {
-        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
-                               asked->scene);
+        return call->error.code;
     }
     if (scene->shared == NULL || (asked->begin != 0 && asked->stop)) {
         return proto_error_set(&call->error, PCCD_E_INVAL, "%s",

@@ -99,10 +99,9 @@ int srv_on_LIST_OBJECT(struct srv_call *call)
     if (status != 0) {
         return status;
     }
-    const struct srv_scene *scene = srv_handles_get(&owner->scenes, request->scene);
+    const struct srv_scene *scene = srv_admit_scene(call, owner, request->scene);
     if (scene == NULL) {
-        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
-                               request->scene);
+        return call->error.code;
     }
     uint32_t cursor = request->cursor;
     uint32_t handle = 0;
@@ -144,10 +143,9 @@ int srv_on_LIST_PAIR(struct srv_call *call)
     if (status != 0) {
         return status;
     }
-    struct srv_scene *scene = srv_handles_get(&owner->scenes, asked->scene);
+    struct srv_scene *scene = srv_admit_scene(call, owner, asked->scene);
     if (scene == NULL) {
-        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
-                               asked->scene);
+        return call->error.code;
     }
     struct srv_plan plan = {
         .work = work_pair, .ring = call->session->ring, .scene = scene};

@@ -1,7 +1,6 @@
 /* handlers_mesh.c - mesh.create, replace, data, commit, edges and destroy. */
 #include <string.h>
 
-#include "admission.h"
 #include "call.h"
 #include "coordinates.h"
 #include "invariant.h"

@@ -1,4 +1,4 @@
-/* handlers_scene.c - scene.create, destroy, add and remove. */
+/* handlers_scene.c - scene.create, destroy, add, remove and boxes. */
 #include "call.h"
 #include "invariant.h"
 #include "meshes.h"
@@ -8,16 +8,6 @@
 #include "session.h"
 #include "shared.h"
 #include "srv_journal.h"
-
-/* The scene of a handle; NULL with the error set. */
-static struct srv_scene *find_scene(struct srv_call *call, uint32_t handle)
-{
-    struct srv_scene *scene = srv_handles_get(&call->session->scenes, handle);
-    if (scene == NULL) {
-        proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x", handle);
-    }
-    return scene;
-}
 
 int srv_on_SCENE_CREATE(struct srv_call *call)
 {
@@ -59,7 +49,7 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
 int srv_on_SCENE_DESTROY(struct srv_call *call)
 {
     uint32_t handle = call->params.SCENE_DESTROY.scene;
-    struct srv_scene *scene = find_scene(call, handle);
+    struct srv_scene *scene = srv_admit_scene(call, call->session, handle);
     if (scene == NULL) {
         return PCCD_E_HANDLE;
     }
@@ -150,7 +140,8 @@ static int admit(struct srv_plan *plan, struct srv_session *session,
 int srv_on_SCENE_ADD(struct srv_call *call)
 {
     struct srv_session *session = call->session;
-    struct srv_scene *scene = find_scene(call, call->params.SCENE_ADD.scene);
+    struct srv_scene *scene =
+        srv_admit_scene(call, call->session, call->params.SCENE_ADD.scene);
     if (scene == NULL) {
         return PCCD_E_HANDLE;
     }
@@ -214,7 +205,8 @@ static void finish_remove(struct srv_request *request)
 int srv_on_SCENE_REMOVE(struct srv_call *call)
 {
     uint32_t object = call->params.SCENE_REMOVE.object;
-    struct srv_scene *scene = find_scene(call, call->params.SCENE_REMOVE.scene);
+    struct srv_scene *scene =
+        srv_admit_scene(call, call->session, call->params.SCENE_REMOVE.scene);
     if (scene == NULL) {
         return PCCD_E_HANDLE;
     }
@@ -233,5 +225,57 @@ int srv_on_SCENE_REMOVE(struct srv_call *call)
                             .ring = call->session->ring,
                             .scene = scene,
                             .object = object};
+    return srv_request_start(call, &plan);
+}
+
+/* ---- what its hierarchies look like ------------------------------------------------ */
+
+static int work_boxes(struct srv_request *request)
+{
+    const struct proto_SCENE_BOXES_request *asked = &request->params.SCENE_BOXES;
+    const struct eng_scene *engine = request->plan.scene->engine;
+    enum pccd_tree tree = (enum pccd_tree)asked->tree;
+    uint32_t boxes = 0; /* as long as the scene has had no object and no step */
+    if (engine != NULL) {
+        boxes = eng_level_boxes(engine, tree, asked->level, 0, 0, NULL);
+    }
+    uint32_t left = asked->first < boxes ? boxes - asked->first : 0;
+    struct srv_page page;
+    void *data = NULL;
+    int status = srv_ring_reserve(request->plan.ring, sizeof(struct pccd_box),
+                                  asked->count < left ? asked->count : left, &page, &data,
+                                  &request->error);
+    if (status != 0) {
+        return status;
+    }
+    if (page.count > 0) {
+        (void)eng_level_boxes(engine, tree, asked->level, asked->first,
+                              (uint32_t)page.count, data);
+    }
+    request->result.SCENE_BOXES =
+        (struct proto_SCENE_BOXES_result){.boxes = boxes,
+                                          .count = (uint32_t)page.count,
+                                          .offset = page.position,
+                                          .release = page.release};
+    return 0;
+}
+
+int srv_on_SCENE_BOXES(struct srv_call *call)
+{
+    const struct proto_SCENE_BOXES_request *asked = &call->params.SCENE_BOXES;
+    struct srv_scene *scene = srv_admit_scene(call, call->session, asked->scene);
+    if (scene == NULL) {
+        return call->error.code;
+    }
+    if (asked->tree >= PCCD_TREE_COUNT) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown tree %u",
+                               asked->tree);
+    }
+    struct srv_ring *ring = NULL;
+    int status = srv_admit_ring(call, &ring);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_plan plan = {.work = work_boxes, .ring = ring, .scene = scene};
     return srv_request_start(call, &plan);
 }

@@ -2,7 +2,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "admission.h"
 #include "holding.h"
 #include "invariant.h"
 #include "now.h"
@@ -253,11 +252,10 @@ static int start(struct srv_call *call)
     const struct srv_step_params params = srv_step_params_of(call->method, &call->params);
     bool is_batch = call->method == PROTO_METHOD_BATCH_SUBMIT;
     struct srv_scene *scene =
-        is_batch ? NULL : srv_handles_get(&call->session->scenes, params.scene);
+        is_batch ? NULL : srv_admit_scene(call, call->session, params.scene);
     struct srv_ring *ring = NULL;
     if (scene == NULL && !is_batch) {
-        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
-                               params.scene);
+        return call->error.code;
     }
     int status = check(call, &params, &ring);
     if (status != 0) {

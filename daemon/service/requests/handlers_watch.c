@@ -1,7 +1,6 @@
 /* handlers_watch.c - stats.thread, watch, and trace.start, stop and dump. */
 #include <string.h>
 
-#include "admission.h"
 #include "call.h"
 #include "request.h"
 #include "service.h"

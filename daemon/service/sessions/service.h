@@ -86,7 +86,7 @@ struct srv_service {
     uint64_t start_ns;
     enum srv_phase phase;
     /* A session ends: let go of its requests, scenes, meshes, ring and what it watches
-     * (requests/teardown.h). Constant. */
+     * (requests/dispatch.h). Constant. */
     void (*let_go)(struct srv_session *session);
     /* It may not go on: tell its client, if it has one, and end it. Constant. */
     void (*refuse)(struct srv_session *session, const struct proto_error *error);

@@ -1,9 +1,20 @@
-/* admission.c - what every request that uses the ring is asked for first. */
-#include "admission.h"
+/* call.c - what many requests are checked for. */
+#include "call.h"
 
 #include <math.h>
 
+#include "ringio.h"
 #include "session.h"
+
+struct srv_scene *srv_admit_scene(struct srv_call *call, const struct srv_session *owner,
+                                  uint32_t handle)
+{
+    struct srv_scene *scene = srv_handles_get(&owner->scenes, handle);
+    if (scene == NULL) {
+        proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x", handle);
+    }
+    return scene;
+}
 
 int srv_admit_ring(struct srv_call *call, struct srv_ring **ring)
 {
