@@ -42,34 +42,31 @@ static int make_scene(struct drive *drive, uint32_t scene, struct ctl_error *err
     return expect(scene, made, "scene", error);
 }
 
-static struct pccd_mesh_data data_of(const struct registry_shape *shape)
+/* A mesh of the world, or what it has become: under its handle, or under any if it is
+ * destroyed already. */
+static int put_mesh(struct drive *drive, struct registry_mesh *mesh,
+                    struct ctl_error *error)
 {
-    return (struct pccd_mesh_data){.struct_bytes = sizeof(struct pccd_mesh_data),
-                                   .x = shape->x,
-                                   .format = (enum pccd_format)shape->format,
-                                   .vertex_count = shape->vertex_count,
-                                   .triangle_count = shape->triangle_count,
-                                   .triangles = shape->triangles,
-                                   .radii = shape->radii,
-                                   .edges = shape->edges,
-                                   .points = shape->points,
-                                   .edge_count = shape->edge_count,
-                                   .point_count = shape->point_count};
-}
-
-/* A mesh of the world; want = 0: under any handle. */
-static int make_mesh(struct drive *drive, const struct registry_mesh *mesh, uint32_t want,
-                     uint32_t *made, struct ctl_error *error)
-{
-    pccd_request_handle(drive->client, want);
-    const struct registry_shape shape = registry_mesh_shape(mesh);
-    const struct pccd_mesh_data data = data_of(&shape);
-    *made = 0;
-    int status = pccd_mesh_put(drive->client, &data, made, NULL);
+    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                        .x = mesh->x,
+                                        .format = (enum pccd_format)mesh->format,
+                                        .vertex_count = mesh->vertex_count,
+                                        .triangle_count = mesh->triangle_count,
+                                        .triangles = (const uint32_t *)mesh->triangles,
+                                        .radii = mesh->radii,
+                                        .edges = (const uint32_t *)mesh->named_edges,
+                                        .points = mesh->named_points,
+                                        .edge_count = mesh->named_edge_count,
+                                        .point_count = mesh->named_point_count};
+    if (mesh->made_handle == 0) {
+        pccd_request_handle(drive->client, mesh->is_destroyed ? 0 : mesh->handle);
+    }
+    int status = pccd_mesh_put(drive->client, &data, &mesh->made_handle, NULL);
     if (status != PCCD_OK) {
         return failed(drive, status, "a recorded mesh", error);
     }
-    return want != 0 ? expect(want, *made, "mesh", error) : PCCD_OK;
+    return mesh->is_destroyed ? PCCD_OK
+                              : expect(mesh->handle, mesh->made_handle, "mesh", error);
 }
 
 static int add_object(struct drive *drive, uint32_t scene, uint32_t mesh, uint32_t wanted,
@@ -102,13 +99,10 @@ static int place_object(struct drive *drive, uint32_t scene,
 }
 
 /* All attributes of an object, as they are. */
-static int filter_object(struct drive *drive, uint32_t scene,
-                         const struct registry_object *object, struct ctl_error *error)
+static int set_object(struct drive *drive, uint32_t scene,
+                      const struct registry_object *object, struct ctl_error *error)
 {
     struct pccd_object_settings settings = {.what = PCCD_OBJECT_ALL};
-    if (common_attributes_are_at_first(&object->attributes)) {
-        return PCCD_OK;
-    }
     COMMON_ATTRIBUTES_COPY(&settings, &object->attributes);
     int status = pccd_object_set(drive->client, scene, object->handle, &settings);
     return status == PCCD_OK ? status : failed(drive, status, "a recorded mask", error);
@@ -145,8 +139,8 @@ static int begin_places(struct drive *drive, struct registry_scene *scene,
         status = object->placing != REGISTRY_AS_REGISTERED
                      ? place_object(drive, scene->handle, object, error)
                      : PCCD_OK;
-        if (status == PCCD_OK) {
-            status = filter_object(drive, scene->handle, object, error);
+        if (status == PCCD_OK && !common_attributes_are_at_first(&object->attributes)) {
+            status = set_object(drive, scene->handle, object, error);
         }
     }
     registry_pairs_settle(&scene->ignored);
@@ -156,25 +150,30 @@ static int begin_places(struct drive *drive, struct registry_scene *scene,
     return status;
 }
 
+static int destroy_mesh(struct drive *drive, const struct registry_mesh *mesh,
+                        struct ctl_error *error)
+{
+    int status = pccd_mesh_destroy(drive->client, mesh->made_handle);
+    return status == PCCD_OK
+               ? status
+               : failed(drive, status, "a recorded mesh that is gone", error);
+}
+
 /* Objects of a mesh that is gone: of one that is made for them and destroyed again. */
 static int add_orphans(struct drive *drive, const struct registry *world,
-                       const struct registry_mesh *mesh, struct ctl_error *error)
+                       struct registry_mesh *mesh, struct ctl_error *error)
 {
-    uint32_t made = 0;
-    int status = make_mesh(drive, mesh, 0, &made, error);
+    int status = put_mesh(drive, mesh, error);
     for (struct registry_scene *scene = world->scenes; scene != NULL;
          scene = scene->next) {
         for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
             if (scene->objects[i].mesh == mesh) {
-                status = add_object(drive, scene->handle, made, scene->objects[i].handle,
-                                    error);
+                status = add_object(drive, scene->handle, mesh->made_handle,
+                                    scene->objects[i].handle, error);
             }
         }
     }
-    if (status == PCCD_OK && pccd_mesh_destroy(drive->client, made) != PCCD_OK) {
-        status = failed(drive, PCCD_E_STATE, "a recorded mesh that is gone", error);
-    }
-    return status;
+    return status == PCCD_OK ? destroy_mesh(drive, mesh, error) : status;
 }
 
 static int begin_meshes(struct drive *drive, const struct registry *world,
@@ -183,9 +182,7 @@ static int begin_meshes(struct drive *drive, const struct registry *world,
     int status = PCCD_OK;
     for (struct registry_mesh *mesh = world->meshes; mesh != NULL && status == PCCD_OK;
          mesh = mesh->next) {
-        uint32_t made = 0;
-        status = mesh->is_destroyed ? PCCD_OK
-                                    : make_mesh(drive, mesh, mesh->handle, &made, error);
+        status = mesh->is_destroyed ? PCCD_OK : put_mesh(drive, mesh, error);
     }
     return status;
 }
@@ -229,27 +226,6 @@ int drive_begin(struct drive *drive, const struct registry *world,
 
 /* ---- the log ----------------------------------------------------------------------- */
 
-static int follow_mesh(struct drive *drive, const struct registry *world,
-                       const struct record_view *view, struct ctl_error *error)
-{
-    const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_mesh);
-    struct record_mesh head;
-    memcpy(&head, view->payload, sizeof head);
-    const struct registry_shape shape =
-        world_shape(world, head.format, head.vertex_count, head.triangle_count, x);
-    const struct pccd_mesh_data data = data_of(&shape);
-    bool is_known = registry_mesh(world, head.mesh) != NULL;
-    uint32_t made = is_known ? head.mesh : 0;
-    if (!is_known) {
-        pccd_request_handle(drive->client, head.mesh);
-    }
-    int status = pccd_mesh_put(drive->client, &data, &made, NULL);
-    if (status != PCCD_OK) {
-        return failed(drive, status, "a recorded mesh", error);
-    }
-    return expect(head.mesh, made, "mesh", error);
-}
-
 static int follow_gone(struct drive *drive, const struct record_view *view,
                        struct ctl_error *error)
 {
@@ -262,18 +238,6 @@ static int follow_gone(struct drive *drive, const struct record_view *view,
                      : pccd_scene_remove(drive->client, gone.scene, gone.object);
     return status == PCCD_OK ? status
                              : failed(drive, status, "a recorded removal", error);
-}
-
-static int follow_filter(struct drive *drive, const struct record_view *view,
-                         struct ctl_error *error)
-{
-    struct record_filter filter;
-    struct common_attributes given;
-    record_filter_read(view->payload, view->bytes, &filter, &given);
-    struct pccd_object_settings settings = {.what = filter.what};
-    COMMON_ATTRIBUTES_COPY(&settings, &given);
-    int status = pccd_object_set(drive->client, filter.scene, filter.object, &settings);
-    return status == PCCD_OK ? status : failed(drive, status, "a recorded mask", error);
 }
 
 static int follow_pairs(struct drive *drive, const struct record_view *view,
@@ -302,63 +266,70 @@ static int ignore_again(struct drive *drive, struct registry_scene *scene,
 
 /* An object with a mesh of its own, which is destroyed under it. One that is there goes
  * before, and what it may meet is said again. */
-static int follow_guest(struct drive *drive, const struct registry *world,
-                        const struct record_view *view, struct ctl_error *error)
+static int put_guest(struct drive *drive, struct registry_scene *scene,
+                     const struct registry_object *object, struct ctl_error *error)
 {
-    const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_guest);
-    struct record_guest head;
-    memcpy(&head, view->payload, sizeof head);
-    struct registry_scene *scene = registry_scene(world, head.scene);
-    const struct registry_object *known =
-        scene != NULL ? registry_object(scene, head.object) : NULL;
-    uint32_t mesh = 0;
-    int status = PCCD_OK;
-    if (known != NULL) {
-        status = pccd_scene_remove(drive->client, head.scene, head.object);
-    }
-    if (status == PCCD_OK) {
-        const struct registry_shape shape = world_shape(
-            world, PCCD_FORMAT_F64, head.vertex_count, head.triangle_count, x);
-        const struct pccd_mesh_data data = data_of(&shape);
-        status = pccd_mesh_put(drive->client, &data, &mesh, NULL);
-    }
-    if (status != PCCD_OK) {
+    int status = pccd_scene_remove(drive->client, scene->handle, object->handle);
+    if (status != PCCD_OK && status != PCCD_E_HANDLE) {
         return failed(drive, status, "a recorded object", error);
     }
-    status = add_object(drive, head.scene, mesh, head.object, error);
-    if (status == PCCD_OK && pccd_mesh_destroy(drive->client, mesh) != PCCD_OK) {
-        status = failed(drive, PCCD_E_STATE, "a recorded object's mesh", error);
+    status = put_mesh(drive, object->mesh, error);
+    if (status == PCCD_OK) {
+        status = add_object(drive, scene->handle, object->mesh->made_handle,
+                            object->handle, error);
     }
-    if (status == PCCD_OK && known != NULL) {
-        status = filter_object(drive, head.scene, known, error);
+    if (status == PCCD_OK) {
+        status = destroy_mesh(drive, object->mesh, error);
     }
-    return status == PCCD_OK && known != NULL
-               ? ignore_again(drive, scene, head.object, error)
-               : status;
+    if (status == PCCD_OK && !common_attributes_are_at_first(&object->attributes)) {
+        status = set_object(drive, scene->handle, object, error);
+    }
+    return status == PCCD_OK ? ignore_again(drive, scene, object->handle, error) : status;
+}
+
+/* The object that a chunk is about. */
+static int follow_object(struct drive *drive, const struct registry *world,
+                         enum record_kind kind, uint32_t scene_handle, uint32_t handle,
+                         struct ctl_error *error)
+{
+    struct registry_scene *scene = registry_scene(world, scene_handle);
+    const struct registry_object *object = registry_object(scene, handle);
+    return kind == RECORD_GUEST ? put_guest(drive, scene, object, error)
+           : kind == RECORD_FILTER
+               ? set_object(drive, scene_handle, object, error)
+               : add_object(drive, scene_handle, object->mesh->handle, handle, error);
 }
 
 int drive_follow(struct drive *drive, const struct registry *world,
                  const struct record_view *view, struct ctl_error *error)
 {
-    struct record_scene scene;
-    struct record_object object;
-    switch (view->kind) {
+    union {
+        struct record_mesh mesh;
+        struct record_scene scene;
+        struct record_object object;
+        struct record_guest guest;
+        struct record_filter filter;
+    } head = {.mesh = {0}};
+    enum record_kind kind = (enum record_kind)view->kind;
+    memcpy(&head, view->payload, view->bytes < sizeof head ? view->bytes : sizeof head);
+    switch (kind) {
     case RECORD_MESH:
-        return follow_mesh(drive, world, view, error);
+        return put_mesh(drive, registry_mesh(world, head.mesh.mesh), error);
     case RECORD_SCENE:
-        memcpy(&scene, view->payload, sizeof scene);
-        return make_scene(drive, scene.scene, error);
+        return make_scene(drive, head.scene.scene, error);
     case RECORD_OBJECT:
-        memcpy(&object, view->payload, sizeof object);
-        return add_object(drive, object.scene, object.mesh, object.object, error);
+        return follow_object(drive, world, kind, head.object.scene, head.object.object,
+                             error);
+    case RECORD_GUEST:
+        return follow_object(drive, world, kind, head.guest.scene, head.guest.object,
+                             error);
+    case RECORD_FILTER:
+        return follow_object(drive, world, kind, head.filter.scene, head.filter.object,
+                             error);
     case RECORD_SCENE_GONE:
     case RECORD_MESH_GONE:
     case RECORD_OBJECT_GONE:
         return follow_gone(drive, view, error);
-    case RECORD_GUEST:
-        return follow_guest(drive, world, view, error);
-    case RECORD_FILTER:
-        return follow_filter(drive, view, error);
     case RECORD_PAIRS:
         return follow_pairs(drive, view, error);
     default:

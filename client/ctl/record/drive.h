@@ -30,8 +30,7 @@ struct drive {
 /* Tell the daemon of everything in `world`. */
 int drive_begin(struct drive *drive, const struct registry *world,
                 struct ctl_error *error);
-/* Follow a chunk that is not a step, after drive_begin; `world` has not followed it
- * yet. */
+/* Follow a chunk that is not a step, after drive_begin; `world` has followed it. */
 int drive_follow(struct drive *drive, const struct registry *world,
                  const struct record_view *view, struct ctl_error *error);
 /* Submit a step with these settings, which the caller may have changed, and wait for its

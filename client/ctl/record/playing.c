@@ -595,12 +595,10 @@ int play_follow(struct playing *playing, struct ctl_error *error)
             }
             continue;
         }
-        if (playing->drive.is_begun) {
+        status =
+            misfit(playing, &view, world_follow(&playing->world, &view, error), error);
+        if (status == PCCD_OK && playing->drive.is_begun) {
             status = drive_follow(&playing->drive, &playing->world, &view, error);
-        }
-        if (status == PCCD_OK) {
-            status = misfit(playing, &view, world_follow(&playing->world, &view, error),
-                            error);
         }
     }
     return status == PCCD_E_CANCELLED ? PCCD_OK : status;

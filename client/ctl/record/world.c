@@ -31,9 +31,11 @@ static int twice(struct ctl_error *error, const char *what, uint32_t handle)
 
 /* ---- meshes, scenes, objects ------------------------------------------------------- */
 
-struct registry_shape world_shape(const struct registry *world, uint32_t format,
-                                  uint32_t vertex_count, uint32_t triangle_count,
-                                  const uint8_t *x)
+/* The mesh of a MESH or GUEST, whose positions are at x and its triangles behind them,
+ * with what chunks before it have said of it: radii, edges, points. */
+static struct registry_shape shape_of(const struct registry *world, uint32_t format,
+                                      uint32_t vertex_count, uint32_t triangle_count,
+                                      const uint8_t *x)
 {
     size_t x_bytes = vertex_count * common_vertex_bytes(format);
     bool has_radii = world->next_radii_count == vertex_count;
@@ -105,7 +107,7 @@ static int follow_mesh(struct registry *world, const struct record_view *view,
     struct record_mesh head;
     memcpy(&head, view->payload, sizeof head);
     const struct registry_shape shape =
-        world_shape(world, head.format, head.vertex_count, head.triangle_count, x);
+        shape_of(world, head.format, head.vertex_count, head.triangle_count, x);
     struct registry_mesh *copy = registry_mesh_copy(&shape);
     forget_next(world);
     return copy != NULL && registry_put_mesh(world, head.mesh, copy, 0) == 0
@@ -262,7 +264,7 @@ static int follow_guest(struct registry *world, const struct record_view *view,
         return unknown(error, "scene", head.scene);
     }
     const struct registry_shape shape =
-        world_shape(world, PCCD_FORMAT_F64, head.vertex_count, head.triangle_count, x);
+        shape_of(world, PCCD_FORMAT_F64, head.vertex_count, head.triangle_count, x);
     struct registry_mesh *copy = registry_mesh_copy(&shape);
     forget_next(world);
     struct registry_object *object =

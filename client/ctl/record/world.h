@@ -21,12 +21,6 @@ int world_follow(struct registry *world, const struct record_view *view,
 int world_step(struct registry *world, const struct record_frame *frame,
                const uint8_t *slot, struct ctl_error *error);
 
-/* The mesh of a MESH or GUEST, whose positions are at x and its triangles behind them,
- * with what chunks before it have said of it: radii, edges, points. */
-struct registry_shape world_shape(const struct registry *world, uint32_t format,
-                                  uint32_t vertex_count, uint32_t triangle_count,
-                                  const uint8_t *x);
-
 /* The edges of a mesh as records number them, made at the first call. */
 int world_edges(struct registry_mesh *mesh, struct ctl_error *error);
 
