@@ -26,7 +26,7 @@
 /* Of the features, those that may be crowded: with more, little is left out. */
 #define CROWDED_PART 16u
 
-/* Tests a triangle, on average, before the search is given up: 30 to 60 are needed as a
+/* Tests a triangle, on average, before the search is given up: 50 to 70 are needed as a
  * rule, thousands where triangles lie in heaps. */
 #define WORK_MAX 1024u
 
@@ -35,6 +35,9 @@
  * not depend on how fast it was. */
 #define SHARE_MIN           4096u
 #define SHARE_PER_TRIANGLES 2u
+
+/* Of a block whose vertices are read, in tests. */
+#define LOAD_COST (3 * ENG_WIDE)
 
 /* The kinds of pairs that triangles make, in their sequence here. */
 #define KINDS 2u
@@ -249,7 +252,7 @@ static uint64_t look_at_blocks(struct eng_mesh *mesh,
     const struct eng_bounds *around_b = box_of(search, 1, 0, search->node);
     double length = mesh->clearance.length;
     bool is_one = kind == PCCD_EE && search->at == search->node;
-    uint64_t cost = 2 * ENG_WIDE;
+    uint64_t cost = LOAD_COST;
     struct block b;
     load_block(mesh, eng_wide_tree_of(kind, 1), search->node,
                box_of(search, 0, 0, search->at), &b);
@@ -385,7 +388,7 @@ static bool search_on(struct eng_mesh *mesh, uint64_t budget, uint64_t *cost)
     bool is_of_use = clearance->search || begin(mesh);
     struct eng_wide_crowded *search = clearance->search;
     while (is_of_use && search->kind < KINDS && *cost < budget) {
-        uint64_t added = ENG_WIDE;
+        uint64_t added = LOAD_COST;
         if (search->boxed < ENG_WIDE_TREES) {
             advance_boxes(mesh, search);
         } else {
