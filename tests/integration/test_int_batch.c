@@ -842,6 +842,43 @@ static void steps__of_a_batch_are_listed_and_watched(void **state)
     pccd_close(client);
 }
 
+/* Otherwise who watches would see a step that fails alone, and none of a batch's. */
+static void batch__that_fails_is_watched_scene_by_scene(void **state)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    struct pccd_client *other = open_client(test_shared.url);
+    struct pccd_batch_answer held = PCCD_BATCH_ANSWER_INIT;
+    struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
+    struct pccd_daemon_info self;
+    struct pccd_step_event event;
+    struct test_farm farm;
+
+    (void)state;
+    pccd_options_init(&options);
+    options.url = test_shared.url;
+    options.result_bytes = 65536;
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    make_farm(client, 100, 2, &farm);
+    assert_int_equal(test_farm_turn(&farm, 1, NULL, &held), 0);
+    assert_int_equal(pccd_daemon(client, &self), 0);
+    assert_int_equal(pccd_watch_start(other, self.session, 0), 0);
+    assert_int_equal(test_farm_turn(&farm, 2, NULL, &answer), PCCD_E_BUSY);
+    for (uint32_t i = 0; i < farm.count; i++) {
+        assert_int_equal(pccd_watch_next(other, 10000, &event), 0);
+        assert_int_equal(event.session, self.session);
+        assert_int_equal(event.scene, farm.worlds[i].scene);
+        assert_int_equal(event.step, held.step + farm.count + i);
+        assert_int_equal(event.status, PCCD_E_BUSY);
+        assert_int_equal(event.number, 0);
+        assert_int_equal(event.total, 0);
+    }
+    pccd_batch_release(client, &held);
+    test_farm_free(&farm);
+    pccd_close(other);
+    pccd_close(client);
+}
+
 /* ---- memory ------------------------------------------------------------------------ */
 
 /* If it failed, each scene of a batch would have the scratch of a thread, and a thousand
@@ -894,6 +931,7 @@ int main(void)
         cmocka_unit_test(cancel__ends_a_batch_soon),
         cmocka_unit_test(others__are_served_beside_a_long_batch),
         cmocka_unit_test(steps__of_a_batch_are_listed_and_watched),
+        cmocka_unit_test(batch__that_fails_is_watched_scene_by_scene),
         cmocka_unit_test(batch__is_what_threads_are_seen_to_do),
     };
 

@@ -16,7 +16,7 @@
 
 /* ---- what is asked ----------------------------------------------------------------- */
 
-/* Of all: 0, or why it cannot be computed, whatever its scene holds. */
+/* Check how it is to be computed: 0, or why not, whatever its scene holds. */
 static int check_how(struct srv_call *call, const struct srv_step_params *params)
 {
     struct eng_tuning tuning = {0};

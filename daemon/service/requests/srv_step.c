@@ -48,11 +48,6 @@ struct srv_step_params srv_step_params_of(int method, const union srv_params *pa
     }
 }
 
-static struct srv_step_params params_of(const struct srv_request *request)
-{
-    return srv_step_params_of(request->method, &request->params);
-}
-
 uint64_t srv_step_deadline(uint64_t budget_ns, uint64_t arrival_ns)
 {
     if (budget_ns == 0) {
@@ -153,7 +148,8 @@ static void describe(const struct eng_step_result *result, bool is_near, uint64_
 void srv_step_nothing(const struct srv_request *request, enum pccd_incomplete why,
                       struct proto_answer *answer)
 {
-    const struct srv_step_params params = params_of(request);
+    const struct srv_step_params params =
+        srv_step_params_of(request->method, &request->params);
     struct eng_question question;
     struct eng_step_result nothing;
     choose(request, &params, &question);
@@ -214,11 +210,11 @@ static int check_near(const struct srv_step_run *run)
     const struct eng_question *question = run->question;
     struct srv_scene *scene = run->item->scene;
     for (int side = 0; side < 2; side++) {
-        if (question->objects[side] != 0 &&
-            srv_scene_find(scene, question->objects[side]) == NULL) {
+        uint32_t object = question->objects[side];
+        if (object != 0 && srv_scene_find(scene, object) == NULL) {
             return proto_error_set(run->staging.error, PCCD_E_HANDLE,
                                    "object_%c 0x%x is not in the scene", "ab"[side],
-                                   question -> objects[side]);
+                                   object);
         }
     }
     if (question->end == 0 && !moves(run) && scene->is_placed) {

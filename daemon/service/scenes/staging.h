@@ -39,6 +39,7 @@ struct srv_staging {
  * with the member may be moved (PCCD_E_ACCESS). Scenes of a batch are staged by several
  * threads. [compute], [team] */
 int srv_stage(struct srv_staging *staging);
+
 /* A copy, of malloc, of what the step uses of its slot, *bytes of at most `bytes_max`.
  * Returns 0, PCCD_E_SLOT_STALE, PCCD_E_SLOT_TORN, PCCD_E_SEGMENT (it uses more, or a
  * segment is not as it must be) or PCCD_E_NOMEM with *error set. [any] */
