@@ -15,7 +15,6 @@
 #include "paper_features.h"
 #include "report.h"
 #include "solve.h"
-#include "sorting.h"
 #include "thick.h"
 
 #define QUERY_MAX 60000u

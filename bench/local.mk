@@ -41,7 +41,7 @@ bench_cppflags = $(AM_CPPFLAGS) -DBENCH_FLAGS='"$(PCCD_CFLAGS) $(CFLAGS)"'
 libbench_la_CPPFLAGS = $(bench_cppflags)
 
 bench_kernels_SOURCES = bench/gather.c bench/kernels.c bench/sorting.c
-bench_roofline_SOURCES = bench/floor.c bench/parts.c bench/roofline.c
+bench_roofline_SOURCES = bench/floor.c bench/roofline.c
 bench_death_SOURCES = bench/bareend.c bench/death.c
 
 # A daemon under a supervisor, killed: make death DEATH_CLIENTS=1000 DEATH_KILLS=10

@@ -11,7 +11,6 @@
 
 #include "batch.h"
 #include "floor.h"
-#include "parts.h"
 #include "report.h"
 #include "resident.h"
 #include "wide_grid.h"

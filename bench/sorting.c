@@ -5,7 +5,7 @@
  * 416, about 10 ns at the 42 GB/s of a Sapphire Rapids core's memory, less where caches
  * hold them. For a pair of 20 bytes: 196, about 5 ns.
  */
-#include "sorting.h"
+#include "gather.h"
 
 #include <omp.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
  *
  * Source: paper/taskunit.c; the same refinement, so that counts are comparable.
  */
-#include "traverse.h"
+#include "gather.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -11,8 +11,8 @@
 #include <string.h>
 
 #include "clock.h"
-#include "hash_text.h"
 #include "pccd.h"
+#include "printable.h"
 
 #define BODIES   8u
 #define SIDE     216u

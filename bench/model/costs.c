@@ -1,5 +1,5 @@
 /* costs.c - what it costs here that threads meet. */
-#include "costs.h"
+#include "measure.h"
 
 #include <omp.h>
 #include <stdlib.h>

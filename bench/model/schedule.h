@@ -10,7 +10,7 @@
 
 #include <stdint.h>
 
-#include "costs.h"
+#include "measure.h"
 
 #define MODEL_THREADS_MAX 64u
 

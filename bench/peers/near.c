@@ -1,7 +1,7 @@
 /* near.c - what is near, asked of us and of ipc-toolkit, in one run.
  *
  * Ask both for the pairs within a distance, their closest features and a bound for each
- * vertex; let exact integers decide who is right (near_judge.h), then time both by turns,
+ * vertex; let exact integers decide who is right (near_judge.c), then time both by turns,
  * beside a step that looks for contacts.
  */
 #include <math.h>

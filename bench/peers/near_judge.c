@@ -1,5 +1,5 @@
 /* near_judge.c - who is right about what is near. */
-#include "near_judge.h"
+#include "near_ours.h"
 
 #include <math.h>
 #include <stdlib.h>

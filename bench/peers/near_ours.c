@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "report.h"
-#include "swept.h"
+#include "steps.h"
 
 _Static_assert(NEAR_VF == (int)PCCD_VF && NEAR_EE == (int)PCCD_EE &&
                    NEAR_VE == (int)PCCD_VE && NEAR_VV == (int)PCCD_VV,

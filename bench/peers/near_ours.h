@@ -1,12 +1,55 @@
-/* near_ours.h - what the engine says is near, under the names of the libraries.
+/* near_ours.h - what the engine says is near, as others say it, and who is right.
  *
  * Threads: one asks; a team answers.
  */
 #ifndef NEAR_OURS_H
 #define NEAR_OURS_H
 
-#include "near_judge.h"
-#include "swept.h"
+#include "near_peer.h"
+#include "pccd_types.h"
+#include "steps.h"
+
+/* ---- Who is right about what is near: exact integers decide.
+ *
+ * Take all pairs that ours and another library have found; ask the oracle of each whether
+ * it is within the distance, how far apart it is, and between which features; merge
+ * these, and bound each vertex; count the differences. */
+
+/* What one side has answered. Memory is the caller's; the judge sorts what is there. */
+struct near_answers {
+    struct near_pair *pairs;
+    uint64_t pair_count;
+    struct near_feature *features;
+    uint64_t feature_count;
+    double *bounds; /* by vertex */
+};
+
+/* A record of ours under the names of the scene; where its bracket is. */
+struct near_bracket {
+    double lo;
+    double hi;
+};
+
+/* Counts of what is wrong. */
+struct near_verdict {
+    uint64_t pairs;     /* that are within the distance */
+    uint64_t features;  /* closest ones of these, each once */
+    uint64_t missing;   /* pairs that are within it, and were not found */
+    uint64_t at_bound;  /* of these: at the distance itself, or less than an ulp nearer */
+    uint64_t surplus;   /* pairs that are not within it, and were found */
+    uint64_t distances; /* ours: not the exact bracket; else: squares off by over 1e-6 */
+    uint64_t closest; /* pairs of which others are the closest features, or the count.. */
+    uint64_t merged;  /* ..of merged features that are not there, or too many or few */
+    uint64_t bounds;  /* ours: vertices whose bound is another; else: whose bound is
+                         * beyond the exact distance */
+    double most;      /* else: by how much of the bound, at most */
+};
+
+/* ours->pairs[i] has the bracket brackets[i]; they are sorted by name, as features are.
+ * `theirs` NULL: there is no other. */
+void near_judge(const struct near_input *input, double d, const struct near_answers *ours,
+                const struct near_bracket *brackets, struct near_answers *theirs,
+                struct near_verdict *of_ours, struct near_verdict *of_theirs);
 
 /* A scene at its hard frame, which has made a step to the end of that by the method
  * `paper`; and its start, as other libraries take it. */

@@ -1,5 +1,5 @@
 /* ours.c - the method `wide`, asked as the libraries are. */
-#include "ours.h"
+#include "steps.h"
 
 #include <omp.h>
 #include <stdio.h>
@@ -7,7 +7,6 @@
 
 #include "kernel.h"
 #include "report.h"
-#include "swept.h"
 #include "wide.h"
 #include "wide_sweep.h"
 #include "world.h"

@@ -6,7 +6,7 @@
  * A library is asked for the candidates of a step: a vertex and a face, or two edges,
  * whose boxes overlap (touching counts) and that share no vertex. A box encloses a
  * feature at both ends of the step; every library gets the same floats. For a whole step
- * the pairs go to our elementary tests, in the thread that found them (tests.h).
+ * the pairs go to our elementary tests, in the thread that found them (tests.c).
  */
 #ifndef PEERS_PEER_H
 #define PEERS_PEER_H

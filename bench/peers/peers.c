@@ -8,10 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ours.h"
 #include "report.h"
 #include "steps.h"
-#include "swept.h"
 
 #define REPEATS_MAX 25u
 #define THREADS_MAX 2u

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "report.h"
-#include "tests.h"
 
 #define PEERS_MAX 8u
 

@@ -1,5 +1,5 @@
 /* swept.c - the swept boxes of a scene's step. */
-#include "swept.h"
+#include "steps.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* tests.c - the elementary tests of a library's pairs. */
-#include "tests.h"
+#include "steps.h"
 
 #include <stdlib.h>
 #include <string.h>

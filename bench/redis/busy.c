@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "asker.h"
-#include "pairs.h"
 #include "rows.h"
 
 #define JOB_NS 1000000000u

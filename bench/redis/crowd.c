@@ -10,7 +10,6 @@
 
 #include "asker.h"
 #include "codec.h"
-#include "pairs.h"
 #include "rows.h"
 
 #define CLIENTS 50u

@@ -1,5 +1,5 @@
 /* least.c - the least that a process can do that sleeps until it is asked. */
-#include "least.h"
+#include "rows.h"
 
 #include <errno.h>
 #include <signal.h>

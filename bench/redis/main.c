@@ -2,7 +2,6 @@
 #include <stdio.h>
 
 #include "asker.h"
-#include "pairs.h"
 #include "rows.h"
 
 static void measure(const struct rows *rows, const struct bench_options *options)

@@ -1,5 +1,5 @@
 /* pairs.c - what is measured by turns, and the table of it. */
-#include "pairs.h"
+#include "rows.h"
 
 #include <stdio.h>
 

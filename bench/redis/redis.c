@@ -1,5 +1,5 @@
 /* redis.c - a Redis of one's own, and the two things asked of it. */
-#include "redis.h"
+#include "rows.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "asker.h"
-#include "pairs.h"
 #include "rows.h"
 
 #define TURN 50u

@@ -21,7 +21,6 @@
 #include <unistd.h>
 
 #include "asker.h"
-#include "pairs.h"
 #include "rows.h"
 
 struct size {
@@ -33,7 +32,7 @@ struct size {
 };
 
 /* Copies into shared memory; the way to a private copy, ours and of a process that sleeps
- * and does nothing else (least.h), of a client that waits in the kernel; updates without
+ * and does nothing else (least.c), of a client that waits in the kernel; updates without
  * what is computed, of positions made in the slot (SPINNING, WAITING) and of those copied
  * into it; and one with it. */
 enum quantity {

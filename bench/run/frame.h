@@ -7,8 +7,8 @@
 
 #include <stdint.h>
 
-#include "hash_text.h"
 #include "pccd_types.h"
+#include "printable.h"
 
 #define RUN_UNKNOWN UINT64_MAX /* this way to ask does not tell */
 

@@ -3,7 +3,6 @@
 #include <jansson.h>
 
 #include "output.h"
-#include "setup.h"
 
 /* jansson's *_set_new and *_append_new take the value also when they fail, and fail on a
  * NULL value, so `ok` is all that has to be looked at. */

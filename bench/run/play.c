@@ -10,7 +10,6 @@
 #include <xxhash.h>
 
 #include "report.h"
-#include "way.h"
 
 #define REDRAW_NS 50000000u
 

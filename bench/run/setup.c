@@ -1,5 +1,5 @@
 /* setup.c - under what a measurement was made. */
-#include "setup.h"
+#include "output.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,8 +6,8 @@
 
 #include "asker.h"
 #include "names.h"
+#include "play.h"
 #include "report.h"
-#include "way.h"
 #include "workload.h"
 
 #define TIMEOUT_MS 3600000 /* a step of millions of triangles, on one thread */

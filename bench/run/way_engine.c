@@ -11,10 +11,10 @@
 #include "kernel.h"
 #include "mesh.h"
 #include "names.h"
+#include "play.h"
 #include "report.h"
 #include "resident.h"
 #include "tuning.h"
-#include "way.h"
 
 struct run_asked {
     struct bench_world world;

@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "families.h"
-#include "shards.h"
+#include "surface.h"
 #include "tumble.h"
 
 #define FRAMES       481u

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drape.h"
 #include "families.h"
 #include "surface.h"
+#include "tumble.h"
 
 #define STEPS       465u
 #define STEPS_SMALL 24u

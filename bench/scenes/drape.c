@@ -1,5 +1,5 @@
 /* drape.c - a cloth that falls over a ball, which then spins. */
-#include "drape.h"
+#include "tumble.h"
 
 #include <math.h>
 #include <stdlib.h>

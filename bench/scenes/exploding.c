@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "families.h"
-#include "shards.h"
+#include "surface.h"
 
 #define FRAMES      50u
 #define BREAK_FRAME 10u

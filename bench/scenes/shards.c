@@ -1,5 +1,5 @@
 /* shards.c - a surface cut into pieces. */
-#include "shards.h"
+#include "surface.h"
 
 #include <math.h>
 #include <stdlib.h>

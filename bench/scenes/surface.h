@@ -1,4 +1,4 @@
-/* surface.h - makes sheets, balls and rings as grids of triangles.
+/* surface.h - makes sheets, balls and rings of triangles, and cuts them into pieces.
  *
  * Threads: one for one surface.
  */
@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "bench_scene.h"
+#include "prng.h"
 
 #define BENCH_PI 3.14159265358979323846
 
@@ -38,5 +39,28 @@ void surface_deinit(struct surface *surface);
 
 /* Hand it over as the next object; its positions are forgotten. */
 void surface_add(struct surface *surface, struct bench_scene *scene);
+
+/* ---- Cuts a surface into pieces, for scenes in which something breaks.
+ *
+ * Grow connected pieces from random triangles; give each piece vertices of its own and,
+ * on request, an inner side and walls, so that it is a closed shard. */
+
+struct shards {
+    struct surface surface; /* triangles of a piece stand together; x: filled in */
+    uint32_t count;         /* pieces */
+    uint32_t *piece_of;     /* [surface.vertex_count] */
+    uint32_t *vertex_of;    /* [surface.vertex_count]: in the surface that was cut */
+    double (*centre)[3];    /* [count]: mean of a piece's vertices */
+    double *radius;         /* [count]: of its vertices about the centre, root mean
+                             * square */
+};
+
+/* Cut `whole` into `count` pieces. inner[whole.vertex_count]: where the inner side is;
+ * NULL: pieces are open patches. Vertices move towards the centre of their piece, to
+ * `shrink` < 1 of their distance or half as far, so that neighbours stand apart by
+ * a hair. */
+void shards_init(struct shards *shards, const struct surface *whole, uint32_t count,
+                 const double (*inner)[3], double shrink, struct prng *prng);
+void shards_deinit(struct shards *shards);
 
 #endif

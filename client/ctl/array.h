@@ -7,9 +7,25 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdlib.h>
+
+#define ARRAY_FIRST_ROOM 64u
 
 /* Room for one more element of `bytes` each in *items, of malloc (NULL: none yet), which
  * has `count` and room for *room. False: no memory, and all is as it was. */
-bool array_reserve(void **items, size_t count, size_t *room, size_t bytes);
+static inline bool array_reserve(void **items, size_t count, size_t *room, size_t bytes)
+{
+    if (count < *room) {
+        return true;
+    }
+    size_t larger = *room == 0 ? ARRAY_FIRST_ROOM : *room * 2;
+    void *grown = realloc(*items, larger * bytes);
+    if (grown == NULL) {
+        return false;
+    }
+    *items = grown;
+    *room = larger;
+    return true;
+}
 
 #endif

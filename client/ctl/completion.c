@@ -1,5 +1,5 @@
 /* completion.c - commands and options as shells complete them. */
-#include "completion.h"
+#include "dispatch.h"
 
 #include <stdbool.h>
 #include <string.h>

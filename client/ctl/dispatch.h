@@ -8,8 +8,10 @@
 #ifndef CTL_DISPATCH_H
 #define CTL_DISPATCH_H
 
+#include <argp.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 struct ctl_command {
     const char *name;
@@ -38,5 +40,26 @@ struct ctl_program {
  * status, one of enum ctl_exit. */
 int ctl_dispatch(const struct ctl_program *program, const char *version, int argc,
                  char **argv);
+
+/* ---- Completes the commands and options of a program in a shell. */
+
+/* A command: its name, what it does, and its options. */
+struct completion_row {
+    const char *name;
+    const char *text;
+    const struct argp *argp;
+};
+
+struct completion {
+    const char *program;
+    const struct completion_row *rows;
+    size_t row_count;
+};
+
+/* The command "completion" of a program, whose table of options has this parser, and
+ * "bash|zsh|fish" as its argument. Returns an exit status. */
+error_t completion_parse(int key, char *text, struct argp_state *state);
+int completion_command(const struct completion *of, const struct argp *argp, int argc,
+                       char **argv);
 
 #endif

@@ -5,7 +5,6 @@ noinst_LTLIBRARIES += libctl.la
 
 # Everything but main, so that tests can link what they test.
 libctl_la_SOURCES = \
-    client/ctl/array.c \
     client/ctl/base64.c \
     client/ctl/common.c \
     client/ctl/completion.c \
@@ -15,7 +14,6 @@ libctl_la_SOURCES = \
     client/ctl/output.c \
     client/ctl/progress.c \
     client/ctl/sequence.c \
-    client/ctl/statistics.c \
     client/ctl/terminal.c \
     client/ctl/check/ask_options.c \
     client/ctl/check/check_options.c \
@@ -51,7 +49,6 @@ libctl_la_SOURCES = \
     client/ctl/export/colour.c \
     client/ctl/export/gltf.c \
     client/ctl/export/vtp.c \
-    client/ctl/inspect/bytes.c \
     client/ctl/inspect/inspect.c \
     client/ctl/inspect/inspect_boxes.c \
     client/ctl/inspect/inspect_pack.c \
@@ -77,10 +74,8 @@ libctl_la_SOURCES = \
     client/ctl/observe/columns.c \
     client/ctl/observe/counters.c \
     client/ctl/observe/doctor.c client/ctl/observe/doctor_machine.c \
-    client/ctl/observe/format.c \
     client/ctl/observe/health.c \
     client/ctl/observe/sessions.c \
-    client/ctl/observe/stats_threads.c \
     client/ctl/observe/trace_file.c \
     client/ctl/picture/cloth_hold.c \
     client/ctl/picture/cloth_scene.c \
@@ -96,7 +91,6 @@ libctl_la_SOURCES = \
     client/ctl/record/answers.c \
     client/ctl/record/drive.c \
     client/ctl/record/drive_frame.c \
-    client/ctl/record/near_line.c \
     client/ctl/record/frames.c \
     client/ctl/record/play_open.c \
     client/ctl/record/play_options.c \

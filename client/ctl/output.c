@@ -25,9 +25,3 @@ int output_finish(struct whole_file *file, const char *path, struct ctl_error *e
     int cause = whole_file_finish(file);
     return cause == 0 ? PCCD_OK : fail(path, cause, error);
 }
-
-int output_failed(const struct whole_file *file, const char *path,
-                  struct ctl_error *error)
-{
-    return fail(path, file->error != 0 ? file->error : EIO, error);
-}

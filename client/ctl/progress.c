@@ -1,5 +1,5 @@
 /* progress.c - a progress bar. */
-#include "progress.h"
+#include "terminal.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include "clock.h"
-#include "terminal.h"
 
 #define BAR_CHARS 40u /* at most */
 #define REDRAW_NS 50000000u

@@ -36,4 +36,19 @@ void terminal_sleep(double seconds);
 /* CLOCK_MONOTONIC. */
 double terminal_now_s(void);
 
+/* ---- A progress bar on stderr. */
+
+struct progress {
+    const char *label;
+    uint64_t total;
+    uint64_t drawn_ns; /* when; 0 = never */
+    bool is_on;
+};
+
+void progress_begin(struct progress *progress, const char *label, uint64_t total);
+/* `done` of the total are done. */
+void progress_update(struct progress *progress, uint64_t done);
+/* Take the bar away, to print lines or at the end; the next update draws it again. */
+void progress_clear(struct progress *progress);
+
 #endif

@@ -4,7 +4,7 @@
 #include <assert.h>
 #include <string.h>
 
-#include "registry_positions.h"
+#include "registry.h"
 
 /* What is incomplete is of no use. */
 static void keep_nothing(struct pccd_client *client)

@@ -1,5 +1,5 @@
 /* assault.c - random kills, of clients and of the daemon's worker. */
-#include "assault.h"
+#include "target.h"
 
 #include <math.h>
 #include <poll.h>
@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "actor.h"
-#include "target.h"
 
 /* How long a victim lives: any octave of these is as likely. It connects, registers and
  * steps in some 2 ms when the daemon is idle, and in a hundred times that when it is

@@ -1,10 +1,9 @@
 /* couple.c - a client that shares its scene with a second one of the same process. */
-#include "couple.h"
+#include "actor.h"
 
 #include <stdio.h>
 #include <unistd.h>
 
-#include "judge.h"
 
 int load_couple_open(struct load_actor *actor, const struct pccd_options *options)
 {

@@ -1,5 +1,5 @@
 /* crowd.c - processes with many clients each. */
-#include "crowd.h"
+#include "load.h"
 
 #include <math.h>
 #include <poll.h>

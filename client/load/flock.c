@@ -1,10 +1,9 @@
 /* flock.c - a client that steps many scenes by one request. */
-#include "flock.h"
+#include "actor.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "judge.h"
 
 /* Another scene, whose objects have the handles of the first one's: so have the records,
  * and the hash. */

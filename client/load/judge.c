@@ -1,9 +1,9 @@
 /* judge.c - is it the answer? */
-#include "judge.h"
+#include "actor.h"
 
 #include <string.h>
 
-#include "hash_text.h"
+#include "printable.h"
 
 #define LATE_NS 1000000u
 

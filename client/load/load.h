@@ -9,10 +9,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
+#include <sys/types.h>
 
 #include "clock.h"
 #include "shape.h"
-#include "size.h"
 #include "tally.h"
 #include "whole_file.h"
 
@@ -127,5 +127,30 @@ void load_sleep_ms(uint32_t ms);
 
 /* To stderr, one line. */
 void load_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* ---- The command line of pccd-load. */
+
+/* Exit statuses, those of pccdctl. */
+enum load_exit {
+    LOAD_DONE = 0,
+    LOAD_NEGATIVE = 1, /* something is not as it must be */
+    LOAD_USAGE = 2,
+    LOAD_NO_DAEMON = 3, /* none could be started or reached */
+    LOAD_FAILED = 4
+};
+
+/* Ends the program where the command line is wrong or asks for help. */
+void load_options_parse(int argc, char **argv, struct load_settings *settings);
+
+/* ---- A process that simulates many clients in turn. */
+
+/* Returns its process id, or -1. It exits with 0 unless it could not do its part. It dies
+ * with its parent. */
+pid_t load_crowd_start(struct load *load, uint32_t index);
+
+/* Every client, and those that will be killed, alone for one round, in a process of its
+ * own, as the engine may be in it (direct:) and its threads do not outlive a fork. Sets
+ * truth and truth_records of what is shared. False: it did not work. */
+bool load_crowd_find_truth(struct load *load);
 
 #endif

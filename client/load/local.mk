@@ -12,7 +12,6 @@ libload_la_SOURCES = \
     client/load/crowd.c \
     client/load/findings.c \
     client/load/flock.c \
-    client/load/hist.c \
     client/load/json.c \
     client/load/judge.c \
     client/load/options.c \
@@ -21,7 +20,6 @@ libload_la_SOURCES = \
     client/load/report.c \
     client/load/series.c \
     client/load/shape.c \
-    client/load/size.c \
     client/load/tally.c \
     client/load/target.c \
     client/load/watch.c

@@ -7,11 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "assault.h"
-#include "crowd.h"
-#include "options.h"
+#include "load.h"
 #include "pccd.h"
-#include "plot.h"
 #include "report.h"
 #include "rounding.h"
 #include "series.h"

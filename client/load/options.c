@@ -1,5 +1,5 @@
 /* options.c - what the command line of pccd-load says. */
-#include "options.h"
+#include "load.h"
 
 #include <argp.h>
 #include <errno.h>

@@ -1,5 +1,5 @@
 /* pace.c - when each request of a client is due. */
-#include "pace.h"
+#include "actor.h"
 
 #include <math.h>
 

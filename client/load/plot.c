@@ -1,12 +1,12 @@
 /* plot.c - a picture of a run. */
-#include "plot.h"
+#include "series.h"
 
 #include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 
-#include "plural.h"
+#include "printable.h"
 
 /* Of the percentiles' axis: 0.9 is one, 0.99 is two. */
 #define NINES_STEP 0.05

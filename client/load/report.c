@@ -4,7 +4,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-#include "plural.h"
+#include "printable.h"
 
 static void print_counts(const struct load_findings *f)
 {

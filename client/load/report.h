@@ -5,7 +5,6 @@
 #ifndef LOAD_REPORT_H
 #define LOAD_REPORT_H
 
-#include "assault.h"
 #include "target.h"
 #include "watch.h"
 

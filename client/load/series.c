@@ -26,7 +26,8 @@ bool load_series_begin(struct load_series *series, const struct load *load)
     return true;
 }
 
-void load_series_sum(const struct load *load, struct load_hist *sum)
+/* Add the latencies of all clients but victims to *sum. */
+static void load_series_sum(const struct load *load, struct load_hist *sum)
 {
     for (uint32_t i = 0; i < load->settings.processes; i++) {
         load_hist_merge(sum, &load->shared->crowd[i].latency);

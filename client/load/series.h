@@ -1,4 +1,4 @@
-/* series.h - the figures of a run, second by second.
+/* series.h - the figures of a run, second by second, and their plot.
  *
  * Threads: one; the processes go on meanwhile.
  */
@@ -35,7 +35,13 @@ bool load_series_begin(struct load_series *series, const struct load *load);
 void load_series_turn(struct load_series *series, const struct load *load, bool at_end);
 void load_series_end(struct load_series *series);
 
-/* The latencies of all clients but victims, added to *sum. */
-void load_series_sum(const struct load *load, struct load_hist *sum);
+/* ---- Plots the latencies of a run. */
+
+/* Whether gnuplot is installed; if not, that is said. */
+bool load_plot_can(void);
+
+/* False: it did not work; gnuplot says why. */
+bool load_plot(const struct load *load, const struct load_series *series,
+               const struct load_hist *latency);
 
 #endif

@@ -1,13 +1,12 @@
 /* apart.c - a question about some leaves alone. */
-#include "apart.h"
+#include "near_objects.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "kinds.h"
-#include "local.h"
 #include "numbers.h"
-#include "places.h"
+#include "parts.h"
 #include "rank_sort.h"
 
 /* ---- leaves ------------------------------------------------------------------------ */

@@ -1,5 +1,5 @@
 /* balance.c - work of the ranks. */
-#include "balance.h"
+#include "cut.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  *
  * Source: proto/PROTOCOL.md, "The hash of an answer".
  */
-#include "bounds.h"
+#include "answer.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +10,6 @@
 
 #include "parts.h"
 #include "rank_sort.h"
-#include "records.h"
 
 /* ---- who has which number --------------------------------------------------------- */
 

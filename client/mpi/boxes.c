@@ -3,8 +3,7 @@
 
 #include <stdlib.h>
 
-#include "local.h"
-#include "places.h"
+#include "parts.h"
 
 /* Each rank gets the blocks of all, so of many ranks each has few. */
 #define BLOCKS_OF_ALL    (1u << 20)

@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "near_objects.h"
 #include "rank_sort.h"
-#include "spots.h"
 
 /* ---- closed meshes ----------------------------------------------------------------- */
 
@@ -171,15 +171,25 @@ static bool is_needed(const struct need *needs, uint64_t count,
     return false;
 }
 
+/* What the two questions share. */
+struct search {
+    const struct ranks_pairing *pairing;
+    struct ranks_spot *spots;
+    uint32_t spot_count;
+    double (*boxes)[6]; /* of all objects: low, and high with the other sign */
+    struct ranks_visitor *leaves;
+    uint64_t leaf_count;
+};
+
 /* Own leaves that go to a rank: counts, or with out != NULL writes them. near[] is
  * scratch for as many needs. */
-static uint64_t choose_for(const struct ranks_pairing *pairing,
-                           const struct ranks_spot *spots, uint32_t spot_count,
-                           const struct need *needs, uint64_t need_count,
-                           struct need *near, struct ranks_visitor *out)
+static uint64_t choose_for(const struct search *search, const struct need *needs,
+                           uint64_t need_count, struct need *near,
+                           struct ranks_visitor *out)
 {
+    const struct ranks_spot *spots = search->spots;
     uint64_t count = 0;
-    for (uint32_t s = 0; s < spot_count; s++) {
+    for (uint32_t s = 0; s < search->spot_count; s++) {
         uint64_t near_count = 0;
         for (uint64_t i = 0; i < need_count; i++) {
             if (needs[i].object == spots[s].object &&
@@ -189,7 +199,8 @@ static uint64_t choose_for(const struct ranks_pairing *pairing,
         }
         for (uint32_t k = 0; k < spots[s].count && near_count > 0; k++) {
             struct ranks_visitor leaf;
-            ranks_visitor_make(pairing, spots[s].object, spots[s].begin + k, &leaf);
+            ranks_visitor_make(search->pairing, spots[s].object, spots[s].begin + k,
+                               &leaf);
             leaf.is_ghost = true;
             if (is_needed(near, near_count, &leaf)) {
                 if (out != NULL) {
@@ -217,17 +228,17 @@ static int append(struct pccd_mpi *world, struct ranks_visitor **to, uint64_t *c
 }
 
 /* The leaves that go to each rank, to *out; first[size + 1]. */
-static int choose(const struct ranks_pairing *pairing, const struct ranks_spot *spots,
-                  uint32_t spot_count, const struct need *needs,
+static int choose(const struct search *search, const struct need *needs,
                   const uint64_t *first_need, struct ranks_visitor **out, uint64_t *first)
 {
-    int size = pairing->world->link.size;
+    struct pccd_mpi *world = search->pairing->world;
+    int size = world->link.size;
     struct need *near = ranks_array(first_need[size], sizeof *near);
     for (int pass = 0; pass < 2 && near != NULL; pass++) {
         uint64_t count = 0;
         for (int r = 0; r < size; r++) {
             first[r] = count;
-            count += choose_for(pairing, spots, spot_count, needs + first_need[r],
+            count += choose_for(search, needs + first_need[r],
                                 first_need[r + 1] - first_need[r], near,
                                 *out != NULL ? *out + count : NULL);
         }
@@ -240,16 +251,14 @@ static int choose(const struct ranks_pairing *pairing, const struct ranks_spot *
         }
     }
     free(near);
-    return *out == NULL ? ranks_no_memory(pairing->world) : PCCD_OK;
+    return *out == NULL ? ranks_no_memory(world) : PCCD_OK;
 }
 
 /* Collective: own leaves that meet what other ranks need, and what meets what this one
- * needs; it is behind what *in has already, and does not belong to this rank. */
-static int exchange(const struct ranks_pairing *pairing, const struct ranks_spot *spots,
-                    uint32_t spot_count, const struct need *needs, uint64_t need_count,
-                    struct ranks_visitor **in, uint64_t *in_count)
+ * needs; it is behind the leaves of the search, and does not belong to this rank. */
+static int exchange(struct search *search, const struct need *needs, uint64_t need_count)
 {
-    struct pccd_mpi *world = pairing->world;
+    struct pccd_mpi *world = search->pairing->world;
     struct ranks_link *link = &world->link;
     uint64_t cells = (uint64_t)link->size + 1;
     uint64_t *first = ranks_array(3 * cells, sizeof *first);
@@ -261,16 +270,15 @@ static int exchange(const struct ranks_pairing *pairing, const struct ranks_spot
             ranks_spread(link, sizeof *needs, needs, need_count, (void **)&all, first);
     }
     if (status == PCCD_OK) {
-        status = ranks_agree_on(
-            link, choose(pairing, spots, spot_count, all, first, &out, first + cells));
+        status = ranks_agree_on(link, choose(search, all, first, &out, first + cells));
     }
     if (status == PCCD_OK) {
         status = ranks_deal(link, sizeof *out, out, first + cells, (void **)&came,
                             first + 2 * cells);
     }
     if (status == PCCD_OK) {
-        status =
-            ranks_agree_on(link, append(world, in, in_count, came, first[3 * cells - 1]));
+        status = ranks_agree_on(link, append(world, &search->leaves, &search->leaf_count,
+                                             came, first[3 * cells - 1]));
     }
     free(first);
     free(all);
@@ -281,16 +289,18 @@ static int exchange(const struct ranks_pairing *pairing, const struct ranks_spot
 
 /* ---- the first question: who is inside --------------------------------------------- */
 
-/* Collective: boxes of all objects: low, and high with the other sign. */
-static int bound_objects(struct pccd_mpi *world, const struct ranks_spot *spots,
-                         uint32_t spot_count, double (*boxes)[6])
+/* Collective: boxes of all objects. */
+static int bound_objects(const struct search *search)
 {
+    struct pccd_mpi *world = search->pairing->world;
+    const struct ranks_spot *spots = search->spots;
+    double(*boxes)[6] = search->boxes;
     for (uint32_t o = 0; o < world->object_count; o++) {
         for (int k = 0; k < 6; k++) {
             boxes[o][k] = INFINITY;
         }
     }
-    for (uint32_t s = 0; s < spot_count; s++) {
+    for (uint32_t s = 0; s < search->spot_count; s++) {
         double *box = boxes[spots[s].object];
         for (int k = 0; k < 3; k++) {
             box[k] = fmin(box[k], spots[s].low[k]);
@@ -302,23 +312,21 @@ static int bound_objects(struct pccd_mpi *world, const struct ranks_spot *spots,
 
 /* Own spots that may have a vertex inside another object, or an edge through a face: what
  * is needed of that object is what a ray from the spot meets. Their own leaves go to
- * *leaves. */
-static int need_rays(const struct ranks_pairing *pairing, const struct ranks_spot *spots,
-                     uint32_t spot_count, double (*boxes)[6], struct need **needs,
-                     uint64_t *need_count, struct ranks_visitor **leaves,
-                     uint64_t *leaf_count)
+ * those of the search. */
+static int need_rays(struct search *search, struct need **needs, uint64_t *need_count)
 {
-    struct pccd_mpi *world = pairing->world;
-    uint32_t objects = world->object_count;
-    for (uint32_t s = 0; s < spot_count; s++) {
-        const struct ranks_spot *spot = &spots[s];
+    const struct ranks_pairing *pairing = search->pairing;
+    double(*boxes)[6] = search->boxes;
+    uint32_t objects = pairing->world->object_count;
+    for (uint32_t s = 0; s < search->spot_count; s++) {
+        const struct ranks_spot *spot = &search->spots[s];
         struct need *more = realloc(*needs, (*need_count + objects + 1) * sizeof **needs);
-        struct ranks_visitor *room =
-            realloc(*leaves, (*leaf_count + spot->count + 1) * sizeof **leaves);
+        struct ranks_visitor *room = realloc(
+            search->leaves, (search->leaf_count + spot->count + 1) * sizeof *room);
         *needs = more != NULL ? more : *needs;
-        *leaves = room != NULL ? room : *leaves;
+        search->leaves = room != NULL ? room : search->leaves;
         if (more == NULL || room == NULL) {
-            return ranks_no_memory(world);
+            return ranks_no_memory(pairing->world);
         }
         uint64_t before = *need_count;
         for (uint32_t b = 0; b < objects; b++) {
@@ -331,9 +339,10 @@ static int need_rays(const struct ranks_pairing *pairing, const struct ranks_spo
                 (*needs)[(*need_count)++] = ray;
             }
         }
-        for (uint32_t k = 0; k<spot->count && * need_count> before; k++) {
+        uint32_t asked = *need_count > before ? spot->count : 0;
+        for (uint32_t k = 0; k < asked; k++) {
             ranks_visitor_make(pairing, spot->object, spot->begin + k,
-                               &(*leaves)[(*leaf_count)++]);
+                               &search->leaves[search->leaf_count++]);
         }
     }
     return PCCD_OK;
@@ -380,11 +389,9 @@ static int need_balls(struct pccd_mpi *world, const struct ranks_apart *inside,
 
 /* Collective: all faces that may be the nearest to a vertex inside are among the leaves
  * now; *any: there are such on any rank. */
-static int add_balls(const struct ranks_pairing *pairing, const struct ranks_spot *spots,
-                     uint32_t spot_count, const struct ranks_apart *inside,
-                     struct ranks_visitor **leaves, uint64_t *leaf_count, bool *any)
+static int add_balls(struct search *search, const struct ranks_apart *inside, bool *any)
 {
-    struct pccd_mpi *world = pairing->world;
+    struct pccd_mpi *world = search->pairing->world;
     struct need *needs = NULL;
     uint64_t count = 0;
     uint8_t has_any = inside->count > 0;
@@ -394,23 +401,13 @@ static int add_balls(const struct ranks_pairing *pairing, const struct ranks_spo
     }
     *any = has_any;
     if (status == PCCD_OK && has_any) {
-        status = exchange(pairing, spots, spot_count, needs, count, leaves, leaf_count);
+        status = exchange(search, needs, count);
     }
     free(needs);
     return status;
 }
 
 /* ---- all of it --------------------------------------------------------------------- */
-
-/* What the two questions share. */
-struct search {
-    const struct ranks_pairing *pairing;
-    struct ranks_spot *spots;
-    uint32_t spot_count;
-    double (*boxes)[6]; /* of all objects: low, and high with the other sign */
-    struct ranks_visitor *leaves;
-    uint64_t leaf_count;
-};
 
 static int begin(struct search *search)
 {
@@ -420,9 +417,7 @@ static int begin(struct search *search)
                                        : ranks_spots_make(search->pairing, &search->spots,
                                                           &search->spot_count);
     status = ranks_agree_on(&world->link, status);
-    return status == PCCD_OK
-               ? bound_objects(world, search->spots, search->spot_count, search->boxes)
-               : status;
+    return status == PCCD_OK ? bound_objects(search) : status;
 }
 
 /* Collective: the own leaves that matter, and all that the first question needs. */
@@ -431,13 +426,9 @@ static int gather_rays(struct search *search)
     struct pccd_mpi *world = search->pairing->world;
     struct need *needs = NULL;
     uint64_t count = 0;
-    int status =
-        need_rays(search->pairing, search->spots, search->spot_count, search->boxes,
-                  &needs, &count, &search->leaves, &search->leaf_count);
-    status = ranks_agree_on(&world->link, status);
+    int status = ranks_agree_on(&world->link, need_rays(search, &needs, &count));
     if (status == PCCD_OK) {
-        status = exchange(search->pairing, search->spots, search->spot_count, needs,
-                          count, &search->leaves, &search->leaf_count);
+        status = exchange(search, needs, count);
     }
     free(needs);
     return status;
@@ -532,8 +523,7 @@ int ranks_depth(const struct ranks_pairing *pairing, struct ranks_apart *apart)
         status = ask(&search, &inside);
     }
     if (status == PCCD_OK) {
-        status = add_balls(pairing, search.spots, search.spot_count, &inside,
-                           &search.leaves, &search.leaf_count, &any);
+        status = add_balls(&search, &inside, &any);
     }
     if (status == PCCD_OK && any) {
         leave_out_answered(&search, &inside);

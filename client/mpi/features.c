@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "local.h"
+#include "parts.h"
 
 static void note_leaf(const struct ranks_leaf *leaf, struct ranks_local *local)
 {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "records.h"
+#include "answer.h"
 
 #define CHUNK_RECORDS 4096u
 #define TAG_ASK       18

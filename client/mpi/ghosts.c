@@ -6,11 +6,8 @@
 #include <string.h>
 
 #include "boxes.h"
-#include "local.h"
-#include "neighbours.h"
-#include "places.h"
+#include "parts.h"
 #include "rank_sort.h"
-#include "rooms.h"
 #include "rounding.h"
 #include "team.h"
 

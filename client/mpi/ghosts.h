@@ -1,4 +1,4 @@
-/* ghosts.h - which leaves of others a rank has to know.
+/* ghosts.h - which leaves of others a rank has to know, and how long that stays right.
  *
  * Threads: one.
  *
@@ -19,6 +19,20 @@
 
 #include "world.h"
 
+/* ---- How much room boxes leave around what moves, so that ghosts stay right for
+ * some steps. */
+
+/* Before ghosts are chosen: more or less room than the last time. has_missed: a vertex
+ * has left the box that was made for it then, or that was long ago. In this rank alone;
+ * the same in all. */
+void ranks_rooms_choose(struct pccd_mpi *world, bool has_missed);
+/* Collective: object->room of each, and world->lasts, for a step from object->from to
+ * object->to; x: where it begins, of local vertices. is_still: all stands where the last
+ * step ended. */
+int ranks_rooms_find(struct pccd_mpi *world, bool is_still, double (*const *x)[3]);
+/* Collective: ghosts were chosen: what that took, and how many ghosts all have. */
+int ranks_rooms_learn(struct pccd_mpi *world);
+
 /* Collective: choose ghosts for a step from object->from to object->to and a
  * separation; afterwards world->is_covered, object->cover and the plan are right.
  * is_still: all stands where the last step ended. has_missed: a vertex has left the box
@@ -33,5 +47,16 @@ int ranks_ghosts_build(struct pccd_mpi *world);
  * since ghosts were chosen. No box says where a vertex was before that. */
 void ranks_ghosts_look(const struct pccd_mpi *world, double from, double to,
                        uint8_t *misses);
+
+/* ---- Leaves of other ranks that few edges join to a rank's own.
+ *
+ * A pair loses its thickness if at most n = rest_rings edges lead from a vertex of one
+ * feature to a vertex of the other. libpccd walks over the edges of its own mesh, so the
+ * rank that owns the first feature needs all edges that a walk of n edges from it can
+ * take: those at vertices that are at most n - 1 edges away. */
+
+/* Collective: object->neighbours, for as many rings as the object has now, unless they
+ * are there. */
+int ranks_neighbours_find(struct pccd_mpi *world, struct ranks_object *object);
 
 #endif

@@ -1,11 +1,10 @@
 /* local.c - an object's mesh in this rank. */
-#include "local.h"
+#include "parts.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "mpi_hooks.h"
-#include "places.h"
 #include "rank_sort.h"
 #include "recent.h"
 

@@ -8,13 +8,11 @@ ranks_sources = \
     client/mpi/balance.c \
     client/mpi/bounds.c \
     client/mpi/boxes.c \
-    client/mpi/curve.c \
     client/mpi/cut.c \
     client/mpi/depth.c \
     client/mpi/features.c \
     client/mpi/gather.c \
     client/mpi/ghosts.c \
-    client/mpi/limit.c \
     client/mpi/local.c \
     client/mpi/merge.c \
     client/mpi/meshes.c \
@@ -34,14 +32,12 @@ ranks_sources = \
     client/mpi/rooms.c \
     client/mpi/sending.c \
     client/mpi/sides.c \
-    client/mpi/spots.c \
     client/mpi/step.c \
     client/mpi/weigh.c \
     client/mpi/world.c
 mpi_program_sources = \
     client/mpi/program/check.c \
     client/mpi/program/check_apart.c \
-    client/mpi/program/completion.c \
     client/mpi/program/deal_rank.c client/mpi/program/deal_root.c \
     client/mpi/program/items.c \
     client/mpi/program/main.c \

@@ -1,10 +1,9 @@
 /* merge.c - closest features that several ranks have found. */
-#include "merge.h"
+#include "answer.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "records.h"
 
 /* Of the strays of all ranks the own ones, in order, to *own. */
 static int take_own(struct pccd_mpi *world, struct pccd_near **own, uint64_t *own_count)

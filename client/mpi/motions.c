@@ -1,5 +1,5 @@
 /* motions.c - what the caller says that moves. */
-#include "motions.h"
+#include "step.h"
 
 #include <inttypes.h>
 #include <math.h>

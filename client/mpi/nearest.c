@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 #include "kinds.h"
-#include "spots.h"
+#include "near_objects.h"
 
 /* Of a square: more than what rounding takes or adds. */
 #define SLACK (1 + 0x1p-40)

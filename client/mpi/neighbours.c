@@ -1,5 +1,5 @@
 /* neighbours.c - leaves that few edges join to a rank's own. */
-#include "neighbours.h"
+#include "ghosts.h"
 
 #include <stdlib.h>
 #include <string.h>

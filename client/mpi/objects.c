@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "local.h"
+#include "parts.h"
 #include "rounding.h"
 
 #define RINGS_MAX 8u

@@ -1,4 +1,4 @@
-/* parts.h - takes a mesh in parts.
+/* parts.h - a mesh in parts: who was given which vertices, and what of it is here.
  *
  * Threads: one.
  */
@@ -29,5 +29,67 @@ struct ranks_named {
 };
 int ranks_sides_find(struct pccd_mpi *world, struct ranks_mesh *mesh,
                      struct ranks_named *named);
+
+/* ---- Who was given which vertices, and how their positions come to where they are
+ * needed. */
+
+/* Collective: where each of vertices[count], ascending, was given, to places[count]. */
+int ranks_places(struct pccd_mpi *world, const struct ranks_mesh *mesh,
+                 const uint32_t *vertices, uint32_t count, struct ranks_place *places);
+
+/* Collective: their registered positions, and radii unless `radii` is NULL or the mesh
+ * has none; both are allocated. */
+int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh,
+                           const uint32_t *vertices, uint32_t count, double (**x)[3],
+                           double **radii);
+
+/* Collective: who needs what, for objects[i]->local. */
+int ranks_plan_make(struct pccd_mpi *world);
+
+/* Collective: from given[i], of each given vertex of object i, to local[i], of each local
+ * vertex. Objects whose `given` is NULL are left out, the same ones on every rank. */
+int ranks_plan_send(struct pccd_mpi *world, const double (*const *given)[3],
+                    double (*const *local)[3]);
+
+/* ---- The mesh that libpccd has of an object in this rank. */
+
+/* object->local from own and ghosts. In this rank alone. PCCD_E_NOMEM. */
+int ranks_local_make(struct pccd_mpi *world, struct ranks_object *object);
+
+/* The local vertices of leaves' corners, to at[count]. In this rank alone. */
+int ranks_local_corners(struct pccd_mpi *world, const struct ranks_local *local,
+                        const struct ranks_leaf *leaves, uint32_t count,
+                        uint32_t (*at)[3]);
+
+/* Once for each ranks_local_make, in this rank alone: libpccd gets a mesh of object->own
+ * and object->ghosts at x, of the local vertices, instead of the one that it had:
+ * object->local_mesh, or none if that is 0. radii: of these vertices, or NULL. is_part:
+ * libpccd leaves out what is another rank's. */
+int ranks_local_register(struct pccd_mpi *world, struct ranks_object *object,
+                         const double (*x)[3], const double *radii, bool is_part);
+/* Collective: libpccd gets the mesh, at its registered positions, in each rank in which
+ * it is not built. */
+int ranks_local_put(struct pccd_mpi *world, struct ranks_object *object);
+/* In this rank alone: something for the object to be made of while it has no leaf here.
+ * It meets nothing. */
+int ranks_local_put_nothing(struct pccd_mpi *world, uint32_t *mesh);
+/* The object may meet what its settings say, or nothing. */
+int ranks_local_show(struct pccd_mpi *world, struct ranks_object *object);
+
+/* The place of a number in an ascending array; count: it is not there. */
+static inline uint32_t ranks_place_of(const uint32_t *numbers, uint32_t count,
+                                      uint32_t number)
+{
+    uint32_t from = 0, end = count;
+    while (from < end) {
+        uint32_t middle = from + (end - from) / 2;
+        if (numbers[middle] < number) {
+            from = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    return from < count && numbers[from] == number ? from : count;
+}
 
 #endif

@@ -10,7 +10,7 @@
  * Source: Stromquist and Woodall, "Sets on which several measures agree", J. Math. Anal.
  * Appl. 108 (1985).
  */
-#include "pieces.h"
+#include "cut.h"
 
 #include <stdlib.h>
 #include <string.h>

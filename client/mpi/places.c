@@ -1,10 +1,9 @@
 /* places.c - where vertices were given, and how their positions travel. */
-#include "places.h"
+#include "parts.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "parts.h"
 #include "rank_sort.h"
 #include "team.h"
 

@@ -2,14 +2,14 @@
  *
  * Source: proto/PROTOCOL.md, "The hash of an answer".
  */
-#include "records.h"
+#include "answer.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "kinds.h"
-#include "local.h"
 #include "mpi_hooks.h"
+#include "parts.h"
 #include "team.h"
 
 /* In this file: a record of a length that the compiler knows takes few instructions. */

@@ -1,11 +1,11 @@
 /* rooms.c - how much larger than a step boxes are. */
-#include "rooms.h"
+#include "ghosts.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "local.h"
+#include "parts.h"
 
 #define WAY_UNITS (1 << 20)
 

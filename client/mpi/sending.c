@@ -1,10 +1,10 @@
 /* sending.c - the positions of a step. */
-#include "sending.h"
+#include "step.h"
 
 #include <stdlib.h>
 
 #include "mpi_hooks.h"
-#include "places.h"
+#include "parts.h"
 
 /* Positions of steps go to where the engine has them; not those of questions. A world of
  * one rank may be recorded, and a recording has frames. */

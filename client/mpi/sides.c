@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "parts.h"
-#include "places.h"
 #include "rank_sort.h"
 
 /* What is said of a side or a vertex, and what comes back. */

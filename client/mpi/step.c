@@ -11,19 +11,13 @@
 #include <string.h>
 
 #include "answer.h"
-#include "balance.h"
 #include "clock.h"
 #include "cut.h"
 #include "ghosts.h"
-#include "local.h"
-#include "merge.h"
-#include "motions.h"
 #include "mpi_hooks.h"
 #include "near_objects.h"
-#include "records.h"
+#include "parts.h"
 #include "rounding.h"
-#include "sending.h"
-#include "weigh.h"
 
 /* What all ranks know of an object's motion. */
 enum {

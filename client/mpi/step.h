@@ -28,4 +28,37 @@ int ranks_moment_make(struct pccd_mpi *world, enum ranks_call call, uint64_t has
                       int status, struct ranks_moment *moment,
                       struct pccd_answer *answer);
 
+/* ---- Takes the motions of a step that a caller gives. */
+
+/* In this rank alone: may these motions be? Nothing changes. Errors: those of
+ * pccd_step, but for positions and vertices that two motions have. */
+int ranks_motions_check(struct pccd_mpi *world, const struct pccd_motion *motions,
+                        uint32_t motion_count);
+/* In this rank alone, after that: object->from and object->to, of each object; both are
+ * object->x where nothing was said. Where the named objects began before is forgotten.
+ * PCCD_E_NOTFINITE, PCCD_E_SEGMENT, PCCD_E_NOMEM. */
+int ranks_motions_take(struct pccd_mpi *world, const struct pccd_motion *motions,
+                       uint32_t motion_count);
+
+/* ---- The positions of a step, on their way to libpccd. */
+
+/* What is sent of each object. */
+struct ranks_sending {
+    const uint8_t *moves, *starts; /* it moves; it begins elsewhere than it ended */
+    const double (**given)[3];     /* scratch */
+    double (**local)[3];           /* NULLs at first: where its end positions go to */
+    /* It is a question about what is near: libpccd only thinks that something moves. */
+    bool is_question;
+};
+
+/* Collective. Positions of all that moves or begins elsewhere, or that libpccd has
+ * elsewhere, to libpccd, with a new frame. On failure there is none. */
+int ranks_sending_make(struct pccd_mpi *world, const struct ranks_sending *sending,
+                       struct pccd_frame *frame);
+
+/* In this rank alone: the step of what was sent, or of nothing. As pccd_frame_commit. */
+int ranks_sending_commit(struct pccd_mpi *world, const struct ranks_sending *sending,
+                         struct pccd_frame *frame,
+                         const struct pccd_step_settings *settings, uint64_t *step);
+
 #endif

@@ -4,15 +4,13 @@
  * them, and so on; ask for each own leaf what its box meets, and for each of its features
  * what that is tested with.
  */
-#include "weigh.h"
+#include "cut.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "boxes.h"
-#include "curve.h"
-#include "local.h"
-#include "places.h"
+#include "parts.h"
 #include "rank_sort.h"
 
 /* So many own leaves are looked at at most, evenly along the curve, each for those behind

@@ -111,13 +111,13 @@ struct ranks_object {
     double (*guess)[6];
     bool has_guess;
     struct ranks_leaf *own; /* along the curve */
-    uint32_t *weights;      /* of own leaves (weigh.h); NULL: each weighs the same */
+    uint32_t *weights;      /* of own leaves (weigh.c); NULL: each weighs the same */
     uint32_t own_count;
     uint32_t own_vertex_count;
     struct ranks_leaf *ghosts;
     uint32_t ghost_count;
     struct ranks_leaf
-        *neighbours; /* ghosts for rest_rings (neighbours.h); not each once */
+        *neighbours; /* ghosts for rest_rings (neighbours.c); not each once */
     uint64_t neighbour_count;
     uint32_t neighbour_rings; /* for which they are right */
     struct ranks_local local;
@@ -185,10 +185,10 @@ struct pccd_mpi {
     void *copied;
     uint64_t copied_bytes;
     uint64_t record_limit; /* of all ranks together */
-    bool is_merged; /* it has features that other ranks may have found, too (merge.h) */
+    bool is_merged; /* it has features that other ranks may have found, too (merge.c) */
     struct pccd_near *strays; /* what was found here and is not this rank's */
     uint64_t stray_count, stray_capacity;
-    bool has_bounds; /* it has bounds of vertices in the place of records (bounds.h) */
+    bool has_bounds; /* it has bounds of vertices in the place of records (bounds.c) */
     struct ranks_bound *bounds;
     double *bound_values;
     uint64_t bound_count;

@@ -18,8 +18,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "oracle_first.h"
-#include "oracle_vec.h"
+#include "oracle_root.h"
 
 /* The four points as polynomials of degree 1 with integer coefficients, and what is built
  * from them: VF e = p - a, u = b - a, v = c - a; EE e = c - a, u = b - a, v = d - c. */

@@ -1,10 +1,10 @@
 /* oracle_candidates.c - pairs of features that may be near. */
-#include "oracle_candidates.h"
+#include "oracle_near.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "oracle_within.h"
+#include "oracle_thick.h"
 
 /* Squares of lengths below that may lose their last bits. */
 #define SQUARES_FROM 1e-100

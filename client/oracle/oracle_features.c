@@ -1,5 +1,5 @@
 /* oracle_features.c - the vertices, edges and faces of a scene. */
-#include "oracle_features.h"
+#include "oracle_near.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* oracle_first.c - the first of several times, each an exact root. */
-#include "oracle_first.h"
+#include "oracle_root.h"
 
 #include <stdlib.h>
 

@@ -5,7 +5,7 @@
  * comes from. Whether this is ahead, the sign of (a - p) . (b - a) x (c - a) says beside
  * that of d . (b - a) x (c - a).
  */
-#include "oracle_inside.h"
+#include "oracle_near.h"
 
 #include <gmp.h>
 #include <limits.h>

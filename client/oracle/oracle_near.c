@@ -7,9 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "oracle_candidates.h"
-#include "oracle_features.h"
-#include "oracle_within.h"
+#include "oracle_thick.h"
 
 void oracle_moment_thicken(struct oracle_moment *moment, enum pccd_near_what what)
 {

@@ -1,5 +1,4 @@
-/* oracle_near.h - finds everything that is near in a small scene at one moment, by brute
- * force and exact arithmetic.
+/* oracle_near.h - finds all that is near in a small scene, by brute force.
  *
  * Give all vertex-face and edge-edge pairs that share no vertex, and those of free
  * points, to oracle_distance.h, and all edges and faces; merge pairs to the features
@@ -10,9 +9,50 @@
 #ifndef ORACLE_ORACLE_NEAR_H
 #define ORACLE_ORACLE_NEAR_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "oracle_distance.h"
 #include "oracle_scene.h"
 #include "pccd_types.h"
+
+/* ---- Lists the vertices, edges and faces of a scene, for whoever
+ * tries every pair of them. */
+
+/* A vertex, an edge or a face of any object. */
+struct oracle_feature {
+    uint32_t object; /* index into the objects */
+    uint32_t index;
+    uint32_t points; /* 1, 2 or 3 vertices: */
+    uint32_t v[3];
+    /* A vertex that nothing has but a point that is named, an edge that no triangle
+     * has. */
+    bool is_free;
+    double lo[3]; /* of its motion */
+    double hi[3];
+};
+
+struct oracle_features {
+    struct oracle_feature *items;
+    size_t count;
+    size_t capacity;
+};
+
+/* Those of `points` points: vertices in use, edges or faces, object by object, by index.
+ * Ends the process where memory ends. */
+void oracle_features_list(const struct oracle_object *objects, uint32_t object_count,
+                          uint32_t points, struct oracle_features *features);
+void oracle_features_deinit(struct oracle_features *features);
+
+/* Those of them that are free stay. */
+void oracle_features_keep_free(struct oracle_features *features);
+
+/* Are they of one object, with a vertex in common? */
+bool oracle_features_share_vertex(const struct oracle_feature *a,
+                                  const struct oracle_feature *b);
+
+/* realloc that ends the process where memory ends. */
+void *oracle_grow(void *block, size_t bytes);
 
 /* The scene, and who may meet whom in it: NULL: all. */
 struct oracle_moment {
@@ -41,7 +81,7 @@ struct oracle_nears {
     struct oracle_near *items; /* in canonical order */
     size_t count;
     uint64_t queries; /* pairs that were given to exact arithmetic */
-    uint64_t ties;    /* oracle_objects.h: pairs as near as the one that was kept */
+    uint64_t ties;    /* oracle_objects.c: pairs as near as the one that was kept */
 };
 
 /* All functions end the process where memory ends. The caller frees what they give with
@@ -72,5 +112,81 @@ void oracle_near_bounds(const struct oracle_moment *moment,
 int oracle_near_compare(const void *a, const void *b);
 
 void oracle_nears_deinit(struct oracle_nears *nears);
+
+/* ---- Pairs of features that may be near, and their records. */
+
+/* Two features that boxes do not keep apart, in the order of their record. */
+struct oracle_candidate {
+    const struct oracle_feature *a;
+    const struct oracle_feature *b;
+    bool is_thin; /* it has no radii */
+};
+
+struct oracle_candidates {
+    struct oracle_candidate *items;
+    size_t count;
+    size_t capacity;
+};
+
+/* Pairs of one of `left` and one of `right`, of two that may meet, that share no vertex
+ * and are not left thin; `left` and `right` may be the same. Added to *candidates. */
+void oracle_candidates_find(const struct oracle_moment *moment,
+                            const struct oracle_features *left,
+                            const struct oracle_features *right, double distance,
+                            struct oracle_candidates *candidates);
+void oracle_candidates_deinit(struct oracle_candidates *candidates);
+
+/* Points of a candidate, and the order of (object, vertex); of one that is there twice,
+ * the first comes first. */
+void oracle_candidate_load(const struct oracle_moment *moment,
+                           const struct oracle_candidate *candidate, double p[5][3],
+                           uint8_t rank[5]);
+/* The names of near->record, of enum pccd_kind or pccd_near_kind, near->object and
+ * near->radius. */
+void oracle_candidate_name(const struct oracle_moment *moment, uint32_t kind,
+                           const struct oracle_candidate *candidate,
+                           struct oracle_near *near);
+void oracle_near_write(const struct oracle_distance *distance, struct oracle_near *near);
+
+/* One more, of zeros. */
+struct oracle_near *oracle_nears_add(struct oracle_nears *nears);
+void oracle_nears_sort(struct oracle_nears *nears);
+
+/* ---- The nearest features of objects, and how deep objects are in each
+ * other, by brute force and exact arithmetic.
+ *
+ * `asked`: two objects by id; or one, or none (0), with all others; of them those that
+ * may meet. All functions end the process where memory ends. */
+
+/* Of each two the pair whose surfaces are nearest, its distance less its radii, the first
+ * of equals; an edge that passes through a face is a pair at distance 0. None where that
+ * is more than `distance`, which may be INFINITY. false, and nothing is found: it would
+ * take more than `queries_max` exact decisions. */
+bool oracle_objects_nearest(const struct oracle_moment *moment, const uint32_t asked[2],
+                            double distance, uint64_t queries_max,
+                            struct oracle_nears *nears);
+
+/* Of each vertex that is inside the surface of another object the nearest of its faces,
+ * the first of equals; and how many edges pass through faces of another object. As
+ * above. */
+bool oracle_objects_depth(const struct oracle_moment *moment, const uint32_t asked[2],
+                          uint64_t queries_max, struct oracle_nears *nears,
+                          uint64_t *crossings);
+
+/* The numbers of a VF or EE pair of two objects that `named` names, or of an edge that
+ * passes through a face. false: it names nothing that there is. */
+bool oracle_objects_measure(const struct oracle_moment *moment,
+                            const struct pccd_near *named, struct oracle_near *near);
+
+/* ---- Is a point inside a surface of triangles?
+ *
+ * Count in integers how often a closed surface winds around a point: by the triangles
+ * that a ray passes through, in a direction that is drawn at random until the ray meets
+ * no edge and no vertex. */
+
+/* x: finite. False: the point is on one of the triangles, and *winding is 0. */
+bool oracle_winding(const double point[3], const double (*x)[3],
+                    const uint32_t (*triangles)[3], uint32_t triangle_count,
+                    int64_t *winding);
 
 #endif

@@ -1,14 +1,11 @@
 /* oracle_objects.c - what is near of objects two by two, by brute force. */
-#include "oracle_objects.h"
+#include "oracle_near.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "oracle_candidates.h"
-#include "oracle_features.h"
-#include "oracle_inside.h"
-#include "oracle_within.h"
+#include "oracle_thick.h"
 
 /* More than rounding takes off a difference, a square or a sum of three, or than squares
  * lose that are too small for doubles. */

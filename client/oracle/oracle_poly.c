@@ -1,5 +1,5 @@
 /* oracle_poly.c - polynomials in t with integer coefficients, without rounding. */
-#include "oracle_poly.h"
+#include "oracle_root.h"
 
 #include <assert.h>
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "oracle_features.h"
+#include "oracle_near.h"
 
 static bool boxes_meet(const struct oracle_feature *a, const struct oracle_feature *b)
 {

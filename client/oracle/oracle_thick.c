@@ -9,8 +9,7 @@
 
 #include <assert.h>
 
-#include "oracle_first.h"
-#include "oracle_vec.h"
+#include "oracle_root.h"
 
 #define SIDES_MAX 4
 

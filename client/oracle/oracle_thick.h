@@ -1,5 +1,4 @@
-/* oracle_thick.h - the exact answer to one test of thick features: do they come within a
- * distance of each other, and when?
+/* oracle_thick.h - the exact answer to one test of thick features.
  *
  * Decide by the definition, on the binary inputs and without rounding, whether and when
  * two vertices, a vertex and an edge, a vertex and a triangle or two edges are at most a
@@ -11,6 +10,7 @@
 #define ORACLE_ORACLE_THICK_H
 
 #include "oracle.h"
+#include "oracle_scene.h"
 
 struct oracle_thick {
     /* Points of the first and of the second feature: 1 a vertex, 2 an edge, 3 a triangle;
@@ -32,5 +32,28 @@ bool oracle_thick_is_inside(const struct oracle_thick *thick);
  * s, of a pair whose distance d at t = 0 is at most r: at most s d. Freed by the
  * caller. */
 struct oracle_first *oracle_thick_first_new(const struct oracle_thick *thick);
+
+/* ---- How near two features of thick objects are to be, exactly.
+ *
+ * Find the radius of a feature, and whether a pair is left thin for where it is at rest;
+ * decide whether it is within a distance and its radii at a moment. */
+
+/* The largest of its vertices'. */
+double oracle_radius(const struct oracle_object *object, const uint32_t *v,
+                     uint32_t points);
+
+/* Do at most `rings` edges lead from a vertex of a to one of b? Ends the process where
+ * memory ends. */
+bool oracle_are_joined(const uint32_t (*edges)[2], uint32_t edge_count,
+                       uint32_t vertex_count, const uint32_t *a, uint32_t points_a,
+                       const uint32_t *b, uint32_t points_b, uint32_t rings);
+
+/* x: the points of a vertex and a face or, points_a 2, of two edges; of fewer points the
+ * last is repeated. Is the distance below d? */
+bool oracle_is_nearer(uint32_t points_a, const double x[4][3], double d);
+
+/* Is it at most the exact sum of d and both radii? */
+bool oracle_is_within(uint32_t points_a, const double x[4][3], const double radius[2],
+                      double d);
 
 #endif

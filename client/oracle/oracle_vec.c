@@ -1,5 +1,5 @@
 /* oracle_vec.c - exact vectors of three polynomials in t, and doubles as integers. */
-#include "oracle_vec.h"
+#include "oracle_root.h"
 
 #include <limits.h>
 #include <math.h>

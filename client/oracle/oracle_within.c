@@ -1,12 +1,11 @@
 /* oracle_within.c - how near two features of thick objects are to be. */
-#include "oracle_within.h"
+#include "oracle_thick.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "oracle_distance.h"
-#include "oracle_features.h"
-#include "oracle_thick.h"
+#include "oracle_near.h"
 
 double oracle_radius(const struct oracle_object *object, const uint32_t *v,
                      uint32_t points)

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "coordinates.h"
-#include "registry_positions.h"
 
 #define OBJECTS_MIN 8u /* room of a scene's first */
 

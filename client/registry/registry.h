@@ -1,17 +1,159 @@
-/* registry.h - remembers what a client has registered with a daemon: meshes, scenes and
- * objects.
+/* registry.h - remembers what a client has registered with a daemon, and where it is.
  *
  * A mesh that is destroyed stays for as long as objects are made of it:
  *
  *     registry_put_mesh(7) -> registry_add_object(mesh 7) -> registry_destroy_mesh(7)
  *         -> no mesh has handle 7 any more -> registry_remove_object() frees its arrays
  *
- * Where objects are is registry_positions.h.
+ * Where objects are is registry_positions.c.
  */
 #ifndef REGISTRY_H
 #define REGISTRY_H
 
-#include "registry_types.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "object_attributes.h"
+#include "proto_limits.h"
+
+/* ---- Finds what belongs to a handle, among many. */
+
+/* All zero: empty. */
+struct registry_map {
+    struct registry_map_entry *entries; /* [room], a power of two; half of it is free */
+    uint32_t room;
+    uint32_t count;
+};
+
+/* Handles are not 0. The value is replaced if there is one. 0 or PCCD_E_NOMEM. */
+int registry_map_put(struct registry_map *map, uint32_t handle, uint64_t value);
+/* False: there is none, and *value is as before. */
+bool registry_map_get(const struct registry_map *map, uint32_t handle, uint64_t *value);
+/* Nothing if there is none. */
+void registry_map_remove(struct registry_map *map, uint32_t handle);
+void registry_map_deinit(struct registry_map *map);
+
+/* ---- Remembers which pairs of objects ignore each other. */
+
+struct registry_pair {
+    uint32_t a; /* handles, the lesser first */
+    uint32_t b;
+    uint32_t order; /* in which they were told */
+    bool ignored;
+};
+
+/* What was said, the last word on a pair counts. All zero: nothing. */
+struct registry_pairs {
+    struct registry_pair *said; /* [room] */
+    uint32_t count;
+    uint32_t room;
+    bool is_unsettled; /* the last word on a pair may not be the only one */
+};
+
+/* Returns 0 or PCCD_E_NOMEM: it has not been noted. */
+int registry_pairs_note(struct registry_pairs *pairs, uint32_t a, uint32_t b,
+                        bool ignored);
+/* The object is gone. O(count). */
+void registry_pairs_forget(struct registry_pairs *pairs, uint32_t object);
+/* Leave those that ignore each other, each once, in the order of their handles. Nothing
+ * where nothing was told since the last time, else O(count log count). */
+void registry_pairs_settle(struct registry_pairs *pairs);
+/* Whether two objects ignore each other. O(log count), of pairs that are settled. */
+bool registry_pairs_has(const struct registry_pairs *pairs, uint32_t a, uint32_t b);
+void registry_pairs_deinit(struct registry_pairs *pairs);
+
+/* ---- The structs of a registry: meshes, scenes and objects. */
+
+/* What a mesh is made of. The arrays need not be aligned. */
+struct registry_shape {
+    uint32_t format; /* enum pccd_format, of x */
+    uint32_t vertex_count, triangle_count, edge_count, point_count;
+    const void *x;         /* [vertex_count][3] */
+    const void *triangles; /* uint32_t [triangle_count][3] */
+    const void *edges;  /* uint32_t [edge_count][2]: those that are named by themselves */
+    const void *points; /* uint32_t [point_count]: likewise */
+    const void *radii;  /* double [vertex_count]; NULL: there are none */
+};
+
+/* Vertices and what is made of them as they were registered. */
+struct registry_mesh {
+    struct registry_mesh *next; /* registered later */
+    uint32_t handle;
+    uint32_t made_handle;  /* the one that another daemon gave it, for whoever tells it */
+    uint32_t object_count; /* made of it */
+    bool is_destroyed;     /* but objects are left */
+    uint32_t format;       /* enum pccd_format */
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t edge_count;
+    void *x; /* [vertex_count][3] */
+    uint32_t (*triangles)[3];
+    double *radii;        /* [vertex_count]; NULL: there are none */
+    uint32_t (*edges)[2]; /* as records number them; NULL: nobody has asked yet */
+    /* Made with them: 1 for each edge that no triangle has, and for each point that is
+     * named and that no triangle and no edge has. */
+    uint8_t *is_free_edge;
+    uint8_t *is_free_vertex;
+    uint32_t named_edge_count;
+    uint32_t named_point_count;
+    uint32_t (*named_edges)[2]; /* by themselves; NULL: there are none */
+    uint32_t *named_points;     /* likewise */
+};
+
+enum registry_placing {
+    REGISTRY_AS_REGISTERED = 0, /* where the mesh was registered */
+    REGISTRY_RIGID,             /* the same, transformed by `m` */
+    REGISTRY_FREELY             /* at `x`, or `x1` */
+};
+
+struct registry_object {
+    uint32_t handle;
+    struct registry_mesh *mesh;
+    enum registry_placing placing;
+    uint32_t format; /* of x */
+    void *x;         /* [vertex_count][3]; NULL: none yet */
+    double (*x0)[3]; /* at the start of the last step, and at its end; NULL: both ends */
+    double (*x1)[3]; /* are not followed (registry_positions.c) */
+    double m[12];
+    uint64_t since; /* what steps before this one said of its place counts no more */
+    uint32_t what;  /* enum pccd_object_what: that was ever set, of the next */
+    struct common_attributes attributes;
+};
+
+/* Of a scene, as when it was made. */
+struct registry_settings {
+    uint32_t share; /* enum pccd_share */
+    uint32_t rights;
+    uint32_t owner;
+    char name[PROTO_STR_MAX + 1]; /* "": clients do not share it */
+};
+
+struct registry_scene {
+    struct registry_scene *next; /* made later */
+    struct registry_scene *prev;
+    uint32_t handle;
+    struct registry_settings settings;
+    struct registry_object *objects; /* in the order of their handles */
+    uint32_t object_count;
+    uint32_t object_room;
+    struct registry_pairs ignored;
+};
+
+/* All zero: nothing was told. */
+struct registry {
+    struct registry_mesh *meshes; /* in the order in which they were registered */
+    struct registry_scene *scenes;
+    struct registry_scene *last_scene; /* of these; NULL: there are none */
+    struct registry_map scene_map;     /* of pointers to them, by handle */
+    /* Recordings: what the mesh that comes next has, if it has so many vertices. */
+    double *next_radii;
+    uint32_t next_radii_count;
+    uint32_t *next_free; /* the ends of its named edges, then its named points */
+    uint32_t next_free_count;
+    uint32_t next_edge_count;
+    uint32_t next_point_count;
+};
 
 /* A copy of a mesh, which no registry has yet; NULL: no memory. */
 struct registry_mesh *registry_mesh_copy(const struct registry_shape *shape);
@@ -23,7 +165,7 @@ void registry_mesh_free(struct registry_mesh *mesh);
 /* The mesh `handle` is made, or gets other contents: those of `copy`, which is taken
  * over. Objects of one that is replaced stand where the new one was registered; steps
  * before `step` say nothing of them any more. Returns 0 or PCCD_E_NOMEM: objects whose
- * both ends could not be followed any more (registry_positions.h) are gone. */
+ * both ends could not be followed any more (registry_positions.c) are gone. */
 int registry_put_mesh(struct registry *registry, uint32_t handle,
                       struct registry_mesh *copy, uint64_t step);
 /* NULL: there is none of that handle. */
@@ -64,5 +206,47 @@ bool registry_may_meet(const struct registry_scene *scene,
                        const struct registry_object *a, const struct registry_object *b);
 
 void registry_deinit(struct registry *registry);
+
+/* ---- Remembers where the objects of a registry are.
+ *
+ * Follow the positions that steps bring, in one of two ways. libpccd wants the end of the
+ * last step in as few bytes as possible (registry_place): a rigid body is 12 numbers,
+ * floats stay floats. pccdctl looks at the steps of a recording and wants both ends of
+ * the last one, in doubles (registry_follow, registry_begin_step, registry_move). */
+
+/* Some vertices of an object, where a step brings them. Pointers need not be aligned. */
+struct registry_motion {
+    bool is_rigid;   /* start and end are double[12] and transform what is registered */
+    uint32_t format; /* of start and end, if not */
+    uint32_t first;  /* the vertices; within the mesh */
+    uint32_t count;
+    const void *start; /* NULL: where the last step has ended */
+    const void *end;
+};
+
+/* Where vertex `v` of a mesh was registered. */
+void registry_registered(const struct registry_mesh *mesh, uint32_t v, double x[3]);
+
+/* The object stands where its mesh was registered, whatever steps before `step` said. 0,
+ * or PCCD_E_NOMEM where both ends are followed. */
+int registry_reset(struct registry_object *object, uint64_t step);
+
+/* The first vertex that the motion, which is within the object, would take to where no
+ * coordinates are, in the beginning or at the end; motion->first + count: none. */
+uint32_t registry_first_stray(const struct registry_object *object,
+                              const struct registry_motion *motion);
+
+/* Only the end counts. 0 or PCCD_E_NOMEM: then it stays where it was. */
+int registry_place(struct registry_object *object, const struct registry_motion *motion);
+
+/* Follow both ends of an object's steps, from where its mesh was registered: x0, x1. 0 or
+ * PCCD_E_NOMEM. */
+int registry_follow(struct registry_object *object);
+/* A step begins where the last one has ended, for all objects that are followed; then
+ * some of them move. */
+void registry_begin_step(struct registry_scene *scene);
+void registry_move(struct registry_object *object, const struct registry_motion *motion);
+
+void registry_free_positions(struct registry_object *object);
 
 #endif

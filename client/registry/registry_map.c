@@ -1,10 +1,15 @@
 /* registry_map.c - a hash table of handles. */
-#include "registry_map.h"
+#include "registry.h"
 
 #include <assert.h>
 #include <stdlib.h>
 
 #include "pccd_types.h"
+
+struct registry_map_entry {
+    uint32_t handle; /* 0: none here */
+    uint64_t value;
+};
 
 #define ROOM_MIN 16u
 

@@ -1,5 +1,5 @@
 /* registry_pairs.c - pairs of objects that ignore each other. */
-#include "registry_pairs.h"
+#include "registry.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* registry_positions.c - where the objects of a registry are. */
-#include "registry_positions.h"
+#include "registry.h"
 
 #include <assert.h>
 #include <stdlib.h>

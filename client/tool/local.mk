@@ -2,7 +2,6 @@
 
 noinst_LTLIBRARIES += libtools.la
 libtools_la_SOURCES = \
-    client/tool/file_name.c \
     client/tool/shown.c \
     client/tool/whole_file.c
 tool_cppflags = -iquote $(top_srcdir)/client/tool $(text_cppflags)

@@ -1,4 +1,4 @@
-/* whole_file.c - a file that appears whole or not at all. */
+/* whole_file.c - files that appear whole or not at all; what a name tells. */
 #include "whole_file.h"
 
 #include <errno.h>
@@ -213,4 +213,18 @@ void whole_file_discard(struct whole_file *file)
     free(file->temporary);
     free(file->path);
     *file = (struct whole_file){.fd = -1};
+}
+
+/* ---- What the name of a file tells. */
+
+bool tool_ends_with(const char *path, const char *ending)
+{
+    size_t length = strlen(path), tail = strlen(ending);
+    return length > tail && strcmp(path + length - tail, ending) == 0;
+}
+
+const char *tool_base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash != NULL && slash[1] != '\0' ? slash + 1 : path;
 }

@@ -1,4 +1,4 @@
-/* whole_file.h - writes a file that appears whole or not at all.
+/* whole_file.h - writes a file that appears whole or not at all; what its name tells.
  *
  * Write beside the name that was asked for, and give the file that name when all of it is
  * on the disk; until then the old file of that name is untouched. A program that is
@@ -34,5 +34,12 @@ int whole_file_open(struct whole_file *file, const char *path);
 int whole_file_finish(struct whole_file *file);
 /* Close it and let it go. One that is not open, or all zeros, is left alone. */
 void whole_file_discard(struct whole_file *file);
+
+/* ---- What the name of a file tells. */
+
+/* Whether `path` ends with `ending`, such as ".png", and is more than that. */
+bool tool_ends_with(const char *path, const char *ending);
+/* `path` from behind its last slash on; all of it, if nothing is there. */
+const char *tool_base_name(const char *path);
 
 #endif

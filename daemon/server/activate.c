@@ -1,5 +1,5 @@
 /* activate.c - a listening socket that somebody else has opened for us. */
-#include "activate.h"
+#include "notify.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 /* closer.c - closes descriptors on a thread of its own. */
-#include "closer.h"
+#include "watch.h"
 
 #include <errno.h>
 #include <pthread.h>

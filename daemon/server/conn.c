@@ -20,14 +20,11 @@
 #include <sys/socket.h>
 
 #include "allow.h"
-#include "closer.h"
 #include "dispatch.h"
 #include "invariant.h"
 #include "linger.h"
-#include "outlet.h"
 #include "pccd_types.h"
 #include "proto_limits.h"
-#include "replyqueue.h"
 #include "request.h"
 #include "seqpacket.h"
 #include "server.h"

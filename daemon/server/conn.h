@@ -1,4 +1,4 @@
-/* conn.h - the socket of one client. */
+/* conn.h - the socket of one client, and the messages that wait on it. */
 #ifndef SRV_CONN_H
 #define SRV_CONN_H
 
@@ -6,11 +6,60 @@
 #include <stdint.h>
 #include <uv.h>
 
-#include "deferred.h"
 #include "host.h"
 #include "proto_limits.h"
-#include "refused.h"
-#include "replyqueue.h"
+#include "seqpacket.h"
+#include "server.h"
+
+/* ---- The replies that wait until their client reads. */
+
+struct srv_reply {
+    struct srv_reply *next;
+    size_t bytes;
+    int fd_count;
+    int fds[PROTO_FDS_MAX]; /* the queue's */
+    uint8_t data[];
+};
+
+/* Zeroed: empty. */
+struct srv_replyqueue {
+    struct srv_reply *first;
+    struct srv_reply *last;
+    uint32_t count;
+};
+
+/* Takes the descriptors over, whatever it returns: 0 or PCCD_E_NOMEM. */
+int srv_replyqueue_push(struct srv_replyqueue *queue, const void *message, size_t bytes,
+                        const int *fds, int fd_count);
+
+/* Give the first up, and close its descriptors; there must be one. */
+void srv_replyqueue_pop(struct srv_replyqueue *queue);
+
+void srv_reply_close_fds(const int *fds, int fd_count);
+
+/* ---- One message of a client that cannot be handled yet because a queue is
+ * full. */
+
+/* A message comes back that often at most: sessions of its user may leave for ever. */
+#define SRV_DEFERRED_MAX 64u
+
+struct srv_message {
+    size_t bytes;
+    uint8_t data[];
+};
+
+/* Zeroed: nothing waits. */
+struct srv_deferred {
+    struct srv_message *message; /* NULL: none */
+    uint32_t turns;              /* how often, the message that was read last */
+};
+
+/* Keep a copy; there must be none. Returns 0, PCCD_E_LIMIT (too often) or
+ * PCCD_E_NOMEM. */
+int srv_deferred_keep(struct srv_deferred *deferred, const void *message, size_t bytes);
+
+/* What was kept, for the caller to free; NULL: nothing. */
+struct srv_message *srv_deferred_take(struct srv_deferred *deferred);
 
 /* Replies of one client that may wait for it to read. From PROTO_REPLIES_QUEUED_MAX on it
  * is not read; answers of requests in flight still arrive, and beyond this it is
@@ -55,7 +104,7 @@ struct srv_conn {
  * Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM. */
 int srv_conn_new(struct srv_server *server, int fd, const struct srv_peer *peer);
 
-/* Send what is kept of answers (outbox.h); before each wait, and before what takes its
+/* Send what is kept of answers (outbox.c); before each wait, and before what takes its
  * time. */
 void srv_conn_send_kept(struct srv_server *server);
 
@@ -64,5 +113,22 @@ void srv_conn_read(struct srv_conn *conn);
 
 /* Close now; its session waits or ends. Must not be called from inside a handler. */
 void srv_conn_close(struct srv_conn *conn);
+
+/* ---- Lets a thread that computes send an answer itself, while the event loop may
+ * be closing the socket. */
+
+/* Of the socket `fd`, with one reference, the caller's. NULL: no memory. [loop] */
+struct srv_outlet *srv_outlet_new(int fd);
+
+/* The socket is about to be closed: nothing is sent from here on. Waits for one message
+ * that is just being sent. Gives up the caller's reference. [loop] */
+void srv_outlet_close(struct srv_outlet *outlet);
+
+/* Whether the loop has messages that wait for the socket: what comes from here must not
+ * overtake them. [loop] */
+void srv_outlet_block(struct srv_outlet *outlet, bool is_blocked);
+
+/* One more reference. [loop] */
+struct srv_outlet *srv_outlet_hold(struct srv_outlet *outlet);
 
 #endif

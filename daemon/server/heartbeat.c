@@ -4,14 +4,13 @@
  * so are the beats. Nor does it while a thread that computes is stuck; one that computes
  * for long is not.
  */
-#include "heartbeat.h"
+#include "notify.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "notify.h"
-#include "plural.h"
+#include "printable.h"
 #include "service.h"
 
 #define CHANGE_MS 1000u

@@ -1,5 +1,5 @@
 /* kept.c - memory that a supervisor and its workers share. */
-#include "kept.h"
+#include "supervise.h"
 
 #include <limits.h>
 #include <stddef.h>
@@ -8,8 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "activate.h"
 #include "config.h"
+#include "notify.h"
 
 #define NAME "PCCD_SETTINGS"
 

@@ -1,5 +1,5 @@
 /* landlock.c - keeps the daemon from changing and reading files (Landlock). */
-#include "landlock.h"
+#include "sandbox.h"
 
 #include <fcntl.h>
 #include <stdint.h>

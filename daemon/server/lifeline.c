@@ -7,8 +7,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "activate.h"
 #include "log.h"
+#include "notify.h"
 #include "pccd_types.h"
 #include "seqpacket.h"
 

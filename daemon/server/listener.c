@@ -8,17 +8,16 @@
 #include <unistd.h>
 
 #include "allow.h"
-#include "closer.h"
 #include "conn.h"
 #include "dispatch.h"
 #include "host.h"
 #include "invariant.h"
 #include "lifeline.h"
-#include "lockfile.h"
 #include "log.h"
 #include "pccd_types.h"
 #include "server.h"
 #include "session.h"
+#include "socketfile.h"
 #include "watch.h"
 
 #define ACCEPTS_PER_TURN 16

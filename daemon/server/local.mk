@@ -15,13 +15,10 @@ libserver_la_SOURCES = \
     daemon/server/listener.c \
     daemon/server/lockfile.c \
     daemon/server/notify.c \
-    daemon/server/outbox.c \
     daemon/server/outlet.c \
-    daemon/server/priority.c \
     daemon/server/heartbeat.c \
-    daemon/server/deferred.c \
     daemon/server/reactor.c \
-    daemon/server/refused.c \
+    daemon/server/server.c \
     daemon/server/replyqueue.c \
     daemon/server/sandbox.c \
     daemon/server/socketfile.c \

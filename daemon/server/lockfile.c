@@ -1,5 +1,5 @@
 /* lockfile.c - one daemon per socket path. */
-#include "lockfile.h"
+#include "socketfile.h"
 
 #include <errno.h>
 #include <fcntl.h>

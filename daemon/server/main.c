@@ -9,14 +9,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "activate.h"
 #include "commandline.h"
 #include "crash.h"
 #include "engine.h"
 #include "last_words.h"
 #include "lifeline.h"
 #include "listener.h"
-#include "lockfile.h"
 #include "log.h"
 #include "notify.h"
 #include "openmp.h"

@@ -11,7 +11,6 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "activate.h"
 #include "log.h"
 #include "pccd_types.h"
 

@@ -1,5 +1,4 @@
-/* notify.h - sends state messages to the service manager (systemd) that started the
- * daemon.
+/* notify.h - what the service manager (systemd) hands over, and what it is told.
  *
  * Threads: [main], then [loop].
  */
@@ -8,6 +7,40 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <uv.h>
+
+#include "compute.h"
+#include "options.h"
+
+/* ---- Takes over a listening socket that systemd, or the supervisor, has opened
+ * for the daemon (socket activation). */
+
+#define SRV_ACTIVATE_FD 3
+
+/* The number in a variable of the environment; -1: absent or not a number. */
+long srv_number_of(const char *name);
+
+/* Descriptors that are given by a number are beyond those that have fixed ones. */
+#define SRV_GIVEN_FD_FLOOR 10
+
+/* In a child, before exec: a copy of `fd` that stays open, its number in a variable of
+ * the environment; negative: nothing. Returns 0 or a status, errno set. */
+int srv_number_give(const char *name, int fd);
+
+/* If this process was given a socket, set options->listen_fd and, from its address,
+ * options->socket_path. Returns 0, also when there is none, or PCCD_E_INVAL: what is
+ * wrong with it is logged. */
+int srv_activate(struct srv_options *options);
+
+/* In a child, before exec: hand over a listening socket. Returns 0 or a status, errno
+ * set. */
+int srv_activate_give(int fd);
+
+/* In a child, before exec: let it stand by until a byte can be read from `fd`; negative:
+ * not at all. Returns 0 or a status, errno set. */
+int srv_standby_give(int fd);
+/* Stand by, if this process was told to. False: nobody needs it any more. */
+bool srv_standby(void);
 
 /* Make the socket, if there is somebody to tell: before the sandbox, in which none can be
  * made. What is wrong is logged; nobody is told then, and all else goes on. Not for a
@@ -35,5 +68,29 @@ uint64_t srv_notify_watchdog_us(void);
 /* In a child, before exec: what the manager wants of this process it wants of the child
  * from then on. Returns 0 or a status, errno set. */
 int srv_notify_give(void);
+
+/* ---- Tells the service manager (systemd) regularly that the daemon is
+ * alive. */
+
+struct srv_service;
+
+struct srv_heartbeat {
+    struct srv_service *service;
+    uv_timer_t timer; /* to the next beat, or to the next word about clients */
+    bool beats;       /* the manager has a watchdog: the timer never stops */
+    bool is_stuck;    /* a thread that computes; said once */
+    uint32_t told_clients;
+    uint64_t told_steps;
+};
+
+/* Before anything else of it; the timer is closed with the reactor's. */
+void srv_heartbeat_init(struct srv_heartbeat *heartbeat, uv_loop_t *uv,
+                        struct srv_service *service);
+
+/* Clients are served from now on: READY=1, and the beats begin. */
+void srv_heartbeat_ready(struct srv_heartbeat *heartbeat);
+
+/* A client has come or gone: told a second later, with what else has happened. */
+void srv_heartbeat_change(struct srv_heartbeat *heartbeat);
 
 #endif

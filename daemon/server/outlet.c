@@ -1,5 +1,5 @@
 /* outlet.c - the way out of a client's socket, for the thread that computes. */
-#include "outlet.h"
+#include "conn.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

@@ -1,10 +1,9 @@
-/* replyqueue.c - replies that wait until their client reads. */
-#include "replyqueue.h"
-
+/* replyqueue.c - messages that wait, of the daemon and of its client. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "conn.h"
 #include "invariant.h"
 #include "pccd_types.h"
 
@@ -51,4 +50,30 @@ void srv_replyqueue_pop(struct srv_replyqueue *queue)
     queue->count--;
     srv_reply_close_fds(reply->fds, reply->fd_count);
     free(reply);
+}
+
+/* ---- A message that waits for room. */
+
+int srv_deferred_keep(struct srv_deferred *deferred, const void *message, size_t bytes)
+{
+    PCCD_ASSERT(deferred->message == NULL);
+    if (deferred->turns == SRV_DEFERRED_MAX) {
+        return PCCD_E_LIMIT;
+    }
+    struct srv_message *copy = malloc(sizeof *copy + bytes);
+    if (copy == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    copy->bytes = bytes;
+    memcpy(copy->data, message, bytes);
+    deferred->message = copy;
+    deferred->turns++;
+    return 0;
+}
+
+struct srv_message *srv_deferred_take(struct srv_deferred *deferred)
+{
+    struct srv_message *message = deferred->message;
+    deferred->message = NULL;
+    return message;
 }

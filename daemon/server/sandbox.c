@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <string.h>
 
-#include "landlock.h"
 #include "log.h"
 #include "pccd_types.h"
 #include "sandbox_calls.h"

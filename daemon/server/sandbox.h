@@ -1,9 +1,9 @@
-/* sandbox.h - gives up every right that a serving daemon does not need (seccomp).
+/* sandbox.h - gives up every right that a daemon does not need.
  *
  * Take no new privileges, and allow only a list of system calls: no files opened but its
  * own memory files again, no programs or processes started, no executable memory, no
  * sockets but of the kind that listens. Landlock takes away the rest of the file system
- * (landlock.h).
+ * (landlock.c).
  *
  * Threads: [loop]; holds for all threads, those to come too, but for the first step.
  */
@@ -27,5 +27,15 @@ int srv_sandbox_enter(const struct srv_options *options);
 
 /* Whether this build has one, and it is entered unless options say otherwise. */
 bool srv_sandbox_is_default(void);
+
+/* ---- Takes away the daemon's right to read and change files (Landlock).
+ *
+ * Ask the kernel to let this process create, write and remove nothing but the socket and
+ * its lock in their folder, and read no file at all. Its own memory files, which have no
+ * path, do not count as files here. */
+
+/* Returns the version of the kernel's Landlock, from 1, or 0: it has none, or lets nobody
+ * use it, and nothing has changed. */
+int srv_landlock_enter(const struct srv_options *options);
 
 #endif

@@ -1,4 +1,4 @@
-/* socketfile.h - the file in the file system by which clients find the daemon's socket.
+/* socketfile.h - the file by which clients find the socket, and its lock.
  *
  * Threads: [loop], or a supervisor's only one.
  */
@@ -50,5 +50,28 @@ enum srv_socketfile_state srv_socketfile_look(struct srv_socketfile *file);
 void srv_socketfile_remove(struct srv_socketfile *file);
 /* Only watch no more. */
 void srv_socketfile_leave(struct srv_socketfile *file);
+
+/* ---- Makes sure that only one daemon serves a socket path. */
+
+#define SRV_LOCKFILE_BYTES 128u
+
+struct srv_lockfile {
+    int fd; /* -1: not held */
+    char path[SRV_LOCKFILE_BYTES];
+};
+
+/* Take the lock of `socket_path` (at most 107 bytes) and write our process id into it.
+ * Returns 0, PCCD_E_BUSY (*holder is the process that has it, 0: unknown) or
+ * PCCD_E_SYSTEM (errno is set). */
+int srv_lockfile_acquire(struct srv_lockfile *lockfile, const char *socket_path,
+                         pid_t *holder);
+
+/* Whether the lock that we hold is still that of the path: not when the file was removed,
+ * or its folder renamed. */
+bool srv_lockfile_is_held(const struct srv_lockfile *lockfile);
+
+/* Remove the file, if it is the one that we hold, and drop the lock; nothing when it is
+ * not held. */
+void srv_lockfile_release(struct srv_lockfile *lockfile);
 
 #endif

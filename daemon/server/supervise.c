@@ -25,15 +25,13 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "activate.h"
-#include "kept.h"
 #include "lifeline.h"
 #include "listener.h"
 #include "log.h"
 #include "notify.h"
 #include "now.h"
 #include "pccd_types.h"
-#include "plural.h"
+#include "printable.h"
 #include "socketfile.h"
 
 #define FORK_TRIES     50
@@ -60,7 +58,7 @@ struct supervisor {
     char **argv;
     struct worker worker;
     struct worker spare;
-    int kept_fd;  /* what workers keep for each other (kept.h); -1: nothing */
+    int kept_fd;  /* what workers keep for each other (kept.c); -1: nothing */
     int spare_fd; /* a byte to it and it begins; -1: none */
     bool wants_spare;
     bool stopping;

@@ -1,4 +1,4 @@
-/* supervise.h - a small parent process that starts the daemon again when it crashes.
+/* supervise.h - a small parent that starts the daemon again when it crashes.
  *
  * Hold the lock and the listening socket, so that clients queue, and are not refused,
  * while a worker starts; pass signals on; give up when the worker crashes again and
@@ -9,8 +9,10 @@
 #ifndef SRV_SUPERVISE_H
 #define SRV_SUPERVISE_H
 
-#include "lockfile.h"
+#include <stdint.h>
+
 #include "options.h"
+#include "socketfile.h"
 
 /* Crashes within that time after which it gives up: as a rule, and at most. */
 #define SRV_CRASHES_MAX       5u
@@ -21,5 +23,20 @@
  * the exit status of the program. The caller holds the lock of the socket path. */
 int srv_supervise(const struct srv_options *options, char **argv,
                   struct srv_lockfile *lockfile);
+
+/* ---- Settings that were changed while the daemon ran outlive a crash of the worker. */
+
+struct srv_config_kept;
+
+/* In a supervisor: the memory's descriptor, closed on exec; -1: none is to be had, and a
+ * crash loses the changes. */
+int srv_kept_make(void);
+
+/* In a child, before exec: let it share the memory of `fd`; negative: none. Returns 0 or
+ * a status, errno set. */
+int srv_kept_give(int fd);
+
+/* What this process was given, for as long as it runs; NULL: nothing. Once. */
+struct srv_config_kept *srv_kept_take(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* threads.h - finds out how many threads the system grants this process.
+/* threads.h - how many threads the system grants, and how soon one gets a processor.
  *
  * Threads: [loop], before the threads are made.
  */
@@ -16,5 +16,22 @@ uint32_t srv_threads_granted(uint32_t wanted, uint32_t own);
 /* On how many processors they could run if whoever started the process had not bound it
  * to fewer: those of its cpuset. 0: not known. */
 uint32_t srv_processors_allowed(void);
+
+/* ---- Sets how soon a thread gets a processor (its scheduling priority).
+ *
+ * Set it for the calling thread alone, with no rights beyond those of a user. Where the
+ * system does not know or allow it, nothing is returned: answers come later, but are
+ * right. */
+
+/* This thread's work is urgent and takes microseconds: it is to run when it is woken, and
+ * not when the next tick (4 ms) takes the processor from one that computes. It gets no
+ * more time than others do. Not in the sandbox. */
+void srv_priority_prompt(void);
+
+/* This thread sleeps as long as it says, not up to 50 us longer. Not in the sandbox. */
+void srv_priority_punctual(void);
+
+/* This thread's work can wait: beside another it gets a tenth of what that gets. */
+void srv_priority_behind(void);
 
 #endif

@@ -1,5 +1,5 @@
 /* wakeup.c - how another thread wakes the loop. */
-#include "wakeup.h"
+#include "watch.h"
 
 #include <errno.h>
 #include <stdbool.h>
@@ -9,7 +9,6 @@
 
 #include "invariant.h"
 #include "pccd_types.h"
-#include "watch.h"
 
 #define TRIES 1000 /* for calls that a signal interrupts */
 

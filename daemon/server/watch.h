@@ -1,6 +1,4 @@
-/* watch.h - guards libuv's polling against the cases in which libuv would end the
- * process.
- */
+/* watch.h - guards libuv's polling; wakes the event loop, and closes for it. */
 #ifndef SRV_WATCH_H
 #define SRV_WATCH_H
 
@@ -24,5 +22,42 @@ int srv_watch_start(uv_poll_t *poll, int fd, int events, uv_poll_cb on_poll);
 /* Whether the peer of a connected socket has closed it, or both ways of it, by now.
  * False also where the system does not say. */
 bool srv_watch_has_ended(int fd);
+
+/* ---- Lets another thread wake the event loop. */
+
+struct srv_wakeup {
+    uv_poll_t poll; /* first: the handle that is closed */
+    void (*heard)(void *context);
+    void *context;
+    int fd;
+};
+
+/* `heard` is called on [loop] after each ring, or after some. Returns 0, or PCCD_E_SYSTEM
+ * with nothing left open. [loop] */
+int srv_wakeup_init(struct srv_wakeup *wakeup, uv_loop_t *loop,
+                    void (*heard)(void *context), void *context);
+
+/* What was written before is seen by `heard`. [any] */
+void srv_wakeup_ring(struct srv_wakeup *wakeup);
+
+/* Nobody rings any more. The memory may go when the loop has closed handles. [loop] */
+void srv_wakeup_close(struct srv_wakeup *wakeup);
+
+/* ---- Closes descriptors on a thread of its own, because close(2) may block.
+ *
+ * Close whatever a client has sent or holds. A client can make close(2) block for as long
+ * as it likes: it can send a socket that lingers, or a file of a file system that it
+ * serves itself, even as an unread message. */
+
+struct srv_closer;
+
+/* Start the thread, all signals blocked in it. NULL: no memory or no thread. [loop] */
+struct srv_closer *srv_closer_new(void);
+
+/* Wait a second for what is left, then leave it to the end of the process. [loop] */
+void srv_closer_free(struct srv_closer *closer);
+
+/* Close `fd` soon. Waits while there are many that do close. [loop] */
+void srv_closer_push(struct srv_closer *closer, int fd);
 
 #endif

@@ -10,7 +10,6 @@ libservice_la_SOURCES = \
     daemon/service/queue/crashnote.c \
     daemon/service/queue/deadlines.c \
     daemon/service/queue/turns.c \
-    daemon/service/queue/workspace.c \
     daemon/service/queue/fairqueue.c \
     daemon/service/queue/relief.c \
     daemon/service/memory/enginemem.c \

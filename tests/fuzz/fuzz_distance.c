@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "oracle_distance.h"
-#include "oracle_inside.h"
+#include "oracle_near.h"
 
 #define FAILURES_MAX 10
 

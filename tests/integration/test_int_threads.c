@@ -216,7 +216,7 @@ static void threads__are_there_before_the_first_step(void **state)
 
 /* If it failed, a daemon that nobody asks anything would keep a processor from sleeping.
  * It may wake up twice, half a second apart, to give back the memory that the answers
- * have taken (reclaim.h), and not once more after that. */
+ * have taken (reclaim.c), and not once more after that. */
 static void threads__sleep_while_there_is_nothing_to_do(void **state)
 {
     struct task before[TASKS_MAX];

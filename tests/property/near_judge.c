@@ -10,8 +10,7 @@
 
 #include <cmocka.h>
 
-#include "oracle_features.h"
-#include "oracle_objects.h"
+#include "oracle_near.h"
 
 /* The player's scene at one end of its last step, objects by increasing id. */
 struct moment {

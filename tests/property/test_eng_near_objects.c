@@ -23,7 +23,7 @@
 #include "eng_way.h"
 #include "near_judge.h"
 #include "near_kit.h"
-#include "oracle_objects.h"
+#include "oracle_near.h"
 #include "sequences.h"
 
 #define SCENES      250

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "oracle_within.h"
+#include "oracle_thick.h"
 
 /* ---- pairs ------------------------------------------------------------------------- */
 

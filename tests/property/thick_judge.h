@@ -9,7 +9,7 @@
 #ifndef TESTS_THICK_JUDGE_H
 #define TESTS_THICK_JUDGE_H
 
-#include "oracle_features.h"
+#include "oracle_near.h"
 #include "oracle_thick.h"
 #include "step.h"
 

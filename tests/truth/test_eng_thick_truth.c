@@ -17,7 +17,7 @@
 #include <string.h>
 
 #include "eng_way.h"
-#include "oracle_first.h"
+#include "oracle_root.h"
 #include "thick_trial.h"
 
 #define LARGE 0.1  /* r of that size, beside .. */

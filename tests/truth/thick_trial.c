@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "oracle_first.h"
+#include "oracle_root.h"
 #include "truth_kit.h"
 
 #define STRIPS 64

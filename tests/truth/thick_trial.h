@@ -12,7 +12,7 @@
 #define THICK_TRIAL_H
 
 #include "fuzz_thick.h"
-#include "oracle_features.h"
+#include "oracle_near.h"
 #include "pccd_types.h"
 
 #define TRIAL_TOLERANCE 1e-6

@@ -13,7 +13,6 @@
 
 #include <cmocka.h>
 
-#include "cloth_hold.h"
 #include "cloth_scene.h"
 #include "pccd.h"
 

@@ -13,8 +13,7 @@
 #include <jansson.h>
 #include <png.h>
 
-#include "contacts_csv.h"
-#include "crease.h"
+#include "check_run.h"
 #include "output.h"
 #include "picture.h"
 #include "report.h"

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "judge.h"
+#include "actor.h"
 #include "watch.h"
 
 #define CLIENTS 5u

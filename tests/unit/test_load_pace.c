@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "hist.h"
-#include "pace.h"
+#include "actor.h"
+#include "tally.h"
 
 #define VALUES 20000u
 

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "prng.h"
-#include "registry_map.h"
+#include "registry.h"
 
 #define HANDLES 300u
 

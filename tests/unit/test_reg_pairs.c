@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "prng.h"
-#include "registry_pairs.h"
+#include "registry.h"
 
 #define OBJECTS 24u
 

@@ -10,7 +10,6 @@
 #include "pccd_types.h"
 #include "prng.h"
 #include "registry.h"
-#include "registry_positions.h"
 
 #define VERTICES 13u
 

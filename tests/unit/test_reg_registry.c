@@ -9,7 +9,6 @@
 
 #include "pccd_types.h"
 #include "registry.h"
-#include "registry_positions.h"
 
 static const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 static const uint32_t faces[1][3] = {{0, 1, 2}};

@@ -6,8 +6,8 @@
 
 #include <cmocka.h>
 
-#include "fairqueue.h"
 #include "prng.h"
+#include "turns.h"
 
 #define ENTRIES 64
 #define MS      1000000u

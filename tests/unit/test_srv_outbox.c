@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "outbox.h"
+#include "server.h"
 
 static struct srv_outbox outbox;
 static char connections[SRV_OUTBOX_ENTRIES + 1]; /* their addresses alone matter */

@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
+#include "conn.h"
 #include "invariant.h"
-#include "outlet.h"
 #include "pccd_types.h"
 
 static struct proto_encoder message;

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "pccd_types.h"
-#include "region.h"
+#include "ringio.h"
 
 #define CAPACITY 4096u
 

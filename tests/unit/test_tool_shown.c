@@ -8,7 +8,6 @@
 
 #include <cmocka.h>
 
-#include "plural.h"
 #include "printable.h"
 #include "shown.h"
 

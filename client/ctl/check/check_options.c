@@ -1,5 +1,5 @@
 /* check_options.c - options of a check. */
-#include "check_options.h"
+#include "check_run.h"
 
 #include "ctl.h"
 #include "meshfile.h"

@@ -7,9 +7,9 @@
 #include <time.h>
 
 #include "clock.h"
-#include "plural.h"
-#include "progress.h"
+#include "printable.h"
 #include "statistics.h"
+#include "terminal.h"
 
 #define ROUND_TRIP REPORT_PHASE_COUNT /* row of check_run.times behind the phases */
 

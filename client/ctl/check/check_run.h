@@ -1,5 +1,4 @@
-/* check_run.h - runs `pccdctl check`: gives the frames of a mesh to a daemon and collects
- * its contacts.
+/* check_run.h - `pccdctl check`: its options, its run, and its CSV.
  *
  * Threads: one.
  */
@@ -8,14 +7,68 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "ask_options.h"
-#include "contacts_csv.h"
 #include "error.h"
 #include "meshfile.h"
-#include "objects.h"
 #include "pccd.h"
 #include "report.h"
+#include "whole_file.h"
+
+/* ---- Which objects of a file meet. */
+
+struct objects {
+    const struct ctl_mesh *mesh;
+    uint32_t *of_vertex, *of_edge; /* ours: object numbers; NULL: there is one object */
+    struct report_pair *pairs;     /* of this step; a table by a hash of both objects */
+    uint32_t pair_count, capacity; /* a power of 2, more than there are pairs */
+};
+
+/* Whether all of a mesh is of one object. */
+bool objects_are_one(const struct ctl_mesh *mesh);
+/* Of a mesh with objects, and its edges as they were registered, unless all are of one.
+ * Both stay as they are until objects_deinit, which is called also on error. Errors:
+ * E_NOMEM. */
+int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
+                 const struct pccd_edge *edges, uint32_t edge_count,
+                 struct ctl_error *error);
+/* The object of a feature of so many points (1 a vertex, 2 an edge, 3 a face): its place
+ * in mesh->objects, or CTL_NO_OBJECT before the first one. */
+uint32_t objects_of(const struct objects *objects, uint32_t points, uint32_t feature);
+/* Count the records of a page. False: no memory. */
+bool objects_count(struct objects *objects, const struct pccd_answer *page);
+/* What was counted, most first, to `step`, whose pairs are free()d by its owner; then
+ * begin anew. Errors: E_NOMEM. */
+int objects_take(struct objects *objects, struct report_step *step,
+                 struct ctl_error *error);
+void objects_deinit(struct objects *objects);
+
+/* ---- Writes contacts as CSV (`pccdctl check --contacts FILE`). */
+
+struct objects;
+
+/* The arrays are the caller's and stay as they are until close. */
+struct contacts_csv {
+    const char *path; /* "-": the standard output */
+    FILE *file;       /* NULL: nothing is to be written */
+    struct whole_file whole; /* what it goes to */
+    const uint32_t (*triangles)[3];
+    const struct pccd_edge *edges;
+    bool has_step; /* a first column "step" */
+    const struct objects *objects; /* NULL, or two last columns with their names */
+};
+
+/* Open and write the header. Errors: E_SYSTEM. */
+int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error);
+/* Append the records of a page; `step` counts from 1. vf: the vertex, then the triangle's
+ * three as in the file; ee: the first edge's two, ascending, then the second's. Records
+ * of mode pairs have empty times and proved = 0. */
+void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
+                       const struct pccd_answer *page);
+/* The file appears only now, and only if it `is_whole`. Errors: E_SYSTEM, also when an
+ * earlier line could not be written. */
+int contacts_csv_close(struct contacts_csv *csv, bool is_whole, struct ctl_error *error);
 
 struct check_run {
     struct pccd_client *client; /* the caller's */
@@ -68,5 +121,19 @@ int check_run_times(struct check_run *run, struct ctl_error *error);
 int check_run_fail(const struct check_run *run, int status, const char *what,
                    struct ctl_error *error);
 void check_run_deinit(struct check_run *run);
+
+/* ---- What is asked of a check: the options of `pccdctl check` and of
+ * `pccd-mpi check`. */
+
+struct check_options {
+    struct ask_options ask; /* its CSV: of contacts */
+    struct pccd_step_settings settings;
+};
+
+/* An argp child without a heading; its input is a struct check_options. */
+extern const struct argp check_options_argp;
+
+/* All that was said of a step. */
+struct pccd_step_settings check_step_settings(const struct check_options *options);
 
 #endif

@@ -1,11 +1,10 @@
 /* contacts_csv.c - contacts as lines of text. */
-#include "contacts_csv.h"
+#include "check_run.h"
 
 #include <inttypes.h>
 #include <string.h>
 
 #include "kinds.h"
-#include "objects.h"
 #include "output.h"
 
 int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)

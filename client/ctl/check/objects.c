@@ -1,5 +1,5 @@
 /* objects.c - records by the objects of a file. */
-#include "objects.h"
+#include "check_run.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

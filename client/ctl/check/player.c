@@ -7,7 +7,6 @@
 
 #include "check_run.h"
 #include "coordinates.h"
-#include "progress.h"
 #include "terminal.h"
 
 #define LOOK_MS 100 /* between looks at the clock and for an interrupt */

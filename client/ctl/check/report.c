@@ -3,10 +3,9 @@
 
 #include <inttypes.h>
 
-#include "hash_text.h"
 #include "kinds.h"
 #include "names.h"
-#include "plural.h"
+#include "printable.h"
 #include "shown.h"
 
 #define PAIRS_TOLD 10u

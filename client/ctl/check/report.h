@@ -110,4 +110,11 @@ bool report_json_end(json_t *object, bool ok, FILE *to);
 /* What an answer has counted, as an object. NULL, or *ok false, without memory. */
 json_t *report_counters(const struct pccd_answer *answer, bool *ok);
 
+/* ---- A step's report as one JSON object, and back. */
+
+/* NULL: no memory. */
+json_t *report_line(const struct report_step *step);
+/* False: it is no such object; then *step is of no use. */
+bool report_line_read(const json_t *line, struct report_step *step);
+
 #endif

@@ -2,11 +2,11 @@
 #include <inttypes.h>
 #include <jansson.h>
 
-#include "hash_text.h"
-#include "json_text.h"
 #include "kinds.h"
 #include "names.h"
 #include "numbers.h"
+#include "output.h"
+#include "printable.h"
 #include "report.h"
 
 /* jansson's *_set_new and *_append_new take the value also when they fail, and fail on a

@@ -1,5 +1,5 @@
 /* report_line.c - the numbers of a step, to JSON and back. */
-#include "report_line.h"
+#include "report.h"
 
 #include <stdio.h>
 #include <stdlib.h>

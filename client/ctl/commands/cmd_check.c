@@ -5,12 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "check_options.h"
 #include "check_run.h"
 #include "ctl.h"
 #include "meshframes.h"
-#include "progress.h"
 #include "shown.h"
+#include "terminal.h"
 #include "trace_file.h"
 
 enum { OPTION_TRACE = 256 + 32, OPTION_MIN_US, OPTION_EVENTS };

@@ -1,6 +1,6 @@
 /* cmd_completion.c - pccdctl completion. */
-#include "completion.h"
 #include "ctl.h"
+#include "dispatch.h"
 
 static const struct completion_row rows[] = {
 #define ROW(name, text) {#name, text, &ctl_argp_##name},

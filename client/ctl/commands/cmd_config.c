@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "ctl.h"
-#include "json_text.h"
 #include "link.h"
+#include "output.h"
 #include "shown.h"
 #include "terminal.h"
 

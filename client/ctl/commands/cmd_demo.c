@@ -6,19 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloth_hold.h"
 #include "cloth_scene.h"
 #include "ctl.h"
-#include "demo_picture.h"
-#include "hash_text.h"
-#include "json_text.h"
 #include "link.h"
 #include "output.h"
-#include "plural.h"
-#include "progress.h"
+#include "printable.h"
 #include "report.h"
 #include "shown.h"
 #include "statistics.h"
+#include "terminal.h"
 
 #define STEPS_DEFAULT  300u
 #define STEPS_MAX      100000u

@@ -5,8 +5,8 @@
 
 #include "ctl.h"
 #include "doctor.h"
-#include "json_text.h"
 #include "link.h"
+#include "output.h"
 #include "shown.h"
 #include "terminal.h"
 

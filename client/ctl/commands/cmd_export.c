@@ -6,15 +6,13 @@
 
 #include "answers.h"
 #include "ctl.h"
-#include "file_name.h"
-#include "gltf.h"
-#include "json_text.h"
+#include "export.h"
 #include "output.h"
 #include "play_options.h"
-#include "plural.h"
+#include "printable.h"
 #include "shown.h"
 #include "still.h"
-#include "vtp.h"
+#include "whole_file.h"
 
 enum { OPTION_TIME = 256 + 64, OPTION_NEAR, OPTION_LIST, OPTION_OUTPUT = 'o' };
 

@@ -4,14 +4,12 @@
 #include <stdio.h>
 
 #include "ctl.h"
-#include "file_name.h"
 #include "inspect.h"
-#include "json_text.h"
 #include "output.h"
-#include "page_template.h"
 #include "play_options.h"
-#include "plural.h"
+#include "printable.h"
 #include "shown.h"
+#include "whole_file.h"
 
 #define MIB              (1u << 20)
 #define SIZE_DEFAULT_MIB 64u

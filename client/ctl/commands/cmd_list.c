@@ -5,12 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "columns.h"
 #include "ctl.h"
-#include "format.h"
-#include "hash_text.h"
-#include "json_text.h"
 #include "link.h"
-#include "plural.h"
+#include "output.h"
+#include "printable.h"
 #include "sessions.h"
 #include "shown.h"
 #include "terminal.h"

@@ -6,11 +6,10 @@
 
 #include "ask_options.h"
 #include "ctl.h"
-#include "json_text.h"
 #include "link.h"
+#include "output.h"
 #include "player.h"
-#include "plural.h"
-#include "progress.h"
+#include "printable.h"
 #include "shown.h"
 #include "statistics.h"
 #include "terminal.h"

@@ -1,8 +1,5 @@
 /* cmd_near.c - pccdctl near. */
 #include "ctl.h"
-#include "near_csv.h"
-#include "near_options.h"
-#include "near_report.h"
 #include "near_run.h"
 
 static error_t parse(int key, char *text, struct argp_state *state)

@@ -7,10 +7,10 @@
 #include <time.h>
 
 #include "ctl.h"
-#include "json_text.h"
 #include "link.h"
-#include "progress.h"
+#include "output.h"
 #include "statistics.h"
+#include "terminal.h"
 
 enum { OPTION_JSON = 256 + 64 };
 

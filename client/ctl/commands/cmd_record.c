@@ -15,7 +15,7 @@
 
 #include "answers.h"
 #include "ctl.h"
-#include "plural.h"
+#include "printable.h"
 #include "reader.h"
 #include "shown.h"
 

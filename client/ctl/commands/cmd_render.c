@@ -10,12 +10,11 @@
 
 #include "ask_options.h"
 #include "ctl.h"
-#include "file_name.h"
-#include "json_text.h"
 #include "output.h"
-#include "plural.h"
+#include "printable.h"
 #include "render.h"
 #include "shown.h"
+#include "whole_file.h"
 
 #define RATE     25u
 #define RATE_MAX 1000u

@@ -6,13 +6,12 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "columns.h"
 #include "counters.h"
 #include "ctl.h"
-#include "format.h"
-#include "health.h"
-#include "json_text.h"
 #include "link.h"
-#include "plural.h"
+#include "output.h"
+#include "printable.h"
 #include "shown.h"
 #include "terminal.h"
 

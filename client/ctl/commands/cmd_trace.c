@@ -7,8 +7,8 @@
 #include "clock.h"
 #include "ctl.h"
 #include "link.h"
-#include "progress.h"
 #include "shown.h"
+#include "terminal.h"
 #include "trace_file.h"
 
 #define SECONDS_MAX     86400.0

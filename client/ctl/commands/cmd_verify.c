@@ -2,8 +2,6 @@
 #include "ctl.h"
 #include "play_options.h"
 #include "verify.h"
-#include "verify_options.h"
-#include "verify_report.h"
 
 struct verification {
     struct play_options options;

@@ -3,8 +3,8 @@
 #include <stdio.h>
 
 #include "ctl.h"
-#include "json_text.h"
 #include "link.h"
+#include "output.h"
 
 static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_version = {

@@ -5,9 +5,8 @@
 #include <stdlib.h>
 
 #include "ctl.h"
-#include "hash_text.h"
 #include "link.h"
-#include "plural.h"
+#include "printable.h"
 #include "shown.h"
 #include "terminal.h"
 

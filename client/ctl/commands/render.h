@@ -5,7 +5,6 @@
 #ifndef CTL_RENDER_H
 #define CTL_RENDER_H
 
-#include "film.h"
 #include "picture.h"
 #include "play_options.h"
 #include "still.h"

@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "colour.h"
-#include "plural.h"
+#include "export.h"
+#include "picture.h"
+#include "printable.h"
 #include "render.h"
-#include "viewpoint.h"
 
 #define GROUPS      64u /* colours of times */
 #define DEGREE      0.017453292519943295

@@ -1,5 +1,5 @@
 /* colour.c - colours of times and of objects. */
-#include "colour.h"
+#include "export.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* gltf.c - a step as binary glTF 2.0. */
-#include "gltf.h"
+#include "export.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "colour.h"
 
 #define GLB_MAGIC    0x46546c67u /* "glTF" */
 #define GLB_JSON     0x4e4f534au

@@ -4,7 +4,7 @@
  * points as vertices, lines and rods as lines, then triangles; arrays in base64, as text
  * is rounded.
  */
-#include "vtp.h"
+#include "export.h"
 
 #include <errno.h>
 #include <inttypes.h>

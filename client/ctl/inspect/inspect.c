@@ -6,10 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hash_text.h"
-#include "inspect_pack.h"
-#include "json_text.h"
 #include "names.h"
+#include "output.h"
+#include "printable.h"
 #include "report.h"
 
 #define FORMAT 2 /* of the data; data.js is in the same file, and asks nevertheless */

@@ -1,12 +1,173 @@
-/* inspect.h - packs the steps of a recording as data for the page of `pccdctl inspect`.
+/* inspect.h - packs the steps of a recording into the page of `pccdctl inspect`.
  *
  * Threads: one.
  */
 #ifndef CTL_INSPECT_H
 #define CTL_INSPECT_H
 
-#include "inspect_data.h"
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "error.h"
+#include "pccd.h"
 #include "play.h"
+
+/* ---- A growing array of bytes, divided into sections. */
+
+/* Sections begin at multiples of it: of 4, for the arrays of a script, and of 3, so that
+ * a section can be taken out of base64 text without what is before it. */
+#define BYTES_ALIGN 12u
+
+struct bytes {
+    uint8_t *at; /* ours */
+    size_t used, room;
+    bool is_short; /* there was no memory: what is here is not all */
+};
+
+/* Begin a section of `count` bytes, zeros; its memory, valid until the next call, or NULL
+ * without memory. *offset: where it begins. */
+void *bytes_section(struct bytes *bytes, size_t count, size_t *offset);
+void bytes_empty(struct bytes *bytes);
+void bytes_deinit(struct bytes *bytes);
+
+/* ---- Writes an HTML page with binary data inside. */
+
+#define PAGE_FILE_MARK "<!--pccd:data-->"
+
+struct page_file {
+    FILE *to;         /* the caller's */
+    const char *path; /* for messages */
+    const char *rest; /* of the template, behind the mark */
+    size_t rest_bytes;
+    uint64_t bytes; /* of the file, with the rest but without the JSON text */
+    uint32_t blob_count;
+};
+
+/* Write the template up to its mark. E_FORMAT: it has none; E_SYSTEM. */
+int page_file_begin(struct page_file *page, FILE *to, const char *path,
+                    const char *template, size_t template_bytes, struct ctl_error *error);
+/* One more piece of data, as base64; the first is number 0. */
+int page_file_blob(struct page_file *page, const void *bytes, size_t count,
+                   struct ctl_error *error);
+/* The JSON text, and the rest of the template; flushed, not closed. */
+int page_file_finish(struct page_file *page, const json_t *meta, struct ctl_error *error);
+
+/* What these add to the file. */
+uint64_t page_file_blob_bytes(size_t count);
+uint64_t page_file_json_bytes(const json_t *value);
+
+/* ---- The layout of the data in the page of `pccdctl inspect`.
+ *
+ * Numbers in the data are little-endian. A section is [blob, offset] in JSON; arrays:
+ *     triangles  u32[3], or u16[3] of a mesh with at most 65536 vertices
+ *     edges      u32[2] of rods, points u32: what nothing else of the mesh has
+ *     radii      f32 of vertices, in the page's unit
+ *     positions  f32[3] relative to the page's origin, in its unit; or, rounded,
+ *                f32[3] low, f32[3] step, then u16[3] in which x = low + step * number
+ *     contacts   struct inspect_contact; boxes: struct pccd_box, in the same way
+ *     lines      struct inspect_line; events: struct inspect_event */
+
+struct inspect_settings {
+    uint64_t every;     /* of the steps that are played, one in so many; >= 1 */
+    uint64_t bytes_max; /* of the file */
+    uint32_t boxes_max; /* of a level of a hierarchy that is shown; 0: none is */
+    bool is_rounded;    /* positions in 16 bits each */
+};
+
+/* 24 bytes. */
+struct inspect_contact {
+    uint32_t feature_a, feature_b;
+    uint16_t object_a, object_b; /* places in the step's list of objects */
+    float toi;
+    uint16_t param[2]; /* 0 .. 65535 for 0 .. 1 */
+    int8_t normal[3];  /* -127 .. 127 for -1 .. 1 */
+    uint8_t flags;     /* enum pccd_contact_flag | enum pccd_kind << INSPECT_KIND_SHIFT */
+};
+#define INSPECT_KIND_SHIFT 6u
+
+/* 32 bytes: of what is near, the nearest points; of a crossing, the ends of its edge. */
+struct inspect_line {
+    float ends[2][3]; /* relative to the page's origin, in its unit */
+    float distance;   /* d_lo */
+    uint32_t kind;    /* enum pccd_kind, enum pccd_near_kind */
+};
+
+/* 20 bytes. */
+struct inspect_event {
+    uint32_t begin_ns, duration_ns; /* from the step's begin */
+    uint32_t kind_thread;           /* enum pccd_trace_kind | thread << 8 */
+    uint32_t a, b;
+};
+
+/* Where an object was last, so that what stands still is written once. */
+struct inspect_place {
+    uint32_t scene, object;
+    uint64_t hash[2]; /* XXH3-128 of the section */
+    uint32_t blob;
+    size_t offset;
+};
+
+/* A mesh that is in the file. */
+struct inspect_mesh {
+    uint64_t hash[2]; /* XXH3-128 of those of its triangles, rods, points and radii */
+    uint32_t vertex_count, triangle_count;
+};
+
+struct inspect {
+    struct inspect_settings settings;
+    struct page_file *page; /* the caller's, begun */
+    json_t *steps, *meshes; /* ours: arrays */
+    uint64_t meta_bytes;    /* of both, in the file */
+    uint64_t first, last;   /* steps in the file; 0: none */
+    uint64_t seen, kept;
+    uint64_t left_out; /* steps of `seen` that --every leaves out */
+    uint64_t differ;   /* answers other than the recorded ones */
+    uint64_t lost;     /* events */
+    bool is_full;      /* steps are missing: there was no room */
+    bool has_origin;
+    double origin[3]; /* the middle of the first step */
+    double unit;      /* of lengths: 1, or the size of what is very small or large */
+    struct bytes data;
+    struct pccd_box *boxes; /* [boxes_max] of a level; NULL: not needed yet */
+    struct inspect_place *places;
+    uint32_t place_count;
+    size_t place_room;
+    struct inspect_mesh *known;
+    uint32_t known_count;
+    size_t known_room;
+    char no_lanes[STEP_TRACE_TEXT]; /* why there are none; "" */
+};
+
+/* ---- Packs one part of a step (positions, contacts, boxes, events) for the
+ * page of `pccdctl inspect`.
+ *
+ * All append to inspect->data and return a new reference, or NULL without memory. */
+
+/* [{"handle", "mesh", "x0", "x1", "radius"}] of the step's scene, or both ends of one
+ * moment; `meshes` gets those that are not in the file yet. Edges of the scene's meshes
+ * are known. */
+enum inspect_moment { INSPECT_BEGIN, INSPECT_END, INSPECT_BOTH };
+json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scene *scene,
+                             enum inspect_moment moment, json_t *meshes);
+/* {"at", "count"} */
+json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
+/* The same of what is near; likewise. */
+json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near);
+/* {"at", "count", "threads", "lost"}, or null: it was not recorded. */
+json_t *inspect_pack_events(struct inspect *inspect, const struct step_trace *trace);
+/* {TREE: [{"at", "count"}], ..} of what the step used, each level, the root first. */
+json_t *inspect_pack_boxes(struct inspect *inspect, const struct play_step *step);
+
+/* [blob, offset] of a section of the step that is being packed. */
+json_t *inspect_section(const struct inspect *inspect, size_t offset);
+
+/* ---- The HTML page of `pccdctl inspect`, without data. */
+
+/* NULL: this program was built without it. */
+const char *page_template(size_t *bytes);
 
 int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
                  struct page_file *page, struct ctl_error *error);

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "inspect_pack.h"
+#include "inspect.h"
 
 #define LEVELS_MAX 32u
 

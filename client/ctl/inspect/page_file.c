@@ -1,5 +1,5 @@
 /* page_file.c - a page with data in it, as a file. */
-#include "page_file.h"
+#include "inspect.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -1,5 +1,5 @@
 /* page_template.c - the page, without data. */
-#include "page_template.h"
+#include "inspect.h"
 
 /* From the folder of the build, which is on the assembler's path. */
 __asm__(".section .rodata\n"

@@ -6,6 +6,15 @@
 
 #include "gltf_scene.h"
 
+/* One thing of one node that an animation moves. */
+struct gltf_channel {
+    const json_t *json;
+    size_t animation, node;
+    enum gltf_path path;
+    enum { GLTF_STEP, GLTF_LINEAR, GLTF_CUBICSPLINE, GLTF_BETWEEN } between;
+    struct gltf_accessor times, values;
+};
+
 #define POINTER       "KHR_animation_pointer"
 #define HALVINGS_MAX  27   /* a quarter turn is below 2^-26 then */
 #define RATE_ROUNDING 1e-4 /* of a frame, by which times that are floats may be off */

@@ -71,15 +71,6 @@ struct gltf_object {
     struct gltf_place *places;     /* [joints]: now */
 };
 
-/* One thing of one node that an animation moves. */
-struct gltf_channel {
-    const json_t *json;
-    size_t animation, node;
-    enum gltf_path path;
-    enum { GLTF_STEP, GLTF_LINEAR, GLTF_CUBICSPLINE, GLTF_BETWEEN } between;
-    struct gltf_accessor times, values;
-};
-
 struct gltf_animation {
     struct gltf_channel *channels; /* [channel_count]: that are played */
     size_t channel_count;

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "pccd.h"
-#include "progress.h"
+#include "terminal.h"
 
 static int no_memory(struct ctl_error *error)
 {

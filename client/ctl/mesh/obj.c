@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "meshfile.h"
-#include "plural.h"
+#include "printable.h"
 
 /* Kinds of statements. The first three name vertices; from OBJECT to NAMES_END they have
  * a name, which may end in a backslash, and have a hash within. Those without a kind of

@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "meshfile.h"
-#include "plural.h"
+#include "printable.h"
 
 #define ELEMENTS_MAX   32u
 #define PROPERTIES_MAX 256u /* of all elements together */

@@ -1,5 +1,5 @@
 /* near_csv.c - what is near as lines of text. */
-#include "near_csv.h"
+#include "near_run.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* near_options.c - what is asked about what is near. */
-#include "near_options.h"
+#include "near_run.h"
 
 #include <math.h>
 #include <string.h>

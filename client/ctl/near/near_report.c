@@ -1,15 +1,15 @@
 /* near_report.c - what `pccdctl near` says. */
-#include "near_report.h"
+#include "near_run.h"
 
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
 
 #include "ctl.h"
-#include "json_text.h"
 #include "kinds.h"
 #include "names.h"
-#include "plural.h"
+#include "output.h"
+#include "printable.h"
 #include "shown.h"
 
 #define NO_DISTANCE 1e18 /* above any; the daemon says 2e18 when there is no record */

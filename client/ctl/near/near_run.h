@@ -1,16 +1,34 @@
-/* near_run.h - runs `pccdctl near`: puts meshes into a scene, and asks what is near
- * there.
+/* near_run.h - `pccdctl near`: its options, what it asks, and how the answer is told.
  *
  * Threads: one.
  */
 #ifndef CTL_NEAR_RUN_H
 #define CTL_NEAR_RUN_H
 
+#include <stdio.h>
+
+#include "ask_options.h"
 #include "check_run.h"
 #include "error.h"
 #include "meshfile.h"
 #include "meshframes.h"
 #include "pccd.h"
+#include "whole_file.h"
+
+/* ---- What is asked about what is near: the options of `pccdctl near` and of
+ * `pccd-mpi near`. */
+
+struct near_options {
+    struct ask_options ask;
+    struct pccd_near_settings settings; /* PCCD_NEAR_SETTINGS_INIT before */
+    bool has_distance, has_gap, has_self;
+};
+
+/* An argp child without a heading; its input is a struct near_options. */
+extern const struct argp near_options_argp;
+
+/* All that was said of the question. */
+struct pccd_near_settings near_options_settings(const struct near_options *options);
 
 /* A file, which is an object of the scene. */
 struct near_object {
@@ -47,5 +65,33 @@ void near_run_name_files(const struct near_run *near, struct ctl_error *error);
 /* The object of that handle: its place among the files; object_count: none. */
 uint32_t near_run_place(const struct near_run *near, uint32_t handle);
 void near_run_deinit(struct near_run *near);
+
+/* ---- Prints the answer of `pccdctl near`. */
+
+/* On the standard error: which files have more frames than the one that is read. */
+void near_report_warn(const struct near_run *near);
+void near_report_print(FILE *to, const struct near_run *near);
+/* False: it could not be written, or without memory. */
+bool near_report_json(FILE *to, const struct near_run *near);
+
+/* ---- Writes what is near as CSV (`pccdctl near --csv FILE`).
+ *
+ * Write kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz; of vertices:
+ * object,vertex,bound. Objects are numbers of files, from 1; vertices are numbered from 0
+ * in file order; u and v are the record's param, nx, ny and nz its direction. */
+
+struct near_csv {
+    const char *path; /* "-": the standard output; NULL: nothing is to be written */
+    const struct near_run *near;
+    struct whole_file whole;
+    uint32_t *order; /* ours: places of objects, by handle; of vertices */
+};
+
+/* Open and write the header. Errors: E_SYSTEM, E_NOMEM. */
+int near_csv_open(struct near_csv *csv, struct ctl_error *error);
+/* Append a page of the answer; `context` is the struct near_csv. */
+void near_csv_page(void *context, const struct pccd_answer *page);
+/* The file appears only now, and only if it `is_whole`. Errors: E_SYSTEM. */
+int near_csv_close(struct near_csv *csv, bool is_whole, struct ctl_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* columns.h - prints tables that fit the width of a terminal.
+/* columns.h - prints figures for people, and tables that fit a terminal.
  *
  * Threads: one.
  */
@@ -7,6 +7,17 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+/* ---- Formats counts, bytes and times for people: "1.5 MiB". */
+
+/* Each of these lives until seven more have been made. "1.2 M", "3.4 MiB", "1 h 02 min",
+ * "1.25 ms". */
+const char *format_count(double count);
+const char *format_bytes(double bytes);
+const char *format_span(uint64_t nanoseconds);
+const char *format_ms(double milliseconds);
+/* The name of a user, or the number. */
+const char *format_user(uint32_t uid);
 
 #define COLUMNS_CELL_BYTES 96u /* sixteen columns of \xNN, or of UTF-8 */
 

@@ -31,4 +31,16 @@ double histogram_bound_s(uint32_t bucket);
 /* The upper bound of the bucket below which the share `q` of all lies; 0 without any. */
 double histogram_quantile_s(const struct pccd_histogram_info *histogram, double q);
 
+/* ---- Warnings that follow from a daemon's counters. */
+
+#define HEALTH_MAX        8u
+#define HEALTH_TEXT_BYTES 160u
+
+struct health {
+    uint32_t count; /* 0: nothing stands out */
+    char text[HEALTH_MAX][HEALTH_TEXT_BYTES];
+};
+
+void health_judge(const struct counters *counters, struct health *health);
+
 #endif

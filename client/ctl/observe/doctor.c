@@ -7,8 +7,7 @@
 #include <string.h>
 
 #include "counters.h"
-#include "health.h"
-#include "plural.h"
+#include "printable.h"
 
 #define PINGS        20
 #define SLOW_PING_NS 2000000u

@@ -1,11 +1,11 @@
 /* health.c - what a daemon's counters say is wrong. */
-#include "health.h"
+#include "counters.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 
-#include "plural.h"
+#include "printable.h"
 
 /* More that wait are seconds of work, whatever they are. */
 #define QUEUE_MAX 1000u

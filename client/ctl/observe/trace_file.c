@@ -8,9 +8,8 @@
 #include <time.h>
 
 #include "clock.h"
-#include "json_text.h"
 #include "output.h"
-#include "plural.h"
+#include "printable.h"
 
 #define LOOP_TID   1u
 #define TEAM_TID   2u         /* of the team's first thread */

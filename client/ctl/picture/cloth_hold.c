@@ -1,5 +1,5 @@
 /* cloth_hold.c - a cloth that passes through nothing. */
-#include "cloth_hold.h"
+#include "cloth_scene.h"
 
 #include <stdlib.h>
 #include <string.h>

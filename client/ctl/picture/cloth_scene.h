@@ -1,4 +1,4 @@
-/* cloth_scene.h - the simulation of the demo: a cloth falls over a turning ball.
+/* cloth_scene.h - the demo: a cloth falls over a turning ball, and is drawn.
  *
  * Move a square cloth of springs by one frame at a time; push apart what the daemon says
  * will meet, with friction, on the way of the ball and of the cloth.
@@ -11,8 +11,10 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "error.h"
+#include "pccd.h"
 
 /* Lengths in metres, times in seconds; y points up; the ball's centre is the origin. */
 #define CLOTH_SIDE_VERTICES     70
@@ -76,5 +78,65 @@ void cloth_scene_positions(const struct cloth_scene *scene, uint32_t end, float 
 /* The ball's pose there: rows of [R | t], to be applied to ball_start. */
 void cloth_scene_ball_pose(const struct cloth_scene *scene, uint32_t end,
                            double pose[12]);
+
+/* ---- Moves the demo's cloth so that it never passes through anything.
+ *
+ * Ask the daemon what would collide on the way of a frame, push it apart until nothing
+ * collides, then take the frame. If pushing is not enough, the frame ends before the
+ * first contact. */
+
+/* What a record's handles and feature numbers mean. */
+struct cloth_object {
+    uint32_t object;
+    uint32_t vertex_count, triangle_count;
+    const uint32_t (*triangles)[3];
+    struct pccd_edge *edges; /* ours */
+};
+
+/* Told of each answer, before its records are given back; `is_taken`: nothing is met, and
+ * the frame goes that way. */
+typedef void (*cloth_hold_fn)(void *context, const struct pccd_answer *answer,
+                              bool is_taken);
+
+struct cloth_hold {
+    struct pccd_client *client; /* the caller's */
+    struct cloth_scene *cloth;  /* ours */
+    uint32_t scene;
+    struct cloth_object objects[2]; /* cloth, ball */
+    uint32_t threads;               /* of a step; 0: the daemon decides */
+    uint64_t cut;                   /* frames that ended before their time */
+};
+
+/* Register the meshes of a new scene. E_NOMEM, and what the daemon says. */
+int cloth_hold_init(struct cloth_hold *hold, struct pccd_client *client,
+                    struct ctl_error *error);
+/* Move cloth and ball by one frame. */
+int cloth_hold_frame(struct cloth_hold *hold, cloth_hold_fn tell, void *context,
+                     struct ctl_error *error);
+/* Not the client. */
+void cloth_hold_deinit(struct cloth_hold *hold);
+
+/* ---- Draws the last step of the demo. */
+
+/* What a record's handles and feature numbers mean. */
+struct demo_object {
+    uint32_t object;
+    uint32_t vertex_count, triangle_count;
+    const float (*x)[3]; /* at the end of the step */
+    const uint32_t (*triangles)[3];
+    const struct pccd_edge *edges;
+};
+
+/* What was met in a frame. */
+struct demo_met {
+    const struct pccd_contact *contacts;
+    uint64_t count, vf, ee;
+    uint64_t frame; /* from 1; 0: nothing was met in any */
+};
+
+/* Cloth first, then ball. Writes to `file`, whose name is `path`. Errors: E_NOMEM,
+ * E_SYSTEM. */
+int demo_picture_write(const struct demo_object objects[2], const struct demo_met *met,
+                       FILE *file, const char *path, struct ctl_error *error);
 
 #endif

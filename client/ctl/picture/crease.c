@@ -2,7 +2,7 @@
  *
  * Source: union-find with path halving (Tarjan and van Leeuwen 1984).
  */
-#include "crease.h"
+#include "picture.h"
 
 #include <math.h>
 #include <stdlib.h>

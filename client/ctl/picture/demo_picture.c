@@ -1,12 +1,12 @@
 /* demo_picture.c - the demo's last step as a picture. */
-#include "demo_picture.h"
+#include "cloth_scene.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "picture.h"
-#include "plural.h"
+#include "printable.h"
 
 static const float eye_direction[3] = {0.45f, 0.32f, 1.0f};
 

@@ -1,5 +1,5 @@
 /* film.c - an animated PNG. */
-#include "film.h"
+#include "picture.h"
 
 #include <assert.h>
 #include <errno.h>

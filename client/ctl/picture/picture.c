@@ -6,10 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "crease.h"
 #include "pccd_types.h"
-#include "picture_canvas.h"
-#include "thick.h"
 
 #define HALF_VIEW   0.34f /* tangent of half the vertical angle of view */
 #define MARGIN      1.12f /* room around the scene */

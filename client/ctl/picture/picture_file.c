@@ -4,10 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "file_name.h"
 #include "pccd_types.h"
 #include "picture.h"
-#include "picture_canvas.h"
+#include "whole_file.h"
 
 static png_image image_of(const struct picture_canvas *canvas)
 {

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base64.h"
-#include "picture_canvas.h"
+#include "picture.h"
 
 #define LEFT 28
 

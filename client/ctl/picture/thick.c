@@ -3,7 +3,7 @@
  * Coordinates of the eye: to the right, up, and how far away. The ray through a pixel is
  * depth * (a, b, 1).
  */
-#include "thick.h"
+#include "picture.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  *
  * Source: Moeller and Trumbore 1997.
  */
-#include "viewpoint.h"
+#include "picture.h"
 
 #include <math.h>
 #include <string.h>

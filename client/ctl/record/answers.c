@@ -9,6 +9,11 @@
 
 #include "array.h"
 
+struct answers_page {
+    uint64_t step, first, count;
+    uint64_t offset; /* of the chunk */
+};
+
 #define SUM_FACTOR 0x9e3779b97f4a7c15u /* odd, so that the order counts */
 
 static int no_memory(struct ctl_error *error)

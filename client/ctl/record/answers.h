@@ -13,11 +13,6 @@
 #include "pccd_types.h"
 #include "reader.h"
 
-struct answers_page {
-    uint64_t step, first, count;
-    uint64_t offset; /* of the chunk */
-};
-
 /* A step or a question about what is near, in the order of the file. */
 struct answers_asked {
     uint64_t step;

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drive_frame.h"
 #include "payload.h"
 
 static int failed(const struct drive *drive, int status, const char *what,

@@ -1,11 +1,19 @@
 /* drive_frame.c - a frame of what a recorded step moves. */
-#include "drive_frame.h"
+#include "drive.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "array.h"
 #include "coordinates.h"
+
+/* Some vertices of an object that are told. */
+struct drive_piece {
+    struct record_segment segment;
+    const double (*begin)[3]; /* [count] of the segment: where they begin; NULL: as the
+                                 segment says */
+    const double (*end)[3];   /* likewise, where they end */
+};
 
 static size_t range_bytes(const struct record_segment *segment)
 {

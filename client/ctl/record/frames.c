@@ -8,9 +8,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "file_name.h"
 #include "player.h"
 #include "terminal.h"
+#include "whole_file.h"
 
 #define NAME_PART 100 /* bytes of each file's name */
 

@@ -8,7 +8,7 @@
 #include "answers.h"
 #include "drive.h"
 #include "play.h"
-#include "progress.h"
+#include "terminal.h"
 
 struct playing {
     struct play_settings settings;

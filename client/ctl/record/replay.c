@@ -6,9 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hash_text.h"
-#include "json_text.h"
-#include "plural.h"
+#include "output.h"
+#include "printable.h"
 #include "shown.h"
 
 enum replay_what {

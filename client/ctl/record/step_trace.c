@@ -1,5 +1,5 @@
 /* step_trace.c - what a daemon's threads did in one step. */
-#include "step_trace.h"
+#include "play.h"
 
 #include <stdio.h>
 #include <stdlib.h>

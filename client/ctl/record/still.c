@@ -8,11 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "json_text.h"
 #include "kinds.h"
-#include "near_line.h"
-#include "plural.h"
+#include "output.h"
+#include "printable.h"
 #include "shown.h"
+#include "world.h"
 
 #define ORIGIN_RATIO 1024.0 /* how much farther off than large a scene is */
 

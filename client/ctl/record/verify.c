@@ -13,7 +13,6 @@
 
 #include "kinds.h"
 #include "oracle.h"
-#include "verify_meeting.h"
 
 #define TOLERANCE    1e-6
 #define BRACKET_BITS 60u

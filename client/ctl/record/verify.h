@@ -10,13 +10,32 @@
 #ifndef CTL_VERIFY_H
 #define CTL_VERIFY_H
 
+#include <argp.h>
+#include <jansson.h>
+#include <stdbool.h>
+
+#include "answers.h"
+#include "oracle.h"
 #include "play.h"
+
+/* ---- How much of each answer is checked. */
 
 struct verify_settings {
     uint64_t seed;
     uint64_t contacts_max; /* of a step that are checked, a sample; 0: all */
     uint64_t sample;       /* pairs of a step that are near, and not in the answer */
 };
+
+/* An argp child; its input is a struct verify_options. */
+struct verify_options {
+    struct verify_settings settings;
+    bool repeats; /* the steps are computed again even if the contacts are recorded */
+};
+#define VERIFY_OPTIONS_INIT                                                              \
+    {                                                                                    \
+        .settings = {.seed = 1, .sample = 1000 }                                         \
+    }
+extern const struct argp verify_options_argp;
 
 struct verify_counts {
     uint64_t steps;
@@ -111,5 +130,65 @@ uint32_t verify_mode(const struct play_step *step);
 double verify_toi_first(const struct play_step *step);
 uint32_t verify_verdict(const struct play_step *step);
 uint32_t verify_incomplete(const struct play_step *step);
+
+/* ---- When the features of a pair meet first in a recorded step, by exact
+ * arithmetic. */
+
+struct verify_meeting {
+    double p[8][3];             /* of the pair, as oracle.h orders them */
+    double r;                   /* above 0: they are thick, and meet about there */
+    struct oracle_first *first; /* NULL: they never meet; the caller's to free */
+    uint32_t flags;             /* PCCD_INITIAL and PCCD_INSIDE, as a record of it has */
+};
+
+/* The eight points of a pair of features that exist, in the order of oracle.h; a kind of
+ * fewer repeats the last. */
+void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
+                   double p[8][3]);
+/* The mesh of either object has its edges (world_edges). */
+void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
+                 struct verify_meeting *meeting);
+/* Whether mode pairs has the pair: no axis separates it, by the given coordinates, and
+ * its kind has a meaning where it is thin. The same meshes. */
+bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair);
+
+/* ---- What came of it, as text and as JSON. */
+
+/* What came of all that was looked at, in its order, up to the first that is wrong; zero
+ * before. */
+struct verify_report {
+    struct verify_counts counts;
+    const struct verify_witness *witness; /* NULL: nothing is wrong */
+    struct verify_unchecked {
+        uint64_t step;
+        bool is_near;
+        char why[VERIFY_WHY_BYTES];
+    } * unchecked; /* what was not checked, or not all of it */
+    size_t unchecked_count, unchecked_room;
+};
+/* Add what came of one, which stays where it is if it is wrong. PCCD_OK or
+ * PCCD_E_NOMEM. */
+int verify_report_add(struct verify_report *report, const struct verify_result *result,
+                      struct ctl_error *error);
+/* Add answers that belong to no step of the recording. */
+int verify_report_strays(struct verify_report *report, struct answers *answers,
+                         struct ctl_error *error);
+void verify_report_deinit(struct verify_report *report);
+
+/* PCCD_OK, or PCCD_E_STATE: none of the answers could be checked, and none is wrong. The
+ * report says so, too, and why. */
+int verify_report_judge(const struct verify_report *report, const char *path,
+                        struct ctl_error *error);
+
+/* On the standard output. False: no memory, or it could not be written. */
+void verify_print_text(const struct verify_report *report);
+bool verify_print_json(const struct verify_report *report);
+
+/* What is wrong, as an object, NULL without memory; and back: false if it is none. */
+json_t *verify_witness_json(const struct verify_witness *witness);
+bool verify_witness_read(const json_t *object, struct verify_witness *witness);
+/* The counts, to an object. False without memory. */
+bool verify_counts_json(json_t *object, const struct verify_counts *counts);
+bool verify_counts_read(const json_t *object, struct verify_counts *counts);
 
 #endif

@@ -6,7 +6,6 @@
 
 #include "kinds.h"
 #include "verify.h"
-#include "verify_meeting.h"
 
 #define DECISIONS_MAX   1000000u    /* exact ones, for one step: a minute */
 #define COMPARISONS_MAX 4000000000u /* of boxes: ten seconds */

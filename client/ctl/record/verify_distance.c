@@ -8,8 +8,7 @@
 #include "answer_hash.h"
 #include "kinds.h"
 #include "oracle_near.h"
-#include "oracle_objects.h"
-#include "registry_positions.h"
+#include "registry.h"
 #include "verify.h"
 
 #define DECISIONS_MAX 4000000u /* exact ones for one answer: a minute */

@@ -1,13 +1,12 @@
 /* verify_meeting.c - when two features meet first, exactly. */
-#include "verify_meeting.h"
+#include "verify.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "kinds.h"
 #include "oracle_thick.h"
-#include "oracle_within.h"
-#include "registry_positions.h"
+#include "registry.h"
 
 void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
                    double p[8][3])

@@ -9,7 +9,6 @@
 #include "kinds.h"
 #include "oracle.h"
 #include "verify.h"
-#include "verify_meeting.h"
 
 #define NEAR      0.1  /* of the feature's own extent */
 #define DRAWS_MAX 400u /* of features, for one step */

@@ -1,5 +1,5 @@
 /* verify_options.c - what of a recording is checked. */
-#include "verify_options.h"
+#include "verify.h"
 
 #include "ctl.h"
 

@@ -1,5 +1,5 @@
 /* verify_report.c - what came of checking the answers of a recording. */
-#include "verify_report.h"
+#include "verify.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "array.h"
-#include "json_text.h"
 #include "kinds.h"
-#include "plural.h"
+#include "output.h"
+#include "printable.h"
 
 /* Of a pair with those points a side: "vertex", "face 2", or "edge a 0" where both are of
  * one sort. */

@@ -9,6 +9,7 @@
 #define CTL_WORLD_H
 
 #include "error.h"
+#include "pccd.h"
 #include "reader.h"
 #include "registry.h"
 
@@ -35,5 +36,12 @@ const uint32_t *world_feature(const struct registry_mesh *mesh, uint32_t points,
 /* Of a feature of an object that has these vertices. */
 double world_radius(const struct registry_object *object, const uint32_t *v,
                     uint32_t count);
+
+/* ---- Where a record of what is near lies in a scene. */
+
+/* At the end of the scene's step that was asked about, 0 or 1; edges of its meshes are
+ * known (world_edges). False: the record names what there is not. */
+bool near_line(const struct registry_scene *scene, const struct pccd_near *near,
+               uint32_t end, double ends[2][3]);
 
 #endif

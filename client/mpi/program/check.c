@@ -7,10 +7,8 @@
 #include <unistd.h>
 
 #include "check_apart.h"
-#include "check_options.h"
 #include "check_run.h"
 #include "clock.h"
-#include "commands.h"
 #include "ctl.h"
 #include "items.h"
 #include "part.h"

@@ -12,7 +12,7 @@
 #include "ctl.h"
 #include "items.h"
 #include "pccd_mpi.h"
-#include "report_line.h"
+#include "report.h"
 #include "together.h"
 
 struct apart {

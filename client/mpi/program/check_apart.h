@@ -5,7 +5,6 @@
 #ifndef PROGRAM_CHECK_APART_H
 #define PROGRAM_CHECK_APART_H
 
-#include "check_options.h"
 #include "check_run.h"
 #include "part.h"
 

@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "deal_inside.h"
 #include "pccd_types.h"
 #include "together.h"
 

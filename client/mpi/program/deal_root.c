@@ -13,7 +13,7 @@
 #include <time.h>
 
 #include "ctl.h"
-#include "deal_inside.h"
+#include "deal.h"
 #include "pccd.h"
 #include "terminal.h"
 #include "together.h"

@@ -2,11 +2,7 @@
 #include <stdlib.h>
 
 #include "clock.h"
-#include "commands.h"
 #include "ctl.h"
-#include "near_csv.h"
-#include "near_options.h"
-#include "near_report.h"
 #include "near_run.h"
 #include "part.h"
 #include "pccd_mpi.h"

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "answers.h"
-#include "commands.h"
 #include "ctl.h"
 #include "recordings.h"
 #include "together.h"

@@ -1,5 +1,5 @@
 /* results.c - lines on a disk. */
-#include "results.h"
+#include "items.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -43,4 +43,20 @@ void together_mute(void);
 /* One line on the standard error of the root, after "pccd-mpi: ". */
 void together_complain(const struct ctl_error *error);
 
+/* ---- The commands of pccd-mpi. */
+
+/* X(name, "what it does"), in the order of the help text. */
+#define PROGRAM_COMMANDS(X)                                                              \
+    X(check, "find the contacts between two or more frames of a mesh")                   \
+    X(near, "tell what is near: pairs, nearest, crossings, depth")                       \
+    X(replay, "repeat recordings and compare every answer")                              \
+    X(verify, "check the answers of recordings by exact arithmetic")                     \
+    X(completion, "print what a shell needs to complete commands and options")
+
+#define PROGRAM_PROTOTYPE(name, text)                                                    \
+    int program_##name(int argc, char **argv);                                           \
+    extern const struct argp program_argp_##name;
+PROGRAM_COMMANDS(PROGRAM_PROTOTYPE)
+#undef PROGRAM_PROTOTYPE
+
 #endif

@@ -5,12 +5,9 @@
 #include <string.h>
 
 #include "answers.h"
-#include "commands.h"
 #include "ctl.h"
 #include "recordings.h"
 #include "together.h"
-#include "verify_options.h"
-#include "verify_report.h"
 
 struct verification {
     struct recordings_options options;

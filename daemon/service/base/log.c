@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "now.h"
-#include "plural.h"
 #include "printable.h"
 
 #define LINE_BYTES 1024u

@@ -70,7 +70,7 @@ struct srv_options {
     uint32_t crashes_max;      /* that the parent bears within 10 s */
     enum srv_sandbox sandbox;
     int ready_fd;  /* -1: none */
-    int listen_fd; /* given to us (activate.h); -1: open one */
+    int listen_fd; /* given to us (activate.c); -1: open one */
     enum srv_level log_level;
 };
 

@@ -1,7 +1,7 @@
 /* reclaim.c - memory that answers have needed goes back to the system when the client
  * is idle.
  */
-#include "reclaim.h"
+#include "ringio.h"
 
 #include "host.h"
 #include "invariant.h"

@@ -1,5 +1,5 @@
 /* region.c - pages of records in the result region. */
-#include "region.h"
+#include "ringio.h"
 
 #include "invariant.h"
 #include "pccd_types.h"

@@ -1,5 +1,4 @@
 /* ringio.h - the daemon's side of the memory shared with a client: positions come in,
- * records go out.
  *
  * Create the upload ring and the result region; read the positions in a slot as shm.h
  * says (sequence check, one copy by the caller, second sequence check); hand out result
@@ -8,12 +7,97 @@
 #ifndef SRV_RINGIO_H
 #define SRV_RINGIO_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "codec.h"
+#include "compute.h"
 #include "memfd.h"
-#include "reclaim.h"
-#include "region.h"
 #include "resource.h"
 #include "shm.h"
+
+/* ---- Gives the memory of large answers back to the system when the client is
+ * idle.
+ *
+ * For example, an answer of 6 MiB is followed by silence: half a second to a second
+ * later the result region (ringio.h) is back at its first 64 KiB, the slots that the
+ * client does not need have no memory, and the user's quota says so. */
+
+struct srv_service;
+struct srv_timer;
+
+/* Who has memory to give back: part of a resource. */
+struct srv_reclaimed {
+    struct srv_job job; /* first: gives it back */
+    struct srv_resource *resource;
+    struct srv_reclaim *list; /* that it is in; NULL: none */
+    struct srv_reclaimed *prev;
+    struct srv_reclaimed *next;
+    bool is_page_job; /* on [pages], else on [compute] */
+    bool was_used;    /* since the timer last fired */
+    bool is_idle;     /* within the timer's function */
+};
+
+/* Zeroed before; until srv_reclaim_init nothing is given back. */
+struct srv_reclaim {
+    struct srv_timer *timer;
+    struct srv_reclaimed *first; /* what has memory to give back; the timer is set */
+};
+
+/* Returns 0 or PCCD_E_NOMEM. Only for a host whose timers fire by themselves. */
+int srv_reclaim_init(struct srv_reclaim *reclaim, struct srv_service *service);
+/* A second time is nothing. */
+void srv_reclaim_deinit(struct srv_reclaim *reclaim);
+
+/* `give_back` is run in the turn of the resource's owner, on [pages] or [compute]. */
+void srv_reclaimed_init(struct srv_reclaimed *reclaimed, struct srv_resource *resource,
+                        bool is_page_job, srv_job_fn give_back);
+/* Give back now, in that turn, whether it was used or not. [loop] */
+void srv_reclaimed_start(struct srv_reclaimed *reclaimed);
+/* It has memory to give back, and was used now. */
+void srv_reclaimed_use(struct srv_reclaimed *reclaimed, struct srv_reclaim *reclaim);
+/* It is going to be freed. */
+void srv_reclaimed_forget(struct srv_reclaimed *reclaimed);
+
+/* ---- Chooses where in the result region, a ring buffer in shared memory, the next
+ * page of records goes.
+ *
+ * Hand out contiguous pages of a ring of bytes. Positions are counters that never wrap,
+ * so that their difference is the fill; a page never wraps around the end of the ring. */
+
+#define SRV_PAGE_ALIGN 64u /* pages begin on cache lines */
+
+struct srv_region {
+    uint64_t capacity; /* bytes, a multiple of SRV_PAGE_ALIGN */
+    uint64_t tail;     /* bytes handed out, skipped ones included */
+    uint64_t head;     /* bytes released, as last believed */
+    uint64_t origin;   /* where the counters stood when position 0 was handed out last */
+    uint64_t taken;    /* bytes from the start that have memory; the owner raises it */
+    uint64_t limit;    /* bytes from the start that pages may use: taken .. capacity */
+};
+
+struct srv_page {
+    uint64_t position; /* bytes from the start of the data */
+    uint64_t count;    /* items that fit, 0 .. wanted */
+    uint64_t release;  /* the head that releases this page and all before it */
+};
+
+void srv_region_init(struct srv_region *region, uint64_t capacity);
+
+/* A ring whose bytes have no memory yet, but for the first `taken`. A page may then end
+ * beyond them, and the owner gives it memory, or sets `limit` and reserves anew. */
+void srv_region_init_sparse(struct srv_region *region, uint64_t capacity, uint64_t taken);
+
+/* A page for up to `wanted` items of `item_bytes`, given the client's `head`: as many as
+ * the longest free stretch holds, the stretch at hand preferred, but for one that has no
+ * memory where the start has. An empty page takes no space. Returns 0, or PCCD_E_INVAL
+ * when `head` went backwards or beyond what was handed out: then nothing changes. */
+int srv_region_reserve(struct srv_region *region, uint64_t head, uint32_t item_bytes,
+                       uint64_t wanted, struct srv_page *page);
+
+/* How many bytes from the start the pages that the client has not released reach, given
+ * its `head`: what lies behind is not used. All of them when `head` makes no sense. */
+uint64_t srv_region_used(const struct srv_region *region, uint64_t head);
 
 struct srv_ring {
     struct srv_resource resource;

@@ -13,6 +13,23 @@
 #include "now.h"
 #include "pccd_types.h"
 
+/* A thread that computes. Locked, but for what says otherwise. */
+struct srv_runner {
+    struct srv_compute *compute; /* constant */
+    uint32_t number;             /* likewise */
+    pthread_t thread;            /* [loop] */
+    pthread_cond_t wake;         /* there is something to take, or stop */
+    struct srv_job *job;         /* that it runs; NULL: none */
+    uint64_t begin_ns;           /* since when */
+    bool is_long;                /* it has run for so long that others run beside it */
+    struct srv_stuck_look {
+        uint64_t begin_ns; /* of the job that ran at the last look; 0: none did */
+        uint64_t cpu_ns;   /* that the thread had had */
+        uint32_t idle;     /* looks since it had any */
+        uint32_t late;     /* looks since the job was to end */
+    } seen;                /* [loop] by the watchdog (stuck.h) */
+};
+
 static void lock(struct srv_compute *compute)
 {
     int failed = pthread_mutex_lock(&compute->mutex);

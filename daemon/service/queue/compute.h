@@ -12,7 +12,7 @@
  * Jobs wait in lanes, one lane per session, and lanes in groups, one group per user.
  * Within a lane the order is first in, first out, and one job runs at a time. Users get
  * equal shares of the thread's time, and the sessions of a user equal shares of that
- * user's. Time is measured, jobs are not counted (fairqueue.h): a client with many or
+ * user's. Time is measured, jobs are not counted (fairqueue.c): a client with many or
  * large jobs delays a client that asks for little by at most the job that runs. What is
  * measured is processor time: on a busy machine other programs take the processor away
  * for milliseconds, and a client must not be charged for these.
@@ -55,23 +55,6 @@
 #define SRV_LONG_NS     10000000u /* that a job runs before another may run beside it, */
 #define SRV_MANY        4u        /* or half of it, while more users than that wait */
 #define SRV_SOON_NS     1000000u  /* after which one that was woken has taken a job */
-
-/* A thread that computes. Locked, but for what says otherwise. */
-struct srv_runner {
-    struct srv_compute *compute; /* constant */
-    uint32_t number;             /* likewise */
-    pthread_t thread;            /* [loop] */
-    pthread_cond_t wake;         /* there is something to take, or stop */
-    struct srv_job *job;         /* that it runs; NULL: none */
-    uint64_t begin_ns;           /* since when */
-    bool is_long;                /* it has run for so long that others run beside it */
-    struct srv_stuck_look {
-        uint64_t begin_ns; /* of the job that ran at the last look; 0: none did */
-        uint64_t cpu_ns;   /* that the thread had had */
-        uint32_t idle;     /* looks since it had any */
-        uint32_t late;     /* looks since the job was to end */
-    } seen;                /* [loop] by the watchdog (stuck.h) */
-};
 
 struct srv_compute {
     pthread_mutex_t mutex;      /* everything below that is not constant or [loop]'s */

@@ -1,5 +1,5 @@
 /* fairqueue.c - whose turn it is: weighted by what each has had. */
-#include "fairqueue.h"
+#include "turns.h"
 
 #include <stddef.h>
 

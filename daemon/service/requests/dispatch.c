@@ -9,7 +9,7 @@
 #include "linger.h"
 #include "meshes.h"
 #include "now.h"
-#include "plural.h"
+#include "printable.h"
 #include "replies.h"
 #include "request.h"
 #include "ringio.h"

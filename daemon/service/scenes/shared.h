@@ -24,7 +24,6 @@
 #define SRV_RIGHTS_DEFAULT 0600u
 #define SRV_RIGHTS_ALL     0666u
 
-struct srv_service;
 struct srv_session;
 
 struct srv_shared {

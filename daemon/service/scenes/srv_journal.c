@@ -9,10 +9,10 @@
 #include "held.h"
 #include "invariant.h"
 #include "member.h"
+#include "relief.h"
 #include "service.h"
 #include "session.h"
 #include "staging.h"
-#include "workspace.h"
 
 struct srv_journal_entry {
     struct srv_journal_entry *next;

@@ -14,7 +14,6 @@
 
 #include "messages.h"
 
-struct srv_conn;
 struct srv_service;
 struct srv_quota_user;
 struct srv_session;

@@ -15,9 +15,8 @@
 #include "metrics.h"
 #include "options.h"
 #include "quota.h"
-#include "reclaim.h"
 #include "relief.h"
-#include "workspace.h"
+#include "ringio.h"
 
 struct proto_decoder;
 struct proto_encoder;

@@ -1,7 +1,8 @@
-/* refused.c - connections of clients that are refused, until they have heard so. */
-#include "refused.h"
+/* server.c - the connections that were refused, and answers that go out together. */
+#include "server.h"
 
 #include <stddef.h>
+#include <string.h>
 
 void srv_refused_add(struct srv_refused *refused, struct srv_refused_link *link,
                      struct srv_conn *conn)
@@ -33,4 +34,30 @@ void srv_refused_remove(struct srv_refused *refused, struct srv_refused_link *li
     }
     refused->count--;
     *link = (struct srv_refused_link){.conn = NULL};
+}
+
+/* ---- Answers that go out together. */
+
+bool srv_outbox_add(struct srv_outbox *outbox, struct srv_conn *conn, const void *message,
+                    size_t bytes)
+{
+    if (outbox->count == SRV_OUTBOX_ENTRIES || bytes > SRV_OUTBOX_BYTES) {
+        return false;
+    }
+    outbox->entries[outbox->count].conn = conn;
+    outbox->entries[outbox->count].bytes = bytes;
+    memcpy(outbox->entries[outbox->count].data, message, bytes);
+    outbox->count++;
+    return true;
+}
+
+bool srv_outbox_is_due(struct srv_outbox *outbox)
+{
+    return outbox->count > 0 && ++outbox->handled >= SRV_OUTBOX_ENTRIES;
+}
+
+void srv_outbox_clear(struct srv_outbox *outbox)
+{
+    outbox->count = 0;
+    outbox->handled = 0;
 }
