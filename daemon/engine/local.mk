@@ -132,7 +132,6 @@ libengine_la_SOURCES = \
     daemon/engine/near/near_best.c \
     daemon/engine/near/near_objects.c \
     daemon/engine/near/near_search.c \
-    daemon/engine/near/near_warm.c \
     daemon/engine/brief.c \
     daemon/engine/effort.c \
     daemon/engine/kept.c \

@@ -151,7 +151,7 @@ void eng_step_memory_give_back(struct eng_step_memory *memory,
 static void changed(struct eng_scene *scene)
 {
     eng_step_memory_of(scene)->kept.objects_changed = true;
-    eng_near_warm_forget(&eng_step_memory_of(scene)->near.objects.warm);
+    eng_near_objects_forget(&eng_step_memory_of(scene)->near.objects);
 }
 
 /* The last answer's records are read until the next step. */

@@ -1,7 +1,7 @@
 /* closest_features.c - the features between which a distance is. */
-#include "closest_features.h"
-
 #include <assert.h>
+
+#include "narrow.h"
 
 static bool is_below(const uint32_t edge[2], uint32_t low_end, uint32_t high_end)
 {
@@ -144,29 +144,30 @@ static void tell_apart(enum pccd_kind kind, const struct eng_distance *distances
     }
 }
 
-void eng_closest_features(const struct eng_scene *scene, enum pccd_kind kind,
-                          const struct eng_point *points, const uint32_t (*quads)[4],
-                          const uint32_t *index, uint32_t count,
-                          struct eng_edges_known *known, struct pccd_pair *names,
-                          struct eng_distance *distances)
+void eng_closest_features(struct eng_worker *worker, const struct eng_pairs *pairs)
 {
+    struct eng_narrow_near *work = worker->narrow->near;
+    struct eng_batch *batch = &worker->narrow->batch;
+    const enum pccd_kind kind = (enum pccd_kind)pairs->kind;
     struct namings namings;
-    assert(count <= ENG_CHUNK_MAX && kind <= PCCD_VV);
-    tell_apart(kind, distances, count, &namings);
+    assert(batch->found <= ENG_CHUNK_MAX && kind <= PCCD_VV);
+    tell_apart(kind, batch->near, batch->found, &namings);
     for (enum naming naming = VERTICES; naming < NAMINGS; naming++) {
         for (uint32_t k = 0; k < namings.count[naming]; k++) {
             uint32_t i = namings.pair[naming][k];
-            const uint32_t *quad = quads[index[i]];
-            struct eng_distance *at = &distances[i];
-            const struct eng_point *const all[4] = {&points[quad[0]], &points[quad[1]],
-                                                    &points[quad[2]], &points[quad[3]]};
+            const uint32_t *quad = pairs->quads[batch->index[i]];
+            struct eng_distance *at = &batch->near[i];
+            struct pccd_pair *name = &work->names[i];
+            const struct eng_point *const all[4] = {
+                &pairs->points[quad[0]], &pairs->points[quad[1]], &pairs->points[quad[2]],
+                &pairs->points[quad[3]]};
             if (naming == VERTICES) {
                 name_vertices(all[__builtin_ctz(at->points)],
-                              all[31 - __builtin_clz(at->points)], &names[i], at);
+                              all[31 - __builtin_clz(at->points)], name, at);
             } else if (kind == PCCD_VF) {
-                name_side(scene, known, all, &names[i], at);
+                name_side(worker->scene, &work->edges, all, name, at);
             } else {
-                name_end(all, naming == OF_SECOND, &names[i], at);
+                name_end(all, naming == OF_SECOND, name, at);
             }
         }
     }

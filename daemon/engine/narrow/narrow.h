@@ -13,11 +13,11 @@
 #define ENG_NARROW_H
 
 #include "batch.h"
-#include "closest_features.h"
 #include "distance.h"
 #include "finding.h"
 #include "thick.h"
 #include "thickness.h"
+#include "world.h"
 
 /* Of pairs that meet at a distance. */
 struct eng_narrow_thick {
@@ -40,6 +40,19 @@ struct eng_narrow_thick {
 struct eng_near_recent {
     uint64_t key;
     struct pccd_near *record;
+};
+
+/* Edges that were looked up, each at a place of its ends': most are asked for again soon.
+ * All zeros: none. */
+#define ENG_EDGES_KNOWN 4096u
+
+struct eng_edges_known {
+    struct eng_edge_known {
+        const struct eng_mesh *mesh;
+        uint32_t low_end;
+        uint32_t high_end;
+        uint32_t edge;
+    } at[ENG_EDGES_KNOWN];
 };
 
 /* Of what is near. */
@@ -98,6 +111,12 @@ bool eng_narrow_is_within(struct eng_worker *worker, const struct eng_pairs *pai
 /* The range of all names in a scene; get ready for names within it. [compute] */
 struct eng_name_range eng_near_range(const struct eng_scene *scene);
 void eng_near_begin(struct eng_worker *worker, const struct eng_name_range *range);
+
+/* Names and distances of what the batch has found become those of the features between
+ * which the distance is, functions of their own points. An edge that ends above a face is
+ * near it: the two are the vertex and the face, and each other edge that ends there leads
+ * to them, too. */
+void eng_closest_features(struct eng_worker *worker, const struct eng_pairs *pairs);
 
 /* eng_narrow_test of what is near. */
 void eng_near_test(struct eng_worker *worker, struct eng_pairs *pairs,

@@ -297,9 +297,7 @@ static void keep_near(struct eng_worker *worker, const struct eng_pairs *pairs,
     }
     names(worker, kind, batch->index, batch->found, work->names);
     if (pairs->question->verb == PCCD_NEAR_FEATURES) {
-        eng_closest_features(worker->scene, kind, pairs->points, pairs->quads,
-                             batch->index, batch->found, &work->edges, work->names,
-                             batch->near);
+        eng_closest_features(worker, pairs);
         keep_features(worker, batch->found);
     } else {
         keep_records(worker, work->names, batch->near, batch->found);

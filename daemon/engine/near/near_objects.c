@@ -10,17 +10,142 @@
 #include "memory.h"
 #include "thickness.h"
 
+/* Pairs of objects that are kept. */
+#define CAPACITY_LEAST 16u
+#define CAPACITY_MOST  (1u << 22) /* 80 MiB */
+
 #define SHARE_FACES 256u
 
 /* Of the square of a distance of bounds: more than what its rounding adds. */
 #define BOUNDS_SLACK 0x1p-40
+
+/* ---- the nearest pairs of last time ------------------------------------------------ */
+
+static void free_cache(struct eng_nearest_cache *cache)
+{
+    eng_free(cache->entries);
+    *cache = (struct eng_nearest_cache){0};
+}
+
+static uint64_t cache_bytes(const struct eng_nearest_cache *cache)
+{
+    return cache->capacity * sizeof *cache->entries;
+}
+
+static void forget_cache(struct eng_nearest_cache *cache)
+{
+    if (cache->count > 0) {
+        memset(cache->entries, 0, cache->capacity * sizeof *cache->entries);
+        cache->count = 0;
+    }
+}
+
+/* Pairs are of two different objects. */
+static bool is_free(const struct pccd_pair *entry)
+{
+    return entry->object_a == entry->object_b;
+}
+
+/* The entry of two objects, by id, or the free one where it belongs. */
+static struct pccd_pair *entry_of(const struct eng_nearest_cache *cache, uint32_t a,
+                                  uint32_t b)
+{
+    uint64_t low = a < b ? a : b;
+    uint64_t high = a < b ? b : a;
+    uint64_t mixed = (high << 32 | low) * UINT64_C(0x9e3779b97f4a7c15);
+    uint32_t at = (uint32_t)(mixed >> 32) & (cache->capacity - 1);
+    for (;;) {
+        struct pccd_pair *entry = &cache->entries[at];
+        if (is_free(entry) || (entry->object_a == a && entry->object_b == b) ||
+            (entry->object_a == b && entry->object_b == a)) {
+            return entry;
+        }
+        at = (at + 1) & (cache->capacity - 1);
+    }
+}
+
+static bool reserve(struct eng_nearest_cache *cache, uint64_t count)
+{
+    uint32_t capacity = cache->capacity > 0 ? cache->capacity : CAPACITY_LEAST;
+    while (capacity < 2 * count && capacity < CAPACITY_MOST) {
+        capacity *= 2;
+    }
+    if (capacity < 2 * count) {
+        return false;
+    }
+    if (capacity > cache->capacity) {
+        struct pccd_pair *entries = eng_alloc(capacity, sizeof *entries);
+        if (!entries) {
+            return false;
+        }
+        memset(entries, 0, capacity * sizeof *entries);
+        eng_free(cache->entries);
+        cache->entries = entries;
+        cache->capacity = capacity;
+    }
+    return true;
+}
+
+static void learn(struct eng_nearest_cache *cache, const struct pccd_near *records,
+                  uint64_t count)
+{
+    forget_cache(cache);
+    if (!reserve(cache, count)) {
+        return;
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        const struct pccd_near *record = &records[i];
+        assert(record->object_a != record->object_b);
+        *entry_of(cache, record->object_a, record->object_b) =
+            (struct pccd_pair){.kind = record->kind,
+                               .object_a = record->object_a,
+                               .feature_a = record->feature_a,
+                               .object_b = record->object_b,
+                               .feature_b = record->feature_b};
+    }
+    cache->count = (uint32_t)count;
+}
+
+static bool find_in_cache(const struct eng_nearest_cache *cache,
+                          const struct eng_scene *scene, uint32_t a, uint32_t b,
+                          struct eng_near_pair *pair)
+{
+    if (cache->count == 0) {
+        return false;
+    }
+    const struct pccd_pair *entry =
+        entry_of(cache, scene->objects[a].id, scene->objects[b].id);
+    if (is_free(entry)) {
+        return false;
+    }
+    bool is_turned = entry->object_a != scene->objects[a].id;
+    uint32_t first = is_turned ? b : a;
+    uint32_t second = is_turned ? a : b;
+    if (entry->kind == PCCD_VF) {
+        *pair = eng_near_vf(scene, first, entry->feature_a, second, entry->feature_b);
+    } else if (entry->kind == PCCD_EF) {
+        *pair =
+            eng_near_ef(scene, first, scene->objects[first].mesh->edges[entry->feature_a],
+                        second, entry->feature_b);
+    } else {
+        *pair =
+            eng_near_ee(scene, first, scene->objects[first].mesh->edges[entry->feature_a],
+                        second, scene->objects[second].mesh->edges[entry->feature_b]);
+    }
+    return true;
+}
+
+void eng_near_objects_forget(struct eng_near_objects *objects)
+{
+    forget_cache(&objects->cache);
+}
 
 void eng_near_objects_deinit(struct eng_near_objects *objects)
 {
     for (uint32_t i = 0; i < objects->search_count; i++) {
         eng_near_search_free(objects->searches[i]);
     }
-    eng_near_warm_deinit(&objects->warm);
+    free_cache(&objects->cache);
     eng_free(objects->shares);
     *objects = (struct eng_near_objects){0};
 }
@@ -30,7 +155,7 @@ uint64_t eng_near_objects_bytes(const struct eng_near_objects *objects)
     return objects->search_count * (sizeof *objects->searches[0] + eng_numbers_bytes() +
                                     eng_distance_order_bytes()) +
            objects->share_capacity * sizeof *objects->shares +
-           eng_near_warm_bytes(&objects->warm);
+           cache_bytes(&objects->cache);
 }
 
 /* ---- who is asked for ----------------------------------------------------------- */
@@ -290,7 +415,7 @@ static void perform_nearest(struct eng_near_objects *objects,
             continue;
         }
         struct eng_near_pair first;
-        bool is_warm = eng_near_warm_find(&objects->warm, objects->scene, a, b, &first);
+        bool is_warm = find_in_cache(&objects->cache, objects->scene, a, b, &first);
         worker->record.task_units++;
         if (!eng_near_search_objects(search, a, b, distance, objects->ask.gap, most,
                                      is_warm ? &first : NULL)) {
@@ -422,5 +547,5 @@ uint64_t eng_near_objects_crossings(const struct eng_near_objects *objects)
 void eng_near_objects_learn(struct eng_near_objects *objects, const void *records,
                             uint64_t count)
 {
-    eng_near_warm_learn(&objects->warm, records, count);
+    learn(&objects->cache, records, count);
 }

@@ -6,7 +6,6 @@
 
 #include "closed.h"
 #include "near_search.h"
-#include "near_warm.h"
 
 /* A mesh that is not closed: of the object of that id. */
 struct eng_near_open {
@@ -23,11 +22,20 @@ struct eng_near_share {
     uint32_t count; /* .. for crossings with objects behind it */
 };
 
+/* Which features of two objects were the nearest last time, by their objects. They are
+ * looked at first, so that all that is farther is left out from the beginning: what is
+ * nearest does not depend on it. */
+struct eng_nearest_cache {
+    struct pccd_pair *entries; /* [capacity] by a hash of the objects; all 0: none */
+    uint32_t capacity;         /* 0 or a power of two */
+    uint32_t count;
+};
+
 struct eng_near_objects {
     const struct eng_scene *scene;
     struct eng_question ask; /* NEAREST or DEPTH, which has no gap */
     uint32_t chosen[2];      /* indices, or ENG_NO_OBJECT */
-    struct eng_near_warm warm;
+    struct eng_nearest_cache cache;
     struct eng_near_share *shares; /* [share_capacity]; NEAREST: by x */
     uint32_t share_count;
     uint32_t share_capacity;
@@ -59,6 +67,9 @@ void eng_near_objects_perform(struct eng_near_objects *objects,
 
 /* What passes through what, of DEPTH; after the search. [compute] */
 uint64_t eng_near_objects_crossings(const struct eng_near_objects *objects);
+
+/* Objects came, went or have another mesh: forget where the next one begins. [compute] */
+void eng_near_objects_forget(struct eng_near_objects *objects);
 
 /* The records of a complete answer: where the next one begins. [compute] */
 void eng_near_objects_learn(struct eng_near_objects *objects, const void *records,
