@@ -2,6 +2,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "array.h"
@@ -45,9 +47,6 @@ void bytes_deinit(struct bytes *bytes)
     free(bytes->at);
     memset(bytes, 0, sizeof *bytes);
 }
-
-#define XXH_INLINE_ALL
-
 
 #define LEVELS 65535.0 /* of a rounded coordinate */
 
