@@ -20,26 +20,28 @@ void srv_answer_close_fds(const int *fds, int fd_count)
 }
 
 /* One answer into service->encoder; kept, too, where it may have to be sent again. */
-static void encode(struct srv_session *session, uint32_t id, int method,
+static void encode(struct srv_session *session, const struct srv_question *question,
                    const void *result, const struct proto_error *error)
 {
     struct proto_encoder *encoder = session->service->encoder;
-    int status = error != NULL ? proto_encode_error(encoder, id, error)
-                               : proto_encode_result(encoder, id, method, result);
+    int status = error != NULL ? proto_encode_error(encoder, question->id, error)
+                               : proto_encode_result(encoder, question->id,
+                                                     question->method, result);
     PCCD_ASSERT(status == 0); /* no answer of ours comes near the limit */
-    if (session->replies != NULL && srv_replies_must_keep(method) &&
+    if (session->replies != NULL && srv_replies_must_keep(question->method) &&
         !(error != NULL && error->fatal)) {
-        srv_replies_keep(session->replies, srv_reply_copy(id, encoder));
+        srv_replies_keep(session->replies, srv_reply_copy(question->id, encoder));
     }
 }
 
 /* Send one answer. Takes fds over. A fatal error is the last thing the client hears. */
-static void send_answer(struct srv_session *session, uint32_t id, int method,
+static void send_answer(struct srv_session *session, const struct srv_question *question,
                         const void *result, const struct proto_error *error,
                         const int *fds, int fd_count)
 {
     struct srv_service *service = session->service;
-    encode(session, id, method, result, error);
+    int method = question->method;
+    encode(session, question, result, error);
     srv_conn_send(session->conn, service->encoder, fds, fd_count);
     if (error == NULL) {
         return;
@@ -62,7 +64,7 @@ void srv_answer(struct srv_session *session, const struct srv_question *question
 {
     struct srv_service *service = session->service;
     uint64_t begin_ns = service->tracing != NULL ? common_now_ns() : 0;
-    send_answer(session, question->id, question->method, result, error, fds, fd_count);
+    send_answer(session, question, result, error, fds, fd_count);
     srv_metrics_add_duration(&service->metrics, PCCD_HISTOGRAM_REQUESTS,
                              common_now_ns() - question->arrival_ns);
     srv_tracing_add(service, PCCD_TRACE_ANSWER, session, begin_ns, question->method,
@@ -75,11 +77,12 @@ void srv_answer_keep(struct srv_session *session, const struct srv_question *que
                      const void *result, const struct proto_error *error)
 {
     PCCD_ASSERT(session->replies != NULL);
-    encode(session, question->id, question->method, result, error);
+    encode(session, question, result, error);
 }
 
 void srv_answer_refuse(struct srv_session *session, const struct proto_error *error)
 {
     PCCD_ASSERT(error->fatal);
-    send_answer(session, 0, -1, NULL, error, NULL, 0);
+    const struct srv_question none = {.method = -1};
+    send_answer(session, &none, NULL, error, NULL, 0);
 }
