@@ -135,7 +135,7 @@ void cli_answer_release(struct pccd_client *client, uint64_t reserved[2])
 
 /* ---- waiting ----------------------------------------------------------------------- */
 
-static struct cli_call *find_step(struct pccd_client *client, uint64_t step)
+struct cli_call *cli_step_find(struct pccd_client *client, uint64_t step)
 {
     for (uint32_t i = 0; step != 0 && i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
@@ -208,7 +208,7 @@ int cli_answer_wait(struct pccd_client *client, uint64_t step, bool is_batch,
                     int timeout_ms, void *answer)
 {
     int status = cli_answer_check(client, answer, is_batch);
-    struct cli_call *call = status == 0 ? find_step(client, step) : NULL;
+    struct cli_call *call = status == 0 ? cli_step_find(client, step) : NULL;
 
     if (call == NULL) {
         return status != 0 ? status : fail_not_pending(client, step);
@@ -320,7 +320,7 @@ int pccd_cancel(struct pccd_client *client, uint64_t step)
     struct cli_call *call;
 
     CLI_ENTER_OR_RETURN(client);
-    call = find_step(client, step);
+    call = cli_step_find(client, step);
     if (call == NULL) {
         return fail_not_pending(client, step);
     }
@@ -336,7 +336,7 @@ int pccd_cancel(struct pccd_client *client, uint64_t step)
 void pccd_abandon(struct pccd_client *client, uint64_t step)
 {
     CLI_TURN cli_turn = cli_enter_late(client);
-    struct cli_call *call = client != NULL ? find_step(client, step) : NULL;
+    struct cli_call *call = client != NULL ? cli_step_find(client, step) : NULL;
     struct proto_CANCEL_request request;
     struct cli_call *cancel = NULL;
 

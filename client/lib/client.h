@@ -72,6 +72,12 @@ struct cli_call {
     char text[CLI_TEXT_BYTES];
 };
 
+/* Whether its answer has not come. */
+static inline bool cli_call_is_sent(const struct cli_call *call)
+{
+    return call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST;
+}
+
 /* ---- the client -------------------------------------------------------------------- */
 
 /* A daemon of our own. */

@@ -2,6 +2,7 @@
 #include "connection.h"
 
 #include <assert.h>
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -19,24 +20,24 @@ void cli_fds_close(struct pccd_client *client)
     }
 }
 
+/* A call whose answer does not come. */
+static void fail_call(const struct pccd_client *client, struct cli_call *call)
+{
+    call->held = false;
+    call->page = 0;
+    call->status = PCCD_E_DISCONNECTED;
+    memcpy(call->text, client->dead_text, sizeof call->text);
+    call->state = call->state == CLI_CALL_LOST ? CLI_CALL_FREE : CLI_CALL_DONE;
+}
+
 int cli_die(struct pccd_client *client)
 {
     client->dead = true;
     client->link.is_down = false;
     for (uint32_t i = 0; i < client->calls_end; i++) {
-        struct cli_call *call = &client->calls[i];
-
-        call->held = false;
-        if (call->state == CLI_CALL_LOST) {
-            call->state = CLI_CALL_FREE;
+        if (cli_call_is_sent(&client->calls[i])) {
+            fail_call(client, &client->calls[i]);
         }
-        if (call->state != CLI_CALL_SENT) {
-            continue;
-        }
-        call->state = CLI_CALL_DONE;
-        call->status = PCCD_E_DISCONNECTED;
-        call->page = 0;
-        memcpy(call->text, client->dead_text, sizeof call->text);
     }
     for (uint32_t i = 0; i < client->ring.slot_count; i++) {
         if (client->ring.slots[i].state == CLI_SLOT_SENT) {
@@ -52,16 +53,11 @@ static void hold_calls(struct pccd_client *client)
 {
     for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
-        bool sent = call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST;
 
-        if (sent && !call->recovery) {
+        if (cli_call_is_sent(call) && call->recovery) {
+            fail_call(client, call);
+        } else if (cli_call_is_sent(call)) {
             call->held = true;
-        } else if (call->state == CLI_CALL_LOST) {
-            call->state = CLI_CALL_FREE;
-        } else if (call->state == CLI_CALL_SENT) {
-            call->state = CLI_CALL_DONE;
-            call->status = PCCD_E_DISCONNECTED;
-            memcpy(call->text, client->dead_text, sizeof call->text);
         }
     }
 }
@@ -138,4 +134,45 @@ int pccd_fd(const struct pccd_client *client)
         return -1;
     }
     return client->direct.line != NULL ? cli_direct_descriptor(client) : client->socket;
+}
+
+/* ---- messages ---------------------------------------------------------------------- */
+
+int cli_message_send(struct pccd_client *client)
+{
+    const struct proto_encoder *encoder = &client->encoder;
+
+    return client->link.way == CLI_WAY_DIRECT
+               ? cli_direct_send(client, encoder->data, encoder->bytes)
+               : proto_send(client->socket, encoder->data, encoder->bytes, NULL, 0);
+}
+
+/* From the socket. Only one answer brings descriptors. */
+static int receive(struct pccd_client *client, bool waits, size_t *bytes, int *fd_count)
+{
+    if (client->is_attaching) {
+        return (waits ? proto_await : proto_receive)(client->socket, client->message,
+                                                     sizeof client->message, bytes,
+                                                     client->fds, fd_count);
+    }
+    *fd_count = 0;
+    return (waits ? proto_await_bare : proto_receive_bare)(
+        client->socket, client->message, sizeof client->message, bytes);
+}
+
+int cli_message_receive(struct pccd_client *client, bool waits, size_t *bytes,
+                        int *fd_count)
+{
+    int status;
+
+    if (client->link.way == CLI_WAY_DIRECT) {
+        return cli_direct_receive(client, bytes, fd_count);
+    }
+    errno = 0;
+    status = receive(client, waits, bytes, fd_count);
+    /* A peer that closed with our messages unread is a reset first; what it had said
+     * before can still be read after it. */
+    return status == PCCD_E_DISCONNECTED && errno == ECONNRESET
+               ? receive(client, false, bytes, fd_count)
+               : status;
 }

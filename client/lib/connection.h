@@ -24,6 +24,14 @@ void cli_fds_close(struct pccd_client *client);
  * process's, else 0. */
 int cli_alive(struct pccd_client *client);
 
+/* Send the encoded message: 0, PCCD_E_AGAIN, or why it cannot be. In the process,
+ * whatever it asks for is computed before this returns. */
+int cli_message_send(struct pccd_client *client);
+/* One message into client->message, as proto_receive; `waits`: as proto_await, and not in
+ * the process. */
+int cli_message_receive(struct pccd_client *client, bool waits, size_t *bytes,
+                        int *fd_count);
+
 /* Close the socket and forget every call, so that another can be opened. */
 void cli_connection_close(struct pccd_client *client);
 

@@ -73,18 +73,12 @@ void cli_shared_note(struct pccd_client *client, const struct proto_envelope *en
     };
 }
 
-/* The step's call, until its answer is taken; NULL: there is none. */
-static struct cli_call *find_call(struct pccd_client *client, uint64_t step)
+/* A step that may be held; NULL: there is none. */
+static struct cli_call *find_frame(struct pccd_client *client, uint64_t step)
 {
-    for (uint32_t i = 0; step != 0 && i < client->calls_end; i++) {
-        struct cli_call *call = &client->calls[i];
+    struct cli_call *call = cli_step_find(client, step);
 
-        if (call->step == step && call->method == PROTO_METHOD_FRAME_SUBMIT &&
-            (call->state == CLI_CALL_SENT || call->state == CLI_CALL_DONE)) {
-            return call;
-        }
-    }
-    return NULL;
+    return call != NULL && call->method == PROTO_METHOD_FRAME_SUBMIT ? call : NULL;
 }
 
 void cli_shared_held(struct pccd_client *client, const struct proto_envelope *envelope)
@@ -95,7 +89,7 @@ void cli_shared_held(struct pccd_client *client, const struct proto_envelope *en
 
     if (proto_decode_body(envelope, &proto_messages[PROTO_NOTE_SCENE_HELD].request, &note,
                           &error) == 0 &&
-        (call = find_call(client, note.step)) != NULL) {
+        (call = find_frame(client, note.step)) != NULL) {
         call->waits = true;
     }
 }
@@ -113,7 +107,7 @@ int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms)
     }
     deadline_ns = cli_deadline(client, timeout_ms);
     cli_step_drain(client);
-    call = find_call(client, step);
+    call = find_frame(client, step);
     if (call == NULL && client->dead) {
         return cli_alive(client);
     }

@@ -15,6 +15,8 @@
 #include "rpc.h"
 #include "seqpacket.h"
 
+#define CLI_RETRY_NS       1000000u
+#define CLI_RETRY_NS_MAX   50000000u
 #define CLI_STARTS_MAX     3             /* daemons started by one connect */
 #define CLI_START_PATIENCE 2000000000ull /* ns: from "listening" to a connection */
 
@@ -24,6 +26,13 @@ void cli_sleep_ns(uint64_t ns)
 
     (void)nanosleep(&pause,
                     NULL); /* cut short by a signal: the caller looks at the clock */
+}
+
+/* Pause, twice as long the next time. */
+static void pause_longer(uint64_t *pause_ns)
+{
+    cli_sleep_ns(*pause_ns);
+    *pause_ns = *pause_ns * 2 < CLI_RETRY_NS_MAX ? *pause_ns * 2 : CLI_RETRY_NS_MAX;
 }
 
 /* Take a connected socket; in place of another one under the same number, so that whoever
@@ -72,8 +81,7 @@ static int open_socket(struct pccd_client *client, const char *path, uint64_t de
         int reason = errno;
 
         if (reason == EAGAIN && common_now_ns() < deadline_ns) {
-            cli_sleep_ns(pause_ns);
-            pause_ns = pause_ns * 2 < CLI_RETRY_NS_MAX ? pause_ns * 2 : CLI_RETRY_NS_MAX;
+            pause_longer(&pause_ns);
             continue;
         }
         if (reason == EINTR) {
@@ -236,8 +244,7 @@ static int retry_session(struct pccd_client *client, uint64_t deadline_ns)
         if (!is_worth_retrying(status)) {
             return status;
         }
-        cli_sleep_ns(pause_ns);
-        pause_ns = pause_ns * 2 < CLI_RETRY_NS_MAX ? pause_ns * 2 : CLI_RETRY_NS_MAX;
+        pause_longer(&pause_ns);
     } while (common_now_ns() < until_ns);
     return status;
 }

@@ -4,9 +4,6 @@
 
 #include "client.h"
 
-#define CLI_RETRY_NS     1000000u
-#define CLI_RETRY_NS_MAX 50000000u
-
 /* The first connection. link->way and what it needs are set. */
 int cli_link_first(struct pccd_client *client, uint64_t deadline_ns);
 
@@ -25,9 +22,6 @@ void cli_link_forget(struct pccd_client *client);
 void cli_sleep_ns(uint64_t ns);
 
 /* ---- another connection ------------------------------------------------------------ */
-
-/* The longest pause; the first is CLI_PAUSE_NS, each next one twice as long. */
-#define CLI_PAUSE_NS_MAX 1000000000u
 
 /* The connection is lost: wait for another one. Returns 0, PCCD_E_TIMEOUT (the deadline;
  * later calls go on trying), or PCCD_E_DISCONNECTED when the patience is at its end: the

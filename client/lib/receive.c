@@ -1,6 +1,5 @@
 /* receive.c - what the daemon says. */
 #include <assert.h>
-#include <errno.h>
 #include <stdio.h>
 
 #include "connection.h"
@@ -12,8 +11,7 @@ static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
     for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
-        if (call->id == id && !call->held &&
-            (call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST)) {
+        if (call->id == id && !call->held && cli_call_is_sent(call)) {
             return call;
         }
     }
@@ -218,7 +216,7 @@ static void take_reply(struct pccd_client *client, const struct proto_envelope *
     if (is_for_another_daemon(client, call, envelope)) {
         return;
     }
-    assert(call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST);
+    assert(cli_call_is_sent(call));
     assert(call->slot == CLI_SLOT_NONE ||
            client->ring.slots[call->slot].state == CLI_SLOT_SENT);
     if (call->slot != CLI_SLOT_NONE) {
@@ -285,38 +283,6 @@ static int lost(struct pccd_client *client, const char *why)
     return client->link.is_down ? PCCD_E_AGAIN : status;
 }
 
-/* From the socket. Only one answer brings descriptors. */
-static int receive_message(struct pccd_client *client, bool waits, size_t *bytes,
-                           int *fd_count)
-{
-    if (client->is_attaching) {
-        return (waits ? proto_await : proto_receive)(client->socket, client->message,
-                                                     sizeof client->message, bytes,
-                                                     client->fds, fd_count);
-    }
-    *fd_count = 0;
-    return (waits ? proto_await_bare : proto_receive_bare)(
-        client->socket, client->message, sizeof client->message, bytes);
-}
-
-/* One message into client->message, as proto_receive; `waits`: as proto_await. */
-static int receive(struct pccd_client *client, bool waits, size_t *bytes, int *fd_count)
-{
-    int status;
-
-    if (client->link.way == CLI_WAY_DIRECT) {
-        return cli_direct_receive(client, bytes, fd_count);
-    }
-    errno = 0;
-    status = receive_message(client, waits, bytes, fd_count);
-    /* A peer that closed with our messages unread is a reset first; what it had said
-     * before can still be read after it. */
-    if (status == PCCD_E_DISCONNECTED && errno == ECONNRESET) {
-        status = receive_message(client, false, bytes, fd_count);
-    }
-    return status;
-}
-
 static int take(struct pccd_client *client, bool waits)
 {
     struct proto_envelope envelope;
@@ -331,7 +297,7 @@ static int take(struct pccd_client *client, bool waits)
     if (client->link.is_down) {
         return PCCD_E_AGAIN;
     }
-    status = receive(client, waits, &bytes, &fd_count);
+    status = cli_message_receive(client, waits, &bytes, &fd_count);
     if (status == PCCD_E_AGAIN) {
         return status;
     }

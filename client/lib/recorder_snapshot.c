@@ -286,9 +286,9 @@ static int write_unanswered(struct pccd_client *client)
         for (uint32_t i = 0; i < client->calls_end; i++) {
             const struct cli_call *call = &client->calls[i];
 
-            if ((call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST) &&
-                cli_call_is_step(call->method) && !call->recovery &&
-                call->serial > after && (next == NULL || call->serial < next->serial)) {
+            if (cli_call_is_sent(call) && cli_call_is_step(call->method) &&
+                !call->recovery && call->serial > after &&
+                (next == NULL || call->serial < next->serial)) {
                 next = call;
             }
         }

@@ -23,14 +23,11 @@
 #include "recorder_shared.h"
 #include "rpc.h"
 
-#define HELLO_NS 100000000u /* for an answer to hello at least, whatever the deadline */
+/* The longest pause; the first is CLI_PAUSE_NS, each next one twice as long. */
+#define CLI_PAUSE_NS_MAX 1000000000u
+#define HELLO_NS         100000000u /* for an answer to hello, whatever the deadline */
 
 /* ---- one try ----------------------------------------------------------------------- */
-
-static bool is_unanswered(const struct cli_call *call)
-{
-    return call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST;
-}
 
 /* Part of a mesh's upload, which another daemon must be sent from the beginning. */
 static bool is_upload(const struct cli_call *call)
@@ -45,7 +42,7 @@ static bool is_upload(const struct cli_call *call)
 static void end_call(struct pccd_client *client, struct cli_call *call, int status,
                      const char *why)
 {
-    assert(is_unanswered(call) && call->held);
+    assert(cli_call_is_sent(call) && call->held);
     if (call->slot != CLI_SLOT_NONE) {
         client->ring.slots[call->slot].state = CLI_SLOT_FREE;
         cli_slot_offer(&client->ring, call->slot);
@@ -77,7 +74,7 @@ static void end_uploads(struct pccd_client *client)
     for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
-        if (is_unanswered(call) && call->held && is_upload(call)) {
+        if (cli_call_is_sent(call) && call->held && is_upload(call)) {
             end_call(client, call, PCCD_E_AGAIN, "the daemon is another one");
         }
     }
@@ -89,9 +86,9 @@ static void hold_all(struct pccd_client *client, bool rest)
     for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
-        if (is_unanswered(call) && call->recovery) {
+        if (cli_call_is_sent(call) && call->recovery) {
             call->state = CLI_CALL_FREE;
-        } else if (is_unanswered(call) && rest) {
+        } else if (cli_call_is_sent(call) && rest) {
             call->held = true;
         }
     }
@@ -111,7 +108,7 @@ static bool needs_no_answer(const struct pccd_client *client)
 
         needs =
             needs ||
-            (is_unanswered(call) && call->held &&
+            (cli_call_is_sent(call) && call->held &&
              (is_upload(call) || call->daemons_ended + 1 >= client->link.daemons_max));
     }
     return !needs;

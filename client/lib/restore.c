@@ -14,6 +14,7 @@
 #include "link.h"
 #include "replica.h"
 #include "rpc.h"
+#include "step.h"
 
 #define SEGMENTS 64u /* of a step that brings positions back */
 #define AT_ONCE  1u  /* deadline_ns: move, and look for nothing */
@@ -127,80 +128,84 @@ static int restore_scene(struct cli_pipeline *pipeline,
 
 /* ---- positions --------------------------------------------------------------------- */
 
-/* A step that is being written, with the table at its start and the positions behind. */
-struct batch {
+/* A step that brings objects to their places, with the table at the start of its slot and
+ * the positions behind. */
+struct placing {
     struct cli_pipeline *pipeline;
-    uint32_t scene;
-    bool is_shared;
+    const struct registry_scene *scene;
     uint32_t slot; /* CLI_SLOT_NONE: none is begun */
-    uint32_t segment_count;
-    uint64_t used;
 };
 
-static int flush(struct batch *batch)
+static int flush(struct placing *placing)
 {
-    struct pccd_client *client = batch->pipeline->client;
+    struct pccd_client *client = placing->pipeline->client;
     /* A daemon that tells what is near knows by this that nobody stepped here. */
-    bool places = batch->is_shared || (client->link.features & PROTO_FEATURE_NEAR) != 0;
-    struct proto_FRAME_SUBMIT_request request = {.scene = batch->scene,
-                                                 .slot = batch->slot,
-                                                 .segments = batch->segment_count,
+    bool places = placing->scene->settings.name[0] != '\0' ||
+                  (client->link.features & PROTO_FEATURE_NEAR) != 0;
+    struct proto_FRAME_SUBMIT_request request = {.scene = placing->scene->handle,
+                                                 .slot = placing->slot,
                                                  .mode = PCCD_MODE_ANY,
                                                  .place = places,
                                                  .deadline_ns = AT_ONCE};
     int status;
 
-    if (batch->slot == CLI_SLOT_NONE) {
+    if (placing->slot == CLI_SLOT_NONE) {
         return 0;
     }
-    assert(batch->segment_count > 0 && batch->segment_count <= SEGMENTS);
-    assert(batch->used <= client->ring.slot_stride);
-    request.seq = cli_slot_publish(&client->ring, batch->slot);
-    status = cli_pipeline_send(batch->pipeline, PROTO_METHOD_FRAME_SUBMIT, &request,
-                               batch->slot, NULL);
+    request.segments = client->ring.slots[placing->slot].segment_count;
+    assert(request.segments > 0 && request.segments <= SEGMENTS);
+    request.seq = cli_slot_publish(&client->ring, placing->slot);
+    status = cli_pipeline_send(placing->pipeline, PROTO_METHOD_FRAME_SUBMIT, &request,
+                               placing->slot, NULL);
     if (status != 0) {
-        cli_slot_abort(&client->ring, batch->slot);
+        cli_slot_abort(&client->ring, placing->slot);
     }
-    batch->slot = CLI_SLOT_NONE;
+    placing->slot = CLI_SLOT_NONE;
     return status;
 }
 
+static bool has_room(const struct cli_ring *ring, uint32_t slot, size_t bytes)
+{
+    return ring->slots[slot].segment_count < SEGMENTS &&
+           ring->slots[slot].used_bytes + bytes <= ring->slot_stride;
+}
+
 /* Add a segment whose both ends are the `bytes` at `source`. */
-static int add(struct batch *batch, struct proto_segment segment, const void *source,
+static int add(struct placing *placing, struct proto_segment segment, const void *source,
                size_t bytes)
 {
-    struct pccd_client *client = batch->pipeline->client;
+    struct cli_ring *ring = &placing->pipeline->client->ring;
+    struct cli_slot *own;
     uint8_t *payload;
-    int status;
+    int status = 0;
 
-    if (batch->slot != CLI_SLOT_NONE &&
-        (batch->segment_count == SEGMENTS ||
-         batch->used + bytes > client->ring.slot_stride)) {
-        status = flush(batch);
-        if (status != 0) {
-            return status;
-        }
+    if (placing->slot != CLI_SLOT_NONE && !has_room(ring, placing->slot, bytes)) {
+        status = flush(placing);
     }
-    if (batch->slot == CLI_SLOT_NONE) {
-        status = cli_slot_begin(client, cli_deadline(client, -1), &batch->slot);
-        if (status != 0) {
-            return status;
-        }
-        batch->segment_count = 0;
-        batch->used = SEGMENTS * sizeof segment;
+    if (status == 0 && placing->slot == CLI_SLOT_NONE) {
+        status =
+            cli_slot_begin(placing->pipeline->client,
+                           cli_deadline(placing->pipeline->client, -1), &placing->slot);
     }
-    payload = cli_slot_payload(&client->ring, batch->slot);
-    segment.offset0 = segment.offset1 = batch->used;
-    memcpy(payload + batch->segment_count++ * sizeof segment, &segment, sizeof segment);
-    memcpy(payload + batch->used, source, bytes);
-    batch->used += (bytes + 7) / 8 * 8;
+    if (status != 0) {
+        return status;
+    }
+    own = &ring->slots[placing->slot];
+    if (own->segment_count == 0) {
+        own->used_bytes = SEGMENTS * sizeof segment;
+    }
+    payload = cli_slot_payload(ring, placing->slot);
+    segment.offset0 = segment.offset1 = own->used_bytes;
+    memcpy(payload + own->segment_count++ * sizeof segment, &segment, sizeof segment);
+    memcpy(payload + own->used_bytes, source, bytes);
+    own->used_bytes += cli_round_up(bytes, CLI_RANGE_ALIGN);
     return 0;
 }
 
-static int add_vertices(struct batch *batch, const struct registry_object *object)
+static int add_vertices(struct placing *placing, const struct registry_object *object)
 {
     const size_t vertex_bytes = common_vertex_bytes(object->format);
-    const uint64_t room = batch->pipeline->client->ring.slot_stride -
+    const uint64_t room = placing->pipeline->client->ring.slot_stride -
                           SEGMENTS * sizeof(struct proto_segment);
     const uint32_t vertex_count = object->mesh->vertex_count;
     const uint32_t most = room / vertex_bytes < vertex_count
@@ -216,7 +221,7 @@ static int add_vertices(struct batch *batch, const struct registry_object *objec
             .first = first,
             .count = vertex_count - first < most ? vertex_count - first : most};
 
-        status = add(batch, segment, (const uint8_t *)object->x + first * vertex_bytes,
+        status = add(placing, segment, (const uint8_t *)object->x + first * vertex_bytes,
                      segment.count * vertex_bytes);
     }
     return status;
@@ -225,10 +230,8 @@ static int add_vertices(struct batch *batch, const struct registry_object *objec
 static int restore_positions(struct cli_pipeline *pipeline,
                              const struct registry_scene *scene)
 {
-    struct batch batch = {.pipeline = pipeline,
-                          .scene = scene->handle,
-                          .slot = CLI_SLOT_NONE,
-                          .is_shared = scene->settings.name[0] != '\0'};
+    struct placing placing = {
+        .pipeline = pipeline, .scene = scene, .slot = CLI_SLOT_NONE};
     int status = 0;
 
     for (uint32_t i = 0; status == 0 && i < scene->object_count; i++) {
@@ -240,12 +243,12 @@ static int restore_positions(struct cli_pipeline *pipeline,
                                             .format = PCCD_FORMAT_F64,
                                             .count = object->mesh->vertex_count};
 
-            status = add(&batch, segment, object->m, sizeof object->m);
+            status = add(&placing, segment, object->m, sizeof object->m);
         } else if (object->placing == REGISTRY_FREELY) {
-            status = add_vertices(&batch, object);
+            status = add_vertices(&placing, object);
         }
     }
-    return status != 0 ? status : flush(&batch);
+    return status != 0 ? status : flush(&placing);
 }
 
 /* ---- the ring ---------------------------------------------------------------------- */

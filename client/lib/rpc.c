@@ -10,38 +10,36 @@
 
 #include "connection.h"
 
-/* What is held is in flight to everybody but recover.c, which sends it again itself. */
-static bool is_inflight(const struct pccd_client *client, const struct cli_call *call)
-{
-    return (call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST) &&
-           !(call->held && client->link.is_recovering);
-}
-
-uint32_t cli_call_inflight(const struct pccd_client *client)
-{
-    uint32_t count = 0;
-
-    for (uint32_t i = 0; i < client->calls_end; i++) {
-        count += is_inflight(client, &client->calls[i]);
-    }
-    return count;
-}
-
 static bool is_compute(int method)
 {
     return (proto_messages[method].flags & PROTO_F_COMPUTE) != 0;
 }
 
-static uint32_t compute_inflight(const struct pccd_client *client)
+/* Requests whose replies have not come. */
+struct inflight {
+    uint32_t all, computed, steps;
+};
+
+/* What is held is in flight to everybody but recover.c, which sends it again itself. */
+static struct inflight count_inflight(const struct pccd_client *client)
 {
-    uint32_t count = 0;
+    struct inflight count = {0};
 
     for (uint32_t i = 0; i < client->calls_end; i++) {
         const struct cli_call *call = &client->calls[i];
 
-        count += is_inflight(client, call) && is_compute(call->method);
+        if (cli_call_is_sent(call) && !(call->held && client->link.is_recovering)) {
+            count.all++;
+            count.computed += is_compute(call->method);
+            count.steps += cli_call_is_step(call->method);
+        }
     }
     return count;
+}
+
+uint32_t cli_call_inflight(const struct pccd_client *client)
+{
+    return count_inflight(client).all;
 }
 
 /* ---- waiting ----------------------------------------------------------------------- */
@@ -117,7 +115,8 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
 {
     struct proto_upload *upload = client->ring.upload.base;
     uint64_t done_seen = upload != NULL ? atomic_load(&upload->done_seq.value) : 0;
-    bool spins = upload != NULL && client->spin_us > 0 && compute_inflight(client) > 0;
+    bool spins =
+        upload != NULL && client->spin_us > 0 && count_inflight(client).computed > 0;
     int status = cli_alive(client);
 
     if (status != 0) {
@@ -171,16 +170,11 @@ static struct cli_call *free_call(struct pccd_client *client)
  * daemon does not read from a client that does not. */
 static int send_encoded(struct pccd_client *client, uint64_t deadline_ns)
 {
-    const struct proto_encoder *encoder = &client->encoder;
-
     for (;;) {
-        bool direct = client->link.way == CLI_WAY_DIRECT;
-        int status =
-            direct ? cli_direct_send(client, encoder->data, encoder->bytes)
-                   : proto_send(client->socket, encoder->data, encoder->bytes, NULL, 0);
+        int status = cli_message_send(client);
 
-        if (status == 0) {
-            client->has_sent = !direct; /* where the answer is there already */
+        if (status == 0) { /* in the process, the answer is there already */
+            client->has_sent = client->link.way != CLI_WAY_DIRECT;
             return 0;
         }
         if (status != PCCD_E_AGAIN) {
@@ -215,8 +209,8 @@ struct cli_call *cli_call_first_held(struct pccd_client *client)
     for (uint32_t i = 0; i < client->calls_end; i++) {
         struct cli_call *call = &client->calls[i];
 
-        if ((call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST) &&
-            call->held && (first == NULL || call->serial < first->serial)) {
+        if (cli_call_is_sent(call) && call->held &&
+            (first == NULL || call->serial < first->serial)) {
             first = call;
         }
     }
@@ -257,27 +251,16 @@ bool cli_call_is_step(int method)
            method == PROTO_METHOD_BATCH_SUBMIT;
 }
 
-static uint32_t steps_inflight(const struct pccd_client *client)
-{
-    uint32_t count = 0;
-
-    for (uint32_t i = 0; i < client->calls_end; i++) {
-        const struct cli_call *call = &client->calls[i];
-
-        count += is_inflight(client, call) && cli_call_is_step(call->method);
-    }
-    return count;
-}
-
 /* A daemon keeps so many answers for the case that they are lost on their way, and takes
  * so many steps. */
 static bool is_full(const struct pccd_client *client, int method)
 {
+    const struct inflight count = count_inflight(client);
     uint32_t inflight_max =
         client->ring.inflight_max > 0 ? client->ring.inflight_max : PROTO_INFLIGHT_MAX;
 
-    return cli_call_inflight(client) >= PROTO_REPLIES_KEPT ||
-           (cli_call_is_step(method) && steps_inflight(client) >= inflight_max);
+    return count.all >= PROTO_REPLIES_KEPT ||
+           (cli_call_is_step(method) && count.steps >= inflight_max);
 }
 
 int cli_call_send(struct pccd_client *client, int method, const void *request,

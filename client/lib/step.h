@@ -75,6 +75,9 @@ int cli_step_send(struct pccd_client *client, int verb, union cli_params *messag
 
 /* ---- answers: answer.c ------------------------------------------------------------- */
 
+/* Its call, until its answer is taken; NULL: there is none. */
+struct cli_call *cli_step_find(struct pccd_client *client, uint64_t step);
+
 /* Take in what has arrived, without waiting. */
 void cli_step_drain(struct pccd_client *client);
 
