@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <unistd.h>
 
-
 int load_couple_open(struct load_actor *actor, const struct pccd_options *options)
 {
     static uint32_t names; /* one that was left may still be there */

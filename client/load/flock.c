@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-
 /* Another scene, whose objects have the handles of the first one's: so have the records,
  * and the hash. */
 static int add_scene(struct load_actor *actor, uint32_t *scene)

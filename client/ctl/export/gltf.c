@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-
 #define GLB_MAGIC    0x46546c67u /* "glTF" */
 #define GLB_JSON     0x4e4f534au
 #define GLB_BIN      0x004e4942u
