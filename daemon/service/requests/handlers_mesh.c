@@ -59,13 +59,15 @@ int srv_on_MESH_CREATE(struct srv_call *call)
         srv_resource_drop(&shape->resource); /* refunds it */
         return call->error.code;
     }
-    status = srv_session_handle(session, &session->meshes, "mesh", mesh, request->want,
-                                &call->result.MESH_CREATE.mesh, &call->error);
+    uint32_t *handle = &call->result.MESH_CREATE.mesh;
+    *handle = request->want;
+    status =
+        srv_session_handle(session, &session->meshes, "mesh", mesh, handle, &call->error);
     if (status != 0) {
         srv_mesh_free(mesh);
         return status;
     }
-    mesh->handle = call->result.MESH_CREATE.mesh;
+    mesh->handle = *handle;
     return 0;
 }
 

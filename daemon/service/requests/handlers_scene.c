@@ -35,14 +35,15 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
     if (scene == NULL) {
         return call->error.code;
     }
-    uint32_t want = call->params.SCENE_CREATE.want;
-    int status = srv_session_handle(session, &session->scenes, "scene", scene, want,
-                                    &call->result.SCENE_CREATE.scene, &call->error);
+    uint32_t *handle = &call->result.SCENE_CREATE.scene;
+    *handle = call->params.SCENE_CREATE.want;
+    int status = srv_session_handle(session, &session->scenes, "scene", scene, handle,
+                                    &call->error);
     if (status != 0) {
         srv_resource_drop(&scene->resource);
         return status;
     }
-    srv_scene_name(scene, call->result.SCENE_CREATE.scene);
+    srv_scene_name(scene, *handle);
     return 0;
 }
 

@@ -327,9 +327,9 @@ static int take_member(const struct asked *asked, struct srv_shared *shared,
     if (member == NULL) {
         return proto_error_set(asked->error, PCCD_E_NOMEM, "no memory to take part");
     }
-    uint32_t want = asked->request->want;
+    member->handle = asked->request->want;
     int status = srv_session_handle(session, &session->scenes, "scene", shared->scene,
-                                    want, &member->handle, asked->error);
+                                    &member->handle, asked->error);
     if (status != 0) {
         free(member);
         return status;
@@ -339,7 +339,7 @@ static int take_member(const struct asked *asked, struct srv_shared *shared,
     member->session = session;
     member->is_writer = (rights & MAY_WRITE) != 0;
     member->aside = first_aside(session);
-    shared->is_restored = shared->is_restored || want != 0;
+    shared->is_restored = shared->is_restored || asked->request->want != 0;
     member->next = shared->members;
     shared->members = member;
     shared->member_count++;

@@ -212,9 +212,8 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
     if (item == NULL) {
         return error->code;
     }
-    int status =
-        srv_session_handle(srv_session_of(scene->resource.owner), &scene->objects,
-                           "object", item, *object, object, error);
+    int status = srv_session_handle(srv_session_of(scene->resource.owner),
+                                    &scene->objects, "object", item, object, error);
     if (status != 0) {
         object_free(item);
         return status;

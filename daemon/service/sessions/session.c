@@ -207,9 +207,10 @@ static int make_slots(struct srv_session *session, struct srv_handles *handles,
 }
 
 int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
-                       const char *what, void *item, uint32_t want, uint32_t *handle,
+                       const char *what, void *item, uint32_t *handle,
                        struct proto_error *error)
 {
+    uint32_t want = *handle;
     int status = make_slots(session, handles, want, error);
     if (status != 0) {
         return status;

@@ -107,10 +107,10 @@ void srv_session_detach(struct srv_session *session);
 void srv_session_open(struct srv_session *session, uint32_t version);
 
 /* A handle for `item`, a `what` ("scene"), in a table that the session's user pays for:
- * `want`, or any when that is 0. Returns 0, or with *error set PCCD_E_HANDLE (its place
+ * *handle, or any when that is 0. Returns 0, or with *error set PCCD_E_HANDLE (its place
  * is taken, or it is none of ours), PCCD_E_LIMIT, PCCD_E_QUOTA or PCCD_E_NOMEM. */
 int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
-                       const char *what, void *item, uint32_t want, uint32_t *handle,
+                       const char *what, void *item, uint32_t *handle,
                        struct proto_error *error);
 /* Free such a table, in which nothing is left. */
 void srv_session_drop_handles(struct srv_session *session, struct srv_handles *handles);
