@@ -35,7 +35,7 @@
  *                     +--caller gave up--> LOST --reply (its page is released)--> FREE
  *
  * While the connection is lost, those that are SENT or LOST are held: they have no answer
- * and are sent again over the next one (recover.h).
+ * and are sent again over the next one (recover.c).
  */
 #define CLI_CALLS      64u /* requests in flight, or with answers that are not taken */
 #define CLI_STEPS      32u /* of these, steps */
@@ -127,7 +127,7 @@ struct cli_direct {
 
 /* What the bottom of the library asks of its top, which nothing below includes. */
 struct cli_upcalls {
-    /* The connection is lost: as cli_recover (recover.h). */
+    /* The connection is lost: as cli_recover (link.h). */
     int (*recover)(struct pccd_client *client, uint64_t deadline_ns);
     /* A call is answered, or has failed; nobody has taken the answer yet. */
     void (*answered)(struct pccd_client *client, struct cli_call *call);
