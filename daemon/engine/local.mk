@@ -25,10 +25,7 @@ libengine_la_SOURCES = \
     daemon/engine/base/radix.c \
     daemon/engine/base/tuning.c \
     daemon/engine/kernel/choose.c \
-    daemon/engine/elementary/ball.c \
     daemon/engine/elementary/batch.c \
-    daemon/engine/elementary/closest.c \
-    daemon/engine/elementary/direction.c \
     daemon/engine/elementary/distance.c \
     daemon/engine/elementary/distance_order.c \
     daemon/engine/elementary/distance_rule.c \
@@ -43,12 +40,9 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/number.c \
     daemon/engine/elementary/plane.c \
     daemon/engine/elementary/poly.c \
-    daemon/engine/elementary/rebase.c \
     daemon/engine/elementary/residue.c \
     daemon/engine/elementary/root_sign.c \
-    daemon/engine/elementary/separate.c \
     daemon/engine/elementary/solve.c \
-    daemon/engine/elementary/solvers.c \
     daemon/engine/elementary/thick.c \
     daemon/engine/elementary/thick_exact.c \
     daemon/engine/elementary/thick_roots.c \

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "closest.h"
+#include "motion.h"
 #include "fuzz_thick.h"
 #include "kinds.h"
 

@@ -10,7 +10,7 @@
 
 #include "batch.h"
 #include "kinds.h"
-#include "solvers.h"
+#include "solve.h"
 
 #define PAIR_MAX  ENG_CHUNK_MAX
 #define TOLERANCE 1e-6

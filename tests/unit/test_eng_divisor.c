@@ -1,5 +1,5 @@
 /* test_eng_divisor.c - greatest common divisors by primes. */
-#include "divisor.h"
+#include "poly.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -33,10 +33,10 @@ build() {
             "$top_srcdir/tests/unit/kernel_digest.c" "$dir"/*.o -lm -o "$dir/digest"
 }
 
-# The kernels that table.c lists and kernel_digest does not run.
+# The kernels that table.h and table.c list and kernel_digest does not run.
 missing() {
-    sed -n 's/^ *\.\([a-z0-9_]*\).* = ENG_KERNEL(.*/\1/p' \
-        "$top_srcdir/daemon/engine/kernel/table.c" | while read -r kernel; do
+    sed -n -e 's/^ *\.\([a-z0-9_]*\).* = ENG_KERNEL(.*/\1/p' -e 's/^ *K(\([a-z0-9_]*\)).*/\1/p' \
+        "$top_srcdir"/daemon/engine/kernel/table.[ch] | while read -r kernel; do
         grep -q "^scalar $kernel " "$dir/here" || echo "kernel_digest does not run $kernel"
     done
 }

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-#include "plane.h"
+#include "solve.h"
 
 /* Points `first` to 3 but `odd` (4: none) get the coordinate of the others along a random
  * axis at both ends; `odd` lies on one side of them, or `crosses` over to the other.

@@ -5,7 +5,7 @@
  */
 #include "eng_kit.h"
 
-#include "separate.h"
+#include "kernel.h"
 
 #define DIRECTIONS 9
 

@@ -7,7 +7,7 @@
 
 #include "distance.h"
 #include "kinds.h"
-#include "solvers.h"
+#include "solve.h"
 #include "thick.h"
 
 /* Pairs one by one between two looks at the clock, where none takes integers: some

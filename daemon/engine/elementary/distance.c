@@ -179,7 +179,7 @@ static bool is_decided(struct eng_distances *distances, enum eng_distance_stage 
 static enum eng_sign compare(struct eng_numbers *numbers, enum pccd_kind kind, double d)
 {
     static const uint8_t any_rank[4] = {0, 1, 2, 3};
-    struct eng_way way;
+    struct eng_distance_exact way;
     if (!numbers->is_exact && numbers->unit < 0 && d >= ldexp(2, numbers->unit)) {
         return ENG_MINUS; /* all points are within 2^unit of each other along each axis */
     }
@@ -232,7 +232,7 @@ bool eng_distance_below(struct eng_distances *distances, enum pccd_kind kind,
     return compare_surely(distances, eng_distance_form(kind), x, d) == ENG_MINUS;
 }
 
-static void describe(struct eng_numbers *numbers, const struct eng_way *way,
+static void describe(struct eng_numbers *numbers, const struct eng_distance_exact *way,
                      struct eng_distance *distance)
 {
     distance->type = way->type;
@@ -265,7 +265,7 @@ static void find(struct eng_distances *distances, enum pccd_kind kind,
     struct eng_numbers *numbers = &distances->numbers;
     enum eng_distance_stage stage = slow_stage(distances);
     for (;; stage++) {
-        struct eng_way way;
+        struct eng_distance_exact way;
         begin(distances, stage, x, 4);
         eng_distance_rule(numbers, kind, rank, &way);
         if (!numbers->is_unsure) {

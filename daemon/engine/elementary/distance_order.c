@@ -54,7 +54,7 @@ static bool set_square(struct eng_numbers *numbers, bool is_exact,
                        const struct eng_features *features, struct square *square)
 {
     static const uint8_t any_rank[4] = {0, 1, 2, 3};
-    struct eng_way way;
+    struct eng_distance_exact way;
     eng_numbers_load(numbers, is_exact, features->x, 4);
     eng_distance_rule(numbers, features->kind, any_rank, &way);
     *square = (struct square){way.num, way.den, numbers->unit};

@@ -184,7 +184,7 @@ static void choose_foot(struct pair *pair, struct choice *choice)
 }
 
 static void set_vertices(struct pair *pair, const struct choice *choice,
-                         struct eng_way *way)
+                         struct eng_distance_exact *way)
 {
     int i = choice->first;
     int j = choice->second;
@@ -200,7 +200,8 @@ static void set_vertices(struct pair *pair, const struct choice *choice,
 }
 
 /* g = (e . e) w - (w . e) e,  g . g = (e . e) |e x w|^2 */
-static void set_foot(struct pair *pair, const struct choice *choice, struct eng_way *way)
+static void set_foot(struct pair *pair, const struct choice *choice,
+                     struct eng_distance_exact *way)
 {
     struct eng_numbers *numbers = pair->numbers;
     int i = choice->first;
@@ -238,7 +239,7 @@ static void set_foot(struct pair *pair, const struct choice *choice, struct eng_
 /* With n = u x v: the distance is |w . n| / |n|, and
  *   VF  w = p - a, u = b - a, v = c - a:   (w x v) . n, (u x w) . n   times n . n
  *   EE  w = c - a, u = b - a, v = c - d:   likewise, along u and from c to d */
-static void set_inside(struct pair *pair, struct eng_way *way)
+static void set_inside(struct pair *pair, struct eng_distance_exact *way)
 {
     struct eng_numbers *numbers = pair->numbers;
     bool is_vf = pair->kind == PCCD_VF;
@@ -264,7 +265,7 @@ static void set_inside(struct pair *pair, struct eng_way *way)
 }
 
 void eng_distance_rule(struct eng_numbers *numbers, enum pccd_kind kind,
-                       const uint8_t rank[4], struct eng_way *way)
+                       const uint8_t rank[4], struct eng_distance_exact *way)
 {
     assert(kind == PCCD_VF || kind == PCCD_EE);
     struct pair pair = {.numbers = numbers, .kind = kind, .rank = rank};

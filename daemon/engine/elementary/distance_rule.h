@@ -11,7 +11,7 @@
 #include "pccd_types.h"
 
 /* The distance is sqrt(num / den) 2^unit. */
-struct eng_way {
+struct eng_distance_exact {
     enum eng_nearest type;
     uint32_t points;
     struct eng_number num;
@@ -28,7 +28,7 @@ struct eng_way {
 /* The points are those that `numbers` were loaded with. Sets numbers->is_unsure, and then
  * *way means nothing. */
 void eng_distance_rule(struct eng_numbers *numbers, enum pccd_kind kind,
-                       const uint8_t rank[4], struct eng_way *way);
+                       const uint8_t rank[4], struct eng_distance_exact *way);
 
 /* Likewise: eng_distance_crosses. */
 bool eng_crossing_rule(struct eng_numbers *numbers);

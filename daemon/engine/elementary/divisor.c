@@ -5,7 +5,7 @@
  * them; so if it divides both, it is that. The primes modulo which it has more are
  * divisors of a resultant, which is not long enough for all of them (BOUNDS.md).
  */
-#include "divisor.h"
+#include "poly.h"
 
 #include <assert.h>
 

@@ -11,7 +11,6 @@
 
 #include "poly.h"
 #include "query.h"
-#include "residue.h"
 #include "root_sign.h"
 
 #define ENG_EXACT_WORDS      40

@@ -10,8 +10,16 @@
 #ifndef ENG_MOTION_H
 #define ENG_MOTION_H
 
-#include "pose.h"
+#include <stdbool.h>
+
 #include "query.h"
+
+/* The difference vectors of query.h at one moment. */
+struct eng_pose {
+    double p[3];
+    double b[3];
+    double c[3];
+};
 
 struct eng_motion {
     enum pccd_kind kind;
@@ -23,6 +31,17 @@ struct eng_motion {
     double size_c;
     double e_det; /* |computed - true| of det and of each Bernstein coefficient */
 };
+
+/* The nearest points of two features at one moment: (beta, gamma) in the domain for which
+ * p - beta b - gamma c is shortest. Approximate: it proposes directions and describes
+ * contacts, and decides nothing. */
+struct eng_closest {
+    double beta, gamma; /* in the domain of the kind */
+    double gap[3];      /* p - beta b - gamma c */
+};
+
+void eng_closest_to_origin(enum pccd_kind kind, const struct eng_pose *pose,
+                           struct eng_closest *closest);
 
 enum eng_domain { ENG_OUTSIDE, ENG_INSIDE, ENG_UNSURE };
 
@@ -47,6 +66,11 @@ double eng_bernstein_root(const double f[4], double *slope);
  * domain holds strictly at all of them. */
 enum eng_domain eng_motion_domain(const struct eng_motion *motion,
                                   const struct eng_pose *l, const struct eng_pose *r);
+
+/* Do the features certainly not meet at any time of the span between two poses, because
+ * they stay apart along a fixed direction? */
+bool eng_motion_separates(const struct eng_motion *motion, const struct eng_pose *l,
+                          const struct eng_pose *r);
 
 /* (beta, gamma), inside the domain, and the normal of a contact at time t, as in struct
  * pccd_contact. f_start is det at t = 0. */

@@ -14,7 +14,7 @@
  * touch at t = 0 then touch first where such a point X comes to lie on such an edge: at
  * the first moment, insides that overlap would have overlapped before.
  */
-#include "plane.h"
+#include "solve.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -8,6 +8,7 @@
 
 #include <gmp.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "limbs.h"
 
@@ -101,5 +102,58 @@ bool eng_poly_guess(mpz_t part, struct eng_poly *poly, int variations,
  * signs are sure. */
 bool eng_poly_is_plain(struct eng_poly *scratch, const struct eng_poly *a, mpz_t num,
                        unsigned long k, int *sign);
+
+/* ---- modulo a prime of 61 bits (residue.c) --------------------------------------- */
+
+/* Show that there is no common root, or no double one, a hundred times as fast as a
+ * greatest common divisor.
+ *
+ * A common divisor of integer polynomials a and b divides them modulo the prime, too. If
+ * the prime does not divide the leading coefficient of a, it does not divide that of the
+ * divisor either, so the divisor keeps its degree. So where the greatest common divisor
+ * modulo the prime is a number, that of a and b is one. */
+
+/* Has the polynomial, of degree 1 or more, certainly no root twice? */
+bool eng_residue_is_square_free(const struct eng_poly *poly);
+
+/* Is it not certain that they have no root in common? */
+bool eng_residue_may_share_root(const struct eng_poly *a, const struct eng_poly *b);
+
+/* Points at both ends of a span, [end][point][axis], modulo the prime. */
+struct eng_residue_points {
+    uint64_t x[2][4][3];
+};
+
+void eng_residue_load(struct eng_residue_points *points, mpz_t x[2][4][3]);
+
+/* Is point i certainly at no time on the line through points j and k? `scratch`: two
+ * numbers. */
+bool eng_residue_misses_line(const struct eng_residue_points *points, mpz_t x[2][4][3],
+                             mpz_t *scratch, int i, int j, int k);
+
+/* ---- divisors of polynomials with long coefficients (divisor.c) ------------------ */
+
+/* Computed modulo a prime that is longer than they are, and proved by dividing both. No
+ * number becomes longer than twice that prime, where remainders of integers would be up
+ * to 25 times as long.
+ *
+ * Threads: one thread for one struct eng_divisor. Nothing is allocated.
+ * Source: Collins 1971; Knuth, The Art of Computer Programming 2, 4.6.1. */
+
+/* Bits of the longest coefficient of what it is asked about. */
+#define ENG_DIVISOR_BITS 14400ul
+
+struct eng_divisor {
+    struct eng_poly common; /* what was found, primitive */
+    struct eng_poly a, b;   /* both modulo the prime, and what division leaves */
+    mpz_t prime, factor, product;
+};
+
+void eng_divisor_place(struct eng_divisor *divisor, struct eng_limbs *limbs);
+
+/* common = the greatest common divisor of a and b. Their degrees are 1 to 6 and add up to
+ * 11 at most. */
+void eng_divisor_find(struct eng_divisor *divisor, const struct eng_poly *a,
+                      const struct eng_poly *b);
 
 #endif

@@ -1,5 +1,5 @@
 /* residue.c - polynomials modulo a prime. */
-#include "residue.h"
+#include "poly.h"
 
 #define PRIME ((UINT64_C(1) << 61) - 1)
 

@@ -10,8 +10,120 @@
 #include "root_sign.h"
 
 #include <assert.h>
+#include <limits.h>
 
-#include "residue.h"
+/* ---- long integers by their leading bits (ball arithmetic) ----------------------- */
+
+#define ALL_BITS LONG_MAX /* nothing is rounded */
+
+/* `bits`: of the longest value that is ever in it. */
+static void ball_place(struct eng_ball *ball, struct eng_limbs *limbs, size_t bits)
+{
+    eng_limbs_give(limbs, ball->value, bits);
+}
+
+/* The larger error, times 2^more. */
+static long worse(long a, long b, long more)
+{
+    long most = a > b ? a : b;
+    return most == LONG_MIN ? LONG_MIN : most + more;
+}
+
+/* An error times a number below 2^size. */
+static long times(long error, long size)
+{
+    return error == LONG_MIN ? LONG_MIN : error + size;
+}
+
+/* The rounded number is below 2^size. */
+static long size_of(const struct eng_ball *ball)
+{
+    return (long)mpz_sizeinbase(ball->value, 2) + ball->e;
+}
+
+/* Make it a multiple of 2^e: cut off what is below. */
+static void set_exponent(struct eng_ball *ball, long e)
+{
+    if (e > ball->e) {
+        mpz_tdiv_q_2exp(ball->value, ball->value, (unsigned long)(e - ball->e));
+        ball->error = worse(ball->error, e, 1);
+    } else {
+        mpz_mul_2exp(ball->value, ball->value, (unsigned long)(ball->e - e));
+    }
+    ball->e = e;
+}
+
+static void keep(struct eng_ball *ball, long bits)
+{
+    long own = (long)mpz_sizeinbase(ball->value, 2);
+    if (own > bits) {
+        set_exponent(ball, ball->e + (own - bits));
+    }
+}
+
+/* Of a result's value at most `bits` are kept. */
+static void ball_set(struct eng_ball *out, const mpz_t a, long bits)
+{
+    long own = (long)mpz_sizeinbase(a, 2);
+    out->e = own > bits ? own - bits : 0;
+    out->error = own > bits ? out->e : LONG_MIN;
+    mpz_tdiv_q_2exp(out->value, a, (unsigned long)out->e);
+}
+
+/* One exponent for both: what is below the `bits` of the larger one does not count. */
+static void align(struct eng_ball *a, struct eng_ball *b, long bits)
+{
+    long most = size_of(a) > size_of(b) ? size_of(a) : size_of(b);
+    long high = a->e > b->e ? a->e : b->e;
+    long low = a->e > b->e ? b->e : a->e;
+    if (bits < most - low) {
+        low = most - bits < high ? most - bits : high;
+    }
+    set_exponent(a, low);
+    set_exponent(b, low);
+}
+
+static void combine(struct eng_ball *out, struct eng_ball *a, long bits,
+                    void (*op)(mpz_ptr, mpz_srcptr, mpz_srcptr))
+{
+    align(out, a, bits);
+    op(out->value, out->value, a->value);
+    out->error = worse(out->error, a->error, 1);
+    keep(out, bits);
+}
+
+/* out = out + a, out - a. `a` is rounded, too, where it has more bits than matter. */
+static void ball_add(struct eng_ball *out, struct eng_ball *a, long bits)
+{
+    combine(out, a, bits, mpz_add);
+}
+
+static void ball_sub(struct eng_ball *out, struct eng_ball *a, long bits)
+{
+    combine(out, a, bits, mpz_sub);
+}
+
+/* out may be a or b. */
+static void ball_mul(struct eng_ball *out, const struct eng_ball *a,
+                     const struct eng_ball *b, long bits)
+{
+    long by_a = times(a->error, size_of(b));
+    long by_b = times(b->error, size_of(a));
+    long by_both = a->error == LONG_MIN ? LONG_MIN : times(b->error, a->error);
+    mpz_mul(out->value, a->value, b->value);
+    out->e = a->e + b->e;
+    out->error = worse(worse(by_a, by_b, 0), by_both, 2);
+    keep(out, bits);
+}
+
+/* Is the sign sure? Then *sign is it. */
+static bool ball_sign(const struct eng_ball *ball, int *sign)
+{
+    *sign = mpz_sgn(ball->value);
+    return ball->error == LONG_MIN || (*sign != 0 && size_of(ball) - 1 >= ball->error);
+}
+
+/* ---- signs ----------------------------------------------------------------------- */
 
 /* BOUNDS.md, "How long numbers become". */
 void eng_root_sign_place(struct eng_root_sign *sign, struct eng_limbs *limbs, size_t bits,
@@ -24,13 +136,13 @@ void eng_root_sign_place(struct eng_root_sign *sign, struct eng_limbs *limbs, si
     eng_poly_place(&sign->zoomed, limbs,
                    &(struct eng_poly_size){3, zoomed_bits, 3, zoomed_bits});
     for (int i = 0; i < 3; i++) {
-        eng_ball_place(&sign->quadratic[i], limbs, g_bits);
+        ball_place(&sign->quadratic[i], limbs, g_bits);
     }
     for (int i = 0; i < 4; i++) {
-        eng_ball_place(&sign->rest[i], limbs, rest_bits);
+        ball_place(&sign->rest[i], limbs, rest_bits);
     }
-    eng_ball_place(&sign->at, limbs, rest_bits);
-    eng_ball_place(&sign->product, limbs, rest_bits);
+    ball_place(&sign->at, limbs, rest_bits);
+    ball_place(&sign->product, limbs, rest_bits);
     eng_limbs_give(limbs, sign->x, g_bits + 1);
     eng_limbs_give(limbs, sign->y, g_bits + 1);
     mpz_ptr swapped[] = {sign->power, sign->value, sign->scratch};
@@ -84,9 +196,9 @@ static void scale_and_sub(struct eng_root_sign *s, struct eng_ball *out,
                           const struct eng_ball *b, const struct eng_ball *c,
                           const struct eng_ball *d, long bits)
 {
-    eng_ball_mul(out, out, b, bits);
-    eng_ball_mul(&s->product, c, d, bits);
-    eng_ball_sub(out, &s->product, bits);
+    ball_mul(out, out, b, bits);
+    ball_mul(&s->product, c, d, bits);
+    ball_sub(out, &s->product, bits);
 }
 
 /* rest[1] t + rest[0] = a positive multiple of what division by g leaves of f, and
@@ -94,11 +206,11 @@ static void scale_and_sub(struct eng_root_sign *s, struct eng_ball *out,
 static void set_rest(struct eng_root_sign *s, const struct eng_poly *f, long bits)
 {
     for (int i = 0; i <= 2; i++) {
-        eng_ball_set(&s->quadratic[i], s->g.c[i], bits);
+        ball_set(&s->quadratic[i], s->g.c[i], bits);
     }
     mpz_set_ui(s->value, 0);
     for (int i = 0; i < 4; i++) {
-        eng_ball_set(&s->rest[i], i <= f->degree ? f->c[i] : s->value, bits);
+        ball_set(&s->rest[i], i <= f->degree ? f->c[i] : s->value, bits);
     }
     for (int high = f->degree; high >= 2; high--) {
         const struct eng_ball *lead = &s->rest[high];
@@ -107,7 +219,7 @@ static void set_rest(struct eng_root_sign *s, const struct eng_poly *f, long bit
         scale_and_sub(s, &s->rest[high - 2], &s->quadratic[2], lead, &s->quadratic[0],
                       bits);
         if (high == 3) {
-            eng_ball_mul(&s->rest[0], &s->rest[0], &s->quadratic[2], bits);
+            ball_mul(&s->rest[0], &s->rest[0], &s->quadratic[2], bits);
         }
     }
 }
@@ -118,19 +230,19 @@ static bool look_at_ends(struct eng_root_sign *s, const struct eng_root *root, l
 {
     mpz_set_ui(s->value, 1);
     mpz_mul_2exp(s->value, s->value, root->k);
-    eng_ball_set(&s->at, s->value, bits);
-    eng_ball_mul(&s->at, &s->at, &s->rest[0], bits);
-    eng_ball_set(&s->product, *root->num, bits);
-    eng_ball_mul(&s->product, &s->product, &s->rest[1], bits);
-    eng_ball_add(&s->at, &s->product, bits);
-    if (!eng_ball_sign(&s->at, &ends[0])) {
+    ball_set(&s->at, s->value, bits);
+    ball_mul(&s->at, &s->at, &s->rest[0], bits);
+    ball_set(&s->product, *root->num, bits);
+    ball_mul(&s->product, &s->product, &s->rest[1], bits);
+    ball_add(&s->at, &s->product, bits);
+    if (!ball_sign(&s->at, &ends[0])) {
         return false;
     }
     mpz_set_ui(s->value, 1);
-    eng_ball_set(&s->product, s->value, bits);
-    eng_ball_mul(&s->product, &s->product, &s->rest[1], bits);
-    eng_ball_add(&s->at, &s->product, bits);
-    return eng_ball_sign(&s->at, &ends[1]);
+    ball_set(&s->product, s->value, bits);
+    ball_mul(&s->product, &s->product, &s->rest[1], bits);
+    ball_add(&s->at, &s->product, bits);
+    return ball_sign(&s->at, &ends[1]);
 }
 
 /* Signs of g, and of its slope, at x / y = -rest[0] / rest[1], for y > 0. `rising`: the
@@ -141,19 +253,19 @@ static bool look_at_fraction(struct eng_root_sign *s, int rising, long bits, int
     struct eng_ball *sum = &s->at;
     const struct eng_ball *r0 = &s->rest[0];
     const struct eng_ball *r1 = &s->rest[1];
-    eng_ball_mul(sum, &s->quadratic[1], r1, bits);
-    eng_ball_mul(&s->product, &s->quadratic[2], r0, bits);
-    eng_ball_sub(sum, &s->product, bits);
-    eng_ball_mul(&s->rest[2], sum, r0, bits); /* (g1 r1 - g2 r0) r0 */
-    eng_ball_sub(sum, &s->product, bits);
-    if (!eng_ball_sign(sum, slope)) {
+    ball_mul(sum, &s->quadratic[1], r1, bits);
+    ball_mul(&s->product, &s->quadratic[2], r0, bits);
+    ball_sub(sum, &s->product, bits);
+    ball_mul(&s->rest[2], sum, r0, bits); /* (g1 r1 - g2 r0) r0 */
+    ball_sub(sum, &s->product, bits);
+    if (!ball_sign(sum, slope)) {
         return false;
     }
     *slope *= rising;
-    eng_ball_mul(sum, &s->quadratic[0], r1, bits);
-    eng_ball_mul(sum, sum, r1, bits);
-    eng_ball_sub(sum, &s->rest[2], bits);
-    return eng_ball_sign(sum, g);
+    ball_mul(sum, &s->quadratic[0], r1, bits);
+    ball_mul(sum, sum, r1, bits);
+    ball_sub(sum, &s->rest[2], bits);
+    return ball_sign(sum, g);
 }
 
 /* Sign of f at the first or second root of g, which has two. False: not sure. */
@@ -195,7 +307,7 @@ static bool sign_at_root_of_g(struct eng_root_sign *s, const struct eng_root *ro
     if (!by_all_bits && !eng_residue_may_share_root(root->poly, &s->g)) {
         return false;
     }
-    bool is_sure = look_at_root_of_g(s, root, is_first, ENG_BALL_ALL, sign);
+    bool is_sure = look_at_root_of_g(s, root, is_first, ALL_BITS, sign);
     assert(is_sure);
     return is_sure;
 }

@@ -6,12 +6,19 @@
  * or exactly coincide. Where they only nearly do, a shorter interval may tell sooner.
  *
  * Threads: one thread for one scratch.
+ * Source: van der Hoeven: Ball arithmetic, 2009; Johansson: Arb, 2017.
  */
 #ifndef ENG_ROOT_SIGN_H
 #define ENG_ROOT_SIGN_H
 
-#include "ball.h"
 #include "poly.h"
+
+/* A number that differs from `value` 2^e by less than 2^error. */
+struct eng_ball {
+    mpz_t value;
+    long e;
+    long error; /* LONG_MIN: it is the number itself */
+};
 
 /* A root, alone in the open interval (num, num + 1) / 2^k and simple. */
 struct eng_root {

@@ -15,13 +15,101 @@
 #include <math.h>
 #include <string.h>
 
-#include "direction.h"
 #include "kernel.h"
 #include "motion.h"
-#include "plane.h"
-#include "rebase.h"
-#include "separate.h"
 #include "vec.h"
+
+/* ---- from where a query is measured ---------------------------------------------- */
+
+/* The points are reordered so that the vector p between the features starts and ends at
+ * the points nearest to each other. Every error bound is proportional to the size of p: a
+ * vertex one micrometre from a corner of a metre-wide face is decided a million times
+ * more finely. */
+
+/* How the points were reordered. VF: the face's corners rotated by `first`. EE: bit 0:
+ * the ends of edge a swapped, bit 1: those of edge b. */
+typedef unsigned base_t;
+
+/* Largest coordinate of the difference of two points over the step. */
+static double extent(const struct eng_query *query, int i, int j)
+{
+    double d0[3];
+    double d1[3];
+    eng_sub(d0, query->x[0][i], query->x[0][j]);
+    eng_sub(d1, query->x[1][i], query->x[1][j]);
+    double size0 = eng_size(d0);
+    double size1 = eng_size(d1);
+    return size0 > size1 ? size0 : size1;
+}
+
+/* Copy `query` with its points reordered. Depends on the query alone. */
+static base_t rebase(const struct eng_query *query, struct eng_query *rebased)
+{
+    int order[4] = {0, 1, 2, 3};
+    base_t base = 0;
+    if (query->kind == PCCD_VF) {
+        double best = extent(query, 0, 1);
+        for (unsigned corner = 1; corner < 3; corner++) {
+            double d = extent(query, 0, 1 + (int)corner);
+            if (d < best) {
+                best = d;
+                base = corner;
+            }
+        }
+        for (int k = 0; k < 3; k++) {
+            order[1 + k] = 1 + ((int)base + k) % 3;
+        }
+    } else {
+        double best = extent(query, 0, 2);
+        for (unsigned ends = 1; ends < 4; ends++) {
+            double d = extent(query, ends & 1 ? 1 : 0, ends & 2 ? 3 : 2);
+            if (d < best) {
+                best = d;
+                base = ends;
+            }
+        }
+        if (base & 1) {
+            order[0] = 1;
+            order[1] = 0;
+        }
+        if (base & 2) {
+            order[2] = 3;
+            order[3] = 2;
+        }
+    }
+    rebased->kind = query->kind;
+    for (int i = 0; i < 4; i++) {
+        memcpy(rebased->x[0][i], query->x[0][order[i]], sizeof rebased->x[0][i]);
+        memcpy(rebased->x[1][i], query->x[1][order[i]], sizeof rebased->x[1][i]);
+    }
+    return base;
+}
+
+/* A weight that rounding left a little outside 0 .. 1 (1 - beta - gamma) is put back. */
+static float to_unit(double weight)
+{
+    return (float)(weight < 0 ? 0 : weight > 1 ? 1 : weight);
+}
+
+/* (beta, gamma) of the reordered query to the parameters of the original: VF the weights
+ * of corners 1 and 2, EE the positions along a and b. */
+static void set_params(enum pccd_kind kind, base_t base, double beta, double gamma,
+                       float param[2])
+{
+    if (kind == PCCD_VF) {
+        double weight[3];
+        weight[base] = 1 - beta - gamma;
+        weight[(base + 1) % 3] = beta;
+        weight[(base + 2) % 3] = gamma;
+        param[0] = to_unit(weight[1]);
+        param[1] = to_unit(weight[2]);
+    } else {
+        param[0] = to_unit(base & 1 ? 1 - beta : beta);
+        param[1] = to_unit(base & 2 ? 1 - gamma : gamma);
+    }
+}
+
+/* ---- the search ------------------------------------------------------------------ */
 
 /* Cuts at the middle end at the floor: 50 levels leave one span each, a bracket two. */
 #define SPANS_MAX 256
@@ -45,7 +133,7 @@ struct span {
 
 struct search {
     struct eng_query query; /* measured from its nearest points */
-    eng_base_t base;
+    base_t base;
     struct eng_motion motion;
     double tolerance;
     double small; /* spans this short are looked at closely */
@@ -134,7 +222,7 @@ static void set_hit(struct search *search, double l, double r, uint32_t flags,
     }
     eng_motion_describe(&search->motion, 0.5 * (l + r), search->f_start, &beta, &gamma,
                         hit->normal);
-    eng_rebase_params(search->query.kind, search->base, beta, gamma, hit->param);
+    set_params(search->query.kind, search->base, beta, gamma, hit->param);
 }
 
 enum look { LOOK_EMPTY, LOOK_HIT, LOOK_CUT };
@@ -204,8 +292,7 @@ static enum look look_at_short(struct search *search, const struct span *span,
         }
     }
     /* Nearly parallel edges and slivers hide (beta, gamma); a gap in the plane shows. */
-    if (domain == ENG_UNSURE &&
-        eng_direction_separates(&search->motion, pose_l, pose_r)) {
+    if (domain == ENG_UNSURE && eng_motion_separates(&search->motion, pose_l, pose_r)) {
         return LOOK_EMPTY;
     }
     if (span->r - span->l <= search->floor || span->is_bracket) {
@@ -239,7 +326,7 @@ static enum look look_at(struct search *search, const struct span *span,
     if (crosses && cut_around_root(search, span, f)) {
         return LOOK_CUT;
     }
-    if (eng_direction_separates(&search->motion, &pose_l, &pose_r)) {
+    if (eng_motion_separates(&search->motion, &pose_l, &pose_r)) {
         return LOOK_EMPTY;
     }
     cut_in_the_middle(search, span);
@@ -267,7 +354,7 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
                 struct eng_exact *exact, struct eng_hit *hit)
 {
     struct search search;
-    search.base = eng_query_rebase(query, &search.query);
+    search.base = rebase(query, &search.query);
     search.floor = eng_most(eng_least(tolerance * 0x1p-10, WIDTH_MAX), 0x1p-44);
     search.small = eng_least(tolerance, 0x1p-20);
     search.tolerance = eng_least(tolerance, WIDTH_MAX);
@@ -310,6 +397,8 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
     return false;
 }
 
+/* ---- one query ------------------------------------------------------------------- */
+
 /* The filter takes half the time of the bracket kernel, and the search ten times that. */
 static bool is_filtered(const struct eng_query *query)
 {
@@ -340,3 +429,10 @@ bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
     }
     return !is_filtered(query) && eng_search(query, tolerance, t_end, exact, hit);
 }
+
+const struct eng_solver eng_solvers[PCCD_KIND_COUNT] = {
+    [PCCD_VF] = {.has_kernels = true, .search = eng_search},
+    [PCCD_EE] = {.has_kernels = true, .search = eng_search},
+    [PCCD_VE] = {.search = NULL},
+    [PCCD_VV] = {.search = NULL},
+};

@@ -20,4 +20,45 @@ bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
 bool eng_search(const struct eng_query *query, double tolerance, double t_end,
                 struct eng_exact *exact, struct eng_hit *hit);
 
+/* ---- points in a plane of two axes (plane.c) --------------------------------------- */
+
+/* Queries in which three or four points have exactly equal x, y or z at both ends of the
+ * step, as on a table or in a regular mesh. In that plane a point meets an edge,
+ * and rounding would hide whether the point is inside the domain or the points are
+ * coplanar at all. */
+
+enum eng_plane { ENG_PLANE_UNSURE, ENG_PLANE_MEET, ENG_PLANE_MISS };
+
+/* The cubic of `query` certainly has other signs at l than at r, 0 <= l < r <= 1: do the
+ * features meet in the span? ENG_PLANE_UNSURE where they are not as described. */
+enum eng_plane eng_plane_look(const struct eng_query *query, double l, double r);
+
+/* The features do not touch at t = 0, and all four points have a coordinate in common, or
+ * a point and an edge have one and the fourth point is on one side of them all the time.
+ * MEET: the first contact is in [*l, *r], which is at most as long as `tolerance`; MISS:
+ * there is none in the step. */
+enum eng_plane eng_plane_first(const struct eng_query *query, double tolerance, double *l,
+                               double *r);
+
+/* ---- the solvers of all kinds ------------------------------------------------------ */
+
+/* How the queries of each kind are decided. The same for all kinds: features of one mesh
+ * that share a vertex are not tested; a pair is a candidate if the moving boxes around
+ * its features overlap; the first test is `reject_axes` of kernel.h; the exact decision
+ * is behind `search`, which asks for it. */
+struct eng_solver {
+    /* Do sift, filter and bracket of kernel.h reject and decide its pairs, as many at a
+     * time as a vector has lanes? If not, each pair that `reject_axes` leaves is
+     * searched. */
+    bool has_kernels;
+    /* Decides any query, by exact arithmetic where rounding hides the answer. True: a
+     * contact that begins before or at `t_end`, and *hit is set; [toi, toi_hi] is at most
+     * `tolerance` long. Where exact->span.watch has stopped, the answer means nothing.
+     * NULL: features of the kind only meet at a distance (thick.h). */
+    bool (*search)(const struct eng_query *query, double tolerance, double t_end,
+                   struct eng_exact *exact, struct eng_hit *hit);
+};
+
+extern const struct eng_solver eng_solvers[PCCD_KIND_COUNT];
+
 #endif

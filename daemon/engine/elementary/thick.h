@@ -19,7 +19,7 @@
  *   0 < approach < 1 it meets where the distance is at most approach d(0), at whatever
  *                    time; PCCD_INSIDE. With d(0) = 0: PCCD_INITIAL, too.
  *
- * *Time*: with r > 0, [toi, toi_hi] is the cell of time (thick_roots.h) in which the
+ * *Time*: with r > 0, [toi, toi_hi] is the cell of time (thick_exact.h) in which the
  * first t lies at which the distance is at most r. Cells are 2^-30 long, or shorter if
  * the tolerance asks for it. So the bytes are a function of the first time and of the
  * tolerance alone, whichever stage has found them; before toi the distance is more

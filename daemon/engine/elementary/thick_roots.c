@@ -1,18 +1,18 @@
 /* thick_roots.c - roots at which other polynomials are positive.
  *
- * See thick_roots.h. Bisection and Descartes' rule of signs, first on the polynomial
+ * See thick_exact.h. Bisection and Descartes' rule of signs, first on the polynomial
  * until a root is alone, then until no side has a root beside it. A side that is 0 at the
  * root is known by a common divisor, which is looked for when bisection does not end
  * soon.
  *
  * An interval [num, num + 1] / 2^k is named by num and k.
  */
-#include "thick_roots.h"
+#include "thick_exact.h"
 
 #include <assert.h>
 #include <math.h>
 
-#include "residue.h"
+#include "poly.h"
 
 /* Turns beside a side's root before a common divisor is looked for. */
 #define TURNS_MAX 6

@@ -13,6 +13,7 @@
  * for conservative advancement; BOUNDS.md, "Thick features by doubles".
  */
 #include "lanes.h"
+#include "nearest_points.h"
 #include "points.h"
 #include "table.h"
 
@@ -74,14 +75,10 @@ ENG_INLINE struct eng_thick_cells eng_thick_cells_of(int depth, double t_end)
 /* A distance beyond those of all points. */
 #define ENG_THICK_FAR 16.0
 
-struct eng_thick_pose {
-    struct eng_v p, b, c; /* query.h */
-};
-
 struct eng_thick_motion {
     int count;
     struct eng_v w[2][ENG_THICK_DIFFERENCES]; /* at t = 0 and 1 */
-    struct eng_thick_pose at[2];
+    struct eng_pose_lanes at[2];
     eng_d scale[2]; /* a length is multiplied by both */
 };
 
@@ -100,7 +97,7 @@ ENG_INLINE void eng_thick_differences(enum pccd_kind form, const struct eng_grou
     eng_group_load(group, x);
 #pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
-        struct eng_thick_pose *pose = &motion->at[end];
+        struct eng_pose_lanes *pose = &motion->at[end];
 #pragma GCC unroll 4
         for (int k = 0; k < motion->count; k++) {
             motion->w[end][k] =
@@ -126,7 +123,7 @@ ENG_INLINE void eng_thick_scale(struct eng_thick_motion *motion, eng_d factor)
 {
 #pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
-        struct eng_thick_pose *pose = &motion->at[end];
+        struct eng_pose_lanes *pose = &motion->at[end];
 #pragma GCC unroll 4
         for (int k = 0; k < motion->count; k++) {
             motion->w[end][k] = eng_v_times(factor, motion->w[end][k]);
@@ -168,113 +165,22 @@ ENG_INLINE struct eng_thick_motion eng_thick_load(enum pccd_kind form,
     return motion;
 }
 
-ENG_INLINE struct eng_thick_pose eng_thick_pose_at(const struct eng_thick_motion *motion,
+ENG_INLINE struct eng_pose_lanes eng_thick_pose_at(const struct eng_thick_motion *motion,
                                                    eng_d t)
 {
-    const struct eng_thick_pose *at = motion->at;
+    const struct eng_pose_lanes *at = motion->at;
     eng_d s = 1 - t;
-    return (struct eng_thick_pose){eng_v_mix(s, at[0].p, t, at[1].p),
+    return (struct eng_pose_lanes){eng_v_mix(s, at[0].p, t, at[1].p),
                                    eng_v_mix(s, at[0].b, t, at[1].b),
                                    eng_v_mix(s, at[0].c, t, at[1].c)};
 }
 
-/* ---- between the nearest points -------------------------------------------------- */
-
-/* The way between the nearest points of two thick features, a pair to each
- * lane. */
-
-struct eng_thick_way {
-    eng_d beta, gamma; /* in the domain of the kind */
-    struct eng_v gap;  /* about from the nearest point of b to that of a */
-};
-
-/* Of the square of the sine between b and c: below the one, what rounding leaves of their
- * cross product may point anywhere; below the other, nobody asks. */
-#define ENG_THICK_SURE_SINE2 0x1p-60
-#define ENG_THICK_SINE2      0x1p-100
-
-/* The foot of p on the plane of b and c, where it falls into the domain. `is_sure`: there
- * is no nearer place. */
-ENG_INLINE eng_dm eng_thick_foot(enum pccd_kind form, const struct eng_thick_pose *pose,
-                                 struct eng_thick_way *way, eng_dm *is_sure)
+/* About from the nearest point of feature b to that of feature a. */
+ENG_INLINE struct eng_way eng_thick_way_at(enum pccd_kind form,
+                                           const struct eng_thick_motion *motion, eng_d t)
 {
-    const eng_d zero = {0};
-    struct eng_v n = eng_v_cross(pose->b, pose->c);
-    eng_d nn = eng_v_dot(n, n);
-    eng_d size = eng_v_dot(pose->b, pose->b) * eng_v_dot(pose->c, pose->c);
-    way->beta = eng_v_dot(eng_v_cross(pose->p, pose->c), n) / nn;
-    way->gamma = eng_v_dot(eng_v_cross(pose->b, pose->p), n) / nn;
-    eng_d most = eng_d_max(way->beta, way->gamma);
-    if (form == PCCD_VF) {
-        most = way->beta + way->gamma;
-    }
-    eng_dm inside = eng_dm_and(
-        eng_d_less(ENG_THICK_SINE2 * size, nn),
-        eng_dm_and(eng_d_at_most(zero, way->beta), eng_d_at_most(zero, way->gamma)));
-    inside = eng_dm_and(inside, eng_d_at_most(most, zero + 1));
-    *is_sure = eng_dm_and(inside, eng_d_less(ENG_THICK_SURE_SINE2 * size, nn));
-    way->gap = eng_v_sub(eng_v_sub(pose->p, eng_v_times(way->beta, pose->b)),
-                         eng_v_times(way->gamma, pose->c));
-    return inside;
-}
-
-/* A side of the domain: start + s along, 0 <= s <= 1; from where, and which params move,
- * by s or by -s. */
-struct eng_thick_side {
-    struct eng_v start, along;
-    double from[2];
-    double moves[2];
-};
-
-ENG_INLINE void eng_thick_try_side(const struct eng_thick_side *side, eng_d *best,
-                                   struct eng_thick_way *way)
-{
-    const eng_d zero = {0};
-    eng_d aa = eng_v_dot(side->along, side->along);
-    eng_d s = eng_v_dot(side->start, side->along) / aa;
-    s = eng_d_select(eng_dm_and(eng_d_less(zero, aa), eng_d_less(zero, s)), s, zero);
-    s = eng_d_min(s, zero + 1);
-    struct eng_v gap = eng_v_sub(side->start, eng_v_times(s, side->along));
-    eng_d square = eng_v_dot(gap, gap);
-    eng_dm is_better = eng_d_less(square, *best);
-    *best = eng_d_select(is_better, square, *best);
-    way->beta = eng_d_select(is_better, side->from[0] + s * side->moves[0], way->beta);
-    way->gamma = eng_d_select(is_better, side->from[1] + s * side->moves[1], way->gamma);
-    way->gap = eng_v_select(is_better, gap, way->gap);
-}
-
-/* What a lane gets does not depend on the others. */
-ENG_INLINE struct eng_thick_way
-eng_thick_way_at(enum pccd_kind form, const struct eng_thick_motion *motion, eng_d t)
-{
-    const eng_d zero = {0};
-    struct eng_thick_pose pose = eng_thick_pose_at(motion, t);
-    struct eng_thick_way way;
-    eng_dm is_sure;
-    eng_dm inside = eng_thick_foot(form, &pose, &way, &is_sure);
-    if (eng_dm_bits(is_sure) != ENG_D_ALL) {
-        struct eng_v next = eng_v_sub(pose.p, pose.b);
-        struct eng_thick_side last =
-            form == PCCD_VF ? (struct eng_thick_side){next,
-                                                      eng_v_sub(pose.c, pose.b),
-                                                      {1, 0},
-                                                      {-1, 1}}
-                            : (struct eng_thick_side){next, pose.c, {1, 0}, {0, 1}};
-        eng_d best =
-            eng_d_select(inside, eng_v_dot(way.gap, way.gap), zero + __builtin_inf());
-        best = eng_d_select(is_sure, zero - 1, best);
-        eng_thick_try_side(&(struct eng_thick_side){pose.p, pose.b, {0, 0}, {1, 0}},
-                           &best, &way);
-        eng_thick_try_side(&(struct eng_thick_side){pose.p, pose.c, {0, 0}, {0, 1}},
-                           &best, &way);
-        eng_thick_try_side(&last, &best, &way);
-        if (form == PCCD_EE) {
-            eng_thick_try_side(
-                &(struct eng_thick_side){
-                    eng_v_sub(pose.p, pose.c), pose.b, {0, 1}, {1, 0}},
-                &best, &way);
-        }
-    }
+    struct eng_pose_lanes pose = eng_thick_pose_at(motion, t);
+    struct eng_way way = eng_way_of(form, &pose);
     if (form == PCCD_EE) {
         way.gap = (struct eng_v){-way.gap.x, -way.gap.y, -way.gap.z};
     }
@@ -353,7 +259,7 @@ struct planes {
 
 ENG_INLINE struct planes planes_of(const struct eng_thick_motion *motion)
 {
-    const struct eng_thick_pose *at = motion->at;
+    const struct eng_pose_lanes *at = motion->at;
     struct eng_v dp = eng_v_sub(at[1].p, at[0].p);
     struct eng_v db = eng_v_sub(at[1].b, at[0].b);
     struct eng_v dc = eng_v_sub(at[1].c, at[0].c);
@@ -422,8 +328,8 @@ ENG_INLINE void heights_between(const struct eng_thick_motion *motion, eng_d r, 
                                 eng_d end, eng_d h[4])
 {
     const eng_d zero = {0};
-    struct eng_thick_pose from = eng_thick_pose_at(motion, t);
-    struct eng_thick_pose to = eng_thick_pose_at(motion, end);
+    struct eng_pose_lanes from = eng_thick_pose_at(motion, t);
+    struct eng_pose_lanes to = eng_thick_pose_at(motion, end);
     struct eng_v n[3] = {eng_v_cross(from.b, from.c),
                          eng_v_add(eng_v_cross(from.b, to.c), /* twice */
                                    eng_v_cross(to.b, from.c)),
@@ -479,7 +385,7 @@ struct direction {
     eng_d least;
 };
 
-ENG_INLINE struct direction direction_of(struct eng_thick_way way, eng_d r, eng_d t)
+ENG_INLINE struct direction direction_of(struct eng_way way, eng_d r, eng_d t)
 {
     eng_d length = eng_d_sqrt(eng_v_dot(way.gap, way.gap));
     struct eng_v g = eng_v_times(1 / length, way.gap);
@@ -522,9 +428,9 @@ ENG_INLINE eng_d turning_until(const struct eng_thick_motion *motion,
 
 /* About when the nearest points of a time will be r apart; 1: they will not. */
 ENG_INLINE eng_d meeting_of(enum pccd_kind form, const struct eng_thick_motion *motion,
-                            const struct eng_thick_way *way, eng_d r, eng_d t)
+                            const struct eng_way *way, eng_d r, eng_d t)
 {
-    const struct eng_thick_pose *at = motion->at;
+    const struct eng_pose_lanes *at = motion->at;
     const eng_d zero = {0};
     struct eng_v speed =
         eng_v_sub(eng_v_sub(eng_v_sub(at[1].p, at[0].p),
@@ -595,10 +501,10 @@ ENG_INLINE void approach(const struct eng_thick_motion *motion, eng_dm is_inside
  * about at t to the one when they will about be r apart; or along that one. */
 ENG_INLINE eng_d turning(enum pccd_kind form, const struct eng_thick_motion *motion,
                          const struct eng_thick_cells *cells, eng_d r,
-                         const struct eng_thick_way *way, eng_d t)
+                         const struct eng_way *way, eng_d t)
 {
     eng_d end = shortly_before(cells, meeting_of(form, motion, way, r, t), t);
-    struct eng_thick_way then = eng_thick_way_at(form, motion, end);
+    struct eng_way then = eng_thick_way_at(form, motion, end);
     struct direction from = direction_of(*way, r, t);
     struct direction to = direction_of(then, r, end);
     eng_d until = turning_until(motion, &from, &to);
@@ -630,7 +536,7 @@ ENG_INLINE void turn(enum pccd_kind form, bool is_late,
     eng_dm is_new = eng_dm_and(has_begun, eng_d_less(known->looked, known->cell));
     eng_d look = eng_d_select(is_new, eng_thick_end(cells, known->cell), until);
     known->looked = eng_d_select(is_new, known->cell, known->looked);
-    struct eng_thick_way way = eng_thick_way_at(form, motion, look);
+    struct eng_way way = eng_thick_way_at(form, motion, look);
     eng_d most = eng_d_sqrt(eng_v_dot(way.gap, way.gap)) * (1 + ROUNDED) + WAY + ENG_TINY;
     known->meets =
         eng_dm_and(eng_d_at_most(most, known->reach.lo), eng_dm_not(known->misses));
@@ -776,7 +682,7 @@ ENG_INLINE void describe(enum pccd_kind form, bool is_ve, const struct eng_point
         for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
             at[lane] = hits[i + (lane < n ? lane : 0)].toi;
         }
-        struct eng_thick_way way = eng_thick_way_at(form, &motion, eng_d_load(at));
+        struct eng_way way = eng_thick_way_at(form, &motion, eng_d_load(at));
         eng_d length = eng_d_sqrt(eng_v_dot(way.gap, way.gap));
         eng_dm is_sure = eng_d_less(eng_d_all(WAY), length);
         eng_d_quantised(as[0], is_ve ? zero : way.beta);

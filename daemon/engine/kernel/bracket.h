@@ -7,9 +7,9 @@
 #ifndef ENG_BRACKET_H
 #define ENG_BRACKET_H
 
+#include "lanes.h"
 #include "points.h"
 #include "query.h"
-#include "vectors.h"
 
 /* ---- the cubic ------------------------------------------------------------------- */
 

@@ -8,7 +8,6 @@
  * there was. Rows are read from memory each time: as many loads as sums, two of either a
  * cycle.
  */
-#include "join.h"
 
 #include <assert.h>
 

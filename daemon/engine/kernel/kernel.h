@@ -14,13 +14,12 @@
 #include <stdint.h>
 
 #include "box_frame.h"
+#include "boxes.h"
 #include "isa.h"
-#include "join.h"
 #include "kinds.h"
 #include "median.h"
 #include "nearest.h"
 #include "query.h"
-#include "sieve.h"
 
 /* One vertex at both ends of the step, one cache line. The words are free for the owner;
  * kernels do not look at them. */
@@ -30,6 +29,51 @@ struct eng_point {
     double x1[3];
     uint64_t word1;
 };
+
+/* ---- the sieve ------------------------------------------------------------------- */
+
+/* Marks are points rounded to a grid of whole numbers, by which most pairs are rejected
+ * before doubles are read. They take half the bytes of the points themselves, so a vector
+ * holds twice as many. Differences of whole numbers are exact, so what the sieve may
+ * reject depends on the size of a pair and not on its distance from the origin. */
+
+/* The number of a coordinate is the whole one that is nearest to (x - origin) scale: of
+ * |x - origin| scale <= ENG_GRID_REACH. Differences of two numbers, and 8 more, fit. */
+struct eng_grid {
+    double origin[3];
+    double scale; /* a power of two */
+};
+
+#define ENG_GRID_REACH (0x1p30 - 8)
+
+/* A point at both ends of the step. How near another feature is to it there, at most, as
+ * is known by now: so much is to be taken from the reach of sift_near, both being bits of
+ * floats; 0: nothing is known. Any thread may write one while others read it. */
+struct eng_mark {
+    _Alignas(32) int32_t q0[3];
+    _Atomic int32_t less0;
+    int32_t q1[3];
+    _Atomic int32_t less1;
+};
+
+/* Pairs are named by a number of each feature; VF: the vertex's is its point, a_corner is
+ * not looked at. EE: b_corner[2] is not. */
+struct eng_sieve {
+    const struct eng_mark *marks;
+    const uint32_t *a_corner[2];
+    const uint32_t *b_corner[3];
+    float t_end;      /* <= 1: pairs that certainly do not meet up to then go, too */
+    bool swept;       /* the boxes around the pairs' whole motions overlap, no more */
+    bool in_time;     /* the pairs share a time on all axes: eng_join.in_time */
+    bool cubic_first; /* which of two tests goes first; the sieve's own, false before */
+    bool narrows;     /* sift_near: what is known of a pair's points counts, that of which
+                       * least is */
+};
+
+/* Places behind the last pair that the sieve may write to. */
+#define ENG_SIEVE_SPARE 16u
+
+/* ---- what kernels say of a chunk ------------------------------------------------- */
 
 /* What the certified solver decides of a chunk. */
 struct eng_bracketed {
@@ -73,7 +117,7 @@ struct eng_advance {
     double until;      /* 0 at first; before that time the pair is farther apart than r */
     double lo, hi;     /* before: lo is r, rounded. Then the kernel's own */
     double looked;     /* its own, too */
-    double cell;       /* its number (thick_roots.h) */
+    double cell;       /* its number (thick_exact.h) */
     uint8_t now;       /* enum eng_advanced */
     uint8_t is_inside; /* d(0) <= r; 0 at first */
 };
@@ -85,6 +129,8 @@ struct eng_advance_limits {
 };
 
 #define ENG_ADVANCE_MAX 1024u
+
+/* ---- the kernels ----------------------------------------------------------------- */
 
 struct eng_kernels {
     enum eng_isa isa;
@@ -229,6 +275,12 @@ struct eng_kernels {
     void (*cross_faces)(const struct eng_point *points, const uint32_t (*pairs)[5],
                         uint32_t count, uint32_t end, struct eng_crossed *out);
 };
+
+/* ---- one pair, by the scalar set alone --------------------------------------------- */
+
+/* Is one feature above the other, certainly, along x, y or z, or along x +- y, y +- z or
+ * z +- x, at both ends of the step, and so all the time? Most queries go here. */
+bool eng_query_separates(const struct eng_query *query);
 
 /* What `bracket` says of one pair, which is a chunk of its own. */
 enum eng_decision { ENG_MISSES, ENG_MEETS, ENG_OPEN };

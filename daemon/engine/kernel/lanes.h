@@ -1,24 +1,618 @@
 /* lanes.h - arithmetic on vectors as wide as the instruction set allows, with the same
  * result in each lane whatever the width.
  *
- * Threads: [any]; inline only. Included by files of this folder alone.
- *
  * eng_d: ENG_D_LANES doubles, eng_f: ENG_F_LANES floats. A mask, eng_dm or eng_fm, is a
  * register of bits with AVX-512 and a vector of all-ones and zeros elsewhere: only the
- * functions below touch one. Comparisons with NaN are false.
+ * functions below touch one. Comparisons with NaN are false. struct eng_v is three
+ * coordinates of as many lanes.
+ *
+ * The three versions say the same: that without vectors is the reference for the others.
+ *
+ * Threads: [any]; inline only. Included by files of this folder, and by those of
+ * elementary/ that ask the kernels' computations of one pair.
  */
 #ifndef ENG_LANES_H
 #define ENG_LANES_H
 
-#include "lane_types.h"
+/* ---- types ----------------------------------------------------------------------- */
+
+#include <stdint.h>
+#include <string.h>
+
+/* Read without the flags of an instruction set, it is the reference. */
+#ifndef ENG_ISA
+#define ENG_ISA          scalar
+#define ENG_VECTOR_BYTES 8
+#endif
+
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+/* A vector that is wider than the registers of the target without the flags of this file
+ * would cross calls in another way; none crosses one, because everything is inlined. */
+#pragma GCC diagnostic ignored "-Wpsabi"
+#define ENG_INLINE static inline __attribute__((always_inline))
+
+#define ENG_PASTE2(a, b, c) a##b##_##c
+#define ENG_PASTE(a, b, c)  ENG_PASTE2(a, b, c)
+/* The name of a kernel of this instruction set: eng_avx2_filter. */
+#define ENG_KERNEL(name) ENG_PASTE(eng_, ENG_ISA, name)
+
+#define ENG_D_LANES (ENG_VECTOR_BYTES / 8)
+#if ENG_VECTOR_BYTES == 8
+#define ENG_F_LANES 1
+#else
+#define ENG_F_LANES (ENG_VECTOR_BYTES / 4)
+#endif
+
+#define ENG_D_ALL ((1u << ENG_D_LANES) - 1)
+#define ENG_F_ALL ((1u << ENG_F_LANES) - 1)
+
+#if ENG_VECTOR_BYTES == 8
+/* Not a vector: gcc 12 keeps those of one double in the registers of integers. */
+typedef double eng_d;
+#else
+typedef double eng_d __attribute__((vector_size(ENG_D_LANES * 8), may_alias));
+#endif
+typedef float eng_f __attribute__((vector_size(ENG_F_LANES * 4), may_alias));
+typedef int64_t eng_di __attribute__((vector_size(ENG_D_LANES * 8), may_alias));
+typedef int32_t eng_fi __attribute__((vector_size(ENG_F_LANES * 4), may_alias));
+
+ENG_INLINE eng_d eng_d_load(const double *x)
+{
+    eng_d v;
+    memcpy(&v, x, sizeof v);
+    return v;
+}
+
+ENG_INLINE void eng_d_store(double *x, eng_d v)
+{
+    memcpy(x, &v, sizeof v);
+}
+
+/* The same bits. */
+ENG_INLINE eng_d eng_d_of(eng_di bits)
+{
+    eng_d v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+ENG_INLINE eng_di eng_di_of(eng_d v)
+{
+    eng_di bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
+}
+
+ENG_INLINE eng_f eng_f_load(const float *x)
+{
+    eng_f v;
+    memcpy(&v, x, sizeof v);
+    return v;
+}
+
+ENG_INLINE void eng_f_store(float *x, eng_f v)
+{
+    memcpy(x, &v, sizeof v);
+}
+
+ENG_INLINE eng_d eng_d_all(double x)
+{
+    return x - (eng_d){0};
+}
+
+ENG_INLINE eng_f eng_f_all(float x)
+{
+    return x - (eng_f){0};
+}
+
+/* A vector of four floats on every instruction set: one side of one box. */
+typedef float eng_four __attribute__((vector_size(16), may_alias));
+typedef int32_t eng_four_bits __attribute__((vector_size(16), may_alias));
+
+/* a > b ? a : b */
+static inline __attribute__((always_inline)) eng_four eng_four_max(eng_four a, eng_four b)
+{
+    eng_four_bits is_a = a > b;
+    return (eng_four)((is_a & (eng_four_bits)a) | (~is_a & (eng_four_bits)b));
+}
+
+/* ---- AVX-512: a mask is a register of bits --------------------------------------- */
 
 #if ENG_VECTOR_BYTES == 64
-#include "lanes_avx512.h"
+
+typedef __mmask8 eng_dm;
+typedef __mmask16 eng_fm;
+
+ENG_INLINE eng_dm eng_d_less(eng_d a, eng_d b)
+{
+    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
+}
+
+ENG_INLINE eng_dm eng_d_at_most(eng_d a, eng_d b)
+{
+    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LE_OQ);
+}
+
+ENG_INLINE eng_fm eng_f_less(eng_f a, eng_f b)
+{
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
+}
+
+ENG_INLINE eng_dm eng_dm_and(eng_dm a, eng_dm b)
+{
+    return a & b;
+}
+
+ENG_INLINE eng_dm eng_dm_or(eng_dm a, eng_dm b)
+{
+    return a | b;
+}
+
+ENG_INLINE eng_dm eng_dm_not(eng_dm a)
+{
+    return (eng_dm)~a;
+}
+
+ENG_INLINE eng_fm eng_fm_and(eng_fm a, eng_fm b)
+{
+    return a & b;
+}
+
+ENG_INLINE eng_fm eng_fm_or(eng_fm a, eng_fm b)
+{
+    return a | b;
+}
+
+/* Bit i is lane i's. */
+ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
+{
+    return m;
+}
+
+ENG_INLINE uint32_t eng_fm_bits(eng_fm m)
+{
+    return m;
+}
+
+/* a where the mask is set, else b. */
+ENG_INLINE eng_d eng_d_select(eng_dm m, eng_d a, eng_d b)
+{
+    return (eng_d)_mm512_mask_blend_pd(m, (__m512d)b, (__m512d)a);
+}
+
+/* a < b ? a : b */
+ENG_INLINE eng_d eng_d_min(eng_d a, eng_d b)
+{
+    return (eng_d)_mm512_min_pd((__m512d)a, (__m512d)b);
+}
+
+ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
+{
+    return (eng_d)_mm512_max_pd((__m512d)a, (__m512d)b);
+}
+
+/* The larger magnitude. */
+ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
+{
+    return (eng_d)_mm512_range_pd((__m512d)a, (__m512d)b, 0xb);
+}
+
+ENG_INLINE eng_f eng_f_max(eng_f a, eng_f b)
+{
+    return (eng_f)_mm512_max_ps((__m512)a, (__m512)b);
+}
+
+ENG_INLINE eng_f eng_f_min(eng_f a, eng_f b)
+{
+    return (eng_f)_mm512_min_ps((__m512)a, (__m512)b);
+}
+
+ENG_INLINE eng_f eng_f_max_abs(eng_f a, eng_f b)
+{
+    return (eng_f)_mm512_range_ps((__m512)a, (__m512)b, 0xb);
+}
+
+ENG_INLINE eng_fi eng_fi_min(eng_fi a, eng_fi b)
+{
+    return (eng_fi)_mm512_min_epi32((__m512i)a, (__m512i)b);
+}
+
+ENG_INLINE eng_fi eng_fi_max(eng_fi a, eng_fi b)
+{
+    return (eng_fi)_mm512_max_epi32((__m512i)a, (__m512i)b);
+}
+
+ENG_INLINE eng_f eng_f_select(eng_fm m, eng_f a, eng_f b)
+{
+    return (eng_f)_mm512_mask_blend_ps(m, (__m512)b, (__m512)a);
+}
+
+ENG_INLINE eng_d eng_d_sqrt(eng_d a)
+{
+    return (eng_d)_mm512_sqrt_pd((__m512d)a);
+}
+
+ENG_INLINE eng_f eng_f_sqrt(eng_f a)
+{
+    return (eng_f)_mm512_sqrt_ps((__m512)a);
+}
+
+/* ---- without vectors: one number at a time --------------------------------------- */
+
 #elif ENG_VECTOR_BYTES == 8
-#include "lanes_scalar.h"
+
+/* Numbers stay in the registers for numbers, masks included: vectors of one integer would
+ * travel to the other registers and back. */
+
+/* gcc 12 (tree-vrp) takes what a comparison of one-lane vectors gives for 0 or 1, not for
+ * 0 or -1, and then drops operations on it: the lanes are compared as numbers. */
+
+#ifdef __SSE2__
+
+/* All bits of the low half. */
+typedef __m128d eng_dm;
+
+ENG_INLINE __m128d eng_d_low(eng_d a)
+{
+    return _mm_set_sd(a);
+}
+
+ENG_INLINE eng_dm eng_d_less(eng_d a, eng_d b)
+{
+    return _mm_cmplt_sd(eng_d_low(a), eng_d_low(b));
+}
+
+ENG_INLINE eng_dm eng_d_at_most(eng_d a, eng_d b)
+{
+    return _mm_cmple_sd(eng_d_low(a), eng_d_low(b));
+}
+
+ENG_INLINE eng_dm eng_dm_and(eng_dm a, eng_dm b)
+{
+    return _mm_and_pd(a, b);
+}
+
+ENG_INLINE eng_dm eng_dm_or(eng_dm a, eng_dm b)
+{
+    return _mm_or_pd(a, b);
+}
+
+ENG_INLINE eng_dm eng_dm_not(eng_dm a)
+{
+    return _mm_xor_pd(a, _mm_castsi128_pd(_mm_set1_epi32(-1)));
+}
+
+ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
+{
+    return (uint32_t)_mm_movemask_pd(m) & 1;
+}
+
+ENG_INLINE eng_d eng_d_select(eng_dm m, eng_d a, eng_d b)
+{
+    __m128d v = _mm_or_pd(_mm_and_pd(m, eng_d_low(a)), _mm_andnot_pd(m, eng_d_low(b)));
+    return v[0];
+}
+
 #else
-#include "lanes_vector.h"
+
+typedef uint32_t eng_dm; /* 0 or 1 */
+
+ENG_INLINE eng_dm eng_d_less(eng_d a, eng_d b)
+{
+    return a < b;
+}
+
+ENG_INLINE eng_dm eng_d_at_most(eng_d a, eng_d b)
+{
+    return a <= b;
+}
+
+ENG_INLINE eng_dm eng_dm_and(eng_dm a, eng_dm b)
+{
+    return a & b;
+}
+
+ENG_INLINE eng_dm eng_dm_or(eng_dm a, eng_dm b)
+{
+    return a | b;
+}
+
+ENG_INLINE eng_dm eng_dm_not(eng_dm a)
+{
+    return a ^ 1;
+}
+
+ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
+{
+    return m;
+}
+
+ENG_INLINE eng_d eng_d_select(eng_dm m, eng_d a, eng_d b)
+{
+    return m ? a : b;
+}
+
 #endif
+
+typedef eng_fi eng_fm;
+
+ENG_INLINE eng_fm eng_f_less(eng_f a, eng_f b)
+{
+    return (eng_fm){-(int32_t)(a[0] < b[0])};
+}
+
+ENG_INLINE eng_fm eng_fm_and(eng_fm a, eng_fm b)
+{
+    return a & b;
+}
+
+ENG_INLINE eng_fm eng_fm_or(eng_fm a, eng_fm b)
+{
+    return a | b;
+}
+
+ENG_INLINE uint32_t eng_fm_bits(eng_fm m)
+{
+    return m[0] ? 1 : 0;
+}
+
+ENG_INLINE eng_d eng_d_min(eng_d a, eng_d b)
+{
+    return a < b ? a : b;
+}
+
+ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
+{
+    return a > b ? a : b;
+}
+
+ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
+{
+    return eng_d_max(__builtin_fabs(a), __builtin_fabs(b));
+}
+
+ENG_INLINE eng_f eng_f_select(eng_fm m, eng_f a, eng_f b)
+{
+    return (eng_f){m[0] ? a[0] : b[0]};
+}
+
+ENG_INLINE eng_f eng_f_max(eng_f a, eng_f b)
+{
+    return (eng_f){a[0] > b[0] ? a[0] : b[0]};
+}
+
+ENG_INLINE eng_f eng_f_min(eng_f a, eng_f b)
+{
+    return (eng_f){a[0] < b[0] ? a[0] : b[0]};
+}
+
+ENG_INLINE eng_f eng_f_max_abs(eng_f a, eng_f b)
+{
+    float x = __builtin_fabsf(a[0]);
+    float y = __builtin_fabsf(b[0]);
+    return (eng_f){x > y ? x : y};
+}
+
+ENG_INLINE eng_fi eng_fi_min(eng_fi a, eng_fi b)
+{
+    return (eng_fi){a[0] < b[0] ? a[0] : b[0]};
+}
+
+ENG_INLINE eng_fi eng_fi_max(eng_fi a, eng_fi b)
+{
+    return (eng_fi){a[0] > b[0] ? a[0] : b[0]};
+}
+
+ENG_INLINE eng_d eng_d_sqrt(eng_d a)
+{
+    return __builtin_sqrt(a);
+}
+
+ENG_INLINE eng_f eng_f_sqrt(eng_f a)
+{
+    return (eng_f){__builtin_sqrtf(a[0])};
+}
+
+/* ---- SSE 4.2, AVX2, NEON: a mask is a vector of all-ones and zeros --------------- */
+
+#else
+
+typedef eng_di eng_dm;
+typedef eng_fi eng_fm;
+
+ENG_INLINE eng_dm eng_d_less(eng_d a, eng_d b)
+{
+    return a < b;
+}
+
+ENG_INLINE eng_dm eng_d_at_most(eng_d a, eng_d b)
+{
+    return a <= b;
+}
+
+ENG_INLINE eng_fm eng_f_less(eng_f a, eng_f b)
+{
+    return a < b;
+}
+
+ENG_INLINE eng_dm eng_dm_and(eng_dm a, eng_dm b)
+{
+    return a & b;
+}
+
+ENG_INLINE eng_dm eng_dm_or(eng_dm a, eng_dm b)
+{
+    return a | b;
+}
+
+ENG_INLINE eng_dm eng_dm_not(eng_dm a)
+{
+    return ~a;
+}
+
+ENG_INLINE eng_fm eng_fm_and(eng_fm a, eng_fm b)
+{
+    return a & b;
+}
+
+ENG_INLINE eng_fm eng_fm_or(eng_fm a, eng_fm b)
+{
+    return a | b;
+}
+
+ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (uint32_t)_mm256_movemask_pd((__m256d)m);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (uint32_t)_mm_movemask_pd((__m128d)m);
+#else
+    uint32_t bits = 0;
+    for (unsigned i = 0; i < ENG_D_LANES; i++) {
+        bits |= (m[i] ? 1u : 0u) << i;
+    }
+    return bits;
+#endif
+}
+
+ENG_INLINE uint32_t eng_fm_bits(eng_fm m)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (uint32_t)_mm256_movemask_ps((__m256)m);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (uint32_t)_mm_movemask_ps((__m128)m);
+#else
+    uint32_t bits = 0;
+    for (unsigned i = 0; i < ENG_F_LANES; i++) {
+        bits |= (m[i] ? 1u : 0u) << i;
+    }
+    return bits;
+#endif
+}
+
+ENG_INLINE eng_d eng_d_select(eng_dm m, eng_d a, eng_d b)
+{
+    return (eng_d)((m & (eng_di)a) | (~m & (eng_di)b));
+}
+
+ENG_INLINE eng_d eng_d_min(eng_d a, eng_d b)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_d)_mm256_min_pd((__m256d)a, (__m256d)b);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_d)_mm_min_pd((__m128d)a, (__m128d)b);
+#else
+    return eng_d_select(a < b, a, b);
+#endif
+}
+
+ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_d)_mm256_max_pd((__m256d)a, (__m256d)b);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_d)_mm_max_pd((__m128d)a, (__m128d)b);
+#else
+    return eng_d_select(a > b, a, b);
+#endif
+}
+
+/* The larger magnitude. */
+ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
+{
+    return eng_d_max((eng_d)((eng_di)a & INT64_MAX), (eng_d)((eng_di)b & INT64_MAX));
+}
+
+ENG_INLINE eng_f eng_f_select(eng_fm m, eng_f a, eng_f b)
+{
+    return (eng_f)((m & (eng_fi)a) | (~m & (eng_fi)b));
+}
+
+ENG_INLINE eng_f eng_f_max(eng_f a, eng_f b)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_f)_mm256_max_ps((__m256)a, (__m256)b);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_f)_mm_max_ps((__m128)a, (__m128)b);
+#else
+    return eng_f_select(a > b, a, b);
+#endif
+}
+
+ENG_INLINE eng_f eng_f_min(eng_f a, eng_f b)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_f)_mm256_min_ps((__m256)a, (__m256)b);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_f)_mm_min_ps((__m128)a, (__m128)b);
+#else
+    return eng_f_select(a < b, a, b);
+#endif
+}
+
+ENG_INLINE eng_f eng_f_max_abs(eng_f a, eng_f b)
+{
+    return eng_f_max((eng_f)((eng_fi)a & INT32_MAX), (eng_f)((eng_fi)b & INT32_MAX));
+}
+
+ENG_INLINE eng_fi eng_fi_min(eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_min_epi32((__m256i)a, (__m256i)b);
+#elif defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_min_epi32((__m128i)a, (__m128i)b);
+#else
+    eng_fi less = a < b;
+    return (less & a) | (~less & b);
+#endif
+}
+
+ENG_INLINE eng_fi eng_fi_max(eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_max_epi32((__m256i)a, (__m256i)b);
+#elif defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_max_epi32((__m128i)a, (__m128i)b);
+#else
+    eng_fi more = a > b;
+    return (more & a) | (~more & b);
+#endif
+}
+
+ENG_INLINE eng_d eng_d_sqrt(eng_d a)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_d)_mm256_sqrt_pd((__m256d)a);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_d)_mm_sqrt_pd((__m128d)a);
+#else
+    for (unsigned i = 0; i < ENG_D_LANES; i++) {
+        a[i] = __builtin_sqrt(a[i]);
+    }
+    return a;
+#endif
+}
+
+ENG_INLINE eng_f eng_f_sqrt(eng_f a)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_f)_mm256_sqrt_ps((__m256)a);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_f)_mm_sqrt_ps((__m128)a);
+#else
+    for (unsigned i = 0; i < ENG_F_LANES; i++) {
+        a[i] = __builtin_sqrtf(a[i]);
+    }
+    return a;
+#endif
+}
+
+#endif
+
+/* ---- all sets -------------------------------------------------------------------- */
 
 /* ENG_D_LANES floats, exactly. */
 ENG_INLINE eng_d eng_d_widen(const float *x)
@@ -60,8 +654,8 @@ ENG_INLINE eng_f eng_f_abs(eng_f a)
     return (eng_f)((eng_fi)a & INT32_MAX);
 }
 
-/* eng_n: the numbers that vectors.h and reject.h compute with. Doubles, or floats in a
- * file that defines ENG_IN_FLOATS before it includes anything. */
+/* eng_n: the numbers that reject.h and the vectors below compute with. Doubles, or floats
+ * in a file that defines ENG_IN_FLOATS before it includes anything. */
 #ifdef ENG_IN_FLOATS
 #define ENG_N(name)  eng_f_##name
 #define ENG_NM(name) eng_fm_##name
@@ -87,5 +681,73 @@ typedef eng_dm eng_nm;
 #define eng_nm_and    ENG_NM(and)
 #define eng_nm_bits   ENG_NM(bits)
 #define eng_nm_or     ENG_NM(or)
+
+/* ---- vectors of three coordinates ------------------------------------------------ */
+
+/* Of doubles, or of floats in files that define ENG_IN_FLOATS. */
+
+struct eng_v {
+    eng_n x, y, z;
+};
+
+ENG_INLINE struct eng_v eng_v_add(struct eng_v a, struct eng_v b)
+{
+    return (struct eng_v){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+ENG_INLINE struct eng_v eng_v_sub(struct eng_v a, struct eng_v b)
+{
+    return (struct eng_v){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+ENG_INLINE struct eng_v eng_v_cross(struct eng_v a, struct eng_v b)
+{
+    return (struct eng_v){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z,
+                          a.x * b.y - a.y * b.x};
+}
+
+ENG_INLINE eng_n eng_v_dot(struct eng_v a, struct eng_v b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* s a + t b */
+ENG_INLINE struct eng_v eng_v_mix(eng_n s, struct eng_v a, eng_n t, struct eng_v b)
+{
+    return (struct eng_v){s * a.x + t * b.x, s * a.y + t * b.y, s * a.z + t * b.z};
+}
+
+ENG_INLINE struct eng_v eng_v_abs(struct eng_v a)
+{
+    return (struct eng_v){eng_n_abs(a.x), eng_n_abs(a.y), eng_n_abs(a.z)};
+}
+
+/* a where the mask is set, else b. */
+ENG_INLINE struct eng_v eng_v_select(eng_nm m, struct eng_v a, struct eng_v b)
+{
+    return (struct eng_v){eng_n_select(m, a.x, b.x), eng_n_select(m, a.y, b.y),
+                          eng_n_select(m, a.z, b.z)};
+}
+
+/* s a */
+ENG_INLINE struct eng_v eng_v_times(eng_n s, struct eng_v a)
+{
+    return (struct eng_v){s * a.x, s * a.y, s * a.z};
+}
+
+/* Largest coordinate magnitude. */
+ENG_INLINE eng_n eng_v_size(struct eng_v a)
+{
+    return eng_n_max_abs(eng_n_max_abs(a.x, a.y), a.z);
+}
+
+/* Largest coordinate magnitude of two. */
+ENG_INLINE eng_n eng_v_reach(struct eng_v a, struct eng_v b)
+{
+    eng_n x = eng_n_max_abs(a.x, b.x);
+    eng_n y = eng_n_max_abs(a.y, b.y);
+    eng_n z = eng_n_max_abs(a.z, b.z);
+    return eng_n_max_abs(eng_n_max_abs(x, y), z);
+}
 
 #endif

@@ -81,7 +81,7 @@ ENG_INLINE eng_left eng_left_unequal(eng_left left, eng_fi a, eng_fi b)
 #if ENG_VECTOR_BYTES == 64
     return _mm512_mask_cmpneq_epi32_mask(left, (__m512i)a, (__m512i)b);
 #elif ENG_VECTOR_BYTES == 8
-    return left | (eng_fi){-(int32_t)(a[0] == b[0])}; /* see lanes_scalar.h */
+    return left | (eng_fi){-(int32_t)(a[0] == b[0])}; /* see lanes.h */
 #else
     return left | (a == b);
 #endif

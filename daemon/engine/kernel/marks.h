@@ -6,9 +6,9 @@
 #ifndef ENG_MARKS_H
 #define ENG_MARKS_H
 
+#include "kernel.h"
 #include "lanes_pack.h"
 #include "query.h"
-#include "sieve.h"
 
 /* ---- turning marks as they lie in memory ----------------------------------------- */
 
@@ -157,7 +157,7 @@ ENG_INLINE void eng_marks_fill(const uint32_t *a, const uint32_t *b, uint32_t n,
 }
 
 /* d[end][k] of pairs 0 .. ENG_F_LANES - 1: the marks 1, 2, 3 minus mark 0. No difference
- * overflows (sieve.h). */
+ * overflows (kernel.h). */
 #if ENG_VECTOR_BYTES == 64
 
 ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *sieve,

@@ -9,7 +9,7 @@
 #define ENG_POINTS_H
 
 #include "kernel.h"
-#include "vectors.h"
+#include "lanes.h"
 
 /* Three numbers of each of ENG_D_LANES places; the fourth may be read too. */
 #if ENG_VECTOR_BYTES == 64

@@ -1,7 +1,7 @@
 /* reject.h - what certainly keeps the two features of a pair apart, over the step or at
  * one end of it, a pair to each lane.
  *
- * A template for two kinds of numbers. Doubles: reject.c, and elementary/separate.c with
+ * A template for two kinds of numbers. Doubles: reject.c, and decide.c with
  * one lane. Marks, in files that define ENG_IN_FLOATS: sift.c and sift_near.c; what lies
  * between two features is a whole number there, and exact, and products of three are
  * floats. A *reach* is how far features have to stay apart; 0: they must not meet.
@@ -9,14 +9,14 @@
  * Each test is asked of three or four differences between points of a pair; whether there
  * is a reach, and which end is meant, are constants of the code where it is called.
  *
- * Threads: [any]; inline only. Included by files of this folder and by separate.c.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  * Source: BOUNDS.md derives each margin.
  */
 #ifndef ENG_REJECT_H
 #define ENG_REJECT_H
 
+#include "lanes.h"
 #include "query.h"
-#include "vectors.h"
 #ifdef ENG_IN_FLOATS
 #include "marks.h"
 #endif

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "memory.h"
-#include "solvers.h"
+#include "solve.h"
 
 /* Pairs that are named at a time. */
 #define NAMES 64u

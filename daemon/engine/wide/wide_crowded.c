@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "closest.h"
+#include "motion.h"
 #include "feature.h"
 #include "kinds.h"
 #include "memory.h"

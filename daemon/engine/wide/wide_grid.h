@@ -1,4 +1,4 @@
-/* wide_grid.h - chooses the grid of the sieve (sieve.h) from where the scene was in the
+/* wide_grid.h - chooses the grid of the sieve (kernel.h) from where the scene was in the
  * last step.
  *
  * Lay the grid over the scene before its vertices are placed on it: by the boxes of the

@@ -7,7 +7,7 @@
 #include "finding.h"
 #include "memory.h"
 #include "narrow.h"
-#include "solvers.h"
+#include "solve.h"
 #include "wide_free.h"
 #include "wide_grid.h"
 #include "wide_state.h"
