@@ -30,10 +30,12 @@ static void take(struct bench_candidates *candidates, const struct bench_world *
         const struct eng_object *a = object_of_id(world, pair[i].object_a);
         const struct eng_object *b = object_of_id(world, pair[i].object_b);
         uint32_t n = candidates->count++;
-        candidates->a[n] = pair[i].feature_a +
-                           (is_vf ? a->vertices.first : eng_planted_of(a)->edges.first);
-        candidates->b[n] = pair[i].feature_b + (is_vf ? eng_planted_of(b)->triangles.first
-                                                      : eng_planted_of(b)->edges.first);
+        candidates->a[n] =
+            pair[i].feature_a +
+            (is_vf ? a->vertices.first : eng_paper_object_of(a)->edges.first);
+        candidates->b[n] =
+            pair[i].feature_b + (is_vf ? eng_paper_object_of(b)->triangles.first
+                                       : eng_paper_object_of(b)->edges.first);
     }
 }
 

@@ -12,10 +12,10 @@
 #include "coordinates.h"
 #include "gather.h"
 #include "ingest.h"
-#include "paper_features.h"
 #include "report.h"
 #include "solve.h"
 #include "thick.h"
+#include "trees.h"
 
 #define QUERY_MAX 60000u
 #define TRACE_MAX 2000000u

@@ -17,6 +17,7 @@ libbench_la_SOURCES = \
     bench/report.c \
     bench/resident.c \
     bench/traverse.c \
+    bench/wide_sweep.c \
     bench/workload.c \
     bench/scenes/bench_scene.c \
     bench/scenes/bodies.c \

@@ -7,8 +7,9 @@
 
 #include "clock.h"
 #include "deque.h"
-#include "relax.h"
+#include "parallel.h"
 #include "report.h"
+#include "wait.h"
 
 #define REPEATS  101
 #define LOOPS    1000

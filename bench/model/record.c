@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "clock.h"
-#include "highlevel.h"
 #include "memory.h"
 #include "method.h"
 #include "narrow.h"
@@ -14,10 +13,7 @@
 #include "paper_work.h"
 #include "refit.h"
 #include "report.h"
-#include "schedule_paper.h"
-#include "schedule_steal.h"
-#include "taskunit.h"
-#include "wide_method.h"
+#include "wide_state.h"
 #include "wide_test.h"
 #include "world.h"
 
@@ -300,12 +296,12 @@ static void refit_wide(struct model_division *division, struct model_record *rec
         uint32_t stage = kind != PCCD_TREE_VERTICES;
         for (uint32_t i = 0; i < eng_wide_refit_chunks(wide, kind); i++) {
             uint64_t begin_ns = common_now_ns();
-            eng_wide_refit_chunk(wide, record->scene, kind, i, false);
+            eng_wide_refit_chunk(wide, record->scene, kind, i);
             add(&division->refit[stage], begin_ns, record->clock_ns);
         }
     }
     uint64_t begin_ns = common_now_ns();
-    eng_wide_refit_above(wide, false);
+    eng_wide_refit_above(wide);
     division->refit_end_ns = since(begin_ns, record->clock_ns) + record->deal_ns;
 }
 

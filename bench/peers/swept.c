@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "aabb.h"
-#include "paper_features.h"
 #include "report.h"
 #include "trees.h"
 #include "world.h"
@@ -47,8 +46,8 @@ void peers_swept_init(struct peer_input *input, const struct bench_world *world)
     for (uint32_t i = 0; i < world->source->object_count; i++) {
         const struct eng_object *object = eng_scene_object(scene, world->object_idx[i]);
         counts[0] += object->vertices.count;
-        counts[1] += eng_planted_of(object)->edges.count;
-        counts[2] += eng_planted_of(object)->triangles.count;
+        counts[1] += eng_paper_object_of(object)->edges.count;
+        counts[2] += eng_paper_object_of(object)->triangles.count;
     }
     /* Objects that only ever come lie one after the other. */
     list_init(&input->vertices, counts[0]);

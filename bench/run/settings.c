@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "names.h"
-#include "tuning.h"
+#include "question.h"
 
 #define THREADS_MAX 1024u
 #define STEPS_MAX   1000000u

@@ -7,14 +7,14 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "affinity.h"
 #include "kernel.h"
 #include "mesh.h"
 #include "names.h"
+#include "parallel.h"
 #include "play.h"
+#include "question.h"
 #include "report.h"
 #include "resident.h"
-#include "tuning.h"
 
 struct run_asked {
     struct bench_world world;

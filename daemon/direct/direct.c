@@ -481,10 +481,10 @@ static int lend_positions(struct srv_session *session, uint32_t handle, uint32_t
         return PCCD_E_HANDLE;
     }
     if (what == PROTO_DIRECT_LEND) {
-        return eng_stage_lend(scene->engine, placed->engine_idx, x0, x1);
+        return eng_stage_map(scene->engine, placed->engine_idx, x0, x1);
     }
     if (what == PROTO_DIRECT_FORGET) {
-        eng_stage_forget(scene->engine, placed->engine_idx);
+        eng_stage_unmap(scene->engine, placed->engine_idx);
         return 0;
     }
     placed->lent = what == PROTO_DIRECT_HAS_X0X1 ? SRV_LENT_X0X1 : SRV_LENT_X1;

@@ -86,10 +86,10 @@ int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team
 void eng_answer_keep(struct eng_step_memory *memory, const struct eng_team *team)
 {
     struct eng_worker *worker = team->workers[0];
-    struct eng_kept *kept = &memory->kept;
+    struct eng_answer_cache *kept = &memory->cache;
     assert(team->prunes && memory->merge->out == &memory->sorted);
     if (worker->question->mode == PCCD_MODE_ANY) {
-        if (eng_kept_decides(kept, team->scene)) {
+        if (eng_answer_cache_decides(kept, team->scene)) {
             worker->proved_seen = 1;
             worker->proof = kept->proof;
             atomic_store_explicit(&worker->stop->stopped, true, memory_order_relaxed);
@@ -97,7 +97,7 @@ void eng_answer_keep(struct eng_step_memory *memory, const struct eng_team *team
         return;
     }
     double bound =
-        eng_kept_select(kept, team->scene, &memory->sorted, &memory->kept_counts);
+        eng_answer_cache_select(kept, team->scene, &memory->sorted, &memory->kept_counts);
     if (memory->sorted.count > 0) {
         memory->merge->out = &memory->found;
     } /* else what is found is the answer */
@@ -185,7 +185,7 @@ static int add_kept(struct eng_step_memory *memory, const struct eng_team *team,
         return PCCD_OK;
     }
     result->counters.kept_records = memory->sorted.count;
-    int status = eng_kept_merge(&memory->sorted, &memory->found);
+    int status = eng_answer_cache_merge(&memory->sorted, &memory->found);
     if (status != PCCD_OK) {
         return status;
     }
@@ -193,7 +193,7 @@ static int add_kept(struct eng_step_memory *memory, const struct eng_team *team,
     uint64_t limit = team->workers[0]->found.limit;
     if (memory->sorted.count > limit) {
         memory->sorted.count = limit;
-        eng_kept_count(&memory->sorted, counts);
+        eng_answer_cache_count(&memory->sorted, counts);
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
     }
     return PCCD_OK;
@@ -223,7 +223,7 @@ static int put_together(struct eng_step_memory *memory, const struct eng_team *t
     result->inside = counts->inside;
     result->coincident = team->scene->thickness.is_on ? 0 : counts->coincident;
     result->crowded = result->coincident > result->count / 2 ||
-                      eng_kept_is_crowded(team->scene, &memory->sorted, counts);
+                      eng_answer_cache_is_crowded(team->scene, &memory->sorted, counts);
     result->toi_first = counts->toi_first;
     if (!memory->merge->no_hash) {
         eng_hash_end(counts->hash, result->count, result->hash);
@@ -274,8 +274,8 @@ void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
     }
     result->safe_step = safe_step(team->workers[0]->question->span, result);
-    eng_kept_finish(&memory->kept, team->scene, team->workers[0]->question, result,
-                    &counts, proof_of(team));
+    eng_answer_cache_finish(&memory->cache, team->scene, team->workers[0]->question,
+                            result, &counts, proof_of(team));
 }
 
 void eng_answer_nothing(struct eng_step_result *result)

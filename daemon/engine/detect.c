@@ -11,12 +11,11 @@
 #include "answer.h"
 #include "clock.h"
 #include "memory.h"
-#include "methods.h"
+#include "method.h"
 #include "moving.h"
 #include "narrow.h"
 #include "parallel.h"
 #include "rigid.h"
-#include "schedule_steal.h"
 #include "wait.h"
 #include "wide_crowded.h"
 
@@ -73,7 +72,7 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_question *quest
         }
     }
     eng_pool_reset(memory->pool, team->count);
-    eng_pool_lend(memory->pool, question->lent, question->lent_bytes);
+    eng_pool_lend(memory->pool, question->scratch_memory, question->scratch_bytes);
     for (uint32_t i = 0; i < team->count; i++) {
         eng_worker_begin(memory->workers[i], scene, question, stop, memory->pool);
         memory->workers[i]->thread = i;

@@ -4,7 +4,7 @@
  * the clock: beside other processes a team waits for a thread that has lost its
  * processor, and what it saves is less than that.
  */
-#include "effort.h"
+#include "step_memory.h"
 
 #include <assert.h>
 #include <string.h>

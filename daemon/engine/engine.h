@@ -12,17 +12,14 @@
 #define ENG_ENGINE_H
 
 #include "affinity.h" /* the processors of a team */
-#include "brief.h"    /* may a step be taken at once, by the thread that talks? */
-#include "each.h"     /* many items, by several threads */
 #include "isa.h"      /* the instruction set that is used */
-#include "levels.h"   /* the boxes of a hierarchy, to be looked at */
 #include "memory.h"   /* who pays for memory, and how much there may be */
 #include "mesh.h"     /* topology and registered positions */
 #include "near.h"     /* how near things are at one moment */
-#include "parallel.h"   /* a thread of somebody else comes, and goes */
+#include "parallel.h" /* many items, by several threads */
+#include "question.h" /* what is asked, and how it is to be computed */
 #include "scene.h"    /* objects, and the positions of the next step */
-#include "step.h"     /* a step, its settings and its answer */
+#include "step.h"     /* a step and its answer; boxes to be looked at */
 #include "trace.h"    /* what threads did, when */
-#include "tuning.h"   /* how threads share a step, as a text */
 
 #endif

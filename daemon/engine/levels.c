@@ -1,5 +1,5 @@
 /* levels.c - the boxes of one level of a scene's hierarchies. */
-#include "levels.h"
+#include "step.h"
 
 #include <assert.h>
 #include <math.h>

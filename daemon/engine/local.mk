@@ -20,10 +20,9 @@ noinst_LTLIBRARIES += libengine.la
 
 libengine_la_SOURCES = \
     daemon/engine/base/array.c \
-    daemon/engine/base/median.c \
+    daemon/engine/base/sort.c \
     daemon/engine/base/memory.c \
-    daemon/engine/base/radix.c \
-    daemon/engine/base/tuning.c \
+    daemon/engine/base/question.c \
     daemon/engine/kernel/choose.c \
     daemon/engine/elementary/batch.c \
     daemon/engine/elementary/distance.c \
@@ -49,35 +48,22 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/winding.c \
     daemon/engine/result/bucket.c \
     daemon/engine/result/found.c \
-    daemon/engine/result/hash.c \
     daemon/engine/result/merge.c \
     daemon/engine/result/order.c \
-    daemon/engine/result/pool.c \
-    daemon/engine/result/result.c \
-    daemon/engine/result/split.c \
     daemon/engine/team/deque.c \
-    daemon/engine/team/each.c \
-    daemon/engine/team/finding.c \
     daemon/engine/team/affinity.c \
-    daemon/engine/team/processors.c \
     daemon/engine/team/parallel.c \
     daemon/engine/team/schedule_steal.c \
-    daemon/engine/team/seat.c \
-    daemon/engine/team/team.c \
     daemon/engine/team/trace.c \
     daemon/engine/team/wait.c \
     daemon/engine/team/worker.c \
-    daemon/engine/scene/closed.c \
     daemon/engine/scene/feature.c \
     daemon/engine/scene/frames.c \
-    daemon/engine/scene/ids.c \
     daemon/engine/scene/ingest.c \
     daemon/engine/scene/masks.c \
     daemon/engine/scene/mesh_fill.c \
     daemon/engine/scene/moving.c \
     daemon/engine/scene/objects.c \
-    daemon/engine/scene/pairset.c \
-    daemon/engine/scene/range.c \
     daemon/engine/scene/rigid.c \
     daemon/engine/scene/rings.c \
     daemon/engine/scene/stage.c \
@@ -87,7 +73,6 @@ libengine_la_SOURCES = \
     daemon/engine/paper/assignment.c \
     daemon/engine/paper/build.c \
     daemon/engine/paper/grow.c \
-    daemon/engine/paper/highlevel.c \
     daemon/engine/paper/paper.c \
     daemon/engine/paper/paper_method.c \
     daemon/engine/paper/paper_work.c \
@@ -100,20 +85,16 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide.c \
     daemon/engine/wide/wide_crowded.c \
     daemon/engine/wide/wide_faces.c \
-    daemon/engine/wide/wide_free.c \
-    daemon/engine/wide/wide_grid.c \
     daemon/engine/wide/wide_join.c \
-    daemon/engine/wide/wide_lists.c \
+    daemon/engine/wide/wide_sort.c \
     daemon/engine/wide/wide_method.c \
-    daemon/engine/wide/wide_quantised.c \
+    daemon/engine/wide/wide_cells.c \
     daemon/engine/wide/wide_order.c \
     daemon/engine/wide/wide_owner.c \
-    daemon/engine/wide/wide_pieces.c \
     daemon/engine/wide/wide_refit.c \
     daemon/engine/wide/wide_resort.c \
     daemon/engine/wide/wide_state.c \
     daemon/engine/wide/wide_still.c \
-    daemon/engine/wide/wide_sweep.c \
     daemon/engine/wide/wide_team.c \
     daemon/engine/wide/wide_test.c \
     daemon/engine/answer.c \
@@ -126,12 +107,10 @@ libengine_la_SOURCES = \
     daemon/engine/near/near_best.c \
     daemon/engine/near/near_objects.c \
     daemon/engine/near/near_search.c \
-    daemon/engine/brief.c \
     daemon/engine/effort.c \
-    daemon/engine/kept.c \
+    daemon/engine/answer_cache.c \
     daemon/engine/levels.c \
     daemon/engine/methods.c \
-    daemon/engine/new_scene.c \
     daemon/engine/step.c \
     daemon/engine/step_memory.c
 libengine_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(ENGINE_CPPFLAGS)

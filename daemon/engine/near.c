@@ -7,16 +7,15 @@
 #include <string.h>
 
 #include "answer.h"
-#include "array.h"
 #include "clock.h"
 #include "detect.h"
 #include "frames.h"
 #include "memory.h"
 #include "narrow.h"
 #include "near_objects.h"
+#include "question.h"
 #include "rigid.h"
-#include "stage.h"
-#include "tuning.h"
+#include "world.h"
 
 #define NOTHING_NEAR 2e18
 
@@ -518,9 +517,9 @@ int eng_near_start(struct eng_scene *scene, const struct eng_question *step,
     near.end = 0;
     near.tells_crossings = true;
     near.counts_only = true;
-    near.lender = NULL;
-    near.lent = NULL;
-    near.lent_bytes = 0;
+    near.scratch_from = NULL;
+    near.scratch_memory = NULL;
+    near.scratch_bytes = 0;
     if (step->approach > 0) { /* else those pairs are contacts */
         near.verb = PCCD_NEAR_PAIRS;
     }

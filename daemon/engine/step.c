@@ -8,16 +8,108 @@
 #include <math.h>
 
 #include "answer.h"
-#include "brief.h"
 #include "clock.h"
 #include "detect.h"
 #include "frames.h"
-#include "hash.h"
 #include "memory.h"
+#include "method.h"
 #include "near.h"
+#include "order.h"
 #include "rigid.h"
-#include "stage.h"
+#include "step_memory.h"
 #include "thickness.h"
+#include "wide_state.h"
+#include "wide_test.h"
+
+/* ---- is the step certain to end soon? ---------------------------------------------- */
+
+/* What the last step took, as it is believed (step_memory.h). */
+#define WORK_NS 30000u
+
+/* Blocks of sixteen: boxes are made of each, and all pairs of blocks may be joined. Two
+ * blocks are 256 tests of boxes, 0.1 us of a vector kernel, 2 without: 16 pairs of
+ * vertices and faces, 36 of edges. */
+#define VERTEX_BLOCKS 4u
+#define EDGE_BLOCKS   8u
+#define FACE_BLOCKS   4u
+
+/* Places for objects, taken or not: some loops of a step are over all of them. */
+#define OBJECTS 64u
+
+/* The same of a step that does nothing else: some 20 us. */
+#define OBJECTS_AT_REST 1024u
+
+/* Are they settings of a step that can be brief: whose work is bounded as step.h says? */
+static bool can_be_brief(const struct eng_question *question)
+{
+    return question->mode != PCCD_MODE_PAIRS && question->distance == 0 &&
+           !question->tells_start && !eng_asks_part(question) &&
+           eng_method_of(question) == PCCD_METHOD_WIDE;
+}
+
+/* The trees are there, and small. */
+static bool trees_are_small(const struct eng_wide *wide)
+{
+    return !wide->is_stale &&
+           wide->trees[PCCD_TREE_VERTICES].block_count[0] <= VERTEX_BLOCKS &&
+           wide->trees[PCCD_TREE_EDGES].block_count[0] <= EDGE_BLOCKS &&
+           wide->trees[PCCD_TREE_FACES].block_count[0] <= FACE_BLOCKS;
+}
+
+/* No step beside its search goes on with what takes several. */
+static bool has_work_beside(const struct eng_scene *scene)
+{
+    enum eng_wide_resort_state state = eng_wide_state_of(scene)->resort.state;
+    return (state != ENG_WIDE_IDLE && state != ENG_WIDE_TRIED) ||
+           !eng_rigid_is_settled(scene);
+}
+
+/* Nothing moved in the last step, so nothing does in one that writes nothing. Its boxes
+ * are there, and its answer is the last one: it searches nothing, however large the scene
+ * is. */
+static bool is_at_rest(const struct eng_scene *scene, const struct eng_question *question)
+{
+    const struct eng_step_memory *memory = eng_step_memory_of(scene);
+    const struct eng_answer_cache *kept = &memory->cache;
+    return scene->moving.objects == 0 && !scene->has_lost_start &&
+           scene->object_capacity <= OBJECTS_AT_REST &&
+           eng_methods[PCCD_METHOD_WIDE]->has_boxes(scene) && !has_work_beside(scene) &&
+           eng_answer_cache_fits(kept, scene, question, scene->moving.number) &&
+           !kept->objects_changed && eng_answer_cache_is_brief(kept) &&
+           (question->mode != PCCD_MODE_ANY || kept->verdict == PCCD_VERDICT_NO ||
+            kept->verdict == PCCD_VERDICT_YES) &&
+           eng_step_memory_stays(memory) && eng_wide_work_of(memory->workers[0]);
+}
+
+/* The boxes and records at hand have been looked at: is what is left of a brief step
+ * bounded likewise? */
+static bool is_bounded(const struct eng_scene *scene, const struct eng_team *team)
+{
+    return trees_are_small(eng_wide_of(scene)) ||
+           (scene->moving.objects == 0 && team->prunes && team->has_boxes);
+}
+
+bool eng_step_can_be_brief(const struct eng_scene *scene,
+                           const struct eng_question *question, bool is_staged)
+{
+    assert(scene && question);
+    const struct eng_step_memory *memory = eng_step_memory_of(scene);
+    if (!can_be_brief(question) || scene->thickness.may_have_radii) {
+        return false;
+    }
+    if (!is_staged && is_at_rest(scene, question)) {
+        return true;
+    }
+    if (scene->object_capacity > OBJECTS || !trees_are_small(eng_wide_of(scene))) {
+        return false;
+    }
+    /* One worker: those of others, once there are any, are freed by some later step. */
+    uint64_t work_ns = memory->effort[PCCD_METHOD_WIDE].work_ns[question->mode];
+    return work_ns > 0 && work_ns <= WORK_NS && memory->worker_count == 1 &&
+           eng_wide_work_of(memory->workers[0]);
+}
+
+/* ---- the step ---------------------------------------------------------------------- */
 
 /* The longest separation. */
 #define SEPARATION_MAX 1e18
@@ -50,7 +142,7 @@ static bool settings_are_valid(const struct eng_question *question)
 
 static int check(const struct eng_question *question)
 {
-    if (!settings_are_valid(question) || (question->brief && !eng_brief_fits(question))) {
+    if (!settings_are_valid(question) || (question->brief && !can_be_brief(question))) {
         return PCCD_E_INVAL;
     }
     return question->distance <= SEPARATION_MAX ? PCCD_OK : PCCD_E_LIMIT;
@@ -86,8 +178,9 @@ static void keep_what_stands(struct eng_team *team, const struct eng_question *q
     if (team->method->survey && question->tuning.still == ENG_STILL_KEPT) {
         team->method->survey(team->scene);
     }
-    team->prunes = team->method->can_prune &&
-                   eng_kept_begin(&memory->kept, scene, question, &memory->sorted);
+    team->prunes =
+        team->method->can_prune &&
+        eng_answer_cache_begin(&memory->cache, scene, question, &memory->sorted);
     if (!team->prunes) {
         return;
     }
@@ -141,7 +234,7 @@ static void forget_records(struct eng_step_memory *memory)
 {
     eng_records_deinit(&memory->sorted);
     eng_records_deinit(&memory->found);
-    memory->kept.is_valid = false;
+    memory->cache.is_valid = false;
     memory->was_emptied = false;
 }
 
@@ -150,8 +243,9 @@ static void forget_records(struct eng_step_memory *memory)
 static int arrive(struct eng_scene *scene, const struct eng_question *question,
                   uint64_t *staged_ns)
 {
-    bool has_moved = !scene->staging && (scene->is_owed || eng_asks_part(question));
-    if (!scene->staging && !scene->is_owed) {
+    bool has_moved =
+        !scene->staging && (scene->has_moved_without_answer || eng_asks_part(question));
+    if (!scene->staging && !scene->has_moved_without_answer) {
         scene->stage_ns = 0;
     }
     *staged_ns = scene->stage_ns;
@@ -207,11 +301,11 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     eng_frames_follow(scene);
     eng_rigid_choose(scene, question->mode != PCCD_MODE_PAIRS && !is_part);
     team.method->start(&team, question);
-    if (question->brief && !eng_brief_is_bounded(scene, &team)) {
+    if (question->brief && !is_bounded(scene, &team)) {
         eng_worker_give_up(team.workers[0]);
     }
     uint64_t detect_ns = eng_detect_run(&team, &r.times);
-    scene->is_owed = stop.gave_up;
+    scene->has_moved_without_answer = stop.gave_up;
     if (stop.gave_up) {
         return PCCD_E_AGAIN;
     }
@@ -295,7 +389,7 @@ int eng_step(struct eng_scene *scene, const struct eng_question *question,
     assert(scene && question && result);
     struct eng_step_memory *memory = eng_step_memory_of(scene);
     struct eng_step_memory *lender =
-        question->lender ? eng_step_memory_of(question->lender) : memory;
+        question->scratch_from ? eng_step_memory_of(question->scratch_from) : memory;
     if (lender == memory) {
         return whole_step(scene, question, result);
     }
@@ -315,18 +409,19 @@ uint64_t eng_step_expects(const struct eng_scene *scene,
                               eng_detect_size(scene));
 }
 
-bool eng_step_is_enough(uint64_t work_ns)
+bool eng_team_pays(uint64_t work_ns)
 {
     return eng_effort_is_enough(work_ns);
 }
 
-void eng_step_tidy(struct eng_scene *scene)
+void eng_step_free_scratch(struct eng_scene *scene)
 {
     assert(scene && !scene->staging);
     eng_step_memory_keep(eng_step_memory_of(scene), 0);
 }
 
-void eng_step_nothing(const struct eng_question *question, struct eng_step_result *result)
+void eng_step_empty_result(const struct eng_question *question,
+                           struct eng_step_result *result)
 {
     assert(question && result);
     *result = (struct eng_step_result){.mode = question->mode,

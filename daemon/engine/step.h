@@ -6,6 +6,9 @@
 #ifndef ENG_STEP_H
 #define ENG_STEP_H
 
+#include <stdint.h>
+
+#include "pccd_trace.h"
 #include "pccd_types.h"
 #include "question.h"
 #include "scene.h"
@@ -17,11 +20,11 @@ int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **
 /* Once, of a committed mesh that is in no scene yet: find the order of its features that
  * objects begin with, by so many threads (0: one), so that all of them share it. Without
  * it each has its own; no answer depends on it. PCCD_E_STATE, PCCD_E_NOMEM. */
-int eng_mesh_arrange(struct eng_mesh *mesh, uint32_t threads);
+int eng_mesh_sort_features(struct eng_mesh *mesh, uint32_t threads);
 
 /* Run the step that was staged on `scene` (without staging: everything stands still; of a
  * part, question->span: the last step once more).
- * Returns PCCD_OK with *result, also when incomplete; PCCD_E_AGAIN (brief.h): positions
+ * Returns PCCD_OK with *result, also when incomplete; PCCD_E_AGAIN (below): positions
  * have moved on. Settings out of range (PCCD_E_INVAL), a separation beyond 1e18
  * (PCCD_E_LIMIT), PCCD_E_NOMEM: as before. */
 int eng_step(struct eng_scene *scene, const struct eng_question *question,
@@ -33,14 +36,42 @@ uint64_t eng_step_expects(const struct eng_scene *scene,
                           const struct eng_question *question);
 
 /* Is so much work, in steps that do not depend on each other, worth a team? */
-bool eng_step_is_enough(uint64_t work_ns);
+bool eng_team_pays(uint64_t work_ns);
 
 /* No step is to follow soon: free the threads' scratch, 0.8 MB each. The answer stays. */
-void eng_step_tidy(struct eng_scene *scene);
+void eng_step_free_scratch(struct eng_scene *scene);
 
 /* What it would say of a step that has to end before it begins: nothing was found. Of the
  * settings, mode, method and scheduler matter. [any] */
-void eng_step_nothing(const struct eng_question *question,
-                      struct eng_step_result *result);
+void eng_step_empty_result(const struct eng_question *question,
+                           struct eng_step_result *result);
+
+/* The boxes of a level, the root being level 0, as the last step that used the tree left
+ * them. Copies the count boxes from the first on that there are; `to` is not looked at
+ * with count 0. Returns how many boxes the level has; 0: there is no such level, or no
+ * step has made the tree since objects came or went, or one by the other method has put
+ * objects into other frames. Boxes are in coordinates: those that were measured in frames
+ * are rounded outward once more. wide: O(count), with frames O(features below them);
+ * paper: O(nodes down to the level). [compute], between steps */
+uint32_t eng_level_boxes(const struct eng_scene *scene, enum pccd_tree tree,
+                         uint32_t level, uint32_t first, uint32_t count,
+                         struct pccd_box *to);
+
+/* ---- steps that end soon ----------------------------------------------------------- */
+
+/* Whether the next step with these settings can be asked for as a brief one, with `brief`
+ * set, by somebody who must not be held up: its last step in that mode was short, and
+ * none of the sizes that the time of a step grows with is more than a few hundred. What
+ * depends on the positions is bounded by the step itself, by counts and not by a clock:
+ * it ends with PCCD_E_AGAIN before it tests more candidates than a few, or one that takes
+ * a search or exact arithmetic: the scene has moved on then, and the next step, unless it
+ * is staged, is the same step once more. So it takes some tens of microseconds at most,
+ * by one thread.
+ *
+ * A large scene's steps can be brief, too, as long as it is at rest: nothing is written
+ * in this one (not `is_staged`), nothing moved in the last one, and its answer, which has
+ * few records, is at hand. */
+bool eng_step_can_be_brief(const struct eng_scene *scene,
+                           const struct eng_question *question, bool is_staged);
 
 #endif

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "memory.h"
-#include "methods.h"
+#include "method.h"
 #include "narrow.h"
 
 /* A worker takes 0.8 MB, and beside other processes a scene that one thread suffices for
@@ -58,7 +58,7 @@ static void destroy(struct eng_scene *scene)
     eng_merge_deinit(&memory->own_merge);
     eng_records_deinit(&memory->sorted);
     eng_records_deinit(&memory->found);
-    eng_kept_deinit(&memory->kept);
+    eng_answer_cache_deinit(&memory->cache);
     eng_records_deinit(&memory->near.records);
     eng_records_deinit(&memory->near.none);
     eng_free(memory->near.threads.items);
@@ -150,7 +150,7 @@ void eng_step_memory_give_back(struct eng_step_memory *memory,
 
 static void changed(struct eng_scene *scene)
 {
-    eng_step_memory_of(scene)->kept.objects_changed = true;
+    eng_step_memory_of(scene)->cache.objects_changed = true;
     eng_near_objects_forget(&eng_step_memory_of(scene)->near.objects);
 }
 
@@ -178,7 +178,7 @@ uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
     uint64_t sum =
         sizeof *memory + memory->sorted.capacity_bytes + memory->found.capacity_bytes +
-        eng_kept_bytes(&memory->kept) + eng_pool_bytes(&memory->own_pool) +
+        eng_answer_cache_bytes(&memory->cache) + eng_pool_bytes(&memory->own_pool) +
         eng_merge_bytes(&memory->own_merge) + memory->near.records.capacity_bytes +
         ((uint64_t)memory->threads.capacity + memory->near.threads.capacity) *
             sizeof(struct eng_thread_record) +

@@ -138,7 +138,7 @@ static bool make_mesh(const struct shape *shape, struct eng_mesh **mesh)
         status = eng_mesh_commit(*mesh);
     }
     if (!is_refusal(status)) {
-        status = eng_mesh_arrange(*mesh, 1);
+        status = eng_mesh_sort_features(*mesh, 1);
     }
     return !is_refusal(status);
 }

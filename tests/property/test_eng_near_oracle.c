@@ -21,13 +21,13 @@
 #include <cmocka.h>
 
 #include "clock.h"
-#include "each.h"
 #include "eng_fresh.h"
 #include "eng_near.h"
 #include "eng_stir.h"
 #include "eng_way.h"
 #include "near_judge.h"
 #include "near_kit.h"
+#include "parallel.h"
 #include "play_actor.h"
 #include "sequences.h"
 #include "thick_judge.h"
@@ -275,10 +275,10 @@ static int step_together(struct sequence *sequence, const struct eng_question *s
 {
     struct together together;
     struct player others[BATCH - 1];
-    const struct eng_each each = {.count = BATCH,
-                                  .threads = 1 + draw(sequence, BATCH),
-                                  .item = step_one,
-                                  .context = &together};
+    const struct eng_parallel_for each = {.count = BATCH,
+                                          .threads = 1 + draw(sequence, BATCH),
+                                          .item = step_one,
+                                          .context = &together};
     for (uint32_t i = 0; i < BATCH; i++) {
         if (i > 0) {
             player_copy(&sequence->stir.player, NULL, &others[i - 1]);
@@ -288,7 +288,7 @@ static int step_together(struct sequence *sequence, const struct eng_question *s
         together.settings[i].threads = 1;
         together.settings[i].method = way_methods[draw(sequence, WAY_METHODS)];
     }
-    eng_each(&each);
+    eng_parallel_for(&each);
     for (uint32_t i = 0; i < BATCH; i++) {
         must(sequence, together.statuses[i] == PCCD_OK, "a step beside others failed");
         must(sequence,

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "build.h"
+#include "trees.h"
 
 /* Corners of the two triangles of a square. */
 static const double corners[6][2] = {{0, 0}, {0.9, 0}, {0, 0.9},
@@ -64,7 +64,7 @@ struct eng_step_result blast_run(struct blast *blast, double t0, double t1,
 
 void blast_rebuild(struct blast *blast)
 {
-    assert_int_equal(eng_plant_objects(blast->scene), PCCD_OK);
+    assert_int_equal(eng_paper_add_objects(blast->scene), PCCD_OK);
     assert_int_equal(eng_build_object(blast->scene, blast->idx), PCCD_OK);
     eng_trees_of(blast->scene)->top_is_stale = true;
 }

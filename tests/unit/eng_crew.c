@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "build.h"
+#include "trees.h"
 
 #define SHEET_SIDE 30u
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "feature.h"
+#include "topology.h"
 
 struct eng_mesh *kit_mesh(const double (*x)[3], uint32_t vertex_count,
                           const uint32_t (*triangles)[3], uint32_t triangle_count)

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "hash.h"
+#include "order.h"
 
 void near_hash(const void *records, uint64_t count, uint32_t record_bytes,
                uint64_t hash[2])

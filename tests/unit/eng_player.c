@@ -108,7 +108,7 @@ static void object_init(struct player_object *object, const struct play_act *act
         draw_radii(object, radii_from);
     }
     assert_int_equal(eng_mesh_commit(object->mesh), PCCD_OK);
-    assert_int_equal(eng_mesh_arrange(object->mesh, 1), PCCD_OK);
+    assert_int_equal(eng_mesh_sort_features(object->mesh, 1), PCCD_OK);
 }
 
 /* The object has the radii of its mesh, or its own. */

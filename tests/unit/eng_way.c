@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-#include "build.h"
+#include "trees.h"
 
 const enum pccd_method way_methods[WAY_METHODS] = {PCCD_METHOD_PAPER, PCCD_METHOD_WIDE};
 

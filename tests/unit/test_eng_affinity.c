@@ -14,7 +14,6 @@
 #include <time.h>
 
 #include "affinity.h"
-#include "seat.h"
 
 #define TEAM_MAX 64u
 

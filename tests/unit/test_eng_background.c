@@ -10,9 +10,9 @@
 #include <string.h>
 
 #include "background.h"
-#include "build.h"
 #include "paper.h"
 #include "step_memory.h"
+#include "trees.h"
 
 #define REGION    40u /* triangles; the whole has 2312 */
 #define STEPS_MAX 500u

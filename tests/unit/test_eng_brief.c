@@ -7,7 +7,6 @@
 
 #include <string.h>
 
-#include "brief.h"
 #include "step.h"
 #include "step_memory.h"
 #include "wide_test.h"

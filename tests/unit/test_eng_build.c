@@ -11,12 +11,12 @@
 #include <string.h>
 #include <time.h>
 
-#include "build.h"
 #include "kernel.h"
-#include "median.h"
 #include "memory.h"
 #include "refit.h"
+#include "sort.h"
 #include "step.h"
+#include "trees.h"
 
 static struct eng_scene *new_scene(void)
 {
@@ -37,7 +37,7 @@ static uint32_t add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
 /* What a step does to trees. */
 static void settle(struct eng_scene *scene)
 {
-    assert_int_equal(eng_plant_objects(scene), PCCD_OK);
+    assert_int_equal(eng_paper_add_objects(scene), PCCD_OK);
     assert_int_equal(eng_build_top(scene), PCCD_OK);
     assert_false(eng_trees_of(scene)->top_is_stale);
     eng_refit(scene);
@@ -57,7 +57,7 @@ static bool is_root(const struct eng_scene *scene, uint32_t node_idx)
 {
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         if (scene->objects[i].mesh &&
-            eng_planted_of(&scene->objects[i])->nodes.first == node_idx) {
+            eng_paper_object_of(&scene->objects[i])->nodes.first == node_idx) {
             return true;
         }
     }
@@ -113,8 +113,9 @@ static void build__trees_of_every_size_are_complete_and_shallow(void **state)
         uint32_t top_depth;
         settle(scene);
         assert_int_equal(eng_trees_of(scene)->root,
-                         eng_planted_of(&scene->objects[idx])->nodes.first);
-        assert_int_equal(eng_planted_of(&scene->objects[idx])->nodes.count, 2 * n - 1);
+                         eng_paper_object_of(&scene->objects[idx])->nodes.first);
+        assert_int_equal(eng_paper_object_of(&scene->objects[idx])->nodes.count,
+                         2 * n - 1);
         assert_int_equal(eng_trees_of(scene)->nodes[eng_trees_of(scene)->root].count, n);
         assert_true(walk(scene, &top_depth) <= ceil_log2(n) + 1);
         assert_int_equal(top_depth, 0);
@@ -271,7 +272,8 @@ static void build__validator_sees_each_kind_of_damage(void **state)
         *node = saved;
         if (node->left == ENG_LEAF) {
             uint32_t object = eng_trees_of(scene)->triangles[node->right].object;
-            uint32_t first = eng_planted_of(&scene->objects[object])->triangles.first;
+            uint32_t first =
+                eng_paper_object_of(&scene->objects[object])->triangles.first;
             node->right =
                 node->right == first ? first + 1 : first; /* another's triangle */
             assert_false(eng_tree_validate(scene));

@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "memory.h"
-#include "rings.h"
 #include "step.h"
 #include "topology.h"
 #include "wide_crowded.h"
@@ -102,7 +101,7 @@ static real edge_to_edge(const double *a, const double *b, const double *c,
 /* With its features in order, as a daemon's meshes are. */
 static struct eng_mesh *in_order(struct eng_mesh *mesh)
 {
-    assert_int_equal(eng_mesh_arrange(mesh, 1), PCCD_OK);
+    assert_int_equal(eng_mesh_sort_features(mesh, 1), PCCD_OK);
     return mesh;
 }
 

@@ -11,8 +11,7 @@
 
 #include "deque.h"
 #include "memory.h"
-#include "pool.h"
-#include "share.h"
+#include "result.h"
 
 static int setup(void **state)
 {

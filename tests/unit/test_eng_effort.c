@@ -5,7 +5,6 @@
  */
 #include "eng_kit.h"
 
-#include "effort.h"
 #include "skip.h"
 #include "step.h"
 #include "step_memory.h"

@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "build.h"
 #include "paper.h"
 #include "step.h"
 #include "step_memory.h"
+#include "trees.h"
 #include "wide_state.h"
 #include "world.h"
 
@@ -40,7 +40,7 @@ static struct eng_mesh *make_sheet(void)
     RETRY(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, V, x));
     RETRY(eng_mesh_write_triangles(mesh, 0, 2 * SIDE * SIDE, triangles, &bad));
     RETRY(eng_mesh_commit(mesh));
-    RETRY(eng_mesh_arrange(mesh, 1));
+    RETRY(eng_mesh_sort_features(mesh, 1));
     return mesh;
 }
 
@@ -161,8 +161,8 @@ static int replace_both(struct eng_scene *scene, const uint32_t idx[2],
         assert_ptr_equal(now->mesh, before[i].mesh);
         assert_int_equal(now->id, before[i].id);
         assert_int_equal(now->vertices.first, before[i].vertices.first);
-        assert_int_equal(eng_planted_of(now)->nodes.first,
-                         eng_planted_of(&before[i])->nodes.first);
+        assert_int_equal(eng_paper_object_of(now)->nodes.first,
+                         eng_paper_object_of(&before[i])->nodes.first);
     }
     return status;
 }
@@ -278,7 +278,7 @@ static void fault__failed_calls_leave_nothing_behind(void **state)
         status = eng_scene_add(scene, mesh, 1, &idx);
         bool was_added = status == PCCD_OK;
         if (was_added) {
-            status = eng_plant_objects(scene);
+            status = eng_paper_add_objects(scene);
         }
         if (status != PCCD_OK) {
             assert_int_equal(status, PCCD_E_NOMEM);

@@ -18,7 +18,7 @@
 #include "skip.h"
 #include "step.h"
 #include "step_memory.h"
-#include "wide_quantised.h"
+#include "wide_cells.h"
 #include "world.h"
 
 #define SHEETS    5u

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "eng_way.h"
-#include "levels.h"
+#include "step.h"
 #include "topology.h"
 #include "wide_state.h"
 #include "world.h"

@@ -12,7 +12,6 @@
 
 #include "distance.h"
 #include "eng_kit.h"
-#include "feature.h"
 #include "kinds.h"
 #include "near.h"
 #include "near_kit.h"

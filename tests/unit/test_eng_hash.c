@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hash.h"
+#include "order.h"
 #include "record_hash.h"
 
 static const uint32_t sizes[2] = {sizeof(struct pccd_pair), sizeof(struct pccd_contact)};

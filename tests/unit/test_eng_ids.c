@@ -3,8 +3,8 @@
 
 #include <stdlib.h>
 
-#include "ids.h"
 #include "pccd_types.h"
+#include "world.h"
 
 #define NUMBERS 300u
 #define TURNS   20000u

@@ -6,8 +6,8 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "each.h"
 #include "memory.h"
+#include "parallel.h"
 #include "step.h"
 #include "step_memory.h"
 #include "world.h"
@@ -65,7 +65,7 @@ static void step_one(struct farm *farm, uint32_t i, uint32_t step,
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = step == 3 ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE;
     settings.mode = (enum pccd_mode)(step % PCCD_MODE_COUNT);
-    settings.lender = lender;
+    settings.scratch_from = lender;
     stage(farm, i, step);
     assert_int_equal(eng_step(farm->scenes[i], &settings, &farm->results[i]), PCCD_OK);
 }
@@ -93,7 +93,7 @@ static void lent__worker_finds_what_an_own_one_finds(void **state)
     make(&lent, sheet);
     for (uint32_t step = 0; step < STEPS; step++) {
         struct turn turn = {&lent, step};
-        eng_each(&(const struct eng_each){
+        eng_parallel_for(&(const struct eng_parallel_for){
             .count = SCENES, .threads = 2, .item = step_item, .context = &turn});
         for (uint32_t i = 0; i < SCENES; i++) {
             step_one(&own, i, step, NULL);
@@ -136,7 +136,7 @@ static void own__worker_goes_when_others_lend_theirs_for_long(void **state)
     assert_int_equal(eng_step_memory_of(farm.scenes[5])->worker_count, 0);
     step_one(&farm, 5, 801, NULL);
     assert_int_equal(eng_step_memory_of(farm.scenes[5])->worker_count, 1);
-    eng_step_tidy(farm.scenes[5]);
+    eng_step_free_scratch(farm.scenes[5]);
     assert_int_equal(eng_step_memory_of(farm.scenes[5])->worker_count, 0);
     drop(&farm);
     eng_mesh_release(sheet);
@@ -167,7 +167,7 @@ static void items__are_taken_once_each(void **state)
     (void)state;
     for (uint32_t count = 0; count <= ITEMS; count = count * 3 + 1) {
         memset(&taken, 0, sizeof taken);
-        eng_each(&(const struct eng_each){
+        eng_parallel_for(&(const struct eng_parallel_for){
             .count = count, .threads = 2, .item = take, .context = &taken});
         for (uint32_t i = 0; i < ITEMS; i++) {
             assert_int_equal(atomic_load(&taken.times[i]), i < count ? 1 : 0);

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "feature.h"
 #include "memory.h"
+#include "topology.h"
 
 /* Huge counts are to be answered, under a sanitizer too. */
 __attribute__((visibility("default"))) const char *__asan_default_options(void);

@@ -6,7 +6,6 @@
 
 #include "memory.h"
 #include "topology.h"
-#include "wide_lists.h"
 #include "wide_order.h"
 
 /* If a feature were missing from its order it would never be tested; if an aligned group

@@ -7,7 +7,6 @@
 
 #include "masks.h"
 #include "memory.h"
-#include "pairset.h"
 
 #define NUMBERS 60u
 

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "step.h"
-#include "wide_quantised.h"
+#include "wide_cells.h"
 #include "world.h"
 
 #define ROUNDS 60u

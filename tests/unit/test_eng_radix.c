@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "radix.h"
+#include "sort.h"
 
 #define ITEMS_MAX 3000u
 

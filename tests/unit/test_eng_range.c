@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "memory.h"
-#include "range.h"
+#include "world.h"
 
 static uint32_t take(struct eng_ranges *ranges, uint32_t count)
 {

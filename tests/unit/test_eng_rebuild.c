@@ -11,8 +11,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "build.h"
 #include "rebuild.h"
+#include "trees.h"
 
 #define STEPS 8u
 #define DT    0.02
@@ -91,7 +91,7 @@ static void rebuild__next_step_refits_what_this_one_left(void **state)
     start(0.9, BLAST_TRIANGLES);
     stand_still(0.3);
     uint32_t root = eng_trees_of(blast.scene)->root;
-    size_t bytes = eng_planted_of(&blast.scene->objects[blast.idx])->nodes.count *
+    size_t bytes = eng_paper_object_of(&blast.scene->objects[blast.idx])->nodes.count *
                    sizeof(struct eng_node);
     struct eng_node *nodes = malloc(bytes);
     assert_non_null(nodes);
@@ -149,7 +149,8 @@ static void rebuild__nodes_that_stay_poor_are_built_once(void **state)
         assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
         assert_int_equal(result.counters.rebuilds, 0);
     }
-    for (uint32_t i = 0; i < eng_planted_of(&scene->objects[idx])->nodes.count; i++) {
+    for (uint32_t i = 0; i < eng_paper_object_of(&scene->objects[idx])->nodes.count;
+         i++) {
         const struct eng_node *node = &eng_trees_of(scene)->nodes[i];
         poor += node->count >= ENG_EXAMINE_MIN &&
                 eng_metric(eng_trees_of(scene)->nodes, node) < 0.9f;
@@ -183,7 +184,7 @@ static void rebuild__threshold_decides(void **state)
 static void check_regions(const struct eng_node *before, uint32_t touched[2])
 {
     const struct eng_scene *scene = blast.scene;
-    struct eng_range nodes = eng_planted_of(&scene->objects[blast.idx])->nodes;
+    struct eng_range nodes = eng_paper_object_of(&scene->objects[blast.idx])->nodes;
     touched[0] = touched[1] = 0;
     for (uint32_t i = nodes.first; i < nodes.first + nodes.count; i++) {
         if (eng_trees_of(scene)->nodes[i].gate != ENG_GATE_REGION) {
@@ -218,8 +219,9 @@ static void rebuild__touched_regions_are_made_good_and_no_others(void **state)
         struct eng_question settings =
             team_of(1u << way / 2, way & 1 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL);
         start(0.9, 40);
-        assert_int_equal(eng_plant_objects(blast.scene), PCCD_OK);
-        struct eng_range nodes = eng_planted_of(&blast.scene->objects[blast.idx])->nodes;
+        assert_int_equal(eng_paper_add_objects(blast.scene), PCCD_OK);
+        struct eng_range nodes =
+            eng_paper_object_of(&blast.scene->objects[blast.idx])->nodes;
         uint64_t rebuilds = 0;
         for (int part = 1; part >= 0; part--) {
             uint32_t touched[2];

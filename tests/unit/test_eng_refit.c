@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "build.h"
 #include "refit.h"
 #include "step.h"
+#include "trees.h"
 #include "world.h"
 
 #define VERTICES 300u /* of 100 separate triangles */

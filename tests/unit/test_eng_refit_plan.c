@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "build.h"
 #include "refit.h"
 #include "step.h"
+#include "trees.h"
 
 /* Very different sizes, so that the tree over the objects is lopsided. */
 static const uint32_t sizes[] = {700, 1, 3, 1, 40, 2, 1, 2000, 1, 5, 1};
@@ -36,7 +36,7 @@ static int setup(void **state)
         eng_mesh_release(mesh);
     }
     assert_int_equal(eng_scene_remove(f->scene, 4), PCCD_OK); /* a gap in every array */
-    assert_int_equal(eng_plant_objects(f->scene), PCCD_OK);
+    assert_int_equal(eng_paper_add_objects(f->scene), PCCD_OK);
     assert_int_equal(eng_build_top(f->scene), PCCD_OK);
     *state = f;
     return 0;
@@ -163,8 +163,8 @@ static void refit_plan__chunks_hold_every_feature_once(void **state)
         const struct eng_object *object = eng_scene_object(f->scene, i);
         if (object) {
             memset(vertices + object->vertices.first, 1, object->vertices.count);
-            memset(edges + eng_planted_of(object)->edges.first, 1,
-                   eng_planted_of(object)->edges.count);
+            memset(edges + eng_paper_object_of(object)->edges.first, 1,
+                   eng_paper_object_of(object)->edges.count);
         }
     }
     assert_int_equal(eng_refit_plan_features(&f->plan, f->scene), PCCD_OK);
@@ -198,8 +198,8 @@ static void refit_plan__every_subtree_is_refit_as_a_whole(void **state)
         forget(scene, eng_trees_of(scene)->top);
         for (uint32_t k = 0; k < OBJECT_COUNT; k++) {
             const struct eng_object *object = eng_scene_object(scene, k);
-            forget(scene,
-                   object ? eng_planted_of(object)->nodes : (struct eng_range){0, 0});
+            forget(scene, object ? eng_paper_object_of(object)->nodes
+                                 : (struct eng_range){0, 0});
         }
         eng_refit_subtree(scene, root);
         const struct eng_node *was = (const struct eng_node *)expected + root;

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "build.h"
 #include "memory.h"
 #include "step.h"
+#include "trees.h"
 #include "world.h"
 
 #define SIDE 6u
@@ -55,7 +55,8 @@ static uint64_t step(struct fixture *f, double z)
     const double to[12] = {1, 0, 0, 0.03, 0, 1, 0, 0.01, 0.125, 0.0625, 1, z};
     struct eng_step_result result;
     uint32_t count = eng_scene_vertex_count(f->scene, f->high);
-    assert_int_equal(eng_plant_objects(f->scene), PCCD_OK); /* trees of both methods */
+    assert_int_equal(eng_paper_add_objects(f->scene),
+                     PCCD_OK); /* trees of both methods */
     eng_stage_begin(f->scene);
     assert_int_equal(eng_stage_rigid(f->scene, f->high, 0, count, from, to), PCCD_OK);
     assert_int_equal(eng_step(f->scene, &settings, &result), PCCD_OK);
@@ -134,7 +135,7 @@ static void replace__touches_nothing_but_its_object(void **state)
     step(f, -0.75);
     const struct eng_object *other = eng_scene_object(f->scene, f->high);
     const struct eng_object before = *other;
-    struct eng_range range = eng_planted_of(other)->nodes;
+    struct eng_range range = eng_paper_object_of(other)->nodes;
     assert_true(range.count > 0);
     size_t node_bytes = range.count * sizeof *eng_trees_of(f->scene)->nodes;
     size_t x_bytes = before.vertices.count * sizeof *f->scene->x[0];

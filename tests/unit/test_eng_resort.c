@@ -32,7 +32,7 @@ static void start(void)
     struct kit_random random = {91};
     struct eng_mesh *mesh = kit_soup(&random, COUNT);
     memcpy(soup.rest, mesh->x, sizeof soup.rest);
-    assert_int_equal(eng_mesh_arrange(mesh, 1), PCCD_OK);
+    assert_int_equal(eng_mesh_sort_features(mesh, 1), PCCD_OK);
     assert_int_equal(eng_scene_new(NULL, &soup.scene), PCCD_OK);
     assert_int_equal(eng_scene_add(soup.scene, mesh, 1, &soup.idx), PCCD_OK);
     eng_mesh_release(mesh);
@@ -170,7 +170,7 @@ static void order__is_the_meshs_until_an_object_needs_another(void **state)
     start();
     struct eng_mesh *mesh = soup.scene->objects[soup.idx].mesh;
     struct eng_scene *other;
-    assert_int_equal(eng_mesh_arrange(mesh, 1), PCCD_E_STATE);
+    assert_int_equal(eng_mesh_sort_features(mesh, 1), PCCD_E_STATE);
     assert_int_equal(eng_scene_new(NULL, &other), PCCD_OK);
     uint64_t before = eng_alloc_bytes();
     assert_int_equal(eng_scene_add(other, mesh, 1, &idx), PCCD_OK);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "eng_boxes.h"
-#include "wide_quantised.h"
+#include "wide_cells.h"
 
 #define ALL_BLOCKS (3 * ENG_WIDE) /* three runs; the first is not used */
 #define ALL_BOXES  (ALL_BLOCKS * ENG_WIDE)

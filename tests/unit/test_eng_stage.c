@@ -552,7 +552,7 @@ static void stage__lent_places_are_a_write_or_nothing(void **state)
     for (uint32_t round = 0; round < 40; round++) {
         double(*x[2])[3] = {f->at[1]}, now[2][V][3];
         bool has_start = round % 2 > 0, moves = round / 2 % 4 == 0;
-        assert_int_equal(eng_stage_lend(f->scene, 1, has_start ? x : NULL, x + 1), 0);
+        assert_int_equal(eng_stage_map(f->scene, 1, has_start ? x : NULL, x + 1), 0);
         fill(&random, x[0], has_start ? V : 0);
         fill(&random, x[1], V);
         for (int end = 0; end < 2; end++) {
@@ -561,13 +561,13 @@ static void stage__lent_places_are_a_write_or_nothing(void **state)
         if (round / 2 % 4 < 2) { /* else nobody says what became of it, or 2: nothing */
             x[1][V - 1][2] = moves ? x[1][V - 1][2] : NAN;
             eng_stage_begin(f->scene);
-            int status = eng_stage_lent(f->scene, 1, has_start);
+            int status = eng_stage_mapped(f->scene, 1, has_start);
             assert_int_equal(status, moves ? PCCD_OK : PCCD_E_NOTFINITE);
         }
         if (round / 2 % 4 == 1) {
             eng_stage_abort(f->scene);
         } else if (round / 2 % 4 == 2) {
-            eng_stage_forget(f->scene, 1);
+            eng_stage_unmap(f->scene, 1);
         }
         assert_int_equal(run(f->scene), PCCD_OK);
         check_end(f, 1, 0, (const double(*)[3])now[0]);

@@ -1,13 +1,14 @@
 /* test_eng_step.c - one step of a scene. */
 #include "eng_kit.h"
 
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "build.h"
 #include "clock.h"
 #include "record_hash.h"
 #include "step.h"
+#include "trees.h"
 #include "world.h"
 
 /* Object ids; the lower one comes first, high bit or not. */
@@ -621,14 +622,14 @@ static void step__objects_come_and_go_without_touching_others(void **state)
     struct fixture *f = *state;
     struct kit_random random = {92};
     struct eng_step_result before = run(f, PCCD_MODE_ALL);
-    struct eng_range range = eng_planted_of(&f->scene->objects[f->soup])->nodes;
+    struct eng_range range = eng_paper_object_of(&f->scene->objects[f->soup])->nodes;
     struct eng_node *nodes = copy_nodes(f->scene, range);
     uint32_t others[6];
     for (uint32_t i = 0; i < 6; i++) {
         others[i] = add(f->scene, kit_soup(&random, 50), 100 + i);
         struct eng_step_result with = run(f, PCCD_MODE_ALL);
         assert_true(with.count > before.count);
-        assert_int_equal(eng_planted_of(&f->scene->objects[f->soup])->nodes.first,
+        assert_int_equal(eng_paper_object_of(&f->scene->objects[f->soup])->nodes.first,
                          range.first);
         check_nodes(f->scene, range, nodes);
         assert_true(eng_tree_validate(f->scene));

@@ -7,7 +7,6 @@
  */
 #include "eng_crew.h"
 
-#include "build.h"
 #include "trees.h"
 
 /* Parents of all nodes; the root's is ENG_NO_NODE. */
@@ -40,7 +39,7 @@ static void subtree__order_says_what_the_links_say(void **state)
         assert_int_equal(eng_scene_add(scene, mesh, i, &idx), PCCD_OK);
         eng_mesh_release(mesh);
     }
-    assert_int_equal(eng_plant_objects(scene), PCCD_OK);
+    assert_int_equal(eng_paper_add_objects(scene), PCCD_OK);
     assert_int_equal(eng_build_top(scene), PCCD_OK);
     assert_true(eng_trees_of(scene)->node_ranges.end <= sizeof parents / sizeof *parents);
     find_parents(scene, parents);

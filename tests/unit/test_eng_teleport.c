@@ -25,7 +25,7 @@
  * step; who finds how many is a matter of luck. */
 #define MORE_BYTES_MAX (256u << 10)
 
-/* Blocks of records that a step may take from the system, of 64 KiB each (pool.h), for
+/* Blocks of records that a step may take from the system, of 64 KiB each (result.h), for
  * each thread: records are thrown away when they are more than the limit. */
 #define ALLOCS_MAX 24u
 

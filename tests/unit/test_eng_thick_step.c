@@ -162,7 +162,7 @@ static void step__tests_thick_bodies_that_poses_move(void **state)
         struct eng_scene *scene;
         struct eng_mesh *mesh = two_triangles();
         uint32_t idx;
-        assert_int_equal(eng_mesh_arrange(mesh, 1), PCCD_OK);
+        assert_int_equal(eng_mesh_sort_features(mesh, 1), PCCD_OK);
         assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
         assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
         eng_mesh_release(mesh);

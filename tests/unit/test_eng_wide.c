@@ -12,7 +12,7 @@
 #include "memory.h"
 #include "step.h"
 #include "wide.h"
-#include "wide_quantised.h"
+#include "wide_cells.h"
 #include "wide_sweep.h"
 #include "world.h"
 

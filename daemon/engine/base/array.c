@@ -1,6 +1,4 @@
-/* array.c - arrays that grow. */
-#include "array.h"
-
+/* array.c - arrays that grow. A file of its own: tests bring another memory.c. */
 #include <assert.h>
 #include <string.h>
 
@@ -24,4 +22,21 @@ int eng_array_grow(void *array, uint32_t capacity, size_t bytes)
     }
     memcpy(array, &block, sizeof block);
     return PCCD_OK;
+}
+
+int eng_array_fit(void *array, uint32_t *capacity, uint32_t count, size_t bytes)
+{
+    if (count <= *capacity) {
+        return PCCD_OK;
+    }
+    int status = eng_array_grow(array, count, bytes);
+    *capacity = status == PCCD_OK ? count : *capacity;
+    return status;
+}
+
+int eng_array_extend(void *array, uint32_t *capacity, uint32_t count, size_t bytes)
+{
+    return count <= *capacity
+               ? PCCD_OK
+               : eng_array_fit(array, capacity, eng_array_grown(*capacity, count), bytes);
 }

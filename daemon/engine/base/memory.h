@@ -11,6 +11,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pccd_types.h"
+
 /* Somebody's share of the engine's memory. Several threads may charge it at once. */
 struct eng_account {
     atomic_int_fast64_t bytes;    /* held now; what others freed of theirs is below 0 */
@@ -62,5 +64,20 @@ uint64_t eng_alloc_bytes(void);
 /* From now on no allocation may bring the bytes held above that, whoever pays; another
  * thread may say so at any time. UINT64_MAX: no ceiling. */
 void eng_alloc_ceiling(uint64_t bytes);
+
+/* ---- arrays that grow -------------------------------------------------------------- */
+
+/* A capacity for `end` items: grown by an eighth, which is what may lie idle, so that
+ * adding objects one by one copies each array a logarithmic number of times. */
+uint32_t eng_array_grown(uint32_t capacity, uint32_t end);
+
+/* Grow one array of items of `bytes`; `array` is the address of the pointer to it, which
+ * is unchanged on failure (PCCD_E_NOMEM). */
+int eng_array_grow(void *array, uint32_t capacity, size_t bytes);
+
+/* Room for `count` items in an array that has *capacity of them: for just so many, or, by
+ * extend, grown as above. PCCD_E_NOMEM: as before. */
+int eng_array_fit(void *array, uint32_t *capacity, uint32_t count, size_t bytes);
+int eng_array_extend(void *array, uint32_t *capacity, uint32_t count, size_t bytes);
 
 #endif

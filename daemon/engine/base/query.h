@@ -15,6 +15,7 @@
 #define ENG_QUERY_H
 
 #include <assert.h>
+#include <stdint.h>
 
 #include "pccd_types.h"
 
@@ -46,5 +47,63 @@ struct eng_hit {
 /* Above what underflow can add to any quantity that is compared with a
  * margin; BOUNDS.md. */
 #define ENG_TINY 0x1p-1000
+
+/* ---- the same of thick features: do they come within a distance? ------------------- */
+
+struct eng_thick_query {
+    /* Coordinates are finite, of magnitude at most 1e18. */
+    struct eng_query query;
+    double radius[3]; /* each 0 .. 1e18: of feature a, of feature b, the separation */
+    double approach;  /* 0, or 0 < approach < 1 */
+};
+
+/* Within 2 u of the sum of the three. */
+static inline double eng_thick_sum(const double radius[3])
+{
+    return radius[0] + radius[1] + radius[2];
+}
+
+/* Not below the sum. */
+static inline double eng_thick_reach(const double radius[3])
+{
+    return eng_thick_sum(radius) * (1 + 4 * ENG_U);
+}
+
+/* ---- what is said of the distance of two features ---------------------------------- */
+
+/* What a distance is between. */
+enum eng_nearest {
+    ENG_NEAREST_VF = 0,
+    ENG_NEAREST_EE = 1,
+    ENG_NEAREST_VE = 2,
+    ENG_NEAREST_VV = 3
+};
+
+struct eng_distance {
+    /* The distance, rounded down and up to doubles of at most 33 significant bits: equal
+     * where it is one. */
+    double lo;
+    double hi;
+    /* Where: VF weights of the second and the third corner, EE positions on the first and
+     * the second edge, 0 at its first end. 0 .. 1. The nearest multiples of 2^-32, halves
+     * to even. */
+    double param[2];
+    /* Of length 1, from the second feature to the first, each coordinate rounded
+     * likewise; zeros at distance 0. */
+    double direction[3];
+    /* The one of the fewest points between which the distance is. Among equals, of two
+     * vertices those of the least lower rank, then of the least higher one; of a vertex
+     * and an edge those of the least rank of the vertex, then of the edge's higher, then
+     * of its lower end. Parallel edges are VV or VE, never EE. */
+    enum eng_nearest type;
+    uint32_t points; /* bit i: point i of the pair is one of them */
+};
+
+/* How much is wanted of a pair that is near enough. */
+enum eng_distance_wanted {
+    ENG_DISTANCE_WITHIN, /* that it is: no number */
+    ENG_DISTANCE_LENGTH, /* lo and hi */
+    ENG_DISTANCE_WHOLE   /* all of it */
+};
 
 #endif

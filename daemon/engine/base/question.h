@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "pccd_types.h"
+#include "step_result.h"
 
 struct eng_kernels;
 struct eng_affinity;
@@ -52,7 +53,7 @@ enum eng_still {
     ENG_STILL_COUNT
 };
 
-/* All of it; zeros are the defaults. Its text is in tuning.h. */
+/* All of it; zeros are the defaults. Its text is in question.h. */
 struct eng_tuning {
     enum eng_scheduler scheduler;
     enum eng_high_level high_level;
@@ -126,16 +127,16 @@ struct eng_question {
     /* Instruction set of refit, traversal and tests (kernel.h); NULL: eng_kernels(). */
     const struct eng_kernels *kernels;
     bool team_always; /* by `threads` threads however small the work: for tests */
-    bool brief;       /* end soon or not at all (brief.h) */
+    bool brief;       /* end soon or not at all (step.h) */
     /* Whose worker a step by one thread uses in the place of its own: so that of many
      * scenes few have workers. No step of that scene is computed meanwhile. NULL, or the
      * scene itself: its own. Only of eng_step, and not of brief ones. */
-    struct eng_scene *lender;
+    struct eng_scene *scratch_from;
     /* Memory, aligned to 64 bytes, that nobody else uses until the step returns, as where
      * the caller will write the answer to: for what the step finds, before that is in
      * order. NULL: it has its own for all of that. Of eng_step alone. */
-    void *lent;
-    uint64_t lent_bytes;
+    void *scratch_memory;
+    uint64_t scratch_bytes;
     struct eng_sought sought;
 };
 
@@ -239,5 +240,22 @@ static inline float eng_near_growth(double distance, double scale)
                ? nextafterf(growth, ENG_GROWTH_MOST)
                : growth;
 }
+
+/* ---- the text of a tuning: "scheduler=paper,refit=paper" --------------------------- */
+
+#define ENG_TUNING_WHY_BYTES 128
+
+/* Set what `text` names, and leave the rest of `tuning` as it is; "" names nothing. Any
+ * of the four may stand, in any order, once each. PCCD_E_INVAL: `tuning` is as before
+ * and `why` says what is wrong, in printable ASCII whatever `text` holds. What is
+ * accepted is shorter than PCCD_TUNING_BYTES. */
+int eng_tuning_read(const char *text, struct eng_tuning *tuning,
+                    char why[ENG_TUNING_WHY_BYTES]);
+
+/* What a step has used, as eng_tuning_read takes it: "" where a thread was alone, and so
+ * shared nothing. The method wide always steals, refits in one way, and has no
+ * high-level nodes. */
+void eng_tuning_used(const struct eng_question *question,
+                     const struct eng_step_result *result, char text[PCCD_TUNING_BYTES]);
 
 #endif

@@ -44,7 +44,7 @@ struct eng_pairs {
     const struct eng_point *points;
     const uint32_t (*quads)[4]; /* indices into `points`, in the order of query.h */
     const uint32_t (*fives)[5]; /* EF: the ends of the edge, the corners of the face */
-    /* Of pairs that meet at a distance (thick_query.h), none of them thin (thick.h); else
+    /* Of pairs that meet at a distance (query.h), none of them thin (thick.h); else
      * NULL. */
     const double (*radius)[3];
     double t_end; /* contacts that begin after that time of the step are not wanted */

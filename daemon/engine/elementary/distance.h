@@ -18,9 +18,9 @@
 #ifndef ENG_DISTANCE_H
 #define ENG_DISTANCE_H
 
-#include "nearest.h"
 #include "number.h"
 #include "pccd_types.h"
+#include "query.h"
 
 /* How a decision is found; the answer is the same. */
 enum eng_distance_stage {

@@ -6,9 +6,9 @@
 #ifndef ENG_DISTANCE_RULE_H
 #define ENG_DISTANCE_RULE_H
 
-#include "nearest.h"
 #include "number.h"
 #include "pccd_types.h"
+#include "query.h"
 
 /* The distance is sqrt(num / den) 2^unit. */
 struct eng_distance_exact {

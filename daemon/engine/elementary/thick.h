@@ -30,8 +30,8 @@
 
 #include "exact.h"
 #include "kernel.h"
+#include "query.h"
 #include "thick_exact.h"
-#include "thick_query.h"
 
 /* Who decides. The answer is the same. */
 enum eng_thick_stage { ENG_THICK_BY_DOUBLES, ENG_THICK_BY_INTEGERS, ENG_THICK_STAGES };

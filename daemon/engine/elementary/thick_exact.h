@@ -13,7 +13,7 @@
 #include <stdint.h>
 
 #include "poly.h"
-#include "thick_query.h"
+#include "query.h"
 
 /* ---- roots (thick_roots.c) ------------------------------------------------------- */
 

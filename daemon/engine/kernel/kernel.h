@@ -17,9 +17,8 @@
 #include "boxes.h"
 #include "isa.h"
 #include "kinds.h"
-#include "median.h"
-#include "nearest.h"
 #include "query.h"
+#include "sort.h"
 
 /* One vertex at both ends of the step, one cache line. The words are free for the owner;
  * kernels do not look at them. */

@@ -12,7 +12,6 @@
 #include <stdint.h>
 
 #include "lanes.h"
-#include "nearest.h"
 #include "pccd_types.h"
 #include "query.h"
 

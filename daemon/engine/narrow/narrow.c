@@ -144,7 +144,7 @@ static void keep(struct eng_worker *worker, const struct eng_pairs *pairs,
             if (is_listed) {
                 eng_found_add(&worker->found, &name[k]); /* a full list says so itself */
             } else if (!eng_stop_is_set(worker->stop)) {
-                eng_test_keep(worker, &name[k], &batch->hits[i + k]);
+                eng_record_contact(worker, &name[k], &batch->hits[i + k]);
             }
         }
     }

@@ -14,9 +14,9 @@
 
 #include "batch.h"
 #include "distance.h"
-#include "finding.h"
 #include "thick.h"
 #include "thickness.h"
+#include "worker.h"
 #include "world.h"
 
 /* Of pairs that meet at a distance. */

@@ -5,7 +5,6 @@
 
 #include "kinds.h"
 #include "narrow.h"
-#include "rings.h"
 #include "topology.h"
 
 /* The features of a pair, as their objects have them. */

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "array.h"
 #include "memory.h"
 #include "thickness.h"
 
@@ -158,7 +157,7 @@ uint64_t eng_near_objects_bytes(const struct eng_near_objects *objects)
            cache_bytes(&objects->cache);
 }
 
-/* ---- who is asked for ----------------------------------------------------------- */
+/* ---- who is asked for -------------------------------------------------------------- */
 
 static int choose(struct eng_near_objects *objects)
 {
@@ -207,14 +206,10 @@ static bool is_asked_with_any(const struct eng_near_objects *objects, uint32_t a
 static int add_share(struct eng_near_objects *objects, uint32_t object, uint32_t first,
                      uint32_t count)
 {
-    if (objects->share_count == objects->share_capacity) {
-        uint32_t capacity =
-            eng_array_grown(objects->share_capacity, objects->share_count + 1);
-        int status = eng_array_grow(&objects->shares, capacity, sizeof *objects->shares);
-        if (status != PCCD_OK) {
-            return status;
-        }
-        objects->share_capacity = capacity;
+    int status = eng_array_extend(&objects->shares, &objects->share_capacity,
+                                  objects->share_count + 1, sizeof *objects->shares);
+    if (status != PCCD_OK) {
+        return status;
     }
     objects->shares[objects->share_count++] =
         (struct eng_near_share){.object = object, .first = first, .count = count};
@@ -321,7 +316,7 @@ int eng_near_objects_prepare(struct eng_near_objects *objects,
     return status;
 }
 
-/* ---- where they are ------------------------------------------------------------- */
+/* ---- where they are ---------------------------------------------------------------- */
 
 static const struct eng_bounds *bounds_of(const struct eng_near_objects *objects,
                                           uint32_t object)
@@ -367,7 +362,7 @@ static bool are_farther(const struct eng_bounds *a, const struct eng_bounds *b,
     return square > distance * distance * (1 + BOUNDS_SLACK) + 0x1p-1000;
 }
 
-/* ---- nearest -------------------------------------------------------------------- */
+/* ---- nearest ----------------------------------------------------------------------- */
 
 static void add_record(const struct eng_near_search *search, struct eng_worker *worker)
 {
@@ -427,7 +422,7 @@ static void perform_nearest(struct eng_near_objects *objects,
     }
 }
 
-/* ---- depth ---------------------------------------------------------------------- */
+/* ---- depth ------------------------------------------------------------------------- */
 
 static bool is_within(const struct eng_bounds *bounds, const double x[3])
 {

@@ -4,8 +4,8 @@
 #ifndef ENG_NEAR_OBJECTS_H
 #define ENG_NEAR_OBJECTS_H
 
-#include "closed.h"
 #include "near_search.h"
+#include "topology.h"
 
 /* A mesh that is not closed: of the object of that id. */
 struct eng_near_open {

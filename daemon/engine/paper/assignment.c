@@ -10,10 +10,10 @@ void eng_assignment_init(struct eng_assignment *assignment)
 {
     memset(assignment, 0, sizeof *assignment);
     atomic_init(&assignment->active, 0);
-    atomic_init(&assignment->lounge.sleepers, 0);
+    atomic_init(&assignment->idle.sleepers, 0);
     /* Neither can fail on Linux with default attributes. */
-    pthread_mutex_init(&assignment->lounge.lock, NULL);
-    pthread_cond_init(&assignment->lounge.wake, NULL);
+    pthread_mutex_init(&assignment->idle.lock, NULL);
+    pthread_cond_init(&assignment->idle.wake, NULL);
 }
 
 static void free_seats(struct eng_seat *seats, uint32_t count)
@@ -31,8 +31,8 @@ void eng_assignment_deinit(struct eng_assignment *assignment)
     free_seats(assignment->seats, assignment->capacity);
     eng_free(assignment->high);
     eng_free(assignment->pairs);
-    pthread_mutex_destroy(&assignment->lounge.lock);
-    pthread_cond_destroy(&assignment->lounge.wake);
+    pthread_mutex_destroy(&assignment->idle.lock);
+    pthread_cond_destroy(&assignment->idle.wake);
     memset(assignment, 0, sizeof *assignment);
 }
 
@@ -87,9 +87,9 @@ static bool somebody_has_work(struct eng_assignment *assignment)
     return atomic_load_explicit(&assignment->active, memory_order_acquire) > 0;
 }
 
-void eng_lounge_sleep(struct eng_assignment *assignment)
+void eng_idle_sleep(struct eng_assignment *assignment)
 {
-    struct eng_lounge *lounge = &assignment->lounge;
+    struct eng_idle_list *lounge = &assignment->idle;
     pthread_mutex_lock(&lounge->lock);
     uint32_t sleepers = atomic_load_explicit(&lounge->sleepers, memory_order_relaxed);
     atomic_store_explicit(&lounge->sleepers, sleepers + 1, memory_order_relaxed);
@@ -107,9 +107,9 @@ void eng_lounge_sleep(struct eng_assignment *assignment)
     pthread_mutex_unlock(&lounge->lock);
 }
 
-void eng_lounge_call(struct eng_assignment *assignment, uint32_t nodes)
+void eng_idle_wake(struct eng_assignment *assignment, uint32_t nodes)
 {
-    struct eng_lounge *lounge = &assignment->lounge;
+    struct eng_idle_list *lounge = &assignment->idle;
     /* Relaxed: a hint; the lock decides. */
     if (atomic_load_explicit(&lounge->sleepers, memory_order_relaxed) == 0) {
         return;
@@ -149,8 +149,8 @@ void eng_assignment_leave(struct eng_assignment *assignment)
 {
     /* Release: pairs with the acquire of whoever sees zero. */
     if (atomic_fetch_sub_explicit(&assignment->active, 1, memory_order_acq_rel) == 1) {
-        pthread_mutex_lock(&assignment->lounge.lock);
-        pthread_cond_broadcast(&assignment->lounge.wake);
-        pthread_mutex_unlock(&assignment->lounge.lock);
+        pthread_mutex_lock(&assignment->idle.lock);
+        pthread_cond_broadcast(&assignment->idle.wake);
+        pthread_mutex_unlock(&assignment->idle.lock);
     }
 }

@@ -43,7 +43,7 @@ struct eng_seat {
 };
 
 /* Where threads sleep that find nobody with a node to spare. */
-struct eng_lounge {
+struct eng_idle_list {
     _Alignas(128) pthread_mutex_t lock; /* taken with no other lock held, and last */
     pthread_cond_t wake;
     uint32_t calls;       /* under the lock: sleepers told to get up, not yet up */
@@ -57,7 +57,7 @@ struct eng_assignment {
     uint32_t high_count;
     uint64_t *pairs; /* of the high-level unit at hand: n << 32 | m */
     uint32_t pair_count;
-    struct eng_lounge lounge;
+    struct eng_idle_list idle;
     atomic_uint active; /* threads with work, or with work on its way to them */
 };
 
@@ -69,12 +69,12 @@ int eng_assignment_reserve(struct eng_assignment *assignment, uint32_t threads);
 
 /* Sleep until somebody has nodes to spare or nobody has work; either may be wrong by the
  * time the caller looks. Returns at once if nobody has work. [team] */
-void eng_lounge_sleep(struct eng_assignment *assignment);
+void eng_idle_sleep(struct eng_assignment *assignment);
 
 /* The caller has `nodes` to spare: wake as many sleepers. Costs one relaxed load while
  * nobody sleeps. A sleeper that lies down meanwhile may be missed: whoever has nodes to
  * spare calls again after its next task unit. [team] */
-void eng_lounge_call(struct eng_assignment *assignment, uint32_t nodes);
+void eng_idle_wake(struct eng_assignment *assignment, uint32_t nodes);
 
 /* With PCCD_VALIDATE: the thread of `seat`, one of the first `seat_count`, performs the
  * task unit of `node` now, or none (ENG_NO_NODE); asserts that no other thread performs

@@ -111,7 +111,8 @@ static void find_parts(struct eng_background *background, const struct eng_scene
     background->part_count = 0;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         if (scene->objects[i].mesh) {
-            examine_object(background, scene, eng_planted_of(&scene->objects[i])->nodes);
+            examine_object(background, scene,
+                           eng_paper_object_of(&scene->objects[i])->nodes);
         }
     }
     for (uint32_t i = 0; i < background->part_count; i++) {

@@ -2,17 +2,16 @@
  *
  * Source: paper sections 6.2 and 7.
  */
-#include "build.h"
+#include "trees.h"
 
 #include <assert.h>
 #include <string.h>
 
-#include "array.h"
-#include "feature.h"
 #include "grow.h"
 #include "memory.h"
 #include "rebuild.h"
 #include "refit.h"
+#include "topology.h"
 
 /* ---- room -------------------------------------------------------------------------- */
 
@@ -34,10 +33,10 @@ static void give(struct eng_ranges *ranges, struct eng_range *range)
     }
 }
 
-void eng_object_fell(struct eng_scene *scene, struct eng_object *object)
+void eng_paper_drop_object(struct eng_scene *scene, struct eng_object *object)
 {
     struct eng_trees *trees = eng_trees_of(scene);
-    struct eng_planted *planted = object->slots[ENG_SLOT_PAPER];
+    struct eng_paper_object *planted = object->slots[ENG_SLOT_PAPER];
     if (planted) {
         give(&trees->edge_ranges, &planted->edges);
         give(&trees->triangle_ranges, &planted->triangles);
@@ -47,62 +46,52 @@ void eng_object_fell(struct eng_scene *scene, struct eng_object *object)
     }
 }
 
-/* Grow one array up to `end`; *capacity is that of all that grow together. */
-static int reserve(void *array, size_t bytes, uint32_t end, uint32_t *capacity)
-{
-    if (end <= *capacity) {
-        return PCCD_OK;
-    }
-    uint32_t more = eng_array_grown(*capacity, end);
-    int status = eng_array_grow(array, more, bytes);
-    *capacity = status == PCCD_OK ? more : *capacity;
-    return status;
-}
-
 /* Up to these ends, and that of the vertices. */
 static int reserve_up_to(struct eng_scene *scene, uint32_t edge_end,
                          uint32_t triangle_end, uint32_t node_end)
 {
     struct eng_trees *trees = eng_trees_of(scene);
-    int status = reserve(&trees->vertices, sizeof *trees->vertices,
-                         scene->vertex_ranges.end, &trees->box_capacity);
+    int status = eng_array_extend(&trees->vertices, &trees->box_capacity,
+                                  scene->vertex_ranges.end, sizeof *trees->vertices);
     if (status == PCCD_OK) {
-        status =
-            reserve(&trees->edges, sizeof *trees->edges, edge_end, &trees->edge_capacity);
+        status = eng_array_extend(&trees->edges, &trees->edge_capacity, edge_end,
+                                  sizeof *trees->edges);
     }
     if (status == PCCD_OK) {
-        status = reserve(&trees->triangles, sizeof *trees->triangles, triangle_end,
-                         &trees->triangle_capacity);
+        status = eng_array_extend(&trees->triangles, &trees->triangle_capacity,
+                                  triangle_end, sizeof *trees->triangles);
     }
     uint32_t upkeep_capacity = trees->node_capacity;
     if (status == PCCD_OK) {
-        status =
-            reserve(&trees->upkeep, sizeof *trees->upkeep, node_end, &upkeep_capacity);
+        status = eng_array_extend(&trees->upkeep, &upkeep_capacity, node_end,
+                                  sizeof *trees->upkeep);
     }
     if (status == PCCD_OK) {
-        status =
-            reserve(&trees->nodes, sizeof *trees->nodes, node_end, &trees->node_capacity);
+        status = eng_array_extend(&trees->nodes, &trees->node_capacity, node_end,
+                                  sizeof *trees->nodes);
     }
     return status;
 }
 
-int eng_tree_reserve(struct eng_scene *scene)
+/* Make room in the arrays of binary hierarchies up to the end of each range allocator.
+ * PCCD_E_NOMEM: can be tried again. */
+static int reserve_trees(struct eng_scene *scene)
 {
     const struct eng_trees *trees = eng_trees_of(scene);
     return reserve_up_to(scene, trees->edge_ranges.end, trees->triangle_ranges.end,
                          trees->node_ranges.end);
 }
 
-/* Whatever was taken when this fails, eng_object_fell gives back. */
+/* Whatever was taken when this fails, eng_paper_drop_object gives back. */
 static int take_all(struct eng_scene *scene, struct eng_object *object)
 {
     struct eng_trees *trees = eng_trees_of(scene);
     const struct eng_mesh_info *info = &object->mesh->info;
-    struct eng_planted *planted = eng_alloc(1, sizeof *planted);
+    struct eng_paper_object *planted = eng_alloc(1, sizeof *planted);
     if (!planted) {
         return PCCD_E_NOMEM;
     }
-    *planted = (struct eng_planted){0};
+    *planted = (struct eng_paper_object){0};
     object->slots[ENG_SLOT_PAPER] = planted;
     int status = take(&trees->edge_ranges, info->edge_count, &planted->edges);
     if (status == PCCD_OK) {
@@ -114,7 +103,7 @@ static int take_all(struct eng_scene *scene, struct eng_object *object)
         status =
             take(&trees->node_ranges, 2 * object->mesh->leaf_count - 1, &planted->nodes);
     }
-    return status == PCCD_OK ? eng_tree_reserve(scene) : status;
+    return status == PCCD_OK ? reserve_trees(scene) : status;
 }
 
 /* The topology with global indices; first_edge: eng_feature_index. */
@@ -125,7 +114,7 @@ static void copy_in(struct eng_scene *scene, uint32_t object_idx,
     struct eng_trees *trees = eng_trees_of(scene);
     const struct eng_object *object = &scene->objects[object_idx];
     const struct eng_mesh *mesh = object->mesh;
-    const struct eng_planted *planted = eng_planted_of(object);
+    const struct eng_paper_object *planted = eng_paper_object_of(object);
     uint32_t v0 = object->vertices.first;
     uint32_t e0 = planted->edges.first;
     memset(trees->vertices + v0, 0, object->vertices.count * sizeof *trees->vertices);
@@ -186,9 +175,9 @@ static void list_triangles(const struct eng_scene *scene, struct eng_range trian
 
 int eng_build_object(struct eng_scene *scene, uint32_t object_idx)
 {
-    assert(eng_planted_of(&scene->objects[object_idx])->triangles.count >= 1);
+    assert(eng_paper_object_of(&scene->objects[object_idx])->triangles.count >= 1);
     const struct eng_object *object = &scene->objects[object_idx];
-    const struct eng_planted *planted = eng_planted_of(object);
+    const struct eng_paper_object *planted = eng_paper_object_of(object);
     struct eng_split_item *items = eng_alloc(planted->triangles.count, sizeof *items);
     if (!items) {
         return PCCD_E_NOMEM;
@@ -210,7 +199,7 @@ static void refit_where_they_stand(struct eng_scene *scene, uint32_t first, uint
     double(*staged)[3] = scene->x[1 - scene->now];
     scene->x[1 - scene->now] = scene->x[scene->now];
     for (uint32_t i = first; i < end; i++) {
-        if (eng_planted_of(&scene->objects[i])->nodes.count > 0) {
+        if (eng_paper_object_of(&scene->objects[i])->nodes.count > 0) {
             eng_refit_object(scene, &scene->objects[i]);
         }
     }
@@ -237,19 +226,19 @@ static int plant(struct eng_scene *scene, uint32_t object_idx)
         status = eng_build_object(scene, object_idx);
     }
     if (status != PCCD_OK) {
-        eng_object_fell(scene, object);
+        eng_paper_drop_object(scene, object);
         return status;
     }
     if (eng_mesh_has_foreign(mesh)) {
         eng_trees_of(scene)->has_foreign = true;
-        eng_foreign_mark(eng_trees_of(scene), eng_planted_of(object)->nodes);
+        eng_foreign_mark(eng_trees_of(scene), eng_paper_object_of(object)->nodes);
     }
     refit_where_they_stand(scene, object_idx, object_idx + 1);
     if (!object->is_new) { /* it may stand, and have moved in the step before */
         eng_trees_of(scene)->boxes_of = 0;
     }
-    eng_regions_mark(scene, eng_planted_of(object)->nodes);
-    eng_rebuild_note(scene, eng_planted_of(object)->nodes);
+    eng_regions_mark(scene, eng_paper_object_of(object)->nodes);
+    eng_rebuild_note(scene, eng_paper_object_of(object)->nodes);
     return PCCD_OK;
 }
 
@@ -269,7 +258,7 @@ static int reserve_for(struct eng_scene *scene)
     uint64_t triangles = 0;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
-        if (object->mesh && eng_planted_of(object)->nodes.count == 0) {
+        if (object->mesh && eng_paper_object_of(object)->nodes.count == 0) {
             edges += object->mesh->info.edge_count;
             triangles += object->mesh->leaf_count;
         }
@@ -283,13 +272,13 @@ static int reserve_for(struct eng_scene *scene)
         end_of(&trees->node_ranges, 2 * triangles + scene->object_count));
 }
 
-int eng_plant_objects(struct eng_scene *scene)
+int eng_paper_add_objects(struct eng_scene *scene)
 {
     struct eng_trees *trees = eng_trees_of(scene);
     int status = reserve_for(scene);
     for (uint32_t i = 0; i < scene->object_capacity && status == PCCD_OK; i++) {
         if (scene->objects[i].mesh &&
-            eng_planted_of(&scene->objects[i])->nodes.count == 0) {
+            eng_paper_object_of(&scene->objects[i])->nodes.count == 0) {
             status = plant(scene, i);
         }
     }
@@ -310,7 +299,7 @@ static uint32_t list_roots(const struct eng_scene *scene, struct eng_split_item 
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         if (scene->objects[i].mesh) {
-            uint32_t root = eng_planted_of(&scene->objects[i])->nodes.first;
+            uint32_t root = eng_paper_object_of(&scene->objects[i])->nodes.first;
             items[count++] = eng_split_item_of(&trees->nodes[root], root);
         }
     }
@@ -321,15 +310,8 @@ static uint32_t list_roots(const struct eng_scene *scene, struct eng_split_item 
 static int reserve_items(struct eng_scene *scene, uint32_t count)
 {
     struct eng_trees *trees = eng_trees_of(scene);
-    if (count <= trees->top_item_capacity) {
-        return PCCD_OK;
-    }
-    uint32_t capacity = eng_array_grown(trees->top_item_capacity, count);
-    int status = eng_array_grow(&trees->top_items, capacity, sizeof *trees->top_items);
-    if (status == PCCD_OK) {
-        trees->top_item_capacity = capacity;
-    }
-    return status;
+    return eng_array_extend(&trees->top_items, &trees->top_item_capacity, count,
+                            sizeof *trees->top_items);
 }
 
 /* Nodes for the tree over `count` >= 2 objects. */
@@ -341,7 +323,7 @@ static int take_nodes(struct eng_scene *scene, uint32_t count, uint32_t *first)
         status = eng_ranges_take(&trees->node_ranges, count - 1, first);
     }
     if (status == PCCD_OK) {
-        status = eng_tree_reserve(scene);
+        status = reserve_trees(scene);
         if (status != PCCD_OK) {
             eng_ranges_give(&trees->node_ranges, *first, count - 1);
         }
@@ -444,9 +426,9 @@ static bool validate_object(const struct eng_scene *scene,
 {
     struct eng_trees *trees = eng_trees_of(scene);
     uint64_t marks = 0;
-    uint32_t end =
-        eng_planted_of(object)->nodes.first + eng_planted_of(object)->nodes.count;
-    for (uint32_t i = eng_planted_of(object)->nodes.first; i < end; i++) {
+    uint32_t end = eng_paper_object_of(object)->nodes.first +
+                   eng_paper_object_of(object)->nodes.count;
+    for (uint32_t i = eng_paper_object_of(object)->nodes.first; i < end; i++) {
         const struct eng_node *node = &trees->nodes[i];
         if (!validate_node(scene, i)) {
             return false;
@@ -458,11 +440,11 @@ static bool validate_object(const struct eng_scene *scene,
             return false;
         }
     }
-    for (uint32_t i = 0; i < eng_planted_of(object)->triangles.count; i++) {
-        marks -= mark_of(eng_planted_of(object)->triangles.first + i);
+    for (uint32_t i = 0; i < eng_paper_object_of(object)->triangles.count; i++) {
+        marks -= mark_of(eng_paper_object_of(object)->triangles.first + i);
     }
-    return marks == 0 && trees->nodes[eng_planted_of(object)->nodes.first].count ==
-                             eng_planted_of(object)->triangles.count;
+    return marks == 0 && trees->nodes[eng_paper_object_of(object)->nodes.first].count ==
+                             eng_paper_object_of(object)->triangles.count;
 }
 
 /* Are the gates of an object's nodes at the roots of its regions, and there alone? */
@@ -470,12 +452,12 @@ static bool validate_regions(const struct eng_scene *scene,
                              const struct eng_object *object)
 {
     struct eng_trees *trees = eng_trees_of(scene);
-    uint32_t end =
-        eng_planted_of(object)->nodes.first + eng_planted_of(object)->nodes.count;
+    uint32_t end = eng_paper_object_of(object)->nodes.first +
+                   eng_paper_object_of(object)->nodes.count;
     uint32_t region_end =
-        eng_planted_of(object)->nodes.first; /* of the region walked through last */
+        eng_paper_object_of(object)->nodes.first; /* of the region walked through last */
     bool any = scene->settings.rebuild_ratio > 0;
-    for (uint32_t i = eng_planted_of(object)->nodes.first; i < end; i++) {
+    for (uint32_t i = eng_paper_object_of(object)->nodes.first; i < end; i++) {
         const struct eng_node *node = &trees->nodes[i];
         bool is_high = node->count > scene->settings.region_triangles;
         bool is_root = !is_high && i >= region_end;
@@ -504,7 +486,7 @@ bool eng_tree_validate(const struct eng_scene *scene)
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
         if (object->mesh) {
-            triangles += eng_planted_of(object)->triangles.count;
+            triangles += eng_paper_object_of(object)->triangles.count;
             if (!validate_object(scene, object) || !validate_regions(scene, object)) {
                 return false;
             }

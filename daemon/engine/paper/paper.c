@@ -3,7 +3,6 @@
 
 #include <assert.h>
 
-#include "build.h"
 #include "memory.h"
 
 static int create(struct eng_scene *scene)
@@ -40,7 +39,7 @@ static uint64_t bytes(const struct eng_scene *scene)
     uint64_t planted = 0;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         planted += scene->objects[i].mesh && scene->objects[i].slots[ENG_SLOT_PAPER]
-                       ? sizeof(struct eng_planted)
+                       ? sizeof(struct eng_paper_object)
                        : 0;
     }
     return sizeof *paper + planted + eng_trees_bytes(&paper->trees) +
@@ -50,8 +49,8 @@ static uint64_t bytes(const struct eng_scene *scene)
 static void drop(struct eng_scene *scene, struct eng_object *object)
 {
     eng_background_forget(&eng_paper_of(scene)->background,
-                          eng_planted_of(object)->nodes);
-    eng_object_fell(scene, object);
+                          eng_paper_object_of(object)->nodes);
+    eng_paper_drop_object(scene, object);
 }
 
 static void changed(struct eng_scene *scene)

@@ -7,14 +7,12 @@
  */
 #include <assert.h>
 
-#include "build.h"
 #include "frames.h"
 #include "method.h"
 #include "paper.h"
 #include "paper_work.h"
 #include "rebuild.h"
-#include "schedule_paper.h"
-#include "taskunit.h"
+#include "trees.h"
 
 static uint64_t task_of(uint32_t n, uint32_t m)
 {
@@ -109,7 +107,7 @@ static int prepare(struct eng_team *team, const struct eng_question *question)
     int status = PCCD_OK;
     if (eng_trees_of(scene)->top_is_stale) {
         eng_frames_choose(scene, scene->now, scene->now);
-        status = eng_plant_objects(scene);
+        status = eng_paper_add_objects(scene);
         if (status == PCCD_OK) {
             status = eng_refit_plan_features(plan, scene);
         }

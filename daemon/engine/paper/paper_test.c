@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "narrow.h"
-#include "paper_features.h"
 #include "paper_work.h"
+#include "trees.h"
 
 /* The vertices of a candidate; of fewer than four the last is repeated. */
 static void get_vertices(const struct eng_trees *trees, uint32_t kind, uint32_t a,
@@ -98,7 +98,7 @@ void eng_test_chunk(struct eng_worker *worker, enum pccd_kind kind)
     struct eng_paper_work *work = eng_paper_work_of(worker);
     struct eng_chunk *chunk = &work->chunks[kind];
     uint32_t count = chunk->count;
-    eng_test_count(worker, kind, count);
+    eng_count_candidates(worker, kind, count);
     for (uint32_t i = 0; i < count && !eng_stop_is_set(worker->stop); i += GROUP) {
         struct group group;
         struct eng_pairs pairs = load_group(worker->scene, kind, chunk, i, &group);
@@ -107,5 +107,5 @@ void eng_test_chunk(struct eng_worker *worker, enum pccd_kind kind)
     }
     chunk->count = 0;
     eng_worker_should_stop(worker);
-    eng_test_end(worker, kind, count, begin_ns);
+    eng_count_test_time(worker, kind, count, begin_ns);
 }

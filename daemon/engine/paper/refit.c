@@ -84,8 +84,8 @@ void eng_refit_subtree(struct eng_scene *scene, uint32_t root)
 void eng_refit_object(struct eng_scene *scene, const struct eng_object *object)
 {
     eng_refit_vertices(scene, object->vertices);
-    eng_refit_edges(scene, eng_planted_of(object)->edges);
-    eng_refit_nodes(scene, eng_planted_of(object)->nodes);
+    eng_refit_edges(scene, eng_paper_object_of(object)->edges);
+    eng_refit_nodes(scene, eng_paper_object_of(object)->nodes);
 }
 
 void eng_refit(struct eng_scene *scene)
@@ -169,7 +169,7 @@ int eng_refit_plan_features(struct eng_refit_plan *plan, const struct eng_scene 
     for (uint32_t i = 0; i < scene->object_capacity && status == PCCD_OK; i++) {
         if (scene->objects[i].mesh) {
             cut(&plan->vertices, scene->objects[i].vertices);
-            cut(&plan->edges, eng_planted_of(&scene->objects[i])->edges);
+            cut(&plan->edges, eng_paper_object_of(&scene->objects[i])->edges);
         }
     }
     return status;

@@ -3,14 +3,72 @@
  * Source: paper section 4.1. The pair queue is taken from the end (the paper allows a
  * queue or a stack, section 3.2), which bounds its length by the depth of the trees.
  */
-#include "taskunit.h"
+#include "paper_work.h"
 
 #include <assert.h>
 
-#include "paper_features.h"
-#include "paper_work.h"
 #include "question.h"
 #include "rebuild.h"
+
+/* Features of that sort that one triangle has; it need not own each. */
+ENG_FEATURE_INLINE uint32_t feature_count(uint32_t points)
+{
+    return points == 3 ? 1 : 3;
+}
+
+/* Does the leaf own its feature k? Its face, which it has to have (feature_has_face),
+ * and of the others those that no leaf before it has. */
+ENG_FEATURE_INLINE bool feature_is_owned(const struct eng_triangle *triangle,
+                                         uint32_t points, uint32_t k)
+{
+    return points == 1   ? (triangle->owns & ENG_OWNS_VERTEX(k)) != 0
+           : points == 2 ? (triangle->owns & ENG_OWNS_EDGE(k)) != 0
+                         : true;
+}
+
+/* Of a vertex or an edge that it owns: is it foreign (mesh.h)? */
+ENG_FEATURE_INLINE bool feature_is_foreign(const struct eng_triangle *triangle,
+                                           uint32_t points, uint32_t k)
+{
+    return (triangle->owns &
+            (points == 1 ? ENG_FOREIGN_VERTEX(k) : ENG_FOREIGN_EDGE(k))) != 0;
+}
+
+static inline bool feature_has_face(const struct eng_triangle *triangle)
+{
+    return (triangle->owns & ENG_OWNS_FACE) != 0;
+}
+
+/* Is it a free point, or a free edge? */
+static inline bool feature_is_free_point(const struct eng_triangle *triangle)
+{
+    return (triangle->owns & ENG_OWNS_BITS) == ENG_OWNS_VERTEX(0) &&
+           triangle->v[0] == triangle->v[1];
+}
+
+static inline bool feature_is_free_edge(const struct eng_triangle *triangle)
+{
+    return !feature_has_face(triangle) && triangle->v[0] != triangle->v[1];
+}
+
+/* The index of feature k of the triangle below `leaf`. */
+ENG_FEATURE_INLINE uint32_t feature_of(const struct eng_trees *trees, uint32_t points,
+                                       const struct eng_node *leaf, uint32_t k)
+{
+    const struct eng_triangle *triangle = &trees->triangles[leaf->right];
+    return points == 1 ? triangle->v[k] : points == 2 ? triangle->e[k] : leaf->right;
+}
+
+/* Its box: that of a face is its leaf's. */
+ENG_FEATURE_INLINE const struct eng_box *feature_box(const struct eng_trees *trees,
+                                                     uint32_t points,
+                                                     const struct eng_node *leaf,
+                                                     uint32_t feature)
+{
+    return points == 1   ? eng_box_of_const(&trees->vertices[feature])
+           : points == 2 ? eng_box_of_const(&trees->edges[feature])
+                         : eng_box_of_const(leaf);
+}
 
 /* Pairs of one task unit between two looks at the clock, when no chunk fills up. */
 #define PAIRS_PER_LOOK 65536u
@@ -111,8 +169,8 @@ ENG_FEATURE_INLINE bool is_first_foreign(enum pccd_kind kind, bool a_is_first,
                                          const struct eng_triangle *ta, uint32_t i,
                                          const struct eng_triangle *tb, uint32_t k)
 {
-    return a_is_first ? eng_feature_is_foreign(ta, common_kinds[kind].points[0], i)
-                      : eng_feature_is_foreign(tb, common_kinds[kind].points[1], k);
+    return a_is_first ? feature_is_foreign(ta, common_kinds[kind].points[0], i)
+                      : feature_is_foreign(tb, common_kinds[kind].points[1], k);
 }
 
 /* Features that the triangle below n owns, as a, against those of the one below m, as b.
@@ -129,21 +187,21 @@ ENG_FEATURE_INLINE void features_against(struct eng_worker *worker, enum pccd_ki
     const uint32_t points_b = common_kinds[kind].points[1];
     uint32_t v[3];
     uint32_t w[3];
-    for (uint32_t i = 0; i < eng_feature_count(points_a); i++) {
-        if (!eng_feature_is_owned(ta, points_a, i)) {
+    for (uint32_t i = 0; i < feature_count(points_a); i++) {
+        if (!feature_is_owned(ta, points_a, i)) {
             continue;
         }
-        uint32_t a = eng_feature_of(trees, points_a, n, i);
-        const struct eng_box *box_a = eng_feature_box(trees, points_a, n, a);
+        uint32_t a = feature_of(trees, points_a, n, i);
+        const struct eng_box *box_a = feature_box(trees, points_a, n, a);
         eng_feature_vertices(trees, points_a, a, v);
-        for (uint32_t k = 0; k < eng_feature_count(points_b); k++) {
-            if (!eng_feature_is_owned(tb, points_b, k)) {
+        for (uint32_t k = 0; k < feature_count(points_b); k++) {
+            if (!feature_is_owned(tb, points_b, k)) {
                 continue;
             }
-            uint32_t b = eng_feature_of(trees, points_b, m, k);
+            uint32_t b = feature_of(trees, points_b, m, k);
             eng_feature_vertices(trees, points_b, b, w);
             if (have_common(v, points_a, w, points_b) ||
-                !overlap(worker, box_a, eng_feature_box(trees, points_b, m, b))) {
+                !overlap(worker, box_a, feature_box(trees, points_b, m, b))) {
                 continue;
             }
             bool a_is_first = points_a != points_b || comes_first(scene, points_a, a, b);
@@ -169,11 +227,11 @@ static void free_pair(struct eng_worker *worker, const struct eng_node *n,
     if (!eng_asks_near(worker->question) && !worker->scene->thickness.is_on) {
         return;
     }
-    if (eng_feature_is_free_point(ta) && eng_feature_is_free_point(tb)) {
+    if (feature_is_free_point(ta) && feature_is_free_point(tb)) {
         features_against(worker, PCCD_VV, n, m);
-    } else if (eng_feature_is_free_point(ta) && eng_feature_is_free_edge(tb)) {
+    } else if (feature_is_free_point(ta) && feature_is_free_edge(tb)) {
         features_against(worker, PCCD_VE, n, m);
-    } else if (eng_feature_is_free_edge(ta) && eng_feature_is_free_point(tb)) {
+    } else if (feature_is_free_edge(ta) && feature_is_free_point(tb)) {
         features_against(worker, PCCD_VE, m, n);
     }
 }
@@ -211,8 +269,8 @@ static __attribute__((noinline)) void
 mixed_pair(struct eng_worker *worker, const struct eng_node *n, const struct eng_node *m)
 {
     const struct eng_triangle *triangles = eng_trees_of(worker->scene)->triangles;
-    bool n_has_face = eng_feature_has_face(&triangles[n->right]);
-    bool m_has_face = eng_feature_has_face(&triangles[m->right]);
+    bool n_has_face = feature_has_face(&triangles[n->right]);
+    bool m_has_face = feature_has_face(&triangles[m->right]);
     if (!n_has_face && !m_has_face) {
         if (wants_pairs(worker)) {
             free_pair(worker, n, m);

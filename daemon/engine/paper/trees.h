@@ -15,8 +15,7 @@
 #include <stddef.h>
 
 #include "aabb.h"
-#include "median.h"
-#include "range.h"
+#include "sort.h"
 #include "world.h"
 
 #define ENG_LEAF    UINT32_MAX /* in eng_node.left */
@@ -104,7 +103,7 @@ struct eng_triangle {
 #define ENG_LEVELS_MAX (30u + 30u)
 
 /* What an object has of the arrays below. All counts are 0 until a step asks for it. */
-struct eng_planted {
+struct eng_paper_object {
     struct eng_range edges;
     struct eng_range triangles;
     struct eng_range
@@ -145,10 +144,11 @@ static inline struct eng_trees *eng_trees_of(const struct eng_scene *scene)
     return scene->slots[ENG_SLOT_PAPER];
 }
 
-static inline const struct eng_planted *eng_planted_of(const struct eng_object *object)
+static inline const struct eng_paper_object *
+eng_paper_object_of(const struct eng_object *object)
 {
-    static const struct eng_planted nothing;
-    const struct eng_planted *planted = object->slots[ENG_SLOT_PAPER];
+    static const struct eng_paper_object nothing;
+    const struct eng_paper_object *planted = object->slots[ENG_SLOT_PAPER];
     return planted ? planted : &nothing;
 }
 
@@ -177,5 +177,70 @@ bool eng_node_is_below(const struct eng_scene *scene, uint32_t root, uint32_t no
 void eng_trees_init(struct eng_trees *trees);
 void eng_trees_deinit(struct eng_trees *trees);
 uint64_t eng_trees_bytes(const struct eng_trees *trees);
+
+/* ---- features ---------------------------------------------------------------------- */
+
+/* Of a vertex (1 point), an edge (2) or a face (3). The number of points is a constant in
+ * the calling code, so no branch is left. */
+#define ENG_FEATURE_INLINE static inline __attribute__((always_inline))
+
+/* Its vertices to v[points]; `feature`: its index among the scene's of its sort. */
+ENG_FEATURE_INLINE void eng_feature_vertices(const struct eng_trees *trees,
+                                             uint32_t points, uint32_t feature,
+                                             uint32_t *v)
+{
+    if (points == 1) {
+        v[0] = feature;
+    } else if (points == 2) {
+        v[0] = trees->edges[feature].a;
+        v[1] = trees->edges[feature].b;
+    } else {
+        v[0] = trees->triangles[feature].v[0];
+        v[1] = trees->triangles[feature].v[1];
+        v[2] = trees->triangles[feature].v[2];
+    }
+}
+
+/* The index of its object. */
+ENG_FEATURE_INLINE uint32_t eng_feature_object(const struct eng_trees *trees,
+                                               uint32_t points, uint32_t feature)
+{
+    return points == 1   ? trees->vertices[feature].object
+           : points == 2 ? trees->edges[feature].object
+                         : trees->triangles[feature].object;
+}
+
+/* The index of the first feature of that sort that an object has. */
+ENG_FEATURE_INLINE uint32_t eng_feature_first(const struct eng_object *object,
+                                              uint32_t points)
+{
+    return points == 1   ? object->vertices.first
+           : points == 2 ? eng_paper_object_of(object)->edges.first
+                         : eng_paper_object_of(object)->triangles.first;
+}
+
+/* ---- building them ----------------------------------------------------------------- */
+
+/* Build the hierarchy of an object in its node range from the positions that the scene
+ * stands at: links, counts and triangles; boxes are left to refit. PCCD_E_NOMEM. */
+int eng_build_object(struct eng_scene *scene, uint32_t object_idx);
+
+/* Give every object that has none its ranges of edges, triangles and nodes, its topology
+ * there with global indices, and its hierarchy, as it stands. Scenes that are never
+ * stepped by the method paper do without. PCCD_E_NOMEM, PCCD_E_LIMIT: some may have got
+ * theirs; it can be tried again. */
+int eng_paper_add_objects(struct eng_scene *scene);
+
+/* Give back what eng_paper_add_objects took for an object, if it did. */
+void eng_paper_drop_object(struct eng_scene *scene, struct eng_object *object);
+
+/* Build the tree over all objects from the boxes of their roots, and set trees->root.
+ * Takes its nodes from the scene. PCCD_E_NOMEM, PCCD_E_LIMIT: the old tree stays, still
+ * stale. */
+int eng_build_top(struct eng_scene *scene);
+
+/* Every parent precedes its children and contains them at both ends, counts add up, every
+ * triangle of every object is in exactly one leaf. Test and debug builds. */
+bool eng_tree_validate(const struct eng_scene *scene);
 
 #endif

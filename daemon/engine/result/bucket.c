@@ -1,5 +1,5 @@
 /* bucket.c - one bucket of an answer. */
-#include "bucket.h"
+#include "merge.h"
 
 #include <assert.h>
 

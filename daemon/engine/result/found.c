@@ -1,12 +1,108 @@
-/* found.c - the records of a step, as they are found. */
+/* found.c - the records of a step as they are found, and the memory that they are in. */
 #include "result.h"
 
 #include <assert.h>
+#include <stdbool.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "memory.h"
 #include "merge.h"
 #include "pccd_types.h"
+
+/* ---- blocks ------------------------------------------------------------------------ */
+
+void eng_pool_init(struct eng_pool *pool)
+{
+    pool->blocks = pool->lent = NULL;
+    pool->capacity = pool->lent_count = 0;
+    atomic_init(&pool->taken, 0);
+    atomic_init(&pool->spilled, NULL);
+}
+
+static void free_spilled(struct eng_pool *pool)
+{
+    struct eng_block *block = atomic_load_explicit(&pool->spilled, memory_order_relaxed);
+    while (block) {
+        struct eng_block *next = block->spill_next;
+        eng_free(block);
+        block = next;
+    }
+    atomic_store_explicit(&pool->spilled, NULL, memory_order_relaxed);
+}
+
+void eng_pool_deinit(struct eng_pool *pool)
+{
+    free_spilled(pool);
+    eng_free(pool->blocks);
+    eng_pool_init(pool);
+}
+
+void eng_pool_reset(struct eng_pool *pool, uint32_t workers)
+{
+    assert(workers >= 1);
+    uint32_t taken = atomic_load_explicit(&pool->taken, memory_order_relaxed);
+    taken = taken > pool->lent_count ? taken - pool->lent_count : 0;
+    free_spilled(pool);
+    if (taken > pool->capacity || pool->capacity < workers) {
+        uint32_t capacity = taken + taken / 4 + 2 * workers;
+        struct eng_block *blocks = eng_alloc(capacity, sizeof *blocks);
+        if (blocks) {
+            eng_free(pool->blocks);
+            pool->blocks = blocks;
+            pool->capacity = capacity;
+        }
+    }
+    atomic_store_explicit(&pool->taken, 0, memory_order_relaxed);
+}
+
+void eng_pool_lend(struct eng_pool *pool, void *memory, uint64_t bytes)
+{
+    assert(atomic_load_explicit(&pool->taken, memory_order_relaxed) == 0);
+    assert((uintptr_t)memory % ENG_BLOCK_HEADER_BYTES == 0);
+    uint64_t count = memory ? bytes / sizeof *pool->lent : 0;
+    pool->lent = memory;
+    pool->lent_count = count < UINT32_MAX / 2 ? (uint32_t)count : UINT32_MAX / 2;
+}
+
+/* A block that the pool did not foresee. */
+static struct eng_block *spill(struct eng_pool *pool)
+{
+    struct eng_block *block = eng_alloc(1, sizeof *block);
+    if (!block) {
+        return NULL;
+    }
+    block->spill_next = atomic_load_explicit(&pool->spilled, memory_order_relaxed);
+    /* Release: whoever walks the list after the region sees the link. */
+    while (!atomic_compare_exchange_weak_explicit(&pool->spilled, &block->spill_next,
+                                                  block, memory_order_release,
+                                                  memory_order_relaxed)) {
+    }
+    return block;
+}
+
+struct eng_block *eng_pool_take(struct eng_pool *pool)
+{
+    /* Relaxed: each number is handed out once; the block is nobody else's. */
+    uint32_t i = atomic_fetch_add_explicit(&pool->taken, 1, memory_order_relaxed);
+    bool is_lent = i < pool->lent_count;
+    uint32_t own = i - pool->lent_count; /* if it is not */
+    struct eng_block *block = is_lent                ? &pool->lent[i]
+                              : own < pool->capacity ? &pool->blocks[own]
+                                                     : spill(pool);
+    if (block) {
+        block->next = NULL;
+        block->count = 0;
+    }
+    return block;
+}
+
+uint64_t eng_pool_bytes(const struct eng_pool *pool)
+{
+    return (uint64_t)pool->capacity * sizeof *pool->blocks;
+}
+
+/* ---- records as they are found ----------------------------------------------------- */
 
 static_assert(sizeof(struct pccd_contact) == 64 && sizeof(struct pccd_pair) == 20,
               "records");
@@ -251,4 +347,45 @@ void eng_found_keep(struct eng_found *found, uint64_t count)
         }
     }
     found->count = count;
+}
+
+/* ---- the memory of an answer ------------------------------------------------------- */
+
+void eng_records_deinit(struct eng_records *records)
+{
+    eng_free(records->data);
+    memset(records, 0, sizeof *records);
+}
+
+int eng_records_reserve(struct eng_records *records, uint64_t count)
+{
+    assert(records->record_bytes > 0);
+    if (count * records->record_bytes <= records->capacity_bytes) {
+        return PCCD_OK;
+    }
+    uint64_t capacity = count + count / 2;
+    unsigned char *data = eng_alloc(capacity, records->record_bytes);
+    if (!data) {
+        return PCCD_E_NOMEM;
+    }
+    eng_free(records->data);
+    records->data = data;
+    records->capacity_bytes = capacity * records->record_bytes;
+    return PCCD_OK;
+}
+
+int eng_records_extend(struct eng_records *records, uint64_t count)
+{
+    assert(records->record_bytes > 0);
+    if (count * records->record_bytes <= records->capacity_bytes) {
+        return PCCD_OK;
+    }
+    uint64_t capacity = count + count / 2;
+    unsigned char *data = eng_realloc(records->data, capacity, records->record_bytes);
+    if (!data) {
+        return PCCD_E_NOMEM;
+    }
+    records->data = data;
+    records->capacity_bytes = capacity * records->record_bytes;
+    return PCCD_OK;
 }

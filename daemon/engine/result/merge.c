@@ -7,10 +7,63 @@
 
 #include <assert.h>
 
-#include "bucket.h"
 #include "clock.h"
 #include "memory.h"
 #include "pccd_types.h"
+
+#define SPLIT_GROUP 8u /* keys looked up side by side */
+
+/* ---- splitters --------------------------------------------------------------------- */
+
+/* Divide the samples, sorted by key, each standing for `index` keys, into `buckets`:
+ * a power of two up to ENG_SPLIT_BUCKETS_MAX; count >= 1. */
+static void set_splitters(struct eng_splitters *splitters,
+                          const struct eng_radix_key *samples, size_t count,
+                          uint32_t buckets)
+{
+    assert(buckets >= 1 && buckets <= ENG_SPLIT_BUCKETS_MAX);
+    uint64_t weight = 0;
+    for (size_t i = 0; i < count; i++) {
+        weight += samples[i].index;
+    }
+    splitters->buckets = buckets;
+    splitters->levels = (uint32_t)__builtin_ctz(buckets);
+    size_t at = 0;
+    uint64_t below = 0; /* keys before samples[at] */
+    for (uint32_t i = 1; i < buckets; i++) {
+        while (at + 1 < count &&
+               (double)(below + samples[at].index) * buckets <= (double)weight * i) {
+            below += samples[at++].index;
+        }
+        /* In order of size odd places belong to the last level, twice an odd number to
+         * the level above it, and so on. */
+        uint32_t up = (uint32_t)__builtin_ctz(i);
+        splitters->tree[(buckets + i) >> (up + 1)] = samples[at].key;
+    }
+}
+
+/* The bucket of each key: a larger key has no smaller bucket, equal keys the same. */
+static void look_up(const struct eng_splitters *splitters,
+                    const uint64_t key[SPLIT_GROUP], uint16_t bucket[SPLIT_GROUP])
+{
+    uint32_t place[SPLIT_GROUP];
+#pragma GCC unroll 8
+    for (unsigned k = 0; k < SPLIT_GROUP; k++) {
+        place[k] = 1;
+    }
+    for (uint32_t level = 0; level < splitters->levels; level++) {
+#pragma GCC unroll 8
+        for (unsigned k = 0; k < SPLIT_GROUP; k++) {
+            place[k] = 2 * place[k] + (key[k] >= splitters->tree[place[k]]);
+        }
+    }
+#pragma GCC unroll 8
+    for (unsigned k = 0; k < SPLIT_GROUP; k++) {
+        bucket[k] = (uint16_t)(place[k] - splitters->buckets);
+    }
+}
+
+/* ---- the merge --------------------------------------------------------------------- */
 
 static_assert(sizeof(struct eng_name) == sizeof(struct pccd_pair), "its words");
 
@@ -26,7 +79,7 @@ static_assert(sizeof(struct eng_name) == sizeof(struct pccd_pair), "its words");
 #define BUCKETS_MIN            256u
 #define BUCKETS_PER_THREAD     8u
 #define RECORDS_PER_BUCKET_MIN 128u
-#define RECORDS_PER_BUCKET_MAX 2048u /* far more take twice as long each: radix.c */
+#define RECORDS_PER_BUCKET_MAX 2048u /* far more take twice as long each: sort.c */
 #define SAMPLES_MAX            2048u /* of all threads, if each has few */
 #define SAMPLES_PER_THREAD_MIN 32u
 
@@ -219,9 +272,9 @@ static void choose_buckets(struct eng_merge *merge)
             merge->items[count++].index = share->count / share->sample_count;
         }
     }
-    eng_splitters_set(&merge->splitters,
-                      eng_radix_sort(merge->items, items_as_they_come(merge), count),
-                      count, bucket_count(merge->total, merge->threads));
+    set_splitters(&merge->splitters,
+                  eng_radix_sort(merge->items, items_as_they_come(merge), count), count,
+                  bucket_count(merge->total, merge->threads));
 }
 
 /* All lists are looked at: choose memory, keys and buckets. One thread. */
@@ -275,18 +328,18 @@ static bool find_buckets(struct eng_merge *merge, const struct eng_merge_share *
         if (must_give_up(merge)) {
             return false;
         }
-        for (uint32_t i = 0; i < block->count; i += ENG_SPLIT_GROUP) {
-            uint64_t key[ENG_SPLIT_GROUP] = {0};
-            uint16_t found[ENG_SPLIT_GROUP];
+        for (uint32_t i = 0; i < block->count; i += SPLIT_GROUP) {
+            uint64_t key[SPLIT_GROUP] = {0};
+            uint16_t found[SPLIT_GROUP];
             uint32_t left = block->count - i;
-            uint32_t n = left < ENG_SPLIT_GROUP ? left : ENG_SPLIT_GROUP;
+            uint32_t n = left < SPLIT_GROUP ? left : SPLIT_GROUP;
             for (uint32_t k = 0; k < n; k++) {
                 const unsigned char *record = block->data + (size_t)(i + k) * bytes;
                 key[k] =
                     keys ? keys[i + k] : eng_order_key_of(&merge->order, record, bytes);
                 *item++ = (struct eng_radix_key){key[k], (uintptr_t)record};
             }
-            eng_splitters_find(&merge->splitters, key, found);
+            look_up(&merge->splitters, key, found);
             for (uint32_t k = 0; k < n; k++) {
                 count[found[k]]++;
                 *bucket++ = found[k];

@@ -1,5 +1,5 @@
-/* order.h - packs the canonical order of a record into one 64-bit key, so that sorting
- * compares single words.
+/* order.h - the canonical order of records, packed into one 64-bit key as a rule, and the
+ * hash of an answer.
  *
  * Read the five words that order a record, and pack them into as many bits as their
  * ranges need, most significant first. One 64-bit word is usually enough: two kinds, a
@@ -11,6 +11,7 @@
 #include <assert.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "pccd_types.h"
@@ -137,5 +138,24 @@ static inline uint64_t eng_order_key_of(const struct eng_order *order,
     }
     return key;
 }
+
+/* ---- the hash of an answer --------------------------------------------------------- */
+
+/* Version 2 of the hash (proto/PROTOCOL.md, "The hash of an answer"): the sum, modulo
+ * 2^128, of the XXH3-128 of each record and of the number of records. A sum does not ask
+ * for an order, so each thread adds up the records at hand, and pages or parts of a scene
+ * add up as well. Whether the order is canonical is for tests to check. */
+
+/* Hashes of records, added up; 0 for none. */
+__extension__ typedef unsigned __int128 eng_hash_sum;
+
+/* What `count` records, one behind the other, add. */
+eng_hash_sum eng_hash_records(const void *records, uint64_t count, uint32_t record_bytes);
+
+/* The hash of all `count` records whose sum is known: hash[0] high, hash[1] low. */
+void eng_hash_end(eng_hash_sum sum, uint64_t count, uint64_t hash[2]);
+
+/* The hash of an answer in mode any: XXH3-128 of the verdict. */
+void eng_hash_verdict(uint32_t verdict, uint64_t hash[2]);
 
 #endif

@@ -85,7 +85,7 @@ static struct detail detail_of(const struct eng_scene *scene, unsigned from, uns
     struct detail detail = {0, INFINITY, NULL};
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
-        if (!object->mesh || object->movement < movement) {
+        if (!object->mesh || object->moves < movement) {
             continue;
         }
         double size = fmax(eng_bounds_size(&object->bounds[from]),

@@ -6,9 +6,9 @@
 
 #include <stdint.h>
 
+#include "affinity.h"
 #include "box_frame.h"
 #include "mesh.h"
-#include "processors.h"
 
 /* Who copies many positions. */
 struct eng_copiers {

@@ -4,8 +4,175 @@
 #include <assert.h>
 #include <string.h>
 
-#include "array.h"
+#include "clock.h"
 #include "memory.h"
+#include "pccd_types.h"
+
+/* ---- a set of pairs ---------------------------------------------------------------- */
+
+#define CAPACITY_MIN 64u
+
+static uint64_t key_of(uint32_t a, uint32_t b)
+{
+    assert(a != b);
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+/* Where the search for a key begins. */
+static uint32_t home_of(const struct eng_pairset *set, uint64_t key)
+{
+    uint64_t mixed = key * set->factor;
+    mixed = (mixed ^ mixed >> 32) * 0x9e3779b97f4a7c15u;
+    return (uint32_t)(mixed >> 32) & (set->capacity - 1);
+}
+
+/* The place of a key, or the empty one where it would be. At least half are empty. */
+static uint32_t find(const struct eng_pairset *set, uint64_t key)
+{
+    uint32_t at = home_of(set, key);
+    while (set->slots[at] != key && set->slots[at] != ENG_PAIRSET_EMPTY) {
+        at = (at + 1) & (set->capacity - 1);
+    }
+    return at;
+}
+
+void eng_pairset_deinit(struct eng_pairset *set)
+{
+    eng_free(set->slots);
+    *set = (struct eng_pairset){0};
+}
+
+size_t eng_pairset_bytes(const struct eng_pairset *set)
+{
+    return set->capacity * sizeof *set->slots;
+}
+
+/* Places for twice as many. */
+static int grow(struct eng_pairset *set)
+{
+    struct eng_pairset more = *set;
+    more.capacity = set->capacity ? 2 * set->capacity : CAPACITY_MIN;
+    more.factor =
+        set->capacity ? set->factor : (common_now_ns() + (uintptr_t)set) << 1 | 1;
+    more.slots = eng_alloc(more.capacity, sizeof *more.slots);
+    if (!more.slots) {
+        return PCCD_E_NOMEM;
+    }
+    memset(more.slots, 0xff, more.capacity * sizeof *more.slots); /* empty */
+    for (uint32_t i = 0; i < set->capacity; i++) {
+        uint64_t key = set->slots[i];
+        if (key != ENG_PAIRSET_EMPTY) {
+            more.slots[find(&more, key)] = key;
+        }
+    }
+    eng_free(set->slots);
+    *set = more;
+    return PCCD_OK;
+}
+
+int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b)
+{
+    uint64_t key = key_of(a, b);
+    if (eng_pairset_has(set, a, b)) {
+        return PCCD_OK;
+    }
+    if (2 * (set->count + 1) > set->capacity) {
+        int status = grow(set);
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
+    set->slots[find(set, key)] = key;
+    set->count++;
+    return PCCD_OK;
+}
+
+/* Empty a place. What follows it without a gap and would be looked for from there, or
+ * from before it, moves up. */
+static void clear(struct eng_pairset *set, uint32_t gap)
+{
+    uint32_t mask = set->capacity - 1;
+    for (uint32_t at = (gap + 1) & mask; set->slots[at] != ENG_PAIRSET_EMPTY;
+         at = (at + 1) & mask) {
+        uint32_t home = home_of(set, set->slots[at]);
+        if (((at - home) & mask) >= ((at - gap) & mask)) {
+            set->slots[gap] = set->slots[at];
+            gap = at;
+        }
+    }
+    set->slots[gap] = ENG_PAIRSET_EMPTY;
+    if (--set->count == 0) {
+        eng_pairset_deinit(set);
+    }
+}
+
+void eng_pairset_remove(struct eng_pairset *set, uint32_t a, uint32_t b)
+{
+    if (eng_pairset_has(set, a, b)) {
+        clear(set, find(set, key_of(a, b)));
+    }
+}
+
+bool eng_pairset_has(const struct eng_pairset *set, uint32_t a, uint32_t b)
+{
+    uint64_t key = key_of(a, b);
+    return set->count > 0 && set->slots[find(set, key)] == key;
+}
+
+bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
+                      uint32_t *other)
+{
+    /* What moves up into a place that was emptied is looked at next; what goes round from
+     * the start to the end of the places was looked at before. */
+    for (; *from < set->capacity; ++*from) {
+        uint64_t key = set->slots[*from];
+        uint32_t lesser = (uint32_t)(key >> 32);
+        uint32_t greater = (uint32_t)key;
+        if (key != ENG_PAIRSET_EMPTY && (lesser == a || greater == a)) {
+            *other = lesser == a ? greater : lesser;
+            clear(set, *from);
+            return true;
+        }
+    }
+    return false;
+}
+
+bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pair[2])
+{
+    while (*from < set->capacity) {
+        uint64_t key = set->slots[(*from)++];
+        if (key != ENG_PAIRSET_EMPTY) {
+            pair[0] = (uint32_t)(key >> 32);
+            pair[1] = (uint32_t)key;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Take out every pair of which `goes` says so: it is asked once of each. One look at
+ * every place, however many go. */
+static void prune(struct eng_pairset *set,
+                  bool (*goes)(void *context, uint32_t a, uint32_t b), void *context)
+{
+    /* What moves up into a place that was emptied is asked about next. What goes round
+     * from the start was asked about there, and stays: up to the first gap, which nothing
+     * goes round, those are asked about last. */
+    uint32_t start = 0;
+    while (start < set->capacity && set->slots[start] != ENG_PAIRSET_EMPTY) {
+        start++;
+    }
+    for (uint32_t i = 0, n = set->capacity; i < n && set->capacity > 0;) {
+        uint32_t at = (start + i) & (set->capacity - 1);
+        uint64_t key = set->slots[at];
+        if (key != ENG_PAIRSET_EMPTY &&
+            goes(context, (uint32_t)(key >> 32), (uint32_t)key)) {
+            clear(set, at); /* without the last one, there are no places */
+        } else {
+            i++;
+        }
+    }
+}
 
 static const struct eng_masks_entry at_first = {
     .group = 1, .mask = UINT64_MAX, .self = true};
@@ -113,7 +280,7 @@ static bool goes(void *context, uint32_t a, uint32_t b)
 
 void eng_masks_purge_excluded(struct eng_masks *masks)
 {
-    eng_pairset_prune(&masks->ignored, goes, masks);
+    prune(&masks->ignored, goes, masks);
     masks->version++;
 }
 

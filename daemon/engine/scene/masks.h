@@ -12,8 +12,49 @@
 #ifndef ENG_MASKS_H
 #define ENG_MASKS_H
 
-#include "pairset.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
 #include "scene.h"
+
+/* ---- pairs ------------------------------------------------------------------------- */
+
+/* A hash set of pairs of numbers in which (a, b) and (b, a) are the same pair. Changed by
+ * one thread at a time, while nobody reads; reads: [any].
+ *
+ * All zero is the empty set. Places are tried one after the other from the one that the
+ * hash names on; a place that is taken away is filled by those behind it, so that a
+ * search ends at the first empty one. */
+struct eng_pairset {
+    uint64_t *slots;   /* [capacity] lesser << 32 | greater, or ENG_PAIRSET_EMPTY */
+    uint64_t factor;   /* of the hash, odd: who chooses the pairs does not know it */
+    uint32_t capacity; /* a power of two; 0: no memory is held */
+    uint32_t count;    /* at most half of the capacity */
+};
+
+/* Of two different numbers, the lesser is never 2^32 - 1. */
+#define ENG_PAIRSET_EMPTY UINT64_MAX
+
+void eng_pairset_deinit(struct eng_pairset *set);
+size_t eng_pairset_bytes(const struct eng_pairset *set);
+
+/* a != b. PCCD_E_NOMEM: the set is as before. */
+int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b);
+
+/* The memory goes with the last pair. */
+void eng_pairset_remove(struct eng_pairset *set, uint32_t a, uint32_t b);
+bool eng_pairset_has(const struct eng_pairset *set, uint32_t a, uint32_t b);
+
+/* The next pair after *from, which is 0 first; false: there are no more. */
+bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pair[2]);
+
+/* Take a pair out that has `a`; *other is the other number. False: there is none. A
+ * search for all of them goes on at *from, which is 0 first. */
+bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
+                      uint32_t *other);
+
+/* ---- masks ------------------------------------------------------------------------- */
 
 /* Which pairs within an object are tested in a step, if its self-collision is on. Those
  * that are not are known to have no contact. */
@@ -29,7 +70,7 @@ struct eng_masks_entry {
     uint32_t ignored; /* pairs that it is part of */
     bool self;
     bool is_changed;        /* not as an object begins */
-    bool is_excluded;         /* about to go away */
+    bool is_excluded;       /* about to go away */
     enum eng_self left_out; /* in this step */
 };
 

@@ -9,11 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "feature.h"
 #include "ingest.h"
 #include "kernel.h"
 #include "memory.h"
-#include "rings.h"
 #include "topology.h"
 
 #define RADIUS_MAX 1e18

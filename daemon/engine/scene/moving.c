@@ -89,7 +89,7 @@ static void mark(unsigned char *marks, const struct ends *ends, uint32_t begin,
 /* What moved in the last step did so before, and now nothing is known to. */
 static void age(unsigned char *marks, struct eng_object *object)
 {
-    if (object->moved != ENG_MOVES_SOME) { /* it has no marks */
+    if (object->moved_last_step != ENG_MOVES_SOME) { /* it has no marks */
         memset(marks, 0, object->vertices.count);
         object->marked = nowhere;
         object->moved_span = nowhere;
@@ -132,11 +132,11 @@ void eng_moving_catch_up(struct eng_scene *scene, const struct eng_object *objec
     uint32_t count = object->vertices.count;
     double(*to)[3] = scene->x[1 - scene->now] + first;
     positions from = (positions)scene->x[scene->now] + first;
-    if (object->is_spoilt || object->moved == ENG_MOVES_ALL) {
+    if (object->is_previous_overwritten || object->moved_last_step == ENG_MOVES_ALL) {
         memcpy(to, from, count * sizeof *to);
         return;
     }
-    if (object->moved == ENG_STANDS) {
+    if (object->moved_last_step == ENG_STANDS) {
         return;
     }
     const unsigned char *marks = scene->moving.moves + first;
@@ -185,20 +185,20 @@ static uint32_t count_moving(const struct eng_scene *scene,
 static void settle(struct eng_scene *scene, struct eng_object *object,
                    enum eng_movement now)
 {
-    enum eng_movement before = object->moved;
-    object->moved = now;
-    object->movement = now > before ? now : before;
+    enum eng_movement before = object->moved_last_step;
+    object->moved_last_step = now;
+    object->moves = now > before ? now : before;
     if (object->is_new) {
-        object->movement = ENG_MOVES_ALL;
+        object->moves = ENG_MOVES_ALL;
         object->is_new = false;
     }
-    if (object->movement == ENG_MOVES_ALL) {
+    if (object->moves == ENG_MOVES_ALL) {
         scene->moving.vertices += object->vertices.count;
-    } else if (object->movement == ENG_MOVES_SOME) {
+    } else if (object->moves == ENG_MOVES_SOME) {
         scene->moving.vertices += count_moving(scene, object);
     }
     scene->moving.all += object->vertices.count;
-    scene->moving.objects += object->movement != ENG_STANDS;
+    scene->moving.objects += object->moves != ENG_STANDS;
 }
 
 void eng_moving_commit(struct eng_scene *scene)
@@ -224,7 +224,7 @@ void eng_moving_commit(struct eng_scene *scene)
         if (!object->mesh || object->staged == scene->stage) {
             continue;
         }
-        if (object->moved == ENG_MOVES_SOME) {
+        if (object->moved_last_step == ENG_MOVES_SOME) {
             age(scene->moving.moves + object->vertices.first, object);
         }
         settle(scene, object, ENG_STANDS);

@@ -45,29 +45,4 @@ static inline uint32_t eng_moving_count(const struct eng_scene *scene)
                                                : UINT32_MAX;
 }
 
-/* Does any vertex of the object move? Such a vertex, by its index within the object, and
- * such a feature, by its index within the mesh. */
-static inline bool eng_moves_vertex(const struct eng_scene *scene,
-                                    const struct eng_object *object, uint32_t vertex)
-{
-    return object->movement == ENG_MOVES_ALL ||
-           (object->movement == ENG_MOVES_SOME &&
-            scene->moving.moves[object->vertices.first + vertex] != 0);
-}
-
-static inline bool eng_moves_edge(const struct eng_scene *scene,
-                                  const struct eng_object *object, uint32_t edge)
-{
-    const uint32_t *v = object->mesh->edges[edge];
-    return eng_moves_vertex(scene, object, v[0]) || eng_moves_vertex(scene, object, v[1]);
-}
-
-static inline bool eng_moves_face(const struct eng_scene *scene,
-                                  const struct eng_object *object, uint32_t face)
-{
-    const uint32_t *v = object->mesh->leaves[face].v;
-    return eng_moves_vertex(scene, object, v[0]) ||
-           eng_moves_vertex(scene, object, v[1]) || eng_moves_vertex(scene, object, v[2]);
-}
-
 #endif

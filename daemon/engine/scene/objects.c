@@ -3,11 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "array.h"
 #include "memory.h"
-#include "rings.h"
-#include "stage.h"
 #include "thickness.h"
+#include "topology.h"
 #include "world.h"
 
 static bool settings_are_valid(const struct eng_scene_settings *settings)
@@ -193,7 +191,7 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
                                 .id = object_id,
                                 .bounds = {mesh->bounds, mesh->bounds},
                                 .frame = {.scale = 1},
-                                .still = true,
+                                .ends_are_equal = true,
                                 .is_new = true};
     int status = take_all(scene, &object);
     if (status != PCCD_OK) {
@@ -236,14 +234,8 @@ int eng_scene_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t objec
 /* Room for one more entry of scene->replaced. */
 static int reserve_replaced(struct eng_scene *scene)
 {
-    if (scene->replaced_count < scene->replaced_capacity) {
-        return PCCD_OK;
-    }
-    uint32_t capacity =
-        eng_array_grown(scene->replaced_capacity, scene->replaced_count + 1);
-    int status = eng_array_grow(&scene->replaced, capacity, sizeof *scene->replaced);
-    scene->replaced_capacity = status == PCCD_OK ? capacity : scene->replaced_capacity;
-    return status;
+    return eng_array_extend(&scene->replaced, &scene->replaced_capacity,
+                            scene->replaced_count + 1, sizeof *scene->replaced);
 }
 
 int eng_scene_try_replace(struct eng_scene *scene, uint32_t object_idx,

@@ -1,12 +1,11 @@
 /* rings.c - vertices that few edges join. */
-#include "rings.h"
+#include "topology.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "memory.h"
-#include "topology.h"
 
 /* Vertices of a list, on average. */
 #define LENGTH_MAX 256u

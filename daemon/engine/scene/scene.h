@@ -153,7 +153,7 @@ void eng_stage_begin(struct eng_scene *scene);
 void eng_stage_abort(struct eng_scene *scene);
 /* begin, of writes that are only to be found good or bad: abort must end it, and then
  * nothing has changed, not even where the last step began. */
-void eng_stage_try(struct eng_scene *scene);
+void eng_stage_validate(struct eng_scene *scene);
 /* Whether a vertex is written twice: the step would be refused. */
 bool eng_stage_overlaps(struct eng_scene *scene);
 
@@ -172,12 +172,12 @@ int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_forma
  * NULL, its start positions; after begin, that they are there. Nothing else happens to
  * the scene in between, or it is told, then or after begin, to forget them, and where the
  * last step began is not known any more. PCCD_E_INVAL: no such object. PCCD_E_NOMEM. */
-int eng_stage_lend(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3],
-                   double (**x1)[3]);
-int eng_stage_lent(struct eng_scene *scene, uint32_t object_idx, bool has_start);
+int eng_stage_map(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3],
+                  double (**x1)[3]);
+int eng_stage_mapped(struct eng_scene *scene, uint32_t object_idx, bool has_start);
 /* Also of any object of a step that is aborted before it was staged: it began where it
  * is. */
-void eng_stage_forget(struct eng_scene *scene, uint32_t object_idx);
+void eng_stage_unmap(struct eng_scene *scene, uint32_t object_idx);
 /* Both ends as transforms of the registered positions. `m`: double[12], rows of [R | t];
  * x' = ((m0*x + m1*y) + m2*z) + m3 per row, each operation rounded once (no fma): the
  * result of that computation is the exact input of the step. */

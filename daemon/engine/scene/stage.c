@@ -5,14 +5,13 @@
  * in where the last one began. Given start positions wait in a third buffer for the
  * commit.
  */
-#include "stage.h"
+#include "world.h"
 
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "array.h"
 #include "clock.h"
 #include "coordinates.h"
 #include "ingest.h"
@@ -33,7 +32,7 @@ void eng_stage_begin(struct eng_scene *scene)
     scene->write_count = 0;
 }
 
-void eng_stage_try(struct eng_scene *scene)
+void eng_stage_validate(struct eng_scene *scene)
 {
     uint64_t stage = scene->stage;
     eng_stage_begin(scene);
@@ -137,12 +136,12 @@ static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t fir
         return status;
     }
     bool whole = count == object->vertices.count;
-    if (object->staged != scene->stage && !whole && !object->still) {
+    if (object->staged != scene->stage && !whole && !object->ends_are_equal) {
         eng_moving_catch_up(scene, object);
     }
     object->staged = scene->stage;
-    object->is_spoilt = true;
-    object->still = false;
+    object->is_previous_overwritten = true;
+    object->ends_are_equal = false;
     return PCCD_OK;
 }
 
@@ -179,8 +178,8 @@ int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_forma
     return status;
 }
 
-int eng_stage_lend(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3],
-                   double (**x1)[3])
+int eng_stage_map(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3],
+                  double (**x1)[3])
 {
     struct eng_object *object = eng_scene_object(scene, object_idx);
     assert(!scene->staging);
@@ -191,8 +190,8 @@ int eng_stage_lend(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3
     if (status != PCCD_OK) {
         return status;
     }
-    object->is_spoilt = scene->has_lost_start = true;
-    object->still = false;
+    object->is_previous_overwritten = scene->has_lost_start = true;
+    object->ends_are_equal = false;
     *x1 = scene->x[1 - scene->now] + object->vertices.first;
     if (x0) {
         *x0 = scene->start + object->vertices.first;
@@ -201,7 +200,7 @@ int eng_stage_lend(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3
 }
 
 /* Positions that are in their place already are checked alone. */
-int eng_stage_lent(struct eng_scene *scene, uint32_t object_idx, bool has_start)
+int eng_stage_mapped(struct eng_scene *scene, uint32_t object_idx, bool has_start)
 {
     const struct eng_object *object = eng_scene_object(scene, object_idx);
     uint32_t count = object ? object->vertices.count : 0;
@@ -224,7 +223,7 @@ int eng_stage_lent(struct eng_scene *scene, uint32_t object_idx, bool has_start)
     return status;
 }
 
-void eng_stage_forget(struct eng_scene *scene, uint32_t object_idx)
+void eng_stage_unmap(struct eng_scene *scene, uint32_t object_idx)
 {
     struct eng_object *object = eng_scene_object(scene, object_idx);
     if (object && !(scene->staging && scene->is_trial)) {
@@ -446,13 +445,13 @@ int eng_stage_commit(struct eng_scene *scene)
     }
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         struct eng_object *object = &scene->objects[i];
-        if (object->mesh && object->staged != scene->stage && !object->still) {
+        if (object->mesh && object->staged != scene->stage && !object->ends_are_equal) {
             eng_moving_catch_up(scene, object);
             object->bounds[1 - scene->now] = object->bounds[scene->now];
             object->rounding_reach[0] = object->rounding_reach[1];
-            object->still = true;
+            object->ends_are_equal = true;
         }
-        object->is_spoilt = false;
+        object->is_previous_overwritten = false;
     }
     eng_moving_commit(scene);
     take_starts(scene);

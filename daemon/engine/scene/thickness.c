@@ -1,7 +1,7 @@
 /* thickness.c - how thick objects are. */
 #include "thickness.h"
 
-#include "rings.h"
+#include "topology.h"
 
 static double largest(const struct eng_scene *scene)
 {

@@ -22,7 +22,7 @@
 
 /* What features of a mesh are tested through: each of its triangles, then each free edge,
  * whose last two corners are the same, then each free point, whose corners are. Edges of
- * a leaf are found by its corners (feature.h). */
+ * a leaf are found by its corners (topology.h). */
 struct eng_face {
     uint32_t v[3];
     uint32_t owns; /* ENG_OWNS_* */
@@ -46,7 +46,7 @@ struct eng_clearance {
     struct eng_wide_crowded *search;
 };
 
-struct eng_rings; /* rings.h */
+struct eng_rings; /* topology.h */
 struct eng_account;
 struct eng_wide_order;
 struct eng_wide_crowded;
@@ -88,7 +88,7 @@ struct eng_mesh {
      * there is none. */
     struct eng_wide_order *order;
     uint64_t order_bytes;
-    atomic_uint closed;         /* likewise (closed.h); 0: it is not known */
+    atomic_uint closed;         /* likewise (topology.h); 0: it is not known */
 };
 
 /* A radius that may be set: PCCD_E_INVAL, PCCD_E_LIMIT. */
@@ -149,5 +149,54 @@ static inline bool eng_mesh_is_crowded(const struct eng_mesh *mesh, enum pccd_tr
     const uint64_t *bits = mesh->clearance.crowded[tree];
     return bits && eng_mesh_has_bit(bits, feature);
 }
+
+/* ---- edges, and who owns what ------------------------------------------------------ */
+
+/* Fill leaves, edges, what is free and the counts of `mesh` from corners and x. The owner
+ * of a feature is the first leaf that has it. PCCD_E_NOMEM, PCCD_E_LIMIT:
+ * nothing changed. */
+int eng_feature_derive(struct eng_mesh *mesh);
+
+/* Where the edges begin whose higher vertex is v: first[v], v = 0 .. vertex_count. Of a
+ * mesh that was derived. */
+void eng_feature_index(const struct eng_mesh *mesh, uint32_t *first);
+
+/* The edge between two vertices that have one; ENG_NO_EDGE where they are the same. */
+uint32_t eng_feature_edge(const struct eng_mesh *mesh, const uint32_t *first, uint32_t a,
+                          uint32_t b);
+
+/* A bit for each of `count` features, none of them set. NULL: no memory. */
+uint64_t *eng_feature_new_bits(uint32_t count);
+
+/* Every vertex in a leaf and every edge is owned exactly once, and by a leaf that has
+ * it. O(counts); true when it cannot allocate what it needs. */
+bool eng_feature_validate(const struct eng_mesh *mesh);
+
+/* ---- is a mesh closed, so that it has an inside? ----------------------------------- */
+
+struct eng_open_edge {
+    uint32_t vertex[2];
+    uint32_t runs[2]; /* from the first to the second, and back */
+};
+
+/* PCCD_OK: it is closed; PCCD_E_INVAL: *open is the first edge, by its number, that is
+ * not run through equally often; PCCD_E_NOMEM. O(edges + faces) the first time. */
+int eng_mesh_is_closed(struct eng_mesh *mesh, struct eng_open_edge *open);
+
+/* ---- which vertices few edges join ------------------------------------------------- */
+
+/* Have the lists of n = `rings`, 0 .. ENG_RINGS_MAX, of a committed mesh; n = 0 needs
+ * none. PCCD_E_LIMIT: they are long, more than 256 vertices on average; PCCD_E_NOMEM;
+ * PCCD_E_CANCELLED, where *cancel (NULL: never) becomes true: whatever was made is given
+ * away. All edges of what is in a list are looked at: where each vertex has thousands,
+ * that takes long. [any] */
+int eng_rings_prepare(struct eng_mesh *mesh, uint32_t rings, const atomic_bool *cancel);
+
+/* Do at most `rings` edges join the two? The lists are there. [any] */
+bool eng_rings_join(const struct eng_mesh *mesh, uint32_t rings, uint32_t v, uint32_t w);
+
+/* The mesh goes. */
+void eng_rings_deinit(struct eng_mesh *mesh);
+uint64_t eng_rings_bytes(const struct eng_mesh *mesh);
 
 #endif

@@ -9,13 +9,72 @@
 #ifndef ENG_WORLD_H
 #define ENG_WORLD_H
 
+#include <stdint.h>
+
 #include "box_frame.h"
-#include "ids.h"
 #include "ingest.h"
 #include "masks.h"
-#include "range.h"
+#include "pccd_types.h"
 #include "scene.h"
 #include "topology.h"
+
+/* ---- ranges of consecutive indices ------------------------------------------------- */
+
+struct eng_range {
+    uint32_t first;
+    uint32_t count;
+};
+
+struct eng_ranges {
+    struct eng_range *holes; /* free, sorted by first, never adjacent, all below end */
+    uint32_t hole_count;
+    uint32_t hole_capacity;
+    uint32_t taken; /* ranges handed out and not given back */
+    uint32_t end;   /* first index never handed out, or handed back at the end */
+    uint32_t limit; /* end never passes it */
+};
+
+void eng_ranges_init(struct eng_ranges *ranges, uint32_t limit);
+void eng_ranges_deinit(struct eng_ranges *ranges);
+
+/* First fit, else from the end. count >= 1. PCCD_E_LIMIT: would pass the limit;
+ * PCCD_E_NOMEM. */
+int eng_ranges_take(struct eng_ranges *ranges, uint32_t count, uint32_t *first);
+
+/* Give a taken range back; merges with neighbouring holes. Cannot fail: take reserves the
+ * room that the list of holes may need. */
+void eng_ranges_give(struct eng_ranges *ranges, uint32_t first, uint32_t count);
+
+/* ---- which object has an id -------------------------------------------------------- */
+
+#define ENG_NO_OBJECT UINT32_MAX
+
+struct eng_ids_place {
+    uint32_t id;
+    uint32_t object; /* index; ENG_NO_OBJECT: a free place */
+};
+
+/* Zeroed: there is none. */
+struct eng_ids {
+    struct eng_ids_place *table; /* [size], a power of two; at least half is free */
+    uint32_t size;
+};
+
+void eng_ids_deinit(struct eng_ids *ids);
+uint64_t eng_ids_bytes(const struct eng_ids *ids);
+
+/* Make room for `count` ids in all. PCCD_OK or PCCD_E_NOMEM. */
+int eng_ids_reserve(struct eng_ids *ids, uint32_t count);
+
+/* Add one that is not there; there is room. */
+void eng_ids_add(struct eng_ids *ids, uint32_t id, uint32_t object);
+/* Remove one that is there. */
+void eng_ids_remove(struct eng_ids *ids, uint32_t id);
+
+/* Index of the object with that id; ENG_NO_OBJECT: there is none. */
+uint32_t eng_ids_find(const struct eng_ids *ids, uint32_t id);
+
+/* ---- objects and the scene --------------------------------------------------------- */
 
 /* How much of an object moves in a step (moving.h). */
 enum eng_movement { ENG_STANDS, ENG_MOVES_SOME, ENG_MOVES_ALL };
@@ -55,24 +114,25 @@ struct eng_object {
     struct eng_mesh *mesh; /* NULL: this index is free */
     uint32_t id;           /* what records carry */
     struct eng_range vertices;
-    double clearance; /* of the mesh, as the step goes by it; 0: not known (rigid.h) */
-    bool has_crowded; /* likewise: some features are closer */
-    bool is_posed;    /* the rounding reach is that of poses, not of where it was
+    double clearance;    /* of the mesh, as the step goes by it; 0: not known (rigid.h) */
+    bool has_crowded;    /* likewise: some features are closer */
+    bool is_posed;       /* the rounding reach is that of poses, not of where it was
                        * registered */
-    bool is_new;      /* it was in no step yet */
-    bool still;       /* x[0] and x[1] hold the same positions of this object */
-    bool is_spoilt;   /* x[1 - now] has been written to since the last step */
+    bool is_new;         /* it was in no step yet */
+    bool ends_are_equal; /* x[0] and x[1] hold the same positions of this object */
+    /* x[1 - now] has been written to since the last step. */
+    bool is_previous_overwritten;
     /* Points of the mesh that are farther apart than that do not meet: in the step, and
      * in later ones until something is written to it (rigid.h). */
     double rounding_reach[2];
-    uint64_t staged;             /* stage number that last wrote to it */
-    enum eng_movement movement;  /* in the last step, and .. */
-    enum eng_movement moved;     /* .. in it without the one before */
-    struct eng_span marked;      /* if it is some: what has marks (moving.h), .. */
-    struct eng_span moved_span;  /* .. and without the step before */
-    void *slots[ENG_SLOTS];      /* what the owners of the slots keep of it */
-    struct eng_bounds bounds[2]; /* of its triangles, in x[0] and in x[1] */
-    struct eng_frame frame;      /* of its boxes; not in use while framing.number is 0 */
+    uint64_t staged;                   /* stage number that last wrote to it */
+    enum eng_movement moves;           /* in the last step, and .. */
+    enum eng_movement moved_last_step; /* .. in it without the one before */
+    struct eng_span marked;            /* if it is some: what has marks (moving.h), .. */
+    struct eng_span moved_span;        /* .. and without the step before */
+    void *slots[ENG_SLOTS];            /* what the owners of the slots keep of it */
+    struct eng_bounds bounds[2];       /* of its triangles, in x[0] and in x[1] */
+    struct eng_frame frame; /* of its boxes; not in use while framing.number is 0 */
     struct eng_object_thickness thickness;
 };
 
@@ -191,8 +251,9 @@ struct eng_scene {
     struct eng_masks masks;
 
     /* Staging. */
-    bool staging, is_owed; /* owed: the last step has moved it, and given up */
-    bool is_trial;         /* staging that will be aborted: it writes to `start` alone */
+    bool staging;
+    bool has_moved_without_answer; /* the last step has moved it, and given up */
+    bool is_trial;       /* staging that will be aborted: it writes to `start` alone */
     bool has_lost_start; /* staging was aborted: where the last step began is not known of
                           * what was written to, which stands where it is */
     uint64_t stage;
@@ -217,5 +278,19 @@ int eng_world_new(const struct eng_scene_settings *settings,
 /* Make room for the positions up to the end of the vertex ranges. PCCD_E_NOMEM:
  * unchanged. */
 int eng_world_reserve(struct eng_scene *scene);
+
+/* Close the staging (if none is open: an empty one) and move the scene on: x[1 - now] is
+ * then t = 0 and x[now] t = 1. PCCD_E_SEGMENT: two writes to one vertex; the scene stands
+ * where it stood and the staging is gone. */
+int eng_stage_commit(struct eng_scene *scene);
+
+/* Between enter and leave the step that the scene has moved on by is that part of it:
+ * x[1 - now] and x[now] are where its vertices are at span[0] and span[1], which is x0 +
+ * t (x1 - x0), each operation rounded to the nearest double, and not beyond x0 and x1; x1
+ * itself at 1. So two parts that follow each other share their positions. Boxes, and
+ * records of what stands, are of no step before or behind it. PCCD_E_NOMEM: reserve. */
+int eng_part_reserve(struct eng_scene *scene);
+void eng_part_enter(struct eng_scene *scene, const double span[2]);
+void eng_part_leave(struct eng_scene *scene);
 
 #endif

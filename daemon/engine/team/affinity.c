@@ -4,13 +4,265 @@
 #include <assert.h>
 #include <omp.h>
 #include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
 #include <stddef.h>
+#include <time.h>
 
-#include "parallel.h"
-#include "seat.h"
+/* Where a thread may be bound besides on one processor: on all of the places, or on all
+ * but the n-th (KEPT_OFF - n); UNKNOWN is none of them. */
+enum { KEPT_OFF = -3, UNKNOWN = -2, ANYWHERE = -1 };
 
-/* Not known: none of what processors.h names. */
-enum { UNKNOWN = -2 };
+/* ---- processors -------------------------------------------------------------------- */
+
+void eng_affinity_init(struct eng_affinity *affinity)
+{
+    cpu_set_t set;
+    affinity->count = 0;
+    affinity->team = 0;
+    affinity->is_guest = false;
+    affinity->first_on = 0;
+    (void)omp_get_max_threads();
+    if (sched_getaffinity(0, sizeof set, &set) != 0) {
+        return;
+    }
+    for (uint32_t cpu = 0; cpu < CPU_SETSIZE && affinity->count < ENG_PROCESSORS_MAX;
+         cpu++) {
+        if (CPU_ISSET(cpu, &set)) {
+            affinity->cpu[affinity->count++] = (uint16_t)cpu;
+        }
+    }
+}
+
+void eng_affinity_for_team(const struct eng_affinity *first, uint32_t team,
+                           struct eng_affinity *affinity)
+{
+    assert(team < ENG_TEAMS_MAX);
+    *affinity = *first;
+    affinity->team = team;
+    for (uint32_t i = 0; i < first->count; i++) {
+        affinity->cpu[i] = first->cpu[(i + team) % first->count];
+    }
+}
+
+/* Bind `thread` to that processor, which is one of the places, or as above. */
+static bool bind_to(const struct eng_affinity *affinity, int cpu, pthread_t thread)
+{
+    assert(affinity->count <= ENG_PROCESSORS_MAX);
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    for (uint32_t i = 0; i < affinity->count; i++) {
+        bool is_meant = cpu == ANYWHERE || affinity->cpu[i] == cpu ||
+                        (cpu <= KEPT_OFF && affinity->cpu[i] != KEPT_OFF - cpu);
+        if (is_meant) {
+            CPU_SET(affinity->cpu[i], &set);
+        }
+    }
+    return pthread_setaffinity_np(thread, sizeof set, &set) == 0;
+}
+
+uint32_t eng_affinity_processors(const struct eng_affinity *affinity)
+{
+    static atomic_uint known;
+    if (affinity) {
+        return affinity->count;
+    }
+    uint32_t count = atomic_load_explicit(&known, memory_order_relaxed);
+    if (count == 0) {
+        cpu_set_t set;
+        count =
+            sched_getaffinity(0, sizeof set, &set) == 0 ? (uint32_t)CPU_COUNT(&set) : 1;
+        atomic_store_explicit(&known, count, memory_order_relaxed);
+    }
+    return count;
+}
+
+/* ---- seats: the threads of a team, as they see each other -------------------------- */
+
+/* There is one table for the process, with a row for each team: a runtime may end its
+ * threads after everything else of theirs is gone. Teams with the same number would take
+ * each other's seats, and lend nothing. */
+#define SEATS_MAX 256u /* threads of a team */
+
+/* One that waits sleeps for 160 us at most (wait.c), and runs for some then. Longer: what
+ * it waits for has come or not, it cannot look, because somebody else has its processor;
+ * and the others wait for it, 4 ms of a tick where one burns. */
+#define ASLEEP_NS 400000u
+
+/* Of one thread of a team. */
+struct seat {
+    _Alignas(128) _Atomic(const struct eng_affinity *) affinity; /* NULL: empty */
+    atomic_bool is_waiting;
+    atomic_bool is_away; /* on a processor that was lent */
+    pthread_t thread;    /* alive while the seat is not empty and the lock is held */
+};
+
+static struct seat seats[ENG_TEAMS_MAX][SEATS_MAX];
+static pthread_mutex_t seats_lock =
+    PTHREAD_MUTEX_INITIALIZER; /* who sits; the last lock */
+static pthread_once_t seats_once = PTHREAD_ONCE_INIT;
+static pthread_key_t seats_key; /* a thread's own seat, left when it ends */
+static bool has_key;
+static _Thread_local struct seat *own_seat;
+
+/* The thread ends, or sits down elsewhere. */
+static void leave_seat(void *context)
+{
+    struct seat *seat = context;
+    pthread_mutex_lock(&seats_lock);
+    if (pthread_equal(seat->thread, pthread_self())) {
+        atomic_store_explicit(&seat->affinity, NULL, memory_order_relaxed);
+    }
+    pthread_mutex_unlock(&seats_lock);
+}
+
+static void make_key(void)
+{
+    has_key = pthread_key_create(&seats_key, leave_seat) == 0;
+}
+
+/* Without the memory for it nobody is lent a processor, and all else goes on. */
+static void sit_down(const struct eng_affinity *affinity, struct seat *seat)
+{
+    pthread_once(&seats_once, make_key);
+    if (!has_key || pthread_setspecific(seats_key, seat) != 0) {
+        return;
+    }
+    if (own_seat && own_seat != seat) {
+        leave_seat(own_seat);
+    }
+    pthread_mutex_lock(&seats_lock);
+    seat->thread = pthread_self();
+    atomic_store_explicit(&seat->is_waiting, false, memory_order_relaxed);
+    atomic_store_explicit(&seat->is_away, false, memory_order_relaxed);
+    atomic_store_explicit(&seat->affinity, affinity, memory_order_relaxed);
+    pthread_mutex_unlock(&seats_lock);
+    own_seat = seat;
+}
+
+/* NULL: none, as nobody has a processor of its own. */
+static struct seat *seat_of(const struct eng_affinity *affinity, uint32_t thread,
+                            uint32_t team_count)
+{
+    bool has_own = affinity && !affinity->is_guest && team_count <= affinity->count;
+    return has_own && thread < SEATS_MAX ? &seats[affinity->team][thread] : NULL;
+}
+
+/* The calling thread is the `thread`-th of a team, until it ends or is another. Nothing
+ * without places, or where there are fewer than threads. */
+static void take_seat(const struct eng_affinity *affinity, uint32_t thread,
+                      uint32_t team_count)
+{
+    struct seat *seat = seat_of(affinity, thread, team_count);
+    if (seat &&
+        (seat != own_seat ||
+         atomic_load_explicit(&seat->affinity, memory_order_relaxed) != affinity)) {
+        sit_down(affinity, seat);
+    }
+}
+
+/* True: it was lent a processor, and is to go back to its own. */
+static bool end_loan(const struct eng_affinity *affinity, uint32_t thread,
+                     uint32_t team_count)
+{
+    struct seat *seat = seat_of(affinity, thread, team_count);
+    if (!seat || !atomic_load_explicit(&seat->is_away, memory_order_relaxed)) {
+        return false;
+    }
+    atomic_store_explicit(&seat->is_away, false, memory_order_relaxed);
+    return true;
+}
+
+void eng_seat_set_waiting(const struct eng_affinity *affinity, uint32_t thread,
+                          bool is_waiting)
+{
+    assert(!affinity || affinity->team < ENG_TEAMS_MAX);
+    if (affinity && thread < SEATS_MAX) {
+        atomic_store_explicit(&seats[affinity->team][thread].is_waiting, is_waiting,
+                              memory_order_relaxed);
+    }
+}
+
+/* Nanoseconds of a processor that it has had; 0: unknown. Locked, it sits. */
+static uint64_t time_of(const struct seat *seat)
+{
+    clockid_t clock;
+    struct timespec time;
+    if (pthread_getcpuclockid(seat->thread, &clock) != 0 ||
+        clock_gettime(clock, &time) != 0) {
+        return 0;
+    }
+    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+}
+
+/* Look at one that sits; true: it was moved. Locked. */
+static bool look_at(const struct eng_affinity *affinity, struct seat *seat,
+                    uint64_t now_ns, struct eng_seat_look *look)
+{
+    uint64_t ran_ns = time_of(seat);
+    if (look->ran_ns == 0) {
+        look->ran_ns = ran_ns; /* the next look tells */
+        look->since_ns = now_ns;
+        return false;
+    }
+    bool has_run = ran_ns != look->ran_ns;
+    if (!has_run && now_ns - look->since_ns < ASLEEP_NS &&
+        atomic_load_explicit(&seat->is_waiting, memory_order_relaxed)) {
+        return false; /* it may be asleep */
+    }
+    look->ran_ns = 0;
+    look->mate++;
+    if (has_run) {
+        return false;
+    }
+    /* The flag first: the thread may run at once, and is to find it. */
+    atomic_store_explicit(&seat->is_away, true, memory_order_relaxed);
+    return bind_to(affinity, sched_getcpu(), seat->thread);
+}
+
+/* The mate to look at, from that of `look` on: one that works, or if none does, one that
+ * waits, maybe for nothing that is still to come. Not while a look at it has begun. */
+static struct seat *choose(const struct eng_affinity *affinity, uint32_t thread,
+                           uint32_t team_count, struct eng_seat_look *look)
+{
+    uint32_t others = team_count - 1;
+    look->mate %= others;
+    for (uint32_t i = 0; i < others && look->ran_ns == 0; i++) {
+        uint32_t mate = (look->mate + i) % others;
+        const struct seat *seat =
+            seat_of(affinity, (thread + 1 + mate) % team_count, team_count);
+        if (seat && !atomic_load_explicit(&seat->is_waiting, memory_order_relaxed)) {
+            look->mate = mate;
+            break;
+        }
+    }
+    return seat_of(affinity, (thread + 1 + look->mate) % team_count, team_count);
+}
+
+bool eng_seat_lend(const struct eng_affinity *affinity, uint32_t thread,
+                   uint32_t team_count, uint64_t now_ns, struct eng_seat_look *look)
+{
+    assert(look && team_count >= 1);
+    if (!seat_of(affinity, thread, team_count) || team_count < 2) {
+        return false;
+    }
+    struct seat *seat = choose(affinity, thread, team_count, look);
+    if (!seat || pthread_mutex_trylock(&seats_lock) != 0) {
+        return false;
+    }
+    bool is_moved = false;
+    if (atomic_load_explicit(&seat->affinity, memory_order_relaxed) == affinity &&
+        !atomic_load_explicit(&seat->is_away, memory_order_relaxed)) {
+        is_moved = look_at(affinity, seat, now_ns, look);
+    } else {
+        look->ran_ns = 0;
+        look->mate++;
+    }
+    pthread_mutex_unlock(&seats_lock);
+    return is_moved;
+}
+
+/* ---- threads ----------------------------------------------------------------------- */
 
 /* Where this thread was bound. A new one inherits the mask of the thread that opened the
  * region, not this. */
@@ -26,14 +278,14 @@ void eng_affinity_bind_thread(const struct eng_affinity *affinity, uint32_t thre
     if (affinity->is_guest && thread == 0) {
         return;
     }
-    eng_seat_take(affinity, thread, team_count);
-    if (eng_seat_end_loan(affinity, thread, team_count)) {
+    take_seat(affinity, thread, team_count);
+    if (end_loan(affinity, thread, team_count)) {
         placed_on = UNKNOWN;
     }
-    int place = team_count > affinity->count ? ENG_ANYWHERE
-                : affinity->is_guest         ? ENG_KEPT_OFF - affinity->first_on
+    int place = team_count > affinity->count ? ANYWHERE
+                : affinity->is_guest         ? KEPT_OFF - affinity->first_on
                                              : affinity->cpu[thread];
-    if (placed_on != place && eng_affinity_bind(affinity, place, pthread_self())) {
+    if (placed_on != place && bind_to(affinity, place, pthread_self())) {
         placed_on = place;
     }
 }
@@ -41,20 +293,8 @@ void eng_affinity_bind_thread(const struct eng_affinity *affinity, uint32_t thre
 void eng_affinity_return(const struct eng_affinity *affinity, uint32_t thread,
                          uint32_t team_count)
 {
-    if (eng_seat_end_loan(affinity, thread, team_count)) {
+    if (end_loan(affinity, thread, team_count)) {
         placed_on = UNKNOWN;
         eng_affinity_bind_thread(affinity, thread, team_count);
     }
-}
-
-void eng_affinity_warm_up(const struct eng_affinity *affinity, uint32_t threads)
-{
-    struct eng_parallel region = eng_parallel_open();
-#pragma omp parallel num_threads((int)threads)
-    {
-        ENG_PARALLEL_JOIN(region);
-        eng_affinity_bind_thread(affinity, (uint32_t)omp_get_thread_num(),
-                                 (uint32_t)omp_get_num_threads());
-    }
-    eng_parallel_close();
 }

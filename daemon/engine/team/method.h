@@ -7,8 +7,37 @@
 #ifndef ENG_METHOD_H
 #define ENG_METHOD_H
 
-#include "faces.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "boxes.h"
 #include "team.h"
+
+struct eng_scene;
+
+/* The faces of one object, as a search for what is near sees them: sixteen boxes at a
+ * time. Nodes are numbers. */
+struct eng_faces {
+    const struct eng_scene *scene;
+    uint32_t object; /* index */
+    uint32_t end;    /* of the step: 0 or 1 */
+    uint32_t root;
+    uint32_t first; /* slots of the object's faces */
+    uint32_t count;
+};
+
+/* What is below a node. */
+struct eng_faces_below {
+    const float (*low)[ENG_WIDE]; /* [axis][child], outward distances (boxes.h) */
+    const float (*high)[ENG_WIDE];
+    uint32_t children; /* a bit for each that there is: at INFINITY is none, either */
+    uint32_t faces;    /* a bit for each of them that is a face */
+    uint32_t child[ENG_WIDE];
+    _Alignas(64) float own[2][3][ENG_WIDE]; /* room for low and high */
+};
+
+/* Below a node there are at most so many levels of opened nodes, itself included. */
+#define ENG_FACES_LEVELS_MAX 8u
 
 struct eng_method_calls {
     bool can_prune; /* it leaves out pairs that stand (team.h, prunes) */
@@ -65,7 +94,7 @@ struct eng_method_calls {
 
     /* Of `wide` alone, which all questions about the faces of two objects go to. After a
      * refit, and until what the scene has moves on: the faces of an object at an end of
-     * the step, and what is below a node of them (faces.h). [any] */
+     * the step, and what is below a node of them. [any] */
     void (*faces_of)(const struct eng_scene *scene, uint32_t object_idx, uint32_t end,
                      struct eng_faces *faces);
     void (*faces_open)(const struct eng_faces *faces, uint32_t node,
@@ -80,5 +109,22 @@ struct eng_method_calls {
     /* The worker has no task: test the candidates that wait in its chunks. [team] */
     void (*flush)(struct eng_worker *worker);
 };
+
+/* The methods by number; NULL for PCCD_METHOD_DEFAULT, which is none of its own
+ * (methods.c). */
+extern const struct eng_method_calls *const eng_methods[PCCD_METHOD_COUNT];
+
+/* ---- work stealing ----------------------------------------------------------------- */
+
+/* Stealing: moments (wait.h) of a pause between two rounds over all victims, doubled from
+ * 1: up to some 3 us. */
+#define ENG_STEAL_RELAXES_MAX 64u
+
+/* Work stealing over the tasks of team->method. Returns when no task is left or the step
+ * was stopped. `worker` is the calling thread's. */
+void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker);
+
+/* Inside the region, by one thread, before any other works: hand out the first tasks. */
+void eng_schedule_steal_begin(struct eng_team *team, struct eng_worker *worker);
 
 #endif

@@ -14,12 +14,9 @@
  * the lines that thieves look at, and 63 thieves without a pause would make every push of
  * the last owner wait for them.
  */
-#include "schedule_steal.h"
-
 #include <assert.h>
 
 #include "method.h"
-#include "wait.h"
 
 void eng_schedule_steal_begin(struct eng_team *team, struct eng_worker *worker)
 {

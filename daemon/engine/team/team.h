@@ -6,6 +6,7 @@
 #ifndef ENG_TEAM_H
 #define ENG_TEAM_H
 
+#include "wait.h"
 #include "worker.h"
 
 /* Each counter is taken from by all threads: a pair of cache lines of its own. */
@@ -39,10 +40,25 @@ struct eng_team {
 };
 
 /* Before the region: nothing of the refit is done. [compute] */
-void eng_refit_begin(struct eng_team *team);
+static inline void eng_refit_begin(struct eng_team *team)
+{
+    atomic_init(&team->refit.next_vertices, 0);
+    atomic_init(&team->refit.vertices_done, 0);
+    atomic_init(&team->refit.next_root, 0);
+    atomic_init(&team->refit.next_edges, 0);
+    atomic_init(&team->refit.rest_done, 0);
+    atomic_init(&team->refit.released, 0);
+}
 
 /* The one that ended the refit last lets the others go on, which wait in await. [team] */
-void eng_refit_release(struct eng_team *team);
-void eng_refit_await(struct eng_team *team, struct eng_worker *worker);
+static inline void eng_refit_release(struct eng_team *team)
+{
+    atomic_store_explicit(&team->refit.released, 1, memory_order_release);
+}
+
+static inline void eng_refit_await(struct eng_team *team, struct eng_worker *worker)
+{
+    eng_wait_for(worker, &team->refit.released, 1);
+}
 
 #endif

@@ -6,7 +6,6 @@
 #include <time.h>
 
 #include "clock.h"
-#include "relax.h"
 
 /* Relaxes between two looks at the clock, which costs 25 ns; each takes 20 to 50. */
 #define RELAXES_PER_CLOCK 8u
@@ -123,15 +122,15 @@ void eng_wait_for(struct eng_worker *worker, const atomic_uint *counter, uint32_
 void eng_wait_for_all(struct eng_worker *worker)
 {
     assert(worker->stop);
-    struct eng_meeting *meeting = &worker->stop->meeting;
+    struct eng_barrier *barrier = &worker->stop->barrier;
     /* Relaxed: it cannot change before we are there. */
-    uint32_t round = atomic_load_explicit(&meeting->round, memory_order_relaxed);
+    uint32_t round = atomic_load_explicit(&barrier->round, memory_order_relaxed);
     /* The last one acquires what all others have released, and releases it to them. */
-    if (atomic_fetch_add_explicit(&meeting->arrived, 1, memory_order_acq_rel) + 1 ==
+    if (atomic_fetch_add_explicit(&barrier->arrived, 1, memory_order_acq_rel) + 1 ==
         (uint32_t)omp_get_num_threads()) {
-        atomic_store_explicit(&meeting->arrived, 0, memory_order_relaxed);
-        atomic_store_explicit(&meeting->round, round + 1, memory_order_release);
+        atomic_store_explicit(&barrier->arrived, 0, memory_order_relaxed);
+        atomic_store_explicit(&barrier->round, round + 1, memory_order_release);
         return;
     }
-    eng_wait_for(worker, &meeting->round, round + 1);
+    eng_wait_for(worker, &barrier->round, round + 1);
 }

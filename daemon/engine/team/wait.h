@@ -3,7 +3,7 @@
  *
  * Spend the time between two looks at what is waited for. First it spins, because the
  * others usually end within microseconds; then it also looks whether they run at all
- * (seat.h); then it sleeps, longer each time.
+ * (affinity.h); then it sleeps, longer each time.
  *
  * Threads: [team]; a wait belongs to one thread.
  */
@@ -11,7 +11,6 @@
 #define ENG_WAIT_H
 
 #include "affinity.h"
-#include "seat.h"
 #include "worker.h"
 
 struct eng_wait {
@@ -54,6 +53,16 @@ static inline void eng_wait_return(struct eng_worker *worker, uint32_t team_coun
     if (!eng_stop_is_set(worker->stop)) {
         eng_affinity_return(worker->question->affinity, worker->thread, team_count);
     }
+}
+
+/* The pause instruction, for a loop that waits for another thread. */
+static inline void eng_relax(void)
+{
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#elif defined(__aarch64__)
+    __asm__ volatile("yield");
+#endif
 }
 
 #endif

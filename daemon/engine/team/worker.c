@@ -59,8 +59,8 @@ void eng_stop_init(struct eng_stop *stop, const struct eng_question *question)
     const double whole_step = 1;
     uint64_t bits;
     memcpy(&bits, &whole_step, sizeof bits);
-    atomic_init(&stop->meeting.arrived, 0);
-    atomic_init(&stop->meeting.round, 0);
+    atomic_init(&stop->barrier.arrived, 0);
+    atomic_init(&stop->barrier.round, 0);
     stop->cancel = question->cancel;
     stop->is_stopped = question->is_stopped;
     stop->asked = question->asked;
@@ -176,4 +176,53 @@ void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns)
     uint64_t end_ns = common_now_ns();
     worker->record.wait_ns += end_ns - begin_ns;
     eng_worker_trace_until(worker, PCCD_TRACE_WAIT, begin_ns, end_ns, 0, 0);
+}
+
+/* ---- what a test found ------------------------------------------------------------- */
+
+void eng_record_contact(struct eng_worker *worker, const struct pccd_pair *name,
+                        const struct eng_hit *hit)
+{
+    assert(hit->toi <= hit->toi_hi); /* a bracket, NaN in neither end */
+    if (worker->question->mode == PCCD_MODE_ANY) {
+        if (hit->flags & PCCD_PROVED) {
+            worker->proved_seen++;
+            worker->proof = *name;
+            atomic_store_explicit(&worker->stop->stopped, true, memory_order_relaxed);
+        } else {
+            worker->possible_seen++;
+        }
+        return;
+    }
+    if (worker->question->mode == PCCD_MODE_FIRST && (hit->flags & PCCD_PROVED)) {
+        eng_worker_tighten(worker, hit->toi_hi);
+    }
+    struct pccd_contact *contact = eng_found_add(&worker->found, name);
+    if (!contact) {
+        return;
+    }
+    contact->flags = hit->flags;
+    contact->toi = hit->toi;
+    contact->toi_hi = hit->toi_hi;
+    memcpy(contact->param, hit->param, sizeof contact->param);
+    memcpy(contact->normal, hit->normal, sizeof contact->normal);
+    contact->reserved = 0;
+}
+
+void eng_count_candidates(struct eng_worker *worker, enum pccd_kind kind,
+                          uint32_t candidates)
+{
+    assert(kind < PCCD_KINDS_MAX);
+    worker->tally.candidates[kind] += candidates;
+}
+
+void eng_count_test_time(struct eng_worker *worker, enum pccd_kind kind, uint32_t tested,
+                         uint64_t begin_ns)
+{
+    assert(begin_ns > 0);
+    uint64_t end_ns = common_now_ns();
+    worker->record.tests_ns += end_ns - begin_ns;
+    if (tested > 0) {
+        eng_worker_trace_until(worker, PCCD_TRACE_TESTS, begin_ns, end_ns, kind, tested);
+    }
 }

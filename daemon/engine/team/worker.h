@@ -12,6 +12,7 @@
 #include "clock.h"
 #include "deque.h"
 #include "exact.h"
+#include "query.h"
 #include "question.h"
 #include "result.h"
 #include "step_result.h"
@@ -22,14 +23,14 @@ struct eng_narrow;
 struct eng_scene;
 
 /* Where the threads of a region wait for each other (wait.h). */
-struct eng_meeting {
+struct eng_barrier {
     _Alignas(128) atomic_uint arrived;
     _Alignas(128) atomic_uint round; /* how often all have been there */
 };
 
 /* What the workers of a step share besides the scene. */
 struct eng_stop {
-    struct eng_meeting meeting;
+    struct eng_barrier barrier;
     const atomic_bool *cancel;
     bool (*is_stopped)(void *asked); /* of the settings */
     void *asked;
@@ -145,5 +146,24 @@ void eng_worker_give_up(struct eng_worker *worker);
 
 /* Mode first: a proved contact has certainly begun at `time`. */
 void eng_worker_tighten(struct eng_worker *worker, double time);
+
+/* ---- what a test found ------------------------------------------------------------- */
+
+/* The names of candidates index[count] of those that a method has at hand. */
+typedef void (*eng_names_fn)(const struct eng_worker *worker, enum pccd_kind kind,
+                             const uint32_t *index, uint32_t count,
+                             struct pccd_pair *names);
+
+/* Count candidates whose boxes overlap, tested or not. */
+void eng_count_candidates(struct eng_worker *worker, enum pccd_kind kind,
+                          uint32_t candidates);
+
+/* The tests of a chunk, `tested` of them, that began at `begin_ns` end now. */
+void eng_count_test_time(struct eng_worker *worker, enum pccd_kind kind, uint32_t tested,
+                         uint64_t begin_ns);
+
+/* Keep what a test has found, as the mode of the step wants it. */
+void eng_record_contact(struct eng_worker *worker, const struct pccd_pair *name,
+                        const struct eng_hit *hit);
 
 #endif

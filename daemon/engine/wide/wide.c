@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "array.h"
 #include "memory.h"
 #include "world.h"
 
@@ -105,13 +104,10 @@ static struct eng_split_item item_of(const struct eng_scene *scene, uint32_t obj
 /* The objects in their order. */
 static int order_objects(struct eng_wide *wide, const struct eng_scene *scene)
 {
-    if (scene->object_count > wide->item_capacity) {
-        uint32_t capacity = eng_array_grown(wide->item_capacity, scene->object_count);
-        int status = eng_array_grow(&wide->items, capacity, sizeof *wide->items);
-        if (status != PCCD_OK) {
-            return status;
-        }
-        wide->item_capacity = capacity;
+    int status = eng_array_extend(&wide->items, &wide->item_capacity, scene->object_count,
+                                  sizeof *wide->items);
+    if (status != PCCD_OK) {
+        return status;
     }
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
@@ -219,22 +215,15 @@ static int reserve_blocks(struct eng_wide_tree *tree, uint32_t count)
     return status;
 }
 
-/* Room to mark what moves (wide_still.h), as there is for blocks and slots. */
+/* Room to mark what moves (wide.h), as there is for blocks and slots. */
 static int reserve_moving(struct eng_wide_tree *tree)
 {
-    uint32_t chunks = eng_wide_chunks(tree->slot_capacity);
-    int status = PCCD_OK;
-    if (tree->block_capacity > tree->moving_capacity) {
-        status =
-            eng_array_grow(&tree->moving, tree->block_capacity, sizeof *tree->moving);
-        tree->moving_capacity =
-            status == PCCD_OK ? tree->block_capacity : tree->moving_capacity;
-    }
-    if (status == PCCD_OK && chunks > tree->chunk_capacity) {
-        status = eng_array_grow(&tree->chunks, chunks, sizeof *tree->chunks);
-        tree->chunk_capacity = status == PCCD_OK ? chunks : tree->chunk_capacity;
-    }
-    return status;
+    int status = eng_array_fit(&tree->moving, &tree->moving_capacity,
+                               tree->block_capacity, sizeof *tree->moving);
+    return status == PCCD_OK
+               ? eng_array_fit(&tree->chunks, &tree->chunk_capacity,
+                               eng_wide_chunks(tree->slot_capacity), sizeof *tree->chunks)
+               : status;
 }
 
 static uint32_t free_count(const struct eng_mesh *mesh, enum pccd_tree kind)
@@ -252,16 +241,11 @@ static int reserve_free(struct eng_wide_tree *tree, const struct eng_scene *scen
     for (uint32_t i = 0; i < scene->object_capacity && !has_free; i++) {
         has_free = scene->objects[i].mesh && free_count(scene->objects[i].mesh, kind) > 0;
     }
-    if (has_free && tree->block_capacity > tree->free_capacity) {
-        int status =
-            eng_array_grow(&tree->free, tree->block_capacity, sizeof *tree->free);
-        if (status != PCCD_OK) {
-            return status;
-        }
-        tree->free_capacity = tree->block_capacity;
-    }
-    tree->has_free = has_free;
-    return PCCD_OK;
+    int status = has_free ? eng_array_fit(&tree->free, &tree->free_capacity,
+                                          tree->block_capacity, sizeof *tree->free)
+                          : PCCD_OK;
+    tree->has_free = status == PCCD_OK ? has_free : tree->has_free;
+    return status;
 }
 
 /* Room to mark what is not foreign, if anything is. Faces are first in no pair. */
@@ -274,13 +258,10 @@ static int reserve_own(struct eng_wide *wide, const struct eng_scene *scene)
     }
     for (enum pccd_tree kind = 0; kind < PCCD_TREE_FACES && has_foreign; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
-        if (tree->block_capacity > tree->own_capacity) {
-            int status =
-                eng_array_grow(&tree->own, tree->block_capacity, sizeof *tree->own);
-            if (status != PCCD_OK) {
-                return status;
-            }
-            tree->own_capacity = tree->block_capacity;
+        int status = eng_array_fit(&tree->own, &tree->own_capacity, tree->block_capacity,
+                                   sizeof *tree->own);
+        if (status != PCCD_OK) {
+            return status;
         }
     }
     for (enum pccd_tree kind = 0; kind < PCCD_TREE_FACES; kind++) {
@@ -293,13 +274,8 @@ static int reserve_own(struct eng_wide *wide, const struct eng_scene *scene)
 static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
                    const uint32_t slots[ENG_WIDE_TREES], uint32_t level_count)
 {
-    int status = PCCD_OK;
-    if (scene->vertex_capacity > wide->slot_of_capacity) {
-        status =
-            eng_array_grow(&wide->slot_of, scene->vertex_capacity, sizeof *wide->slot_of);
-        wide->slot_of_capacity =
-            status == PCCD_OK ? scene->vertex_capacity : wide->slot_of_capacity;
-    }
+    int status = eng_array_fit(&wide->slot_of, &wide->slot_of_capacity,
+                               scene->vertex_capacity, sizeof *wide->slot_of);
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES && status == PCCD_OK; kind++) {
         status = reserve_slots(wide, kind, slots[kind]);
         if (status == PCCD_OK) {
@@ -370,25 +346,7 @@ static void fill(struct eng_wide *wide, const struct eng_scene *scene,
     }
 }
 
-/* Begin marks of a tree, none of which is set; and set that of a slot and of the nodes
- * above it. */
-static void begin_marks(const struct eng_wide *wide, const struct eng_wide_tree *tree,
-                        uint16_t *marks)
-{
-    uint32_t top = wide->level_count - 1;
-    memset(marks, 0, (tree->first[top] + tree->block_count[top]) * sizeof *marks);
-}
-
-static void set_mark(const struct eng_wide *wide, const struct eng_wide_tree *tree,
-                     uint16_t *marks, uint32_t slot)
-{
-    for (uint32_t level = 0; level < wide->level_count; level++) {
-        marks[tree->first[level] + slot / ENG_WIDE] |= (uint16_t)(1u << slot % ENG_WIDE);
-        slot /= ENG_WIDE;
-    }
-}
-
-/* The same of all nodes above marks that are set. */
+/* Mark all nodes above marks that are set. */
 static void mark_above(const struct eng_wide *wide, const struct eng_wide_tree *tree,
                        uint16_t *marks)
 {
@@ -401,52 +359,32 @@ static void mark_above(const struct eng_wide *wide, const struct eng_wide_tree *
     }
 }
 
-static void mark_free(struct eng_wide *wide, const struct eng_scene *scene,
-                      enum pccd_tree kind)
+/* Of a tree, the features of which `is` says so, and the nodes above them. */
+static void mark(const struct eng_wide *wide, const struct eng_scene *scene,
+                 enum pccd_tree kind, uint16_t *marks,
+                 bool (*is)(const struct eng_mesh *mesh, enum pccd_tree kind,
+                            uint32_t feature))
 {
-    struct eng_wide_tree *tree = &wide->trees[kind];
-    if (!tree->has_free) {
-        return;
-    }
-    begin_marks(wide, tree, tree->free);
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        const struct eng_object *object = &scene->objects[i];
-        if (!object->mesh || free_count(object->mesh, kind) == 0) {
-            continue;
-        }
-        const struct eng_wide_order *order = eng_wide_order_of(object);
-        for (uint32_t k = 0; k < order->count[kind]; k++) {
-            uint32_t feature = order->feature[kind][k];
-            if (feature != ENG_WIDE_NO_FEATURE &&
-                eng_mesh_is_free(object->mesh, kind, feature)) {
-                set_mark(wide, tree, tree->free,
-                         eng_wide_object_of(object)->first[kind] + k);
-            }
-        }
-    }
-}
-
-/* What is not foreign. */
-static void mark_own(struct eng_wide *wide, const struct eng_scene *scene,
-                     enum pccd_tree kind)
-{
-    struct eng_wide_tree *tree = &wide->trees[kind];
-    if (!tree->has_own) {
-        return;
-    }
-    begin_marks(wide, tree, tree->own);
+    const struct eng_wide_tree *tree = &wide->trees[kind];
+    uint32_t top = wide->level_count - 1;
+    memset(marks, 0, (tree->first[top] + tree->block_count[top]) * sizeof *marks);
     for (uint32_t i = 0; i < scene->object_count; i++) {
         const struct eng_object *object = &scene->objects[wide->items[i].id];
         const struct eng_wide_order *order = eng_wide_order_of(object);
-        uint32_t first = eng_wide_object_of(object)->first[kind];
-        for (uint32_t k = 0; k < order->count[kind]; k++) {
-            uint32_t feature = order->feature[kind][k], slot = first + k;
-            bool is_own = feature != ENG_WIDE_NO_FEATURE &&
-                          !eng_mesh_is_foreign(object->mesh, kind, feature);
-            tree->own[slot / ENG_WIDE] |= (uint16_t)(is_own << slot % ENG_WIDE);
+        uint32_t slot = eng_wide_object_of(object)->first[kind];
+        for (uint32_t k = 0; k < order->count[kind]; k++, slot++) {
+            uint32_t feature = order->feature[kind][k];
+            bool is_marked =
+                feature != ENG_WIDE_NO_FEATURE && is(object->mesh, kind, feature);
+            marks[slot / ENG_WIDE] |= (uint16_t)(is_marked << slot % ENG_WIDE);
         }
     }
-    mark_above(wide, tree, tree->own);
+    mark_above(wide, tree, marks);
+}
+
+static bool is_own(const struct eng_mesh *mesh, enum pccd_tree kind, uint32_t feature)
+{
+    return !eng_mesh_is_foreign(mesh, kind, feature);
 }
 
 static void set_nowhere(struct eng_extents *boxes, uint32_t count)
@@ -477,8 +415,12 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
             end = first + count;
         }
         clear(wide, kind, end, tree->slot_count);
-        mark_free(wide, scene, kind);
-        mark_own(wide, scene, kind);
+        if (tree->has_free) {
+            mark(wide, scene, kind, tree->free, eng_mesh_is_free);
+        }
+        if (tree->has_own) {
+            mark(wide, scene, kind, tree->own, is_own);
+        }
     }
     set_nowhere(wide->point_boxes, wide->trees[PCCD_TREE_VERTICES].slot_count);
 }
@@ -520,7 +462,7 @@ static void list_chunks(struct eng_wide *wide)
     }
 }
 
-/* Of what moves (wide_still.h). */
+/* Of what moves (wide.h). */
 static void clear_marks(struct eng_wide *wide)
 {
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
@@ -564,4 +506,36 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
         wide->boxes_are_old = true;
     }
     return status;
+}
+
+/* ---- what is free ------------------------------------------------------------------ */
+
+uint32_t eng_wide_kinds(const struct eng_wide *wide, bool thick)
+{
+    bool points = wide->trees[PCCD_TREE_VERTICES].has_free;
+    bool edges = wide->trees[PCCD_TREE_EDGES].has_free;
+    uint32_t kinds = 1u << PCCD_VF | 1u << PCCD_EE;
+    kinds |= thick && points && edges ? 1u << PCCD_VE : 0;
+    kinds |= thick && points ? 1u << PCCD_VV : 0;
+    return kinds;
+}
+
+/* Is child (or slot) i of a level of a tree free, or has it below it what is? */
+static bool is_free(const struct eng_wide_tree *tree, uint32_t level, uint32_t i)
+{
+    return tree->free[tree->first[level] + i / ENG_WIDE] >> i % ENG_WIDE & 1u;
+}
+
+uint32_t eng_wide_free_keep(const struct eng_wide *wide, enum pccd_kind kind,
+                            uint32_t level, uint32_t *a, uint32_t *b, uint32_t count)
+{
+    const struct eng_wide_tree *tree_a = &wide->trees[eng_wide_tree_of(kind, 0)];
+    const struct eng_wide_tree *tree_b = &wide->trees[eng_wide_tree_of(kind, 1)];
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        a[kept] = a[i];
+        b[kept] = b[i];
+        kept += is_free(tree_a, level, a[i]) && is_free(tree_b, level, b[i]);
+    }
+    return kept;
 }

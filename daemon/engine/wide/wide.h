@@ -16,6 +16,8 @@
 
 #include <assert.h>
 #include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
 
 #include "kernel.h"
 #include "kinds.h"
@@ -50,7 +52,7 @@ static inline uint32_t eng_wide_chunks(uint32_t slots)
     return (slots + ENG_WIDE_CHUNK_SLOTS - 1) / ENG_WIDE_CHUNK_SLOTS;
 }
 
-/* Of the slots that are refitted together (wide_still.h): how far what moves in them is
+/* Of the slots that are refitted together: how far what moves in them is
  * marked, and in which chunks of vertices the corners of its features lie; more than the
  * most that are listed: in any. */
 #define ENG_WIDE_CHUNK_VERTICES 6u
@@ -102,12 +104,15 @@ struct eng_wide {
     bool makes_quantised;
     atomic_bool left_quantised;
     atomic_uint farthest; /* the most that one of their numbers grows by; as left_grid */
-    bool boxes_are_old;   /* not made since the trees were put together */
-    uint64_t boxes_of;    /* moving.number of the step that they are of; 0: of none */
-    uint64_t refit_of;    /* .. that they will be of */
-    bool keeps;           /* the refit leaves the boxes of what stands as they are */
-    bool has_moving;      /* what moves is marked (wide_still.h) */
-    uint64_t marks_of;    /* moving.number that the marks are of; 0: there are none */
+    /* The refit makes each box around both ends, so that the same traversal finds the
+     * pairs of plain swept boxes: to compare with other libraries. No step does so. */
+    bool is_swept;
+    bool boxes_are_old; /* not made since the trees were put together */
+    uint64_t boxes_of;  /* moving.number of the step that they are of; 0: of none */
+    uint64_t refit_of;  /* .. that they will be of */
+    bool keeps;         /* the refit leaves the boxes of what stands as they are */
+    bool has_moving;    /* what moves is marked */
+    uint64_t marks_of;  /* moving.number that the marks are of; 0: there are none */
     uint64_t feature_count;
     uint64_t frames;    /* of the last step: as in the scene */
     uint64_t thickness; /* likewise: its number */
@@ -157,17 +162,13 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene);
 /* Where the slots of an object with `count` features begin, behind those up to `end`. */
 uint32_t eng_wide_first_slot(uint32_t end, uint32_t count);
 
-/* Boxes from x[1 - now] (t = 0) and x[now] (t = 1) of the scene, by one thread. `swept`:
- * both ends get the box around both, so that the same traversal finds the pairs of plain
- * swept boxes (for comparisons; the next step makes them anew). */
-void eng_wide_refit(struct eng_wide *wide, const struct eng_scene *scene, bool swept);
-
-/* The same in parts that any threads may do: all chunks 0 .. eng_wide_refit_chunks - 1 of
- * vertices, then those of edges and faces, then what is above. [team] */
+/* Boxes from x[1 - now] (t = 0) and x[now] (t = 1) of the scene, in parts that any
+ * threads may do: all chunks 0 .. eng_wide_refit_chunks - 1 of vertices, then those of
+ * edges and faces, then what is above. [team] */
 uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum pccd_tree kind);
 void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
-                          enum pccd_tree kind, uint32_t chunk, bool swept);
-void eng_wide_refit_above(struct eng_wide *wide, bool swept);
+                          enum pccd_tree kind, uint32_t chunk);
+void eng_wide_refit_above(struct eng_wide *wide);
 
 static inline eng_wide_key eng_wide_key_of(const struct eng_wide *wide,
                                            enum pccd_tree tree, uint32_t slot)
@@ -206,5 +207,56 @@ static inline struct eng_extents *eng_wide_boxes(const struct eng_wide_tree *tre
 {
     return tree->boxes + tree->first[level];
 }
+
+/* ---- what is free ------------------------------------------------------------------ */
+
+/* Points and edges that no triangle has (mesh.h) are in the trees of all others, so pairs
+ * of kinds that ask for free ones alone are sifted by marks at each level. */
+
+/* Bits of the kinds that are asked for where features keep a distance (`thick`), or where
+ * they do not: those of free points are left out then, and where there are none. */
+uint32_t eng_wide_kinds(const struct eng_wide *wide, bool thick);
+
+/* Does a kind ask for free points and edges alone? */
+static inline bool eng_wide_is_of_free(enum pccd_kind kind)
+{
+    return kind == PCCD_VE || kind == PCCD_VV;
+}
+
+/* Of pairs a[count], b[count] of children of nodes of `level`, or of slots if that is 0,
+ * those stay, in their order, of which both are free or have below them what is. Returns
+ * how many. */
+uint32_t eng_wide_free_keep(const struct eng_wide *wide, enum pccd_kind kind,
+                            uint32_t level, uint32_t *a, uint32_t *b, uint32_t count);
+
+/* ---- what moves -------------------------------------------------------------------- */
+
+/* Block i of a level has a mask of 16 bits: bit k is set if something below its child
+ * k moves (moving.h). So boxes of what stands are kept from the last step, and pairs
+ * of nodes of which neither moves are left out. The marks of vertices are set before
+ * the refit; those of edges and faces by whoever makes the boxes of a chunk, from the
+ * vertices at their corners. A chunk of edges or faces knows which chunks of vertices
+ * its corners lie in. Where none of these moves, nothing is looked at. */
+
+/* The positions have moved on: is what moves spread so evenly that too few blocks of
+ * vertices stand (eng_moves_much)? [compute] */
+bool eng_wide_still_is_spread(struct eng_wide *wide, const struct eng_scene *scene);
+
+/* The positions have moved on and `keeps` says whether boxes of the last step are those
+ * of what stands: mark what moves. `prunes`: marks are wanted without that, too.
+ * [compute] */
+void eng_wide_still_begin(struct eng_wide *wide, const struct eng_scene *scene,
+                          bool keeps, bool prunes);
+
+/* Before the boxes of a chunk: marks of its features; the chunk's nodes of level 1 after
+ * them. False: nothing in it moves. [team] */
+bool eng_wide_still_mark_chunk(struct eng_wide *wide, enum pccd_tree kind,
+                               uint32_t chunk);
+
+/* Marks of the levels from 2 on. [team], one thread */
+void eng_wide_still_mark_above(struct eng_wide *wide);
+
+/* Features whose boxes were kept. [compute] */
+uint64_t eng_wide_still_count(const struct eng_wide *wide, const struct eng_scene *scene);
 
 #endif

@@ -12,9 +12,9 @@
 #include <string.h>
 
 #include "motion.h"
-#include "feature.h"
 #include "kinds.h"
 #include "memory.h"
+#include "topology.h"
 #include "vec.h"
 #include "wide.h"
 

@@ -23,7 +23,7 @@ struct eng_scene;
 
 /* Go on with the search for about `budget` tests of boxes or features, some 20 ns each,
  * unless another thread is at it. Returns how many it took; 0: nothing to do, now or at
- * all. Without memory, or without an order (eng_mesh_arrange), everything counts as
+ * all. Without memory, or without an order (eng_mesh_sort_features), everything counts as
  * crowded. One thread for a mesh at a time does it, any may try. [team] */
 uint64_t eng_wide_crowded_advance(struct eng_mesh *mesh, uint64_t budget);
 

@@ -1,7 +1,7 @@
 /* wide_faces.c - the faces of one object in the wide trees. */
-#include "wide_faces.h"
+#include "wide_state.h"
 
-#include "wide_quantised.h"
+#include "wide_cells.h"
 
 #define BLOCK_BITS 28u /* blocks are fewer than 2^28 */
 

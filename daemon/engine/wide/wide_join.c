@@ -10,9 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "wide_free.h"
+#include "wide.h"
+#include "wide_cells.h"
 #include "wide_owner.h"
-#include "wide_quantised.h"
 
 /* Joins of two blocks between two looks: some 200 us. */
 #define JOINS_PER_LOOK 1024u

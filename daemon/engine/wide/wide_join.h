@@ -45,7 +45,7 @@ struct eng_wide_join {
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
                          enum eng_join_boxes boxes);
 
-/* Leave out pairs of which neither moves: what does is marked (wide_still.h). */
+/* Leave out pairs of which neither moves: what does is marked (wide.h). */
 void eng_wide_join_prune(struct eng_wide_join *join, const struct eng_wide *wide);
 
 /* Begun with ENG_JOIN_AT: of the kinds that are asked for, leave out what is certainly

@@ -7,18 +7,14 @@
  * Trees do not change while they are searched, so any task may go to any thread. A worker
  * divides depth first, and what finds no room in its deque is done at once.
  */
-#include "wide_method.h"
+#include "wide_state.h"
 
 #include <assert.h>
 
 #include "frames.h"
 #include "moving.h"
-#include "wide_faces.h"
-#include "wide_grid.h"
-#include "wide_quantised.h"
-#include "wide_state.h"
-#include "wide_still.h"
-#include "wide_team.h"
+#include "wide.h"
+#include "wide_cells.h"
 #include "wide_test.h"
 
 /* A task from its highest bit: 3 bits for the kind, 3 for the level, 29 each for n and m.
@@ -302,11 +298,11 @@ static void refit(struct eng_worker *worker)
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t count = eng_wide_refit_chunks(wide, kind);
         for (uint32_t i = 0; i < count && !eng_worker_should_stop(worker); i++) {
-            eng_wide_refit_chunk(wide, worker->scene, kind, i, false);
+            eng_wide_refit_chunk(wide, worker->scene, kind, i);
         }
     }
     if (!eng_stop_is_set(worker->stop)) {
-        eng_wide_refit_above(wide, false);
+        eng_wide_refit_above(wide);
     }
 }
 

@@ -15,153 +15,76 @@
 #include "memory.h"
 #include "parallel.h"
 #include "topology.h"
-#include "wide_lists.h"
-#include "wide_pieces.h"
+
+/* ---- the pieces of a mesh ---------------------------------------------------------- */
+
+/* Triangles that are connected by shared vertices.
+ *
+ * Source: Tarjan 1975 (union-find); van Leeuwen, van der Weide 1977 (halving of
+ * paths). */
+#define NO_PIECE UINT32_MAX
+
+static uint32_t root_of(uint32_t *parent, uint32_t vertex)
+{
+    while (parent[vertex] != vertex) {
+        parent[vertex] = parent[parent[vertex]];
+        vertex = parent[vertex];
+    }
+    return vertex;
+}
+
+/* The lesser root becomes the parent, so that no parent is greater than its child. */
+static void join(uint32_t *parent, uint32_t a, uint32_t b)
+{
+    if (parent[a] == parent[b]) {
+        return; /* as of most neighbours */
+    }
+    a = root_of(parent, a);
+    b = root_of(parent, b);
+    if (a < b) {
+        parent[b] = a;
+    } else {
+        parent[a] = b;
+    }
+}
+
+/* Of a committed mesh: of[vertex_count] gets the piece of every vertex, numbered by their
+ * least vertices, NO_PIECE if it is in no triangle. Returns how many there are.
+ * O(vertices + triangles), nearly. */
+static uint32_t find_pieces(const struct eng_mesh *mesh, uint32_t *of)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < mesh->info.vertex_count; i++) {
+        of[i] = NO_PIECE;
+    }
+    for (uint32_t i = 0; i < mesh->leaf_count; i++) {
+        const uint32_t *v = mesh->leaves[i].v;
+        for (int k = 0; k < 3; k++) {
+            of[v[k]] = of[v[k]] == NO_PIECE ? v[k] : of[v[k]];
+        }
+        join(of, v[0], v[1]);
+        join(of, v[0], v[2]);
+    }
+    /* Parents turn into numbers from the first vertex on: each one's parent has its own
+     * by then. */
+    for (uint32_t i = 0; i < mesh->info.vertex_count; i++) {
+        if (of[i] != NO_PIECE) {
+            of[i] = of[i] == i ? count++ : of[of[i]];
+        }
+    }
+    return count;
+}
+
+/* ---- orders ------------------------------------------------------------------------ */
 
 /* Features of an object below which one thread orders them: some 3 ms. */
 #define TEAM_FEATURES_MIN 32768u
-
-/* Parts for each thread, so that they end together, and of the three trees at most. */
-#define PARTS_PER_THREAD 8u
-#define PARTS_MAX        (ENG_WIDE_TREES << 8)
-#define PART_SPLIT_MIN   (4 * ENG_WIDE_LISTS_MIN)
 
 /* Pieces of a mesh that are told apart, and triangles of each on average: with fewer,
  * more than an eighth of all slots would be behind pieces. */
 #define PIECES_MIN          16u
 #define PIECES_MAX          4096u
 #define PIECE_TRIANGLES_MIN 64u
-
-static struct eng_wide_range behind(struct eng_wide_range range, uint32_t middle)
-{
-    return (struct eng_wide_range){range.first + middle, range.slot + middle,
-                                   range.count - middle};
-}
-
-/* Split a part that is across a multiple of `least` in two; returns the second, or an
- * empty one. */
-static struct eng_wide_range split(struct eng_split_item *items,
-                                   struct eng_wide_range *part, uint32_t least)
-{
-    struct eng_wide_range second = behind(*part, part->count);
-    if (eng_wide_is_across(*part, least)) {
-        struct eng_split_item *first = items + part->first;
-        uint32_t middle = eng_wide_middle_of(*part, least);
-        eng_median_split(first, part->count, middle, eng_median_axis(first, part->count),
-                         eng_kernels()->come_before);
-        second = behind(*part, middle);
-        part->count = middle;
-    }
-    return second;
-}
-
-void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, struct eng_wide_range range,
-                           uint32_t least)
-{
-    assert(least == 1 || least == 16);
-    sorter->least = least;
-    sorter->waiting = 1;
-    sorter->stack[0] = range;
-    sorter->is_splitting = false;
-}
-
-/* A range is split near its middle, so that of n < 2^32 items no more wait at a time than
- * there are levels, and one. */
-static void push(struct eng_wide_sorter *sorter, struct eng_wide_range range)
-{
-    assert(sorter->waiting < sizeof sorter->stack / sizeof *sorter->stack);
-    sorter->stack[sorter->waiting++] = range;
-}
-
-/* lists: NULL, or memory with which many items are sorted sooner; their places are lost
- * then. */
-static void sort_range(struct eng_split_item *items, struct eng_wide_range all,
-                       uint32_t least, struct eng_wide_lists *lists)
-{
-    struct eng_wide_sorter sorter;
-    eng_wide_sorter_begin(&sorter, all, least);
-    while (sorter.waiting > 0) {
-        struct eng_wide_range range = sorter.stack[--sorter.waiting];
-        if (lists && range.count >= ENG_WIDE_LISTS_MIN &&
-            range.count <= ENG_WIDE_LISTS_MAX) {
-            eng_wide_lists_sort(lists, items, range, least);
-        } else if (eng_wide_is_across(range, least)) {
-            struct eng_wide_range second = split(items, &range, least);
-            push(&sorter, second);
-            push(&sorter, range);
-        }
-    }
-}
-
-/* One more pass over the range that is being split. */
-static void pass(struct eng_wide_sorter *sorter, struct eng_split_item *items)
-{
-    struct eng_wide_range range = sorter->range;
-    if (eng_median_round(&sorter->median, items + range.first)) {
-        struct eng_wide_range second = behind(range, sorter->median.middle);
-        range.count = sorter->median.middle;
-        push(sorter, second);
-        push(sorter, range);
-        sorter->is_splitting = false;
-    }
-}
-
-bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_item *items,
-                             uint32_t whole)
-{
-    if (sorter->is_splitting) {
-        pass(sorter, items);
-        return true;
-    }
-    if (sorter->waiting == 0) {
-        return false;
-    }
-    struct eng_wide_range range = sorter->stack[--sorter->waiting];
-    if (range.count <= whole) {
-        sort_range(items, range, sorter->least, NULL);
-    } else if (eng_wide_is_across(range, sorter->least)) {
-        sorter->range = range;
-        sorter->is_splitting = true;
-        eng_median_begin(&sorter->median, range.count,
-                         eng_wide_middle_of(range, sorter->least),
-                         eng_median_axis(items + range.first, range.count),
-                         eng_kernels()->come_before);
-    }
-    return true;
-}
-
-void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least)
-{
-    assert(least == 1 || least == 16);
-    sort_range(items, (struct eng_wide_range){0, 0, count}, least, NULL);
-}
-
-/* All parts, by as many threads, with lists for each of them or NULL. No part is split
- * here that has too few items for lists to take both halves: they alone decide how the
- * items of a group follow each other. */
-static void sort_parts(struct eng_split_item *items, struct eng_wide_range *parts,
-                       uint32_t count, int threads, struct eng_wide_lists *lists)
-{
-    struct eng_parallel region = eng_parallel_open();
-    while (threads > 1 && count < (uint32_t)threads * PARTS_PER_THREAD &&
-           2 * count <= PARTS_MAX) {
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-        for (uint32_t i = 0; i < count; i++) {
-            ENG_PARALLEL_JOIN(region);
-            parts[count + i] = parts[i].count >= PART_SPLIT_MIN
-                                   ? split(items, &parts[i], ENG_WIDE)
-                                   : behind(parts[i], parts[i].count);
-        }
-        count *= 2;
-    }
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-    for (uint32_t i = 0; i < count; i++) {
-        ENG_PARALLEL_JOIN(region);
-        sort_range(items, parts[i], ENG_WIDE,
-                   lists ? lists + omp_get_thread_num() : NULL);
-    }
-    eng_parallel_close();
-}
 
 /* The centroid of `count` vertices times their number: the order is the same. */
 static inline struct eng_split_item item_of(struct eng_wide_positions positions,
@@ -192,7 +115,7 @@ void eng_wide_order_sum(const struct eng_wide_order *order,
 {
     for (uint32_t i = first; order->piece_of && i < first + count; i++) {
         uint32_t piece = order->piece_of[i];
-        for (int k = 0; k < 3 && piece != ENG_WIDE_NO_PIECE; k++) {
+        for (int k = 0; k < 3 && piece != NO_PIECE; k++) {
             pieces[piece].centroid[k] +=
                 (float)eng_frame_at(positions.frame, positions.x[i][k], k);
         }
@@ -260,7 +183,7 @@ void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_me
 
 static int threads_for(size_t features, uint32_t threads)
 {
-    uint32_t most = PARTS_MAX / ENG_WIDE_TREES;
+    uint32_t most = ENG_WIDE_PARTS_MAX / ENG_WIDE_TREES;
     return features < TEAM_FEATURES_MIN || threads == 0 ? 1
            : threads < most                             ? (int)threads
                                                         : (int)most;
@@ -271,7 +194,7 @@ static uint32_t tell_apart(const struct eng_mesh *mesh, uint32_t *of)
 {
     uint32_t size[PIECES_MAX] = {0};
     uint32_t largest = 0;
-    uint32_t count = eng_wide_pieces_find(mesh, of);
+    uint32_t count = find_pieces(mesh, of);
     if (count < PIECES_MIN || count > PIECES_MAX ||
         count > mesh->leaf_count / PIECE_TRIANGLES_MIN) {
         return 1;
@@ -319,7 +242,7 @@ static void count_features(const struct making *making, const struct eng_mesh *m
     }
     memset(vertices, 0, (size_t)ENG_WIDE_TREES * n * sizeof *vertices);
     for (uint32_t i = 0; i < info->vertex_count; i++) {
-        if (making->of[i] != ENG_WIDE_NO_PIECE) {
+        if (making->of[i] != NO_PIECE) {
             vertices[making->of[i]]++;
         }
     }
@@ -402,7 +325,7 @@ static struct eng_wide_order *making_begin(struct making *making,
     if (order) {
         size_t slots = (size_t)order->count[0] + order->count[1] + order->count[2];
         size_t parts = (size_t)ENG_WIDE_TREES * order->piece_count;
-        parts = parts > PARTS_MAX ? parts : PARTS_MAX;
+        parts = parts > ENG_WIDE_PARTS_MAX ? parts : ENG_WIDE_PARTS_MAX;
         making->items = eng_alloc(slots, sizeof *making->items);
         making->pieces =
             !making->items ? NULL : eng_alloc(order->piece_count, sizeof *making->pieces);
@@ -449,7 +372,7 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
     bool is_long = first >= ENG_WIDE_LISTS_MIN;
     struct eng_wide_lists *lists = is_long ? eng_alloc((size_t)team, sizeof *lists)
                                            : NULL; /* without it goes, too */
-    sort_parts(making.items, making.parts, parts, team, lists);
+    eng_wide_sort_parts(making.items, making.parts, parts, team, lists);
     eng_free(lists);
     for (size_t i = 0; i < first; i++) {
         made->feature[0][i] = making.items[i].id; /* the trees follow each other */

@@ -13,13 +13,16 @@
 #ifndef ENG_WIDE_ORDER_H
 #define ENG_WIDE_ORDER_H
 
+#include <assert.h>
+#include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "box_frame.h"
-#include "median.h"
+#include "boxes.h"
 #include "mesh.h"
 #include "pccd_trace.h"
-#include "wide_range.h"
+#include "wide_sort.h"
 
 /* The three trees of the method `wide`. */
 #define ENG_WIDE_TREES (PCCD_TREE_FACES + 1) /* PCCD_TREE_VERTICES, EDGES, FACES */
@@ -90,28 +93,5 @@ void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_me
                          struct eng_wide_positions positions, enum pccd_tree kind,
                          uint32_t first, uint32_t count, struct eng_split_item *items,
                          uint32_t *next);
-
-/* Sort items[count], from slot 0 on, by splits at the median of the longest axis, each at
- * a multiple of the largest power of 16 at which the range can be split; until none is
- * across a multiple of `least`, 1 or 16. */
-void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least);
-
-/* The same of any range, by parts, for who has to stop between. */
-struct eng_wide_sorter {
-    uint32_t least;
-    uint32_t waiting; /* ranges of the stack */
-    struct eng_wide_range stack[64];
-    bool is_splitting; /* the one at hand */
-    struct eng_wide_range range;
-    struct eng_median median;
-};
-
-void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, struct eng_wide_range range,
-                           uint32_t least);
-
-/* One pass over a range of the items, or everything that is below a range of at most
- * `whole` items. False: it is sorted. */
-bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_item *items,
-                             uint32_t whole);
 
 #endif

@@ -3,7 +3,6 @@
 
 #include <assert.h>
 
-#include "array.h"
 #include "memory.h"
 
 static const struct eng_wide_owner nobody = {
@@ -28,14 +27,11 @@ uint64_t eng_wide_owners_bytes(const struct eng_wide_owners *owners)
 static int reserve(struct eng_wide_owners *owners, const struct eng_wide *wide)
 {
     for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        uint32_t capacity = wide->trees[kind].block_capacity;
-        if (capacity > owners->capacity[kind]) {
-            int status =
-                eng_array_grow(&owners->of[kind], capacity, sizeof *owners->of[kind]);
-            if (status != PCCD_OK) {
-                return status;
-            }
-            owners->capacity[kind] = capacity;
+        int status =
+            eng_array_fit(&owners->of[kind], &owners->capacity[kind],
+                          wide->trees[kind].block_capacity, sizeof *owners->of[kind]);
+        if (status != PCCD_OK) {
+            return status;
         }
     }
     return PCCD_OK;

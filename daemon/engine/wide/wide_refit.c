@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "thickness.h"
-#include "wide_quantised.h"
-#include "wide_still.h"
+#include "wide.h"
+#include "wide_cells.h"
 #include "world.h"
 
 /* Blocks at a time whose floats are only made to become whole numbers: 6 KiB. */
@@ -54,10 +54,10 @@ static void grow(const struct eng_scene *scene, const struct eng_point *points,
     }
 }
 
-/* Positions, boxes and, unless `swept`, marks of the vertices in slots first .. end - 1;
- * those of nobody are nowhere since the trees were put together. */
+/* Positions, boxes and, unless they are swept, marks of the vertices in slots first ..
+ * end - 1; those of nobody are nowhere since the trees were put together. */
 static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
-                         uint32_t first, uint32_t end, bool swept)
+                         uint32_t first, uint32_t end)
 {
     const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
     const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
@@ -77,13 +77,14 @@ static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
             memcpy(point->x0, x0[(uint32_t)point->word0], sizeof point->x0);
             memcpy(point->x1, x1[(uint32_t)point->word0], sizeof point->x1);
         }
-        wide->kernels->box_points(wide->points + run, slot - run, frame, swept,
+        wide->kernels->box_points(wide->points + run, slot - run, frame, wide->is_swept,
                                   wide->point_boxes + run);
         if (scene->thickness.is_on) {
             grow(scene, wide->points + run, slot - run, wide->point_boxes + run);
         }
-        if (!swept && !wide->kernels->place_points(wide->points + run, slot - run, frame,
-                                                   &wide->grid, wide->marks + run)) {
+        if (!wide->is_swept &&
+            !wide->kernels->place_points(wide->points + run, slot - run, frame,
+                                         &wide->grid, wide->marks + run)) {
             atomic_store_explicit(&wide->left_grid, true, memory_order_relaxed);
         }
     }
@@ -97,20 +98,20 @@ static uint32_t smaller(uint32_t a, uint32_t b)
 /* Boxes of `count` blocks of features from `block` on, to `blocks`, and those around
  * them, which are the tree's. */
 static void box_features(struct eng_wide *wide, enum pccd_tree kind, uint32_t block,
-                         uint32_t count, bool swept, struct eng_wide_block *blocks)
+                         uint32_t count, struct eng_wide_block *blocks)
 {
     const struct eng_kernels *kernels = wide->kernels;
     struct eng_wide_tree *tree = &wide->trees[kind];
     uint32_t slot = block * ENG_WIDE;
     if (kind == PCCD_TREE_VERTICES) {
-        kernels->box_fold(wide->point_boxes + slot, count, swept, blocks,
+        kernels->box_fold(wide->point_boxes + slot, count, wide->is_swept, blocks,
                           tree->boxes + block);
         return;
     }
     const uint32_t *const corner[3] = {tree->corner[0] + slot, tree->corner[1] + slot,
                                        kind == PCCD_TREE_FACES ? tree->corner[2] + slot
                                                                : NULL};
-    kernels->box_unite(wide->point_boxes, corner, count, swept, blocks,
+    kernels->box_unite(wide->point_boxes, corner, count, wide->is_swept, blocks,
                        tree->boxes + block);
 }
 
@@ -133,7 +134,7 @@ static void quantised_features(struct eng_wide *wide, enum pccd_tree kind, uint3
     uint32_t end = block + count;
     for (uint32_t i = block; i < end; i += FLOAT_BLOCKS) {
         uint32_t part = smaller(FLOAT_BLOCKS, end - i);
-        box_features(wide, kind, i, part, false, floats);
+        box_features(wide, kind, i, part, floats);
         if (!wide->kernels->quantised_blocks(
                 floats, tree->boxes + i, part, &wide->quantising,
                 eng_wide_quantised_blocks(tree) + i, eng_wide_quantised_boxes(tree) + i,
@@ -154,37 +155,34 @@ static bool becomes_quantised(const struct eng_wide *wide, enum pccd_tree kind)
 }
 
 static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
-                         enum pccd_tree kind, uint32_t block, uint32_t count, bool swept)
+                         enum pccd_tree kind, uint32_t block, uint32_t count)
 {
     if (kind == PCCD_TREE_VERTICES) {
         uint32_t slot = block * ENG_WIDE;
-        refit_points(wide, scene, slot, slot + count * ENG_WIDE, swept);
+        refit_points(wide, scene, slot, slot + count * ENG_WIDE);
     }
-    if (!swept && becomes_quantised(wide, kind)) {
+    if (!wide->is_swept && becomes_quantised(wide, kind)) {
         quantised_features(wide, kind, block, count);
     } else {
-        box_features(wide, kind, block, count, swept, wide->trees[kind].blocks + block);
+        box_features(wide, kind, block, count, wide->trees[kind].blocks + block);
     }
 }
 
-/* Those of the blocks in which something moves. */
-static void refit_moving(struct eng_wide *wide, const struct eng_scene *scene,
-                         enum pccd_tree kind, uint32_t block, uint32_t count)
+/* The next blocks, *first .. *end - 1, in which something moves, from *end on; false:
+ * there are no more below `limit`. */
+static bool next_moving(const uint16_t *moving, uint32_t limit, uint32_t *first,
+                        uint32_t *end)
 {
-    const uint16_t *moving = wide->trees[kind].moving;
-    uint32_t end = block + count;
-    while (block < end) {
-        uint32_t first = block;
-        while (block < end && moving[block] != 0) {
-            block++;
-        }
-        if (block > first) {
-            refit_blocks(wide, scene, kind, first, block - first, false);
-        }
-        while (block < end && moving[block] == 0) {
-            block++;
-        }
+    uint32_t block = *end;
+    while (block < limit && moving[block] == 0) {
+        block++;
     }
+    *first = block;
+    while (block < limit && moving[block] != 0) {
+        block++;
+    }
+    *end = block;
+    return *first < block;
 }
 
 /* May boxes of what stands stay? Not if they are whole numbers, and it has turned out
@@ -196,80 +194,70 @@ static bool keeps(const struct eng_wide *wide, enum pccd_tree kind)
 }
 
 void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
-                          enum pccd_tree kind, uint32_t chunk, bool swept)
+                          enum pccd_tree kind, uint32_t chunk)
 {
     struct eng_wide_tree *tree = &wide->trees[kind];
     uint32_t block = chunk * ENG_WIDE_CHUNK_BLOCKS;
     uint32_t count = smaller(ENG_WIDE_CHUNK_BLOCKS, tree->block_count[0] - block);
-    bool moves =
-        swept || !wide->has_moving || eng_wide_still_mark_chunk(wide, kind, chunk);
-    if (!swept && keeps(wide, kind)) {
+    bool moves = !wide->has_moving || eng_wide_still_mark_chunk(wide, kind, chunk);
+    if (keeps(wide, kind)) {
         if (!moves) {
             return;
         }
-        refit_moving(wide, scene, kind, block, count);
+        uint32_t first, end = block;
+        while (next_moving(tree->moving, block + count, &first, &end)) {
+            refit_blocks(wide, scene, kind, first, end - first);
+        }
     } else {
-        refit_blocks(wide, scene, kind, block, count, swept);
+        refit_blocks(wide, scene, kind, block, count);
     }
     if (wide->level_count > 1) {
         uint32_t node = chunk * ENG_WIDE_CHUNK_NODES;
         wide->kernels->box_fold(
             tree->boxes + block,
-            smaller(ENG_WIDE_CHUNK_NODES, tree->block_count[1] - node), swept,
+            smaller(ENG_WIDE_CHUNK_NODES, tree->block_count[1] - node), wide->is_swept,
             eng_wide_blocks(tree, 1) + node, eng_wide_boxes(tree, 1) + node);
     }
 }
 
-/* All blocks of a level from 2 on, or those in which something moves. */
-static void fold_level(const struct eng_wide *wide, const struct eng_wide_tree *tree,
-                       uint32_t level, bool swept, bool moving_alone)
+/* Blocks first .. end - 1 of a level from 2 on. */
+static void fold(const struct eng_wide *wide, const struct eng_wide_tree *tree,
+                 uint32_t level, uint32_t first, uint32_t end)
 {
-    const uint16_t *moving = tree->moving + tree->first[level];
-    uint32_t count = tree->block_count[level];
-    for (uint32_t first = 0; first < count;) {
-        uint32_t end = moving_alone ? first : count;
-        while (end < count && moving[end] != 0) {
-            end++;
-        }
-        if (end > first) {
-            wide->kernels->box_fold(eng_wide_boxes(tree, level - 1) + first * ENG_WIDE,
-                                    end - first, swept,
-                                    eng_wide_blocks(tree, level) + first,
-                                    eng_wide_boxes(tree, level) + first);
-        }
-        first = end > first ? end : first + 1;
+    wide->kernels->box_fold(
+        eng_wide_boxes(tree, level - 1) + first * ENG_WIDE, end - first, wide->is_swept,
+        eng_wide_blocks(tree, level) + first, eng_wide_boxes(tree, level) + first);
+}
+
+/* All of them, or those in which something moves. */
+static void fold_level(const struct eng_wide *wide, enum pccd_tree kind, uint32_t level)
+{
+    const struct eng_wide_tree *tree = &wide->trees[kind];
+    uint32_t count = tree->block_count[level], first, end = 0;
+    if (!keeps(wide, kind)) {
+        fold(wide, tree, level, 0, count);
+        return;
+    }
+    while (next_moving(tree->moving + tree->first[level], count, &first, &end)) {
+        fold(wide, tree, level, first, end);
     }
 }
 
-void eng_wide_refit_above(struct eng_wide *wide, bool swept)
+void eng_wide_refit_above(struct eng_wide *wide)
 {
     wide->boxes_are_old = false;
-    wide->boxes_of = swept ? 0 : wide->refit_of;
-    if (!swept && wide->has_moving) {
+    wide->boxes_of = wide->is_swept ? 0 : wide->refit_of;
+    if (wide->has_moving) {
         eng_wide_still_mark_above(wide);
     }
-    if (!swept && wide->makes_quantised && !eng_wide_has_quantised(wide)) {
+    if (!wide->is_swept && wide->makes_quantised && !eng_wide_has_quantised(wide)) {
         struct eng_wide_tree *vertices = &wide->trees[PCCD_TREE_VERTICES];
-        box_features(wide, PCCD_TREE_VERTICES, 0, vertices->block_count[0], false,
+        box_features(wide, PCCD_TREE_VERTICES, 0, vertices->block_count[0],
                      vertices->blocks);
     }
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        struct eng_wide_tree *tree = &wide->trees[kind];
-        bool moving_alone = !swept && keeps(wide, kind);
         for (uint32_t level = 2; level < wide->level_count; level++) {
-            fold_level(wide, tree, level, swept, moving_alone);
+            fold_level(wide, kind, level);
         }
     }
-}
-
-void eng_wide_refit(struct eng_wide *wide, const struct eng_scene *scene, bool swept)
-{
-    eng_wide_still_begin(wide, scene, false, false);
-    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        uint32_t count = eng_wide_refit_chunks(wide, kind);
-        for (uint32_t i = 0; i < count; i++) {
-            eng_wide_refit_chunk(wide, scene, kind, i, swept);
-        }
-    }
-    eng_wide_refit_above(wide, swept);
 }

@@ -1,5 +1,5 @@
 /* wide_still.c - marks of what moves in the wide trees. */
-#include "wide_still.h"
+#include "wide.h"
 
 #include <assert.h>
 #include <string.h>
@@ -84,7 +84,7 @@ static void mark_object(struct eng_wide *wide, const struct eng_scene *scene,
                         const struct eng_object *object)
 {
     const struct eng_wide_order *order = eng_wide_order_of(object);
-    bool moves_all = object->movement == ENG_MOVES_ALL;
+    bool moves_all = object->moves == ENG_MOVES_ALL;
     if (!moves_all) {
         mark_some(wide, scene, object);
     }
@@ -142,7 +142,7 @@ static void mark_motion(struct eng_wide *wide, const struct eng_scene *scene)
     }
     for (uint32_t i = 0; i < scene->object_capacity && scene->moving.objects > 0; i++) {
         const struct eng_object *object = &scene->objects[i];
-        if (object->mesh && object->movement != ENG_STANDS) {
+        if (object->mesh && object->moves != ENG_STANDS) {
             mark_object(wide, scene, object);
         }
     }
@@ -173,6 +173,12 @@ void eng_wide_still_begin(struct eng_wide *wide, const struct eng_scene *scene,
 
 /* ---- in the refit ------------------------------------------------------------------ */
 
+/* Does a feature move? */
+static bool slot_moves(const struct eng_wide_tree *tree, uint32_t slot)
+{
+    return tree->moving[slot / ENG_WIDE] >> slot % ENG_WIDE & 1;
+}
+
 /* Features move with any of their corners. */
 static void mark_features(const struct eng_wide *wide, enum pccd_tree kind,
                           uint32_t first, uint32_t end)
@@ -186,10 +192,10 @@ static void mark_features(const struct eng_wide *wide, enum pccd_tree kind,
         uint32_t mask = 0;
         for (uint32_t k = 0; k < ENG_WIDE; k++) {
             uint32_t slot = block * ENG_WIDE + k;
-            mask |= (uint32_t)(eng_wide_slot_moves(vertices, a[slot]) ||
-                               eng_wide_slot_moves(vertices, b[slot]) ||
-                               eng_wide_slot_moves(vertices, c[slot]))
-                    << k;
+            mask |=
+                (uint32_t)(slot_moves(vertices, a[slot]) ||
+                           slot_moves(vertices, b[slot]) || slot_moves(vertices, c[slot]))
+                << k;
         }
         tree->moving[block] |= (uint16_t)mask;
     }

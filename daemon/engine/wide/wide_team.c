@@ -4,13 +4,12 @@
  * done, which need not mean that all threads are there, chunks of edges and of faces with
  * the first level above them; whoever ends last makes the few boxes above those.
  */
-#include "wide_team.h"
+#include "wide_state.h"
 
 #include <assert.h>
 
 #include "moving.h"
 #include "wait.h"
-#include "wide.h"
 #include "wide_test.h"
 
 /* Chunks of a kind, one's own first, that this thread has made. Those of a step that is
@@ -25,8 +24,7 @@ static uint32_t make_chunks(struct eng_team *team, struct eng_worker *worker,
         while (eng_share_take(&eng_wide_work_of(team->workers[owner])->shares[kind],
                               &chunk)) {
             if (!eng_worker_should_stop(worker)) {
-                eng_wide_refit_chunk(eng_wide_of(team->scene), team->scene, kind, chunk,
-                                     false);
+                eng_wide_refit_chunk(eng_wide_of(team->scene), team->scene, kind, chunk);
             }
             made++;
         }
@@ -66,7 +64,7 @@ bool eng_wide_refit_by_team(struct eng_team *team, struct eng_worker *worker)
         is_last = before + done == all;
     }
     if (is_last && !eng_stop_is_set(worker->stop)) {
-        eng_wide_refit_above(wide, false);
+        eng_wide_refit_above(wide);
     }
     record(worker, begin_ns);
     return is_last;

@@ -4,13 +4,13 @@
 #include <assert.h>
 #include <math.h>
 
-#include "finding.h"
 #include "memory.h"
 #include "narrow.h"
 #include "solve.h"
-#include "wide_free.h"
-#include "wide_grid.h"
+#include "wide.h"
+#include "wide_cells.h"
 #include "wide_state.h"
+#include "worker.h"
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -349,7 +349,7 @@ static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk
     struct eng_wide_work *work = eng_wide_work_of(worker);
     const uint32_t count = chunk->count;
     work->sieves[kind].in_time = work->join.jobs[kind][0].in_time;
-    eng_test_count(worker, kind, count + left_out_in_time(work, kind, count));
+    eng_count_candidates(worker, kind, count + left_out_in_time(work, kind, count));
     if (worker->question->brief && worker->record.tests + count > ENG_BRIEF_TESTS) {
         eng_worker_give_up(worker);
     }
@@ -358,7 +358,7 @@ static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk
     }
     chunk->count = 0;
     look(worker);
-    eng_test_end(worker, kind, count, begin_ns);
+    eng_count_test_time(worker, kind, count, begin_ns);
 }
 
 void eng_wide_work_begin(struct eng_worker *worker)

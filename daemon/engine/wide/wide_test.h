@@ -2,7 +2,7 @@
 #ifndef ENG_WIDE_TEST_H
 #define ENG_WIDE_TEST_H
 
-#include "share.h"
+#include "deque.h"
 #include "wide_join.h"
 #include "worker.h"
 

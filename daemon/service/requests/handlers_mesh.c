@@ -349,7 +349,8 @@ static int derive(struct srv_request *request)
             failed == PCCD_E_STATE ? "is committed already" : proto_status_text(failed));
     }
     if (!is_derived) { /* without memory for it the objects do without */
-        (void)eng_mesh_arrange(engine, request->session->service->options->threads_max);
+        (void)eng_mesh_sort_features(engine,
+                                     request->session->service->options->threads_max);
     }
     struct eng_mesh_info info;
     eng_mesh_get_info(engine, &info);

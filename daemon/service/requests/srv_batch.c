@@ -307,7 +307,7 @@ static void work_item(void *context, uint32_t at, uint32_t thread)
     question.affinity = NULL;
     question.is_stopped = thread == 0 ? question.is_stopped : NULL; /* its own thread */
     question.lane = thread;
-    question.lender = first->engine; /* NULL: the first has none yet */
+    question.scratch_from = first->engine; /* NULL: the first has none yet */
     work_scene(work, rest[at], &question, &work->batch->lanes[thread]);
     if (thread != 0) {
         srv_thread_enter(SRV_THREAD_OTHER);
@@ -347,8 +347,7 @@ static uint32_t work_large(struct work *work, uint64_t *rest_ns)
     for (uint32_t i = 0; i < batch->order_count; i++) {
         uint32_t item = batch->order[i];
         uint64_t own_ns = expects(work, item);
-        if (threads > 1 && eng_step_is_enough(own_ns) &&
-            own_ns > all_ns / (2 * threads)) {
+        if (threads > 1 && eng_team_pays(own_ns) && own_ns > all_ns / (2 * threads)) {
             work_scene(work, item, &work->question, &batch->lanes[0]);
         } else {
             batch->order[left++] = item;
@@ -389,12 +388,12 @@ static uint32_t work_scenes(struct work *work)
     }
     uint32_t left = work_large(work, &rest_ns);
     uint32_t threads = work->question.threads < left ? work->question.threads : left;
-    threads = threads > 1 && eng_step_is_enough(rest_ns) ? threads : 1;
-    eng_each(&(const struct eng_each){.count = left,
-                                      .threads = threads,
-                                      .affinity = work->question.affinity,
-                                      .item = work_item,
-                                      .context = work});
+    threads = threads > 1 && eng_team_pays(rest_ns) ? threads : 1;
+    eng_parallel_for(&(const struct eng_parallel_for){.count = left,
+                                                      .threads = threads,
+                                                      .affinity = work->question.affinity,
+                                                      .item = work_item,
+                                                      .context = work});
     for (uint32_t i = 0; i < batch->count; i++) {
         uint32_t own = batch->items[i].told.threads;
         threads = own > threads ? own : threads;

@@ -153,7 +153,7 @@ void srv_step_nothing(const struct srv_request *request, enum pccd_incomplete wh
     struct eng_question question;
     struct eng_step_result nothing;
     choose(request, &params, &question);
-    eng_step_nothing(&question, &nothing);
+    eng_step_empty_result(&question, &nothing);
     nothing.incomplete = why;
     if (params.is_near) {
         nothing.what = (enum pccd_near_what)question.verb;
@@ -235,14 +235,14 @@ static int stage_lent(struct srv_scene *scene, int status, struct proto_error *e
             continue;
         }
         if (status == 0) {
-            status = eng_stage_lent(scene->engine, placed->engine_idx,
-                                    placed->lent == SRV_LENT_X0X1);
+            status = eng_stage_mapped(scene->engine, placed->engine_idx,
+                                      placed->lent == SRV_LENT_X0X1);
             status = status == 0
                          ? 0
                          : proto_error_set(error, status, "object 0x%x: %s",
                                            placed->handle, proto_status_text(status));
         } else {
-            eng_stage_forget(scene->engine, placed->engine_idx);
+            eng_stage_unmap(scene->engine, placed->engine_idx);
         }
         placed->lent = SRV_LENT_NOTHING;
     }
@@ -443,8 +443,8 @@ static void lend_page(const struct srv_request *request, struct eng_question *qu
         scene->stepped.answer.record_bytes; /* 0: there was no step yet */
     if (request->session->service->lends_pages &&
         scene->expected * record_bytes >= LENT_BYTES_MIN) {
-        question->lent = srv_ring_next(request->plan.ring, record_bytes, scene->expected,
-                                       &question->lent_bytes);
+        question->scratch_memory = srv_ring_next(
+            request->plan.ring, record_bytes, scene->expected, &question->scratch_bytes);
     }
 }
 
@@ -521,7 +521,7 @@ static int work(struct srv_request *request, const struct srv_step_params *param
         request->last_step = srv_laststep_of(&service->spare_step, &result);
     }
     if (params->places) { /* of many scenes, and not all are stepped soon */
-        eng_step_tidy(scene->engine);
+        eng_step_free_scratch(scene->engine);
     }
     if (is_early) {
         request->result.answer = scene->stepped.answer;

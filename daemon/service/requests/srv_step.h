@@ -58,7 +58,7 @@ struct srv_step_run {
 };
 
 /* Move what the scene's objects move, step or ask, and keep the answer in the scene. 0;
- * PCCD_E_AGAIN, of a brief step (brief.h); or another status with *staging.error set:
+ * PCCD_E_AGAIN, of a brief step (step.h); or another status with *staging.error set:
  * nothing is kept then. [compute]; of different scenes on several threads, [team] */
 int srv_step_run(struct srv_step_run *run);
 

@@ -49,7 +49,7 @@ static int try(struct srv_held *held, struct srv_scene *scene, struct proto_erro
     if (status != 0) {
         return proto_error_set(error, status, "no memory for the scene");
     }
-    eng_stage_try(engine);
+    eng_stage_validate(engine);
     srv_sent_end(&scene->sent); /* it has not come to its step */
     status = stage(held, scene, error);
     if (status == 0 && eng_stage_overlaps(engine)) {

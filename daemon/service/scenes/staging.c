@@ -209,7 +209,7 @@ static void forget_from(const struct srv_staging *staging, uint32_t first)
         const struct srv_placed *object =
             srv_scene_find(staging->scene, staging->table[at].object);
         if (object != NULL && may_move(staging, object)) {
-            eng_stage_forget(staging->scene->engine, object->engine_idx);
+            eng_stage_unmap(staging->scene->engine, object->engine_idx);
         }
     }
 }

@@ -1,5 +1,5 @@
-/* kept.c - records of what stands still, from the last answer. */
-#include "kept.h"
+/* answer_cache.c - records of what stands still, from the last answer. */
+#include "answer_cache.h"
 
 #include <assert.h>
 #include <string.h>
@@ -12,51 +12,60 @@
 /* Records of a brief step that are looked at, at most: some 10 us. */
 #define BRIEF_RECORDS 1024u
 
-void eng_kept_deinit(struct eng_kept *kept)
+void eng_answer_cache_deinit(struct eng_answer_cache *cache)
 {
-    eng_free(kept->stands);
-    memset(kept, 0, sizeof *kept);
+    eng_free(cache->stands);
+    memset(cache, 0, sizeof *cache);
 }
 
-uint64_t eng_kept_bytes(const struct eng_kept *kept)
+uint64_t eng_answer_cache_bytes(const struct eng_answer_cache *cache)
 {
-    return kept->stands_size;
+    return cache->stands_size;
 }
 
-static bool reserve(struct eng_kept *kept)
+static bool reserve(struct eng_answer_cache *cache)
 {
-    kept->has_all = !kept->objects_changed;
-    if (kept->count > kept->stands_size) {
-        uint64_t size = kept->count + kept->count / 8;
+    cache->has_all = !cache->objects_changed;
+    if (cache->count > cache->stands_size) {
+        uint64_t size = cache->count + cache->count / 8;
         unsigned char *stands = eng_alloc(size, 1);
         if (!stands) {
             return false;
         }
-        eng_free(kept->stands);
-        kept->stands = stands;
-        kept->stands_size = size;
+        eng_free(cache->stands);
+        cache->stands = stands;
+        cache->stands_size = size;
     }
-    kept->objects_changed = false;
+    cache->objects_changed = false;
     return true;
 }
 
 /* ---- what stands ------------------------------------------------------------------- */
 
+static bool vertex_moves(const struct eng_scene *scene, const struct eng_object *object,
+                         uint32_t vertex)
+{
+    return object->moves == ENG_MOVES_ALL ||
+           scene->moving.moves[object->vertices.first + vertex] != 0;
+}
+
+/* A feature of so many points, by its index, stands if all of its corners do. */
 static bool feature_stands(const struct eng_scene *scene, const struct eng_object *object,
                            uint32_t points, uint32_t feature)
 {
-    if (object->movement == ENG_STANDS) {
+    assert(points >= 1 && points <= 3);
+    if (object->moves == ENG_STANDS) {
         return true;
     }
-    switch (points) {
-    case 1:
-        return !eng_moves_vertex(scene, object, feature);
-    case 2:
-        return !eng_moves_edge(scene, object, feature);
-    default:
-        assert(points == 3);
-        return !eng_moves_face(scene, object, feature);
+    const uint32_t *corners = points == 1   ? &feature
+                              : points == 2 ? object->mesh->edges[feature]
+                                            : object->mesh->leaves[feature].v;
+    for (uint32_t i = 0; i < points; i++) {
+        if (vertex_moves(scene, object, corners[i])) {
+            return false;
+        }
     }
+    return true;
 }
 
 /* The objects of a record: mostly those of the one before it. NULL: not looked for yet,
@@ -75,7 +84,7 @@ static void find_owners(const struct eng_scene *scene, struct owners *owners)
         const struct eng_object *object =
             found == ENG_NO_OBJECT ? NULL : &scene->objects[found];
         owners->object[side] = object;
-        owners->may_stand &= object && object->movement != ENG_MOVES_ALL;
+        owners->may_stand &= object && object->moves != ENG_MOVES_ALL;
     }
 }
 
@@ -104,50 +113,55 @@ static bool record_stands(const struct eng_scene *scene, const unsigned char *re
                           eng_name_word(record, bytes, 4));
 }
 
-bool eng_kept_fits(const struct eng_kept *kept, const struct eng_scene *scene,
-                   const struct eng_question *question, uint64_t number)
+bool eng_answer_cache_fits(const struct eng_answer_cache *cache,
+                           const struct eng_scene *scene,
+                           const struct eng_question *question, uint64_t number)
 {
-    return kept->is_valid && question->tuning.still == ENG_STILL_KEPT &&
-           kept->number == number && kept->mode == question->mode &&
-           kept->tolerance == question->tolerance &&
-           kept->masks_version == scene->masks.version &&
-           kept->thickness == scene->thickness.number &&
-           kept->separation == question->distance &&
-           kept->approach == question->approach && kept->no_hash == question->no_hash &&
+    return cache->is_valid && question->tuning.still == ENG_STILL_KEPT &&
+           cache->number == number && cache->mode == question->mode &&
+           cache->tolerance == question->tolerance &&
+           cache->masks_version == scene->masks.version &&
+           cache->thickness == scene->thickness.number &&
+           cache->separation == question->distance &&
+           cache->approach == question->approach && cache->no_hash == question->no_hash &&
            !scene->thickness.has_changed;
 }
 
-bool eng_kept_is_brief(const struct eng_kept *kept)
+bool eng_answer_cache_is_brief(const struct eng_answer_cache *cache)
 {
-    return kept->count <= BRIEF_RECORDS;
+    return cache->count <= BRIEF_RECORDS;
 }
 
-bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
-                    const struct eng_question *question,
-                    const struct eng_records *records)
+bool eng_answer_cache_begin(struct eng_answer_cache *cache, const struct eng_scene *scene,
+                            const struct eng_question *question,
+                            const struct eng_records *records)
 {
-    assert(!kept->is_valid || kept->mode == PCCD_MODE_ANY ||
-           records->count == kept->count);
+    assert(!cache->is_valid || cache->mode == PCCD_MODE_ANY ||
+           records->count == cache->count);
     (void)records;
-    if (!eng_kept_fits(kept, scene, question, scene->moving.number - 1) ||
-        (question->brief && !eng_kept_is_brief(kept)) || !eng_moves_little(scene)) {
+    if (!eng_answer_cache_fits(cache, scene, question, scene->moving.number - 1) ||
+        (question->brief && !eng_answer_cache_is_brief(cache)) ||
+        !eng_moves_little(scene)) {
         return false;
     }
-    if (!reserve(kept)) {
+    if (!reserve(cache)) {
         return false;
     }
     if (question->mode == PCCD_MODE_ANY) {
-        return kept->verdict == PCCD_VERDICT_NO ||
-               (kept->verdict == PCCD_VERDICT_YES && eng_kept_decides(kept, scene));
+        return cache->verdict == PCCD_VERDICT_NO ||
+               (cache->verdict == PCCD_VERDICT_YES &&
+                eng_answer_cache_decides(cache, scene));
     }
     return true;
 }
 
-bool eng_kept_decides(const struct eng_kept *kept, const struct eng_scene *scene)
+bool eng_answer_cache_decides(const struct eng_answer_cache *cache,
+                              const struct eng_scene *scene)
 {
     struct owners owners = {.may_stand = false};
-    return kept->verdict == PCCD_VERDICT_YES &&
-           record_stands(scene, (const void *)&kept->proof, sizeof kept->proof, &owners);
+    return cache->verdict == PCCD_VERDICT_YES &&
+           record_stands(scene, (const void *)&cache->proof, sizeof cache->proof,
+                         &owners);
 }
 
 /* ---- the part of the last answer --------------------------------------------------- */
@@ -167,7 +181,7 @@ static void count_record(const unsigned char *record, uint32_t record_bytes,
 }
 
 /* Mark what stands; returns how many do. */
-static uint64_t mark(struct eng_kept *kept, const struct eng_scene *scene,
+static uint64_t mark(struct eng_answer_cache *cache, const struct eng_scene *scene,
                      const struct eng_records *records, struct eng_counts *counts,
                      double *bound)
 {
@@ -176,7 +190,7 @@ static uint64_t mark(struct eng_kept *kept, const struct eng_scene *scene,
     for (uint64_t i = 0; i < records->count; i++) {
         const unsigned char *record = records->data + i * records->record_bytes;
         bool stands = record_stands(scene, record, records->record_bytes, &owners);
-        kept->stands[i] = stands;
+        cache->stands[i] = stands;
         if (stands) {
             standing++;
             count_record(record, records->record_bytes, counts, bound);
@@ -186,34 +200,36 @@ static uint64_t mark(struct eng_kept *kept, const struct eng_scene *scene,
 }
 
 /* The end of the run of records from `first` on that are marked as the first one is. */
-static uint64_t end_of_run(const struct eng_kept *kept, uint64_t first, uint64_t count)
+static uint64_t end_of_run(const struct eng_answer_cache *cache, uint64_t first,
+                           uint64_t count)
 {
-    const unsigned char *stands = kept->stands;
+    const unsigned char *stands = cache->stands;
     const void *other = memchr(stands + first, !stands[first], count - first);
     return other ? (uint64_t)((const unsigned char *)other - stands) : count;
 }
 
-double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
-                       struct eng_records *records, struct eng_counts *counts)
+double eng_answer_cache_select(struct eng_answer_cache *cache,
+                               const struct eng_scene *scene, struct eng_records *records,
+                               struct eng_counts *counts)
 {
     double bound = 1;
     uint32_t bytes = records->record_bytes;
-    kept->is_valid = false; /* until the step has ended */
-    if (kept->has_all && scene->moving.objects == 0) {
-        *counts = kept->counts;
+    cache->is_valid = false; /* until the step has ended */
+    if (cache->has_all && scene->moving.objects == 0) {
+        *counts = cache->counts;
         return bound;
     }
     *counts = ENG_COUNTS_NONE;
-    uint64_t standing = mark(kept, scene, records, counts, &bound);
+    uint64_t standing = mark(cache, scene, records, counts, &bound);
     /* Hash whichever are fewer; the hash of those that go is taken from that of all. */
-    bool by_loss = 2 * standing > records->count && !kept->no_hash;
-    bool by_gain = !by_loss && !kept->no_hash;
-    eng_hash_sum sum = by_loss ? kept->counts.hash : 0;
+    bool by_loss = 2 * standing > records->count && !cache->no_hash;
+    bool by_gain = !by_loss && !cache->no_hash;
+    eng_hash_sum sum = by_loss ? cache->counts.hash : 0;
     unsigned char *to = records->data;
     for (uint64_t i = 0; i < records->count;) {
-        uint64_t end = end_of_run(kept, i, records->count);
+        uint64_t end = end_of_run(cache, i, records->count);
         const unsigned char *run = records->data + i * bytes;
-        if (!kept->stands[i]) {
+        if (!cache->stands[i]) {
             sum -= by_loss ? eng_hash_records(run, end - i, bytes) : 0;
         } else {
             sum += by_gain ? eng_hash_records(run, end - i, bytes) : 0;
@@ -229,7 +245,7 @@ double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
     return bound;
 }
 
-void eng_kept_count(const struct eng_records *records, struct eng_counts *counts)
+void eng_answer_cache_count(const struct eng_records *records, struct eng_counts *counts)
 {
     double bound = 1;
     *counts = ENG_COUNTS_NONE;
@@ -240,8 +256,9 @@ void eng_kept_count(const struct eng_records *records, struct eng_counts *counts
     counts->hash = eng_hash_records(records->data, records->count, records->record_bytes);
 }
 
-bool eng_kept_is_crowded(const struct eng_scene *scene, const struct eng_records *records,
-                         const struct eng_counts *counts)
+bool eng_answer_cache_is_crowded(const struct eng_scene *scene,
+                                 const struct eng_records *records,
+                                 const struct eng_counts *counts)
 {
     uint64_t within = counts->initial + counts->inside;
     const uint64_t half = records->count / 2;
@@ -289,7 +306,7 @@ static uint64_t place_among(const struct eng_records *records, uint64_t count,
     return low;
 }
 
-int eng_kept_merge(struct eng_records *records, const struct eng_records *found)
+int eng_answer_cache_merge(struct eng_records *records, const struct eng_records *found)
 {
     uint32_t bytes = records->record_bytes;
     uint64_t left = records->count;
@@ -315,24 +332,26 @@ int eng_kept_merge(struct eng_records *records, const struct eng_records *found)
     return PCCD_OK;
 }
 
-void eng_kept_finish(struct eng_kept *kept, const struct eng_scene *scene,
-                     const struct eng_question *question,
-                     const struct eng_step_result *result,
-                     const struct eng_counts *counts, const struct pccd_pair *proof)
+void eng_answer_cache_finish(struct eng_answer_cache *cache,
+                             const struct eng_scene *scene,
+                             const struct eng_question *question,
+                             const struct eng_step_result *result,
+                             const struct eng_counts *counts,
+                             const struct pccd_pair *proof)
 {
-    kept->is_valid = result->incomplete == PCCD_COMPLETE;
-    kept->number = scene->moving.number;
-    kept->mode = question->mode;
-    kept->tolerance = question->tolerance;
-    kept->masks_version = scene->masks.version;
-    kept->thickness = scene->thickness.number;
-    kept->separation = question->distance;
-    kept->approach = question->approach;
-    kept->no_hash = question->no_hash;
-    kept->count = result->count;
-    kept->counts = *counts;
-    kept->verdict = result->verdict;
+    cache->is_valid = result->incomplete == PCCD_COMPLETE;
+    cache->number = scene->moving.number;
+    cache->mode = question->mode;
+    cache->tolerance = question->tolerance;
+    cache->masks_version = scene->masks.version;
+    cache->thickness = scene->thickness.number;
+    cache->separation = question->distance;
+    cache->approach = question->approach;
+    cache->no_hash = question->no_hash;
+    cache->count = result->count;
+    cache->counts = *counts;
+    cache->verdict = result->verdict;
     if (proof) {
-        kept->proof = *proof;
+        cache->proof = *proof;
     }
 }

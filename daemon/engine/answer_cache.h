@@ -1,4 +1,4 @@
-/* kept.h - keeps the records of what stands still from one answer to the next.
+/* answer_cache.h - keeps the records of what stands still from one answer to the next.
  *
  * Know the last complete answer. A pair of features of which neither moves (moving.h) has
  * the record that it had there, so the methods search for other pairs only; put both
@@ -8,16 +8,16 @@
  * taken out of it (select), and what the step found is merged into them (merge); finish
  * notes the new answer.
  */
-#ifndef ENG_KEPT_H
-#define ENG_KEPT_H
+#ifndef ENG_ANSWER_CACHE_H
+#define ENG_ANSWER_CACHE_H
 
-#include "merge_data.h"
+#include "merge.h"
 #include "question.h"
 #include "result.h"
 #include "step_result.h"
 #include "world.h"
 
-struct eng_kept {
+struct eng_answer_cache {
     /* The last complete answer, whose records are the step memory's. */
     bool is_valid;
     uint64_t number; /* of the motion (moving.h) */
@@ -39,48 +39,54 @@ struct eng_kept {
     uint64_t stands_size;
 };
 
-void eng_kept_deinit(struct eng_kept *kept);
-uint64_t eng_kept_bytes(const struct eng_kept *kept);
+void eng_answer_cache_deinit(struct eng_answer_cache *cache);
+uint64_t eng_answer_cache_bytes(const struct eng_answer_cache *cache);
 
 /* Is the last answer one to a step with these settings, by which the scene came to where
  * it was at this number of the motion (moving.h)? */
-bool eng_kept_fits(const struct eng_kept *kept, const struct eng_scene *scene,
-                   const struct eng_question *question, uint64_t number);
+bool eng_answer_cache_fits(const struct eng_answer_cache *cache,
+                           const struct eng_scene *scene,
+                           const struct eng_question *question, uint64_t number);
 
-/* Are its records so few that a brief step (brief.h) may look at all, and copy them? */
-bool eng_kept_is_brief(const struct eng_kept *kept);
+/* Are its records so few that a brief step (step.h) may look at all, and copy them? */
+bool eng_answer_cache_is_brief(const struct eng_answer_cache *cache);
 
 /* The positions have moved on: does the last answer, `records`, serve a step with these
  * settings, and is it worth it? Reserves memory; without it, no. */
-bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
-                    const struct eng_question *question,
-                    const struct eng_records *records);
+bool eng_answer_cache_begin(struct eng_answer_cache *cache, const struct eng_scene *scene,
+                            const struct eng_question *question,
+                            const struct eng_records *records);
 
 /* If it does, in mode any: has the pair that met neither moved nor gone? Then the answer
  * is yes again. */
-bool eng_kept_decides(const struct eng_kept *kept, const struct eng_scene *scene);
+bool eng_answer_cache_decides(const struct eng_answer_cache *cache,
+                              const struct eng_scene *scene);
 
 /* If it does, in other modes: leave in `records` those that stand, in their order, and
  * count them, *counts. Returns their earliest toi_hi of a proved contact, 1 without. */
-double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
-                       struct eng_records *records, struct eng_counts *counts);
+double eng_answer_cache_select(struct eng_answer_cache *cache,
+                               const struct eng_scene *scene, struct eng_records *records,
+                               struct eng_counts *counts);
 
 /* Of an answer's records and their counts: do more than half begin within the distance of
  * their objects, of which one is thick? */
-bool eng_kept_is_crowded(const struct eng_scene *scene, const struct eng_records *records,
-                         const struct eng_counts *counts);
+bool eng_answer_cache_is_crowded(const struct eng_scene *scene,
+                                 const struct eng_records *records,
+                                 const struct eng_counts *counts);
 
 /* Count records anew. */
-void eng_kept_count(const struct eng_records *records, struct eng_counts *counts);
+void eng_answer_cache_count(const struct eng_records *records, struct eng_counts *counts);
 
 /* Merge `found`, in order and none of them in `records`, into these. PCCD_E_NOMEM: they
  * are as they were. */
-int eng_kept_merge(struct eng_records *records, const struct eng_records *found);
+int eng_answer_cache_merge(struct eng_records *records, const struct eng_records *found);
 
 /* Note a step's answer; `proof` of mode any with a contact. */
-void eng_kept_finish(struct eng_kept *kept, const struct eng_scene *scene,
-                     const struct eng_question *question,
-                     const struct eng_step_result *result,
-                     const struct eng_counts *counts, const struct pccd_pair *proof);
+void eng_answer_cache_finish(struct eng_answer_cache *cache,
+                             const struct eng_scene *scene,
+                             const struct eng_question *question,
+                             const struct eng_step_result *result,
+                             const struct eng_counts *counts,
+                             const struct pccd_pair *proof);
 
 #endif

@@ -1,5 +1,5 @@
-/* tuning.c - how the threads of a step share its work, and its text. */
-#include "tuning.h"
+/* question.c - the text by which a client tunes how threads share a step. */
+#include "question.h"
 
 #include <assert.h>
 #include <stdio.h>

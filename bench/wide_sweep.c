@@ -5,7 +5,6 @@
 #include <omp.h>
 #include <string.h>
 
-#include "array.h"
 #include "clock.h"
 #include "frames.h"
 #include "memory.h"
@@ -136,24 +135,23 @@ static void perform(struct sweeper *sweeper, const struct tasks *tasks)
 
 static void refit(struct eng_wide *wide, const struct eng_scene *scene, uint32_t threads)
 {
-    if (threads == 1) {
-        eng_wide_refit(wide, scene, true);
-        return;
-    }
+    eng_wide_still_begin(wide, scene, false, false);
+    wide->is_swept = true;
     struct eng_parallel region = eng_parallel_open();
-#pragma omp parallel num_threads((int)threads)
+#pragma omp parallel num_threads((int)threads) if (threads > 1)
     {
         ENG_PARALLEL_JOIN(region);
         for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
             uint32_t count = eng_wide_refit_chunks(wide, kind);
 #pragma omp for schedule(dynamic, 4)
             for (uint32_t i = 0; i < count; i++) {
-                eng_wide_refit_chunk(wide, scene, kind, i, true);
+                eng_wide_refit_chunk(wide, scene, kind, i);
             }
         }
     }
     eng_parallel_close();
-    eng_wide_refit_above(wide, true);
+    eng_wide_refit_above(wide);
+    wide->is_swept = false;
 }
 
 static int pairs(struct sweeper *sweepers, uint32_t threads, uint32_t top,
