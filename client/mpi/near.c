@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "names.h"
 #include "near_objects.h"
 #include "rounding.h"
 #include "step.h"
@@ -48,7 +49,7 @@ static int check(struct pccd_mpi *world, const struct pccd_near_settings *near)
         return ranks_fail(&world->link, PCCD_E_INVAL,
                           "there is no such question, end or method");
     }
-    if (near->what <= PCCD_NEAR_NEAREST && !is_far) {
+    if (common_near_has_distance(near->what) && !is_far) {
         status = check_length(world, "distance", near->distance);
     }
     if (status == PCCD_OK && is_nearest) {
@@ -91,7 +92,7 @@ int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
     int status = check(world, &near);
     uint64_t hash = hash_of(&near);
     near.threads = near.threads > 0 ? near.threads : world->threads;
-    if (near.what <= PCCD_NEAR_VERTICES) { /* so far ghosts reach */
+    if (common_near_has_all_pairs(near.what)) { /* so far ghosts reach */
         moment.settings.separation = near.distance;
     }
     return ranks_moment_make(world, RANKS_NEAR, hash, status, &moment, answer);

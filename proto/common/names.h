@@ -1,7 +1,8 @@
-/* names.h - the names of modes, methods and questions, such as "first" and "wide". */
+/* names.h - names of modes, methods and questions; what questions have. */
 #ifndef COMMON_NAMES_H
 #define COMMON_NAMES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -29,6 +30,18 @@ static inline const char *common_method_name(uint32_t method)
 static inline const char *common_near_name(uint32_t what)
 {
     return what < PCCD_NEAR_COUNT ? common_near_names[what] : NULL;
+}
+
+/* Return whether the question goes by a distance. */
+static inline bool common_near_has_distance(uint32_t what)
+{
+    return what != PCCD_NEAR_CROSSINGS && what != PCCD_NEAR_DEPTH;
+}
+
+/* Return whether it is about all pairs within the distance; these tell crossings, too. */
+static inline bool common_near_has_all_pairs(uint32_t what)
+{
+    return common_near_has_distance(what) && what != PCCD_NEAR_NEAREST;
 }
 
 #endif

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "names.h"
 #include "oracle_near.h"
 
 /* The player's scene at one end of its last step, objects by increasing id. */
@@ -81,7 +82,7 @@ static void moment_init(struct moment *moment, const struct player *player,
 static bool has_crossings(const struct eng_question *settings)
 {
     return settings->verb == PCCD_NEAR_CROSSINGS ||
-           (settings->verb <= PCCD_NEAR_VERTICES && settings->tells_crossings);
+           (common_near_has_all_pairs(settings->verb) && settings->tells_crossings);
 }
 
 /* false: it would take too long. */
@@ -394,7 +395,7 @@ static const char *check_verdict(const struct truth *truth,
                                  const struct eng_step_result *result)
 {
     bool is_free = truth->crossings.count == 0 && truth->pairs.count == 0;
-    if (result->what <= PCCD_NEAR_VERTICES && result->incomplete == PCCD_COMPLETE &&
+    if (common_near_has_all_pairs(result->what) && result->incomplete == PCCD_COMPLETE &&
         result->crossings != truth->crossings.count) {
         return "what crosses beside what was asked";
     }
@@ -421,7 +422,8 @@ static void sum_up(const struct truth *truth, const struct eng_question *setting
     sums->pairs += truth->pairs.count;
     sums->features += truth->features.count;
     sums->crossings += truth->crossings.count;
-    sums->beside += settings->verb <= PCCD_NEAR_VERTICES ? truth->crossings.count : 0;
+    sums->beside +=
+        common_near_has_all_pairs(settings->verb) ? truth->crossings.count : 0;
     sums->parts += result->incomplete != PCCD_COMPLETE ? result->count : 0;
     sums->free += settings->verb == PCCD_NEAR_CROSSINGS && truth->crossings.count == 0 &&
                   truth->pairs.count == 0;

@@ -45,10 +45,10 @@ static void check_usage(const struct argp_state *state, struct near_options *opt
     if (options->ask.path_count == 0) {
         tool_misused(state, "one file at least: each is an object");
     }
-    if (!options->has_distance && what <= PCCD_NEAR_VERTICES) {
+    if (!options->has_distance && common_near_has_all_pairs(what)) {
         tool_misused(state, "--distance is missing: how near is near?");
     }
-    if (options->has_distance && what > PCCD_NEAR_NEAREST) {
+    if (options->has_distance && !common_near_has_distance(what)) {
         tool_misused(state, "--distance: %s has no use for it", common_near_name(what));
     }
     if (options->has_gap && what != PCCD_NEAR_NEAREST) {
@@ -63,7 +63,8 @@ static void check_usage(const struct argp_state *state, struct near_options *opt
     if (options->has_self && what == PCCD_NEAR_NEAREST) {
         tool_misused(state, "--self: nearest is of two objects");
     }
-    if (options->ask.path_count > 1 && !options->has_self && what <= PCCD_NEAR_FEATURES) {
+    if (options->ask.path_count > 1 && !options->has_self &&
+        (what == PCCD_NEAR_PAIRS || what == PCCD_NEAR_FEATURES)) {
         options->ask.object.what |= PCCD_OBJECT_SELF;
         options->ask.object.self_collision = false;
     }
@@ -114,7 +115,7 @@ struct pccd_near_settings near_options_settings(const struct near_options *optio
     settings.threads = options->ask.threads;
     settings.method = options->ask.method;
     settings.deadline_ns = options->ask.deadline_ns;
-    settings.tells_crossings = settings.what <= PCCD_NEAR_VERTICES;
+    settings.tells_crossings = common_near_has_all_pairs(settings.what);
     if (options->ask.tuning != NULL) {
         strcpy(settings.tuning, options->ask.tuning);
     }

@@ -54,7 +54,7 @@ static void print_question(FILE *to, const struct near_run *near)
         {"vertex inside", "vertices inside"}};
     const struct pccd_near_settings *settings = &near->settings;
     const struct pccd_answer *answer = &near->step.answer;
-    bool has_limit = settings->what <= PCCD_NEAR_VERTICES ||
+    bool has_limit = common_near_has_all_pairs(settings->what) ||
                      (settings->what == PCCD_NEAR_NEAREST && !isinf(settings->distance));
     fprintf(
         to, "near       %" PRIu64 " %s", answer->total,
@@ -158,8 +158,8 @@ bool near_report_json(FILE *to, const struct near_run *near)
     add_objects(all, near, &ok);
     set(all, "what", json_string(common_near_name(settings->what)), &ok);
     set(all, "distance",
-        real_or_null(settings->distance,
-                     settings->what <= PCCD_NEAR_NEAREST && !isinf(settings->distance)),
+        real_or_null(settings->distance, common_near_has_distance(settings->what) &&
+                                             !isinf(settings->distance)),
         &ok);
     set(all, "gap", real_or_null(settings->gap, settings->what == PCCD_NEAR_NEAREST),
         &ok);

@@ -11,6 +11,7 @@
 #include "answer_hash.h"
 #include "clock.h"
 #include "ctl.h"
+#include "names.h"
 #include "payload.h"
 #include "playing.h"
 #include "proto_limits.h"
@@ -442,7 +443,7 @@ static int follow_near(struct playing *playing, const struct record_view *view,
     double most = asked->what == PCCD_NEAR_NEAREST ? INFINITY : PROTO_COORDINATE_MAX;
     status = judge_lengths(
         playing, view,
-        (is_length(asked->distance, most) || asked->what >= PCCD_NEAR_CROSSINGS) &&
+        (is_length(asked->distance, most) || !common_near_has_distance(asked->what)) &&
             (is_length(asked->gap, most) || asked->what != PCCD_NEAR_NEAREST),
         near.recorded != NULL ? near.recorded->status == PCCD_OK : !asks_daemon, error);
     if (status == PCCD_OK && shows && asks_daemon) {

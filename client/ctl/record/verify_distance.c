@@ -7,6 +7,7 @@
 
 #include "answer_hash.h"
 #include "kinds.h"
+#include "names.h"
 #include "oracle_near.h"
 #include "registry.h"
 #include "verify.h"
@@ -409,7 +410,7 @@ static int check(struct judge *judge)
     bool crosses = asked->what == PCCD_NEAR_CROSSINGS;
     struct oracle_nears pairs = {.count = 0}, more = {.count = 0};
     int is_right = -1;
-    if (judge->near->tells_crossings && asked->what <= PCCD_NEAR_VERTICES) {
+    if (judge->near->tells_crossings && common_near_has_all_pairs(asked->what)) {
         if (!oracle_near_crossings(&judge->moment, DECISIONS_MAX, &more)) {
             return -1;
         }

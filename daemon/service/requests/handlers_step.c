@@ -4,6 +4,7 @@
 
 #include "holding.h"
 #include "invariant.h"
+#include "names.h"
 #include "now.h"
 #include "service.h"
 #include "session.h"
@@ -54,11 +55,6 @@ static int check_step(struct srv_call *call, const struct srv_step_params *param
     return srv_check_length(call, "separation", params->separation);
 }
 
-static bool has_distance(uint32_t what)
-{
-    return what != PCCD_NEAR_CROSSINGS && what != PCCD_NEAR_DEPTH;
-}
-
 static int check_near(struct srv_call *call)
 {
     const struct proto_SCENE_NEAR_request *asked = &call->params.SCENE_NEAR;
@@ -67,7 +63,7 @@ static int check_near(struct srv_call *call)
     if (status == 0) {
         status = srv_check_choice(call, "end", asked->end, 2);
     }
-    if (status == 0 && has_distance(asked->what)) {
+    if (status == 0 && common_near_has_distance(asked->what)) {
         status = is_nearest && asked->distance == INFINITY
                      ? 0
                      : srv_check_length(call, "distance", asked->distance);
