@@ -35,9 +35,6 @@ static void measure_alone(struct model_costs *costs)
     static struct eng_deque deque;
     struct bench_samples clock = {0};
     struct bench_samples take = {0};
-    struct bench_samples relax = {0};
-    const char *spins =
-        getenv("GOMP_SPINCOUNT"); /* turns of the runtime's waiting loop */
     eng_deque_init(&deque);
     for (int repeat = 0; repeat < REPEATS; repeat++) {
         uint64_t task;
@@ -52,15 +49,9 @@ static void measure_alone(struct model_costs *costs)
             eng_deque_pop(&deque, &task);
         }
         bench_add(&take, per(begin_ns, LOOPS));
-        begin_ns = common_now_ns();
-        for (uint32_t i = 0; i < LOOPS; i++) {
-            eng_relax();
-        }
-        bench_add(&relax, per(begin_ns, LOOPS));
     }
     costs->clock = median_of(&clock);
     costs->take = median_of(&take);
-    costs->spin = median_of(&relax) * (spins ? (double)strtoul(spins, NULL, 10) : 0);
 }
 
 /* ---- the team -------------------------------------------------------------------- */
@@ -137,7 +128,6 @@ void model_costs_print(const struct model_costs *costs, FILE *out)
     fprintf(out,
             "cost,ns\nreading of the clock,%.1f\ntask of one's own,%.1f\n"
             "barrier of two,%.1f\nregion to second thread,%.1f\n"
-            "each thread that is woken,%.1f\nspin before sleep,%.1f\n",
-            costs->clock, costs->take, costs->barrier, costs->wake, costs->wake_each,
-            costs->spin);
+            "each thread that is woken,%.1f\n",
+            costs->clock, costs->take, costs->barrier, costs->wake, costs->wake_each);
 }

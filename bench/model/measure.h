@@ -46,7 +46,6 @@ struct model_costs {
     double barrier;   /* of two threads that arrive together */
     double wake;      /* from the start of a region until the second thread runs */
     double wake_each; /* the starter's time for each thread that it wakes */
-    double spin;      /* how long a thread waits before it sleeps */
 };
 
 /* Measure all, on the first two processors of `affinity`. Takes about a second. */

@@ -89,18 +89,29 @@ void model_work(struct model_threads *threads, uint32_t thread, double ns)
     threads->busy[thread] += ns;
 }
 
+/* When a thread that waits from `arrival` on sees what happened at `end`: as in the
+ * engine's wait.c it spins for a while, then sleeps longer and longer. */
+static double seen(double arrival, double end)
+{
+    double sleep = 20000;
+    double now = arrival + 200000;
+    if (now >= end) {
+        return end;
+    }
+    while (now < end) {
+        now += sleep;
+        sleep = fmin(2 * sleep, 160000);
+    }
+    return now;
+}
+
 /* Two threads were measured; that it grows with the logarithm of their number is
- * assumed. Who waits longer than the runtime spins is asleep, and sleepers are woken one
- * by one. */
+ * assumed. */
 void model_barrier(struct model_threads *threads)
 {
-    const struct model_costs *costs = threads->costs;
-    double end = model_latest(threads) + costs->barrier * log2(threads->count);
-    uint32_t sleepers = 0;
+    double end = model_latest(threads) + threads->costs->barrier * log2(threads->count);
     for (uint32_t t = 0; t < threads->count; t++) {
-        bool sleeps = end - threads->now[t] > costs->spin;
-        threads->now[t] = sleeps ? end + costs->wake + costs->wake_each * sleepers : end;
-        sleepers += sleeps;
+        threads->now[t] = seen(threads->now[t], end);
     }
 }
 
