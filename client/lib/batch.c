@@ -57,7 +57,7 @@ static int check_part(struct pccd_client *client, const struct pccd_batch_part *
 static int check_parts(struct pccd_client *client, const struct pccd_batch_part *parts,
                        uint32_t part_count, struct pccd_batch **batch)
 {
-    int status = 0;
+    int status;
 
     if (batch == NULL || parts == NULL || part_count == 0) {
         return cli_fail(client, PCCD_E_INVAL, "%s",
@@ -67,10 +67,7 @@ static int check_parts(struct pccd_client *client, const struct pccd_batch_part 
         return cli_fail(client, PCCD_E_LIMIT, "a batch has at most %u parts, not %u",
                         PROTO_SEGMENTS_MAX, part_count);
     }
-    if ((client->link.features & PROTO_FEATURE_BATCH) == 0) {
-        return cli_fail(client, PCCD_E_VERSION,
-                        "batch.submit: the daemon at %s is older than this", client->url);
-    }
+    status = cli_check_feature(client, PROTO_FEATURE_BATCH, "batch.submit");
     for (uint32_t i = 0; status == 0 && i < part_count; i++) {
         status = check_part(client, parts, i);
     }

@@ -191,10 +191,9 @@ struct pccd_client {
 int cli_fail(struct pccd_client *client, int status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* PCCD_E_VERSION, with a text, if the daemon knows nothing of thickness (scene.c). */
-int cli_check_thick(struct pccd_client *client, const char *method);
-/* The same, where it tells what crosses. */
-int cli_check_tells(struct pccd_client *client, const char *method);
+/* Check that the daemon has a feature, one bit of PROTO_FEATURE_*, which `what`, a method
+ * or a call, needs: 0, or PCCD_E_VERSION with a text. */
+int cli_check_feature(struct pccd_client *client, uint64_t feature, const char *what);
 
 /* ---- whose turn it is -------------------------------------------------------------- */
 

@@ -101,9 +101,9 @@ int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms)
     int status = 0;
 
     CLI_ENTER_OR_RETURN(client);
-    if ((client->link.features & PROTO_FEATURE_HELD) == 0) {
-        return cli_fail(client, PCCD_E_VERSION,
-                        "the daemon at %s is too old to tell what it holds", client->url);
+    status = cli_check_feature(client, PROTO_FEATURE_HELD, "scene.held");
+    if (status != 0) {
+        return status;
     }
     deadline_ns = cli_deadline(client, timeout_ms);
     cli_step_drain(client);
@@ -252,9 +252,9 @@ static int ask(struct pccd_client *client)
                                                 .scene = client->watch->of_scene};
     int status;
 
-    if ((client->link.features & PROTO_FEATURE_OBSERVE) == 0) {
-        return cli_fail(client, PCCD_E_VERSION, "watch: %s is too old for it",
-                        client->daemon);
+    status = cli_check_feature(client, PROTO_FEATURE_OBSERVE, "watch");
+    if (status != 0) {
+        return status;
     }
     status = cli_call_sync(client, PROTO_METHOD_WATCH_START, &request, NULL,
                            cli_deadline(client, -1));

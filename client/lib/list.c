@@ -36,11 +36,7 @@ static int check(struct pccd_client *client, int method, bool given)
         return cli_fail(client, PCCD_E_INVAL, "%s: an argument is NULL", what);
     }
     status = cli_alive(client);
-    if (status == 0 && (client->link.features & PROTO_FEATURE_OBSERVE) == 0) {
-        status = cli_fail(client, PCCD_E_VERSION, "%s: %s is too old for it", what,
-                          client->daemon);
-    }
-    return status;
+    return status == 0 ? cli_check_feature(client, PROTO_FEATURE_OBSERVE, what) : status;
 }
 
 static int call(struct pccd_client *client, int method, const void *request, void *result)

@@ -165,14 +165,11 @@ static int check_mesh(struct pccd_client *client, const struct pccd_mesh_data *d
         return cli_fail(client, PCCD_E_INVAL, "mesh: %s", wrong);
     }
     status = cli_alive(client);
-    if (status == 0 && is_free && (client->link.features & PROTO_FEATURE_FREE) == 0) {
-        status = cli_fail(client, PCCD_E_VERSION,
-                          "mesh.data: the daemon at %s is older than this; it knows "
-                          "triangles alone",
-                          client->url);
+    if (status == 0 && is_free) {
+        status = cli_check_feature(client, PROTO_FEATURE_FREE, "mesh.data");
     }
     if (status == 0 && data->radii != NULL) {
-        status = cli_check_thick(client, "mesh.data");
+        status = cli_check_feature(client, PROTO_FEATURE_THICK, "mesh.data");
     }
     if (status == 0 && client->ring.upload.base == NULL) {
         status = cli_ring_reserve(client, first_slot_bytes(client, data),

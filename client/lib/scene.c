@@ -20,13 +20,8 @@ static int take_name(struct pccd_client *client, const char *name,
                         "scene.create: a name of %zu bytes, not of 1 to %u", bytes,
                         PROTO_STR_MAX);
     }
-    if ((client->link.features & PROTO_FEATURE_SHARED) == 0) {
-        return cli_fail(client, PCCD_E_VERSION,
-                        "the daemon at %s is too old for scenes that clients share",
-                        client->url);
-    }
     memcpy(request->name, name, bytes + 1);
-    return 0;
+    return cli_check_feature(client, PROTO_FEATURE_SHARED, "scene.create");
 }
 
 /* What a scene is shared as. */
@@ -147,40 +142,6 @@ int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t objec
 
 /* ---- which objects are tested against each other ----------------------------------- */
 
-/* A daemon without these would answer E_NOMETHOD, which says less. */
-static int check_daemon(struct pccd_client *client, const char *method)
-{
-    if ((client->link.features & PROTO_FEATURE_FILTERS) == 0) {
-        return cli_fail(client, PCCD_E_VERSION,
-                        "%s: the daemon at %s is older than this; it tests every object "
-                        "against every other one",
-                        method, client->url);
-    }
-    return 0;
-}
-
-int cli_check_thick(struct pccd_client *client, const char *method)
-{
-    if ((client->link.features & PROTO_FEATURE_THICK) == 0) {
-        return cli_fail(client, PCCD_E_VERSION,
-                        "%s: the daemon at %s is older than this; to it all features are "
-                        "without thickness",
-                        method, client->url);
-    }
-    return 0;
-}
-
-int cli_check_tells(struct pccd_client *client, const char *method)
-{
-    if ((client->link.features & PROTO_FEATURE_TELLS) == 0) {
-        return cli_fail(client, PCCD_E_VERSION,
-                        "%s: the daemon at %s is older than this; it does not tell what "
-                        "crosses",
-                        method, client->url);
-    }
-    return 0;
-}
-
 static int check_settings(struct pccd_client *client,
                           const struct pccd_object_settings *settings)
 {
@@ -197,7 +158,7 @@ static int check_settings(struct pccd_client *client,
     }
     if (settings->what != (uint32_t)PCCD_OBJECT_ALL &&
         (settings->what & COMMON_OBJECT_THICK) != 0) {
-        return cli_check_thick(client, "object.set");
+        return cli_check_feature(client, PROTO_FEATURE_THICK, "object.set");
     }
     return 0;
 }
@@ -206,7 +167,7 @@ static int call_set(struct pccd_client *client,
                     const struct proto_OBJECT_SET_request *request,
                     struct proto_OBJECT_SET_result *result)
 {
-    int status = check_daemon(client, "object.set");
+    int status = cli_check_feature(client, PROTO_FEATURE_FILTERS, "object.set");
 
     return status != 0 ? status
                        : cli_call_sync(client, PROTO_METHOD_OBJECT_SET, request, result,
@@ -260,7 +221,7 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
     int status;
 
     CLI_ENTER_OR_RETURN(client);
-    status = check_daemon(client, "scene.ignore");
+    status = cli_check_feature(client, PROTO_FEATURE_FILTERS, "scene.ignore");
     return status != 0 ? status
                        : cli_call_sync(client, PROTO_METHOD_SCENE_IGNORE, &request, NULL,
                                        cli_deadline(client, -1));

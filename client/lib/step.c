@@ -50,10 +50,10 @@ static int describe_step(struct pccd_client *client, const void *asked, uint32_t
         status = put_tuning(client, settings.tuning, message->tuning);
     }
     if (status == 0 && (settings.separation != 0.0 || settings.approach != 0.0)) {
-        status = cli_check_thick(client, "frame.submit");
+        status = cli_check_feature(client, PROTO_FEATURE_THICK, "frame.submit");
     }
     if (status == 0 && settings.tells_start) {
-        status = cli_check_tells(client, "frame.submit");
+        status = cli_check_feature(client, PROTO_FEATURE_TELLS, "frame.submit");
     }
     return status;
 }
@@ -83,18 +83,14 @@ static int describe_near(struct pccd_client *client, const void *asked, uint32_t
                          struct proto_SCENE_NEAR_request *message)
 {
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
-    int status = 0;
+    int status = cli_check_feature(client, PROTO_FEATURE_NEAR, "scene.near");
 
-    if ((client->link.features & PROTO_FEATURE_NEAR) == 0) {
-        return cli_fail(client, PCCD_E_VERSION,
-                        "scene.near: the daemon at %s is older than this", client->url);
-    }
-    if (asked != NULL) {
+    if (status == 0 && asked != NULL) {
         status = cli_struct_read(client, "settings of scene.near", asked, &settings,
                                  sizeof settings);
     }
     if (status == 0 && settings.tells_crossings) {
-        status = cli_check_tells(client, "scene.near");
+        status = cli_check_feature(client, PROTO_FEATURE_TELLS, "scene.near");
     }
     if (status != 0) {
         return status;
