@@ -212,14 +212,6 @@ void eng_poly_divide(struct eng_poly *out, struct eng_poly *a, const struct eng_
     }
 }
 
-void eng_poly_reduce(struct eng_poly *a, const struct eng_poly *b)
-{
-    assert(b->degree > 0 && mpz_sgn(b->c[b->degree]) > 0);
-    while (a->degree >= b->degree) {
-        eng_poly_eliminate(a, b);
-    }
-}
-
 /* a t^2 + b t + c with one root twice: the root is that of the slope. */
 static void make_quadratic_free(struct eng_poly *poly)
 {

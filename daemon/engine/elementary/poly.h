@@ -58,10 +58,6 @@ void eng_poly_make_primitive(struct eng_poly *poly);
  * (Gauss). `a` is used up. */
 void eng_poly_divide(struct eng_poly *out, struct eng_poly *a, const struct eng_poly *b);
 
-/* a = a positive multiple of what division by b leaves of a. b has a degree of 1 or more
- * and a positive leading coefficient. */
-void eng_poly_reduce(struct eng_poly *a, const struct eng_poly *b);
-
 /* The polynomial with the same roots, each simple, up to a constant factor. `a` is of
  * degree 1 to 3. */
 void eng_poly_square_free(struct eng_poly *out, const struct eng_poly *a);

@@ -99,11 +99,6 @@ struct eng_object_thickness {
     uint32_t rest_rings;
 };
 
-#define ENG_OBJECT_THICKNESS_DEFAULT                                                     \
-    {                                                                                    \
-        false, 0, 0, 0                                                                   \
-    }
-
 /* PCCD_E_INVAL: no such object; a number that is negative or not finite. PCCD_E_LIMIT:
  * one beyond 1e18, or more than 8 rings; or vertices of the mesh have so many others in
  * that many rings, more than 256 on average, that the lists of them would be too long
