@@ -1,8 +1,4 @@
-/* batch.c - steps of many small scenes: one batch beside as many single requests.
- *
- * The same steps of the same scenes, by turns: a batch by one thread and by two, single
- * requests one after the other, and 16 at a time. All must have the same hashes.
- */
+/* batch.c - steps of many small scenes: one batch beside as many single requests. */
 #include <dirent.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -12,7 +8,7 @@
 #include "asker.h"
 #include "farm.h"
 #include "pccd.h"
-#include "report.h"
+#include "sections.h"
 
 #define IN_FLIGHT 16u
 
@@ -26,12 +22,9 @@ static const char *const way_names[WAYS] = {
     [FLOWING] = "single requests, 16 in flight",
 };
 
-struct measured {
-    struct bench_samples ms[WAYS];
-    struct bench_samples cpu_ms[WAYS]; /* of the daemon's threads */
-    struct bench_samples steps_ms;     /* sum of the step times of the single requests */
-    struct bench_samples sum_ms;       /* likewise, of the batch by one thread */
-};
+/* What is measured: the sum of the step times of the single requests, and of the batch by
+ * one thread; of each way the time, and that of the daemon's threads. */
+enum { SUM_SINGLE, SUM_BATCH, WALL, PROCESSOR = WALL + WAYS, SIDES = PROCESSOR + WAYS };
 
 struct hash {
     uint64_t sum[2];
@@ -122,7 +115,7 @@ static void take_single(struct test_farm *farm, const void *const *x1, uint32_t 
 
 /* One turn in each way; the first turns, in which trees are built, are not counted. */
 static void take_turn(struct test_farm farms[WAYS], const void *const *x1, uint32_t turn,
-                      uint32_t warm, struct measured *measured)
+                      uint32_t warm, struct bench_side sides[SIDES])
 {
     struct hash hashes[WAYS] = {{{0}}};
     for (uint32_t k = 0; k < WAYS; k++) {
@@ -139,12 +132,12 @@ static void take_turn(struct test_farm farms[WAYS], const void *const *x1, uint3
         }
         double took_ms = now_ms() - begin_ms;
         if (turn > warm) {
-            bench_add(&measured->ms[way], took_ms);
-            bench_add(&measured->cpu_ms[way], cpu_ms(pid) - begin_cpu_ms);
+            bench_add(&sides[WALL + way].samples, took_ms);
+            bench_add(&sides[PROCESSOR + way].samples, cpu_ms(pid) - begin_cpu_ms);
             if (way == SINGLE) {
-                bench_add(&measured->steps_ms, sum_ms);
+                bench_add(&sides[SUM_SINGLE].samples, sum_ms);
             } else if (way == ALONE) {
-                bench_add(&measured->sum_ms, sum_ms);
+                bench_add(&sides[SUM_BATCH].samples, sum_ms);
             }
         }
     }
@@ -154,40 +147,31 @@ static void take_turn(struct test_farm farms[WAYS], const void *const *x1, uint3
     }
 }
 
-static void print(const char *scene, const char *what, uint32_t threads,
-                  const struct bench_samples *samples, const char *base_name,
-                  const struct bench_samples *base)
+/* Time, then the daemon's processor time; first the sums of step times. */
+static void report(const char *scene, struct bench_side sides[SIDES])
 {
-    bench_row(&(struct bench_row){.scene = scene,
-                                  .what = what,
-                                  .unit = "ms",
-                                  .samples = samples,
-                                  .base_name = base_name,
-                                  .base = base,
-                                  .threads = threads});
-}
-
-static void report(const char *scene, struct measured *measured)
-{
-    print(scene, "sum of step times, single", 1, &measured->steps_ms, NULL, NULL);
-    print(scene, "sum of step times, in a batch", 1, &measured->sum_ms, "single",
-          &measured->steps_ms);
-    for (uint32_t way = 0; way < WAYS; way++) {
-        bool is_team = way == TOGETHER;
-        print(scene, way_names[way], is_team ? 2 : 1, &measured->ms[way],
-              is_team ? "1 thread" : "sum",
-              is_team ? &measured->ms[ALONE] : &measured->steps_ms);
+    for (unsigned i = 0; i < SIDES; i++) {
+        struct bench_side *side = &sides[i];
+        enum way way = (enum way)((i - WALL) % WAYS);
+        side->unit = "ms";
+        side->base_name = "sum";
+        side->base = SUM_SINGLE;
+        if (i < WALL) {
+            continue;
+        }
+        snprintf(side->what, sizeof side->what, "%s%s", way_names[way],
+                 i >= PROCESSOR ? ", processor" : "");
+        side->threads = way == TOGETHER ? 2 : 1;
+        if (i == WALL + TOGETHER) {
+            side->base_name = "1 thread";
+            side->base = WALL + ALONE;
+        }
     }
-    for (uint32_t way = 0; way < WAYS; way++) {
-        char what[64];
-        snprintf(what, sizeof what, "%s, processor", way_names[way]);
-        print(scene, what, way == TOGETHER ? 2 : 1, &measured->cpu_ms[way], "sum",
-              &measured->steps_ms);
-        bench_free(&measured->ms[way]);
-        bench_free(&measured->cpu_ms[way]);
-    }
-    bench_free(&measured->steps_ms);
-    bench_free(&measured->sum_ms);
+    strcpy(sides[SUM_SINGLE].what, "sum of step times, single");
+    sides[SUM_SINGLE].base_name = NULL;
+    strcpy(sides[SUM_BATCH].what, "sum of step times, in a batch");
+    sides[SUM_BATCH].base_name = "single";
+    bench_sides_end(scene, sides, SIDES, true);
 }
 
 /* Each way has scenes of its own, in a session of its own, in one daemon. */
@@ -196,7 +180,7 @@ static void measure(const char *scene, uint32_t count, uint32_t side, uint32_t t
 {
     struct pccd_client *clients[WAYS]; /* handles, which are in the hashes, are alike */
     struct test_farm farms[WAYS];
-    struct measured measured = {.ms = {{0}}};
+    struct bench_side sides[SIDES] = {0};
     for (uint32_t way = 0; way < WAYS; way++) {
         struct pccd_options options;
         pccd_options_init(&options);
@@ -216,9 +200,9 @@ static void measure(const char *scene, uint32_t count, uint32_t side, uint32_t t
             test_farm_positions(&farms[0], i, turn, (float(*)[3])(void *)(x + i * bytes));
             x1[i] = x + i * bytes;
         }
-        take_turn(farms, x1, turn, warm, &measured);
+        take_turn(farms, x1, turn, warm, sides);
     }
-    report(scene, &measured);
+    report(scene, sides);
     for (uint32_t way = 0; way < WAYS; way++) {
         test_farm_free(&farms[WAYS - 1 - way]);
         pccd_close(clients[WAYS - 1 - way]); /* the daemon's own last */
@@ -227,7 +211,7 @@ static void measure(const char *scene, uint32_t count, uint32_t side, uint32_t t
     free(x);
 }
 
-int main(int argc, char **argv)
+int section_batch(const struct bench_options *options)
 {
     static const struct {
         const char *name;
@@ -235,19 +219,14 @@ int main(int argc, char **argv)
     } sizes[] = {{"1000 x 1058 triangles", 1000, 24}, /* 1000 or a few more */
                  {"1000 x 32 triangles", 1000, 5},
                  {"100 x 10082 triangles", 100, 72}};
-    struct bench_options options;
-    int exit_status;
-    if (!bench_begin("batch", argc, argv, &options, &exit_status)) {
-        return exit_status;
-    }
     bench_heading("batches");
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        if (bench_is_wanted(&options, sizes[i].name)) {
-            measure(options.smoke ? "tiny" : sizes[i].name,
-                    options.smoke ? 20 : sizes[i].count,
-                    options.smoke ? 3 : sizes[i].side, options.smoke ? 3 : 15,
-                    options.smoke ? 1 : 5);
+        if (bench_is_wanted(options, sizes[i].name)) {
+            measure(options->smoke ? "tiny" : sizes[i].name,
+                    options->smoke ? 20 : sizes[i].count,
+                    options->smoke ? 3 : sizes[i].side, options->smoke ? 3 : 15,
+                    options->smoke ? 1 : 5);
         }
     }
-    return bench_end();
+    return 0;
 }

@@ -1,12 +1,7 @@
-/* connect.c - what it costs to begin: to connect, to ask for the first time.
+/* connect.c - what it costs to begin: time and memory until the first answers.
  *
- * Measure attaching the shared memory; from pccd_connect to the first answer of 1000
- * triangles that share no vertex; `pccdctl check` of two triangles, by a daemon that runs
- * and by one that it starts; the first step of 178 802 triangles beside the second; and
- * the memory that each takes. What is asked of each is what the ratios are to: below 1 it
- * is kept.
- *
- * Threads: one, and processes. Needs PCCDD and PCCDCTL, which make sets.
+ * What is asked of each is what the ratios are to. Needs PCCDD and PCCDCTL, which make
+ * sets.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,7 +15,7 @@
 #include "grid.h"
 #include "process_status.h"
 #include "raw.h"
-#include "report.h"
+#include "sections.h"
 
 #define SOUP       1000u
 #define SIDE_LARGE 300u /* 178 802 triangles, and the floor's */
@@ -216,8 +211,8 @@ static double turn_ms(struct test_grid *grid)
 
 static void first_step(uint32_t side)
 {
-    struct bench_samples first = {NULL, 0, 0};
-    struct bench_samples second = {NULL, 0, 0};
+    struct bench_side sides[] = {{"178 802 triangles, first", "ms", NULL, 0, 1, {0}},
+                                 {"second", "ms", NULL, 0, 1, {0}}};
     struct bench_samples ratio = {NULL, 0, 0};
     for (unsigned i = 0; i < (repeats + 4) / 5; i++) {
         struct pccd_client *client = connect_by_default();
@@ -225,52 +220,40 @@ static void first_step(uint32_t side)
         must(test_grid_make(client, side, &grid) == 0, "test_grid_make");
         double one = turn_ms(&grid);
         double two = turn_ms(&grid);
-        bench_add(&first, one);
-        bench_add(&second, two);
+        bench_add(&sides[0].samples, one);
+        bench_add(&sides[1].samples, two);
         bench_add(&ratio, one / two);
         test_grid_free(&grid);
         pccd_close(client);
     }
-    bench_row(&(struct bench_row){.scene = "first step",
-                                  .what = "178 802 triangles, first",
-                                  .unit = "ms",
-                                  .samples = &first});
-    bench_row(&(struct bench_row){
-        .scene = "first step", .what = "second", .unit = "ms", .samples = &second});
+    bench_sides_end("first step", sides, 2, true);
     row("first step", "first, of a second", "times", &ratio, 3);
-    bench_free(&first);
-    bench_free(&second);
 }
 
-int main(int argc, char **argv)
+int section_connect(const struct bench_options *options)
 {
-    struct bench_options options;
-    int exit_status;
     char url[320];
-    if (!bench_begin("connect", argc, argv, &options, &exit_status)) {
-        return exit_status;
-    }
-    repeats = options.smoke ? 2 : 50;
+    repeats = options->smoke ? 2 : 50;
     must(test_daemon_start(&daemon_, NULL), "no daemon");
     bench_heading("to begin");
-    if (bench_is_wanted(&options, "attach")) {
+    if (bench_is_wanted(options, "attach")) {
         attach();
     }
-    if (bench_is_wanted(&options, "first answer")) {
+    if (bench_is_wanted(options, "first answer")) {
         first_answer();
     }
     snprintf(url, sizeof url, "--url=%s", daemon_.url);
-    if (bench_is_wanted(&options, "check, it runs")) {
+    if (bench_is_wanted(options, "check, it runs")) {
         check("check, it runs", url, 10);
     }
-    if (bench_is_wanted(&options, "check, private")) {
+    if (bench_is_wanted(options, "check, private")) {
         check("check, private", "--private", 30);
     }
     bench_number("daemon", "its memory at most", "MiB",
                  (double)common_process_status(daemon_.pid, "VmHWM:") / KIB);
-    if (bench_is_wanted(&options, "first step")) {
-        first_step(options.smoke ? 30 : SIDE_LARGE);
+    if (bench_is_wanted(options, "first step")) {
+        first_step(options->smoke ? 30 : SIDE_LARGE);
     }
     must(test_daemon_finish(&daemon_), "the daemon's end");
-    return bench_end();
+    return 0;
 }

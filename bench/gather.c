@@ -71,7 +71,7 @@ static void copy_found(struct bench_work *work, const struct eng_step_result *pa
 }
 
 void bench_work_init(struct bench_work *work, const struct bench_scene *source,
-                     uint32_t query_max, uint32_t trace_max)
+                     uint32_t query_max)
 {
     struct eng_question settings = bench_step_settings(PCCD_MODE_PAIRS);
     struct eng_step_result pairs;
@@ -86,9 +86,6 @@ void bench_work_init(struct bench_work *work, const struct bench_scene *source,
     take(&work->vf, &work->world, &pairs, query_max);
     take(&work->ee, &work->world, &pairs, query_max);
     copy_found(work, &pairs);
-    work->trace.capacity = trace_max;
-    work->trace.nodes = bench_alloc(trace_max, sizeof *work->trace.nodes);
-    bench_traverse(work->world.scene, &work->trace);
 }
 
 void bench_work_deinit(struct bench_work *work)
@@ -97,7 +94,6 @@ void bench_work_deinit(struct bench_work *work)
     free(work->vf.b);
     free(work->ee.a);
     free(work->ee.b);
-    free(work->trace.nodes);
     eng_pool_deinit(&work->pool);
     bench_world_deinit(&work->world);
 }

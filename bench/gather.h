@@ -5,22 +5,10 @@
 #ifndef BENCH_GATHER_H
 #define BENCH_GATHER_H
 
-#include "aabb.h"
 #include "query.h"
 #include "resident.h"
 #include "result.h"
 #include "world.h"
-
-/* ---- The traversal of the engine's tree alone, without tests, to time it. */
-
-/* The first `capacity` node pairs that were tested. */
-struct bench_trace {
-    uint32_t (*nodes)[2];
-    size_t count;
-    size_t capacity;
-};
-
-void bench_traverse(const struct eng_scene *scene, struct bench_trace *trace);
 
 /* Candidates of one kind as global indices, evenly taken from all; the queries are loaded
  * when they are measured, as in a step. */
@@ -35,20 +23,17 @@ struct bench_work {
     struct bench_world world;
     struct bench_candidates vf;
     struct bench_candidates ee;
-    struct bench_trace trace;
     struct eng_pool pool;   /* of `found` */
     struct eng_found found; /* candidate pairs, unsorted; a copy */
 };
 
-/* At most `query_max` candidates of each kind and `trace_max` node pairs. */
+/* At most `query_max` candidates of each kind. */
 void bench_work_init(struct bench_work *work, const struct bench_scene *source,
-                     uint32_t query_max, uint32_t trace_max);
+                     uint32_t query_max);
 void bench_work_deinit(struct bench_work *work);
 
-/* ---- Compares the engine's sort of records with plainer ways to sort them. */
-
-/* `repeats` of each, the first not counted; the records as pairs and, of the first of
- * them, as contacts. */
+/* The engine's sort of records beside qsort: `repeats` of each, the first not counted;
+ * the records as pairs and, of the first of them, as contacts. */
 void bench_sorting_measure(const struct bench_work *work, unsigned repeats);
 
 #endif

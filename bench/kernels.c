@@ -1,10 +1,6 @@
-/* kernels.c - the engine's inner loops, each against a plain version of itself.
- *
- * Filter with solver against the solver alone, the same candidates with a radius against
- * those without, exact queries, the box test against scalar code, the merge against
- * qsort, ingest against memcpy. Results are compared before a time is printed.
- */
+/* kernels.c - the engine's inner loops, each beside a plain version of itself. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,13 +8,12 @@
 #include "coordinates.h"
 #include "gather.h"
 #include "ingest.h"
-#include "report.h"
+#include "sections.h"
 #include "solve.h"
 #include "thick.h"
 #include "trees.h"
 
 #define QUERY_MAX 60000u
-#define TRACE_MAX 2000000u
 #define REPEATS   15u
 #define EXACT_MAX 2000u
 #define TOLERANCE 1e-6
@@ -31,18 +26,6 @@ static unsigned repeats; /* of every measurement, the first not counted */
 static void use(uint64_t value)
 {
     __asm__ volatile("" : : "r"(value) : "memory");
-}
-
-static void print(const char *scene, const char *what, const char *unit,
-                  const struct bench_samples *samples, const char *base_name,
-                  const struct bench_samples *base)
-{
-    bench_row(&(struct bench_row){.scene = scene,
-                                  .what = what,
-                                  .unit = unit,
-                                  .samples = samples,
-                                  .base_name = base_name,
-                                  .base = base});
 }
 
 /* ---- filter and solver ------------------------------------------------------------ */
@@ -180,22 +163,41 @@ static void answers_deinit(struct answers *answers)
     free(answers->hits);
 }
 
+/* A heading that begins with the kind. */
+static void name_side(struct bench_side *side, enum pccd_kind kind, const char *what)
+{
+    snprintf(side->what, sizeof side->what, "%s %s", kind == PCCD_VF ? "VF" : "EE", what);
+}
+
+static void number_of_kind(const char *scene, enum pccd_kind kind, const char *what,
+                           const char *unit, double value)
+{
+    struct bench_side side;
+    name_side(&side, kind, what);
+    bench_number(scene, side.what, unit, value);
+}
+
 static void measure_tests(const struct bench_work *work, struct bench_candidates *c,
                           struct eng_exact *exact)
 {
+    enum { FILTER, BOTH, AGAIN, ALONE, SIDES };
+    /* The same work again: its ratio shows the noise of the others. */
+    static const char *const names[SIDES] = {"filter", "filter, solver", "solver, again",
+                                             "solver alone"};
     const struct eng_scene *scene = work->world.scene;
     const char *name = work->world.source->name;
-    bool is_vf = c->kind == PCCD_VF;
-    struct bench_samples both = {0};
-    struct bench_samples alone = {0};
-    struct bench_samples filter = {0};
-    struct bench_samples again = {0};
+    struct bench_side sides[SIDES] = {0};
     static struct records records;
     struct answers with;
     struct answers without;
     bool good = true;
     if (c->count == 0) {
         return;
+    }
+    for (unsigned i = 0; i < SIDES; i++) {
+        sides[i] = (struct bench_side){
+            .unit = "ns", .base_name = i == ALONE ? NULL : names[ALONE], .base = ALONE};
+        name_side(&sides[i], c->kind, names[i]);
     }
     records_init(&records, scene, c);
     answers_init(&with, c->count);
@@ -215,35 +217,23 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
         good = bench_check(same_hits(&with, &without, c->count), name,
                            "the filter changes answers of the solver");
         if (r > 0) {
-            bench_add(&both, (double)(t1 - t0) / c->count);
-            bench_add(&alone, (double)(t2 - t1) / c->count);
-            bench_add(&filter, (double)(t3 - t2) / c->count);
-            bench_add(&again, (double)(t4 - t3) / c->count);
+            bench_add(&sides[BOTH].samples, (double)(t1 - t0) / c->count);
+            bench_add(&sides[ALONE].samples, (double)(t2 - t1) / c->count);
+            bench_add(&sides[FILTER].samples, (double)(t3 - t2) / c->count);
+            bench_add(&sides[AGAIN].samples, (double)(t4 - t3) / c->count);
         }
     }
     if (good) {
         double rejected = (double)(c->count - with.survivors);
         double misses = (double)(c->count - with.contacts);
-        bench_number(name, is_vf ? "VF queries" : "EE queries", "", c->count);
-        bench_number(name, is_vf ? "VF misses rejected" : "EE misses rejected", "share",
-                     misses > 0 ? rejected / misses : 1);
-        print(name, is_vf ? "VF filter" : "EE filter", "ns", &filter, "solver alone",
-              &alone);
-        print(name, is_vf ? "VF filter, solver" : "EE filter, solver", "ns", &both,
-              "solver alone", &alone);
-        /* The same work again: its ratio shows the noise of the others. */
-        print(name, is_vf ? "VF solver, again" : "EE solver, again", "ns", &again,
-              "solver alone", &alone);
-        print(name, is_vf ? "VF solver alone" : "EE solver alone", "ns", &alone, NULL,
-              NULL);
+        number_of_kind(name, c->kind, "queries", "", c->count);
+        number_of_kind(name, c->kind, "misses rejected", "share",
+                       misses > 0 ? rejected / misses : 1);
     }
+    bench_sides_end(name, sides, SIDES, good);
     records_deinit(&records);
     answers_deinit(&with);
     answers_deinit(&without);
-    bench_free(&both);
-    bench_free(&alone);
-    bench_free(&filter);
-    bench_free(&again);
 }
 
 /* ---- thick features ---------------------------------------------------------------- */
@@ -298,9 +288,9 @@ static void measure_thick(const struct bench_work *work, struct bench_candidates
     static struct records records;
     static struct thick_work thick;
     const char *name = work->world.source->name;
-    bool is_vf = c->kind == PCCD_VF;
-    struct bench_samples with = {0};
-    struct bench_samples without = {0};
+    enum { WITH, WITHOUT, SIDES };
+    struct bench_side sides[SIDES] = {
+        {.unit = "ns", .base_name = "no radius", .base = WITHOUT}};
     struct answers answers;
     if (c->count == 0) {
         return;
@@ -324,24 +314,24 @@ static void measure_thick(const struct bench_work *work, struct bench_candidates
         thick_in_chunks(&thick, &records, c);
         uint64_t t2 = common_now_ns();
         if (r > 0) {
-            bench_add(&without, (double)(t1 - t0) / c->count);
-            bench_add(&with, (double)(t2 - t1) / c->count);
+            bench_add(&sides[WITHOUT].samples, (double)(t1 - t0) / c->count);
+            bench_add(&sides[WITH].samples, (double)(t2 - t1) / c->count);
         }
     }
-    bench_number(name, is_vf ? "VF thick, left" : "EE thick, left", "share",
-                 (double)thick.survivors / c->count);
-    bench_number(name, is_vf ? "VF thick, contacts" : "EE thick, contacts", "share",
-                 (double)thick.contacts / c->count);
-    bench_number(name, is_vf ? "VF thick, by integers" : "EE thick, by integers", "share",
-                 (double)thick.thick.decided[ENG_THICK_BY_INTEGERS] /
-                     ((double)c->count * repeats));
-    print(name, is_vf ? "VF thick" : "EE thick", "ns", &with, "no radius", &without);
+    number_of_kind(name, c->kind, "thick, left", "share",
+                   (double)thick.survivors / c->count);
+    number_of_kind(name, c->kind, "thick, contacts", "share",
+                   (double)thick.contacts / c->count);
+    number_of_kind(name, c->kind, "thick, by integers", "share",
+                   (double)thick.thick.decided[ENG_THICK_BY_INTEGERS] /
+                       ((double)c->count * repeats));
+    name_side(&sides[WITH], c->kind, "thick");
+    bench_sides_end(name, sides, 1, true);
+    bench_free(&sides[WITHOUT].samples);
     eng_thick_deinit(&thick.thick);
     free(thick.radius);
     records_deinit(&records);
     answers_deinit(&answers);
-    bench_free(&with);
-    bench_free(&without);
 }
 
 /* ---- contacts ---------------------------------------------------------------------- */
@@ -352,7 +342,7 @@ static void measure_contacts(const struct bench_work *work,
                              const struct bench_candidates *c, struct eng_exact *exact)
 {
     const char *name = work->world.source->name;
-    struct bench_samples ns = {0};
+    struct bench_side side = {.unit = "ns"};
     struct eng_query *queries = bench_alloc(c->count, sizeof *queries);
     uint32_t count = 0;
     for (uint32_t i = 0; i < c->count; i++) {
@@ -374,15 +364,12 @@ static void measure_contacts(const struct bench_work *work,
         double each_ns = (double)(common_now_ns() - begin_ns) / count;
         bench_check(found == count, name, "a contact was there once and not again");
         if (r > 0) {
-            bench_add(&ns, each_ns);
+            bench_add(&side.samples, each_ns);
         }
     }
-    if (ns.count > 0) {
-        print(name, c->kind == PCCD_VF ? "VF solver, contacts" : "EE solver, contacts",
-              "ns", &ns, NULL, NULL);
-    }
+    name_side(&side, c->kind, "solver, contacts");
+    bench_sides_end(name, &side, 1, true);
     free(queries);
-    bench_free(&ns);
 }
 
 /* Queries that the solver cannot decide by itself, put to exact arithmetic at once. */
@@ -390,9 +377,9 @@ static void measure_exact(const struct bench_work *work, const struct bench_cand
                           struct eng_exact *exact)
 {
     const char *name = work->world.source->name;
-    struct bench_samples us = {0};
+    struct bench_side side = {.unit = "us"};
     bool good = true;
-    for (uint32_t i = 0; i < c->count && us.count < EXACT_MAX && good; i++) {
+    for (uint32_t i = 0; i < c->count && side.samples.count < EXACT_MAX && good; i++) {
         struct eng_query query;
         struct eng_hit hit;
         load(work->world.scene, c, i, &query);
@@ -403,94 +390,11 @@ static void measure_exact(const struct bench_work *work, const struct bench_cand
         }
         uint64_t begin_ns = common_now_ns();
         bool meets = eng_exact_meets(exact, &query, 0, 1);
-        bench_add(&us, 1e-3 * (double)(common_now_ns() - begin_ns));
+        bench_add(&side.samples, 1e-3 * (double)(common_now_ns() - begin_ns));
         good = bench_check(hits == meets, name, "the solver and exact arithmetic differ");
     }
-    if (good && us.count > 0) {
-        print(name, c->kind == PCCD_VF ? "VF exact, whole step" : "EE exact, whole step",
-              "us", &us, NULL, NULL);
-    }
-    bench_free(&us);
-}
-
-/* ---- box test --------------------------------------------------------------------- */
-
-/* The same predicate, one axis after the other, with an early end. */
-__attribute__((noinline)) static bool scalar_overlap(const struct eng_node *a,
-                                                     const struct eng_node *b)
-{
-    for (int k = 0; k < 3; k++) {
-        if ((a->lo0[k] > b->hi0[k] && a->lo1[k] > b->hi1[k]) ||
-            (b->lo0[k] > a->hi0[k] && b->lo1[k] > a->hi1[k])) {
-            return false;
-        }
-    }
-    return true;
-}
-
-__attribute__((noinline)) static bool vector_overlap(const struct eng_node *a,
-                                                     const struct eng_node *b)
-{
-    return eng_box_overlap(eng_box_of_const(a), eng_box_of_const(b));
-}
-
-/* Tests pairs 0 .. count-1 `rounds` times; the answers of the last round go to out. */
-__attribute__((always_inline)) static inline double box_ns(const struct bench_work *work,
-                                                           bool scalar, size_t count,
-                                                           unsigned rounds, bool *out)
-{
-    const struct eng_node *nodes = eng_trees_of(work->world.scene)->nodes;
-    const uint32_t(*pairs)[2] = (const uint32_t(*)[2])work->trace.nodes;
-    uint64_t begin_ns = common_now_ns();
-    for (unsigned round = 0; round < rounds; round++) {
-        for (size_t i = 0; i < count; i++) {
-            const struct eng_node *a = &nodes[pairs[i][0]];
-            const struct eng_node *b = &nodes[pairs[i][1]];
-            out[i] = scalar ? scalar_overlap(a, b) : vector_overlap(a, b);
-        }
-    }
-    return (double)(common_now_ns() - begin_ns) / (double)count / rounds;
-}
-
-static void measure_boxes(const struct bench_work *work)
-{
-    static const struct {
-        const char *vector;
-        const char *scalar;
-        size_t count_max;
-    } rows[] = {
-        {"box test, in cache", "box test scalar, in cache", 256},
-        {"box test, as traversed", "box test scalar, as trav.", TRACE_MAX},
-    };
-    const char *name = work->world.source->name;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        size_t count = work->trace.count;
-        count = count < rows[i].count_max ? count : rows[i].count_max;
-        unsigned rounds = (unsigned)(200000 / count + 1);
-        struct bench_samples vector = {0};
-        struct bench_samples scalar = {0};
-        bool *out[2] = {bench_alloc(count, sizeof(bool)),
-                        bench_alloc(count, sizeof(bool))};
-        bool good = true;
-        for (unsigned r = 0; r < repeats && good; r++) {
-            double vector_ns = box_ns(work, false, count, rounds, out[0]);
-            double scalar_ns = box_ns(work, true, count, rounds, out[1]);
-            good = bench_check(memcmp(out[0], out[1], count * sizeof(bool)) == 0, name,
-                               "the vector and the scalar box test differ");
-            if (r > 0) {
-                bench_add(&vector, vector_ns);
-                bench_add(&scalar, scalar_ns);
-            }
-        }
-        if (good) {
-            print(name, rows[i].vector, "ns", &vector, "scalar", &scalar);
-            print(name, rows[i].scalar, "ns", &scalar, NULL, NULL);
-        }
-        free(out[0]);
-        free(out[1]);
-        bench_free(&vector);
-        bench_free(&scalar);
-    }
+    name_side(&side, c->kind, "exact, whole step");
+    bench_sides_end(name, &side, 1, good);
 }
 
 /* ---- ingest ----------------------------------------------------------------------- */
@@ -515,8 +419,9 @@ static void measure_ingest(const char *name, enum pccd_format format, uint32_t c
     unsigned char *source = bench_alloc(bytes, 1);
     unsigned char *plain = bench_alloc(bytes, 1);
     double(*out)[3] = bench_alloc(count, sizeof *out);
-    struct bench_samples ingest = {0};
-    struct bench_samples copy = {0};
+    enum { INGEST, COPY, SIDES };
+    struct bench_side sides[SIDES] = {{"ingest float", "GB/s", "memcpy", COPY, 1, {0}},
+                                      {"memcpy", "GB/s", NULL, 0, 1, {0}}};
     bool good = true;
     for (uint32_t i = 0; i < 3 * count; i++) {
         double x = (double)i * 0.25 - 1000;
@@ -536,20 +441,17 @@ static void measure_ingest(const char *name, enum pccd_format format, uint32_t c
                                                                format, count, source),
                            name, "ingest changes positions");
         if (r > 0) { /* bytes per nanosecond are gigabytes per second */
-            bench_add(&ingest, (double)bytes / (double)(t1 - t0));
-            bench_add(&copy, (double)bytes / (double)(t2 - t1));
+            bench_add(&sides[INGEST].samples, (double)bytes / (double)(t1 - t0));
+            bench_add(&sides[COPY].samples, (double)bytes / (double)(t2 - t1));
         }
     }
-    if (good) {
-        print(name, format == PCCD_FORMAT_F64 ? "ingest double" : "ingest float", "GB/s",
-              &ingest, "memcpy", &copy);
-        print(name, "memcpy", "GB/s", &copy, NULL, NULL);
+    if (format == PCCD_FORMAT_F64) {
+        strcpy(sides[INGEST].what, "ingest double");
     }
+    bench_sides_end(name, sides, SIDES, good);
     free(source);
     free(plain);
     free(out);
-    bench_free(&ingest);
-    bench_free(&copy);
 }
 
 static void measure_scene(const struct bench_scene *scene, bool smoke)
@@ -557,7 +459,7 @@ static void measure_scene(const struct bench_scene *scene, bool smoke)
     static struct bench_work work;
     struct eng_exact exact;
     bench_heading(scene->name);
-    bench_work_init(&work, scene, smoke ? 500 : QUERY_MAX, smoke ? 5000 : TRACE_MAX);
+    bench_work_init(&work, scene, smoke ? 500 : QUERY_MAX);
     if (work.found.count == 0) {
         bench_skip(scene->name, "there are no candidates");
         bench_work_deinit(&work);
@@ -574,36 +476,30 @@ static void measure_scene(const struct bench_scene *scene, bool smoke)
     measure_contacts(&work, &work.ee, &exact);
     measure_exact(&work, &work.vf, &exact);
     measure_exact(&work, &work.ee, &exact);
-    measure_boxes(&work);
     bench_sorting_measure(&work, repeats);
     eng_exact_deinit(&exact);
     bench_work_deinit(&work);
 }
 
-int main(int argc, char **argv)
+int section_kernels(const struct bench_options *options)
 {
     static const struct {
         const char *name;
         uint32_t count;
     } sizes[] = {
         {"46 K vertices", 46000}, {"250 K vertices", 250000}, {"1 M vertices", 1000000}};
-    struct bench_options options;
-    int exit_status;
-    if (!bench_begin("kernels", argc, argv, &options, &exit_status)) {
-        return exit_status;
-    }
-    repeats = options.smoke ? 3 : REPEATS;
+    struct bench_scene scene;
+    repeats = options->smoke ? 3 : REPEATS;
     bench_heading("ingest");
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        if (bench_is_wanted(&options, sizes[i].name) && !(options.smoke && i > 0)) {
+        if (bench_is_wanted(options, sizes[i].name) && !(options->smoke && i > 0)) {
             measure_ingest(sizes[i].name, PCCD_FORMAT_F64, sizes[i].count);
             measure_ingest(sizes[i].name, PCCD_FORMAT_F32, sizes[i].count);
         }
     }
-    struct bench_scene scene;
-    for (unsigned i = 0; bench_next_scene(&options, NULL, &i, &scene);) {
-        measure_scene(&scene, options.smoke);
+    for (unsigned i = 0; bench_next_scene(options, NULL, &i, &scene);) {
+        measure_scene(&scene, options->smoke);
         bench_scene_free(&scene);
     }
-    return bench_end();
+    return 0;
 }

@@ -6,9 +6,7 @@
 # make bench-tables BENCH_ARGS=cloth-20k   one scene
 # bench/tables.sh wide n-body              ways to take the same steps, side by side
 
-bench_names = bench/batch bench/distances bench/exact bench/slowest bench/kernels bench/roofline bench/ipc \
-    bench/connect bench/thickness bench/thin
-check_PROGRAMS += $(bench_names) bench/death bench/turns
+check_PROGRAMS += bench/turns
 
 # What several measurements share.
 check_LTLIBRARIES += libbench.la
@@ -16,7 +14,6 @@ libbench_la_SOURCES = \
     bench/asker.c \
     bench/report.c \
     bench/resident.c \
-    bench/traverse.c \
     bench/wide_sweep.c \
     bench/workload.c \
     bench/scenes/bench_scene.c \
@@ -41,17 +38,13 @@ libbench_la_SOURCES = \
 bench_cppflags = $(AM_CPPFLAGS) -DBENCH_FLAGS='"$(PCCD_CFLAGS) $(CFLAGS)"'
 libbench_la_CPPFLAGS = $(bench_cppflags)
 
-bench_kernels_SOURCES = bench/gather.c bench/kernels.c bench/sorting.c
-bench_roofline_SOURCES = bench/floor.c bench/roofline.c
-bench_death_SOURCES = bench/bareend.c bench/death.c
-
 # A daemon under a supervisor, killed: make death DEATH_CLIENTS=1000 DEATH_KILLS=10
 DEATH_CLIENTS = 1
 DEATH_KILLS = 100
 .PHONY: death
-death: bench/death$(EXEEXT) pccdd$(EXEEXT)
-	PCCDD=$(abs_builddir)/pccdd bench/death -c $(DEATH_CLIENTS) -k $(DEATH_KILLS) -e
-	PCCDD=$(abs_builddir)/pccdd bench/death -c $(DEATH_CLIENTS) -k $(DEATH_KILLS)
+death: bench/pccd-bench$(EXEEXT) pccdd$(EXEEXT)
+	@$(AM_TESTS_ENVIRONMENT) bench/pccd-bench client death --clients $(DEATH_CLIENTS) \
+	    --kills $(DEATH_KILLS)
 
 test_scripts += bench/smoke.sh bench/compare_smoke.sh
 
@@ -72,6 +65,7 @@ standing: bench/pccd-bench pccdd libpccd-direct.la
 	    standing-sse4 standing-paper game
 
 .PHONY: bench-tables
-bench-tables: $(bench_names) bench/pccd-bench pccdd pccdctl
+bench-tables: bench/pccd-bench pccdd pccdctl
 	@$(AM_TESTS_ENVIRONMENT) $(BASH) $(top_srcdir)/bench/tables.sh $(BENCH_ARGS) && \
-	for program in $(bench_names); do ./$$program $(BENCH_ARGS) || exit 1; done
+	for section in kernel pair client; do \
+	    bench/pccd-bench $$section $(BENCH_ARGS) || exit 1; done

@@ -52,26 +52,54 @@ void bench_name(const char *program)
     report.program = program;
 }
 
-static bool usage(const char *program, bool takes_threads, bool is_wrong)
+static const struct {
+    const char *name;
+    uint32_t least, most;
+} numbers[BENCH_NUMBERS] = {[BENCH_THREADS] = {"--threads", 2, 256},
+                            [BENCH_SECONDS] = {"--seconds", 1, 86400},
+                            [BENCH_CLIENTS] = {"--clients", 1, 4096},
+                            [BENCH_KILLS] = {"--kills", 1, 1000},
+                            [BENCH_MESHES] = {"--meshes", 2, 128}};
+
+static void usage(const char *program, unsigned takes, bool is_wrong)
 {
-    fprintf(is_wrong ? stderr : stdout, "usage: %s [--json] [--smoke]%s [SCENE]\n",
-            program, takes_threads ? " [--threads N]" : "");
-    return false;
+    FILE *to = is_wrong ? stderr : stdout;
+    fprintf(to, "usage: %s [--json] [--smoke]", program);
+    for (unsigned i = 0; i < BENCH_NUMBERS; i++) {
+        if (takes >> i & 1) {
+            fprintf(to, " [%s N]", numbers[i].name);
+        }
+    }
+    fprintf(to, " [SCENE]\n");
 }
 
-static bool read_options(bool takes_threads, int argc, char **argv,
+/* NULL: none of the numbers that are taken. */
+static uint32_t *number_named(const char *text, unsigned takes,
+                              struct bench_options *options)
+{
+    for (unsigned i = 0; i < BENCH_NUMBERS; i++) {
+        if ((takes >> i & 1) && strcmp(text, numbers[i].name) == 0) {
+            return &options->number[i];
+        }
+    }
+    return NULL;
+}
+
+static bool read_options(unsigned takes, int argc, char **argv,
                          struct bench_options *options)
 {
     for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--smoke") == 0) {
+        uint32_t *number = number_named(argv[i], takes, options);
+        if (number && i + 1 < argc) {
+            unsigned which = (unsigned)(number - options->number);
+            *number = (uint32_t)strtoul(argv[++i], NULL, 10);
+            if (*number < numbers[which].least || *number > numbers[which].most) {
+                return false;
+            }
+        } else if (strcmp(argv[i], "--smoke") == 0) {
             options->smoke = true;
         } else if (strcmp(argv[i], "--json") == 0) {
             options->json = true;
-        } else if (strcmp(argv[i], "--threads") == 0 && takes_threads && i + 1 < argc) {
-            options->threads = (uint32_t)strtoul(argv[++i], NULL, 10);
-            if (options->threads < 2 || options->threads > 256) {
-                return false;
-            }
         } else if (argv[i][0] != '-' && !options->wanted) {
             options->wanted = argv[i];
         } else {
@@ -81,36 +109,22 @@ static bool read_options(bool takes_threads, int argc, char **argv,
     return true;
 }
 
-static bool begin(const char *program, bool takes_threads, int argc, char **argv,
-                  struct bench_options *options, int *exit_status)
+bool bench_begin(const char *program, unsigned takes, int argc, char **argv,
+                 struct bench_options *options, int *exit_status)
 {
     memset(options, 0, sizeof *options);
     bench_name(program);
-    if (argc == 2 && strcmp(argv[1], "--help") == 0) {
-        *exit_status = 0;
-        return usage(program, takes_threads, false);
-    }
-    if (!read_options(takes_threads, argc, argv, options)) {
-        *exit_status = 2;
-        return usage(program, takes_threads, true);
+    bool wants_help = argc == 2 && strcmp(argv[1], "--help") == 0;
+    if (wants_help || !read_options(takes, argc, argv, options)) {
+        *exit_status = wants_help ? 0 : 2;
+        usage(program, takes, !wants_help);
+        return false;
     }
     report.json = options->json;
     if (!report.json) {
         printf("%s: %s; %s; %s\n", program, COMPILER, BENCH_FLAGS, bench_cpu());
     }
     return true;
-}
-
-bool bench_begin(const char *program, int argc, char **argv,
-                 struct bench_options *options, int *exit_status)
-{
-    return begin(program, false, argc, argv, options, exit_status);
-}
-
-bool bench_begin_with_threads(const char *program, int argc, char **argv,
-                              struct bench_options *options, int *exit_status)
-{
-    return begin(program, true, argc, argv, options, exit_status);
 }
 
 int bench_end(void)
@@ -130,6 +144,13 @@ bool bench_check(bool holds, const char *scene, const char *what)
         fprintf(stderr, "%s: %s: wrong: %s\n", report.program, scene, what);
     }
     return holds;
+}
+
+double bench_thread_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec * 1e9 + (double)now.tv_nsec;
 }
 
 void *bench_alloc(size_t count, size_t bytes)
@@ -242,10 +263,6 @@ static void print_json(const struct bench_row *row, const struct bench_summary *
         printf("\"ratio\":%.6g,\"ratio_min\":%.6g,", ratios->p50, ratios->min);
         print_text("to", row->base_name);
     }
-    if (row->hash) {
-        printf("\"hash\":\"%016llx%016llx\",", (unsigned long long)row->hash[0],
-               (unsigned long long)row->hash[1]);
-    }
     print_text("compiler", COMPILER);
     print_text("flags", BENCH_FLAGS);
     print_text("cpu", bench_cpu());
@@ -273,6 +290,26 @@ void bench_row(const struct bench_row *row)
         putchar('\n');
     }
     fflush(stdout);
+}
+
+void bench_sides_end(const char *scene, struct bench_side *sides, size_t count,
+                     bool are_right)
+{
+    for (size_t i = 0; i < count && are_right; i++) {
+        const struct bench_side *side = &sides[i];
+        if (side->samples.count > 0) {
+            bench_row(&(struct bench_row){.scene = scene,
+                                          .what = side->what,
+                                          .unit = side->unit,
+                                          .samples = &side->samples,
+                                          .base_name = side->base_name,
+                                          .base = &sides[side->base].samples,
+                                          .threads = side->threads});
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        bench_free(&sides[i].samples);
+    }
 }
 
 void bench_number(const char *scene, const char *what, const char *unit, double value)

@@ -12,11 +12,21 @@
 
 #include "clock.h"
 
+/* Numbers that some measurements take as options; at least 1. */
+enum bench_number {
+    BENCH_THREADS, /* at least 2 */
+    BENCH_SECONDS,
+    BENCH_CLIENTS,
+    BENCH_KILLS,
+    BENCH_MESHES,
+    BENCH_NUMBERS
+};
+
 struct bench_options {
-    bool smoke;         /* tiny scenes, a few repeats: does it still run? */
-    bool json;          /* one JSON line a row instead of the table */
-    const char *wanted; /* only scenes whose name contains this; NULL: all */
-    uint32_t threads;   /* --threads, at least 2; 0: not given */
+    bool smoke;                     /* tiny scenes, a few repeats: does it still run? */
+    bool json;                      /* one JSON line a row instead of the table */
+    const char *wanted;             /* only scenes whose name contains this; NULL: all */
+    uint32_t number[BENCH_NUMBERS]; /* 0: not given */
 };
 
 /* Values of one quantity in the order they came; memory grows, never shrinks. */
@@ -37,16 +47,23 @@ struct bench_row {
     const struct bench_samples *samples;
     const char *base_name; /* what the ratio is to; NULL: no ratio */
     const struct bench_samples *base;
-    uint32_t threads;     /* 0 reads as 1 */
-    const uint64_t *hash; /* [2] of the answer; NULL: none */
+    uint32_t threads; /* 0 reads as 1 */
 };
 
-/* False: the program is to end with *exit_status. Sets up the report of `program`. */
-bool bench_begin(const char *program, int argc, char **argv,
+/* A quantity that is measured in turn with others. */
+struct bench_side {
+    char what[80];
+    const char *unit;
+    const char *base_name; /* NULL: no ratio */
+    unsigned base;         /* the side that the ratio is to */
+    uint32_t threads;      /* 0 reads as 1 */
+    struct bench_samples samples;
+};
+
+/* False: the program is to end with *exit_status. Read the options, of numbers those
+ * whose bit is set in `takes`, and set up the report of `program`. */
+bool bench_begin(const char *program, unsigned takes, int argc, char **argv,
                  struct bench_options *options, int *exit_status);
-/* The same for a program that takes --threads as well. */
-bool bench_begin_with_threads(const char *program, int argc, char **argv,
-                              struct bench_options *options, int *exit_status);
 /* For a program with options of its own: whose checks they are. */
 void bench_name(const char *program);
 /* The exit status: 1 when a check failed. */
@@ -69,10 +86,16 @@ struct bench_summary bench_summarise(const struct bench_samples *samples);
 
 void bench_heading(const char *text);
 void bench_row(const struct bench_row *row);
+/* If they are right, a row of each side that was measured; their samples are freed. */
+void bench_sides_end(const char *scene, struct bench_side *sides, size_t count,
+                     bool are_right);
 /* A row of one number, such as a count. */
 void bench_number(const char *scene, const char *what, const char *unit, double value);
 /* A scene that cannot be measured here. */
 void bench_skip(const char *scene, const char *reason);
+
+/* Processor time of this thread. */
+double bench_thread_ns(void);
 
 /* malloc that exits with 2 when there is no memory. */
 void *bench_alloc(size_t count, size_t bytes);

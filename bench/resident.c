@@ -51,6 +51,19 @@ static struct eng_mesh *make_mesh(const struct bench_frames *frames, uint32_t i)
     return mesh;
 }
 
+static void set_thickness(struct bench_world *world, uint32_t i)
+{
+    const struct bench_object *object = &world->source->objects[i];
+    const struct eng_object_thickness thickness = {
+        .has_radius = true, .radius = object->radius, .rest_rings = object->rest_rings};
+    const struct eng_object_filter filter = {
+        .group = 1, .mask = UINT64_MAX, .self = !object->is_not_self};
+    must(eng_scene_set_thickness(world->scene, world->object_idx[i], &thickness),
+         "eng_scene_set_thickness");
+    must(eng_scene_set_filter(world->scene, world->object_idx[i], &filter),
+         "eng_scene_set_filter");
+}
+
 void bench_world_init(struct bench_world *world, const struct bench_frames *frames,
                       const struct eng_scene_settings *settings)
 {
@@ -63,6 +76,9 @@ void bench_world_init(struct bench_world *world, const struct bench_frames *fram
         must(eng_scene_add(world->scene, mesh, BENCH_OBJECT_ID(i), &world->object_idx[i]),
              "eng_scene_add");
         eng_mesh_release(mesh);
+        if (frames->scene->objects[i].radius > 0) {
+            set_thickness(world, i);
+        }
     }
 }
 

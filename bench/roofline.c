@@ -1,20 +1,14 @@
-/* roofline.c - every kernel and phase of the method `wide` beside its floor.
- *
- * Run the kernels of every instruction set by turns on the same step of a scene, with the
- * boxes around both ends of the step: refit, join, filters, elementary tests. Compare
- * what they make with the scalar set's before a time is printed, and say how many times
- * the floor it takes.
- */
+/* roofline.c - every kernel and phase of the method `wide` beside its floor. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "batch.h"
-#include "floor.h"
-#include "report.h"
 #include "resident.h"
+#include "sections.h"
 #include "wide_cells.h"
 #include "wide_join.h"
+#include "workload.h"
 #include "world.h"
 
 #define REPEATS    9u
@@ -22,6 +16,34 @@
 #define PAIRS_MAX  1500000u /* tested in a repeat: of more, every n-th chunk */
 #define TOLERANCE  1e-6
 #define WITHIN_MAX 300000u
+
+enum part {
+    PART_POINTS, /* a vertex: its box */
+    PART_MARKS,  /* a vertex: its mark on the grid */
+    PART_EDGES,  /* an edge: its box, from two vertices, and the block's */
+    PART_FACES,
+    PART_FOLD,    /* a vertex: its box to the block */
+    PART_JOIN,    /* a box against a block of 16 */
+    PART_SIFT_VF, /* a candidate that no axis separates */
+    PART_SIFT_EE,
+    PART_APART_VF, /* a candidate */
+    PART_APART_EE,
+    PART_FILTER_VF, /* the same */
+    PART_FILTER_EE,
+    PART_BRACKET_VF, /* a candidate that the sieve leaves */
+    PART_BRACKET_EE,
+    PART_TESTS_VF, /* a candidate: sieve, its axes first; solver */
+    PART_TESTS_EE,
+    PART_WITHIN, /* a double */
+    PART_WIDEN,  /* a float, to a double */
+    PART_COUNT
+};
+
+/* Of one item. */
+struct cost {
+    double bytes;      /* read and written, each once */
+    double operations; /* vector instructions; loads, stores and addresses not counted */
+};
 
 /* What an instruction set did in one repeat, and what came out. */
 struct outcome {
@@ -60,7 +82,154 @@ static struct bench_samples samples[PART_COUNT][ENG_ISA_COUNT];
 static struct bench_samples refit_ms[ENG_ISA_COUNT];
 static struct bench_samples pairs_ms[ENG_ISA_COUNT];
 
+/* ---- speeds of this machine ------------------------------------------------------ */
+
+#define ROUNDS   9u
+#define CHAIN    200000u
+#define LEAST_NS 2000000u
+
+/* Cycles a nanosecond: a chain of multiplications of integers, three cycles each on x86
+ * processors since 2011 and on 64-bit Arm. The fastest of several. */
+static double clock_ghz(void)
+{
+    double best = 0;
+    for (unsigned round = 0; round < ROUNDS; round++) {
+        uint64_t x = round + 3;
+        uint64_t begin_ns = common_now_ns();
+        for (uint32_t i = 0; i < CHAIN; i++) {
+            x *= x;
+            __asm__ volatile("" : "+r"(x));
+        }
+        double ghz = 3.0 * CHAIN / (double)(common_now_ns() - begin_ns);
+        best = ghz > best ? ghz : best;
+    }
+    return best;
+}
+
+/* `to` NULL: read `from`. Bytes are those of `from`. */
+static double fastest_gbps(const char *from, char *to, size_t bytes)
+{
+    size_t times = ((size_t)8 << 20) / bytes + 1;
+    double best = 0;
+    uint64_t end_ns = common_now_ns() + LEAST_NS;
+    for (unsigned round = 0; round < ROUNDS || common_now_ns() < end_ns; round++) {
+        uint64_t begin_ns = common_now_ns();
+        for (size_t i = 0; i < times; i++) {
+            const void *done = to ? memcpy(to, from, bytes) : memchr(from, 2, bytes);
+            __asm__ volatile("" : : "r"(done) : "memory");
+        }
+        double gbps = (double)(bytes * times) / (double)(common_now_ns() - begin_ns);
+        best = gbps > best ? gbps : best;
+    }
+    return best;
+}
+
+/* Bytes a nanosecond, read and written together, of memcpy from one half of so many bytes
+ * to the other: whatever cache they fit. The fastest of several. */
+static double copy_gbps(size_t bytes)
+{
+    size_t half = bytes / 2 + 64;
+    char *from = bench_alloc(half, 1);
+    char *to = bench_alloc(half, 1);
+    memset(from, 1, half);
+    memset(to, 1, half);
+    double gbps = 2 * fastest_gbps(from, to, half);
+    free(from);
+    free(to);
+    return gbps;
+}
+
+/* The same of memchr, which only reads. */
+static double read_gbps(size_t bytes)
+{
+    char *from = bench_alloc(bytes, 1);
+    memset(from, 1, bytes);
+    double gbps = fastest_gbps(from, NULL, bytes);
+    free(from);
+    return gbps;
+}
+
 /* ---- floors --------------------------------------------------------------------- */
+
+static const char *const part_names[PART_COUNT] = {
+    "box a vertex", "mark a vertex", "box an edge", "box a face", "block a vertex",
+    "join 1 x 16",  "sift VF",       "sift EE",     "apart VF",   "apart EE",
+    "filter VF",    "filter EE",     "bracket VF",  "bracket EE", "tests VF",
+    "tests EE",     "check double",  "check float"};
+
+/* Lanes of doubles and of floats. */
+static double double_lanes(enum eng_isa isa)
+{
+    static const double lanes[ENG_ISA_COUNT] = {1, 2, 4, 8, 2};
+    return lanes[isa];
+}
+
+static double float_lanes(enum eng_isa isa)
+{
+    static const double lanes[ENG_ISA_COUNT] = {1, 4, 8, 16, 4};
+    return lanes[isa];
+}
+
+/* Of a part's item. Bytes: what has to come from or go to where it is kept, once: a point
+ * and its box are 64, its mark is 32, a box in a block is 48, a pair has 16 of indices; a
+ * vertex has some 3 edges and 2 faces. Operations: those that the comments name, by all
+ * lanes at a time; loads, turning points round and what is done once a group are not
+ * among them. */
+static struct cost part_cost(enum part part, enum eng_isa isa)
+{
+    double d = double_lanes(isa);
+    double f = float_lanes(isa);
+    switch (part) {
+    case PART_POINTS: /* 16 of 8 doubles: there and back, compare, one up or down */
+        return (struct cost){64 + 64, 16 * 8 / d};
+    case PART_FOLD: /* a maximum of 16 floats; 4 sides of 4 boxes turn with 7 shuffles */
+        return (struct cost){64 + 48, 16 / f + 7};
+    case PART_EDGES: /* a maximum more */
+        return (struct cost){64.0 / 3 + 8 + 48, 2 * 16 / f + 7};
+    case PART_FACES: /* two more */
+        return (struct cost){64.0 / 2 + 12 + 48, 3 * 16 / f + 7};
+    case PART_JOIN: /* 4 sums and 2 ands an axis, of 16 floats; the block stays near */
+        return (struct cost){64, 18 * 16 / f};
+    case PART_MARKS: /* of 8 doubles: minus, times, larger, plus, narrowed */
+        return (struct cost){64 + 32, 5 * 8 / d};
+    case PART_SIFT_VF: /* differences 24; extremes 24, to floats 24, times 66 */
+        return (struct cost){4 * 32 + 32, 3 * 8 / f + (24 + 24 + 66) / f};
+    case PART_SIFT_EE: /* extremes 36 */
+        return (struct cost){4 * 32 + 32, 3 * 8 / f + (36 + 24 + 66) / f};
+    case PART_APART_VF: /* 4 extremes and 2 compares of 8 doubles */
+    case PART_APART_EE:
+        return (struct cost){4 * 64 + 16, 6 * 8 / d};
+    case PART_FILTER_VF: /* differences 18, times 126; the rest where a lane is left */
+        return (struct cost){4 * 64 + 16, (18 + 126) / d};
+    case PART_FILTER_EE: /* 30, 138 */
+        return (struct cost){4 * 64 + 16, (30 + 138) / d};
+    case PART_BRACKET_VF: /* 33 of differences, cubic and halves 115, a guess 12, three
+                           * rounds to its root 60, bracket 54, place 102; 6 divisions or
+                           * roots, each two cycles a lane */
+    case PART_BRACKET_EE:
+        return (struct cost){4 * 64 + 16, 376 / d + 24};
+    case PART_WITHIN: /* clear the sign, compare, and */
+        return (struct cost){8, 3 / d};
+    default: /* PART_WIDEN: widen before */
+        return (struct cost){4 + 8, 4 / d};
+    }
+}
+
+/* Of the axes of a pair of marks, which the sieve looks at first where boxes around whole
+ * motions are all that is known. */
+static struct cost axes_cost(enum eng_isa isa)
+{
+    /* 4 extremes, 2 sums and 2 compares of 8 whole numbers; a mark is 32 bytes */
+    return (struct cost){4 * 32 + 8, 8 * 8 / float_lanes(isa)};
+}
+
+/* Two operations a cycle, or the bytes at a speed: whatever is longer. */
+static double cost_ns(struct cost cost, double ghz, double gbps)
+{
+    double compute = cost.operations / 2 / ghz;
+    double memory = cost.bytes / gbps;
+    return compute > memory ? compute : memory;
+}
 
 /* Bytes a nanosecond, where a part's bytes are. */
 struct speeds {
@@ -78,7 +247,7 @@ static double floor_of(enum part part, enum eng_isa isa, const struct outcome *o
         /* The kernels, on what reaches them. */
         static const enum part parts[2][2] = {{PART_SIFT_VF, PART_BRACKET_VF},
                                               {PART_SIFT_EE, PART_BRACKET_EE}};
-        double ns = bench_floor_ns(bench_axes_cost(isa), speeds->ghz, speeds->near);
+        double ns = cost_ns(axes_cost(isa), speeds->ghz, speeds->near);
         for (int i = 0; i < 2 && outcome->items[part] > 0; i++) {
             enum part one = parts[part == PART_TESTS_EE][i];
             ns += (double)outcome->items[one] / (double)outcome->items[part] *
@@ -90,7 +259,7 @@ static double floor_of(enum part part, enum eng_isa isa, const struct outcome *o
                   : part == PART_WITHIN ? speeds->read
                   : part == PART_WIDEN  ? speeds->copy
                                         : speeds->near;
-    return bench_floor_ns(bench_part_cost(part, isa), speeds->ghz, gbps);
+    return cost_ns(part_cost(part, isa), speeds->ghz, gbps);
 }
 
 /* ---- kernels -------------------------------------------------------------------- */
@@ -387,39 +556,22 @@ static void keep(enum eng_isa isa, const struct outcome *outcome)
     bench_add(&pairs_ms[isa], 1e-6 * (double)outcome->pairs_ns);
 }
 
-static void print_phase(const struct bench *bench, const char *phase,
-                        const struct bench_samples *of, enum eng_isa isa, double floor_ms)
+/* A row of an instruction set, if it was measured. */
+static void print_beside(const struct bench *bench, const char *what, const char *unit,
+                         enum eng_isa isa, const struct bench_samples *of, double floor)
 {
-    char what[64];
-    struct bench_samples floor = {&floor_ms, 1, 1};
-    snprintf(what, sizeof what, "%s, %s", phase, eng_kernels_of(isa)->name);
+    char text[64];
+    struct bench_samples base = {&floor, 1, 1};
+    if (of->count == 0) {
+        return;
+    }
+    snprintf(text, sizeof text, "%s, %s", what, eng_kernels_of(isa)->name);
     bench_row(&(struct bench_row){.scene = bench->name,
-                                  .what = what,
-                                  .unit = "ms",
+                                  .what = text,
+                                  .unit = unit,
                                   .samples = of,
                                   .base_name = "floor",
-                                  .base = &floor});
-}
-
-static void print_part(const struct bench *bench, enum part part,
-                       const struct outcome *outcome, const struct speeds *speeds)
-{
-    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
-        char what[64];
-        if (samples[part][isa].count == 0) {
-            continue;
-        }
-        double floor_ns = floor_of(part, (enum eng_isa)isa, outcome, speeds);
-        struct bench_samples floor = {&floor_ns, 1, 1};
-        snprintf(what, sizeof what, "%s, %s", bench_part_name(part),
-                 eng_kernels_of((enum eng_isa)isa)->name);
-        bench_row(&(struct bench_row){.scene = bench->name,
-                                      .what = what,
-                                      .unit = "ns",
-                                      .samples = &samples[part][isa],
-                                      .base_name = "floor",
-                                      .base = &floor});
-    }
+                                  .base = &base});
 }
 
 /* Refit: the kernels' floors, and the positions that are copied. */
@@ -460,26 +612,25 @@ static void print(const struct bench *bench, const struct outcome *outcome)
     for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         bytes += (size_t)wide->trees[kind].slot_count * 48;
     }
-    const struct speeds speeds = {bench_clock_ghz(), bench_read_gbps(L1_BYTES),
-                                  bench_copy_gbps(bytes), bench_read_gbps(WITHIN_MAX * 8),
-                                  bench_copy_gbps(WITHIN_MAX * 12)};
+    const struct speeds speeds = {clock_ghz(), read_gbps(L1_BYTES), copy_gbps(bytes),
+                                  read_gbps(WITHIN_MAX * 8), copy_gbps(WITHIN_MAX * 12)};
     bench_number(bench->name, "clock", "GHz", speeds.ghz);
     bench_number(bench->name, "read the first cache", "GB/s", speeds.near);
     bench_number(bench->name, "copy the trees", "GB/s", speeds.far);
     bench_number(bench->name, "tests 1 x 16", "", (double)outcome->items[PART_JOIN]);
     print_shares(bench, outcome);
-    for (int part = 0; part < PART_COUNT; part++) {
-        print_part(bench, (enum part)part, outcome, &speeds);
-    }
-    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
-        if (refit_ms[isa].count > 0) {
-            enum eng_isa set = (enum eng_isa)isa;
-            print_phase(bench, "refit", &refit_ms[isa], set,
-                        refit_floor_ms(outcome, set, &speeds));
-            print_phase(bench, "pairs", &pairs_ms[isa], set,
-                        1e-6 * (double)outcome->items[PART_JOIN] *
-                            floor_of(PART_JOIN, set, outcome, &speeds));
+    for (enum part part = 0; part < PART_COUNT; part++) {
+        for (enum eng_isa isa = 0; isa < ENG_ISA_COUNT; isa++) {
+            print_beside(bench, part_names[part], "ns", isa, &samples[part][isa],
+                         floor_of(part, isa, outcome, &speeds));
         }
+    }
+    for (enum eng_isa isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        print_beside(bench, "refit", "ms", isa, &refit_ms[isa],
+                     refit_floor_ms(outcome, isa, &speeds));
+        print_beside(bench, "pairs", "ms", isa, &pairs_ms[isa],
+                     1e-6 * (double)outcome->items[PART_JOIN] *
+                         floor_of(PART_JOIN, isa, outcome, &speeds));
     }
 }
 
@@ -559,17 +710,12 @@ static void measure_scene(const struct bench_scene *source, unsigned repeats)
     bench_world_deinit(&world);
 }
 
-int main(int argc, char **argv)
+int section_roofline(const struct bench_options *options)
 {
-    struct bench_options options;
-    int exit_status;
-    if (!bench_begin("roofline", argc, argv, &options, &exit_status)) {
-        return exit_status;
-    }
     struct bench_scene scene;
-    for (unsigned i = 0; bench_next_scene(&options, NULL, &i, &scene);) {
-        measure_scene(&scene, options.smoke ? 2 : REPEATS);
+    for (unsigned i = 0; bench_next_scene(options, NULL, &i, &scene);) {
+        measure_scene(&scene, options->smoke ? 2 : REPEATS);
         bench_scene_free(&scene);
     }
-    return bench_end();
+    return 0;
 }

@@ -1,20 +1,14 @@
-/* slowest.c - the slowest pair that a search finds.
- *
- * Begin with pairs that are hard by their exponents and shapes, change their coordinates,
- * and keep what takes longer to decide; report the longest of each start, and print the
- * points of the slowest.
- */
+/* slowest.c - the slowest pair that a search by small changes finds. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "distance.h"
 #include "distance_order.h"
 #include "exact.h"
 #include "prng.h"
-#include "report.h"
+#include "sections.h"
 #include "solve.h"
 #include "winding.h"
 
@@ -98,14 +92,6 @@ static const struct question {
     {"a face around a point", ask_winding},
 };
 
-/* Of this thread: what others do meanwhile does not count, as it would in a maximum. */
-static double thread_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec * 1e9 + (double)now.tv_nsec;
-}
-
 static double measure(const struct question *question, struct scratch *scratch,
                       const struct pair *pair, int repeats)
 {
@@ -117,10 +103,10 @@ static double measure(const struct question *question, struct scratch *scratch,
         scratch->d = fmin(distance.lo, 1e18);
     }
     for (int i = 0; i < repeats; i++) {
-        double begin_ns = thread_ns();
+        double begin_ns = bench_thread_ns();
         scratch->exact.span.is_loaded = false; /* nothing is known from the last time */
         question->ask(scratch, pair);
-        best = fmin(best, thread_ns() - begin_ns);
+        best = fmin(best, bench_thread_ns() - begin_ns);
     }
     return best;
 }
@@ -352,41 +338,24 @@ static void run(const struct question *question, const struct bench_options *opt
     bench_free(&longest_us);
 }
 
-/* Takes --seconds N out of the arguments. */
-static uint64_t take_seconds(int *argc, char **argv)
-{
-    for (int i = 1; i + 1 < *argc; i++) {
-        if (strcmp(argv[i], "--seconds") == 0) {
-            uint64_t seconds = strtoull(argv[i + 1], NULL, 10);
-            *argc -= 2;
-            memmove(argv + i, argv + i + 2, (size_t)(*argc - i) * sizeof *argv);
-            return seconds;
-        }
-    }
-    return SECONDS;
-}
-
-int main(int argc, char **argv)
+int section_slowest(const struct bench_options *options)
 {
     static struct scratch scratch;
-    struct bench_options options;
-    int status;
-    uint64_t seconds = take_seconds(&argc, argv);
-    if (!bench_begin("slowest", argc, argv, &options, &status)) {
-        return status;
-    }
+    uint64_t seconds = options->number[BENCH_SECONDS] ? options->number[BENCH_SECONDS]
+                       : options->smoke               ? 0
+                                                      : SECONDS;
     if (eng_exact_init(&scratch.exact) != PCCD_OK ||
         eng_distances_init(&scratch.distances) != PCCD_OK ||
         eng_distance_order_init(&scratch.order) != PCCD_OK) {
         abort();
     }
     for (size_t i = 0; i < sizeof questions / sizeof *questions; i++) {
-        if (bench_is_wanted(&options, questions[i].name)) {
-            run(&questions[i], &options, options.smoke ? 0 : seconds, &scratch);
+        if (bench_is_wanted(options, questions[i].name)) {
+            run(&questions[i], options, seconds, &scratch);
         }
     }
     eng_exact_deinit(&scratch.exact);
     eng_distances_deinit(&scratch.distances);
     eng_distance_order_deinit(&scratch.order);
-    return bench_end();
+    return 0;
 }

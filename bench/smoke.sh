@@ -11,12 +11,22 @@ set -u -o pipefail
 log=$(mktemp) || exit 99
 trap 'rm -f "$log"' EXIT
 
-# If this failed, a measured program and what it is compared with would differ in their
-# results, or the program would not run at all.
-for program in batch distances exact slowest kernels roofline ipc connect thickness thin; do
-    "$top_builddir/bench/$program" --smoke >"$log" 2>&1
-    tap_result $? "bench_${program}__finds_equal_results" "$log"
-done
+parts='kernel kernels
+kernel roofline
+pair exact
+pair distances
+pair slowest
+client batch
+client connect
+client death
+client ipc'
+
+# If this failed, what is measured and what it is compared with would differ in their
+# results, or it would not run at all.
+while read -r section part; do
+    "$top_builddir/bench/pccd-bench" "$section" "$part" --smoke >"$log" 2>&1
+    tap_result $? "bench_${part}__finds_equal_results" "$log"
+done <<<"$parts"
 
 # If this failed, a table would compare different answers, or a row would not run.
 "$top_srcdir/bench/tables.sh" --smoke >"$log" 2>&1 &&
@@ -24,19 +34,20 @@ done
 tap_result $? bench_tables__have_equal_answers_in_every_row "$log"
 
 # If this failed, what it costs to ask could not be compared with what it costs to ask Redis.
-"$top_builddir/bench/redis/beside_redis" --smoke >"$log" 2>&1
-case $? in
-    77) tap_skip bench_beside_redis__finds_equal_results "redis-server is not installed" ;;
-    0) tap_result 0 bench_beside_redis__finds_equal_results "$log" ;;
-    *) tap_result 1 bench_beside_redis__finds_equal_results "$log" ;;
-esac
+if command -v redis-server >/dev/null; then
+    "$top_builddir/bench/pccd-bench" client ipc --smoke trips >"$log" 2>&1 &&
+        [ "$(grep -c 'PING, two' "$log")" -ge 4 ]
+    tap_result $? bench_beside_redis__finds_equal_results "$log"
+else
+    tap_skip bench_beside_redis__finds_equal_results "redis-server is not installed"
+fi
 
 # If this failed, results could not be kept and compared.
-for program in batch distances exact slowest kernels roofline ipc connect thickness thin; do
-    "$top_builddir/bench/$program" --smoke --json 2>/dev/null |
-        awk '!/^[{]"program":".*"threads":[0-9]+[}]$/ { print; bad = 1 }
+while read -r section part; do
+    "$top_builddir/bench/pccd-bench" "$section" "$part" --smoke --json 2>/dev/null |
+        awk '!/^[{]"(program|row)":".*[}]$/ { print; bad = 1 }
             END { exit bad || NR == 0 }' >"$log"
-    tap_result $? "bench_${program}__prints_one_object_a_line" "$log"
-done
+    tap_result $? "bench_${part}__prints_one_object_a_line" "$log"
+done <<<"$parts"
 
 tap_end

@@ -1,4 +1,4 @@
-/* sorting.c - the merge of records against plainer ways to sort them.
+/* sorting.c - the merge of records beside qsort.
  *
  * Floor, bytes moved for a contact of 64 bytes: 64 read for the key, key and address of
  * 16 written and read three times, 64 read, 64 fetched and written, 64 read by the hash:
@@ -25,13 +25,6 @@ struct lists {
     struct eng_found part[TEAM];
     uint64_t total;
     uint32_t record_bytes;
-};
-
-struct times {
-    struct bench_samples alone;
-    struct bench_samples team;
-    struct bench_samples whole;
-    struct bench_samples quick;
 };
 
 static int compare_names(const struct eng_name *x, const struct eng_name *y)
@@ -103,88 +96,6 @@ static void copy_all(const struct eng_found *found, unsigned char *to)
     }
 }
 
-/* ---- whole names, a byte at a time ------------------------------------------------- */
-
-struct whole {
-    uint64_t hi; /* more significant half of the name */
-    uint64_t lo;
-    uint64_t index; /* of its record: the address */
-};
-
-static unsigned digit_of(const struct whole *item, unsigned digit)
-{
-    uint64_t half = digit < 8 ? item->lo : item->hi;
-    return (unsigned)(half >> (8 * (digit & 7))) & 255u;
-}
-
-static void pass(const struct whole *from, struct whole *to, size_t count, unsigned digit)
-{
-    size_t offset[256] = {0};
-    for (size_t i = 0; i < count; i++) {
-        offset[digit_of(&from[i], digit)]++;
-    }
-    size_t sum = 0;
-    for (unsigned d = 0; d < 256; d++) {
-        size_t n = offset[d];
-        offset[d] = sum;
-        sum += n;
-    }
-    for (size_t i = 0; i < count; i++) {
-        to[offset[digit_of(&from[i], digit)]++] = from[i];
-    }
-}
-
-static struct whole *radix_sort(struct whole *items, struct whole *spare, size_t count)
-{
-    uint64_t differ_hi = 0;
-    uint64_t differ_lo = 0;
-    for (size_t i = 1; i < count; i++) {
-        differ_hi |= items[i].hi ^ items[0].hi;
-        differ_lo |= items[i].lo ^ items[0].lo;
-    }
-    for (unsigned digit = 0; digit < 16; digit++) {
-        uint64_t half = digit < 8 ? differ_lo : differ_hi;
-        if (((half >> (8 * (digit & 7))) & 255u) == 0) {
-            continue;
-        }
-        pass(items, spare, count, digit);
-        struct whole *swap = items;
-        items = spare;
-        spare = swap;
-    }
-    return items;
-}
-
-/* One thread, one kind after the other: names of 128 bits, 24 bytes an item, byte by byte
- * over all items, then gather and hash. */
-static void sort_whole_names(const struct eng_found *found, struct whole *items,
-                             struct whole *spare, unsigned char *to, uint64_t hash[2])
-{
-    unsigned char *out = to;
-    for (uint32_t kind = PCCD_VF; kind <= PCCD_EE; kind++) {
-        size_t count = 0;
-        for (const struct eng_block *block = found->first; block; block = block->next) {
-            for (uint32_t i = 0; i < block->count; i++) {
-                const unsigned char *record =
-                    block->data + (size_t)i * found->record_bytes;
-                struct eng_name name = eng_name_of(record, found->record_bytes);
-                if (name.word[0] == kind) {
-                    items[count++] = (struct whole){
-                        (uint64_t)name.word[1] << 32 | name.word[2],
-                        (uint64_t)name.word[3] << 32 | name.word[4], (uintptr_t)record};
-                }
-            }
-        }
-        const struct whole *sorted = radix_sort(items, spare, count);
-        for (size_t i = 0; i < count; i++) {
-            memcpy(out, (const void *)(uintptr_t)sorted[i].index, found->record_bytes);
-            out += found->record_bytes;
-        }
-    }
-    uint64_t count = (uint64_t)(out - to) / found->record_bytes;
-    eng_hash_end(eng_hash_records(to, count, found->record_bytes), count, hash);
-}
-
 /* ---- merge ------------------------------------------------------------------------ */
 
 static bool merge_alone(struct eng_merge *merge, struct lists *lists,
@@ -230,94 +141,74 @@ static bool merge_by_team(struct eng_merge *merge, struct lists *lists,
 }
 
 static bool is_right(const struct eng_records *out, const unsigned char *expected,
-                     uint64_t total, const uint64_t hash[2], const uint64_t whole[2])
+                     uint64_t total, const uint64_t hash[2], const uint64_t wanted[2])
 {
-    return out->count == total && hash[0] == whole[0] && hash[1] == whole[1] &&
+    return out->count == total && hash[0] == wanted[0] && hash[1] == wanted[1] &&
            memcmp(out->data, expected, total * out->record_bytes) == 0;
 }
 
+enum side { QUICK, ALONE, BY_TEAM, SIDES };
+
 static bool measure_once(struct lists *lists, struct eng_merge *merge,
-                         struct eng_records *out, struct whole *items,
-                         unsigned char *expected, double ns[4])
+                         struct eng_records *out, unsigned char *expected,
+                         double ns[SIDES])
 {
-    uint64_t whole[2];
+    uint64_t wanted[2];
     uint64_t hash[2];
-    struct whole *spare = items + lists->total;
-    uint64_t t0 = common_now_ns();
-    sort_whole_names(&lists->all, items, spare, expected, whole);
-    uint64_t t1 = common_now_ns();
-    bool good = merge_alone(merge, lists, out, hash);
-    uint64_t t2 = common_now_ns();
-    good = good && is_right(out, expected, lists->total, hash, whole);
-    uint64_t t3 = common_now_ns();
-    good = good && merge_by_team(merge, lists, out, hash);
-    uint64_t t4 = common_now_ns();
-    good = good && is_right(out, expected, lists->total, hash, whole);
     copy_all(&lists->all, expected);
-    uint64_t t5 = common_now_ns();
+    uint64_t t0 = common_now_ns();
     qsort(expected, lists->total, lists->record_bytes,
           lists->record_bytes == sizeof(struct pccd_pair) ? compare_pairs
                                                           : compare_contacts);
-    uint64_t t6 = common_now_ns();
-    const uint64_t spans[4] = {t2 - t1, t4 - t3, t1 - t0, t6 - t5};
-    for (int i = 0; i < 4; i++) {
+    uint64_t t1 = common_now_ns();
+    eng_hash_end(eng_hash_records(expected, lists->total, lists->record_bytes),
+                 lists->total, wanted);
+    uint64_t t2 = common_now_ns();
+    bool good = merge_alone(merge, lists, out, hash);
+    uint64_t t3 = common_now_ns();
+    good = good && is_right(out, expected, lists->total, hash, wanted);
+    uint64_t t4 = common_now_ns();
+    good = good && merge_by_team(merge, lists, out, hash);
+    uint64_t t5 = common_now_ns();
+    const uint64_t spans[SIDES] = {t1 - t0, t3 - t2, t5 - t4};
+    for (int i = 0; i < SIDES; i++) {
         ns[i] = (double)spans[i] / (double)lists->total;
     }
-    return good && is_right(out, expected, lists->total, hash, whole);
-}
-
-static void print(const char *scene, const char *kind, const char *how,
-                  const struct bench_samples *samples, const char *base_name,
-                  const struct bench_samples *base, uint32_t threads)
-{
-    char what[64];
-    snprintf(what, sizeof what, "%s a %s", how, kind);
-    bench_row(&(struct bench_row){.scene = scene,
-                                  .what = what,
-                                  .unit = "ns",
-                                  .samples = samples,
-                                  .base_name = base_name,
-                                  .base = base,
-                                  .threads = threads});
+    return good && is_right(out, expected, lists->total, hash, wanted);
 }
 
 static void measure(const char *scene, const char *kind, struct lists *lists,
                     unsigned repeats)
 {
+    static const char *const hows[SIDES] = {"qsort", "merge", "merge"};
+    struct bench_side sides[SIDES] = {
+        [QUICK] = {.unit = "ns"},
+        [ALONE] = {.unit = "ns", .base_name = "qsort", .base = QUICK},
+        [BY_TEAM] = {
+            .unit = "ns", .base_name = "one thread", .base = ALONE, .threads = TEAM}};
     struct eng_merge merge;
     struct eng_records out = {0};
-    struct times times;
-    memset(&times, 0, sizeof times);
     eng_merge_init(&merge);
-    struct whole *items = bench_alloc(2 * lists->total, sizeof *items);
     unsigned char *expected = bench_alloc(lists->total, lists->record_bytes);
     bool good = lists->total > 0;
     for (unsigned r = 0; r < repeats && good; r++) {
-        double ns[4];
-        good = bench_check(measure_once(lists, &merge, &out, items, expected, ns), scene,
+        double ns[SIDES];
+        good = bench_check(measure_once(lists, &merge, &out, expected, ns), scene,
                            "merge and qsort differ");
-        if (r > 0) {
-            bench_add(&times.alone, ns[0]);
-            bench_add(&times.team, ns[1]);
-            bench_add(&times.whole, ns[2]);
-            bench_add(&times.quick, ns[3]);
+        for (int i = 0; i < SIDES && r > 0; i++) {
+            bench_add(&sides[i].samples, ns[i]);
         }
     }
-    if (good && lists->total > 0) {
-        bench_number(scene, "records", "", (double)lists->total);
-        print(scene, kind, "qsort", &times.quick, NULL, NULL, 1);
-        print(scene, kind, "whole names", &times.whole, "qsort", &times.quick, 1);
-        print(scene, kind, "merge", &times.alone, "whole names", &times.whole, 1);
-        print(scene, kind, "merge", &times.team, "one thread", &times.alone, TEAM);
+    for (int i = 0; i < SIDES; i++) {
+        snprintf(sides[i].what, sizeof sides[i].what, "%s a %s", hows[i], kind);
     }
-    free(items);
+    if (good) {
+        bench_number(scene, "records", "", (double)lists->total);
+    }
+    bench_sides_end(scene, sides, SIDES, good);
     free(expected);
     eng_records_deinit(&out);
     eng_merge_deinit(&merge);
-    bench_free(&times.alone);
-    bench_free(&times.team);
-    bench_free(&times.whole);
-    bench_free(&times.quick);
 }
 
 void bench_sorting_measure(const struct bench_work *work, unsigned repeats)

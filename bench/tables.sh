@@ -58,6 +58,10 @@ standing-sse4    | $standing | --via=direct --sends=moved --cpu=sse4 $moving
 standing-paper   | $standing | --via=direct --sends=moved --method=paper $moving
 game    | game | --via=daemon --sends=moved --hz=60 --frames=60-299 --beside= --beside=--sends=all \
     --beside=--via=direct --beside=--threads=@ --beside=--method=paper
+thickness | cloth-20k cloth-ball cloth-funnel n-body | --frames=hard --repeat=9 --beside= \
+    --beside=--separation=0.001 --beside=--separation=0.01 \
+    --beside=--separation=0.01_--approach=0.1 --beside=--separation=0.1
+thin    | points points-self hair | --frames=hard --repeat=5 --beside= --beside=--method=paper
 poses   | bodies | --via=direct --frames=280-299 --warm-up=150 --beside= --beside=--sends=poses \
     --beside=--method=paper --beside=--method=paper_--sends=poses
 direct  | one-triangle cloth-20k cloth-ball-fifth | --frames=hard+4 --repeat=5 --via=daemon \
@@ -81,7 +85,7 @@ measure() {
         option=${option//@/$threads}
         options+=("${option//_/ }")
     done
-    [ -z "$smoke" ] || options+=(--small --frames=2 --repeat=1)
+    [ -z "$smoke" ] || options+=(--small --frames=hard+1 --repeat=1)
     if [ -n "$json" ]; then
         "$top_builddir/bench/pccd-bench" "${options[@]}" --format json "$scene"
     else

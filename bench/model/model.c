@@ -403,7 +403,7 @@ int main(int argc, char **argv)
     bench_team_environment(argv);
     run.options = (struct options){.folder = ".", .validate = 2};
     argp_parse(&arguments, argc, argv, 0, NULL, &run.options);
-    if (!bench_begin("model", 1, argv, &none, &exit_status)) {
+    if (!bench_begin("model", 0, 1, argv, &none, &exit_status)) {
         return exit_status;
     }
     eng_affinity_init(&run.affinity);

@@ -75,7 +75,7 @@ peers() {
 
 # Of one scene that is there everywhere.
 kernels() {
-    keep kernels.txt bench/roofline "${smoke[@]}" breaking
+    keep kernels.txt bench/pccd-bench kernel roofline "${smoke[@]}" breaking
 }
 
 # The recorded steps by the method wide in several ways; none without PCCD_DATA.

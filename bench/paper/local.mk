@@ -17,6 +17,6 @@ bench_paper_peers = bench/peers/peers
 endif
 
 .PHONY: bench
-bench: bench/pccd-bench bench/model/model bench/roofline bench/growth/growth pccdd pccd-load $(bench_paper_peers)
+bench: bench/pccd-bench bench/model/model bench/growth/growth pccdd pccd-load $(bench_paper_peers)
 	@$(AM_TESTS_ENVIRONMENT) \
 	$(srcdir)/bench/paper/evaluate.sh "$(BENCH_INTO)" $(BENCH_PARTS)

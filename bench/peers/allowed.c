@@ -249,7 +249,7 @@ int main(int argc, char **argv)
     struct bench_options options;
     int exit_status;
     bench_team_environment(argv);
-    if (!bench_begin("allowed", argc, argv, &options, &exit_status)) {
+    if (!bench_begin("allowed", 0, argc, argv, &options, &exit_status)) {
         return exit_status;
     }
     if (!has_peer) {

@@ -363,7 +363,7 @@ int main(int argc, char **argv)
     struct bench_options options;
     int exit_status;
     bench_team_environment(argv);
-    if (!bench_begin("near", argc, argv, &options, &exit_status)) {
+    if (!bench_begin("near", 0, argc, argv, &options, &exit_status)) {
         return exit_status;
     }
     if (!peer) {

@@ -190,7 +190,8 @@ static void measure_scene(const struct bench_scene *source,
     bench_world_step(&world, &frames, &settings, &result);
     peers_swept_init(&input, &world);
     peers_ours_scene(&world);
-    uint32_t most = options->threads ? options->threads : THREADS_MAX;
+    uint32_t most =
+        options->number[BENCH_THREADS] ? options->number[BENCH_THREADS] : THREADS_MAX;
     for (uint32_t threads = 1; threads <= most; threads *= 2) {
         measure(source->name, &input, threads, options->smoke ? 2 : REPEATS_MAX);
         peers_steps(installed + OURS, INSTALLED - OURS, &world, &frames, &input, threads,
@@ -206,7 +207,7 @@ int main(int argc, char **argv)
     struct bench_options options;
     int exit_status;
     bench_team_environment(argv);
-    if (!bench_begin_with_threads("peers", argc, argv, &options, &exit_status)) {
+    if (!bench_begin("peers", 1u << BENCH_THREADS, argc, argv, &options, &exit_status)) {
         return exit_status;
     }
     for (unsigned i = 1; i < INSTALLED; i++) {

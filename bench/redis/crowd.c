@@ -116,6 +116,16 @@ static double rate(const struct crowd *crowd, uint32_t count)
     return 1e6 * count / (double)(common_now_ns() - begin_ns);
 }
 
+static void place(const struct rows *rows, int client, int server)
+{
+    bench_pin(0, client);
+    bench_pin((pid_t)pccd_daemon_pid(rows->blocking), server);
+    bench_pin(rows->least->pid, server);
+    if (rows->redis) {
+        bench_pin(rows->redis->pid, server);
+    }
+}
+
 void rows_crowd(const struct rows *rows)
 {
     static const unsigned char answer[] = {0x94, 1, 1, 0xc0}; /* [1, id, nil, .. */
@@ -133,7 +143,7 @@ void rows_crowd(const struct rows *rows)
                           .question_bytes = sizeof least_ping,
                           .answer = least_ping,
                           .answer_bytes = sizeof least_ping};
-    struct pairs pairs[2] = {0};
+    struct pairs pairs[3] = {0};
     if (proto_encode_request(&message, 1, PROTO_METHOD_PING, &ping) != 0) {
         fail("encode");
     }
@@ -141,39 +151,41 @@ void rows_crowd(const struct rows *rows)
     ours.question_bytes = message.bytes;
     for (uint32_t i = 0; i < CLIENTS; i++) {
         ours.fds[i] = connect_daemon(pccd_url(rows->blocking));
-        redis.fds[i] = redis_connect(rows->redis);
+        redis.fds[i] = rows->redis ? redis_connect(rows->redis) : -1;
         least.fds[i] = dup(rows->least->fds[i]);
     }
     watch_all(&least);
     watch_all(&ours);
-    watch_all(&redis);
-    pid_t daemon = (pid_t)pccd_daemon_pid(rows->blocking);
+    if (rows->redis) {
+        watch_all(&redis);
+    }
     int second = sysconf(_SC_NPROCESSORS_ONLN) > 1 ? 1 : 0;
-    bench_pin(0, 0); /* as the kernel places them, but always */
-    bench_pin(daemon, second);
-    bench_pin(rows->redis->pid, second);
-    bench_pin(rows->least->pid, second);
+    place(rows, 0, second); /* as the kernel places them, but always */
     uint32_t count = rows->smoke ? 500 : 20000;
     for (unsigned turn = 0, turns = rows->smoke ? 2 : 20; turn <= turns; turn++) {
-        double redis_rate = rate(&redis, count);
+        double redis_rate = rows->redis ? rate(&redis, count) : 0;
         double our_rate = rate(&ours, count);
         double least_rate = rate(&least, count);
-        if (turn > 0) {
+        if (turn > 0 && rows->redis) {
             pairs_add(&pairs[0], our_rate, redis_rate);
             pairs_add(&pairs[1], least_rate, redis_rate);
+        } else if (turn > 0) {
+            pairs_add(&pairs[2], our_rate, least_rate);
         }
     }
-    bench_pin(0, -1);
-    bench_pin(daemon, -1);
-    bench_pin(rows->redis->pid, -1);
-    bench_pin(rows->least->pid, -1);
+    place(rows, -1, -1);
     pairs_print(&(struct pairs_row){"2", "pings of 50 clients", "PING of 50 clients",
                                     "K/s", PAIRS_AT_LEAST, 1.0},
                 &pairs[0]);
     pairs_print(
         &(struct pairs_row){"", "the least", "PING of 50 clients", "K/s", PAIRS_TOLD, 0},
         &pairs[1]);
+    pairs_print(&(struct pairs_row){"2", "pings of 50 clients", "the least", "K/s",
+                                    PAIRS_TOLD, 0},
+                &pairs[2]);
     end(&least);
     end(&ours);
-    end(&redis);
+    if (rows->redis) {
+        end(&redis);
+    }
 }

@@ -39,11 +39,8 @@ void pairs_add(struct pairs *pairs, double ours, double anchor);
 /* The middle of what the samples hold, which are emptied. */
 double pairs_take_median(struct bench_samples *samples);
 
-void pairs_heading(bool json);
-/* Prints, and frees the pairs. */
+/* Prints, and frees the pairs; nothing of pairs that were not measured. */
 void pairs_print(const struct pairs_row *row, struct pairs *pairs);
-/* Rows whose target was missed. */
-unsigned pairs_missed(void);
 
 /* ---- A Redis server of the benchmark's own, and the two commands that it is asked. */
 
@@ -103,7 +100,7 @@ void least_stop(struct least *least);
 uint64_t least_ask(const struct least *least, size_t copy_bytes);
 
 struct rows {
-    const struct redis *redis;
+    const struct redis *redis;    /* NULL: it is not installed */
     const struct least *least;    /* told beside rows that depend on the machine most */
     struct pccd_client *blocking; /* waits in the kernel */
     struct pccd_client *spinning; /* for 50 us before it does */

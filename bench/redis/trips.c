@@ -38,7 +38,9 @@ struct trips {
 static void place(const struct trips *trips, int client, int server)
 {
     bench_pin(0, client);
-    bench_pin(trips->rows->redis->pid, server);
+    if (trips->rows->redis) {
+        bench_pin(trips->rows->redis->pid, server);
+    }
     bench_pin(trips->daemon, server);
     bench_pin(trips->rows->least->pid, server);
 }
@@ -49,6 +51,9 @@ static double trip_us(const struct trips *trips, enum side side)
     switch (side) {
     case REDIS_TWO:
     case REDIS_ONE:
+        if (!trips->rows->redis) {
+            return 0;
+        }
         begin_ns = common_now_ns();
         bench_check(redis_ping(trips->redis_fd), "redis", "PING without PONG");
         return 1e-3 * (double)(common_now_ns() - begin_ns);
@@ -87,6 +92,12 @@ static void take_turn(const struct trips *trips, double medians[SIDES])
     bench_free(&samples);
 }
 
+/* Without Redis the least server stands in its place. */
+static enum side anchor_of(const struct rows *rows, enum side anchor)
+{
+    return rows->redis ? anchor : anchor == REDIS_TWO ? LEAST_TWO : LEAST_ONE;
+}
+
 void rows_trips(const struct rows *rows)
 {
     static const struct {
@@ -111,7 +122,7 @@ void rows_trips(const struct rows *rows)
     enum { ROWS = sizeof table / sizeof table[0] };
     struct trips trips = {
         .rows = rows,
-        .redis_fd = redis_connect(rows->redis),
+        .redis_fd = rows->redis ? redis_connect(rows->redis) : -1,
         .daemon = (pid_t)pccd_daemon_pid(rows->blocking),
         .scenes = {bench_tiny_scene(rows->blocking), bench_tiny_scene(rows->spinning)}};
     struct pairs pairs[ROWS] = {0};
@@ -119,15 +130,25 @@ void rows_trips(const struct rows *rows)
     for (unsigned turn = 0, turns = rows->smoke ? 2 : 100; turn <= turns; turn++) {
         take_turn(&trips, medians);
         for (size_t i = 0; i < ROWS && turn > 0; i++) {
-            pairs_add(&pairs[i], medians[table[i].ours], medians[table[i].anchor]);
+            enum side anchor = anchor_of(rows, table[i].anchor);
+            if (table[i].ours != anchor) {
+                pairs_add(&pairs[i], medians[table[i].ours], medians[anchor]);
+            }
         }
     }
     for (size_t i = 0; i < ROWS; i++) {
-        pairs_print(&table[i].row, &pairs[i]);
+        struct pairs_row row = table[i].row;
+        if (!rows->redis) {
+            row.anchor = "the least";
+            row.want = PAIRS_TOLD;
+        }
+        pairs_print(&row, &pairs[i]);
     }
     bench_must(pccd_scene_destroy(rows->blocking, trips.scenes[0]), "scene",
                rows->blocking);
     bench_must(pccd_scene_destroy(rows->spinning, trips.scenes[1]), "scene",
                rows->spinning);
-    close(trips.redis_fd);
+    if (rows->redis) {
+        close(trips.redis_fd);
+    }
 }

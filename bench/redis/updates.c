@@ -176,7 +176,10 @@ static void take_turn(struct asked *asked, unsigned i, double us[QUANTITIES])
     double whole;
     us[COPY] = copy_us(asked, soup, i);
     uint64_t set_ns = common_now_ns();
-    bench_check(redis_set(asked->redis_fd, soup->x[1], bytes), "redis", "SET is not OK");
+    if (asked->redis_fd >= 0) {
+        bench_check(redis_set(asked->redis_fd, soup->x[1], bytes), "redis",
+                    "SET is not OK");
+    }
     us[SET] = 1e-3 * (double)(common_now_ns() - set_ns);
     memcpy(asked->least->shared, soup->x[1], bytes);
     uint64_t least_ns = common_now_ns();
@@ -202,7 +205,8 @@ enum row {
     ROWS
 };
 
-static void keep(struct pairs pairs[ROWS], double kb, const double us[QUANTITIES])
+static void keep(struct pairs pairs[ROWS], double kb, bool has_redis,
+                 const double us[QUANTITIES])
 {
     pairs_add(&pairs[PUBLISH], kb / us[PUBLISHED], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_DOUBLE], 2 * kb / us[PUBLISHED_DOUBLE],
@@ -211,9 +215,11 @@ static void keep(struct pairs pairs[ROWS], double kb, const double us[QUANTITIES
     pairs_add(&pairs[PUBLISH_SPINNING], kb / us[SPINNING], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_WAITING], kb / us[WAITING], kb / us[COPY]);
     pairs_add(&pairs[PUBLISH_COPIED], kb / us[COPIED], kb / us[COPY]);
-    pairs_add(&pairs[UPDATE], us[WAITING], us[SET]);
-    pairs_add(&pairs[UPDATE_COPIED], us[COPIED], us[SET]);
-    pairs_add(&pairs[UPDATE_WHOLE], us[WHOLE], us[SET]);
+    if (has_redis) {
+        pairs_add(&pairs[UPDATE], us[WAITING], us[SET]);
+        pairs_add(&pairs[UPDATE_COPIED], us[COPIED], us[SET]);
+        pairs_add(&pairs[UPDATE_WHOLE], us[WHOLE], us[SET]);
+    }
 }
 
 static void tell(const char *what, const char *anchor, const char *unit,
@@ -268,7 +274,7 @@ static void measure(const struct rows *rows, const struct size *size, int redis_
     for (unsigned i = WARM_TURNS; i < turns; i++) {
         us[i][PUBLISHED] = way_us(&asked.way, i, 0);
         us[i][PUBLISHED_DOUBLE] = way_us(&asked.way, i, 1);
-        keep(pairs, 1e-3 * (double)bytes, us[i]); /* KB a us are GB/s */
+        keep(pairs, 1e-3 * (double)bytes, redis_fd >= 0, us[i]); /* KB a us are GB/s */
     }
     print(size, pairs);
     munmap(asked.shared, BENCH_SLOTS * 2 * bytes);
@@ -283,9 +289,11 @@ void rows_updates(const struct rows *rows)
         {"250 K vertices", 250000, 60, 0.45, 0.7},
         {"1 M vertices", ROWS_VERTICES_MAX, 20, 0.45, 0.25},
     };
-    int redis_fd = redis_connect(rows->redis);
+    int redis_fd = rows->redis ? redis_connect(rows->redis) : -1;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         measure(rows, &sizes[i], redis_fd);
     }
-    close(redis_fd);
+    if (redis_fd >= 0) {
+        close(redis_fd);
+    }
 }

@@ -48,7 +48,10 @@ enum run_count {
     RUN_STILL_PAIRS,
     RUN_KEPT_RECORDS,
     RUN_RIGID_OBJECTS,
-    RUN_CONTACTS, /* records: pairs in mode pairs, none in mode any */
+    RUN_THICK_CANDIDATES, /* that meet at a distance */
+    RUN_THICK_SURVIVORS,  /* of these, asked one by one */
+    RUN_THICK_EXACT,      /* of these, decided by exact arithmetic */
+    RUN_CONTACTS,         /* records: pairs in mode pairs, none in mode any */
     RUN_ALLOCS,
     RUN_SCENE_BYTES,   /* resident: the scene and its meshes; from here on no sums */
     RUN_PROCESS_BYTES, /* resident: the process that computes */
@@ -87,8 +90,10 @@ struct run_frame {
         (frame)->counts[RUN_TASK_UNITS] = (counters)->task_units;                        \
         (frame)->counts[RUN_BOX_TESTS] = (counters)->box_tests;                          \
         (frame)->counts[RUN_LEAF_PAIRS] = (counters)->leaf_pairs;                        \
-        (frame)->counts[RUN_CANDIDATES] =                                                \
-            (counters)->candidates[PCCD_VF] + (counters)->candidates[PCCD_EE];           \
+        (frame)->counts[RUN_CANDIDATES] = 0;                                             \
+        for (int kind = 0; kind < PCCD_KIND_COUNT; kind++) {                             \
+            (frame)->counts[RUN_CANDIDATES] += (counters)->candidates[kind];             \
+        }                                                                                \
         (frame)->counts[RUN_SURVIVORS] = (counters)->survivors;                          \
         (frame)->counts[RUN_EXACT] = (counters)->exact;                                  \
         (frame)->counts[RUN_RECONSTRUCTIONS] = (counters)->rebuilds;                     \
@@ -99,6 +104,9 @@ struct run_frame {
         (frame)->counts[RUN_STILL_PAIRS] = (counters)->still_pairs;                      \
         (frame)->counts[RUN_KEPT_RECORDS] = (counters)->kept_records;                    \
         (frame)->counts[RUN_RIGID_OBJECTS] = (counters)->rigid_objects;                  \
+        (frame)->counts[RUN_THICK_CANDIDATES] = (counters)->thick_candidates;            \
+        (frame)->counts[RUN_THICK_SURVIVORS] = (counters)->thick_survivors;              \
+        (frame)->counts[RUN_THICK_EXACT] = (counters)->thick_exact;                      \
         (frame)->counts[RUN_ALLOCS] = (counters)->allocs;                                \
     } while (0)
 

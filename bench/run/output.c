@@ -81,13 +81,19 @@ static void text_sides(FILE *to, const struct run_play *play)
 {
     static const enum run_time columns[] = {RUN_STEP,  RUN_REFIT, RUN_TRAVERSAL,
                                             RUN_TESTS, RUN_MERGE, RUN_WALL};
+    static const enum run_count counts[] = {RUN_BOX_TESTS, RUN_CANDIDATES, RUN_CONTACTS,
+                                            RUN_THICK_SURVIVORS, RUN_THICK_EXACT};
     const size_t count = sizeof columns / sizeof columns[0];
+    const size_t count_columns = sizeof counts / sizeof counts[0];
     fprintf(to, "\n%-40s", "ms a step (p50)");
     for (size_t c = 0; c < count; c++) {
         fprintf(to, " %9s", run_time_names[columns[c]]);
     }
-    fprintf(to, " %9s %10s | %8s %8s  times as fast as the first\n", "wall p99",
-            "box_tests", "step", "wall");
+    fprintf(to, " %9s", "wall p99");
+    for (size_t c = 0; c < count_columns; c++) {
+        fprintf(to, " %15s", run_count_names[counts[c]]);
+    }
+    fprintf(to, " | %8s %8s  times as fast as the first\n", "step", "wall");
     for (uint32_t i = 0; i < play->settings->side_count; i++) {
         const struct run_sequence *side = &play->sides[i];
         const char *label = play->settings->sides[i].label;
@@ -95,11 +101,13 @@ static void text_sides(FILE *to, const struct run_play *play)
         for (size_t c = 0; c < count; c++) {
             fprintf(to, " %9.4g", run_summarise_time(play, i, columns[c]).p50);
         }
-        struct bench_summary tests;
-        uint64_t total;
-        (void)run_summarise_count(play, i, RUN_BOX_TESTS, &tests, &total);
-        fprintf(to, " %9.4g %10.0f", run_summarise_time(play, i, RUN_WALL).p99,
-                tests.p50);
+        fprintf(to, " %9.4g", run_summarise_time(play, i, RUN_WALL).p99);
+        for (size_t c = 0; c < count_columns; c++) {
+            struct bench_summary number;
+            uint64_t total;
+            (void)run_summarise_count(play, i, counts[c], &number, &total);
+            fprintf(to, " %15.0f", number.p50);
+        }
         if (i > 0) {
             fprintf(to, " | %8.3f %8.3f", bench_summarise(&side->speed[RUN_STEP]).p50,
                     bench_summarise(&side->speed[RUN_WALL]).p50);

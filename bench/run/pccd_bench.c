@@ -1,4 +1,4 @@
-/* pccd_bench.c - pccd-bench: one scene, one or more ways to compute each step. */
+/* pccd_bench.c - pccd-bench: the steps of a scene in one or more ways, or a section. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,6 +6,7 @@
 #include "kernel.h"
 #include "output.h"
 #include "resident.h"
+#include "sections.h"
 #include "workload.h"
 
 enum { EXIT_DIFFERENT = 1, EXIT_CANNOT = 2, EXIT_SKIPPED = 77 };
@@ -36,6 +37,16 @@ static const struct run_side *missing_cpu(const struct run_settings *settings)
     return NULL;
 }
 
+/* Rods, points and radii are the engine's alone here. */
+static bool is_of_triangles(const struct bench_scene *scene)
+{
+    bool good = true;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        good = good && scene->objects[i].radius == 0;
+    }
+    return good;
+}
+
 static int write_out(FILE *to, const struct run_play *play)
 {
     static bool (*const writers[RUN_FORMATS])(FILE *, const struct run_play *) = {
@@ -62,6 +73,12 @@ static int run(struct run_settings *settings, struct bench_scene *scene)
                 scene->name, scene->frame_count - 2);
         return EXIT_CANNOT;
     }
+    for (uint32_t i = 0; i < settings->side_count; i++) {
+        if (settings->sides[i].via != RUN_VIA_ENGINE && !is_of_triangles(scene)) {
+            return fail("--via", run_via_name(settings->sides[i].via),
+                        "does not play a scene of points or rods");
+        }
+    }
     FILE *to = settings->path ? fopen(settings->path, "w") : stdout;
     if (!to) {
         return fail("--output", settings->path, "cannot be opened");
@@ -75,12 +92,76 @@ static int run(struct run_settings *settings, struct bench_scene *scene)
     return status;
 }
 
+/* ---- what is measured beside steps ------------------------------------------------- */
+
+static const struct part {
+    const char *section;
+    const char *name;
+    int (*measure)(const struct bench_options *options);
+    unsigned takes; /* bits of enum bench_number */
+} parts[] = {
+    {"kernel", "kernels", section_kernels, 0},
+    {"kernel", "roofline", section_roofline, 0},
+    {"pair", "exact", section_exact, 0},
+    {"pair", "distances", section_distances, 0},
+    {"pair", "slowest", section_slowest, 1u << BENCH_SECONDS},
+    {"client", "batch", section_batch, 0},
+    {"client", "connect", section_connect, 0},
+    {"client", "death", section_death,
+     1u << BENCH_CLIENTS | 1u << BENCH_KILLS | 1u << BENCH_MESHES},
+    {"client", "ipc", section_ipc, 0},
+};
+
+static int measure_part(const struct part *part, int argc, char **argv)
+{
+    struct bench_options options;
+    int status;
+    if (!bench_begin(part->name, part->takes, argc, argv, &options, &status)) {
+        return status;
+    }
+    status = part->measure(&options);
+    return bench_end() != 0 ? EXIT_DIFFERENT : status;
+}
+
+static const struct part *part_named(const char *section, const char *name)
+{
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        if (strcmp(section, parts[i].section) == 0 && strcmp(name, parts[i].name) == 0) {
+            return &parts[i];
+        }
+    }
+    return NULL;
+}
+
+/* All parts of the section argv[1], or the one that argv[2] names, with the options that
+ * follow. False: there is no such section. */
+static bool measure_section(int argc, char **argv, int *status)
+{
+    const struct part *part = argc > 2 ? part_named(argv[1], argv[2]) : NULL;
+    bool is_known = part != NULL;
+    if (part) {
+        *status = measure_part(part, argc - 2, argv + 2);
+    }
+    for (size_t i = 0; !part && argc > 1 && i < sizeof parts / sizeof parts[0]; i++) {
+        if (strcmp(argv[1], parts[i].section) == 0) {
+            int one = measure_part(&parts[i], argc - 1, argv + 1);
+            *status = one == EXIT_SKIPPED || *status != 0 ? *status : one;
+            is_known = true;
+        }
+    }
+    return is_known;
+}
+
 int main(int argc, char **argv)
 {
     static struct run_settings settings; /* for as long as the program runs */
     struct bench_scene scene;
     unsigned index = 0;
+    int section_status = 0;
     bench_team_environment(argv);
+    if (measure_section(argc, argv, &section_status)) {
+        return section_status;
+    }
     run_settings_read(&settings, argc, argv);
     if (settings.wants_list) {
         return print_list();

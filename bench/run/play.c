@@ -28,6 +28,11 @@ uint64_t run_resident_bytes(uint32_t pid)
     return read == 2 ? resident * (uint64_t)sysconf(_SC_PAGESIZE) : RUN_UNKNOWN;
 }
 
+double run_separation(const struct run_side *side, const struct bench_frames *frames)
+{
+    return side->separation > 0 ? side->separation * bench_frames_median_edge(frames) : 0;
+}
+
 /* ---- how far it is, for who looks -------------------------------------------------- */
 
 static void draw(const struct run_play *play, uint32_t pass, uint32_t done)
@@ -182,6 +187,8 @@ static uint32_t first_like(const struct run_play *play, uint32_t i)
     const struct run_side *sides = play->settings->sides;
     uint32_t first = 0;
     while (sides[first].step.mode != sides[i].step.mode ||
+           sides[first].separation != sides[i].separation ||
+           sides[first].step.approach != sides[i].step.approach ||
            play->sides[first].source != play->sides[i].source) {
         first++;
     }

@@ -39,6 +39,9 @@ extern const struct run_way run_way_client; /* daemon and direct */
 /* Of a process, from /proc; RUN_UNKNOWN where it is not to be had. */
 uint64_t run_resident_bytes(uint32_t pid);
 
+/* The length that is added to all radii. */
+double run_separation(const struct run_side *side, const struct bench_frames *frames);
+
 /* What the steps of one side were. */
 struct run_sequence {
     const struct bench_scene *source; /* of which its steps are */

@@ -4,6 +4,7 @@
 #include <argp.h>
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -42,6 +43,8 @@ enum {
     OPTION_REBUILD_RATIO,
     OPTION_MOVING,
     OPTION_SENDS,
+    OPTION_SEPARATION,
+    OPTION_APPROACH,
     OPTION_HZ
 };
 
@@ -76,6 +79,12 @@ static const struct argp_option side_options[] = {
     {"sends", OPTION_SENDS, "all|moved|poses", 0,
      "Hand over every position (the default), only those that change, or poses of what "
      "only turns and shifts (daemon and direct only)",
+     2},
+    {"separation", OPTION_SEPARATION, "R", 0,
+     "Features meet within R times the median edge of the first frame (default: 0)", 2},
+    {"approach", OPTION_APPROACH, "SHARE", 0,
+     "Those that begin nearer meet at this share of the distance they begin with "
+     "(default: 0, at once)",
      2},
     {"cpu", OPTION_CPU, "scalar|sse4|avx2|avx512|neon", 0,
      "Instruction set (default: $PCCD_CPU, or the best)", 2},
@@ -165,12 +174,13 @@ static void read_frames(struct run_settings *settings, const struct argp_state *
     settings->last = number_of(state, "frames", dash + 1, settings->first, STEPS_MAX);
 }
 
-static double ratio_of(const struct argp_state *state, const char *text)
+static double ratio_of(const struct argp_state *state, const char *option,
+                       const char *text, double least)
 {
     char *stop;
     double value = strtod(text, &stop);
-    if (stop == text || *stop != '\0' || !(value <= 1)) {
-        argp_error(state, "--rebuild-ratio: \"%s\" is not a number up to 1", text);
+    if (stop == text || *stop != '\0' || !(value >= least && value <= 1)) {
+        argp_error(state, "--%s: \"%s\" is not a number up to 1", option, text);
     }
     return value;
 }
@@ -237,7 +247,13 @@ static error_t parse_side(int key, char *text, struct argp_state *state)
         read_tuning(step, state, text);
         break;
     case OPTION_REBUILD_RATIO:
-        side->rebuild_ratio = ratio_of(state, text);
+        side->rebuild_ratio = ratio_of(state, "rebuild-ratio", text, -INFINITY);
+        break;
+    case OPTION_SEPARATION:
+        side->separation = ratio_of(state, "separation", text, 0);
+        break;
+    case OPTION_APPROACH:
+        step->approach = ratio_of(state, "approach", text, 0);
         break;
     case OPTION_TEAM:
         side->is_team = true;
@@ -364,8 +380,10 @@ void run_settings_read(struct run_settings *settings, int argc, char **argv)
         .options = option_list,
         .parser = parse,
         .children = children,
-        .args_doc = "SCENE",
-        .doc = "Time the steps of one scene, and count their work.\v"
+        .args_doc = "SCENE\nkernel|pair|client [PART] [--json] [--smoke] [NAME]",
+        .doc = "Time the steps of one scene, and count their work; or measure a section, "
+               "or a part of it: kernel (kernels, roofline), pair (exact, distances, "
+               "slowest), client (batch, connect, death, ipc).\v"
                "Exit status: 0; 1 when an answer was incomplete or differed from pass to "
                "pass or from one side to another; 2 when it could not be asked for; 77 "
                "when the scene's recorded "

@@ -31,6 +31,7 @@ struct run_side {
     struct pccd_step_settings step; /* mode, method, threads, tuning, .. */
     const char *cpu;                /* instruction set; NULL: the best, or $PCCD_CPU */
     double rebuild_ratio;           /* of the scene (eng_scene_settings) */
+    double separation;              /* in median edges of the first frame */
     bool is_fresh; /* each step in a scene of its own, which is made and freed with it */
     bool is_team;  /* by all threads also where one would be faster */
     struct bench_moving moving; /* of the scene */

@@ -102,6 +102,7 @@ static struct run_asked *open_client(const struct run_side *side,
                                 .source = frames->scene,
                                 .frame = frames->from,
                                 .sends = side->sends};
+    asked->settings.separation = run_separation(side, frames);
     asked->objects = bench_alloc(frames->scene->object_count, sizeof *asked->objects);
     asked->meshes = bench_alloc(frames->scene->object_count, sizeof *asked->meshes);
     bench_must(pccd_scene_create(asked->client, NULL, &asked->scene), "scene",

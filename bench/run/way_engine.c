@@ -37,12 +37,15 @@ static const struct eng_affinity *affinity(uint32_t threads)
 }
 
 /* The daemon's defaults: those of the engine. */
-static struct eng_question translate(const struct run_side *side)
+static struct eng_question translate(const struct run_side *side,
+                                     const struct bench_frames *frames)
 {
     const struct pccd_step_settings *step = &side->step;
     struct eng_question settings = bench_step_settings((enum pccd_mode)step->mode);
     settings.method = (enum pccd_method)step->method;
     settings.threads = step->threads;
+    settings.distance = run_separation(side, frames);
+    settings.approach = step->approach;
     settings.affinity = affinity(step->threads);
     settings.team_always = side->is_team;
     settings.kernels = side->cpu ? eng_kernels_named(side->cpu) : eng_kernels();
@@ -63,7 +66,7 @@ static struct run_asked *open_engine(const struct run_side *side,
     if (side->rebuild_ratio != 0) {
         scene.rebuild_ratio = side->rebuild_ratio < 0 ? 0 : side->rebuild_ratio;
     }
-    asked->settings = translate(side);
+    asked->settings = translate(side, frames);
     asked->method = PCCD_METHOD_DEFAULT;
     bench_world_init(&asked->world, frames, &scene);
     return asked;

@@ -19,6 +19,9 @@ struct bench_object {
     uint32_t point_count;
     uint32_t (*edges)[2];
     uint32_t *points;
+    double radius;       /* of all features; of the rest only where this is above 0 */
+    uint32_t rest_rings; /* struct pccd_object_settings has it */
+    bool is_not_self;    /* it is not tested against itself */
 };
 
 struct bench_scene {

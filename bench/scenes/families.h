@@ -29,11 +29,11 @@ void bench_make_one_triangle(struct bench_scene *scene, bool small);
 void bench_make_needles(struct bench_scene *scene, bool small);
 
 /* thin.c: a cloud of a million points (object 0) that comes down on a sheet of a hundred
- * thousand triangles (object 1) by 5 r, so that a tenth of it comes within r; ten
- * thousand strands of a hundred edges, 4 r apart, of which each goes 2 r its own way. */
-#define BENCH_POINTS_R 0x1p-12
-#define BENCH_HAIR_R   0x1p-10
+ * thousand triangles (object 1) by 5 r, so that a tenth of it comes within r; the
+ * same where points may meet each other, as may the sheet itself; ten thousand strands of
+ * a hundred edges, 4 r apart, of which each goes 2 r its own way. */
 void bench_make_points(struct bench_scene *scene, bool small);
+void bench_make_points_self(struct bench_scene *scene, bool small);
 void bench_make_hair(struct bench_scene *scene, bool small);
 
 /* passing.c: two bodies of 9800 triangles, apart at first, one in the other at last. */

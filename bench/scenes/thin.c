@@ -4,7 +4,9 @@
 #include "families.h"
 #include "prng.h"
 
-#define PI 3.14159265358979323846
+#define PI       3.14159265358979323846
+#define POINTS_R 0x1p-12 /* at which pairs meet */
+#define HAIR_R   0x1p-10
 
 /* ---- a cloud above a sheet --------------------------------------------------------- */
 
@@ -31,9 +33,9 @@ static void add_sheet(struct bench_scene *scene, uint32_t side)
     }
 }
 
-void bench_make_points(struct bench_scene *scene, bool small)
+static void make_points(struct bench_scene *scene, bool small, bool is_self)
 {
-    const double r = BENCH_POINTS_R;
+    const double r = POINTS_R;
     uint32_t side = small ? 16 : SIDE;
     uint32_t count = small ? 2000 : CLOUD;
     struct bench_object *cloud = bench_scene_add(scene, count, 0);
@@ -44,6 +46,10 @@ void bench_make_points(struct bench_scene *scene, bool small)
         cloud->points[i] = i;
     }
     add_sheet(scene, side);
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        scene->objects[i].radius = r / 2;
+        scene->objects[i].is_not_self = !is_self;
+    }
     double(*x)[3] = bench_scene_store(scene, 2);
     uint32_t all = scene->vertex_count;
     for (uint32_t i = 0; i < all; i++) {
@@ -59,6 +65,16 @@ void bench_make_points(struct bench_scene *scene, bool small)
     }
 }
 
+void bench_make_points(struct bench_scene *scene, bool small)
+{
+    make_points(scene, small, false);
+}
+
+void bench_make_points_self(struct bench_scene *scene, bool small)
+{
+    make_points(scene, small, true);
+}
+
 /* ---- hair -------------------------------------------------------------------------- */
 
 #define STRANDS  100u /* along each side of the skin */
@@ -68,7 +84,7 @@ void bench_make_points(struct bench_scene *scene, bool small)
 /* Where vertex `k` of a strand is at first: strands stand on a grid and wave together. */
 static void place_hair(uint32_t strand, uint32_t strands, uint32_t k, double x[3])
 {
-    const double r = BENCH_HAIR_R;
+    const double r = HAIR_R;
     double wave = 8 * r * sin(0.2 * k);
     x[0] = 4 * r * (strand % strands) + wave;
     x[1] = 4 * r * (uint32_t)(strand / strands) + 0.5 * wave;
@@ -82,6 +98,8 @@ void bench_make_hair(struct bench_scene *scene, bool small)
     uint32_t count = strands * strands;
     struct bench_object *hair = bench_scene_add(scene, count * (segments + 1), 0);
     struct prng prng = {31};
+    hair->radius = HAIR_R / 2;
+    hair->rest_rings = 3;
     hair->edge_count = count * segments;
     hair->edges = bench_scene_alloc(hair->edge_count, sizeof *hair->edges);
     for (uint32_t i = 0; i < hair->edge_count; i++) {
@@ -96,8 +114,8 @@ void bench_make_hair(struct bench_scene *scene, bool small)
             double *from = x[strand * (segments + 1) + k];
             double *to = x[all + strand * (segments + 1) + k];
             place_hair(strand, strands, k, from);
-            to[0] = from[0] + 2 * BENCH_HAIR_R * cos(turn + 0.05 * k);
-            to[1] = from[1] + 2 * BENCH_HAIR_R * sin(turn + 0.05 * k);
+            to[0] = from[0] + 2 * HAIR_R * cos(turn + 0.05 * k);
+            to[1] = from[1] + 2 * HAIR_R * sin(turn + 0.05 * k);
             to[2] = from[2];
         }
     }
