@@ -6,6 +6,7 @@
 
 check_LTLIBRARIES += libtests.la
 libtests_la_SOURCES = \
+    tests/support/cases.c \
     tests/support/crossing.c \
     tests/support/daemon.c \
     tests/support/data.c \
@@ -36,7 +37,6 @@ libtests_la_SOURCES = \
     tests/unit/eng_player.c \
     tests/unit/eng_stir.c \
     tests/unit/eng_way.c \
-    tests/unit/near_kit.c \
     tests/unit/thick_cases.c \
     tests/property/judge.c \
     tests/property/near_judge.c \

@@ -65,7 +65,7 @@ static void grow_pieces(struct cut *cut, uint32_t count, struct prng *prng)
     uint32_t tail = 0;
     memset(cut->piece, 0xff, total * sizeof *cut->piece);
     while (tail < count) {
-        uint32_t seed = (uint32_t)prng_below(prng, total);
+        uint32_t seed = prng_u32(prng, total);
         if (cut->piece[seed] == NONE) {
             cut->piece[seed] = tail;
             queue[tail++] = seed;

@@ -4,12 +4,7 @@
  * wire. A failure here is either a mistake or a new version of the library or of the
  * layout.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cases.h"
 
 #include "codec.h"
 #include "messages.h"
@@ -28,9 +23,8 @@ static const char *const method_names[] = {PROTO_METHODS(NAME)};
 #define VALUE(constant, expected) assert_int_equal(constant, expected)
 
 /* If this failed, a client would read the records of an answer wrongly. */
-static void records__keep_their_layout(void **state)
+CASE(records__keep_their_layout)
 {
-    (void)state;
     SIZE(pccd_scene_answer, 320);
     AT(pccd_scene_answer, scene, 0);
     AT(pccd_scene_answer, status, 4);
@@ -131,9 +125,8 @@ static void check_meshes(void)
 }
 
 /* If this failed, a program linked against an older library would corrupt its memory. */
-static void library__structs_keep_their_layout(void **state)
+CASE(library__structs_keep_their_layout)
 {
-    (void)state;
     check_meshes();
     SIZE(pccd_options, 96);
     AT(pccd_options, struct_bytes, 0);
@@ -192,9 +185,8 @@ static void library__structs_keep_their_layout(void **state)
 }
 
 /* If this failed, a program would read what a daemon tells of itself at wrong places. */
-static void daemon__structs_keep_their_layout(void **state)
+CASE(daemon__structs_keep_their_layout)
 {
-    (void)state;
     SIZE(pccd_daemon_info, 56);
     AT(pccd_daemon_info, pid, 16);
     AT(pccd_daemon_info, features, 32);
@@ -227,9 +219,8 @@ static void daemon__structs_keep_their_layout(void **state)
 }
 
 /* If this failed, a step would be computed or described in another way than asked for. */
-static void step__structs_keep_their_layout(void **state)
+CASE(step__structs_keep_their_layout)
 {
-    (void)state;
     SIZE(pccd_motion, 48);
     AT(pccd_motion, object, 0);
     AT(pccd_motion, first, 4);
@@ -299,9 +290,8 @@ static void step__structs_keep_their_layout(void **state)
 
 /* If this failed, a batch would move other things than a program says, or its answers be
  * read at the wrong places. */
-static void batch__keeps_its_layout(void **state)
+CASE(batch__keeps_its_layout)
 {
-    (void)state;
     SIZE(pccd_batch_part, 24);
     AT(pccd_batch_part, scene, 0);
     AT(pccd_batch_part, object, 4);
@@ -328,9 +318,8 @@ static void batch__keeps_its_layout(void **state)
 }
 
 /* If this failed, a program would read an answer's members at the wrong places. */
-static void answer__keeps_its_layout(void **state)
+CASE(answer__keeps_its_layout)
 {
-    (void)state;
     SIZE(pccd_answer, 664);
     AT(pccd_answer, struct_bytes, 0);
     AT(pccd_answer, step, 8);
@@ -378,9 +367,8 @@ static void answer__keeps_its_layout(void **state)
 }
 
 /* If this failed, client and daemon would look for the same word at different places. */
-static void shared_memory__keeps_its_layout(void **state)
+CASE(shared_memory__keeps_its_layout)
 {
-    (void)state;
     SIZE(proto_shm_word, 128);
     AT(proto_shm_word, value, 0);
     SIZE(proto_shm_header, 128);
@@ -422,9 +410,8 @@ static void shared_memory__keeps_its_layout(void **state)
 }
 
 /* If this failed, an old client would call an error by another's name. */
-static void status__keeps_its_number(void **state)
+CASE(status__keeps_its_number)
 {
-    (void)state;
     VALUE(PCCD_OK, 0);
     VALUE(PCCD_E_NOMEM, -1);
     VALUE(PCCD_E_INVAL, -2);
@@ -455,9 +442,8 @@ static void status__keeps_its_number(void **state)
 }
 
 /* If this failed, a mode, format or flag would mean something else to the other side. */
-static void enums__keep_their_values(void **state)
+CASE(enums__keep_their_values)
 {
-    (void)state;
     VALUE(PCCD_MODE_ALL, 0);
     VALUE(PCCD_MODE_FIRST, 1);
     VALUE(PCCD_MODE_ANY, 2);
@@ -505,7 +491,7 @@ static void enums__keep_their_values(void **state)
 }
 
 /* If this failed, a recording would name requests and work by others' names. */
-static void recordings__keep_their_numbers(void **state)
+CASE(recordings__keep_their_numbers)
 {
     static const char *const methods[] = {
         "hello",         "ping",         "shm.attach",      "scene.create",
@@ -519,7 +505,6 @@ static void recordings__keep_their_numbers(void **state)
         "scene.ignore",  "scene.boxes",  "scene.journal",   "list.pair",
         "shm.take",      "scene.near",   "near.fetch",      "batch.submit",
     };
-    (void)state;
     for (int i = 0; i < PROTO_METHOD_COUNT; i++) {
         assert_true((size_t)i < sizeof methods / sizeof methods[0]);
         assert_string_equal(method_names[i], methods[i]);
@@ -545,9 +530,8 @@ static void recordings__keep_their_numbers(void **state)
 }
 
 /* If this failed, peers of one protocol version would keep different limits. */
-static void limits__of_version_1_stay(void **state)
+CASE(limits__of_version_1_stay)
 {
-    (void)state;
     VALUE(PROTO_VERSION_MIN, 1);
     VALUE(PROTO_VERSION_MAX, 1);
     VALUE(PROTO_MESSAGE_BYTES_MAX, 65536);
@@ -562,22 +546,4 @@ static void limits__of_version_1_stay(void **state)
     VALUE(PROTO_COUNT_MAX, 2147483647);
     VALUE(PROTO_FDS_MAX, 2);
     VALUE(PROTO_TRACE_EVENTS_MAX, 1048576);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(records__keep_their_layout),
-        cmocka_unit_test(library__structs_keep_their_layout),
-        cmocka_unit_test(daemon__structs_keep_their_layout),
-        cmocka_unit_test(step__structs_keep_their_layout),
-        cmocka_unit_test(batch__keeps_its_layout),
-        cmocka_unit_test(answer__keeps_its_layout),
-        cmocka_unit_test(shared_memory__keeps_its_layout),
-        cmocka_unit_test(status__keeps_its_number),
-        cmocka_unit_test(enums__keep_their_values),
-        cmocka_unit_test(recordings__keep_their_numbers),
-        cmocka_unit_test(limits__of_version_1_stay),
-    };
-    return cmocka_run_group_tests_name("abi_layout", tests, NULL, NULL);
 }

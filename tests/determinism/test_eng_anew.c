@@ -1,18 +1,8 @@
-/* test_eng_anew.c - whatever makes boxes or records old has them made anew.
- *
- * A scene of which little moves has taken a few steps; then one thing happens that
- * changes what stands, or how a step is taken; that step and those after it are answered
- * as by a scene made anew. One case for each such thing, by every method, by one thread
- * and by two.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+/* test_eng_anew.c - whatever makes boxes or records old has them made anew. */
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "eng_fresh.h"
 #include "eng_way.h"
@@ -110,7 +100,7 @@ static void check_step(struct world *world)
 {
     struct fresh_answer fresh;
     int status = player_step(&world->player, &world->settings, &world->result);
-    assert_int_equal(status, PCCD_OK);
+    assert_ok(status);
     fresh_find(&world->player, &world->settings, &fresh);
     const char *difference = fresh_difference(&fresh, &world->result);
     if (difference) {
@@ -204,9 +194,8 @@ static void change_masks(struct world *world)
 
 /* If this failed, objects that stand would touch after they were told not to meet, or not
  * when they may meet again. */
-static void masks__show_at_once_of_what_stands(void **state)
+CASE(masks__show_at_once_of_what_stands)
 {
-    (void)state;
     for_each_way(change_masks);
 }
 
@@ -241,9 +230,8 @@ static void change_self(struct world *world)
 
 /* If this failed, a cloth that lies on itself would go on touching itself after it was
  * told not to, or not begin again. */
-static void self_collision__shows_at_once_of_what_stands(void **state)
+CASE(self_collision__shows_at_once_of_what_stands)
 {
-    (void)state;
     for_each_way(change_self);
 }
 
@@ -261,9 +249,8 @@ static void change_ignored(struct world *world)
 
 /* If this failed, two objects that stand would be told although they ignore each other,
  * or not when they do no more. */
-static void ignored_pairs__show_at_once_of_what_stands(void **state)
+CASE(ignored_pairs__show_at_once_of_what_stands)
 {
-    (void)state;
     for_each_way(change_ignored);
 }
 
@@ -276,9 +263,8 @@ static void add_one(struct world *world)
 }
 
 /* If this failed, an object that comes would be seen by what moves alone. */
-static void added_object__meets_what_stands(void **state)
+CASE(added_object__meets_what_stands)
 {
-    (void)state;
     for_each_way(add_one);
 }
 
@@ -295,9 +281,8 @@ static void remove_one(struct world *world)
 }
 
 /* If this failed, contacts with an object would outlive it. */
-static void removed_object__takes_its_contacts_with_it(void **state)
+CASE(removed_object__takes_its_contacts_with_it)
 {
-    (void)state;
     for_each_way(remove_one);
 }
 
@@ -310,17 +295,15 @@ static void replace_one(struct world *world)
     check_step(world);
     go_on(world, 1);
     /* Tried and taken back: nothing has changed. */
-    assert_int_equal(eng_scene_try_replace(player->scene, object_of(world, CLOTH)->idx,
-                                           object_of(world, FLOOR)->mesh),
-                     PCCD_OK);
+    assert_ok(eng_scene_try_replace(player->scene, object_of(world, CLOTH)->idx,
+                                    object_of(world, FLOOR)->mesh));
     eng_scene_take_back(player->scene);
     check_step(world);
 }
 
 /* If this failed, what an object was before it was replaced would go on touching. */
-static void replaced_mesh__is_what_stands_from_then_on(void **state)
+CASE(replaced_mesh__is_what_stands_from_then_on)
 {
-    (void)state;
     for_each_way(replace_one);
 }
 
@@ -335,9 +318,8 @@ static void change_mode(struct world *world)
 }
 
 /* If this failed, records of one mode would stand in an answer of another. */
-static void mode__is_that_of_each_step(void **state)
+CASE(mode__is_that_of_each_step)
 {
-    (void)state;
     for_each_way(change_mode);
 }
 
@@ -356,9 +338,8 @@ static void change_tolerance(struct world *world)
 }
 
 /* If this failed, times of contacts would be as coarse as an earlier step asked for. */
-static void tolerance__is_that_of_each_step(void **state)
+CASE(tolerance__is_that_of_each_step)
 {
-    (void)state;
     for_each_way(change_tolerance);
 }
 
@@ -367,8 +348,7 @@ static void change_hash(struct world *world)
     for (int i = 0; i < 3; i++) {
         world->settings.no_hash = true;
         move_patch(world);
-        assert_int_equal(player_step(&world->player, &world->settings, &world->result),
-                         PCCD_OK);
+        assert_ok(player_step(&world->player, &world->settings, &world->result));
         assert_true(world->result.count > 0 && world->result.hash[0] == 0);
         world->settings.no_hash = false;
         go_on(world, 1);
@@ -377,9 +357,8 @@ static void change_hash(struct world *world)
 
 /* If this failed, an answer after one without a hash would have that of a part of its
  * records. */
-static void hash__is_made_where_it_was_not(void **state)
+CASE(hash__is_made_where_it_was_not)
 {
-    (void)state;
     for_each_way(change_hash);
 }
 
@@ -404,9 +383,8 @@ static void change_method(struct world *world)
 }
 
 /* If this failed, a method would go by boxes of a step that another one has taken. */
-static void method__has_no_boxes_of_steps_by_another(void **state)
+CASE(method__has_no_boxes_of_steps_by_another)
 {
-    (void)state;
     for_each_way(change_method);
 }
 
@@ -425,9 +403,8 @@ static void change_team(struct world *world)
 }
 
 /* If this failed, what one team keeps would be of no use, or wrong, for another. */
-static void team__may_be_another_one_in_each_step(void **state)
+CASE(team__may_be_another_one_in_each_step)
 {
-    (void)state;
     for_each_way(change_team);
 }
 
@@ -437,11 +414,11 @@ static void cut(struct world *world, const struct eng_question *settings)
 {
     struct eng_step_result result;
     lift(world, BODY, 0, object_of(world, BODY)->vertex_count, 1.5);
-    assert_int_equal(player_step(&world->player, settings, &result), PCCD_OK);
+    assert_ok(player_step(&world->player, settings, &result));
     assert_int_not_equal(result.incomplete, PCCD_COMPLETE);
     check_step(world); /* nothing moves; the answer before is none */
     lift(world, BODY, 0, object_of(world, BODY)->vertex_count, -1.5);
-    assert_int_equal(player_step(&world->player, settings, &result), PCCD_OK);
+    assert_ok(player_step(&world->player, settings, &result));
     assert_int_not_equal(result.incomplete, PCCD_COMPLETE);
     player_stage_copies(&world->player); /* the same motion once more */
     check_step(world);
@@ -462,9 +439,8 @@ static void cut_short(struct world *world)
 }
 
 /* If this failed, what an incomplete answer left out would be missing from the next. */
-static void incomplete_step__is_not_gone_by(void **state)
+CASE(incomplete_step__is_not_gone_by)
 {
-    (void)state;
     for_each_way(cut_short);
 }
 
@@ -486,15 +462,14 @@ static void give_up(struct world *world)
     assert_int_equal(player_step(&world->player, &settings, &result), PCCD_E_AGAIN);
     struct fresh_answer fresh;
     fresh_find(&world->player, &world->settings, &fresh);
-    assert_int_equal(eng_step(world->player.scene, &world->settings, &result), PCCD_OK);
+    result = kit_step(world->player.scene, &world->settings);
     assert_null(fresh_difference(&fresh, &result)); /* what is owed */
     fresh_free(&fresh);
 }
 
 /* If this failed, a step that was given up would count as one that was answered. */
-static void given_up_step__is_not_gone_by(void **state)
+CASE(given_up_step__is_not_gone_by)
 {
-    (void)state;
     for_each_way(give_up);
 }
 
@@ -508,9 +483,8 @@ static void fail_in_every_way(struct world *world)
     for (int what = 0; what < 4; what++) {
         int status = PCCD_OK;
         eng_stage_begin(scene);
-        assert_int_equal(
-            eng_stage_x1(scene, cloth->idx, PCCD_FORMAT_F64, 0, cloth->vertex_count, x),
-            PCCD_OK);
+        assert_ok(
+            eng_stage_x1(scene, cloth->idx, PCCD_FORMAT_F64, 0, cloth->vertex_count, x));
         if (what == 0) { /* too many */
             status = eng_stage_x1(scene, object_of(world, TILE)->idx, PCCD_FORMAT_F64, 0,
                                   cloth->vertex_count, x);
@@ -535,9 +509,8 @@ static void fail_in_every_way(struct world *world)
 }
 
 /* If this failed, a step that was refused would have moved something after all. */
-static void failed_step__has_moved_nothing(void **state)
+CASE(failed_step__has_moved_nothing)
 {
-    (void)state;
     for_each_way(fail_in_every_way);
 }
 
@@ -594,9 +567,8 @@ static void jump(struct world *world)
 
 /* If this failed, an object that is set elsewhere would be taken to stand where it was;
  * or one that goes far away would leave the boxes of the others stale. */
-static void jump__is_a_motion(void **state)
+CASE(jump__is_a_motion)
 {
-    (void)state;
     for_each_way(jump);
 }
 
@@ -639,9 +611,8 @@ static void tear(struct world *world)
 }
 
 /* If this failed, a subtree that is built anew would have boxes of another time. */
-static void reconstruction__has_boxes_of_its_step(void **state)
+CASE(reconstruction__has_boxes_of_its_step)
 {
-    (void)state;
     for_each_way(tear);
 }
 
@@ -657,15 +628,13 @@ static void resort_by(uint32_t threads)
     for (steps = 0; steps < STEPS_MAX && wide->resort.state == ENG_WIDE_IDLE; steps++) {
         lift(&world, OTHER, 0, object_of(&world, OTHER)->vertex_count,
              steps % 2 ? 0x1p-10 : -0x1p-10);
-        assert_int_equal(player_step(&world.player, &world.settings, &world.result),
-                         PCCD_OK);
+        assert_ok(player_step(&world.player, &world.settings, &world.result));
     }
     assert_int_not_equal(wide->resort.state, ENG_WIDE_IDLE);
     world.result.counters.swaps = 0;
     for (steps = 0; steps < STEPS_MAX && world.result.counters.swaps == 0; steps++) {
         move_patch(&world);
-        assert_int_equal(player_step(&world.player, &world.settings, &world.result),
-                         PCCD_OK);
+        assert_ok(player_step(&world.player, &world.settings, &world.result));
     }
     assert_true(world.result.counters.swaps > 0);
     go_on(&world, 2);
@@ -673,33 +642,8 @@ static void resort_by(uint32_t threads)
 }
 
 /* If this failed, features would be taken for others once they are in a new order. */
-static void new_order__has_boxes_and_records_of_its_own(void **state)
+CASE(new_order__has_boxes_and_records_of_its_own)
 {
-    (void)state;
     resort_by(1);
     resort_by(2);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(masks__show_at_once_of_what_stands),
-        cmocka_unit_test(self_collision__shows_at_once_of_what_stands),
-        cmocka_unit_test(ignored_pairs__show_at_once_of_what_stands),
-        cmocka_unit_test(added_object__meets_what_stands),
-        cmocka_unit_test(removed_object__takes_its_contacts_with_it),
-        cmocka_unit_test(replaced_mesh__is_what_stands_from_then_on),
-        cmocka_unit_test(mode__is_that_of_each_step),
-        cmocka_unit_test(tolerance__is_that_of_each_step),
-        cmocka_unit_test(hash__is_made_where_it_was_not),
-        cmocka_unit_test(method__has_no_boxes_of_steps_by_another),
-        cmocka_unit_test(team__may_be_another_one_in_each_step),
-        cmocka_unit_test(incomplete_step__is_not_gone_by),
-        cmocka_unit_test(given_up_step__is_not_gone_by),
-        cmocka_unit_test(failed_step__has_moved_nothing),
-        cmocka_unit_test(jump__is_a_motion),
-        cmocka_unit_test(reconstruction__has_boxes_of_its_step),
-        cmocka_unit_test(new_order__has_boxes_and_records_of_its_own),
-    };
-    return cmocka_run_group_tests_name("eng_anew", tests, NULL, NULL);
 }

@@ -1,17 +1,8 @@
-/* test_eng_fuzz.c - whatever a scene has been through, it answers as one made anew.
- *
- * Plays in which anything may happen, under settings that change at every step, with
- * steps in between that end early or are cut; each complete answer against a fresh scene,
- * one thread, default settings; each incomplete one is a part of it.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+/* test_eng_fuzz.c - whatever a scene has been through, it answers as one made anew. */
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "clock.h"
 #include "eng_fresh.h"
@@ -49,7 +40,7 @@ struct fuzz {
 
 static uint32_t draw(struct fuzz *fuzz, uint32_t bound)
 {
-    return (uint32_t)prng_below(&fuzz->prng, bound);
+    return prng_u32(&fuzz->prng, bound);
 }
 
 static struct eng_scene_settings some_scene(struct fuzz *fuzz)
@@ -228,7 +219,7 @@ static void fuzz_case(uint64_t seed)
     struct play play;
     uint32_t size = draw(&fuzz, 3) == 0 ? 40 : 400;
     fuzz.thread_max = 1 + draw(&fuzz, 9);
-    assert_int_equal(eng_trace_init(&fuzz.trace, 4, 64, 0), PCCD_OK);
+    assert_ok(eng_trace_init(&fuzz.trace, 4, 64, 0));
     play_wild(&play, 3 + draw(&fuzz, 20), size, prng_next(&fuzz.prng));
     player_init(&fuzz.player, &made);
     for (uint32_t i = 0; i < play.act_count; i++) {
@@ -246,12 +237,11 @@ static void fuzz_case(uint64_t seed)
 
 /* If this failed, an answer would depend on what a scene has been through, or on how its
  * steps are taken. */
-static void fuzz__answers_as_a_fresh_scene(void **state)
+CASE(fuzz__answers_as_a_fresh_scene)
 {
     const char *seconds = getenv("PCCD_FUZZ_SECONDS");
     struct prng prng = {prng_seed()};
     uint64_t end_ns = common_now_ns();
-    (void)state;
     end_ns += seconds ? (uint64_t)(strtod(seconds, NULL) * 1e9) : 0;
     for (uint32_t i = 0; seconds ? common_now_ns() < end_ns : i < ROUNDS; i++) {
         fuzz_case(i == 0 ? prng.state : prng_next(&prng));
@@ -265,12 +255,4 @@ static void fuzz__answers_as_a_fresh_scene(void **state)
     if (!getenv("PCCD_SEED")) {
         assert_true(sums.team_steps > 0 && sums.early > 0);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fuzz__answers_as_a_fresh_scene),
-    };
-    return cmocka_run_group_tests_name("eng_fuzz", tests, NULL, NULL);
 }

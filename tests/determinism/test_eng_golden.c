@@ -1,17 +1,8 @@
-/* test_eng_golden.c - the bytes of an answer, written down.
- *
- * Every golden play by one thread against its literals, then under rows of settings that
- * hold every pair of levels of any two settings, against the same bytes; a small play
- * under every combination.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+/* test_eng_golden.c - the bytes of an answer, written down. */
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "eng_player.h"
 #include "eng_way.h"
@@ -141,7 +132,7 @@ static void cover_make(struct cover *cover, uint64_t seed)
         for (uint32_t i = 0; i < CANDIDATES; i++) {
             struct row row;
             for (uint32_t f = 0; f < FACTORS; f++) {
-                row.level[f] = (uint32_t)prng_below(&prng, levels(f));
+                row.level[f] = prng_u32(&prng, levels(f));
             }
             if (i == 0 || news(cover, &row) > news(cover, &best)) {
                 best = row;
@@ -206,7 +197,7 @@ static void fixture_init(struct fixture *f, const struct golden *golden)
             if (mode > 0) {
                 player_stage_copies(&player);
             }
-            assert_int_equal(player_step(&player, &settings, &result), PCCD_OK);
+            assert_ok(player_step(&player, &settings, &result));
             keep(&f->answers[step][mode], &result);
         }
         step++;
@@ -316,18 +307,18 @@ static void take_step(struct fixture *f, const struct row *row, uint32_t step,
     if (row->level[HISTORY] == FRESH) {
         struct player copy;
         player_copy(player, &made, &copy);
-        assert_int_equal(player_step(&copy, &settings, &result), PCCD_OK);
+        assert_ok(player_step(&copy, &settings, &result));
         compare(f, row, step, copy.scene, &result);
         player_deinit(&copy);
         player_drop(player);
         return;
     }
-    assert_int_equal(player_step(player, &settings, &result), PCCD_OK);
+    assert_ok(player_step(player, &settings, &result));
     compare(f, row, step, player->scene, &result);
     if (row->level[HISTORY] == BACK) {
         player_go_back(player, &settings);
         player_stage_copies(player);
-        assert_int_equal(player_step(player, &settings, &result), PCCD_OK);
+        assert_ok(player_step(player, &settings, &result));
         compare(f, row, step, player->scene, &result);
     }
 }
@@ -351,10 +342,9 @@ static void perform(struct fixture *f, const struct row *row)
 /* ---- tests -------------------- */
 
 /* If this failed, the bytes of an answer would not be those of the release before. */
-static void golden__answers_are_as_written_down(void **state)
+CASE(golden__answers_are_as_written_down)
 {
     uint32_t different = 0;
-    (void)state;
     for (uint32_t p = 0; p < GOLDEN_PLAYS; p++) {
         struct fixture f = {0};
         fixture_init(&f, &golden_plays[p]);
@@ -406,38 +396,33 @@ static void under_cover(uint32_t play)
 }
 
 /* If this failed, what touches in a soup would depend on who looks, and how. */
-static void golden__soup_has_the_same_bytes_under_all_settings(void **state)
+CASE(golden__soup_has_the_same_bytes_under_all_settings)
 {
-    (void)state;
     under_cover(PLAY_SOUP);
 }
 
 /* If this failed, an answer would depend on the hierarchy that a bursting sheet leaves
  * behind. */
-static void golden__tear_has_the_same_bytes_under_all_settings(void **state)
+CASE(golden__tear_has_the_same_bytes_under_all_settings)
 {
-    (void)state;
     under_cover(PLAY_TEAR);
 }
 
 /* If this failed, an answer would depend on how objects are merged into one tree. */
-static void golden__crowd_has_the_same_bytes_under_all_settings(void **state)
+CASE(golden__crowd_has_the_same_bytes_under_all_settings)
 {
-    (void)state;
     under_cover(PLAY_CROWD);
 }
 
 /* If this failed, an object that breaks would leave something of its old mesh. */
-static void golden__break_has_the_same_bytes_under_all_settings(void **state)
+CASE(golden__break_has_the_same_bytes_under_all_settings)
 {
-    (void)state;
     under_cover(PLAY_BREAK);
 }
 
 /* If this failed, an object that came or went would change what others answer. */
-static void golden__traffic_has_the_same_bytes_under_all_settings(void **state)
+CASE(golden__traffic_has_the_same_bytes_under_all_settings)
 {
-    (void)state;
     under_cover(PLAY_TRAFFIC);
 }
 
@@ -489,10 +474,9 @@ static void under_all_step_settings(struct fixture *f, struct row row, uint32_t 
 }
 
 /* If this failed, some combination of settings would have an answer of its own. */
-static void golden__every_combination_has_the_same_bytes(void **state)
+CASE(golden__every_combination_has_the_same_bytes)
 {
     struct fixture f = {0};
-    (void)state;
     fixture_init(&f, &golden_plays[PLAY_KINDS]);
     for (uint32_t i = 0; i < 3 * 3; i++) {
         struct row row = {{0}};
@@ -501,18 +485,4 @@ static void golden__every_combination_has_the_same_bytes(void **state)
         under_all_step_settings(&f, row, i);
     }
     fixture_deinit(&f);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(golden__answers_are_as_written_down),
-        cmocka_unit_test(golden__soup_has_the_same_bytes_under_all_settings),
-        cmocka_unit_test(golden__tear_has_the_same_bytes_under_all_settings),
-        cmocka_unit_test(golden__crowd_has_the_same_bytes_under_all_settings),
-        cmocka_unit_test(golden__break_has_the_same_bytes_under_all_settings),
-        cmocka_unit_test(golden__traffic_has_the_same_bytes_under_all_settings),
-        cmocka_unit_test(golden__every_combination_has_the_same_bytes),
-    };
-    return cmocka_run_group_tests_name("eng_golden", tests, NULL, NULL);
 }

@@ -1,21 +1,10 @@
-/* test_eng_recorded.c - recorded scenes have the same bytes whoever computes them.
- *
- * One step of two public scenes by methods, instruction sets, teams, schedulers, build
- * qualities and reconstruction thresholds, in a new scene and after other steps: a hash
- * that is written down, and as many contacts as are known to be there.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+/* test_eng_recorded.c - recorded scenes have the same bytes whoever computes them. */
+#include "cases.h"
 
 #include "data.h"
 #include "kernel.h"
 #include "ply.h"
 #include "record_hash.h"
-#include "skip.h"
 #include "step.h"
 
 struct row {
@@ -66,15 +55,12 @@ static struct eng_mesh *make_mesh(const struct ply *frame)
 {
     struct eng_mesh *mesh = NULL;
     uint32_t bad;
-    assert_int_equal(eng_mesh_new(frame->vertex_count, frame->triangle_count, &mesh),
-                     PCCD_OK);
-    assert_int_equal(
-        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, frame->vertex_count, frame->x),
-        PCCD_OK);
-    assert_int_equal(
-        eng_mesh_write_triangles(mesh, 0, frame->triangle_count, frame->triangles, &bad),
-        PCCD_OK);
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_ok(eng_mesh_new(frame->vertex_count, frame->triangle_count, &mesh));
+    assert_ok(
+        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, frame->vertex_count, frame->x));
+    assert_ok(
+        eng_mesh_write_triangles(mesh, 0, frame->triangle_count, frame->triangles, &bad));
+    assert_ok(eng_mesh_commit(mesh));
     return mesh;
 }
 
@@ -91,10 +77,9 @@ static void step(struct eng_scene *scene, uint32_t object_idx, const struct ply 
     settings.method = row->method;
     settings.kernels = eng_kernels_of(row->isa);
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x0x1(scene, object_idx, PCCD_FORMAT_F64, 0,
-                                    from->vertex_count, from->x, to->x),
-                     PCCD_OK);
-    assert_int_equal(eng_step(scene, &settings, result), PCCD_OK);
+    assert_ok(eng_stage_x0x1(scene, object_idx, PCCD_FORMAT_F64, 0, from->vertex_count,
+                             from->x, to->x));
+    assert_ok(eng_step(scene, &settings, result));
     assert_int_equal(result->threads, row->threads);
     assert_int_equal(result->incomplete, PCCD_COMPLETE);
 }
@@ -106,8 +91,8 @@ static void check_row(const struct known *known, const struct ply frames[2],
     struct eng_scene *scene = NULL;
     struct eng_step_result result;
     uint32_t object_idx;
-    assert_int_equal(eng_scene_new(&made, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), PCCD_OK);
+    assert_ok(eng_scene_new(&made, &scene));
+    assert_ok(eng_scene_add(scene, mesh, 0, &object_idx));
     for (uint32_t i = 0; i < row->detours; i++) {
         step(scene, object_idx, &frames[0], &frames[1], row, &result);
         step(scene, object_idx, &frames[1], &frames[0], row, &result);
@@ -150,26 +135,15 @@ static void check(const struct known *known)
 }
 
 /* If this failed, nearly degenerate cloth would be answered by luck. */
-static void recorded__cloth_funnel_has_the_same_bytes(void **state)
+CASE(recorded__cloth_funnel_has_the_same_bytes)
 {
-    (void)state;
     check(&(struct known){
         DATA_CLOTH_FUNNEL, 0, 134, {0x96934191120c231b, 0x21e66ae8977a4142}});
 }
 
 /* If this failed, a scene of ninety thousand triangles would be answered by luck. */
-static void recorded__cloth_ball_has_the_same_bytes(void **state)
+CASE(recorded__cloth_ball_has_the_same_bytes)
 {
-    (void)state;
     check(&(struct known){
         DATA_CLOTH_BALL, 4, 113854, {0xb20724bc3459bd24, 0x93a2fbc57574998e}});
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(recorded__cloth_funnel_has_the_same_bytes),
-        cmocka_unit_test(recorded__cloth_ball_has_the_same_bytes),
-    };
-    return cmocka_run_group_tests_name("eng_recorded", tests, NULL, NULL);
 }

@@ -1,6 +1,4 @@
 /* keeper.h - runs a daemon whose calls fail on order, and checks that it keeps serving.
- *
- * Threads: one.
  */
 #ifndef TEST_KEEPER_H
 #define TEST_KEEPER_H

@@ -1,7 +1,4 @@
-/* life.h - a client that uses every method once, from hello to bye.
- *
- * Threads: one.
- */
+/* life.h - a client that uses every method once, from hello to bye. */
 #ifndef TEST_LIFE_H
 #define TEST_LIFE_H
 

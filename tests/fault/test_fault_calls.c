@@ -1,15 +1,7 @@
-/* test_fault_calls.c - no system call that serves a client may be the daemon's last.
- *
- * Let the n-th call of each kind fail with each errno that it may have by the world's
- * fault, for every n (a sample of them in make check).
- */
-#include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+/* test_fault_calls.c - no system call that serves a client may be the daemon's last. */
+#include "cases.h"
 
-#include <cmocka.h>
+#include <errno.h>
 
 #include "keeper.h"
 
@@ -47,11 +39,10 @@ static const struct plausible all[] = {
 
 /* If this failed, a refusal of the system that concerns one client would end the daemon,
  * or another client's session, or leave something behind. */
-static void calls__fail_once(void **state)
+CASE(calls__fail_once)
 {
     uint64_t stride = keeper_stride(7);
     uint64_t tried = 0;
-    (void)state;
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         for (size_t e = 0; e < ERRORS_MAX && all[i].errors[e] != 0; e++) {
             for (uint64_t first = 1; first < CALLS_MAX; first += stride) {
@@ -65,10 +56,4 @@ static void calls__fail_once(void **state)
     print_message("# %llu calls failed, one a life\n", (unsigned long long)tried);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(calls__fail_once),
-    };
-    return cmocka_run_group_tests(tests, keeper_start, keeper_stop);
-}
+CASES_WITH(keeper_start, keeper_stop);

@@ -1,17 +1,12 @@
 /* test_fault_limits.c - a daemon that the system gives nothing more. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "keeper.h"
-#include "skip.h"
 #include "witness.h"
 
 #define FULL 24 /* clients that hold what descriptors there are */
@@ -47,11 +42,10 @@ static int next_descriptor(void)
 
 /* If this failed, clients that use up all descriptors would end the daemon, or keep it
  * busy, or a client would wait for ever. */
-static void limits__of_descriptors_are_met_in_order(void **state)
+CASE(limits__of_descriptors_are_met_in_order)
 {
     int lost = 0;
     int refused = 0;
-    (void)state;
     for (int spare = 0; spare < 6; spare++) {
         int64_t refusals =
             live_below(RLIMIT_NOFILE, (rlim_t)(next_descriptor() + spare), "descriptors");
@@ -63,11 +57,10 @@ static void limits__of_descriptors_are_met_in_order(void **state)
 }
 
 /* If this failed, one user's silent connections would be the end of everybody. */
-static void limits__of_descriptors_leave_those_who_are_there(void **state)
+CASE(limits__of_descriptors_leave_those_who_are_there)
 {
     int sockets[FULL];
     struct rlimit before;
-    (void)state;
     assert_int_equal(prlimit(keeper_pid(), RLIMIT_NOFILE, NULL, &before), 0);
     const struct rlimit low = {(rlim_t)next_descriptor() + FULL / 2, before.rlim_max};
     assert_int_equal(prlimit(keeper_pid(), RLIMIT_NOFILE, &low, NULL), 0);
@@ -98,10 +91,9 @@ static rlim_t address_space(void)
 }
 
 /* If this failed, a daemon whose memory is bounded would not answer, or not go on. */
-static void limits__of_memory_are_met_in_order(void **state)
+CASE(limits__of_memory_are_met_in_order)
 {
     int met = 0;
-    (void)state;
 #ifdef PCCD_SANITIZED
     test_skip("a sanitizer needs the memory itself");
 #endif
@@ -112,12 +104,4 @@ static void limits__of_memory_are_met_in_order(void **state)
     assert_int_equal(live_below(RLIMIT_AS, address_space() + (64u << 20), "memory"), 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(limits__of_descriptors_are_met_in_order),
-        cmocka_unit_test(limits__of_descriptors_leave_those_who_are_there),
-        cmocka_unit_test(limits__of_memory_are_met_in_order),
-    };
-    return cmocka_run_group_tests(tests, keeper_start, keeper_stop);
-}
+CASES_WITH(keeper_start, keeper_stop);

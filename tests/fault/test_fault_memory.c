@@ -1,16 +1,8 @@
-/* test_fault_memory.c - no allocation of a client's life may be the daemon's last.
- *
- * Let the n-th allocation fail, for every n, or all from the n-th on (a sample of these
- * in make check).
- */
-#include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <unistd.h>
+/* test_fault_memory.c - no allocation of a client's life may be the daemon's last. */
+#include "cases.h"
 
-#include <cmocka.h>
+#include <errno.h>
+#include <unistd.h>
 
 #include "keeper.h"
 #include "witness.h"
@@ -34,18 +26,16 @@ static uint64_t sweep(uint64_t length, uint64_t stride)
 
 /* If this failed, a client that meets a moment without memory would be told nothing, or
  * take the daemon with it, or leave something behind. */
-static void memory__runs_out_for_one_allocation(void **state)
+CASE(memory__runs_out_for_one_allocation)
 {
-    (void)state;
     uint64_t tried = sweep(1, keeper_stride(1));
     print_message("# %llu allocations failed, one a life\n", (unsigned long long)tried);
 }
 
 /* If this failed, a daemon would not survive a time without memory: what is freed or
  * taken back on the way must not need any. */
-static void memory__runs_out_for_a_while(void **state)
+CASE(memory__runs_out_for_a_while)
 {
-    (void)state;
     uint64_t stride = keeper_stride(5);
     uint64_t tried = sweep(3, stride) + sweep(CALLS_MAX, stride);
     print_message("# %llu times memory ran out for a while\n", (unsigned long long)tried);
@@ -53,11 +43,10 @@ static void memory__runs_out_for_a_while(void **state)
 
 /* If this failed, the event loop would end the process when it has to make room for the
  * descriptor of one client more. */
-static void memory__runs_out_while_many_connect(void **state)
+CASE(memory__runs_out_while_many_connect)
 {
     static int sockets[MANY];
     uint64_t refusals = 0;
-    (void)state;
     fault_order(keeper_page, FAULT_realloc, 1, CALLS_MAX, ENOMEM);
     for (size_t i = 0; i < MANY; i++) {
         sockets[i] = keeper_connect();
@@ -72,12 +61,4 @@ static void memory__runs_out_while_many_connect(void **state)
     print_message("# %llu failures\n", (unsigned long long)refusals);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory__runs_out_while_many_connect),
-        cmocka_unit_test(memory__runs_out_for_one_allocation),
-        cmocka_unit_test(memory__runs_out_for_a_while),
-    };
-    return cmocka_run_group_tests(tests, keeper_start, keeper_stop);
-}
+CASES_WITH(keeper_start, keeper_stop);

@@ -1,15 +1,9 @@
-/* test_fault_start.c - a daemon that cannot start says why.
- *
- * Let the n-th call of each kind fail while the daemon starts: it serves, or it ends and
- * says something.
- */
+/* test_fault_start.c - a daemon that cannot start says why. */
+#include "cases.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +11,6 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "keeper.h"
@@ -149,11 +141,10 @@ static bool try_start(enum fault_call call, uint64_t first, int error)
 
 /* If this failed, a daemon that cannot start would hang, crash or be silent, and nobody
  * would know what is missing. */
-static void start__serves_or_says_why_not(void **state)
+CASE(start__serves_or_says_why_not)
 {
     uint64_t stride = keeper_stride(3);
     uint64_t tried = 0;
-    (void)state;
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         for (size_t e = 0; e < ERRORS_MAX && all[i].errors[e] != 0; e++) {
             uint64_t first = 1;
@@ -181,11 +172,10 @@ static pid_t worker_pid(void)
 
 /* If this failed, a moment without memory after a crash would be the end of the service,
  * though its socket could have been held until it is over. */
-static void start__of_a_worker_is_tried_again(void **state)
+CASE(start__of_a_worker_is_tried_again)
 {
     static struct life life;
     static const int errors[] = {EAGAIN, ENOMEM};
-    (void)state;
     assert_true(test_daemon_restart(
         &place, (const char *const[]){"--supervise", "--crashes-max", "64", NULL}));
     for (size_t i = 0; i < 2; i++) {
@@ -223,11 +213,4 @@ static int tear_down(void **state)
     return test_daemon_finish(&place) ? 0 : -1;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(start__serves_or_says_why_not),
-        cmocka_unit_test(start__of_a_worker_is_tried_again),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

@@ -1,25 +1,16 @@
-/* test_fault_threads.c - a daemon that the system gives no thread.
- *
- * Bound the number of threads of a user that has none yet: for a daemon that starts, and
- * for one whose team has shrunk and is to grow again.
- */
+/* test_fault_threads.c - a daemon that the system gives no thread. */
+#include "cases.h"
+
 #include <grp.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
-#include "skip.h"
 
 #define USER 61367u /* nobody's; the bound counts all threads of a user */
 #define SIDE 60u    /* of a grid that a step shares among threads */
@@ -61,12 +52,11 @@ static uint32_t step(struct test_grid *grid, uint32_t threads)
 
 /* If it failed, a daemon in a container with few threads would die at its start, again
  * and again, where it could serve with those it gets. */
-static void threads__that_are_granted_are_enough(void **state)
+CASE(threads__that_are_granted_are_enough)
 {
     static const char *const options[] = {"--threads", "8", NULL};
     struct test_daemon daemon;
     struct test_grid grid;
-    (void)state;
     if (!is_alone || TEST_HAS_FOREIGN_THREAD) {
         test_skip("only root can become another user, and a sanitizer has a thread");
     }
@@ -85,12 +75,11 @@ static void threads__that_are_granted_are_enough(void **state)
 
 /* If it failed, a moment without a thread or memory for OpenMP's runtime, which ends the
  * process then, would be an error to clients, or nobody would know what has happened. */
-static void threads__that_are_refused_cost_a_restart(void **state)
+CASE(threads__that_are_refused_cost_a_restart)
 {
     static const char *const options[] = {"--supervise", "--threads", "4", NULL};
     struct test_daemon daemon;
     struct test_grid grid;
-    (void)state;
     if (!is_alone) {
         test_skip("only root can become another user");
     }
@@ -115,11 +104,4 @@ static void threads__that_are_refused_cost_a_restart(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads__that_are_granted_are_enough),
-        cmocka_unit_test(threads__that_are_refused_cost_a_restart),
-    };
-    return cmocka_run_group_tests(tests, change_user, NULL);
-}
+CASES_WITH(change_user, NULL);

@@ -1,7 +1,4 @@
 /* distance.c - exact distances of the engine against the oracle, for as long as wanted.
- *
- * Make cases from a seed, in several processes with seeds of their own, and compare all
- * numbers, one at a time and in lanes. Prints what is wrong, and ends with 1 then.
  */
 #include <gmp.h>
 #include <inttypes.h>

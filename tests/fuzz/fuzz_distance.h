@@ -1,11 +1,4 @@
-/* fuzz_distance.h - exact distances of the engine against those of the oracle.
- *
- * Make pairs of features by families that are hard for one reason each, and compare every
- * number of every answer, from every stage on; whether an edge passes through a face, and
- * whether a point is in a tetrahedron.
- *
- * Threads: one for one run.
- */
+/* fuzz_distance.h - exact distances of the engine against those of the oracle. */
 #ifndef FUZZ_DISTANCE_H
 #define FUZZ_DISTANCE_H
 

@@ -1,7 +1,4 @@
-/* fuzz_jobs.h - one random search in several processes.
- *
- * Threads: one a process.
- */
+/* fuzz_jobs.h - one random search in several processes. */
 #ifndef FUZZ_JOBS_H
 #define FUZZ_JOBS_H
 

@@ -87,7 +87,7 @@ static void make_sharp_cases(struct fuzz_lanes_run *run, struct chunk *chunk)
 static void place_points(struct prng *prng, struct chunk *chunk)
 {
     uint32_t total = 5 * chunk->count;
-    uint32_t shift = (uint32_t)prng_below(prng, total);
+    uint32_t shift = prng_u32(prng, total);
     for (uint32_t i = 0; i < total; i++) {
         uint32_t at = (i * 7 + shift) % total; /* 7 is prime to 5 and to most counts */
         at = chunk->count % 7 == 0 ? (i + shift) % total : at;
@@ -128,8 +128,8 @@ static void make_chunk(struct fuzz_lanes_run *run, struct chunk *chunk)
     struct prng *prng = &run->prng;
     memset(chunk, 0, sizeof *chunk);
     chunk->kind = prng_below(prng, 2) ? PCCD_VF : PCCD_EE;
-    chunk->count = 1 + (uint32_t)prng_below(prng, FUZZ_LANES_MAX);
-    chunk->end = (uint32_t)prng_below(prng, 2);
+    chunk->count = 1 + prng_u32(prng, FUZZ_LANES_MAX);
+    chunk->end = prng_u32(prng, 2);
     if (run->is_sharp || prng_below(prng, SHARP_CHUNKS) == 0) {
         make_sharp_cases(run, chunk);
     } else {
@@ -308,7 +308,7 @@ static const char *judge_batch(struct fuzz_lanes_run *run, const struct chunk *c
         PCCD_NEAR_CROSSINGS, PCCD_NEAR_VERTICES, PCCD_NEAR_PAIRS};
     static struct eng_batch batch;
     bool named[FUZZ_LANES_MAX] = {false};
-    uint32_t wanted = (uint32_t)prng_below(&run->prng, WANTED);
+    uint32_t wanted = prng_u32(&run->prng, WANTED);
     const struct eng_question question = {.verb = verbs[wanted], .end = chunk->end};
     const struct eng_pairs pairs = {.question = &question,
                                     .kind = chunk->kind,

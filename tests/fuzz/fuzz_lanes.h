@@ -1,11 +1,4 @@
-/* fuzz_lanes.h - distances of many pairs at once against those of one at a time.
- *
- * Make chunks of the cases of fuzz_distance.h, ask the kernels of every instruction set
- * and the batch about them, and compare each number with distance.h's, which
- * fuzz_distance.h compares with the oracle's.
- *
- * Threads: one for one run.
- */
+/* fuzz_lanes.h - distances of many pairs at once against those of one at a time. */
 #ifndef FUZZ_LANES_H
 #define FUZZ_LANES_H
 

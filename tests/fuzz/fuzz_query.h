@@ -1,7 +1,4 @@
-/* fuzz_query.h - makes random elementary tests that are hard to decide.
- *
- * Threads: one for one generator.
- */
+/* fuzz_query.h - makes random elementary tests that are hard to decide. */
 #ifndef FUZZ_QUERY_H
 #define FUZZ_QUERY_H
 

@@ -1,8 +1,6 @@
 /* fuzz_range.h - interval arithmetic: sums and products of ranges of numbers, rounded
  * outward.
  *
- * Threads: [any]; inline only.
- *
  * Each end is computed once, to nearest: it is off by at most half an epsilon of itself,
  * or by less than the least normal number. It is moved outward by twice that, and by more
  * than the other. So the result contains every value that the operation has for members

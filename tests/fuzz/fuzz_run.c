@@ -93,7 +93,7 @@ static void lay_out(struct fuzz_run *run, struct chunk *chunk)
     uint32_t count = 4 * chunk->count;
     uint32_t order[4 * ENG_CHUNK_MAX];
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t j = (uint32_t)prng_below(&run->prng, i + 1);
+        uint32_t j = prng_u32(&run->prng, i + 1);
         order[i] = order[j];
         order[j] = i;
     }
@@ -336,8 +336,8 @@ void fuzz_run_more(struct fuzz_run *run, uint64_t count)
     while (run->queries < end && run->failures < FAILURES_MAX) {
         struct prng *prng = &run->prng;
         chunk.kind = prng_below(prng, 2) ? PCCD_VF : PCCD_EE;
-        chunk.count = prng_below(prng, 4) ? ENG_CHUNK_MAX
-                                          : 1 + (uint32_t)prng_below(prng, ENG_CHUNK_MAX);
+        chunk.count =
+            prng_below(prng, 4) ? ENG_CHUNK_MAX : 1 + prng_u32(prng, ENG_CHUNK_MAX);
         chunk.tolerance =
             prng_below(prng, 4) ? TOLERANCE_DEFAULT : tolerances[prng_below(prng, 4)];
         chunk.t_end = prng_below(prng, 4)   ? 1

@@ -1,11 +1,5 @@
 /* fuzz_run.h - runs many random elementary tests with every instruction set, and checks
  * each answer.
- *
- * Put chunks of random queries to batch and sieve of every instruction set that this
- * processor has, and to the scalar call; compare the answers with the truth, with each
- * other, and with those of the same query scaled, reordered and reversed.
- *
- * Threads: one.
  */
 #ifndef FUZZ_RUN_H
 #define FUZZ_RUN_H

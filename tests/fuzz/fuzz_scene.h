@@ -1,7 +1,5 @@
 /* fuzz_scene.h - the contacts of a few objects, found by brute force and exact
  * arithmetic.
- *
- * Threads: one.
  */
 #ifndef FUZZ_SCENE_H
 #define FUZZ_SCENE_H

@@ -3,8 +3,6 @@
  * Move one coordinate of a pair, by halves, between two places where a number of the
  * answer differs, until no double is between them: so a number is as near as can be to
  * where rounding changes, on either side. A margin that is too small shows there.
- *
- * Threads: one for one struct eng_distances.
  */
 #ifndef FUZZ_SHARP_H
 #define FUZZ_SHARP_H

@@ -1,10 +1,4 @@
 /* fuzz_sieve.h - checks that the sieve (kernel.h) rejects only pairs without a contact.
- *
- * Put each query of a chunk on a grid of its own, fine or coarse, and sift them all by
- * every instruction set; compare what is rejected with the answers, and the instruction
- * sets with each other.
- *
- * Threads: one for one scratch.
  */
 #ifndef FUZZ_SIEVE_H
 #define FUZZ_SIEVE_H

@@ -4,8 +4,6 @@
  * verdict, flag and time, by doubles and by integers alone. The oracle takes most of the
  * time; so it may judge some cases only, and of the others what doubles say is compared
  * with what integers say.
- *
- * Threads: one for one run.
  */
 #ifndef FUZZ_THICK_H
 #define FUZZ_THICK_H

@@ -44,11 +44,11 @@ static void make_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
 {
     memset(chunk, 0, sizeof *chunk);
     chunk->question = (struct eng_question)ENG_QUESTION_DEFAULT;
-    chunk->kind = (uint32_t)prng_below(&run->prng, 4);
+    chunk->kind = prng_u32(&run->prng, 4);
     chunk->question.tolerance = 1e-6;
     chunk->t_end = prng_below(&run->prng, 3) ? 1 : 0.4;
     chunk->question.approach = prng_below(&run->prng, 3) ? 0 : 0.6;
-    uint32_t wanted = 1 + (uint32_t)prng_below(&run->prng, FUZZ_THICK_CHUNK);
+    uint32_t wanted = 1 + prng_u32(&run->prng, FUZZ_THICK_CHUNK);
     while (chunk->count < wanted) {
         struct fuzz_thick_case *made = &chunk->cases[chunk->count];
         fuzz_thick_make(&run->prng, 0, made);

@@ -1,10 +1,4 @@
-/* fuzz_thick_lanes.h - thick features in chunks against one at a time.
- *
- * Put chunks of the families of fuzz_thick.h to the kernels of every instruction set that
- * this processor has, and compare with thick.h, which fuzz_thick.h judges.
- *
- * Threads: one for one run.
- */
+/* fuzz_thick_lanes.h - thick features in chunks against one at a time. */
 #ifndef FUZZ_THICK_LANES_H
 #define FUZZ_THICK_LANES_H
 

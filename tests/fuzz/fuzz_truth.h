@@ -2,8 +2,6 @@
  *
  * Check a claim, a miss or a contact with its bracket of time, beyond doubt: by intervals
  * that are rounded outward where they suffice, else by exact arithmetic.
- *
- * Threads: one for one tally.
  */
 #ifndef FUZZ_TRUTH_H
 #define FUZZ_TRUTH_H

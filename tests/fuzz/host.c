@@ -1,8 +1,4 @@
-/* host.c - the daemon's server as a thread of the fuzzer's process.
- *
- * Hand srv_reactor_run a socket, as a service manager does; watch the engine's bytes and
- * the process's descriptors.
- */
+/* host.c - the daemon's server as a thread of the fuzzer's process. */
 #include "host.h"
 
 #include <dirent.h>

@@ -1,10 +1,4 @@
-/* peer.h - a client that does what a fuzzer's input says.
- *
- * Send messages of any bytes, or well-formed ones with any values; receive answers and
- * check that they are well-formed; map the ring that an answer brings.
- *
- * Threads: one.
- */
+/* peer.h - a client that does what a fuzzer's input says. */
 #ifndef FUZZ_PEER_H
 #define FUZZ_PEER_H
 

@@ -1,9 +1,4 @@
-/* seeds.c - inputs for fuzzers to begin with.
- *
- * Write files into a folder for each target: every message of the manifest, as small as
- * it can be and with every field; scripts that lead deep into a session; slots, meshes,
- * files and queries of each kind.
- */
+/* seeds.c - inputs for fuzzers to begin with. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

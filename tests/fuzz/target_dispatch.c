@@ -1,9 +1,4 @@
-/* target_dispatch.c - any messages to a real server.
- *
- * Play a script on two fresh connections: raw messages, well-formed requests with any
- * values, descriptors, words and bytes of the rings; scenes that the two share. Each
- * message is answered or ends the connection, and other clients never notice.
- */
+/* target_dispatch.c - any messages to a real server. */
 #include <string.h>
 
 #include "fuzz_target.h"

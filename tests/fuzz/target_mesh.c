@@ -1,8 +1,4 @@
-/* target_mesh.c - any mesh, of triangles, edges and points, and a step of it.
- *
- * Register, place twice, move by both ways to find candidates and by two instruction
- * sets: the same bytes, or a refusal that is explained. Everything is given back.
- */
+/* target_mesh.c - any mesh, of triangles, edges and points, and a step of it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,4 @@
-/* target_query.c - elementary tests of any numbers, against exact arithmetic.
- *
- * Put a query to the solver and judge its answer; now and then to the sieve and the
- * filter of every instruction set as well, in every lane and order.
- */
+/* target_query.c - elementary tests of any numbers, against exact arithmetic. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,9 +1,4 @@
-/* target_reader.c - mesh files of any content.
- *
- * Read the input as PLY, OBJ, STL or glTF: what is accepted is a mesh, and nothing takes
- * more memory than a file of that length can be worth. As PC2 or MDD: all frames that it
- * says are there.
- */
+/* target_reader.c - mesh files of any content. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,4 @@
-/* target_record.c - recordings of any content.
- *
- * Read the input as a file, or as chunks whose checksums are right; follow what is
- * accepted, and touch every byte that it says there is.
- */
+/* target_record.c - recordings of any content. */
 #include <stdlib.h>
 #include <string.h>
 

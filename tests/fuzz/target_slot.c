@@ -1,9 +1,4 @@
-/* target_slot.c - any bytes in the memory that client and server share.
- *
- * Write header words, a segment table and positions, or a chunk of a mesh, as the input
- * says, and submit them: an answer that is within the result region, or an error that
- * there is a reason for.
- */
+/* target_slot.c - any bytes in the memory that client and server share. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,31 +1,23 @@
 /* test_eng_distance.c - exact distances of the engine against the oracle, for a moment.
- *
- * Some thousand cases of every family, or FUZZ_QUERIES, from every stage on; and first,
- * whether the comparison would find a wrong number.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "fuzz_distance.h"
 #include "fuzz_lanes.h"
 #include "oracle_distance.h"
 
 /* If it failed, a wrong number would go unnoticed, and all that is below could pass. */
-static void comparison__finds_a_wrong_number(void **state)
+CASE(comparison__finds_a_wrong_number)
 {
     static const double x[4][3] = {{1, 1, 2}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
     static const uint8_t rank[4] = {0, 1, 2, 3};
     static struct fuzz_distance_run run;
     struct eng_distance right;
     struct oracle_distance due;
-    (void)state;
     fuzz_distance_init(&run, 1, stderr);
     eng_distance_find(&run.distances, PCCD_VF, x, rank, &right);
     oracle_distance_find(ORACLE_VF, x, rank, &due);
@@ -52,7 +44,7 @@ static void comparison__finds_a_wrong_number(void **state)
 
 /* If it failed, an error that is too small to be a double would count as none, and a
  * distance would be called exact that is not. */
-static void distance__is_exact_where_errors_are_below_the_least_double(void **state)
+CASE(distance__is_exact_where_errors_are_below_the_least_double)
 {
     static const struct fuzz_distance_case made = {
         .kind = PCCD_VF,
@@ -63,7 +55,6 @@ static void distance__is_exact_where_errors_are_below_the_least_double(void **st
         .rank = {2, 3, 0, 1},
         .d = -1};
     static struct fuzz_distance_run run;
-    (void)state;
     fuzz_distance_init(&run, 1, stderr);
     for (int first = 0; first < ENG_DISTANCE_STAGES; first++) {
         assert_null(fuzz_distance_judge(&run, &made, (enum eng_distance_stage)first));
@@ -73,11 +64,10 @@ static void distance__is_exact_where_errors_are_below_the_least_double(void **st
 
 /* If it failed, a distance, a crossing or what is inside would be wrong, or depend on the
  * stage that has found it. */
-static void distance__is_exact_from_every_stage_on(void **state)
+CASE(distance__is_exact_from_every_stage_on)
 {
     static struct fuzz_distance_run run;
     const char *queries = getenv("FUZZ_QUERIES");
-    (void)state;
     print_message("# PCCD_SEED=%llu\n", (unsigned long long)prng_seed());
     fuzz_distance_init(&run, prng_seed(), stderr);
     run.all_stages = true;
@@ -94,11 +84,10 @@ static void distance__is_exact_from_every_stage_on(void **state)
 
 /* If it failed, a stage would never be tried by the cases above, and what it does could
  * be wrong. */
-static void distance__is_decided_by_every_stage(void **state)
+CASE(distance__is_decided_by_every_stage)
 {
     static struct fuzz_distance_run run;
     uint64_t stages[ENG_DISTANCE_STAGES] = {0};
-    (void)state;
     fuzz_distance_init(&run, 3, stderr);
     fuzz_distance_more(&run, 2000);
     for (int i = 0; i < FUZZ_DISTANCE_FAMILIES * ENG_DISTANCE_STAGES; i++) {
@@ -114,10 +103,9 @@ static void distance__is_decided_by_every_stage(void **state)
 /* If it failed, what is near would depend on the processor, or on which pairs are asked
  * about together; or a pair would be left out. The counts say that each kernel decides
  * something, and leaves something. */
-static void distance__is_the_same_in_lanes(void **state)
+CASE(distance__is_the_same_in_lanes)
 {
     static struct fuzz_lanes_run run;
-    (void)state;
     fuzz_lanes_init(&run, prng_seed(), stderr);
     fuzz_lanes_more(&run, 800);
     assert_int_equal(run.failures, 0);
@@ -135,27 +123,13 @@ static void distance__is_the_same_in_lanes(void **state)
 /* If it failed, a margin of the lanes would be too small: a number of theirs, or whether
  * a pair is within d, would not be that of exact arithmetic, beside the places where
  * rounding changes. */
-static void distance__is_the_same_in_lanes_where_rounding_changes(void **state)
+CASE(distance__is_the_same_in_lanes_where_rounding_changes)
 {
     static struct fuzz_lanes_run run;
-    (void)state;
     fuzz_lanes_init(&run, prng_seed(), stderr);
     run.is_sharp = true;
     fuzz_lanes_more(&run, 400);
     assert_int_equal(run.failures, 0);
     assert_true(run.sure > 0 && run.vague > run.cases / 10);
     fuzz_lanes_deinit(&run);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(comparison__finds_a_wrong_number),
-        cmocka_unit_test(distance__is_exact_where_errors_are_below_the_least_double),
-        cmocka_unit_test(distance__is_exact_from_every_stage_on),
-        cmocka_unit_test(distance__is_decided_by_every_stage),
-        cmocka_unit_test(distance__is_the_same_in_lanes),
-        cmocka_unit_test(distance__is_the_same_in_lanes_where_rounding_changes),
-    };
-    return cmocka_run_group_tests_name("eng_distance", tests, NULL, NULL);
 }

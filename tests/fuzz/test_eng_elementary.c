@@ -1,17 +1,9 @@
-/* test_eng_elementary.c - the elementary tests against exact arithmetic, for a moment.
- *
- * A hundred thousand queries, or FUZZ_QUERIES; and first of all, whether the judge would
- * find a wrong answer.
- */
+/* test_eng_elementary.c - the elementary tests against exact arithmetic, for a moment. */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "fuzz_run.h"
 
@@ -36,12 +28,11 @@ static enum fuzz_judgement judge(const struct eng_query *query, const struct eng
 }
 
 /* If this failed, a contact that is missed, invented or mistimed would go unnoticed. */
-static void judge__finds_wrong_answers(void **state)
+CASE(judge__finds_wrong_answers)
 {
     struct prng prng = {7};
     int contacts = 0;
     int misses = 0;
-    (void)state;
     for (uint32_t round = 0; round < 4000; round++) {
         struct eng_query query;
         struct eng_hit hit;
@@ -70,11 +61,10 @@ static void judge__finds_wrong_answers(void **state)
 
 /* If this failed, a contact could have no place, no direction, or a bracket as long as it
  * likes. */
-static void judge__finds_misformed_answers(void **state)
+CASE(judge__finds_misformed_answers)
 {
     struct prng prng = {8};
     int contacts = 0;
-    (void)state;
     for (uint32_t round = 0; round < 600; round++) {
         struct eng_query query;
         struct eng_hit hit;
@@ -105,11 +95,10 @@ static void judge__finds_misformed_answers(void **state)
 
 /* If this failed, an answer to an elementary test would be wrong, or depend on the
  * instruction set, the batch, the scale or the order of the points. */
-static void elementary__answers_are_exact_at_every_instruction_set(void **state)
+CASE(elementary__answers_are_exact_at_every_instruction_set)
 {
     static struct fuzz_run run;
     const char *queries = getenv("FUZZ_QUERIES");
-    (void)state;
     print_message("# PCCD_SEED=%llu\n", (unsigned long long)prng_seed());
     fuzz_run_init(&run, prng_seed(), stderr);
     fuzz_run_more(&run, queries ? (uint64_t)strtod(queries, NULL) : 100000);
@@ -124,7 +113,7 @@ static void elementary__answers_are_exact_at_every_instruction_set(void **state)
 /* If this failed, features that lie nearly in one line when they meet would be said to
  * touch in places that are far from each other: the normal, which tells the place, is
  * nothing but rounding there. */
-static void elementary__names_one_place_where_features_are_nearly_in_a_line(void **state)
+CASE(elementary__names_one_place_where_features_are_nearly_in_a_line)
 {
     static const char lines[] =
         "ee 0x1.0c6f7a0b5ed8dp-20 0x1p+0 0x1.000000dp+25 -0x1.40000000e8p+34 "
@@ -146,7 +135,6 @@ static void elementary__names_one_place_where_features_are_nearly_in_a_line(void
     double tolerance;
     double t_end;
     int count = 0;
-    (void)state;
     FILE *file = fmemopen((void *)(uintptr_t)lines, sizeof lines - 1, "r");
     assert_non_null(file);
     while (fuzz_query_read(file, &query, &tolerance, &t_end)) {
@@ -161,18 +149,17 @@ static void elementary__names_one_place_where_features_are_nearly_in_a_line(void
     fclose(file);
 }
 
-int main(void)
+static int set_up(void **state)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(judge__finds_wrong_answers),
-        cmocka_unit_test(judge__finds_misformed_answers),
-        cmocka_unit_test(elementary__names_one_place_where_features_are_nearly_in_a_line),
-        cmocka_unit_test(elementary__answers_are_exact_at_every_instruction_set),
-    };
-    if (eng_exact_init(&exact) != PCCD_OK) {
-        return 1;
-    }
-    int status = cmocka_run_group_tests_name("eng_elementary", tests, NULL, NULL);
-    eng_exact_deinit(&exact);
-    return status;
+    (void)state;
+    return eng_exact_init(&exact);
 }
+
+static int tear_down(void **state)
+{
+    (void)state;
+    eng_exact_deinit(&exact);
+    return 0;
+}
+
+CASES_WITH(set_up, tear_down);

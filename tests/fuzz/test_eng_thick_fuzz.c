@@ -1,18 +1,13 @@
 /* test_eng_thick_fuzz.c - thick features of hard families against exact arithmetic. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "cases.h"
 
 #include "fuzz_thick_lanes.h"
 
 /* If it failed, a pair would come within r unseen, be said to when it does not, or be
  * said to too late; or that would depend on whether doubles or integers found it. */
-static void thick__is_what_the_oracle_says(void **state)
+CASE(thick__is_what_the_oracle_says)
 {
     static struct fuzz_thick_run run;
-    (void)state;
     fuzz_thick_init(&run, prng_seed(), stderr);
     fuzz_thick_more(&run, 3000);
     assert_int_equal(run.failures, 0);
@@ -29,10 +24,9 @@ static void thick__is_what_the_oracle_says(void **state)
 /* If it failed, pairs of points that meet, or nearly do, would be left undecided: with
  * noise of 1e-6 to 1e-16 and of 2^-1000, or whose exponents are as far apart as doubles
  * allow. */
-static void thick__is_proved_whatever_the_exponents(void **state)
+CASE(thick__is_proved_whatever_the_exponents)
 {
     static struct fuzz_thick_run run;
-    (void)state;
     fuzz_thick_init(&run, 4, stderr);
     run.oracle_each = 1000;
     fuzz_thick_more(&run, 20000);
@@ -42,24 +36,13 @@ static void thick__is_proved_whatever_the_exponents(void **state)
 
 /* If it failed, an answer would depend on the processor, or on which pairs are asked
  * about together; or the kernel would reject a pair that comes within r. */
-static void thick__is_the_same_in_lanes(void **state)
+CASE(thick__is_the_same_in_lanes)
 {
     static struct fuzz_thick_lanes run;
-    (void)state;
     fuzz_thick_lanes_init(&run, prng_seed(), stderr);
     fuzz_thick_lanes_more(&run, 150);
     assert_int_equal(run.failures, 0);
     assert_true(run.cases > 2000 && run.hits > run.cases / 5);
     assert_true(run.survivors > run.hits && run.survivors < run.hits * 5 / 4);
     fuzz_thick_lanes_deinit(&run);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(thick__is_what_the_oracle_says),
-        cmocka_unit_test(thick__is_the_same_in_lanes),
-        cmocka_unit_test(thick__is_proved_whatever_the_exponents),
-    };
-    return cmocka_run_group_tests_name("eng_thick_fuzz", tests, NULL, NULL);
 }

@@ -1,7 +1,4 @@
-/* visitor.h - an honest client that must still be served among the inputs of a fuzzer.
- *
- * Threads: one.
- */
+/* visitor.h - an honest client that must still be served among the inputs of a fuzzer. */
 #ifndef FUZZ_VISITOR_H
 #define FUZZ_VISITOR_H
 

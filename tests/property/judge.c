@@ -2,14 +2,11 @@
 #include "judge.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
+#include "cases.h"
 
 typedef const double (*points_t)[3];
 
@@ -116,7 +113,7 @@ void judge_init(struct judge *judge, struct judge_sums *sums, double tolerance)
     static uint64_t judges;
     judge_watch_init(judge, sums, tolerance);
     judge->ways.state = prng_seed() + ++judges;
-    assert_int_equal(eng_scene_new(NULL, &judge->scene), PCCD_OK);
+    judge->scene = kit_scene();
 }
 
 static void object_deinit(struct judge_object *object)
@@ -168,22 +165,18 @@ static void register_mesh(struct judge *judge, struct judge_object *object)
     struct eng_mesh *registered = NULL;
     struct eng_mesh_info info;
     uint32_t bad = 0;
-    assert_int_equal(eng_mesh_new(mesh->vertex_count, mesh->triangle_count, &registered),
-                     PCCD_OK);
-    assert_int_equal(eng_mesh_write_vertices(registered, PCCD_FORMAT_F64, 0,
-                                             mesh->vertex_count, mesh->x0),
-                     PCCD_OK);
-    assert_int_equal(eng_mesh_write_triangles(registered, 0, mesh->triangle_count,
-                                              mesh->triangles, &bad),
-                     PCCD_OK);
-    assert_int_equal(eng_mesh_commit(registered), PCCD_OK);
+    assert_ok(eng_mesh_new(mesh->vertex_count, mesh->triangle_count, &registered));
+    assert_ok(eng_mesh_write_vertices(registered, PCCD_FORMAT_F64, 0, mesh->vertex_count,
+                                      mesh->x0));
+    assert_ok(eng_mesh_write_triangles(registered, 0, mesh->triangle_count,
+                                       mesh->triangles, &bad));
+    assert_ok(eng_mesh_commit(registered));
     eng_mesh_get_info(registered, &info);
     assert_int_equal(info.edge_count, object->edge_count);
     assert_memory_equal(eng_mesh_edges(registered), object->edges,
                         object->edge_count * sizeof *object->edges);
-    assert_int_equal(
-        eng_scene_add(judge->scene, registered, object->object_id, &object->object_idx),
-        PCCD_OK);
+    assert_ok(
+        eng_scene_add(judge->scene, registered, object->object_id, &object->object_idx));
     eng_mesh_release(registered);
 }
 
@@ -208,8 +201,7 @@ void judge_add(struct judge *judge, const struct scenes_mesh *mesh, uint32_t obj
 
 void judge_remove(struct judge *judge, uint32_t at)
 {
-    assert_int_equal(eng_scene_remove(judge->scene, judge->objects[at].object_idx),
-                     PCCD_OK);
+    assert_ok(eng_scene_remove(judge->scene, judge->objects[at].object_idx));
     filters_forget(&judge->filters, judge->objects[at].object_id);
     object_deinit(&judge->objects[at]);
     judge->objects[at] = judge->objects[--judge->object_count];
@@ -230,10 +222,9 @@ void judge_stage_whole(struct judge *judge)
     eng_stage_begin(judge->scene);
     for (uint32_t i = 0; i < judge->object_count; i++) {
         const struct judge_object *object = &judge->objects[i];
-        assert_int_equal(eng_stage_x0x1(judge->scene, object->object_idx, PCCD_FORMAT_F64,
-                                        0, object->mesh.vertex_count, object->mesh.x0,
-                                        object->mesh.x1),
-                         PCCD_OK);
+        assert_ok(eng_stage_x0x1(judge->scene, object->object_idx, PCCD_FORMAT_F64, 0,
+                                 object->mesh.vertex_count, object->mesh.x0,
+                                 object->mesh.x1));
     }
 }
 
@@ -243,7 +234,7 @@ void judge_step(struct judge *judge, enum pccd_mode mode, struct eng_step_result
     judge->settings.mode = mode;
     judge->settings.tolerance = judge->tolerance;
     way_draw(&judge->ways, 4, &judge->settings);
-    assert_int_equal(eng_step(judge->scene, &judge->settings, result), PCCD_OK);
+    assert_ok(eng_step(judge->scene, &judge->settings, result));
     judge->sums->team_steps += result->threads > 1;
     must(judge, result->incomplete == PCCD_COMPLETE, "the answer is incomplete", NULL);
     must(judge, result->mode == mode, "the answer is of another mode", NULL);

@@ -1,7 +1,5 @@
 /* near_judge.h - compares the engine's answers about what is near with brute force in
  * exact arithmetic.
- *
- * Threads: one.
  */
 #ifndef NEAR_JUDGE_H
 #define NEAR_JUDGE_H

@@ -1,7 +1,4 @@
-/* sequences.h - random sequences one after the other, so many or for so long.
- *
- * Threads: one.
- */
+/* sequences.h - random sequences one after the other, so many or for so long. */
 #ifndef SEQUENCES_H
 #define SEQUENCES_H
 

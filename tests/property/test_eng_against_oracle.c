@@ -5,17 +5,13 @@
  *
  * Threads: one; the engine's steps by one to four, by every method and instruction set.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 #include "judge.h"
 
@@ -93,11 +89,10 @@ static double some_tolerance(struct prng *prng)
 
 /* If this failed, a contact would be missed, invented or mistimed, or modes would
  * disagree. */
-static void engine__answers_exactly_for_one_object(void **state)
+CASE(engine__answers_exactly_for_one_object)
 {
     static const uint32_t sizes[] = {2, 7, 20, 60, 120};
     struct rounds rounds = rounds_begin();
-    (void)state;
     while (rounds_next(&rounds, ROUNDS)) {
         for (unsigned i = 0; i < SCENES_KINDS * 10; i++) {
             struct recipe recipe = {i / 10, sizes[i % 5], i % 10 >= 5,
@@ -109,7 +104,7 @@ static void engine__answers_exactly_for_one_object(void **state)
             struct judge judge;
             make(&mesh, &recipe);
             begin_judge(&judge, &recipe, some_tolerance(&rounds.prng));
-            judge_add(&judge, &mesh, 1 + (uint32_t)prng_below(&rounds.prng, 1000));
+            judge_add(&judge, &mesh, 1 + prng_u32(&rounds.prng, 1000));
             judge_stage_whole(&judge);
             judge_everything(&judge);
             judge_deinit(&judge);
@@ -224,13 +219,12 @@ static void compare_split(struct judge *whole, struct judge *parts,
 
 /* If this failed, an answer would depend on how a scene is cut into objects, or on the
  * order in which they came. */
-static void engine__does_not_depend_on_objects(void **state)
+CASE(engine__does_not_depend_on_objects)
 {
     static const enum scenes_kind kinds[] = {SCENES_SOUP,    SCENES_TWO_SPHERES,
                                              SCENES_SLIDING, SCENES_FAST,
                                              SCENES_SLIVERS, SCENES_FAR};
     struct rounds rounds = rounds_begin();
-    (void)state;
     while (rounds_next(&rounds, ROUNDS)) {
         for (unsigned i = 0; i < 12; i++) {
             enum scenes_kind kind = kinds[i % 6];
@@ -248,7 +242,7 @@ static void engine__does_not_depend_on_objects(void **state)
             begin_judge(&parts, &recipe, tolerance);
             begin_judge(&turned, &recipe, tolerance);
             judge_add(&whole, &mesh, 0);
-            split_init(&split, &mesh, 2 + (uint32_t)prng_below(&rounds.prng, 6), &whole);
+            split_init(&split, &mesh, 2 + prng_u32(&rounds.prng, 6), &whole);
             assert_true(split.count > 1);
             for (uint32_t k = 0; k < split.count; k++) {
                 judge_add(&parts, &split.parts[k], k);
@@ -302,11 +296,10 @@ static void move_there(struct scenes_mesh *mesh, const struct somewhere *place,
 
 /* If this failed, objects that are far from the origin or from each other, that jump, or
  * whose coordinates are tiny would be measured so that a contact is missed. */
-static void engine__answers_exactly_for_objects_far_apart(void **state)
+CASE(engine__answers_exactly_for_objects_far_apart)
 {
     static const double scales[] = {1, 1, 0x1p-300, 0x1p-30, 0x1p15};
     struct rounds rounds = rounds_begin();
-    (void)state;
     while (rounds_next(&rounds, ROUNDS)) {
         for (unsigned i = 0; i < 40; i++) {
             struct recipe recipe = {i % 2 ? SCENES_SOUP : SCENES_TWO_SPHERES, 40, false,
@@ -318,8 +311,7 @@ static void engine__answers_exactly_for_objects_far_apart(void **state)
                                           somewhere(&rounds.prng)};
             make(&mesh, &recipe);
             begin_judge(&judge, &recipe, 1e-6);
-            uint32_t count =
-                scenes_split(&mesh, 2 + (uint32_t)prng_below(&rounds.prng, 6), parts);
+            uint32_t count = scenes_split(&mesh, 2 + prng_u32(&rounds.prng, 6), parts);
             for (uint32_t k = 0; k < count; k++) {
                 move_there(&parts[k], &places[prng_below(&rounds.prng, 2)],
                            scales[i % 5]);
@@ -367,7 +359,7 @@ static void stage_range(struct judge *judge, const struct judge_object *object,
     }
     free(floats[0]);
     free(floats[1]);
-    assert_int_equal(status, PCCD_OK);
+    assert_ok(status);
 }
 
 /* A turn about z and a shift of about a unit; on a lattice it is exact. */
@@ -404,9 +396,8 @@ static void stage_rigid(struct judge *judge, struct judge_object *object, uint32
         transform(m[1], object->registered[i], object->mesh.x1[i]);
     }
     object->mesh.is_f32 = false; /* from now on */
-    assert_int_equal(
-        eng_stage_rigid(judge->scene, object->object_idx, first, count, m[0], m[1]),
-        PCCD_OK);
+    assert_ok(
+        eng_stage_rigid(judge->scene, object->object_idx, first, count, m[0], m[1]));
 }
 
 /* The whole object, some of its ranges, or nothing; ends, both ends or transforms. */
@@ -423,13 +414,13 @@ static void stage_something(struct judge *judge, struct judge_object *object,
         memcpy(ends[i][1], mesh->x1[i], sizeof ends[i][1]);
     }
     memcpy(mesh->x1, mesh->x0, bytes); /* what is not staged stands still */
-    uint32_t what = (uint32_t)prng_below(prng, 5);
+    uint32_t what = prng_u32(prng, 5);
     bool in_ranges = prng_below(prng, 2) == 1;
     uint32_t first = 0;
     while (what != 0 && first < mesh->vertex_count) {
         uint32_t count = mesh->vertex_count - first;
         if (in_ranges) {
-            count = 1 + (uint32_t)prng_below(prng, count);
+            count = 1 + prng_u32(prng, count);
         }
         for (uint32_t i = first; i < first + count; i++) {
             memcpy(mesh->x1[i], ends[i][1], sizeof mesh->x1[i]);
@@ -446,7 +437,7 @@ static void stage_something(struct judge *judge, struct judge_object *object,
         }
         first += count;
         if (in_ranges && first < mesh->vertex_count) {
-            first += (uint32_t)prng_below(prng, mesh->vertex_count - first);
+            first += prng_u32(prng, mesh->vertex_count - first);
         }
     }
     free(ends);
@@ -454,10 +445,9 @@ static void stage_something(struct judge *judge, struct judge_object *object,
 
 /* If this failed, resident state would drift from what the client sent: ranges,
  * transforms, objects that stand still, come and go. */
-static void engine__keeps_answering_exactly_over_steps(void **state)
+CASE(engine__keeps_answering_exactly_over_steps)
 {
     struct rounds rounds = rounds_begin();
-    (void)state;
     while (rounds_next(&rounds, ROUNDS)) {
         for (unsigned i = 0; i < SCENES_KINDS; i++) {
             struct prng *prng = &rounds.prng;
@@ -468,7 +458,7 @@ static void engine__keeps_answering_exactly_over_steps(void **state)
             begin_judge(&judge, &recipe, some_tolerance(prng));
             for (uint32_t step = 0; step < 10; step++) {
                 if (judge.object_count > 0 && prng_below(prng, 4) == 0) {
-                    judge_remove(&judge, (uint32_t)prng_below(prng, judge.object_count));
+                    judge_remove(&judge, prng_u32(prng, judge.object_count));
                 }
                 while (judge.object_count < 2 + step % 2) {
                     struct scenes_mesh mesh;
@@ -494,10 +484,9 @@ static void engine__keeps_answering_exactly_over_steps(void **state)
 }
 
 /* If this failed, a second scene with the same history would answer in other bytes. */
-static void engine__gives_the_same_bytes_again(void **state)
+CASE(engine__gives_the_same_bytes_again)
 {
     struct rounds rounds = rounds_begin();
-    (void)state;
     while (rounds_next(&rounds, 1)) {
         for (unsigned i = 0; i < SCENES_KINDS; i++) {
             struct recipe recipe = {i, 40, i % 2 == 1, prng_next(&rounds.prng)};
@@ -540,14 +529,4 @@ static int report(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(engine__answers_exactly_for_one_object),
-        cmocka_unit_test(engine__does_not_depend_on_objects),
-        cmocka_unit_test(engine__answers_exactly_for_objects_far_apart),
-        cmocka_unit_test(engine__keeps_answering_exactly_over_steps),
-        cmocka_unit_test(engine__gives_the_same_bytes_again),
-    };
-    return cmocka_run_group_tests_name("eng_against_oracle", tests, NULL, report);
-}
+CASES_WITH(NULL, report);

@@ -7,15 +7,9 @@
  * take the same steps.
  */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "clock.h"
 #include "eng_kit.h"
@@ -64,7 +58,7 @@ static struct {
 
 static uint32_t draw(struct sequence *s, uint32_t bound)
 {
-    return (uint32_t)prng_below(&s->prng, bound);
+    return prng_u32(&s->prng, bound);
 }
 
 static void must(const struct sequence *s, bool holds, const char *what)
@@ -142,8 +136,8 @@ static void add_object(struct sequence *s, uint32_t id, bool is_coarse)
         struct eng_scene *scene = i ? s->other : s->scene;
         struct eng_object_filter filter = ENG_OBJECT_FILTER_DEFAULT;
         filter.self = object->self;
-        assert_int_equal(eng_scene_add(scene, mesh, id, &object->idx[i]), PCCD_OK);
-        assert_int_equal(eng_scene_set_filter(scene, object->idx[i], &filter), PCCD_OK);
+        assert_ok(eng_scene_add(scene, mesh, id, &object->idx[i]));
+        assert_ok(eng_scene_set_filter(scene, object->idx[i], &filter));
     }
     eng_mesh_release(mesh);
 }
@@ -158,8 +152,8 @@ static void begin(struct sequence *s, uint64_t seed)
     for (int k = 0; k < 3; k++) {
         s->offset[k] = s->size == 1 ? far_away[draw(s, 6)] : 0;
     }
-    assert_int_equal(eng_scene_new(NULL, &s->scene), PCCD_OK);
-    assert_int_equal(eng_scene_new(NULL, &s->other), PCCD_OK);
+    s->scene = kit_scene();
+    s->other = kit_scene();
     s->is_sparse = s->size == 1 && draw(s, 2);
     bool is_coarse = draw(s, 2);
     uint32_t count = 1 + draw(s, OBJECTS_MAX);
@@ -207,9 +201,8 @@ static void stage(struct sequence *s, struct eng_scene *scene, int which)
     for (uint32_t i = 0; i < s->object_count; i++) {
         const struct object *object = &s->objects[i];
         if (memcmp(object->next, object->x[1], sizeof object->next) != 0) {
-            assert_int_equal(eng_stage_x1(scene, object->idx[which], PCCD_FORMAT_F64, 0,
-                                          object->vertex_count, object->next),
-                             PCCD_OK);
+            assert_ok(eng_stage_x1(scene, object->idx[which], PCCD_FORMAT_F64, 0,
+                                   object->vertex_count, object->next));
         }
     }
 }
@@ -394,7 +387,7 @@ static void step_both(struct sequence *s)
     for (int i = 0; i < 2; i++) {
         struct eng_scene *scene = i ? s->other : s->scene;
         stage(s, scene, i);
-        assert_int_equal(eng_step(scene, &settings, &result[i]), PCCD_OK);
+        result[i] = kit_step(scene, &settings);
     }
     arrive(s);
     must(s, result[0].count == result[1].count, "a step's records, counted");
@@ -424,13 +417,12 @@ static void play(uint64_t seed)
 
 /* If it failed: somebody would be told of a distance, a crossing or a safe bound that is
  * not so, or not be told; or asking would change what the next step answers. */
-static void near__is_what_the_oracle_finds(void **state)
+CASE(near__is_what_the_oracle_finds)
 {
     const char *seconds = getenv("PCCD_PROPERTY_SECONDS");
     uint64_t until_ns =
         seconds ? common_now_ns() + strtoull(seconds, NULL, 0) * 1000000000 : 0;
     uint64_t seed = prng_seed();
-    (void)state;
     for (uint64_t i = 0; until_ns ? common_now_ns() < until_ns : i < SEQUENCES; i++) {
         play(seed + i);
     }
@@ -448,12 +440,4 @@ static void near__is_what_the_oracle_finds(void **state)
     if (!getenv("PCCD_SEED")) {
         assert_true(sums.free > 0);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(near__is_what_the_oracle_finds),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,18 +11,12 @@
  * theirs.
  */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "eng_kit.h"
 #include "eng_way.h"
 #include "near_judge.h"
-#include "near_kit.h"
 #include "oracle_near.h"
 #include "sequences.h"
 
@@ -65,7 +59,6 @@ struct shape {
 struct scene {
     uint64_t seed;
     struct prng prng;
-    struct near_kit kit;
     struct shape shapes[OBJECTS_MAX];
     bool is_apart[OBJECTS_MAX][OBJECTS_MAX]; /* they may not meet */
     uint32_t end;
@@ -76,7 +69,7 @@ struct scene {
 
 static uint32_t draw(struct scene *scene, uint32_t bound)
 {
-    return (uint32_t)prng_below(&scene->prng, bound);
+    return prng_u32(&scene->prng, bound);
 }
 
 static void must(const struct scene *scene, bool holds, const char *what)
@@ -96,7 +89,7 @@ static double coordinate(struct scene *scene, double middle)
 /* At one end; sometimes all objects are in one place, sometimes beside each other. */
 static void place(struct scene *scene, uint32_t end, double spread)
 {
-    for (uint32_t i = 0; i < scene->kit.count; i++) {
+    for (uint32_t i = 0; i < kit.count; i++) {
         double middle[3];
         for (int k = 0; k < 3; k++) {
             middle[k] = spread * (double)draw(scene, 4);
@@ -128,32 +121,24 @@ static void set_thickness(struct scene *scene, struct shape *shape)
     }
     thickness->rest_rings = draw(scene, 3) == 0 ? 1 : 0;
     thickness->rest_distance = draw(scene, 3) == 0 ? 0.25 : 0;
-    assert_int_equal(eng_scene_set_thickness(scene->kit.scene,
-                                             scene->kit.idx[scene->kit.count - 1],
-                                             thickness),
-                     PCCD_OK);
+    assert_ok(eng_scene_set_thickness(kit.scene, kit.idx[kit.count - 1], thickness));
 }
 
 /* Some two objects may not meet, for their masks or by name. */
 static void separate(struct scene *scene)
 {
     const struct eng_object_filter alone = {1, 2, true};
-    uint32_t only =
-        draw(scene, 3 * scene->kit.count); /* meets itself alone, or not even */
-    for (uint32_t a = 0; a < scene->kit.count; a++) {
+    uint32_t only = draw(scene, 3 * kit.count); /* meets itself alone, or not even */
+    for (uint32_t a = 0; a < kit.count; a++) {
         for (uint32_t b = 0; b < a; b++) {
             bool is_ignored = draw(scene, 5) == 0;
-            assert_int_equal(eng_scene_ignore(scene->kit.scene, scene->kit.idx[a],
-                                              scene->kit.idx[b], is_ignored),
-                             PCCD_OK);
+            assert_ok(eng_scene_ignore(kit.scene, kit.idx[a], kit.idx[b], is_ignored));
             scene->is_apart[a][b] = scene->is_apart[b][a] =
                 is_ignored || a == only || b == only;
         }
     }
-    if (only < scene->kit.count) {
-        assert_int_equal(
-            eng_scene_set_filter(scene->kit.scene, scene->kit.idx[only], &alone),
-            PCCD_OK);
+    if (only < kit.count) {
+        assert_ok(eng_scene_set_filter(kit.scene, kit.idx[only], &alone));
     }
 }
 
@@ -188,7 +173,7 @@ static void make(struct scene *scene, struct shape *shape, bool is_closed)
     shape->mesh = kit_mesh_thick((const double(*)[3])x, shape->points,
                                  (const uint32_t(*)[3])shape->faces, shape->face_count,
                                  has_radii ? shape->radii : NULL);
-    near_kit_add(&scene->kit, shape->mesh);
+    kit_put(shape->mesh);
     if (draw(scene, 3) == 0) {
         set_thickness(scene, shape);
     }
@@ -196,13 +181,11 @@ static void make(struct scene *scene, struct shape *shape, bool is_closed)
 
 static void move(struct scene *scene)
 {
-    eng_stage_begin(scene->kit.scene);
-    for (uint32_t i = 0; i < scene->kit.count; i++) {
+    eng_stage_begin(kit.scene);
+    for (uint32_t i = 0; i < kit.count; i++) {
         const struct shape *shape = &scene->shapes[i];
-        assert_int_equal(eng_stage_x0x1(scene->kit.scene, scene->kit.idx[i],
-                                        PCCD_FORMAT_F64, 0, shape->points, shape->x[0],
-                                        shape->x[1]),
-                         PCCD_OK);
+        assert_ok(eng_stage_x0x1(kit.scene, kit.idx[i], PCCD_FORMAT_F64, 0, shape->points,
+                                 shape->x[0], shape->x[1]));
     }
 }
 
@@ -220,11 +203,11 @@ static bool may_meet(const void *context, uint32_t id_a, uint32_t id_b)
     return !scene->is_apart[id_a - 1][id_b - 1];
 }
 
-/* The scene as the oracle takes it. Ids of objects are their places + 1 (near_kit.h). */
+/* The scene as the oracle takes it. Ids of objects are their places + 1 (eng_kit.h). */
 static void begin_truth(const struct scene *scene, enum pccd_near_what what,
                         struct truth *truth)
 {
-    for (uint32_t i = 0; i < scene->kit.count; i++) {
+    for (uint32_t i = 0; i < kit.count; i++) {
         const struct shape *shape = &scene->shapes[i];
         const double(*x)[3] = (const double(*)[3])shape->x[scene->end];
         truth->objects[i] =
@@ -240,7 +223,7 @@ static void begin_truth(const struct scene *scene, enum pccd_near_what what,
                                    .rest_rings = shape->thickness.rest_rings};
     }
     truth->moment = (struct oracle_moment){.objects = truth->objects,
-                                           .object_count = scene->kit.count,
+                                           .object_count = kit.count,
                                            .may_meet = may_meet,
                                            .context = scene};
     oracle_moment_thicken(&truth->moment, what);
@@ -251,7 +234,7 @@ static void compare(const struct scene *scene, double distance,
                     const struct eng_step_result *result, struct truth *truth)
 {
     for (uint64_t i = 0; i < result->count && i < truth->nears.count; i++) {
-        const struct pccd_near *is = near_kit_record(result, i);
+        const struct pccd_near *is = kit_record(result, i);
         const struct pccd_near *must_be = &truth->nears.items[i].record;
         must(scene,
              is->kind == must_be->kind && is->object_a == must_be->object_a &&
@@ -272,11 +255,10 @@ static void compare(const struct scene *scene, double distance,
 
 static struct eng_step_result ask(struct scene *scene, struct eng_question settings)
 {
-    struct eng_step_result result;
     way_draw(&scene->prng, THREADS_MAX, &settings);
     settings.team_always = true;
     settings.end = scene->end;
-    assert_int_equal(eng_near(scene->kit.scene, &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_near(kit.scene, &settings);
     must(scene, result.incomplete == PCCD_COMPLETE, "it is not complete");
     sums.questions++;
     return result;
@@ -287,7 +269,7 @@ static void add_twos(const struct eng_step_result *result,
                      bool twos[OBJECTS_MAX][OBJECTS_MAX])
 {
     for (uint64_t i = 0; i < result->count; i++) {
-        const struct pccd_near *record = near_kit_record(result, i);
+        const struct pccd_near *record = kit_record(result, i);
         uint32_t a = record->object_a - 1;
         uint32_t b = record->object_b - 1;
         twos[a][b] = twos[b][a] = a != b;
@@ -307,8 +289,8 @@ static void check_rule(struct scene *scene, const struct eng_question *nearest,
     settings.verb = PCCD_NEAR_CROSSINGS;
     result = ask(scene, settings);
     add_twos(&result, twos);
-    for (uint32_t a = 0; a < scene->kit.count; a++) {
-        for (uint32_t b = 0; b < scene->kit.count; b++) {
+    for (uint32_t a = 0; a < kit.count; a++) {
+        for (uint32_t b = 0; b < kit.count; b++) {
             bool is_asked = true;
             for (int side = 0; side < 2; side++) {
                 uint32_t only = nearest->objects[side];
@@ -322,7 +304,7 @@ static void check_rule(struct scene *scene, const struct eng_question *nearest,
 
 static void check_nearest(struct scene *scene)
 {
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
     struct truth truth;
     bool twos[OBJECTS_MAX][OBJECTS_MAX] = {{false}};
     if (draw(scene, 3) > 0) {
@@ -332,7 +314,7 @@ static void check_nearest(struct scene *scene)
         settings.gap = scene->scale * (double)draw(scene, 9) * 0.125;
     }
     for (int side = 0; side < 2 && draw(scene, 2) == 0; side++) {
-        settings.objects[side] = 1 + draw(scene, scene->kit.count);
+        settings.objects[side] = 1 + draw(scene, kit.count);
     }
     if (settings.objects[0] == settings.objects[1]) {
         settings.objects[0] = 0;
@@ -362,7 +344,7 @@ static void check_bounds(struct scene *scene, const struct eng_question *setting
                          const struct eng_step_result *result, struct truth *truth)
 {
     const double *given = result->records;
-    for (uint32_t i = 0; i < scene->kit.count; i++) {
+    for (uint32_t i = 0; i < kit.count; i++) {
         double bounds[POINTS_MAX];
         oracle_near_bounds(&truth->moment, &truth->nears, i, settings->distance, bounds);
         for (uint32_t v = 0; v < scene->shapes[i].points; v++) {
@@ -377,7 +359,7 @@ static void check_pairs(struct scene *scene)
 {
     static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
                                                 PCCD_NEAR_VERTICES};
-    struct eng_question settings = near_kit_settings(whats[draw(scene, 3)]);
+    struct eng_question settings = kit_question(whats[draw(scene, 3)]);
     struct oracle_nears features;
     struct truth truth;
     settings.distance = scene->scale * (double)draw(scene, 6) * 0.125;
@@ -402,7 +384,7 @@ static void check_pairs(struct scene *scene)
 static void check_depth(struct scene *scene)
 {
     static const uint32_t all[2] = {0, 0};
-    struct eng_step_result result = ask(scene, near_kit_settings(PCCD_NEAR_DEPTH));
+    struct eng_step_result result = ask(scene, kit_question(PCCD_NEAR_DEPTH));
     struct truth truth;
     uint64_t crossings;
     begin_truth(scene, PCCD_NEAR_DEPTH, &truth);
@@ -412,9 +394,9 @@ static void check_depth(struct scene *scene)
     must(scene, result.crossings == crossings, "other edges pass through");
     sums.crossings += crossings;
     sums.inside += result.count;
-    for (uint32_t i = 0; i < scene->kit.count * scene->kit.count; i++) {
-        uint32_t a = i / scene->kit.count;
-        uint32_t b = i % scene->kit.count;
+    for (uint32_t i = 0; i < kit.count * kit.count; i++) {
+        uint32_t a = i / kit.count;
+        uint32_t b = i % kit.count;
         sums.outside += a != b && !scene->is_apart[a][b] ? scene->shapes[a].points : 0;
     }
     sums.outside -= result.count;
@@ -431,7 +413,7 @@ static void live(uint64_t seed)
     scene.place = places[at][0];
     scene.scale = places[at][1];
     scene.grid = draw(&scene, 2) == 0 ? 0.25 : 0;
-    near_kit_begin(&scene.kit);
+    kit_begin();
     uint32_t count = 2 + draw(&scene, OBJECTS_MAX - 1);
     for (uint32_t i = 0; i < count; i++) {
         make(&scene, &scene.shapes[i], is_closed);
@@ -456,15 +438,13 @@ static void live(uint64_t seed)
             check_nearest(&scene);
         }
     }
-    near_kit_end(&scene.kit);
     sums.scenes++;
 }
 
 /* If this failed, a body would be taken for farther away than it is, or for outside of
  * what it is in; or the answer would depend on how it was found. */
-static void objects__are_as_near_and_as_deep_as_the_oracle_says(void **state)
+CASE(objects__are_as_near_and_as_deep_as_the_oracle_says)
 {
-    (void)state;
     sequences_live(live, SCENES, NULL);
     print_message("# %llu scenes, %llu questions: %llu nearest, %llu ties, %llu "
                   "touching, %llu of them edges through faces; %llu with a gap, %llu "
@@ -486,12 +466,4 @@ static void objects__are_as_near_and_as_deep_as_the_oracle_says(void **state)
                     judged.others > 0 && sums.named > 0 && sums.pairs > 0 &&
                     sums.bounds > 0);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(objects__are_as_near_and_as_deep_as_the_oracle_says),
-    };
-    return cmocka_run_group_tests_name("eng_near_objects", tests, NULL, NULL);
 }

@@ -10,23 +10,17 @@
  * thereafter. More than 600 lines: one life of a scene, and all that is asked in it.
  */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "clock.h"
 #include "eng_fresh.h"
+#include "eng_kit.h"
 #include "eng_near.h"
 #include "eng_stir.h"
 #include "eng_way.h"
 #include "near_judge.h"
-#include "near_kit.h"
 #include "parallel.h"
 #include "play_actor.h"
 #include "sequences.h"
@@ -94,7 +88,7 @@ static void must(const struct sequence *sequence, bool holds, const char *what)
 
 static uint32_t draw(struct sequence *sequence, uint32_t bound)
 {
-    return (uint32_t)prng_below(&sequence->prng, bound);
+    return prng_u32(&sequence->prng, bound);
 }
 
 /* ---- steps ------------------------------------------------------------------------- */
@@ -404,8 +398,7 @@ static void draw_question(struct sequence *sequence)
                                                 PCCD_NEAR_NEAREST,  PCCD_NEAR_DEPTH};
     const struct player *player = &sequence->stir.player;
     struct eng_question *question = &sequence->question;
-    *question =
-        near_kit_settings(whats[draw(sequence, sequence->stir.is_closed ? 6 : 5)]);
+    *question = kit_question(whats[draw(sequence, sequence->stir.is_closed ? 6 : 5)]);
     question->distance = some_distance(sequence);
     question->tells_crossings = draw(sequence, 2) == 0;
     if (triangles_of(player) > MANY) {
@@ -566,9 +559,8 @@ static void live(uint64_t seed)
 /* If this failed, an answer about what is near would be that of other positions, objects
  * or filters than those that hold, or a step would be answered otherwise because somebody
  * has asked. */
-static void near__is_answered_as_by_a_fresh_scene(void **state)
+CASE(near__is_answered_as_by_a_fresh_scene)
 {
-    (void)state;
     sequences_live(live, SEQUENCES, "PCCD_NEAR_SEQUENCES");
     print_message(
         "# %llu sequences, %llu steps (%llu interrupted, %llu shortened, %llu "
@@ -617,12 +609,4 @@ static void near__is_answered_as_by_a_fresh_scene(void **state)
         assert_true(sums.decided > 0 && sums.contacts[PCCD_EE] > 0 && sums.named > 0);
         assert_true(sums.together > 0 && sums.interrupted > sums.shortened);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(near__is_answered_as_by_a_fresh_scene),
-    };
-    return cmocka_run_group_tests_name("eng_near_oracle", tests, NULL, NULL);
 }

@@ -2,16 +2,12 @@
  *
  * Threads: one; the engine's steps by one to four, by every method and instruction set.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "eng_near.h"
 #include "judge.h"
@@ -104,7 +100,7 @@ static void ask(struct judge *whole, const double span[2], enum pccd_mode mode,
     question.approach = thickness.approach;
     question.tolerance = whole->tolerance;
     memcpy(question.span, span, sizeof question.span);
-    assert_int_equal(eng_step(whole->scene, &question, result), PCCD_OK);
+    assert_ok(eng_step(whole->scene, &question, result));
     assert_int_equal(result->incomplete, PCCD_COMPLETE);
     assert_int_equal(result->mode, mode);
 }
@@ -293,9 +289,8 @@ static void check_motion(struct motion *motion, bool is_exact, struct prng *prng
 
 /* If this failed, a part of a motion would have other contacts than the motion has there,
  * or at other times; or a step would go by boxes of a part of another. */
-static void part__is_the_step_between_its_ends(void **state)
+CASE(part__is_the_step_between_its_ends)
 {
-    (void)state;
     struct prng prng = {prng_seed()};
     print_message("# PCCD_SEED=%llu\n", (unsigned long long)prng.state);
     for (uint32_t i = 0; i < 2 * SCENES_KINDS; i++) {
@@ -308,9 +303,8 @@ static void part__is_the_step_between_its_ends(void **state)
 }
 
 /* If this failed, something could slip through between two parts of one motion. */
-static void part__of_all_parts_together_meets_what_meets(void **state)
+CASE(part__of_all_parts_together_meets_what_meets)
 {
-    (void)state;
     static const enum scenes_kind kinds[] = {SCENES_SOUP,        SCENES_CLOTH,
                                              SCENES_TWO_SPHERES, SCENES_SNAPPED,
                                              SCENES_FAST,        SCENES_STILL};
@@ -328,9 +322,8 @@ static void part__of_all_parts_together_meets_what_meets(void **state)
 }
 
 /* If this failed, what is near would be that of a part of the last step. */
-static void part__leaves_where_the_scene_is(void **state)
+CASE(part__leaves_where_the_scene_is)
 {
-    (void)state;
     static const double span[2] = {0.25, 0.5};
     struct prng prng = {prng_seed() + 2};
     for (uint32_t i = 0; i < 12; i++) {
@@ -345,9 +338,9 @@ static void part__leaves_where_the_scene_is(void **state)
         near.distance = 0.1;
         near.end = i / 2 % 2;
         near.method = i % 3 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
-        assert_int_equal(eng_near(whole.scene, &near, &results[0]), PCCD_OK);
+        results[0] = kit_near(whole.scene, &near);
         ask(&whole, span, PCCD_MODE_ALL, thin, &part);
-        assert_int_equal(eng_near(whole.scene, &near, &results[1]), PCCD_OK);
+        results[1] = kit_near(whole.scene, &near);
         assert_memory_equal(results[0].hash, results[1].hash, sizeof results[0].hash);
         judge_deinit(&whole);
         scenes_deinit(&motion.mesh);
@@ -355,9 +348,8 @@ static void part__leaves_where_the_scene_is(void **state)
 }
 
 /* If this failed, a question that nobody can answer would be answered by another. */
-static void part__is_refused_where_it_is_none(void **state)
+CASE(part__is_refused_where_it_is_none)
 {
-    (void)state;
     static const double spans[][2] = {{0.5, 0.5},  {0.5, 0.25}, {-0.25, 0.5},
                                       {0.5, 1.25}, {NAN, 0.5},  {0.5, NAN}};
     struct prng prng = {7};
@@ -382,17 +374,13 @@ static void part__is_refused_where_it_is_none(void **state)
     scenes_deinit(&motion.mesh);
 }
 
-int main(void)
+static int tell(void **state)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(part__is_the_step_between_its_ends),
-        cmocka_unit_test(part__of_all_parts_together_meets_what_meets),
-        cmocka_unit_test(part__leaves_where_the_scene_is),
-        cmocka_unit_test(part__is_refused_where_it_is_none),
-    };
-    int status = cmocka_run_group_tests_name("eng_part", tests, NULL, NULL);
+    (void)state;
     print_message("# %llu contacts of parts, %llu at a distance, %llu of the oracle's\n",
                   (unsigned long long)contacts, (unsigned long long)thick_contacts,
                   (unsigned long long)sums.queries);
-    return status;
+    return 0;
 }
+
+CASES_WITH(NULL, tell);

@@ -5,15 +5,11 @@
  *
  * Threads: teams of one to eight, where a play is large enough for a team.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 #include "eng_way.h"
 #include "golden.h"
@@ -59,7 +55,7 @@ static void take_step(struct player *player, enum play_kind kind, struct manner 
 {
     struct eng_question settings = some_settings(manner);
     settings.mode = mode;
-    assert_int_equal(player_step(player, &settings, result), PCCD_OK);
+    assert_ok(player_step(player, &settings, result));
     assert_int_equal(result->incomplete, PCCD_COMPLETE);
     assert_true(way_tree_is_sound(player->scene, result));
     team_steps[kind] += result->threads > 1;
@@ -127,10 +123,9 @@ static void judge_play(const struct golden *golden, uint32_t triangle_count,
 }
 
 /* If this failed, what is written down in golden.c would be wrong. */
-static void plays__golden_answers_are_exact(void **state)
+CASE(plays__golden_answers_are_exact)
 {
     const struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
-    (void)state;
     for (uint32_t i = 0; i < GOLDEN_PLAYS; i++) {
         struct manner manner = {.tolerance = 1e-6};
         judge_play(&golden_plays[i], golden_plays[i].triangle_count, &made, &manner);
@@ -149,13 +144,12 @@ static struct eng_scene_settings some_scene(struct prng *prng)
 
 /* If this failed, a contact would be missed or invented by some way to build, rebuild or
  * share the work, or because of what an object was before. */
-static void plays__are_exact_under_random_settings(void **state)
+CASE(plays__are_exact_under_random_settings)
 {
     static const double tolerances[] = {1e-6, 1e-3, 1e-12};
     const char *seconds = getenv("PCCD_PROPERTY_SECONDS");
     struct prng prng = {prng_seed()};
     double end_s = seconds ? now_s() + strtod(seconds, NULL) : 0;
-    (void)state;
     print_message("# PCCD_SEED=%llu\n", (unsigned long long)prng.state);
     for (uint32_t i = 0; seconds ? now_s() < end_s : i < ROUNDS; i++) {
         struct golden golden = {.kind = i % PLAY_KINDS, .seed = prng_next(&prng)};
@@ -165,7 +159,7 @@ static void plays__are_exact_under_random_settings(void **state)
                                 .tolerance = tolerances[prng_below(&prng, 3)]};
         struct eng_scene_settings made = some_scene(&prng);
         uint32_t size = i / PLAY_KINDS % 4 == 3 ? TEAM_TRIANGLES : SMALL_TRIANGLES;
-        judge_play(&golden, size + (uint32_t)prng_below(&prng, 100), &made, &manner);
+        judge_play(&golden, size + prng_u32(&prng, 100), &made, &manner);
     }
     for (uint32_t i = 0; i < PLAY_KINDS; i++) {
         assert_true(team_steps[i] > 0);
@@ -189,11 +183,4 @@ static int report(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(plays__golden_answers_are_exact),
-        cmocka_unit_test(plays__are_exact_under_random_settings),
-    };
-    return cmocka_run_group_tests_name("eng_plays", tests, NULL, report);
-}
+CASES_WITH(NULL, report);

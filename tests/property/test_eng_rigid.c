@@ -7,16 +7,12 @@
  * scene, which is given positions and knows of no pose; those of small scenes against
  * exact arithmetic, too.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "eng_fresh.h"
 #include "eng_way.h"
@@ -55,7 +51,7 @@ struct sequence {
 
 static uint32_t draw(struct sequence *sequence, uint32_t bound)
 {
-    return (uint32_t)prng_below(&sequence->prng, bound);
+    return prng_u32(&sequence->prng, bound);
 }
 
 static double between(struct sequence *sequence, double low, double high)
@@ -409,9 +405,8 @@ static void live(uint64_t seed)
 
 /* If this failed, a contact of an object with itself would be missed because the poses
  * that move it seem to keep its parts from each other. */
-static void rigid__objects_are_answered_as_any_others(void **state)
+CASE(rigid__objects_are_answered_as_any_others)
 {
-    (void)state;
     sequences_live(live, SEQUENCES, NULL);
     print_message(
         "# %llu sequences, %llu steps, %llu records, %llu within objects; %llu "
@@ -424,12 +419,4 @@ static void rigid__objects_are_answered_as_any_others(void **state)
         assert_true(sums.within > 1000 && sums.rigid > sums.steps / 4);
         assert_true(sums.beside > 20 && judged.steps > 20);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rigid__objects_are_answered_as_any_others),
-    };
-    return cmocka_run_group_tests_name("eng_rigid", tests, NULL, NULL);
 }

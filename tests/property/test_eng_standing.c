@@ -6,14 +6,10 @@
  * taken in another way. Each complete answer against a fresh scene's, those of tiny
  * scenes against brute force in exact arithmetic, too.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #include "clock.h"
 #include "eng_fresh.h"
@@ -62,7 +58,7 @@ static void must(const struct sequence *sequence, bool holds, const char *what)
 
 static uint32_t draw(struct sequence *sequence, uint32_t bound)
 {
-    return (uint32_t)prng_below(&sequence->prng, bound);
+    return prng_u32(&sequence->prng, bound);
 }
 
 /* Mostly as the last step was taken. */
@@ -231,9 +227,8 @@ static void live(uint64_t seed)
 
 /* If this failed, a contact that has come or gone would not be told because what it is of
  * stands still, or one would be told that is long gone. */
-static void standing__is_answered_as_by_a_fresh_scene(void **state)
+CASE(standing__is_answered_as_by_a_fresh_scene)
 {
-    (void)state;
     sequences_live(live, SEQUENCES, "PCCD_STANDING_SEQUENCES");
     print_message(
         "# %llu sequences, %llu complete steps, %llu cut, %llu given up, %llu "
@@ -250,12 +245,4 @@ static void standing__is_answered_as_by_a_fresh_scene(void **state)
         assert_true(sums.initial > 0 && sums.kept > 0 && sums.large > 4096 &&
                     judged.truths > 0);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(standing__is_answered_as_by_a_fresh_scene),
-    };
-    return cmocka_run_group_tests_name("eng_standing", tests, NULL, NULL);
 }

@@ -5,19 +5,15 @@
  * by both methods, one and two threads, every instruction set; while radii, rest,
  * separation and approach change and much stands still, near the origin and far from it.
  */
+#include "eng_kit.h"
 #include "eng_way.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "near.h"
-#include "prng.h"
 #include "thick_judge.h"
 
 #define TOLERANCE 1e-6
@@ -119,8 +115,7 @@ static void step(struct thick_play *play, enum pccd_mode mode)
     assert_true(thick_judge_decide(&seen, 4 * play->unit, SIZE_MAX, &play->truths));
     for (uint32_t i = 0; i < way_count(); i++) {
         struct eng_question settings = way(play, i, mode);
-        struct eng_step_result result;
-        assert_int_equal(eng_step(play->scenes[i], &settings, &result), PCCD_OK);
+        struct eng_step_result result = kit_step(play->scenes[i], &settings);
         assert_true(way_tree_is_sound(play->scenes[i], &result));
         if (i == 0) {
             const char *wrong =
@@ -196,14 +191,13 @@ static void ask(struct thick_play *play)
 {
     struct eng_step_result first;
     double distance = draw_length(play);
-    uint32_t end = (uint32_t)prng_below(&play->prng, 2);
+    uint32_t end = prng_u32(&play->prng, 2);
     for (uint32_t i = 0; i < way_count(); i++) {
         struct eng_question settings = way(play, i, PCCD_MODE_ALL);
         settings.verb = PCCD_NEAR_PAIRS;
         settings.distance = distance;
         settings.end = end;
-        struct eng_step_result result;
-        assert_int_equal(eng_near(play->scenes[i], &settings, &result), PCCD_OK);
+        struct eng_step_result result = kit_near(play->scenes[i], &settings);
         if (i == 0) {
             check_near(play, &result, distance, end);
             first = result;
@@ -228,12 +222,10 @@ static void draw_thickness(struct thick_play *play)
             .has_radius = prng_below(&play->prng, 3) > 0, .radius = draw_length(play)};
         if (prng_below(&play->prng, 3) == 0) {
             body->thickness.rest_distance = 4 * draw_length(play);
-            body->thickness.rest_rings = (uint32_t)prng_below(&play->prng, 3);
+            body->thickness.rest_rings = prng_u32(&play->prng, 3);
         }
         for (uint32_t i = 0; i < way_count(); i++) {
-            assert_int_equal(
-                eng_scene_set_thickness(play->scenes[i], object, &body->thickness),
-                PCCD_OK);
+            assert_ok(eng_scene_set_thickness(play->scenes[i], object, &body->thickness));
         }
     }
     play->separation = prng_below(&play->prng, 2) ? 0 : draw_length(play);
@@ -258,28 +250,24 @@ static struct eng_mesh *make_mesh(const struct body *body)
                                            shape->edge_count, shape->point_count};
     struct eng_mesh *mesh;
     uint32_t bad;
-    assert_int_equal(eng_mesh_make(&counts, &mesh), PCCD_OK);
-    assert_int_equal(
-        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, VERTICES, body->x[1]), PCCD_OK);
+    assert_ok(eng_mesh_make(&counts, &mesh));
+    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, VERTICES, body->x[1]));
     if (counts.triangles > 0) {
-        assert_int_equal(
-            eng_mesh_write_triangles(mesh, 0, counts.triangles, shape->triangles, &bad),
-            PCCD_OK);
+        assert_ok(
+            eng_mesh_write_triangles(mesh, 0, counts.triangles, shape->triangles, &bad));
     }
     if (counts.edges > 0) {
-        assert_int_equal(eng_mesh_write_edges(mesh, 0, counts.edges, shape->edges, &bad),
-                         PCCD_OK);
+        assert_ok(eng_mesh_write_edges(mesh, 0, counts.edges, shape->edges, &bad));
     }
     if (counts.points > 0) {
-        assert_int_equal(
-            eng_mesh_write_points(mesh, 0, counts.points, shape->points, &bad), PCCD_OK);
+        assert_ok(eng_mesh_write_points(mesh, 0, counts.points, shape->points, &bad));
     }
     for (uint32_t v = 0; v < VERTICES; v++) {
         if (body->radii[v] > 0) {
-            assert_int_equal(eng_mesh_write_radii(mesh, v, 1, &body->radii[v]), PCCD_OK);
+            assert_ok(eng_mesh_write_radii(mesh, v, 1, &body->radii[v]));
         }
     }
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_ok(eng_mesh_commit(mesh));
     return mesh;
 }
 
@@ -290,7 +278,7 @@ static void begin(struct thick_play *play, uint64_t seed, uint32_t kinds, double
     *play = (struct thick_play){.prng = {seed}, .base = base, .far = far, .unit = unit};
     assert_true(way_count() <= WAYS_MAX);
     for (uint32_t i = 0; i < way_count(); i++) {
-        assert_int_equal(eng_scene_new(NULL, &play->scenes[i]), PCCD_OK);
+        play->scenes[i] = kit_scene();
     }
     for (uint32_t object = 0; object < OBJECTS; object++) {
         struct body *body = &play->bodies[object];
@@ -304,8 +292,7 @@ static void begin(struct thick_play *play, uint64_t seed, uint32_t kinds, double
         body->mesh = make_mesh(body);
         for (uint32_t i = 0; i < way_count(); i++) {
             uint32_t idx;
-            assert_int_equal(eng_scene_add(play->scenes[i], body->mesh, object + 1, &idx),
-                             PCCD_OK);
+            assert_ok(eng_scene_add(play->scenes[i], body->mesh, object + 1, &idx));
             assert_int_equal(idx, object);
         }
     }
@@ -338,9 +325,8 @@ static void move(struct thick_play *play)
             }
             draw_point(play, object, body->x[1][v]);
             for (uint32_t i = 0; i < way_count(); i++) {
-                assert_int_equal(eng_stage_x1(play->scenes[i], object, PCCD_FORMAT_F64, v,
-                                              1, body->x[1][v]),
-                                 PCCD_OK);
+                assert_ok(eng_stage_x1(play->scenes[i], object, PCCD_FORMAT_F64, v, 1,
+                                       body->x[1][v]));
             }
         }
     }
@@ -373,9 +359,8 @@ static void play_steps(uint64_t seed, uint32_t kinds, double base, double far,
 /* If it failed: pairs that come within r would be missed or invented, at another time or
  * by some way of finding them; or boxes and records of an earlier radius would be
  * kept. */
-static void step__says_of_thick_objects_what_all_pairs_say(void **state)
+CASE(step__says_of_thick_objects_what_all_pairs_say)
 {
-    (void)state;
     uint64_t contacts[PCCD_KIND_COUNT] = {0};
     for (uint64_t i = 0; i < 8; i++) {
         play_steps(prng_seed() + i, 1, 0, 0.5, 1, contacts);
@@ -384,9 +369,8 @@ static void step__says_of_thick_objects_what_all_pairs_say(void **state)
 
 /* Objects that lie apart, where their boxes are measured in frames: of tiny features, and
  * far from the origin. If it failed: frames would take objects within r for apart. */
-static void step__says_so_where_boxes_have_frames(void **state)
+CASE(step__says_so_where_boxes_have_frames)
 {
-    (void)state;
     uint64_t contacts[PCCD_KIND_COUNT] = {0};
     for (uint64_t i = 0; i < 8; i++) {
         double unit = i % 2 ? 0x1p-40 : 1;
@@ -399,9 +383,8 @@ static void step__says_so_where_boxes_have_frames(void **state)
 /* If it failed: free edges or points would be missed or taken for what they are not, by a
  * method, a number of threads or an instruction set: a rod that passes through a rod, two
  * points that come within r, a point that is named and a corner besides. */
-static void step__says_of_edges_and_points_what_all_pairs_say(void **state)
+CASE(step__says_of_edges_and_points_what_all_pairs_say)
 {
-    (void)state;
     uint64_t contacts[PCCD_KIND_COUNT] = {0};
     for (uint64_t i = 0; i < 32; i++) {
         play_steps(prng_seed() + 200 + i, SHAPES, 0, 0.5, 1, contacts);
@@ -413,14 +396,4 @@ static void step__says_of_edges_and_points_what_all_pairs_say(void **state)
     for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
         assert_true(contacts[kind] > 0);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(step__says_of_thick_objects_what_all_pairs_say),
-        cmocka_unit_test(step__says_so_where_boxes_have_frames),
-        cmocka_unit_test(step__says_of_edges_and_points_what_all_pairs_say),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,8 +3,6 @@
  * Decide by the oracle of each pair of features, thick or not, whether and when they meet
  * in a step, and whether they are near at an end of it; say what is wrong with a complete
  * answer, in any mode.
- *
- * Threads: one.
  */
 #ifndef TESTS_THICK_JUDGE_H
 #define TESTS_THICK_JUDGE_H

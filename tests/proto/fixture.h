@@ -1,22 +1,14 @@
-/* fixture.h - decodes bytes that a peer could send, for the tests of the codec.
- *
- * Threads: one.
- */
+/* fixture.h - decodes bytes that a peer could send, for the tests of the codec. */
 #ifndef TEST_PROTO_FIXTURE_H
 #define TEST_PROTO_FIXTURE_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "bytes.h"
+#include "cases.h"
 #include "codec.h"
-#include "random.h"
+#include "prng.h"
 
 struct fixture {
     struct proto_decoder *decoder;
@@ -30,7 +22,7 @@ static inline int set_up(void **state)
 {
     static struct fixture fixture;
     fixture.decoder = proto_decoder_new();
-    print_message("# PCCD_SEED=%llu\n", (unsigned long long)random_seed());
+    print_message("# PCCD_SEED=%llu\n", (unsigned long long)prng_seed());
     *state = &fixture;
     return fixture.decoder == NULL;
 }

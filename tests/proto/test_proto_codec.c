@@ -1,17 +1,13 @@
 /* test_proto_codec.c - what is encoded is what is decoded. */
+#include "cases.h"
+
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "codec.h"
-#include "random.h"
+#include "prng.h"
 
 #define ROUNDS 200
 
@@ -24,14 +20,14 @@ union any_body {
 struct fixture {
     struct proto_decoder *decoder;
     struct proto_encoder encoder;
-    struct random random;
+    struct prng random;
 };
 
 static int set_up(void **state)
 {
     static struct fixture fixture;
     fixture.decoder = proto_decoder_new();
-    fixture.random.state = random_seed();
+    fixture.random.state = prng_seed();
     print_message("# PCCD_SEED=%llu\n", (unsigned long long)fixture.random.state);
     *state = &fixture;
     return fixture.decoder == NULL;
@@ -44,8 +40,16 @@ static int tear_down(void **state)
     return 0;
 }
 
+/* Of every magnitude, and often at the ends: MessagePack has a form for each width. */
+static uint64_t random_magnitude(struct prng *random)
+{
+    uint64_t value = prng_next(random) >> prng_below(random, 64);
+    uint64_t which = prng_below(random, 8);
+    return which == 0 ? 0 : which == 1 ? UINT64_MAX : value;
+}
+
 /* 0 .. PROTO_STR_MAX bytes of UTF-8 with sequences of every length. */
-static void random_text(struct random *random, char *text)
+static void random_text(struct prng *random, char *text)
 {
     static const char *const pieces[] = {"a",
                                          "~",
@@ -55,9 +59,9 @@ static void random_text(struct random *random, char *text)
                                          "\xed\x9f\xbf",
                                          "\xf0\x90\x80\x80",
                                          "\xf4\x8f\xbf\xbf"};
-    size_t wanted = random_below(random, PROTO_STR_MAX + 1), bytes = 0;
+    size_t wanted = prng_below(random, PROTO_STR_MAX + 1), bytes = 0;
     for (;;) {
-        const char *piece = pieces[random_below(random, 8)];
+        const char *piece = pieces[prng_below(random, 8)];
         if (bytes + strlen(piece) > wanted) {
             break;
         }
@@ -70,17 +74,17 @@ static void random_text(struct random *random, char *text)
     text[bytes] = '\0';
 }
 
-static double random_double(struct random *random)
+static double random_double(struct prng *random)
 {
     static const double corners[] = {0.0,      1e-12,        1.0,      DBL_MAX,
                                      -DBL_MAX, DBL_TRUE_MIN, INFINITY, -1e18};
-    if (random_below(random, 2) == 0) {
-        return corners[random_below(random, 8)];
+    if (prng_below(random, 2) == 0) {
+        return corners[prng_below(random, 8)];
     }
-    return ldexp((double)random_u64(random), (int)random_below(random, 200) - 100);
+    return ldexp((double)prng_next(random), (int)prng_below(random, 200) - 100);
 }
 
-static void random_body(struct random *random, const struct proto_fields *fields,
+static void random_body(struct prng *random, const struct proto_fields *fields,
                         char *body)
 {
     memset(body, 0, fields->struct_bytes);
@@ -97,7 +101,7 @@ static void random_body(struct random *random, const struct proto_fields *fields
             *(double *)member = random_double(random);
             break;
         case PROTO_TYPE_bool:
-            *(bool *)member = random_below(random, 2) == 1;
+            *(bool *)member = prng_below(random, 2) == 1;
             break;
         case PROTO_TYPE_str:
             random_text(random, member);
@@ -154,7 +158,7 @@ static void decode_same(const struct proto_envelope *envelope,
 }
 
 /* If this failed, a request would arrive with other values than it was sent with. */
-static void request__comes_back_with_the_same_fields(void **state)
+CASE(request__comes_back_with_the_same_fields)
 {
     struct fixture *fixture = *state;
     for (int method = 0; method < PROTO_METHOD_COUNT; method++) {
@@ -180,7 +184,7 @@ static void request__comes_back_with_the_same_fields(void **state)
 }
 
 /* If this failed, an answer would arrive with other values than it was sent with. */
-static void result__comes_back_with_the_same_fields(void **state)
+CASE(result__comes_back_with_the_same_fields)
 {
     struct fixture *fixture = *state;
     for (int method = 0; method < PROTO_METHOD_COUNT; method++) {
@@ -205,7 +209,7 @@ static void result__comes_back_with_the_same_fields(void **state)
 }
 
 /* If this failed, a goaway would not say why. */
-static void notification__comes_back_with_the_same_fields(void **state)
+CASE(notification__comes_back_with_the_same_fields)
 {
     struct fixture *fixture = *state;
     for (int note = PROTO_METHOD_COUNT; note < PROTO_MESSAGE_COUNT; note++) {
@@ -228,7 +232,7 @@ static void notification__comes_back_with_the_same_fields(void **state)
 }
 
 /* If this failed, a client would get another error than the daemon sent. */
-static void error__comes_back_with_code_text_and_fatal(void **state)
+CASE(error__comes_back_with_code_text_and_fatal)
 {
     struct fixture *fixture = *state;
     static const int codes[] = {
@@ -244,7 +248,7 @@ static void error__comes_back_with_code_text_and_fatal(void **state)
             continue;
         }
         sent.code = codes[i];
-        sent.fatal = random_below(&fixture->random, 2) == 1;
+        sent.fatal = prng_below(&fixture->random, 2) == 1;
         random_text(&fixture->random, sent.text);
         assert_int_equal(proto_encode_error(&fixture->encoder, 77, &sent), 0);
         decode(fixture, &envelope, &copy);
@@ -260,7 +264,7 @@ static void error__comes_back_with_code_text_and_fatal(void **state)
 }
 
 /* If this failed, a failed answer could be read as one full of zeros. */
-static void error__has_no_fields(void **state)
+CASE(error__has_no_fields)
 {
     struct fixture *fixture = *state;
     struct proto_error sent = {PCCD_E_BUSY, false, "later"}, error;
@@ -278,7 +282,7 @@ static void error__has_no_fields(void **state)
 }
 
 /* If this failed, messages would carry fields that say nothing, or drop some that do. */
-static void optional__is_left_out_only_when_zero(void **state)
+CASE(optional__is_left_out_only_when_zero)
 {
     struct fixture *fixture = *state;
     struct proto_FRAME_SUBMIT_request request = {.scene = 0, .segments = 0};
@@ -301,7 +305,7 @@ static void optional__is_left_out_only_when_zero(void **state)
 }
 
 /* If this failed, a file name in Latin-1 would make the peer refuse the whole message. */
-static void text__that_is_not_utf8_is_cleaned(void **state)
+CASE(text__that_is_not_utf8_is_cleaned)
 {
     static const char *const cases[][2] = {
         {"caf\xe9", "caf?"},      {"\xc0\x80", "??"},
@@ -322,7 +326,7 @@ static void text__that_is_not_utf8_is_cleaned(void **state)
 }
 
 /* If this failed, an error text longer than a field would overflow or be refused. */
-static void error_set__cuts_the_text(void **state)
+CASE(error_set__cuts_the_text)
 {
     struct fixture *fixture = *state;
     struct proto_error error = {0, true, ""};
@@ -343,7 +347,7 @@ static void error_set__cuts_the_text(void **state)
 }
 
 /* If this failed, the example of PROTOCOL.md would mislead who writes a client. */
-static void example__of_the_document_is_what_is_sent(void **state)
+CASE(example__of_the_document_is_what_is_sent)
 {
     static const uint8_t request[] = {0x94, 0x00, 0x07, 0xa4, 0x70, 0x69, 0x6e, 0x67,
                                       0x81, 0xa5, 0x74, 0x6f, 0x6b, 0x65, 0x6e, 0x2a};
@@ -363,9 +367,8 @@ static void example__of_the_document_is_what_is_sent(void **state)
 }
 
 /* If this failed, a method could not be called by its name. */
-static void method__is_found_by_its_whole_name(void **state)
+CASE(method__is_found_by_its_whole_name)
 {
-    (void)state;
     for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
         const char *name = proto_messages[i].name;
         assert_non_null(name);
@@ -377,9 +380,8 @@ static void method__is_found_by_its_whole_name(void **state)
 }
 
 /* If this failed, tools would print a wrong name for a status. */
-static void status__has_a_name_and_a_text(void **state)
+CASE(status__has_a_name_and_a_text)
 {
-    (void)state;
 #define CHECK(name, value, text)                                                         \
     assert_string_equal(proto_status_name(value), #name);                                \
     assert_string_equal(proto_status_text(value), text);
@@ -391,9 +393,8 @@ static void status__has_a_name_and_a_text(void **state)
 
 /* If this failed, the decoder's bit set of seen fields would be too small, or a
  * message with all its fields longer than what the prescan lets through. */
-static void manifest__fits_the_decoder(void **state)
+CASE(manifest__fits_the_decoder)
 {
-    (void)state;
     for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
         const struct proto_message_info *message = &proto_messages[i];
         assert_in_range(message->request.count, 1, 96);
@@ -408,21 +409,4 @@ static void manifest__fits_the_decoder(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(request__comes_back_with_the_same_fields),
-        cmocka_unit_test(result__comes_back_with_the_same_fields),
-        cmocka_unit_test(notification__comes_back_with_the_same_fields),
-        cmocka_unit_test(error__comes_back_with_code_text_and_fatal),
-        cmocka_unit_test(error__has_no_fields),
-        cmocka_unit_test(optional__is_left_out_only_when_zero),
-        cmocka_unit_test(text__that_is_not_utf8_is_cleaned),
-        cmocka_unit_test(error_set__cuts_the_text),
-        cmocka_unit_test(example__of_the_document_is_what_is_sent),
-        cmocka_unit_test(method__is_found_by_its_whole_name),
-        cmocka_unit_test(status__has_a_name_and_a_text),
-        cmocka_unit_test(manifest__fits_the_decoder),
-    };
-    return cmocka_run_group_tests_name("proto_codec", tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

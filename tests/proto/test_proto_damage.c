@@ -1,8 +1,4 @@
-/* test_proto_damage.c - right messages, damaged.
- *
- * Every message of the manifest truncated at every byte and with every byte set to every
- * value; random bytes.
- */
+/* test_proto_damage.c - right messages, damaged. */
 #include "fixture.h"
 
 /* Message number `which` as the encoder writes it, with all fields set; false: no
@@ -51,7 +47,7 @@ static bool encode_nth(struct fixture *fixture, int which, int *method)
 }
 
 /* If this failed, a message cut anywhere would be taken for a whole one. */
-static void damage__truncated_at_every_byte_is_refused(void **state)
+CASE(damage__truncated_at_every_byte_is_refused)
 {
     struct fixture *fixture = *state;
     int method, which = 0;
@@ -67,7 +63,7 @@ static void damage__truncated_at_every_byte_is_refused(void **state)
 }
 
 /* If this failed, one damaged byte could crash the peer. */
-static void damage__every_byte_to_every_value_is_taken_or_refused(void **state)
+CASE(damage__every_byte_to_every_value_is_taken_or_refused)
 {
     struct fixture *fixture = *state;
     uint64_t taken = 0, refused = 0;
@@ -94,30 +90,22 @@ static void damage__every_byte_to_every_value_is_taken_or_refused(void **state)
 }
 
 /* If this failed, some run of bytes would crash the peer. */
-static void damage__random_bytes_are_taken_or_refused(void **state)
+CASE(damage__random_bytes_are_taken_or_refused)
 {
     struct fixture *fixture = *state;
-    struct random random = {random_seed()};
+    struct prng random = {prng_seed()};
     for (int round = 0; round < 200000; round++) {
-        size_t count = random_below(&random, 40);
+        size_t count = prng_below(&random, 40);
         fixture->bytes.count = 0;
         for (size_t i = 0; i < count;
              i++) { /* biased to containers, so that nesting occurs */
-            put_byte(&fixture->bytes, random_below(&random, 3) == 0
-                                          ? 0x80 + (unsigned)random_below(&random, 0x14)
-                                          : (unsigned)random_below(&random, 256));
+            put_byte(&fixture->bytes, prng_below(&random, 3) == 0
+                                          ? 0x80 + (unsigned)prng_below(&random, 0x14)
+                                          : (unsigned)prng_below(&random, 256));
         }
         int status = decode(fixture, fixture->bytes.data, count, 0);
         assert_true(status == 0 || status == PCCD_E_BADMSG);
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(damage__truncated_at_every_byte_is_refused),
-        cmocka_unit_test(damage__every_byte_to_every_value_is_taken_or_refused),
-        cmocka_unit_test(damage__random_bytes_are_taken_or_refused),
-    };
-    return cmocka_run_group_tests_name("proto_damage", tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

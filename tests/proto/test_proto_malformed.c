@@ -31,7 +31,7 @@ static void assert_taken(struct fixture *fixture)
 /* ---- the prescan ------------------------------------------------------------------ */
 
 /* If this failed, five bytes could make msgpack-c allocate gigabytes. */
-static void prescan__refuses_claims_beyond_the_message(void **state)
+CASE(prescan__refuses_claims_beyond_the_message)
 {
     struct fixture *fixture = *state;
     static const unsigned wide[] = {0xdd, 0xdf, 0xdb, 0xc6}; /* array, map, str, bin 32 */
@@ -62,7 +62,7 @@ static void prescan__refuses_claims_beyond_the_message(void **state)
 }
 
 /* If this failed, an inner header could claim what only the outer message holds. */
-static void prescan__refuses_claims_deep_inside(void **state)
+CASE(prescan__refuses_claims_deep_inside)
 {
     struct fixture *fixture = *state;
     put_request(&fixture->bytes, 1, "ping");
@@ -74,7 +74,7 @@ static void prescan__refuses_claims_deep_inside(void **state)
 
 /* If this failed, a length field cut off by the end of the message would be read past
  * it. */
-static void prescan__refuses_cut_headers(void **state)
+CASE(prescan__refuses_cut_headers)
 {
     struct fixture *fixture = *state;
     static const struct {
@@ -94,7 +94,7 @@ static void prescan__refuses_cut_headers(void **state)
 }
 
 /* If this failed, ext types and the unused 0xc1 would get as far as msgpack-c. */
-static void prescan__refuses_ext_and_unused_types(void **state)
+CASE(prescan__refuses_ext_and_unused_types)
 {
     struct fixture *fixture = *state;
     static const unsigned types[] = {0xc1, 0xc7, 0xc8, 0xc9, 0xd4,
@@ -112,7 +112,7 @@ static void prescan__refuses_ext_and_unused_types(void **state)
 }
 
 /* If this failed, nesting could outgrow the stack of whoever walks the message. */
-static void prescan__bounds_the_depth(void **state)
+CASE(prescan__bounds_the_depth)
 {
     struct fixture *fixture = *state;
     struct proto_error error;
@@ -140,7 +140,7 @@ static void prescan__bounds_the_depth(void **state)
 }
 
 /* If this failed, a message of 64 KiB could cost 1.5 MB of objects. */
-static void prescan__bounds_the_number_of_objects(void **state)
+CASE(prescan__bounds_the_number_of_objects)
 {
     struct fixture *fixture = *state;
     struct proto_error error;
@@ -160,7 +160,7 @@ static void prescan__bounds_the_number_of_objects(void **state)
 }
 
 /* If this failed, what follows a message would be ignored silently. */
-static void prescan__refuses_empty_and_trailing_bytes(void **state)
+CASE(prescan__refuses_empty_and_trailing_bytes)
 {
     struct fixture *fixture = *state;
     fixture->bytes.count = 0;
@@ -174,7 +174,7 @@ static void prescan__refuses_empty_and_trailing_bytes(void **state)
 
 /* If this failed, a message longer than the limit would be taken where a transport allows
  * it. */
-static void prescan__bounds_the_bytes(void **state)
+CASE(prescan__bounds_the_bytes)
 {
     struct fixture *fixture = *state;
     struct proto_error error;
@@ -192,7 +192,7 @@ static void prescan__bounds_the_bytes(void **state)
 /* ---- the envelope ----------------------------------------------------------------- */
 
 /* If this failed, something that is no message would be dispatched. */
-static void envelope__of_another_shape_is_refused(void **state)
+CASE(envelope__of_another_shape_is_refused)
 {
     struct fixture *fixture = *state;
     SET(fixture, "\xc0"); /* nil */
@@ -219,7 +219,7 @@ static void envelope__of_another_shape_is_refused(void **state)
 }
 
 /* If this failed, an answer could go to another request than the one meant. */
-static void envelope__id_is_a_u32(void **state)
+CASE(envelope__id_is_a_u32)
 {
     struct fixture *fixture = *state;
     SET(fixture, "\x94\x00\xff\xa4ping\x80"); /* -1 */
@@ -234,7 +234,7 @@ static void envelope__id_is_a_u32(void **state)
 }
 
 /* If this failed, the daemon could not answer E_NOMETHOD with the name in it. */
-static void envelope__names_an_unknown_method(void **state)
+CASE(envelope__names_an_unknown_method)
 {
     struct fixture *fixture = *state;
     put_request(&fixture->bytes, 9, "no.\x1b[31m\"such");
@@ -262,7 +262,7 @@ static void envelope__names_an_unknown_method(void **state)
 }
 
 /* If this failed, a broken error or result would be taken for an answer. */
-static void envelope__answer_is_an_error_or_a_result(void **state)
+CASE(envelope__answer_is_an_error_or_a_result)
 {
     struct fixture *fixture = *state;
     SET(fixture, "\x94\x01\x05\xc0\x90"); /* a result that is an array */
@@ -293,7 +293,7 @@ static void envelope__answer_is_an_error_or_a_result(void **state)
 /* ---- the body --------------------------------------------------------------------- */
 
 /* If this failed, a newer peer could not add a field. */
-static void body__skips_unknown_fields(void **state)
+CASE(body__skips_unknown_fields)
 {
     struct fixture *fixture = *state;
     struct proto_PING_request request;
@@ -319,7 +319,7 @@ static void body__skips_unknown_fields(void **state)
 }
 
 /* If this failed, two readers of one message could see two values. */
-static void body__refuses_a_field_given_twice(void **state)
+CASE(body__refuses_a_field_given_twice)
 {
     struct fixture *fixture = *state;
     put_request(&fixture->bytes, 1, "ping");
@@ -332,7 +332,7 @@ static void body__refuses_a_field_given_twice(void **state)
 }
 
 /* If this failed, a name that is no string would be compared as one. */
-static void body__refuses_names_that_are_no_strings(void **state)
+CASE(body__refuses_names_that_are_no_strings)
 {
     struct fixture *fixture = *state;
     put_request(&fixture->bytes, 1, "ping");
@@ -343,7 +343,7 @@ static void body__refuses_names_that_are_no_strings(void **state)
 }
 
 /* If this failed, a handle that was forgotten would read as handle 0. */
-static void body__needs_every_required_field(void **state)
+CASE(body__needs_every_required_field)
 {
     struct fixture *fixture = *state;
     for (int method = 0; method < PROTO_METHOD_COUNT; method++) {
@@ -412,7 +412,7 @@ static void put_field(struct fixture *fixture, const char *method, const char *f
     } while (0)
 
 /* If this failed, a number could change on its way into a C type. */
-static void integer__of_another_type_or_range_is_refused(void **state)
+CASE(integer__of_another_type_or_range_is_refused)
 {
     struct fixture *fixture = *state;
     TAKEN("frame.submit", "mode", "\x03");
@@ -437,7 +437,7 @@ static void integer__of_another_type_or_range_is_refused(void **state)
 
 /* If this failed, peers that write 1 for 1.0 would be refused, or text taken for a
  * number. */
-static void number__may_be_an_integer_but_no_text(void **state)
+CASE(number__may_be_an_integer_but_no_text)
 {
     struct fixture *fixture = *state;
     TAKEN("frame.submit", "tolerance", "\xcb\x3f\xf0\0\0\0\0\0\0");
@@ -452,7 +452,7 @@ static void number__may_be_an_integer_but_no_text(void **state)
 }
 
 /* If this failed, a name could hide a NUL, be cut, or not be text. */
-static void text__is_short_utf8_without_nul(void **state)
+CASE(text__is_short_utf8_without_nul)
 {
     struct fixture *fixture = *state;
     char longest[2 + PROTO_STR_MAX] = "\xd9\xff";
@@ -482,7 +482,7 @@ static void text__is_short_utf8_without_nul(void **state)
 
 /* If this failed, 0 and 1 would be read as truth values by one peer and not by
  * another. */
-static void truth__is_a_boolean(void **state)
+CASE(truth__is_a_boolean)
 {
     struct fixture *fixture = *state;
     struct proto_CANCEL_result result;
@@ -504,7 +504,7 @@ static void truth__is_a_boolean(void **state)
 }
 
 /* If this failed, half a message could be taken for a whole one by a careless caller. */
-static void body__is_zeroed_when_refused(void **state)
+CASE(body__is_zeroed_when_refused)
 {
     struct fixture *fixture = *state;
     struct proto_SCENE_ADD_request request = {0};
@@ -525,30 +525,4 @@ static void body__is_zeroed_when_refused(void **state)
     assert_int_equal(request.mesh, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(prescan__refuses_claims_beyond_the_message),
-        cmocka_unit_test(prescan__refuses_claims_deep_inside),
-        cmocka_unit_test(prescan__refuses_cut_headers),
-        cmocka_unit_test(prescan__refuses_ext_and_unused_types),
-        cmocka_unit_test(prescan__bounds_the_depth),
-        cmocka_unit_test(prescan__bounds_the_number_of_objects),
-        cmocka_unit_test(prescan__refuses_empty_and_trailing_bytes),
-        cmocka_unit_test(prescan__bounds_the_bytes),
-        cmocka_unit_test(envelope__of_another_shape_is_refused),
-        cmocka_unit_test(envelope__id_is_a_u32),
-        cmocka_unit_test(envelope__names_an_unknown_method),
-        cmocka_unit_test(envelope__answer_is_an_error_or_a_result),
-        cmocka_unit_test(body__skips_unknown_fields),
-        cmocka_unit_test(body__refuses_a_field_given_twice),
-        cmocka_unit_test(body__refuses_names_that_are_no_strings),
-        cmocka_unit_test(body__needs_every_required_field),
-        cmocka_unit_test(integer__of_another_type_or_range_is_refused),
-        cmocka_unit_test(number__may_be_an_integer_but_no_text),
-        cmocka_unit_test(text__is_short_utf8_without_nul),
-        cmocka_unit_test(truth__is_a_boolean),
-        cmocka_unit_test(body__is_zeroed_when_refused),
-    };
-    return cmocka_run_group_tests_name("proto_malformed", tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

@@ -1,12 +1,10 @@
 /* test_proto_memfd.c - shared memory keeps its size and its writer. */
+#include "cases.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <grp.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -15,8 +13,6 @@
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "memfd.h"
 #include "pccd_types.h"
@@ -47,10 +43,9 @@ static int make_memfd(off_t bytes, int seals)
 }
 
 /* If this failed, a client could shrink the memory and kill the daemon with SIGBUS. */
-static void memory__cannot_change_its_size(void **state)
+CASE(memory__cannot_change_its_size)
 {
     struct proto_memory memory = PROTO_MEMORY_NONE;
-    (void)state;
     for (int read_only = 0; read_only < 2; read_only++) {
         assert_int_equal(proto_memory_create(&memory, "test", BYTES, BYTES, read_only),
                          0);
@@ -74,10 +69,9 @@ static void memory__cannot_change_its_size(void **state)
 }
 
 /* If this failed, the two sides would not see the same bytes. */
-static void memory__is_shared(void **state)
+CASE(memory__is_shared)
 {
     struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
-    (void)state;
     for (int read_only = 0; read_only < 2; read_only++) {
         assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, read_only), 0);
         assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, read_only), 0);
@@ -108,10 +102,9 @@ int fchmod(int fd, mode_t mode)
 }
 
 /* If this failed, one client could rewrite the results that it reads. */
-static void result__cannot_be_made_writable(void **state)
+CASE(result__cannot_be_made_writable)
 {
     struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
-    (void)state;
     for (int is_sealed = 0; is_sealed < 2; is_sealed++) {
         fchmod_error = is_sealed ? EPERM : 0;
         assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, true), 0);
@@ -137,11 +130,10 @@ static void result__cannot_be_made_writable(void **state)
 }
 
 /* If this failed, another user who has the descriptor could open one that writes. */
-static void result__is_not_opened_anew_by_others(void **state)
+CASE(result__is_not_opened_anew_by_others)
 {
     struct proto_memory memory = PROTO_MEMORY_NONE;
     struct stat info;
-    (void)state;
     assert_int_equal(proto_memory_create(&memory, "test", BYTES, BYTES, true), 0);
     assert_int_equal(fstat(memory.fd, &info), 0);
     assert_int_equal(info.st_mode & 07777, S_IRUSR);
@@ -164,11 +156,10 @@ static void result__is_not_opened_anew_by_others(void **state)
 
 /* If this failed, memory that nobody uses would stay taken; or, where it cannot be given
  * back, it would be thought free. */
-static void result__gives_memory_back(void **state)
+CASE(result__gives_memory_back)
 {
     struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
     struct stat info;
-    (void)state;
     for (int is_sealed = 0; is_sealed < 2; is_sealed++) {
         fchmod_error = is_sealed ? EPERM : 0;
         assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, true), 0);
@@ -190,12 +181,11 @@ static void result__gives_memory_back(void **state)
 }
 
 /* If this failed, a read beyond the end of a short memory would be a SIGBUS. */
-static void map__refuses_another_size(void **state)
+CASE(map__refuses_another_size)
 {
     struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
     static const size_t sizes[] = {0,         1,           BYTES - 1, BYTES - 4096,
                                    BYTES + 1, BYTES + 4096};
-    (void)state;
     assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, false), 0);
     int open_before = count_open();
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
@@ -209,12 +199,11 @@ static void map__refuses_another_size(void **state)
 }
 
 /* If this failed, a memory whose size can still change would be trusted. */
-static void map__refuses_missing_seals(void **state)
+CASE(map__refuses_missing_seals)
 {
     struct proto_memory theirs = PROTO_MEMORY_NONE;
     static const int seals[] = {0, F_SEAL_SHRINK, F_SEAL_SHRINK | F_SEAL_GROW,
                                 F_SEAL_GROW | F_SEAL_SEAL, F_SEAL_SHRINK | F_SEAL_SEAL};
-    (void)state;
     int open_before = count_open();
     for (size_t i = 0; i < sizeof seals / sizeof seals[0]; i++) {
         for (int read_only = 0; read_only < 2; read_only++) {
@@ -239,11 +228,10 @@ static void map__refuses_missing_seals(void **state)
 }
 
 /* If this failed, a pipe or a file on disk could stand in for a memory. */
-static void map__refuses_what_is_no_memfd(void **state)
+CASE(map__refuses_what_is_no_memfd)
 {
     struct proto_memory theirs = PROTO_MEMORY_NONE;
     int pipe_fds[2];
-    (void)state;
     int open_before = count_open();
     assert_int_equal(pipe2(pipe_fds, O_CLOEXEC), 0);
     assert_int_equal(proto_memory_map(&theirs, pipe_fds[0], BYTES, false), PCCD_E_BADMSG);
@@ -257,12 +245,11 @@ static void map__refuses_what_is_no_memfd(void **state)
 
 /* If this failed, the first step into each page would cost a fault, or die for lack of
  * memory that was promised. */
-static void memory__is_there_from_the_start(void **state)
+CASE(memory__is_there_from_the_start)
 {
     struct proto_memory memory = PROTO_MEMORY_NONE;
     struct stat info;
     unsigned char resident[BYTES / 4096];
-    (void)state;
     assert_int_equal(proto_memory_create(&memory, "test", BYTES, BYTES, false), 0);
     assert_int_equal(fstat(memory.fd, &info), 0);
     assert_true((size_t)info.st_blocks * 512 >= BYTES);
@@ -275,11 +262,10 @@ static void memory__is_there_from_the_start(void **state)
 
 /* If this failed, a client would cost the whole of a memory of which it uses little, or
  * what is written would have no memory yet. */
-static void memory__is_taken_in_steps(void **state)
+CASE(memory__is_taken_in_steps)
 {
     struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
     struct stat info;
-    (void)state;
     assert_int_equal(proto_memory_create(&ours, "test", BYTES, 4096, true), 0);
     assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, true), 0);
     assert_int_equal(fstat(ours.fd, &info), 0);
@@ -310,11 +296,10 @@ int madvise(void *at, size_t bytes, int advice)
 
 /* If this failed, a daemon on Linux before 5.14 would die of SIGBUS where memory is
  * short, instead of saying so. */
-static void results__are_there_from_the_start_on_an_old_kernel(void **state)
+CASE(results__are_there_from_the_start_on_an_old_kernel)
 {
     struct proto_memory memory = PROTO_MEMORY_NONE;
     struct stat info;
-    (void)state;
     populate_error = EINVAL;
     assert_int_equal(proto_memory_create(&memory, "test", BYTES, PROTO_SHM_PAGE, true),
                      0);
@@ -336,11 +321,10 @@ static void results__are_there_from_the_start_on_an_old_kernel(void **state)
 
 /* If this failed, running out of memory or descriptors would leave half a memory
  * behind. */
-static void create__leaves_nothing_behind_on_failure(void **state)
+CASE(create__leaves_nothing_behind_on_failure)
 {
     struct proto_memory memory = PROTO_MEMORY_NONE;
     struct rlimit before, none;
-    (void)state;
     int open_before = count_open();
 
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -367,10 +351,9 @@ static void create__leaves_nothing_behind_on_failure(void **state)
 
 /* If this failed, an error path that cleans up twice would close a stranger's
  * descriptor. */
-static void deinit__may_be_called_twice(void **state)
+CASE(deinit__may_be_called_twice)
 {
     struct proto_memory memory = PROTO_MEMORY_NONE;
-    (void)state;
     proto_memory_deinit(&memory);
     assert_int_equal(proto_memory_create(&memory, "test", BYTES, BYTES, true), 0);
     proto_memory_deinit(&memory);
@@ -379,24 +362,4 @@ static void deinit__may_be_called_twice(void **state)
     int open_before = count_open();
     proto_memory_deinit(&memory);
     assert_int_equal(count_open(), open_before);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory__cannot_change_its_size),
-        cmocka_unit_test(memory__is_shared),
-        cmocka_unit_test(result__cannot_be_made_writable),
-        cmocka_unit_test(result__is_not_opened_anew_by_others),
-        cmocka_unit_test(result__gives_memory_back),
-        cmocka_unit_test(map__refuses_another_size),
-        cmocka_unit_test(map__refuses_missing_seals),
-        cmocka_unit_test(map__refuses_what_is_no_memfd),
-        cmocka_unit_test(memory__is_there_from_the_start),
-        cmocka_unit_test(memory__is_taken_in_steps),
-        cmocka_unit_test(results__are_there_from_the_start_on_an_old_kernel),
-        cmocka_unit_test(create__leaves_nothing_behind_on_failure),
-        cmocka_unit_test(deinit__may_be_called_twice),
-    };
-    return cmocka_run_group_tests_name("proto_memfd", tests, NULL, NULL);
 }

@@ -1,11 +1,8 @@
 /* test_proto_seqpacket.c - datagrams and the descriptors that travel beside them. */
+#include "cases.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,12 +11,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "pccd_types.h"
 #include "proto_limits.h"
 #include "seqpacket.h"
-#include "skip.h"
 
 #define FD_LIMIT 1024
 
@@ -93,7 +87,7 @@ static void send_fds(int socket, const char *message, size_t bytes, int count)
 }
 
 /* If this failed, two messages could run into one, or one be cut. */
-static void message__keeps_its_bounds(void **state)
+CASE_WITH(message__keeps_its_bounds, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     static char longest[PROTO_MESSAGE_BYTES_MAX];
@@ -115,7 +109,7 @@ static void message__keeps_its_bounds(void **state)
 }
 
 /* If this failed, an attach would arrive without its memories. */
-static void descriptors__arrive_as_the_same_files(void **state)
+CASE_WITH(descriptors__arrive_as_the_same_files, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     int sent[2], got[2] = {-1, -1}, fd_count;
@@ -139,7 +133,7 @@ static void descriptors__arrive_as_the_same_files(void **state)
 }
 
 /* If this failed, a client could fill the daemon's table of descriptors. */
-static void descriptors__unwanted_ones_are_closed_and_counted(void **state)
+CASE_WITH(descriptors__unwanted_ones_are_closed_and_counted, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     static const int counts[] = {1, 2, 3, 253};
@@ -157,7 +151,7 @@ static void descriptors__unwanted_ones_are_closed_and_counted(void **state)
 
 /* If this failed, what a daemon sends beyond two descriptors would stay open in a
  * client. */
-static void descriptors__surplus_ones_are_closed_and_counted(void **state)
+CASE_WITH(descriptors__surplus_ones_are_closed_and_counted, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     static const int counts[] = {1, 2, 3, 253};
@@ -178,7 +172,7 @@ static void descriptors__surplus_ones_are_closed_and_counted(void **state)
 }
 
 /* If this failed, a message that was cut would be taken, or its descriptors leak. */
-static void truncated__is_refused_and_its_descriptors_closed(void **state)
+CASE_WITH(truncated__is_refused_and_its_descriptors_closed, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     size_t bytes;
@@ -200,7 +194,7 @@ static void truncated__is_refused_and_its_descriptors_closed(void **state)
 }
 
 /* If this failed, an empty datagram could be taken for a message of no bytes. */
-static void empty__datagram_reads_as_the_end(void **state)
+CASE_WITH(empty__datagram_reads_as_the_end, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     size_t bytes = 99;
@@ -226,7 +220,7 @@ static uint64_t now_ns(void)
 
 /* If this failed, a client that polls would be held up by its own socket, or one that
  * waits would burn its processor, or never look at its deadline. */
-static void await__waits_and_nothing_else_does(void **state)
+CASE_WITH(await__waits_and_nothing_else_does, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     const struct timeval timeout = {.tv_usec = 30000};
@@ -253,7 +247,7 @@ static void await__waits_and_nothing_else_does(void **state)
 }
 
 /* If this failed, who expects no descriptors would misread messages or keep some open. */
-static void bare__is_the_same_but_for_descriptors(void **state)
+CASE_WITH(bare__is_the_same_but_for_descriptors, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     static char longest[PROTO_MESSAGE_BYTES_MAX];
@@ -292,7 +286,7 @@ static void bare__is_the_same_but_for_descriptors(void **state)
 }
 
 /* If this failed, a daemon that trusts it would let descriptors pass unseen. */
-static void refused__descriptors_stay_with_the_sender(void **state)
+CASE_WITH(refused__descriptors_stay_with_the_sender, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     size_t bytes;
@@ -315,7 +309,7 @@ static void refused__descriptors_stay_with_the_sender(void **state)
 }
 
 /* If this failed, the loop would block, or close a client that is merely slow. */
-static void socket__that_would_block_says_again(void **state)
+CASE_WITH(socket__that_would_block_says_again, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     static char block[PROTO_MESSAGE_BYTES_MAX];
@@ -343,7 +337,7 @@ static void socket__that_would_block_says_again(void **state)
 
 /* If this failed, a peer that died would raise SIGPIPE or look like a fault of the
  * system. */
-static void peer__that_is_gone_reads_as_disconnected(void **state)
+CASE_WITH(peer__that_is_gone_reads_as_disconnected, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     size_t bytes;
@@ -357,7 +351,7 @@ static void peer__that_is_gone_reads_as_disconnected(void **state)
 }
 
 /* If this failed, a broken descriptor would look like a peer that went. */
-static void socket__that_is_none_is_a_system_error(void **state)
+CASE_WITH(socket__that_is_none_is_a_system_error, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     size_t bytes;
@@ -370,10 +364,9 @@ static void socket__that_is_none_is_a_system_error(void **state)
 }
 
 /* If this failed, client and daemon would not meet, or a long path be cut silently. */
-static void default_path__follows_the_runtime_directory(void **state)
+CASE(default_path__follows_the_runtime_directory)
 {
     char path[512], expected[64], directory[108];
-    (void)state;
     assert_int_equal(setenv("XDG_RUNTIME_DIR", "/run/user/7", 1), 0);
     assert_int_equal(proto_default_socket_path(path, sizeof path), 0);
     assert_string_equal(path, "/run/user/7/pccd/pccd.sock");
@@ -400,25 +393,4 @@ static void default_path__follows_the_runtime_directory(void **state)
         assert_int_equal(proto_default_socket_path(path, sizeof path),
                          bytes == 107 ? 0 : PCCD_E_LIMIT);
     }
-}
-
-int main(void)
-{
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(message__keeps_its_bounds),
-        TEST(descriptors__arrive_as_the_same_files),
-        TEST(descriptors__unwanted_ones_are_closed_and_counted),
-        TEST(descriptors__surplus_ones_are_closed_and_counted),
-        TEST(truncated__is_refused_and_its_descriptors_closed),
-        TEST(empty__datagram_reads_as_the_end),
-        TEST(await__waits_and_nothing_else_does),
-        TEST(bare__is_the_same_but_for_descriptors),
-        TEST(refused__descriptors_stay_with_the_sender),
-        TEST(socket__that_would_block_says_again),
-        TEST(peer__that_is_gone_reads_as_disconnected),
-        TEST(socket__that_is_none_is_a_system_error),
-        cmocka_unit_test(default_path__follows_the_runtime_directory),
-    };
-    return cmocka_run_group_tests_name("proto_seqpacket", tests, NULL, NULL);
 }

@@ -51,8 +51,8 @@ bench/paper         bench daemon/engine bench/scenes
 bench/peers         bench daemon/engine bench/scenes client/oracle
 bench/redis         bench proto client/lib+
 bench/run           bench daemon/engine client/lib+ bench/scenes proto/text
-tests/proto         proto tests/support/skip.h
-tests/abi           proto client/lib+
+tests/proto         proto tests/support
+tests/abi           proto client/lib+ tests/support/cases.h
 tests/cpp           client/lib+
 tests/ipc           client/lib+ client/oracle tests/support
 tests/planner       client/lib+

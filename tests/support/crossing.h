@@ -1,7 +1,5 @@
 /* crossing.h - the smallest scene with a known answer, and a client that keeps asking for
  * it.
- *
- * Threads: one test at a time.
  */
 #ifndef TEST_CROSSING_H
 #define TEST_CROSSING_H

@@ -1,10 +1,4 @@
-/* daemon.h - starts and stops a real pccdd for a test.
- *
- * Start $PCCDD on a socket in a new folder and wait until it listens; stop it, kill it,
- * read how it ended and what it logged. The daemon ends with the test, however that ends.
- *
- * Threads: one test at a time.
- */
+/* daemon.h - starts and stops a real pccdd for a test. */
 #ifndef TEST_DAEMON_H
 #define TEST_DAEMON_H
 

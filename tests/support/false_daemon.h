@@ -1,7 +1,4 @@
-/* false_daemon.h - a fake daemon that answers from a script.
- *
- * Threads: one in each process.
- */
+/* false_daemon.h - a fake daemon that answers from a script. */
 #ifndef TEST_FALSE_DAEMON_H
 #define TEST_FALSE_DAEMON_H
 

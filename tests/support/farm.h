@@ -2,8 +2,6 @@
  *
  * Put a wavy grid above a floor into each of many scenes, all of one pair of meshes, and
  * move the grid through the floor and back, in each scene in another way.
- *
- * Threads: one test at a time.
  */
 #ifndef TEST_FARM_H
 #define TEST_FARM_H

@@ -1,6 +1,4 @@
 /* fixture.h - starts one daemon for all tests of a program, and one client for each test.
- *
- * Threads: one test at a time.
  */
 #ifndef TEST_FIXTURE_H
 #define TEST_FIXTURE_H

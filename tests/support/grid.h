@@ -3,8 +3,6 @@
  * Move a wavy square grid of side x side vertices back and forth through a large floor:
  * in every turn each of its vertices meets the floor's face once, and nothing else
  * happens.
- *
- * Threads: one test at a time.
  */
 #ifndef TEST_GRID_H
 #define TEST_GRID_H

@@ -1,7 +1,4 @@
-/* lingering.h - a socket that blocks the thread that closes it.
- *
- * Threads: any.
- */
+/* lingering.h - a socket that blocks the thread that closes it. */
 #ifndef TEST_LINGERING_H
 #define TEST_LINGERING_H
 

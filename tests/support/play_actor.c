@@ -163,7 +163,7 @@ void actor_sheet(struct actor *actor, uint32_t id, uint32_t count, uint32_t cell
 static void spoil(struct actor *actor, uint32_t t, struct prng *prng)
 {
     uint32_t *v = actor->triangles[t];
-    uint32_t other = (uint32_t)prng_below(prng, t + 1);
+    uint32_t other = prng_u32(prng, t + 1);
     switch (prng_below(prng, 50)) {
     case 0:
         memmove(v, actor->triangles[other], sizeof actor->triangles[0]);

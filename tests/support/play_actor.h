@@ -1,6 +1,4 @@
 /* play_actor.h - the objects of a play: meshes of integers, and what may happen to them.
- *
- * Threads: one for one play.
  */
 #ifndef TESTS_PLAY_ACTOR_H
 #define TESTS_PLAY_ACTOR_H

@@ -17,7 +17,7 @@ static void make_some(struct actor *actor, uint32_t id, uint32_t triangle_count,
                       struct prng *prng)
 {
     uint32_t most = prng_below(prng, 4) == 0 ? 2 : triangle_count;
-    uint32_t count = most / 2 + (uint32_t)prng_below(prng, most / 2 + 1);
+    uint32_t count = most / 2 + prng_u32(prng, most / 2 + 1);
     double place[3];
     play_somewhere(prng, 2 * PLAY_ONE, place);
     switch (prng_below(prng, 4)) {
@@ -65,7 +65,7 @@ static void change(struct play *play, struct troupe *troupe, struct prng *prng)
         make_some(actor, id, troupe->triangle_count, prng);
         break;
     default:
-        actor_crack(actor, 1 + (uint32_t)prng_below(prng, 8), prng);
+        actor_crack(actor, 1 + prng_u32(prng, 8), prng);
         break;
     }
     play_push_mesh(play, PLAY_REPLACE, actor);

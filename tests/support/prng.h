@@ -1,7 +1,4 @@
-/* prng.h - repeatable random numbers for generators and property tests.
- *
- * Threads: one for one generator.
- */
+/* prng.h - repeatable random numbers for generators and property tests. */
 #ifndef TESTS_PRNG_H
 #define TESTS_PRNG_H
 
@@ -30,6 +27,17 @@ static inline uint64_t prng_next(struct prng *prng)
 static inline uint64_t prng_below(struct prng *prng, uint64_t bound)
 {
     return prng_next(prng) % bound;
+}
+
+static inline uint32_t prng_u32(struct prng *prng, uint32_t bound)
+{
+    return (uint32_t)prng_below(prng, bound);
+}
+
+/* An integer in -bound .. bound: arithmetic on a few of them is exact. */
+static inline double prng_integer(struct prng *prng, uint32_t bound)
+{
+    return (double)prng_u32(prng, 2 * bound + 1) - (double)bound;
 }
 
 /* lo <= x < hi, with the 53 bits of a double. */

@@ -1,7 +1,4 @@
-/* raw.h - a client that speaks the protocol without the library, correctly or not.
- *
- * Threads: one test at a time.
- */
+/* raw.h - a client that speaks the protocol without the library, correctly or not. */
 #ifndef TEST_RAW_H
 #define TEST_RAW_H
 

@@ -1,6 +1,4 @@
 /* recording.h - gives each test a folder for its recordings, and checks that they repeat.
- *
- * Threads: one test at a time.
  */
 #ifndef TEST_RECORDING_H
 #define TEST_RECORDING_H

@@ -1,7 +1,4 @@
-/* run_ctl.h - runs pccdctl in a test.
- *
- * Threads: one test at a time.
- */
+/* run_ctl.h - runs pccdctl in a test. */
 #ifndef TEST_RUN_CTL_H
 #define TEST_RUN_CTL_H
 

@@ -195,7 +195,7 @@ static void make_spheres(struct scenes_mesh *mesh, uint32_t count, struct prng *
 static void make_snapped(struct scenes_mesh *mesh, uint32_t count, struct prng *prng,
                          uint32_t chance)
 {
-    uint32_t side = 2 + (uint32_t)prng_below(prng, 4);
+    uint32_t side = 2 + prng_u32(prng, 4);
     allocate(mesh, 5 + count, count);
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         for (int k = 0; k < 3; k++) {
@@ -208,7 +208,7 @@ static void make_snapped(struct scenes_mesh *mesh, uint32_t count, struct prng *
     }
     for (uint32_t t = 0; t < count; t++) {
         for (int k = 0; k < 3; k++) {
-            mesh->triangles[t][k] = (uint32_t)prng_below(prng, mesh->vertex_count);
+            mesh->triangles[t][k] = prng_u32(prng, mesh->vertex_count);
         }
     }
 }

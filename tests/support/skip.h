@@ -1,7 +1,4 @@
-/* skip.h - skip a case of cmocka, and say why.
- *
- * Threads: the one that runs the cases.
- */
+/* skip.h - skip a case of cmocka, and say why. */
 #ifndef TEST_SKIP_H
 #define TEST_SKIP_H
 

@@ -1,7 +1,4 @@
-/* witness.h - an honest client that must be served while another one misbehaves.
- *
- * Threads: one.
- */
+/* witness.h - an honest client that must be served while another one misbehaves. */
 #ifndef TEST_WITNESS_H
 #define TEST_WITNESS_H
 

@@ -1,14 +1,6 @@
 /* test_eng_thick_truth.c - public scenes and queries with a thickness, against exact
  * arithmetic.
- *
- * Take each hand-made query, and each public scene from its one frame to the other, with
- * distances r that are tiny, small and large beside it. Nobody has published what is true
- * then; so the oracle judges. All pairs that no axis keeps apart are walked through, by
- * sorted boxes and without the engine: whatever the engine answers must be among them. Of
- * those that it answers, and of those that it does not, a share is judged, or all; and
- * some that are drawn from anywhere.
  */
-#include "skip.h"
 #include "truth_engine.h"
 
 #include <math.h>
@@ -146,10 +138,9 @@ static void try_handmade(void *context, bool is_vf, const char *path,
 
 /* If this failed, a query that was made to be hard would be missed, invented or late at a
  * distance; or one of the pairs around it. */
-static void engine__answers_every_handmade_query_at_a_distance(void **state)
+CASE(engine__answers_every_handmade_query_at_a_distance)
 {
     static struct handmade tally;
-    (void)state;
     fuzz_thick_init(&tally.solver, prng_seed(), stdout);
     if (data_handmade(try_handmade, &tally) == 0) {
         fuzz_thick_deinit(&tally.solver);
@@ -209,7 +200,7 @@ static struct oracle_object thinned(const struct oracle_object *object, uint32_t
 
 static void try_distance(struct trial *trial, double part, const char *of, double size)
 {
-    uint32_t way = (uint32_t)prng_below(&trial->prng, truth_way_count());
+    uint32_t way = prng_u32(&trial->prng, truth_way_count());
     trial_radius(trial, part * size);
     try(trial, way, long_share() ? 2 : 0);
     print_message(
@@ -269,33 +260,19 @@ static void try_scene(enum data_scene_name name, uint32_t only, uint32_t each_fo
 }
 
 /* If this failed, thick cloth would pass through a ball, or stop where it is free. */
-static void engine__answers_cloth_ball_at_a_distance(void **state)
+CASE(engine__answers_cloth_ball_at_a_distance)
 {
-    (void)state;
     try_scene(DATA_CLOTH_BALL, 2 + 8, 800, 2000);
 }
 
 /* If this failed, it would be so of bodies that slide along each other's planes. */
-static void engine__answers_n_body_at_a_distance(void **state)
+CASE(engine__answers_n_body_at_a_distance)
 {
-    (void)state;
     try_scene(DATA_N_BODY, 4 + 8, 400, 8000);
 }
 
 /* If this failed, it would be so of cloth whose pairs are nearly degenerate. */
-static void engine__answers_cloth_funnel_at_a_distance(void **state)
+CASE(engine__answers_cloth_funnel_at_a_distance)
 {
-    (void)state;
     try_scene(DATA_CLOTH_FUNNEL, 1 + 2 + 4 + 8, 40, 100);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(engine__answers_every_handmade_query_at_a_distance),
-        cmocka_unit_test(engine__answers_cloth_funnel_at_a_distance),
-        cmocka_unit_test(engine__answers_n_body_at_a_distance),
-        cmocka_unit_test(engine__answers_cloth_ball_at_a_distance),
-    };
-    return cmocka_run_group_tests_name("eng_thick_truth", tests, NULL, NULL);
 }

@@ -1,20 +1,11 @@
-/* test_eng_truth.c - the engine finds every contact of the published truth.
- *
- * One step of each public scene, against the pairs that are known to collide, and by
- * every method and instruction set; each hand-made query as a scene of two triangles.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+/* test_eng_truth.c - the engine finds every contact of the published truth. */
+#include "cases.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "eng_way.h"
-#include "skip.h"
 #include "truth_engine.h"
 
 /* One record of so many is timed by the oracle, which takes a tenth of a millisecond. */
@@ -174,24 +165,21 @@ static void check_scene(enum data_scene_name name, size_t truth_expected,
 }
 
 /* If this failed, a real contact of cloth on a ball would be missed. */
-static void engine__finds_every_contact_of_cloth_ball(void **state)
+CASE(engine__finds_every_contact_of_cloth_ball)
 {
-    (void)state;
     check_scene(DATA_CLOTH_BALL, 113854, 1);
 }
 
 /* If this failed, a real contact of thousands of balls would be missed. */
-static void engine__finds_every_contact_of_n_body(void **state)
+CASE(engine__finds_every_contact_of_n_body)
 {
-    (void)state;
     check_scene(DATA_N_BODY, 50490, 1);
 }
 
 /* If this failed, a real contact of nearly degenerate cloth would be missed. There are
  * only 134 of them, so that a single extra one is more than a thousandth. */
-static void engine__finds_every_contact_of_cloth_funnel(void **state)
+CASE(engine__finds_every_contact_of_cloth_funnel)
 {
-    (void)state;
     check_scene(DATA_CLOTH_FUNNEL, 134, 50);
 }
 
@@ -238,10 +226,9 @@ static void run_handmade(void *context, bool is_vf, const char *path,
 
 /* If this failed, a query made to be hard would be missed, or a contact proved that is
  * not there. */
-static void engine__answers_every_handmade_query(void **state)
+CASE(engine__answers_every_handmade_query)
 {
     struct handmade tally = {0};
-    (void)state;
     if (data_handmade(run_handmade, &tally) == 0) {
         test_skip("no hand-made queries in $PCCD_DATA");
     }
@@ -253,15 +240,4 @@ static void engine__answers_every_handmade_query(void **state)
     assert_int_equal(tally.queries, TRUTH_HANDMADE);
     assert_int_equal(tally.missing, 0);
     assert_int_equal(tally.proved_wrong, 0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(engine__answers_every_handmade_query),
-        cmocka_unit_test(engine__finds_every_contact_of_cloth_funnel),
-        cmocka_unit_test(engine__finds_every_contact_of_n_body),
-        cmocka_unit_test(engine__finds_every_contact_of_cloth_ball),
-    };
-    return cmocka_run_group_tests_name("eng_truth", tests, NULL, NULL);
 }

@@ -1,20 +1,11 @@
-/* test_oracle_truth.c - the exact oracle agrees with the published truth.
- *
- * Hand-made queries, and the queries and pair lists of the public scenes, whose truth was
- * computed symbolically by others.
- */
+/* test_oracle_truth.c - the exact oracle agrees with the published truth. */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
-#include "skip.h"
 #include "truth_kit.h"
 
 struct tally {
@@ -76,23 +67,20 @@ static void compare_handmade(struct tally tally)
 
 /* If this failed, the oracle would be wrong about touching, sliding or coplanar
  * motion. */
-static void oracle__agrees_with_every_handmade_query(void **state)
+CASE(oracle__agrees_with_every_handmade_query)
 {
-    (void)state;
     compare_handmade((struct tally){0});
 }
 
 /* If this failed, the answer would depend on the direction of time. */
-static void oracle__agrees_when_time_runs_backwards(void **state)
+CASE(oracle__agrees_when_time_runs_backwards)
 {
-    (void)state;
     compare_handmade((struct tally){.is_reversed = true});
 }
 
 /* If this failed, the answer would depend on which corner or edge is named first. */
-static void oracle__agrees_when_roles_are_exchanged(void **state)
+CASE(oracle__agrees_when_roles_are_exchanged)
 {
-    (void)state;
     for (unsigned role = 1; role < 4; role++) {
         compare_handmade((struct tally){.role = role});
     }
@@ -100,9 +88,8 @@ static void oracle__agrees_when_roles_are_exchanged(void **state)
 
 /* If this failed, the answer would depend on the unit of length, though scaling by a
  * power of two loses no bit of these coordinates. */
-static void oracle__agrees_at_every_scale(void **state)
+CASE(oracle__agrees_at_every_scale)
 {
-    (void)state;
     compare_handmade((struct tally){.exponent = 40});
     compare_handmade((struct tally){.exponent = -100, .is_reversed = true});
 }
@@ -161,33 +148,29 @@ static void compare_scene(const struct data_scene *scene)
 }
 
 /* If this failed, real cloth at rest on a ball would be judged wrongly. */
-static void oracle__agrees_with_the_pairs_of_cloth_ball(void **state)
+CASE(oracle__agrees_with_the_pairs_of_cloth_ball)
 {
-    (void)state;
     compare_scene(&data_scenes[DATA_CLOTH_BALL]);
 }
 
 /* If this failed, thousands of pairs that stay coplanar would be judged wrongly. */
-static void oracle__agrees_with_the_pairs_of_n_body(void **state)
+CASE(oracle__agrees_with_the_pairs_of_n_body)
 {
-    (void)state;
     compare_scene(&data_scenes[DATA_N_BODY]);
 }
 
 /* If this failed, nearly degenerate pairs in double precision would be judged wrongly. */
-static void oracle__agrees_with_the_pairs_of_cloth_funnel(void **state)
+CASE(oracle__agrees_with_the_pairs_of_cloth_funnel)
 {
-    (void)state;
     compare_scene(&data_scenes[DATA_CLOTH_FUNNEL]);
 }
 
 /* If this failed, frames and lists would be read in another way than they were written:
  * the published rationals are an independent copy of the same numbers. */
-static void oracle__agrees_with_published_rationals(void **state)
+CASE(oracle__agrees_with_published_rationals)
 {
     size_t wrong = 0;
     size_t total = 0;
-    (void)state;
     for (int i = 0; i < 2 * DATA_SCENES; i++) {
         const struct data_scene *scene = &data_scenes[i / 2];
         int kind = i % 2;
@@ -211,19 +194,4 @@ static void oracle__agrees_with_published_rationals(void **state)
     }
     print_message("# %zu queries, %zu wrong\n", total, wrong);
     assert_int_equal(wrong, 0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(oracle__agrees_with_every_handmade_query),
-        cmocka_unit_test(oracle__agrees_when_time_runs_backwards),
-        cmocka_unit_test(oracle__agrees_when_roles_are_exchanged),
-        cmocka_unit_test(oracle__agrees_at_every_scale),
-        cmocka_unit_test(oracle__agrees_with_the_pairs_of_cloth_ball),
-        cmocka_unit_test(oracle__agrees_with_the_pairs_of_n_body),
-        cmocka_unit_test(oracle__agrees_with_the_pairs_of_cloth_funnel),
-        cmocka_unit_test(oracle__agrees_with_published_rationals),
-    };
-    return cmocka_run_group_tests_name("oracle_truth", tests, NULL, NULL);
 }

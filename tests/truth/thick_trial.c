@@ -2,14 +2,10 @@
 #include "thick_trial.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "cases.h"
 #include "oracle_root.h"
 #include "truth_kit.h"
 

@@ -5,8 +5,6 @@
  * boxes and without the engine: whatever was answered must be among them. Of those that
  * were, and of those that were not, a share is judged by the oracle, and some pairs from
  * anywhere.
- *
- * Threads: one.
  */
 #ifndef THICK_TRIAL_H
 #define THICK_TRIAL_H

@@ -31,18 +31,16 @@ struct eng_scene *truth_run(struct eng_mesh *mesh, const struct oracle_object *o
                             const struct eng_question *settings,
                             struct eng_step_result *result)
 {
-    struct eng_scene *scene = NULL;
     uint32_t object_idx;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
+    assert_ok(eng_scene_add(scene, mesh, 0, &object_idx));
     if (thickness) {
-        assert_int_equal(eng_scene_set_thickness(scene, object_idx, thickness), PCCD_OK);
+        assert_ok(eng_scene_set_thickness(scene, object_idx, thickness));
     }
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x1(scene, object_idx, PCCD_FORMAT_F64, 0,
-                                  object->vertex_count, object->x1),
-                     PCCD_OK);
-    assert_int_equal(eng_step(scene, settings, result), PCCD_OK);
+    assert_ok(eng_stage_x1(scene, object_idx, PCCD_FORMAT_F64, 0, object->vertex_count,
+                           object->x1));
+    assert_ok(eng_step(scene, settings, result));
     return scene;
 }
 

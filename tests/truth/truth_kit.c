@@ -1,12 +1,7 @@
 /* truth_kit.c - the public scenes, as tests take them. */
 #include "truth_kit.h"
-#include "skip.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "cases.h"
 
 void truth_find(const char *name, char path[DATA_PATH_MAX])
 {

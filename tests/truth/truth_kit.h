@@ -1,7 +1,4 @@
-/* truth_kit.h - the public scenes, as tests take them.
- *
- * Threads: one.
- */
+/* truth_kit.h - the public scenes, as tests take them. */
 #ifndef TRUTH_KIT_H
 #define TRUTH_KIT_H
 

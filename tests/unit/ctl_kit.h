@@ -1,18 +1,11 @@
 /* ctl_kit.h - writes mesh files, for the tests of the mesh readers.
  *
- * Threads: one.
  * Source: "The PLY Polygon File Format" (Turk 1994).
  */
 #ifndef TEST_CTL_KIT_H
 #define TEST_CTL_KIT_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cases.h"
 
 #include "pccd_types.h"
 

@@ -4,8 +4,6 @@
  * Hold a scene of single triangles, put together like a sheet at time 0, each with a
  * velocity of its own; run steps between any two times. Neighbours end far from each
  * other.
- *
- * Threads: as many as the step asks for.
  */
 #ifndef TEST_ENG_BLAST_H
 #define TEST_ENG_BLAST_H

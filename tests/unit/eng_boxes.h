@@ -1,7 +1,4 @@
-/* eng_boxes.h - makes blocks of boxes, some of which overlap, for the tests of joins.
- *
- * Threads: one. Inline only.
- */
+/* eng_boxes.h - makes blocks of boxes, some of which overlap, for the tests of joins. */
 #ifndef TEST_ENG_BOXES_H
 #define TEST_ENG_BOXES_H
 
@@ -52,19 +49,19 @@ static inline void set_nowhere(struct eng_extents *box)
 /* Boxes of which about a third meet: some touch exactly, some are nowhere; corners that
  * many features share. */
 static inline void fill_boxes(struct eng_extents boxes[BOXES], uint32_t corner[3][BOXES],
-                              struct kit_random *random)
+                              struct prng *random)
 {
     for (uint32_t i = 0; i < BOXES; i++) {
         for (int end = 0; end < 2; end++) {
             for (int k = 0; k < 4; k++) {
-                float lo = (float)kit_integer(random, 12);
-                float size = (float)kit_below(random, 10);
+                float lo = (float)prng_integer(random, 12);
+                float size = (float)prng_u32(random, 10);
                 boxes[i].side[ENG_LOW0 + end][k] = 0 - lo;
                 boxes[i].side[ENG_HIGH0 + end][k] = lo + size;
             }
         }
         for (int k = 0; k < 3; k++) {
-            corner[k][i] = kit_below(random, BOXES);
+            corner[k][i] = prng_u32(random, BOXES);
         }
         if (i % 11 == 5) {
             set_nowhere(&boxes[i]);

@@ -9,10 +9,17 @@ struct eng_exact *case_exact(void)
     static struct eng_exact exact;
     static bool ready;
     if (!ready) {
-        assert_int_equal(eng_exact_init(&exact), PCCD_OK);
+        assert_ok(eng_exact_init(&exact));
         ready = true;
     }
     return &exact;
+}
+
+int case_end(void **state)
+{
+    (void)state;
+    eng_exact_deinit(case_exact());
+    return 0;
 }
 
 struct eng_query case_query(enum pccd_kind kind, const double x0[4][3],

@@ -1,7 +1,5 @@
 /* eng_case.h - checks an elementary test with a known answer in every order, direction
  * and scale.
- *
- * Threads: one.
  */
 #ifndef TEST_ENG_CASE_H
 #define TEST_ENG_CASE_H
@@ -11,8 +9,9 @@
 
 #define CASE_MISS 2.0 /* as a first time: there is none */
 
-/* A scratch for as long as the program runs. */
+/* A scratch for as long as the program runs, and its end, for CASES_WITH. */
 struct eng_exact *case_exact(void);
+int case_end(void **state);
 
 struct eng_query case_query(enum pccd_kind kind, const double x0[4][3],
                             const double x1[4][3]);

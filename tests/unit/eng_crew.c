@@ -27,21 +27,19 @@ static const struct {
 int crew_setup(void **state)
 {
     struct crew *crew = malloc(sizeof *crew);
-    struct kit_random random = {97};
+    struct prng random = {97};
     assert_non_null(crew);
-    assert_int_equal(eng_scene_new(NULL, &crew->scene), PCCD_OK);
+    crew->scene = kit_scene();
     struct eng_mesh *mesh = kit_sheet(SHEET_SIDE, 0.5);
-    assert_int_equal(eng_scene_add(crew->scene, mesh, 2, &crew->sheet), PCCD_OK);
-    eng_mesh_release(mesh);
+    crew->sheet = kit_add(crew->scene, mesh, 2);
     mesh = kit_soup(&random, CREW_SOUP_TRIANGLES);
-    assert_int_equal(eng_scene_add(crew->scene, mesh, 1, &crew->soup), PCCD_OK);
-    eng_mesh_release(mesh);
+    crew->soup = kit_add(crew->scene, mesh, 1);
     const struct eng_object *object = eng_scene_object(crew->scene, crew->soup);
     for (uint32_t i = 0; i < CREW_SOUP_VERTICES; i++) {
         for (int k = 0; k < 3; k++) {
             double x = crew->scene->x[crew->scene->now][object->vertices.first + i][k];
             crew->x0[i][k] = x;
-            crew->x1[i][k] = x + kit_between(&random, -0.05, 0.05);
+            crew->x1[i][k] = x + prng_between(&random, -0.05, 0.05);
         }
     }
     *state = crew;
@@ -58,13 +56,11 @@ int crew_teardown(void **state)
 
 struct eng_step_result crew_run(struct crew *crew, struct eng_question settings)
 {
-    struct eng_step_result result;
     settings.team_always = true;
     eng_stage_begin(crew->scene);
-    assert_int_equal(eng_stage_x0x1(crew->scene, crew->soup, PCCD_FORMAT_F64, 0,
-                                    CREW_SOUP_VERTICES, crew->x0, crew->x1),
-                     PCCD_OK);
-    assert_int_equal(eng_step(crew->scene, &settings, &result), PCCD_OK);
+    assert_ok(eng_stage_x0x1(crew->scene, crew->soup, PCCD_FORMAT_F64, 0,
+                             CREW_SOUP_VERTICES, crew->x0, crew->x1));
+    struct eng_step_result result = kit_step(crew->scene, &settings);
     assert_true(eng_tree_validate(crew->scene));
     return result;
 }

@@ -1,12 +1,7 @@
 /* eng_filters.c - which objects may meet, kept beside a scene. */
 #include "eng_filters.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static uint32_t find_object(const struct filters *filters, uint32_t id)
 {
@@ -61,8 +56,8 @@ void filters_set(struct filters *filters, struct eng_scene *scene,
     assert_true(at < FILTERS_OBJECTS_MAX);
     filters->object_count += at == filters->object_count;
     filters->objects[at] = (struct filters_object){place.id, bits};
-    assert_int_equal(eng_scene_set_filter(scene, place.idx, &bits), PCCD_OK);
-    assert_int_equal(eng_scene_get_filter(scene, place.idx, &now), PCCD_OK);
+    assert_ok(eng_scene_set_filter(scene, place.idx, &bits));
+    assert_ok(eng_scene_get_filter(scene, place.idx, &now));
     assert_true(now.group == bits.group && now.mask == bits.mask &&
                 now.self == bits.self);
 }
@@ -73,7 +68,7 @@ void filters_ignore(struct filters *filters, struct eng_scene *scene,
     uint32_t at = find_ignored(filters, a.id, b.id);
     bool was_ignored = at < filters->ignored_count;
     assert_true(!ignored || at < FILTERS_IGNORED_MAX);
-    assert_int_equal(eng_scene_ignore(scene, a.idx, b.idx, ignored), PCCD_OK);
+    assert_ok(eng_scene_ignore(scene, a.idx, b.idx, ignored));
     if (ignored && !was_ignored) {
         filters->ignored[at][0] = a.id < b.id ? a.id : b.id;
         filters->ignored[at][1] = a.id < b.id ? b.id : a.id;
@@ -89,7 +84,7 @@ static struct eng_object_filter some_bits(struct prng *prng)
 {
     struct eng_object_filter bits = ENG_OBJECT_FILTER_DEFAULT;
     if (prng_below(prng, 4) > 0) {
-        uint32_t shift = (uint32_t)prng_below(prng, 2) * 61; /* the highest bits, too */
+        uint32_t shift = prng_u32(prng, 2) * 61; /* the highest bits, too */
         bits.group = prng_below(prng, 8) << shift;
         bits.mask = (prng_below(prng, 8) << shift) | prng_below(prng, 2);
     }
@@ -142,12 +137,11 @@ void filters_apply(const struct filters *filters, struct eng_scene *scene,
 {
     for (uint32_t i = 0; i < count; i++) {
         struct eng_object_filter bits = bits_of(filters, places[i].id);
-        assert_int_equal(eng_scene_set_filter(scene, places[i].idx, &bits), PCCD_OK);
+        assert_ok(eng_scene_set_filter(scene, places[i].idx, &bits));
         for (uint32_t k = 0; k < i; k++) {
             if (find_ignored(filters, places[i].id, places[k].id) <
                 filters->ignored_count) {
-                assert_int_equal(
-                    eng_scene_ignore(scene, places[k].idx, places[i].idx, true), PCCD_OK);
+                assert_ok(eng_scene_ignore(scene, places[k].idx, places[i].idx, true));
             }
         }
     }

@@ -1,11 +1,10 @@
 /* eng_filters.h - remembers which objects of a scene may meet, to check the engine's
  * masks.
- *
- * Threads: one.
  */
 #ifndef TEST_ENG_FILTERS_H
 #define TEST_ENG_FILTERS_H
 
+#include "cases.h"
 #include "prng.h"
 #include "scene.h"
 

@@ -1,13 +1,8 @@
 /* eng_fresh.c - the answer of a scene that has been through nothing. */
 #include "eng_fresh.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 void fresh_find(const struct player *player, const struct eng_question *settings,
                 struct fresh_answer *answer)
@@ -21,7 +16,7 @@ void fresh_find(const struct player *player, const struct eng_question *settings
     plain.approach = settings->approach;
     plain.tells_start = settings->tells_start;
     player_copy(player, NULL, &copy);
-    assert_int_equal(player_step(&copy, &plain, &answer->result), PCCD_OK);
+    assert_ok(player_step(&copy, &plain, &answer->result));
     size_t bytes = answer->result.count * answer->result.record_bytes;
     answer->records = malloc(bytes + 1);
     assert_non_null(answer->records);

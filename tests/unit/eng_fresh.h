@@ -1,11 +1,4 @@
-/* eng_fresh.h - what a scene made anew answers, to compare with.
- *
- * Have the step that a player has staged, or has taken last, answered by a scene of the
- * same objects at the same positions that has been through nothing, by one thread; say
- * what differs.
- *
- * Threads: one.
- */
+/* eng_fresh.h - what a scene made anew answers, to compare with. */
 #ifndef TEST_ENG_FRESH_H
 #define TEST_ENG_FRESH_H
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "eng_way.h"
 #include "topology.h"
 
 struct eng_mesh *kit_mesh(const double (*x)[3], uint32_t vertex_count,
@@ -19,15 +20,13 @@ struct eng_mesh *kit_mesh_thick(const double (*x)[3], uint32_t vertex_count,
 {
     struct eng_mesh *mesh = NULL;
     uint32_t bad = 0;
-    assert_int_equal(eng_mesh_new(vertex_count, triangle_count, &mesh), PCCD_OK);
-    assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, vertex_count, x),
-                     PCCD_OK);
-    assert_int_equal(eng_mesh_write_triangles(mesh, 0, triangle_count, triangles, &bad),
-                     PCCD_OK);
+    assert_ok(eng_mesh_new(vertex_count, triangle_count, &mesh));
+    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, vertex_count, x));
+    assert_ok(eng_mesh_write_triangles(mesh, 0, triangle_count, triangles, &bad));
     if (radii) {
-        assert_int_equal(eng_mesh_write_radii(mesh, 0, vertex_count, radii), PCCD_OK);
+        assert_ok(eng_mesh_write_radii(mesh, 0, vertex_count, radii));
     }
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_ok(eng_mesh_commit(mesh));
     assert_true(eng_feature_validate(mesh));
     return mesh;
 }
@@ -57,7 +56,27 @@ struct eng_mesh *kit_sheet(uint32_t side, double z)
     return mesh;
 }
 
-struct eng_mesh *kit_soup(struct kit_random *random, uint32_t count)
+struct eng_mesh *kit_box(const double low[3], const double high[3], bool inward)
+{
+    static const uint32_t sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                         {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    double x[8][3];
+    uint32_t triangles[12][3];
+    for (uint32_t i = 0; i < 8; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            x[i][k] = (i >> k & 1u) != 0 ? high[k] : low[k];
+        }
+    }
+    for (uint32_t i = 0; i < 12; i++) {
+        const uint32_t *side = sides[i / 2];
+        triangles[i][0] = side[0];
+        triangles[i][1] = inward ? side[2 + i % 2] : side[1 + i % 2];
+        triangles[i][2] = inward ? side[1 + i % 2] : side[2 + i % 2];
+    }
+    return kit_mesh((const double(*)[3])x, 8, (const uint32_t(*)[3])triangles, 12);
+}
+
+struct eng_mesh *kit_soup(struct prng *random, uint32_t count)
 {
     double(*x)[3] = malloc((size_t)3 * count * sizeof *x);
     uint32_t(*triangles)[3] = malloc(count * sizeof *triangles);
@@ -67,11 +86,11 @@ struct eng_mesh *kit_soup(struct kit_random *random, uint32_t count)
     for (uint32_t t = 0; t < count; t++) {
         double middle[3];
         for (int k = 0; k < 3; k++) {
-            middle[k] = kit_between(random, 0, 1);
+            middle[k] = prng_between(random, 0, 1);
         }
         for (uint32_t i = 3 * t; i < 3 * t + 3; i++) {
             for (int k = 0; k < 3; k++) {
-                x[i][k] = middle[k] + kit_between(random, -size, size);
+                x[i][k] = middle[k] + prng_between(random, -size, size);
             }
             triangles[t][i - 3 * t] = i;
         }
@@ -81,6 +100,98 @@ struct eng_mesh *kit_soup(struct kit_random *random, uint32_t count)
     free(x);
     free(triangles);
     return mesh;
+}
+
+struct eng_scene *kit_scene(void)
+{
+    struct eng_scene *scene = NULL;
+    assert_ok(eng_scene_new(NULL, &scene));
+    return scene;
+}
+
+uint32_t kit_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
+{
+    uint32_t idx = UINT32_MAX;
+    assert_ok(eng_scene_add(scene, mesh, id, &idx));
+    eng_mesh_release(mesh);
+    return idx;
+}
+
+struct eng_step_result kit_step(struct eng_scene *scene,
+                                const struct eng_question *settings)
+{
+    struct eng_step_result result;
+    assert_ok(eng_step(scene, settings, &result));
+    return result;
+}
+
+struct eng_step_result kit_near(struct eng_scene *scene,
+                                const struct eng_question *settings)
+{
+    struct eng_step_result result;
+    assert_ok(eng_near(scene, settings, &result));
+    return result;
+}
+
+struct kit kit;
+
+void kit_begin(void)
+{
+    eng_scene_free(kit.scene);
+    kit = (struct kit){.scene = kit_scene()};
+}
+
+void kit_put(struct eng_mesh *mesh)
+{
+    uint32_t i = kit.count++;
+    assert_true(i < KIT_OBJECTS_MAX);
+    kit.idx[i] = kit_add(kit.scene, mesh, i + 1);
+}
+
+struct eng_question kit_question(enum pccd_near_what what)
+{
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    settings.verb = what;
+    settings.end = 1;
+    settings.distance = what == PCCD_NEAR_NEAREST ? INFINITY : 0;
+    return settings;
+}
+
+struct eng_step_result kit_ask(const struct eng_question *settings)
+{
+    struct eng_question way = *settings;
+    struct eng_step_result result = {0};
+    void *kept = NULL;
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < WAY_METHODS * way_kernels_count() * 3; i++) {
+        way.method = way_methods[i % WAY_METHODS];
+        way.threads = 1 + i / WAY_METHODS % 3;
+        way.kernels = way_kernels(i / WAY_METHODS / 3);
+        way.team_always = true;
+        result = kit_near(kit.scene, &way);
+        assert_int_equal(result.incomplete, PCCD_COMPLETE);
+        if (i == 0) {
+            count = result.count;
+            kept = malloc((size_t)count * result.record_bytes + 1);
+            assert_non_null(kept);
+            if (count > 0) { /* else there may be no records to point to */
+                memcpy(kept, result.records, (size_t)count * result.record_bytes);
+            }
+        }
+        assert_int_equal(result.count, count);
+        if (settings->gap == 0 && count > 0) {
+            assert_memory_equal(result.records, kept,
+                                (size_t)count * result.record_bytes);
+        }
+    }
+    free(kept);
+    return result;
+}
+
+struct eng_step_result kit_ask_for(enum pccd_near_what what)
+{
+    struct eng_question settings = kit_question(what);
+    return kit_ask(&settings);
 }
 
 /* Let a point be at `at` at time t and move by `way` during the step. */
@@ -93,21 +204,21 @@ static void pass_through(struct eng_query *query, int point, const double at[3],
     }
 }
 
-static void random_vector(struct kit_random *random, uint32_t bound, double v[3])
+static void random_vector(struct prng *random, uint32_t bound, double v[3])
 {
     for (int k = 0; k < 3; k++) {
-        v[k] = kit_integer(random, bound);
+        v[k] = prng_integer(random, bound);
     }
 }
 
-void kit_plant(struct kit_random *random, enum pccd_kind kind, unsigned numerator,
+void kit_plant(struct prng *random, enum pccd_kind kind, unsigned numerator,
                struct eng_query *query)
 {
     double t = numerator / 8.0;
     double at[4][3];
     double way[4][3];
-    unsigned beta = kit_below(random, 9);
-    unsigned gamma = kit_below(random, kind == PCCD_VF ? 9 - beta : 9);
+    unsigned beta = prng_u32(random, 9);
+    unsigned gamma = prng_u32(random, kind == PCCD_VF ? 9 - beta : 9);
     for (int i = 0; i < 4; i++) {
         random_vector(random, 60, at[i]);
         random_vector(random, 60, way[i]);

@@ -1,48 +1,14 @@
-/* eng_kit.h - small meshes, queries and random numbers for the engine's unit tests.
- *
- * Threads: one per generator.
- */
+/* eng_kit.h - small meshes, queries and random numbers for the engine's unit tests. */
 #ifndef TEST_ENG_KIT_H
 #define TEST_ENG_KIT_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cases.h"
 
 #include "mesh.h"
+#include "near.h"
+#include "prng.h"
 #include "query.h"
-
-struct kit_random {
-    uint64_t state;
-};
-
-static inline uint64_t kit_u64(struct kit_random *random)
-{
-    uint64_t z = random->state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-static inline uint32_t kit_below(struct kit_random *random, uint32_t bound)
-{
-    return (uint32_t)(kit_u64(random) % bound);
-}
-
-/* lo .. hi, with all 53 bits in use. */
-static inline double kit_between(struct kit_random *random, double lo, double hi)
-{
-    return lo + (hi - lo) * ((double)(kit_u64(random) >> 11) * 0x1p-53);
-}
-
-/* An integer in -bound .. bound: arithmetic on a few of them is exact. */
-static inline double kit_integer(struct kit_random *random, uint32_t bound)
-{
-    return (double)kit_below(random, 2 * bound + 1) - (double)bound;
-}
+#include "step.h"
 
 /* A committed mesh; fails the test if it cannot be made. The caller releases it. */
 struct eng_mesh *kit_mesh(const double (*x)[3], uint32_t vertex_count,
@@ -55,13 +21,56 @@ struct eng_mesh *kit_mesh_thick(const double (*x)[3], uint32_t vertex_count,
 /* `side` x `side` squares of two triangles over 0 .. 1 in x and y, at height z. */
 struct eng_mesh *kit_sheet(uint32_t side, double z);
 
+/* An axis-aligned box of 12 triangles whose normals point outward, from its corner `low`
+ * to `high`; `inward`: inward. */
+struct eng_mesh *kit_box(const double low[3], const double high[3], bool inward);
+
 /* `count` triangles of about the size 1 / count^(1/3) in the unit cube, no vertex
  * shared. */
-struct eng_mesh *kit_soup(struct kit_random *random, uint32_t count);
+struct eng_mesh *kit_soup(struct prng *random, uint32_t count);
+
+struct eng_scene *kit_scene(void);
+
+/* Put a mesh into a scene, which alone holds it then. Returns its index. */
+uint32_t kit_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id);
+
+/* Answers to a step of what is staged, and to a question; both succeed. */
+struct eng_step_result kit_step(struct eng_scene *scene,
+                                const struct eng_question *settings);
+struct eng_step_result kit_near(struct eng_scene *scene,
+                                const struct eng_question *settings);
+
+/* The scene of a case: meshes whose ids are 1, 2, ... in the order in which they are
+ * put. */
+#define KIT_OBJECTS_MAX 64u
+struct kit {
+    struct eng_scene *scene;
+    uint32_t count;
+    uint32_t idx[KIT_OBJECTS_MAX];
+};
+extern struct kit kit;
+
+/* An empty one in the place of the last. */
+void kit_begin(void);
+void kit_put(struct eng_mesh *mesh);
+
+struct eng_question kit_question(enum pccd_near_what what);
+
+/* Ask by every method, number of threads and instruction set: the same complete answer
+ * each time. Records are the last one's. */
+struct eng_step_result kit_ask(const struct eng_question *settings);
+struct eng_step_result kit_ask_for(enum pccd_near_what what);
+
+/* Record i of an answer. */
+static inline const struct pccd_near *kit_record(const struct eng_step_result *result,
+                                                 uint64_t i)
+{
+    return (const struct pccd_near *)result->records + i;
+}
 
 /* A query whose features meet at exactly `t` = numerator / 8, and maybe before: every
  * coordinate is a multiple of 2^-9 below 2^9, so no rounding took part in its making. */
-void kit_plant(struct kit_random *random, enum pccd_kind kind, unsigned numerator,
+void kit_plant(struct prng *random, enum pccd_kind kind, unsigned numerator,
                struct eng_query *query);
 
 /* Times a power of two, then plus an offset along each axis. */

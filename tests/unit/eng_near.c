@@ -1,13 +1,8 @@
 /* eng_near.c - answers about what is near, beside each other. */
 #include "eng_near.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "order.h"
 
@@ -68,7 +63,6 @@ void near_find_fresh(const struct player *player, const struct eng_question *set
                      struct near_answer *answer)
 {
     struct eng_question plain = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     struct player copy;
     enum pccd_method method = eng_method_of(settings);
     plain.verb = settings->verb;
@@ -81,7 +75,7 @@ void near_find_fresh(const struct player *player, const struct eng_question *set
     plain.contact_max = settings->contact_max;
     plain.method = method == PCCD_METHOD_WIDE ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE;
     player_copy(player, NULL, &copy);
-    assert_int_equal(eng_near(copy.scene, &plain, &result), PCCD_OK);
+    struct eng_step_result result = kit_near(copy.scene, &plain);
     copy.is_staging = false;
     near_keep(&result, answer);
     player_deinit(&copy);

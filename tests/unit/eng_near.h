@@ -1,7 +1,4 @@
-/* eng_near.h - what a scene answers about what is near, kept and compared.
- *
- * Threads: one.
- */
+/* eng_near.h - what a scene answers about what is near, kept and compared. */
 #ifndef TEST_ENG_NEAR_H
 #define TEST_ENG_NEAR_H
 

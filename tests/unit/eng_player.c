@@ -1,13 +1,8 @@
 /* eng_player.c - performs a play on a scene, and knows where everything is. */
 #include "eng_player.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "play_actor.h"
 
@@ -24,7 +19,7 @@ static void *copy_of(const void *block, size_t count, size_t bytes)
 void player_init(struct player *player, const struct eng_scene_settings *settings)
 {
     memset(player, 0, sizeof *player);
-    assert_int_equal(eng_scene_new(settings, &player->scene), PCCD_OK);
+    assert_ok(eng_scene_new(settings, &player->scene));
 }
 
 static void object_deinit(struct player_object *object)
@@ -74,9 +69,7 @@ static void draw_radii(struct player_object *object, struct prng *prng)
     for (uint32_t v = 0; v < object->vertex_count; v++) {
         object->radii[v] = prng_below(prng, 2) ? some_length(prng) : 0;
     }
-    assert_int_equal(
-        eng_mesh_write_radii(object->mesh, 0, object->vertex_count, object->radii),
-        PCCD_OK);
+    assert_ok(eng_mesh_write_radii(object->mesh, 0, object->vertex_count, object->radii));
 }
 
 /* All but the place in the scene. */
@@ -93,22 +86,18 @@ static void object_init(struct player_object *object, const struct play_act *act
     object->x1 = copy_of(act->x0, act->vertex_count, sizeof *act->x0);
     object->triangles =
         copy_of(act->triangles, act->triangle_count, sizeof *act->triangles);
-    assert_int_equal(
-        eng_mesh_new(object->vertex_count, object->triangle_count, &object->mesh),
-        PCCD_OK);
-    assert_int_equal(eng_mesh_write_vertices(object->mesh, PCCD_FORMAT_F64, 0,
-                                             object->vertex_count, object->registered),
-                     PCCD_OK);
-    assert_int_equal(eng_mesh_write_triangles(object->mesh, 0, object->triangle_count,
-                                              object->triangles, &bad),
-                     PCCD_OK);
+    assert_ok(eng_mesh_new(object->vertex_count, object->triangle_count, &object->mesh));
+    assert_ok(eng_mesh_write_vertices(object->mesh, PCCD_FORMAT_F64, 0,
+                                      object->vertex_count, object->registered));
+    assert_ok(eng_mesh_write_triangles(object->mesh, 0, object->triangle_count,
+                                       object->triangles, &bad));
     object->radii = calloc(act->vertex_count, sizeof *object->radii);
     assert_non_null(object->radii);
     if (radii_from) {
         draw_radii(object, radii_from);
     }
-    assert_int_equal(eng_mesh_commit(object->mesh), PCCD_OK);
-    assert_int_equal(eng_mesh_sort_features(object->mesh, 1), PCCD_OK);
+    assert_ok(eng_mesh_commit(object->mesh));
+    assert_ok(eng_mesh_sort_features(object->mesh, 1));
 }
 
 /* The object has the radii of its mesh, or its own. */
@@ -120,8 +109,7 @@ static void set_thickness(struct player *player, struct player_object *object)
                            : given                      ? given[v]
                                                         : 0;
     }
-    assert_int_equal(
-        eng_scene_set_thickness(player->scene, object->idx, &object->thickness), PCCD_OK);
+    assert_ok(eng_scene_set_thickness(player->scene, object->idx, &object->thickness));
 }
 
 void player_draw_thickness(struct player *player, struct prng *prng)
@@ -136,7 +124,7 @@ void player_draw_thickness(struct player *player, struct prng *prng)
     thickness->radius = thickness->has_radius ? some_length(prng) : 0;
     if (prng_below(prng, 3) == 0) {
         thickness->rest_distance = some_length(prng);
-        thickness->rest_rings = (uint32_t)prng_below(prng, 3);
+        thickness->rest_rings = prng_u32(prng, 3);
     }
     set_thickness(player, object);
 }
@@ -146,14 +134,13 @@ static void add(struct player *player, const struct play_act *act)
     assert_true(player->object_count < PLAYER_OBJECTS_MAX);
     struct player_object *object = &player->objects[player->object_count++];
     object_init(object, act, player->radii_from);
-    assert_int_equal(eng_scene_add(player->scene, object->mesh, object->id, &object->idx),
-                     PCCD_OK);
+    assert_ok(eng_scene_add(player->scene, object->mesh, object->id, &object->idx));
 }
 
 static void take_away(struct player *player, uint32_t id)
 {
     struct player_object *object = find(player, id);
-    assert_int_equal(eng_scene_remove(player->scene, object->idx), PCCD_OK);
+    assert_ok(eng_scene_remove(player->scene, object->idx));
     filters_forget(&player->filters, id);
     object_deinit(object);
     *object = player->objects[--player->object_count];
@@ -166,7 +153,7 @@ static void replace(struct player *player, const struct play_act *act)
     object_init(&other, act, player->radii_from);
     other.idx = object->idx;
     other.thickness = object->thickness;
-    assert_int_equal(eng_scene_replace(player->scene, other.idx, other.mesh), PCCD_OK);
+    assert_ok(eng_scene_replace(player->scene, other.idx, other.mesh));
     object_deinit(object);
     *object = other;
     if (player->radii_from) {
@@ -256,7 +243,7 @@ static void move(struct player *player, const struct play_act *act)
         }
         free(x1);
     }
-    assert_int_equal(status, PCCD_OK);
+    assert_ok(status);
 }
 
 void player_act(struct player *player, const struct play_act *act)
@@ -301,9 +288,8 @@ void player_stage_copies(struct player *player)
     player->is_staging = true;
     for (uint32_t i = 0; i < player->object_count; i++) {
         const struct player_object *object = &player->objects[i];
-        assert_int_equal(eng_stage_x0x1(player->scene, object->idx, PCCD_FORMAT_F64, 0,
-                                        object->vertex_count, object->x0, object->x1),
-                         PCCD_OK);
+        assert_ok(eng_stage_x0x1(player->scene, object->idx, PCCD_FORMAT_F64, 0,
+                                 object->vertex_count, object->x0, object->x1));
     }
 }
 
@@ -323,7 +309,7 @@ void player_copy(const struct player *player, const struct eng_scene_settings *s
         to->triangles =
             copy_of(from->triangles, from->triangle_count, sizeof *from->triangles);
         to->radii = copy_of(from->radii, from->vertex_count, sizeof *from->radii);
-        assert_int_equal(eng_scene_add(copy->scene, to->mesh, to->id, &to->idx), PCCD_OK);
+        assert_ok(eng_scene_add(copy->scene, to->mesh, to->id, &to->idx));
         set_thickness(copy, to);
     }
     struct filters_place places[PLAYER_OBJECTS_MAX];
@@ -337,7 +323,6 @@ void player_copy(const struct player *player, const struct eng_scene_settings *s
 static void take_detour(struct player *player, const struct eng_question *settings,
                         void (*to)(const struct player_object *, double (*)[3]))
 {
-    struct eng_step_result result;
     player_drop(player);
     eng_stage_begin(player->scene);
     for (uint32_t i = 0; i < player->object_count; i++) {
@@ -347,9 +332,9 @@ static void take_detour(struct player *player, const struct eng_question *settin
         int status = eng_stage_x0x1(player->scene, object->idx, PCCD_FORMAT_F64, 0,
                                     object->vertex_count, object->x1, x);
         free(x);
-        assert_int_equal(status, PCCD_OK);
+        assert_ok(status);
     }
-    assert_int_equal(eng_step(player->scene, settings, &result), PCCD_OK);
+    kit_step(player->scene, settings);
 }
 
 static void to_start(const struct player_object *object, double (*x)[3])

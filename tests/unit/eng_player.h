@@ -1,11 +1,9 @@
-/* eng_player.h - performs a play (tests/support/play.h) in the engine.
- *
- * Threads: one.
- */
+/* eng_player.h - performs a play (tests/support/play.h) in the engine. */
 #ifndef TEST_ENG_PLAYER_H
 #define TEST_ENG_PLAYER_H
 
 #include "eng_filters.h"
+#include "eng_kit.h"
 #include "play.h"
 #include "step.h"
 

@@ -107,7 +107,7 @@ bool scarce_recovered(int status)
     if (status == PCCD_E_NOMEM) {
         assert_true(scarce.failures > 0); /* it may only say so if it is true */
     } else {
-        assert_int_equal(status, PCCD_OK);
+        assert_ok(status);
     }
     scarce.is_failing = false;
     return status == PCCD_OK;

@@ -30,7 +30,7 @@ bool scarce_recovered(int status);
 #define RETRY(call)                                                                      \
     do {                                                                                 \
         if (!scarce_recovered(call)) {                                                   \
-            assert_int_equal(call, PCCD_OK);                                             \
+            assert_ok(call);                                                             \
         }                                                                                \
     } while (0)
 

@@ -2,13 +2,8 @@
 #include "eng_stir.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "play_actor.h"
 
@@ -20,7 +15,7 @@
 
 static uint32_t draw(struct stir *stir, uint32_t bound)
 {
-    return (uint32_t)prng_below(&stir->prng, bound);
+    return prng_u32(&stir->prng, bound);
 }
 
 /* ---- scenes ------------------------------------------------------------------------ */
@@ -37,7 +32,7 @@ struct eng_scene_settings stir_draw_scene(struct prng *prng)
 
 uint32_t stir_draw_size(struct prng *prng, uint32_t large_percent)
 {
-    uint32_t kind = (uint32_t)prng_below(prng, 100);
+    uint32_t kind = prng_u32(prng, 100);
     if (kind < large_percent) {
         return 3000;
     }
@@ -224,9 +219,8 @@ void stir_change(struct stir *stir)
         stir_add(stir);
     } else if (what == 4 && count > 0) {
         uint32_t other = draw(stir, count);
-        assert_int_equal(eng_scene_try_replace(player->scene, player->objects[at].idx,
-                                               player->objects[other].mesh),
-                         PCCD_OK);
+        assert_ok(eng_scene_try_replace(player->scene, player->objects[at].idx,
+                                        player->objects[other].mesh));
         eng_scene_take_back(player->scene);
     } else if (what <= 6) {
         player_draw_filters(player, &stir->prng);
@@ -242,9 +236,8 @@ static void write_elsewhere(struct stir *stir, const struct player_object *objec
     struct actor actor;
     actor_init(&actor, object->id, count, 1);
     actor_shake(&actor, stir->far[0], PLAY_ONE, &stir->prng);
-    assert_int_equal(
-        eng_stage_x1(stir->player.scene, object->idx, PCCD_FORMAT_F64, 0, count, actor.x),
-        PCCD_OK);
+    assert_ok(eng_stage_x1(stir->player.scene, object->idx, PCCD_FORMAT_F64, 0, count,
+                           actor.x));
     actor_deinit(&actor);
 }
 

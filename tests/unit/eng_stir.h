@@ -4,8 +4,6 @@
  * far from it; change them at random between steps; stage motions of nothing, of a few
  * vertices, of some objects, of the same once more, of everything. Every coordinate is a
  * multiple of PLAY_UNIT.
- *
- * Threads: one.
  */
 #ifndef TEST_ENG_STIR_H
 #define TEST_ENG_STIR_H

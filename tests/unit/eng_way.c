@@ -43,8 +43,8 @@ void way_choose(uint32_t i, struct eng_question *settings)
 void way_draw(struct prng *prng, uint32_t thread_max, struct eng_question *settings)
 {
     settings->method = way_methods[prng_below(prng, WAY_METHODS)];
-    settings->kernels = way_kernels((uint32_t)prng_below(prng, way_kernels_count()));
-    settings->threads = 1 + (uint32_t)prng_below(prng, thread_max);
+    settings->kernels = way_kernels(prng_u32(prng, way_kernels_count()));
+    settings->threads = 1 + prng_u32(prng, thread_max);
     settings->team_always = true;
     settings->tuning.scheduler = (enum eng_scheduler)prng_below(prng, 2);
     settings->tuning.high_level = (enum eng_high_level)prng_below(prng, 2);

@@ -1,7 +1,5 @@
 /* eng_way.h - lists the settings that must not change the answer of a step, and draws one
  * at random.
- *
- * Threads: any.
  */
 #ifndef TEST_ENG_WAY_H
 #define TEST_ENG_WAY_H

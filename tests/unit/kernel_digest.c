@@ -1,8 +1,4 @@
-/* kernel_digest.c - what the kernels of every instruction set write, in short.
- *
- * Run all kernels on the same numbers; print a line for each: the set, the kernel, a
- * digest of what it wrote.
- */
+/* kernel_digest.c - what the kernels of every instruction set write, in short. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,14 +67,13 @@ static void make(struct ground *ground)
             point->x1[k] = some_coordinate(&prng, family);
         }
         for (int k = 0; k < 3; k++) {
-            ground->corner[k][i] =
-                i - i % ENG_WIDE + (uint32_t)prng_below(&prng, ENG_WIDE);
+            ground->corner[k][i] = i - i % ENG_WIDE + prng_u32(&prng, ENG_WIDE);
         }
     }
     for (uint32_t i = 0; i < PAIRS; i++) {
-        uint32_t first = (uint32_t)prng_below(&prng, 4) * (POINTS / 4);
+        uint32_t first = prng_u32(&prng, 4) * (POINTS / 4);
         for (int k = 0; k < 4; k++) {
-            ground->quads[i][k] = first + (uint32_t)prng_below(&prng, POINTS / 4);
+            ground->quads[i][k] = first + prng_u32(&prng, POINTS / 4);
         }
         ground->all[i] = i;
     }

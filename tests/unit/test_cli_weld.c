@@ -1,16 +1,8 @@
-/* test_cli_weld.c - vertices at one place.
- *
- * Join vertices that meet, part, or are nearly at one place; compare with what comparing
- * all of them finds.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+/* test_cli_weld.c - vertices at one place. */
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include <fenv.h>
 #include <math.h>
@@ -23,25 +15,24 @@ static struct pccd_weld *begin(uint32_t vertex_count, double distance, bool tell
 {
     const struct pccd_mesh_data mesh = {.vertex_count = vertex_count};
     struct pccd_weld *weld = NULL;
-    assert_int_equal(pccd_weld_begin(&mesh, distance, tells_more, &weld), PCCD_OK);
+    assert_ok(pccd_weld_begin(&mesh, distance, tells_more, &weld));
     return weld;
 }
 
 static struct pccd_weld_counts go_on(struct pccd_weld *weld, const void *x)
 {
     struct pccd_weld_counts counts;
-    assert_int_equal(pccd_weld_frame(weld, x, PCCD_FORMAT_F64), PCCD_OK);
+    assert_ok(pccd_weld_frame(weld, x, PCCD_FORMAT_F64));
     assert_non_null(pccd_weld_read(weld, &counts));
     return counts;
 }
 
 /* If it failed: two vertices that stay together would be parted because a third one that
  * was there, too, has gone; or many at one place would take for ever. */
-static void weld__keeps_together_what_stays_together(void **state)
+CASE(weld__keeps_together_what_stays_together)
 {
     enum { COUNT = 200000 };
     double(*x)[3] = calloc(COUNT, sizeof *x);
-    (void)state;
     assert_non_null(x);
     struct pccd_weld *weld = begin(COUNT, 0, false);
     const uint32_t *to = pccd_weld_read(weld, NULL);
@@ -65,13 +56,12 @@ static void weld__keeps_together_what_stays_together(void **state)
 
 /* If it failed: the search in cells would miss pairs across their borders, or join what
  * is farther apart. */
-static void weld__finds_what_comparing_all_finds(void **state)
+CASE(weld__finds_what_comparing_all_finds)
 {
     enum { COUNT = 600 };
     static double x[COUNT][3];
     static float narrow[COUNT][3];
     struct prng random = {prng_seed()};
-    (void)state;
     print_message("# PCCD_SEED=%llu\n", (unsigned long long)random.state);
     for (int round = 0; round < 40; round++) {
         const double distances[4] = {0, 1, .25, 7};
@@ -101,7 +91,7 @@ static void weld__finds_what_comparing_all_finds(void **state)
             struct pccd_weld *weld = begin(COUNT, distance, round % 3 == 0);
             const void *at = is_double ? (void *)x : (void *)narrow;
             enum pccd_format format = is_double ? PCCD_FORMAT_F64 : PCCD_FORMAT_F32;
-            assert_int_equal(pccd_weld_frame(weld, at, format), PCCD_OK);
+            assert_ok(pccd_weld_frame(weld, at, format));
             assert_memory_equal(pccd_weld_read(weld, &counts), expected, sizeof expected);
             assert_int_equal(counts.joined, joined);
             pccd_weld_end(weld);
@@ -111,7 +101,7 @@ static void weld__finds_what_comparing_all_finds(void **state)
 
 /* If it failed: what is off by a rounding would be joined unasked, or nobody be told; or
  * vertices that nothing names count. */
-static void weld__tells_what_is_nearly_at_one_place(void **state)
+CASE(weld__tells_what_is_nearly_at_one_place)
 {
     double x[7][3] = {{0}, {1}, {1}, {1, 0x1p-50}, {-0.0, 0, -0.0}, {0}, {0, 1}};
     const uint32_t triangles[2][3] = {{0, 2, 6}, {4, 3, 5}}, edges[1][2] = {{5, 6}};
@@ -122,8 +112,7 @@ static void weld__tells_what_is_nearly_at_one_place(void **state)
                                         .edge_count = 1};
     struct pccd_weld *weld;
     struct pccd_weld_counts counts;
-    (void)state;
-    assert_int_equal(pccd_weld_begin(&mesh, 0, true, &weld), PCCD_OK);
+    assert_ok(pccd_weld_begin(&mesh, 0, true, &weld));
     counts = go_on(weld, x);
     assert_int_equal(counts.joined, 2); /* 4 and 5 to 0; 1 is not named */
     assert_int_equal(counts.more, 1);
@@ -138,7 +127,7 @@ static void weld__tells_what_is_nearly_at_one_place(void **state)
     assert_int_equal(counts.more, 1);
     assert_int_equal(pccd_weld_read(weld, NULL)[5], 5);
     pccd_weld_end(weld);
-    assert_int_equal(pccd_weld_begin(&mesh, 0x1p-40, true, &weld), PCCD_OK);
+    assert_ok(pccd_weld_begin(&mesh, 0x1p-40, true, &weld));
     counts = go_on(weld, x);
     assert_int_equal(counts.joined, 2);
     assert_int_equal(counts.more, 0);
@@ -147,10 +136,9 @@ static void weld__tells_what_is_nearly_at_one_place(void **state)
 
 /* If it failed: a program that computes otherwise (fesetround) would have other vertices
  * joined. */
-static void weld__rounds_as_ever(void **state)
+CASE(weld__rounds_as_ever)
 {
     const double x[2][3] = {{0}, {0x1.0000000000001p-1, 0, 0x1p-30}};
-    (void)state;
     for (int way = 0; way < 2; way++) {
         struct pccd_weld *weld = begin(2, 0.5000000000000001, false);
         assert_int_equal(fesetround(way == 0 ? FE_UPWARD : FE_TONEAREST), 0);
@@ -163,14 +151,13 @@ static void weld__rounds_as_ever(void **state)
 
 /* If it failed: a wrong call would read what is not there, or somebody look for the
  * reason elsewhere. */
-static void weld__says_what_is_wrong(void **state)
+CASE(weld__says_what_is_wrong)
 {
     static const double x[3][3] = {{0}, {1}, {2, NAN}};
     const uint32_t triangle[3] = {0, 1, 3};
     struct pccd_mesh_data mesh = {.vertex_count = 3};
     struct pccd_weld *weld = NULL;
     const double distances[] = {-1, NAN, INFINITY};
-    (void)state;
     for (int i = 0; i < 3; i++) {
         assert_int_equal(pccd_weld_begin(&mesh, distances[i], false, &weld),
                          PCCD_E_INVAL);
@@ -201,12 +188,11 @@ static void weld__says_what_is_wrong(void **state)
 
 /* If it failed: a large mesh would take minutes. Ten million vertices take seconds, so
  * that a tenth of them has a hundred times as long as it needs. */
-static void weld__takes_seconds_for_millions(void **state)
+CASE(weld__takes_seconds_for_millions)
 {
     enum { COUNT = 1000000 };
     float(*x)[3] = malloc(COUNT * sizeof *x);
     struct prng random = {prng_seed()};
-    (void)state;
     assert_non_null(x);
     for (uint32_t i = 0; i < COUNT; i++) { /* each place twice, two for others nearby */
         for (int k = 0; k < 3; k++) {
@@ -217,7 +203,7 @@ static void weld__takes_seconds_for_millions(void **state)
         struct pccd_weld *weld = begin(COUNT, way == 2 ? 3e4 : 0, way == 1);
         struct pccd_weld_counts counts;
         clock_t start = clock();
-        assert_int_equal(pccd_weld_frame(weld, x, PCCD_FORMAT_F32), PCCD_OK);
+        assert_ok(pccd_weld_frame(weld, x, PCCD_FORMAT_F32));
         double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
         (void)pccd_weld_read(weld, &counts);
         print_message("%d vertices, %u joined: %.2f s\n", COUNT, counts.joined, seconds);
@@ -225,17 +211,4 @@ static void weld__takes_seconds_for_millions(void **state)
         pccd_weld_end(weld);
     }
     free(x);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(weld__keeps_together_what_stays_together),
-        cmocka_unit_test(weld__finds_what_comparing_all_finds),
-        cmocka_unit_test(weld__tells_what_is_nearly_at_one_place),
-        cmocka_unit_test(weld__rounds_as_ever),
-        cmocka_unit_test(weld__says_what_is_wrong),
-        cmocka_unit_test(weld__takes_seconds_for_millions),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

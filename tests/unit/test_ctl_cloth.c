@@ -1,17 +1,9 @@
-/* test_ctl_cloth.c - the demo's scene.
- *
- * The meshes are sound; with a private daemon the motion is the same every time, drapes,
- * and passes through nothing, as a second daemon says of every frame.
- */
+/* test_ctl_cloth.c - the demo's scene. */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "cloth_scene.h"
 #include "pccd.h"
@@ -45,10 +37,9 @@ static int64_t edge_balance(const uint32_t (*triangles)[3], uint32_t count)
 }
 
 /* If it failed: the ball would have holes or triangles that face inwards. */
-static void cloth__ball_is_a_closed_sphere(void **state)
+CASE(cloth__ball_is_a_closed_sphere)
 {
     struct cloth_scene *scene = new_scene();
-    (void)state;
     for (uint32_t i = 0; i < CLOTH_BALL_VERTICES; i++) {
         const float *x = scene->ball_start[i];
         double length = sqrt((double)x[0] * (double)x[0] + (double)x[1] * (double)x[1] +
@@ -78,12 +69,11 @@ static void cloth__ball_is_a_closed_sphere(void **state)
 }
 
 /* If it failed: vertices or triangles of the cloth would be missing or doubled. */
-static void cloth__grid_uses_every_vertex_and_faces_up(void **state)
+CASE(cloth__grid_uses_every_vertex_and_faces_up)
 {
     struct cloth_scene *scene = new_scene();
     static uint8_t uses[CLOTH_VERTICES];
     double area = 0.0;
-    (void)state;
     memset(uses, 0, sizeof uses);
     for (uint32_t t = 0; t < CLOTH_TRIANGLES; t++) {
         const uint32_t *v = scene->cloth_triangles[t];
@@ -178,18 +168,15 @@ static uint64_t met_between(const struct cloth_hold *fresh, const struct way *wa
     void *x0, *x1;
     uint64_t step;
     const uint32_t bytes = 2 * sizeof *way->cloth + 2 * sizeof *way->pose;
-    assert_int_equal(pccd_frame_begin(client, fresh->scene, 2, bytes, &slot), PCCD_OK);
-    assert_int_equal(pccd_frame_x0x1(&slot, fresh->objects[0].object, PCCD_FORMAT_F32, 0,
-                                     CLOTH_VERTICES, &x0, &x1),
-                     PCCD_OK);
-    assert_int_equal(pccd_frame_rigid(&slot, fresh->objects[1].object, 0,
-                                      CLOTH_BALL_VERTICES, way->pose[frame],
-                                      way->pose[frame + 1]),
-                     PCCD_OK);
+    assert_ok(pccd_frame_begin(client, fresh->scene, 2, bytes, &slot));
+    assert_ok(pccd_frame_x0x1(&slot, fresh->objects[0].object, PCCD_FORMAT_F32, 0,
+                              CLOTH_VERTICES, &x0, &x1));
+    assert_ok(pccd_frame_rigid(&slot, fresh->objects[1].object, 0, CLOTH_BALL_VERTICES,
+                               way->pose[frame], way->pose[frame + 1]));
     memcpy(x0, way->cloth[frame], sizeof *way->cloth);
     memcpy(x1, way->cloth[frame + 1], sizeof *way->cloth);
-    assert_int_equal(pccd_frame_commit(&slot, NULL, &step), PCCD_OK);
-    assert_int_equal(pccd_wait(client, step, -1, &answer), PCCD_OK);
+    assert_ok(pccd_frame_commit(&slot, NULL, &step));
+    assert_ok(pccd_wait(client, step, -1, &answer));
     assert_int_equal(answer.incomplete, PCCD_COMPLETE);
     uint64_t total = answer.total;
     pccd_answer_release(client, &answer);
@@ -198,19 +185,18 @@ static uint64_t met_between(const struct cloth_hold *fresh, const struct way *wa
 
 /* If it failed: the demo would show a cloth that passes through the ball or itself,
  * fly off, tear, stand still, or not lie on the ball. */
-static void cloth__holds_on_every_way_that_it_took(void **state)
+CASE(cloth__holds_on_every_way_that_it_took)
 {
     struct cloth_hold hold, fresh;
     struct ctl_error error = {.text = ""};
     uint32_t near = 0;
     double lowest = 0.0, stretch = 0.0;
     struct way *way = walk(&hold, FRAMES);
-    (void)state;
     assert_int_equal(way->left, 0);
     assert_true(way->contacts > 10000);
     assert_in_range(way->asked, FRAMES + 1, 8 * FRAMES);
     assert_in_range(way->cut, 0, FRAMES / 10);
-    assert_int_equal(cloth_hold_init(&fresh, connect_private(), &error), PCCD_OK);
+    assert_ok(cloth_hold_init(&fresh, connect_private(), &error));
     for (uint32_t frame = 0; frame < FRAMES; frame++) {
         assert_int_equal(met_between(&fresh, way, frame), 0);
         assert_memory_not_equal(way->cloth[frame], way->cloth[frame + 1],
@@ -249,11 +235,10 @@ static void cloth__holds_on_every_way_that_it_took(void **state)
 }
 
 /* If it failed: two runs of the demo would not print the same hash. */
-static void cloth__two_runs_give_the_same_bytes(void **state)
+CASE(cloth__two_runs_give_the_same_bytes)
 {
     struct cloth_hold holds[2];
     struct way *ways[2] = {walk(&holds[0], FEW), walk(&holds[1], FEW)};
-    (void)state;
     assert_int_equal(ways[0]->asked, ways[1]->asked);
     assert_int_equal(ways[0]->contacts, ways[1]->contacts);
     assert_memory_equal(ways[0]->cloth, ways[1]->cloth,
@@ -263,7 +248,7 @@ static void cloth__two_runs_give_the_same_bytes(void **state)
 }
 
 /* If it failed: what is in the way would not be pushed aside, or be pulled. */
-static void cloth__contact_is_pushed_apart(void **state)
+CASE(cloth__contact_is_pushed_apart)
 {
     struct cloth_scene *scene = new_scene();
     double(*end)[3] = scene->end;
@@ -275,7 +260,6 @@ static void cloth__contact_is_pushed_apart(void **state)
                                     .b = {5, 6, 7},
                                     .param = {0.25, 0.25},
                                     .normal = {0, 1, 0}};
-    (void)state;
     for (uint32_t i = 5; i < 8; i++) {
         memcpy(end[i], scene->x[i], sizeof end[i]);
         end[i][1] = 1.0;
@@ -288,16 +272,4 @@ static void cloth__contact_is_pushed_apart(void **state)
     cloth_scene_push(scene, &contact); /* they are apart already */
     assert_true(fabs(end[0][1] - before) < 1e-12);
     cloth_scene_free(scene);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cloth__ball_is_a_closed_sphere),
-        cmocka_unit_test(cloth__grid_uses_every_vertex_and_faces_up),
-        cmocka_unit_test(cloth__contact_is_pushed_apart),
-        cmocka_unit_test(cloth__two_runs_give_the_same_bytes),
-        cmocka_unit_test(cloth__holds_on_every_way_that_it_took),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

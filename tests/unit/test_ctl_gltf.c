@@ -1,23 +1,11 @@
-/* test_ctl_gltf.c - the reader of glTF, on files of known content.
- *
- * Write small .glb and .gltf files whose positions are fractions computed by hand, and
- * read them; files that are refused, by their message; files with bytes changed at
- * random.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+/* test_ctl_gltf.c - the reader of glTF, on files of known content. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "ctl_kit.h"
 #include "meshframes.h"
-#include "skip.h"
 
 #define FILE_BYTES 16384
 #define FLOAT      5126
@@ -207,9 +195,8 @@ static void begin_corner(void)
 /* ---- nodes ------------------------------------------------------------------------- */
 
 /* If it failed: what is turned, scaled, mirrored or moved would be read elsewhere. */
-static void node__transforms_apply_from_the_leaf_to_the_root(void **state)
+CASE(node__transforms_apply_from_the_leaf_to_the_root)
 {
-    (void)state;
     begin_corner();
     /* A quarter turn about z, and above it a mirror; by hand: (x, y, z) -> scale
      * (2x, y, -z/2) -> turn (-y, 2x, -z/2) -> move (1-y, 2+2x, 3-z/2) -> mirror x. */
@@ -232,9 +219,8 @@ static void node__transforms_apply_from_the_leaf_to_the_root(void **state)
 
 /* If it failed: coordinates would be rounded to floats, or their type depend on what the
  * file does not say. */
-static void node__places_are_doubles_where_floats_do_not_hold_them(void **state)
+CASE(node__places_are_doubles_where_floats_do_not_hold_them)
 {
-    (void)state;
     begin_corner();
     open_made(ONE_MESH ",'nodes':[{'mesh':0,'translation':[0.1,0,0]}]");
     assert_int_equal(mesh.format, PCCD_FORMAT_F64);
@@ -242,13 +228,13 @@ static void node__places_are_doubles_where_floats_do_not_hold_them(void **state)
     open_made(ONE_MESH ",'nodes':[{'mesh':0,'translation':[0.25,0,0]}]");
     assert_int_equal(mesh.format, PCCD_FORMAT_F32);
     struct ctl_mesh alone = {0};
-    assert_int_equal(ctl_mesh_read(path, &alone, &error), PCCD_OK);
+    assert_ok(ctl_mesh_read(path, &alone, &error));
     assert_true(((const float(*)[3])alone.x)[0][0] == 1.25f);
     ctl_mesh_deinit(&alone);
 }
 
 /* If it failed: another scene would be read than the file shows. */
-static void scene__is_the_one_that_the_file_names(void **state)
+CASE(scene__is_the_one_that_the_file_names)
 {
     static const char *const scenes[] = {
         "'scenes':[{'nodes':[0]},{'nodes':[1]}],'scene':1",
@@ -256,7 +242,6 @@ static void scene__is_the_one_that_the_file_names(void **state)
         "'scenes':[]"};
     static const uint32_t counts[] = {1, 1, 2, 2};
     static const double first[] = {8, 8, 8, 1};
-    (void)state;
     begin_corner();
     for (size_t i = 0; i < KIT_COUNT(scenes); i++) {
         char rest[512];
@@ -271,9 +256,8 @@ static void scene__is_the_one_that_the_file_names(void **state)
 
 /* If it failed: who has the file would not know which node is wrong, or the reader would
  * not come to an end. */
-static void node__refuses_what_is_no_tree(void **state)
+CASE(node__refuses_what_is_no_tree)
 {
-    (void)state;
     begin_corner();
     refuse(ONE_MESH ",'nodes':[{'mesh':0,'children':[1]},{'children':[0]}]",
            PCCD_E_FORMAT, "node 0: is below itself");
@@ -304,10 +288,9 @@ static void node__refuses_what_is_no_tree(void **state)
 }
 
 /* If it failed: a chain of bones longer than some stack would be refused, or overflow. */
-static void node__may_be_as_deep_as_the_file_says(void **state)
+CASE(node__may_be_as_deep_as_the_file_says)
 {
     static char rest[FILE_BYTES];
-    (void)state;
     begin_corner();
     rest[0] = '\0';
     append(rest, ONE_MESH ",'nodes':[");
@@ -320,9 +303,8 @@ static void node__may_be_as_deep_as_the_file_says(void **state)
 }
 
 /* If it failed: parts of a file could not be told apart in a report. */
-static void object__has_the_name_of_its_node(void **state)
+CASE(object__has_the_name_of_its_node)
 {
-    (void)state;
     begin_corner();
     open_made("'meshes':[{'name':'M','primitives':[{'attributes':{'POSITION':0}},"
               "{'attributes':{'POSITION':0},'mode':0}]}],"
@@ -338,12 +320,11 @@ static void object__has_the_name_of_its_node(void **state)
 }
 
 /* If it failed: an object that stands in many places would be read in one of them. */
-static void node__has_instances(void **state)
+CASE(node__has_instances)
 {
     static const float moves[2][3] = {{0, 0, 0}, {0, 0, 4}};
     static const int8_t turns[2][4] = {{0, 0, 0, 127}, {0, 0, 127, 0}};
     static const float sizes[2][3] = {{1, 1, 1}, {2, 2, 2}};
-    (void)state;
     begin_corner();
     ADD(FLOAT, "VEC3", 2, moves);
     add_entry(add_view(turns, sizeof turns, ""), I8, "VEC4", 2, ",'normalized':true");
@@ -368,9 +349,8 @@ static void node__has_instances(void **state)
     "}]}],'nodes':[{'mesh':0}]"
 
 /* If it failed: a mode would show other features than it names. */
-static void primitive__has_seven_modes(void **state)
+CASE(primitive__has_seven_modes)
 {
-    (void)state;
     begin();
     ADD(FLOAT, "VEC3", 4, square);
     open_made(MODE("0", ""));
@@ -394,12 +374,11 @@ static void primitive__has_seven_modes(void **state)
 
 /* If it failed: indices would name other vertices, or a strip that goes on elsewhere
  * would have triangles without area, which touch all around them. */
-static void primitive__takes_indices_of_each_type(void **state)
+CASE(primitive__takes_indices_of_each_type)
 {
     static const uint8_t bytes[6] = {2, 1, 0, 1, 2, 3}, restart[3] = {0, 1, 255};
     static const uint16_t words[8] = {0, 1, 2, 2, 3, 3, 1, 0};
     static const uint32_t longs[3] = {3, 0, 4};
-    (void)state;
     begin();
     ADD(FLOAT, "VEC3", 4, square);
     ADD(U8, "SCALAR", 6, bytes);
@@ -425,9 +404,8 @@ static void primitive__takes_indices_of_each_type(void **state)
 
 /* If it failed: two parts of a surface would fall apart, or those that move otherwise be
  * joined. */
-static void primitive__shares_vertices_that_move_alike(void **state)
+CASE(primitive__shares_vertices_that_move_alike)
 {
-    (void)state;
     begin_corner();
     ADD(FLOAT, "VEC3", 3, corner);
     open_made("'meshes':[{'primitives':[{'attributes':{'POSITION':0}},"
@@ -448,7 +426,7 @@ static void primitive__shares_vertices_that_move_alike(void **state)
     "},'mode':0}]}],'nodes':[{'mesh':0,'scale':[0.5,0.5,0.5]}]"
 
 /* If it failed: vertices would be where other bytes of the file put them. */
-static void accessor__reads_steps_types_and_what_is_sparse(void **state)
+CASE(accessor__reads_steps_types_and_what_is_sparse)
 {
     static const float spread[5] = {1, 2, 3, 9, 4};
     static const float spread_more[7] = {1, 2, 3, 9, 4, 5, 6};
@@ -456,7 +434,6 @@ static void accessor__reads_steps_types_and_what_is_sparse(void **state)
     static const uint8_t bytes[6] = {255, 0, 51, 1, 2, 3};
     static const uint16_t which[1] = {1};
     static const float what[3] = {6, 8, 10};
-    (void)state;
     begin();
     add_entry(add_view(spread_more, sizeof spread_more, ",'byteStride':16"), FLOAT,
               "VEC3", 2, "");
@@ -491,10 +468,9 @@ static void accessor__reads_steps_types_and_what_is_sparse(void **state)
 
 /* If it failed: a file could make the reader look beyond its bytes, or take memory that
  * it does not pay for. */
-static void accessor__is_held_to_the_bytes_of_the_file(void **state)
+CASE(accessor__is_held_to_the_bytes_of_the_file)
 {
     static const uint8_t order[2] = {1, 0};
-    (void)state;
     begin();
     int view = add_view(corner, sizeof corner, "");
     add_entry(view, FLOAT, "VEC3", 4, "");
@@ -528,9 +504,8 @@ static void accessor__is_held_to_the_bytes_of_the_file(void **state)
 
 /* If it failed: what a file cannot be read without would be left out, or a lamp keep a
  * surface from being read. */
-static void extension__is_refused_by_its_name_unless_it_is_harmless(void **state)
+CASE(extension__is_refused_by_its_name_unless_it_is_harmless)
 {
-    (void)state;
     begin_corner();
     open_made(ONE_MESH
               "," ONE_NODE
@@ -565,22 +540,20 @@ static int read_text(const char *uri)
 
 /* If it failed: a file of text would not find its data, or read files that its folder
  * does not have. */
-static void buffer__is_of_this_file_or_beside_it(void **state)
+CASE(buffer__is_of_this_file_or_beside_it)
 {
     static const char *const outside[] = {
         "../made.bin",     "/etc/passwd", "http://a/b.bin",
         "%2e%2e/made.bin", "a/../../b",   "file:made.bin",
         "a%5cb",           "%zz",         "%00"};
     char beside[KIT_PATH_BYTES], message[512];
-    (void)state;
     begin_corner();
     kit_write_file("made one.bin", making.data, making.bytes, beside);
-    assert_int_equal(read_text(",'uri':'made%20one.bin'"), PCCD_OK);
+    assert_ok(read_text(",'uri':'made%20one.bin'"));
     CHECK(0, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
     /* 1 is the bytes 00 00 80 3f, 0 four zeros. */
-    assert_int_equal(read_text(",'uri':'data:application/octet-stream;base64,"
-                               "AACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/'"),
-                     PCCD_OK);
+    assert_ok(read_text(",'uri':'data:application/octet-stream;base64,"
+                        "AACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/'"));
     CHECK(0, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
     assert_int_equal(read_text(",'uri':'data:;base64,AACAP*AA'"), PCCD_E_FORMAT);
     assert_non_null(strstr(error.text, ": buffer 0: its data: URI is no base64"));
@@ -606,12 +579,11 @@ static void buffer__is_of_this_file_or_beside_it(void **state)
 
 /* If it failed: a shape key would be left out, taken for another one's weight, or
  * rounded. */
-static void morph__adds_targets_by_the_weights(void **state)
+CASE(morph__adds_targets_by_the_weights)
 {
     static const int8_t small[3][3] = {{0, 127, 0}, {0, 0, 0}, {0, 0, -127}};
     static const uint8_t which[1] = {2};
     static const float what[3] = {8, 0, 0};
-    (void)state;
     begin_corner();
     add_entry(add_view(small, sizeof small, ""), I8, "VEC3", 3, ",'normalized':true");
     int at = add_view(which, sizeof which, ""), values = add_view(what, sizeof what, "");
@@ -676,9 +648,8 @@ static void begin_skin(void)
 
 /* If it failed: a body that bends would stand as it was bound, or twice away from
  * there. */
-static void skin__puts_vertices_where_the_joints_are(void **state)
+CASE(skin__puts_vertices_where_the_joints_are)
 {
-    (void)state;
     begin_skin();
     /* Joint 0: (x+2, y, z); joint 1 after its inverse: (-y+2, x, z). Vertex 2 is (0,0,1),
      * which both put at (2,0,1); vertex 0 has joint 0, vertex 1 joint 1. */
@@ -695,9 +666,8 @@ static void skin__puts_vertices_where_the_joints_are(void **state)
 }
 
 /* If it failed: a joint that is not there would be read, or a vertex go to the origin. */
-static void skin__names_what_is_wrong(void **state)
+CASE(skin__names_what_is_wrong)
 {
-    (void)state;
     begin_skin();
     refuse(SKINNED("'JOINTS_0':5,'WEIGHTS_0':2", ""), PCCD_E_INDEX,
            "accessor 5: vertex 1 has joint 2 of 2");
@@ -750,10 +720,9 @@ static void begin_animation(void)
 #define CUBIC ",'interpolation':'CUBICSPLINE'"
 
 /* If it failed: an object would be elsewhere than the file has it at that time. */
-static void animation__interpolates_as_its_samplers_say(void **state)
+CASE(animation__interpolates_as_its_samplers_say)
 {
     char name[64], note[256];
-    (void)state;
     begin_animation();
     open_made(MOVED(SAMPLER("1", "2", ""), CHANNEL("0", "0", "translation")));
     assert_int_equal(motion.frame_count, 3);
@@ -800,11 +769,10 @@ static double distance(const double *x, double a, double b)
 
 /* If it failed: a turn would be cut short, go the longer way round, or not be told where
  * keys alone do not show it. */
-static void animation__turns_the_shorter_way_on_a_circle(void **state)
+CASE(animation__turns_the_shorter_way_on_a_circle)
 {
     double x[3][3];
     char note[256];
-    (void)state;
     begin_animation();
     /* From 0 by a quarter, and then to z = -1, which is half a turn, as z = 1 is. */
     open_made(MOVED(SAMPLER("1", "3", ""), CHANNEL("0", "0", "rotation")));
@@ -831,7 +799,7 @@ static void animation__turns_the_shorter_way_on_a_circle(void **state)
                                          {-.96592582628906828675, .25881904510252076235},
                                          {-1, 0}};
     for (uint32_t frame = 0; frame < 10; frame++) {
-        assert_int_equal(motion.read(&motion, frame, x, &error), PCCD_OK);
+        assert_ok(motion.read(&motion, frame, x, &error));
         assert_true(distance(x[0], thirds[frame][0], thirds[frame][1]) < 1e-30);
     }
     wish.rate = 1000; /* a third of a degree a frame */
@@ -855,10 +823,9 @@ static void animation__turns_the_shorter_way_on_a_circle(void **state)
 
 /* If it failed: one animation would be left out or taken for another without a word, or a
  * camera that moves make frames. */
-static void animation__is_chosen_and_told(void **state)
+CASE(animation__is_chosen_and_told)
 {
     char note[256];
-    (void)state;
     begin_animation();
     /* Two that move other things are played at once: at 0, .25, .5, 1 and 2. */
     open_made(TWO_ANIMATIONS(ONE_MESH, "translation", "1", "scale"));
@@ -908,22 +875,20 @@ static unsigned long long bytes_read(void)
 
 /* If it failed: a file that moves would be read once to count its frames, and then once
  * more for its shape, or where it is not the first. */
-static void animation__is_read_once(void **state)
+CASE(animation__is_read_once)
 {
     static const struct ctl_frames_options as_it_is = {.weld = -1};
     static char rest[8192];
     struct ctl_frames frames;
     struct ctl_mesh frame = {0};
-    (void)state;
     begin_animation();
     snprintf(rest, sizeof rest, "%s%6000s",
              MOVED(SAMPLER("1", "2", ""), CHANNEL("0", "0", "translation")), "");
     write_glb(rest);
     unsigned long long before = bytes_read();
-    assert_int_equal(
-        ctl_frames_open(&frames, (char *[]){path, path}, 2, &as_it_is, &error), PCCD_OK);
+    assert_ok(ctl_frames_open(&frames, (char *[]){path, path}, 2, &as_it_is, &error));
     for (uint32_t i = 0; i < frames.count; i++) {
-        assert_int_equal(ctl_frames_read(&frames, i, &frame, &error), PCCD_OK);
+        assert_ok(ctl_frames_read(&frames, i, &frame, &error));
     }
     assert_int_equal(frames.count, 6);
     assert_true(bytes_read() - before < 3 * 6000); /* two files */
@@ -932,11 +897,10 @@ static void animation__is_read_once(void **state)
 }
 
 /* If it failed: two files that move would be taken for one mesh, whose faces differ. */
-static void animation__goes_on_in_another_file_of_the_same_mesh(void **state)
+CASE(animation__goes_on_in_another_file_of_the_same_mesh)
 {
     static const float times[2] = {0, 1}, moves[2][3] = {{2, 0, 0}, {2, 0, 4}};
     char names[3][KIT_PATH_BYTES];
-    (void)state;
     for (int i = 0; i < 3; i++) {
         static const uint8_t order[3][3] = {{0, 1, 2}, {0, 1, 2}, {0, 2, 1}};
         static char file[2 * FILE_BYTES];
@@ -958,9 +922,9 @@ static void animation__goes_on_in_another_file_of_the_same_mesh(void **state)
         char *paths[2] = {names[0], names[i]};
         struct ctl_frames frames;
         struct ctl_mesh frame = {0};
-        assert_int_equal(ctl_frames_open(&frames, paths, 2, &as_it_is, &error), PCCD_OK);
+        assert_ok(ctl_frames_open(&frames, paths, 2, &as_it_is, &error));
         assert_int_equal(frames.count, 4);
-        assert_int_equal(ctl_frames_read(&frames, 1, &frame, &error), PCCD_OK);
+        assert_ok(ctl_frames_read(&frames, 1, &frame, &error));
         assert_true(((const double(*)[3])frame.x)[0][2] == 4);
         int status = ctl_frames_read(&frames, 2, &frame, &error);
         assert_int_equal(status, i == 1 ? PCCD_OK : PCCD_E_INVAL);
@@ -970,10 +934,9 @@ static void animation__goes_on_in_another_file_of_the_same_mesh(void **state)
 }
 
 /* If it failed: a joint that moves would leave the skin behind. */
-static void animation__moves_joints(void **state)
+CASE(animation__moves_joints)
 {
     static const float times[2] = {0, 1}, moves[2][3] = {{2, 0, 0}, {2, 0, 4}};
-    (void)state;
     begin_skin();
     ADD(FLOAT, "SCALAR", 2, times);
     ADD(FLOAT, "VEC3", 2, moves);
@@ -989,9 +952,8 @@ static void animation__moves_joints(void **state)
 }
 
 /* If it failed: a motion that is not understood would be left out in silence. */
-static void animation__names_what_is_wrong(void **state)
+CASE(animation__names_what_is_wrong)
 {
-    (void)state;
     begin_animation();
     refuse(MOVED(SAMPLER("7", "2", ""), CHANNEL("0", "0", "translation")), PCCD_E_FORMAT,
            "accessor 7: key 2 is at 1 s, not after the one before it");
@@ -1028,13 +990,12 @@ static void animation__names_what_is_wrong(void **state)
 /* ---- any bytes --------------------------------------------------------------------- */
 
 /* If it failed: a broken file could end the program, or be read beyond its end. */
-static void file__with_changed_bytes_is_refused_or_read(void **state)
+CASE(file__with_changed_bytes_is_refused_or_read)
 {
     static char file[2 * FILE_BYTES], changed[2 * FILE_BYTES];
     static double x[1 << 16];
     uint64_t random = 12345;
     int read = 0;
-    (void)state;
     begin_skin();
     static const float times[2] = {0, 1}, turns[2][4] = {{0, 0, 0, 1}, {0, 1, 0, 0}};
     ADD(FLOAT, "SCALAR", 2, times);
@@ -1074,7 +1035,7 @@ static void file__with_changed_bytes_is_refused_or_read(void **state)
 
 /* If it failed: files of which it is known what they show would be read as something
  * else. */
-static void file__of_known_cases_is_read_right(void **state)
+CASE(file__of_known_cases_is_read_right)
 {
     static const struct {
         const char *name;
@@ -1091,7 +1052,6 @@ static void file__of_known_cases_is_read_right(void **state)
         {"g09h_camera_turned.glb", 4, 2, {1, 1, 0}},
     };
     const char *data = getenv("PCCD_DATA");
-    (void)state;
     for (size_t i = 0; i < KIT_COUNT(cases); i++) {
         snprintf(path, sizeof path, "%s/cases/%s", data != NULL ? data : "",
                  cases[i].name);
@@ -1118,35 +1078,4 @@ static int remove_all(void **state)
     return kit_remove_folder(state);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(node__transforms_apply_from_the_leaf_to_the_root),
-        cmocka_unit_test(node__places_are_doubles_where_floats_do_not_hold_them),
-        cmocka_unit_test(scene__is_the_one_that_the_file_names),
-        cmocka_unit_test(node__refuses_what_is_no_tree),
-        cmocka_unit_test(node__may_be_as_deep_as_the_file_says),
-        cmocka_unit_test(object__has_the_name_of_its_node),
-        cmocka_unit_test(node__has_instances),
-        cmocka_unit_test(primitive__has_seven_modes),
-        cmocka_unit_test(primitive__takes_indices_of_each_type),
-        cmocka_unit_test(primitive__shares_vertices_that_move_alike),
-        cmocka_unit_test(accessor__reads_steps_types_and_what_is_sparse),
-        cmocka_unit_test(accessor__is_held_to_the_bytes_of_the_file),
-        cmocka_unit_test(extension__is_refused_by_its_name_unless_it_is_harmless),
-        cmocka_unit_test(buffer__is_of_this_file_or_beside_it),
-        cmocka_unit_test(morph__adds_targets_by_the_weights),
-        cmocka_unit_test(skin__puts_vertices_where_the_joints_are),
-        cmocka_unit_test(skin__names_what_is_wrong),
-        cmocka_unit_test(animation__interpolates_as_its_samplers_say),
-        cmocka_unit_test(animation__turns_the_shorter_way_on_a_circle),
-        cmocka_unit_test(animation__is_chosen_and_told),
-        cmocka_unit_test(animation__moves_joints),
-        cmocka_unit_test(animation__is_read_once),
-        cmocka_unit_test(animation__goes_on_in_another_file_of_the_same_mesh),
-        cmocka_unit_test(animation__names_what_is_wrong),
-        cmocka_unit_test(file__with_changed_bytes_is_refused_or_read),
-        cmocka_unit_test(file__of_known_cases_is_read_right),
-    };
-    return cmocka_run_group_tests(tests, kit_make_folder, remove_all);
-}
+CASES_WITH(kit_make_folder, remove_all);

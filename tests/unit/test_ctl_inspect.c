@@ -1,12 +1,9 @@
 /* test_ctl_inspect.c - recordings as pages, without a browser. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
 #include <jansson.h>
 
 #include "inspect.h"
@@ -79,17 +76,16 @@ static char *write_page(const char *name, uint32_t step_count, uint64_t bytes_ma
     FILE *file = tmpfile();
     int status = PCCD_OK;
     assert_non_null(file);
-    assert_int_equal(inspect_init(&inspect, &settings, &page, &error), PCCD_OK);
-    assert_int_equal(
-        page_file_begin(&page, file, "page", template, sizeof template - 1, &error),
-        PCCD_OK);
+    assert_ok(inspect_init(&inspect, &settings, &page, &error));
+    assert_ok(
+        page_file_begin(&page, file, "page", template, sizeof template - 1, &error));
     for (uint32_t i = 1; i <= step_count && status == PCCD_OK; i++) {
         fall_begin(&fall, i);
         status = inspect_step(&inspect, &fall.step, &error);
         fall_end(&fall);
     }
     assert_int_equal(status, inspect.is_full ? PCCD_E_CANCELLED : PCCD_OK);
-    assert_int_equal(inspect_finish(&inspect, name, &summary, &error), PCCD_OK);
+    assert_ok(inspect_finish(&inspect, name, &summary, &error));
     *kept = inspect.kept;
     *bytes = (uint64_t)ftell(file);
     char *text = calloc(*bytes + 1, 1);
@@ -125,12 +121,11 @@ static json_t *meta_of(const char *text)
 }
 
 /* If it failed, who names a file could run a script in the browser of who looks at it. */
-static void name__cannot_end_its_element(void **state)
+CASE(name__cannot_end_its_element)
 {
     static const char *const names[] = {"</script><script>alert(1)</script>",
                                         "<!--<script>", "\"};alert(1)//",
                                         "a\\\"</SCRIPT ", "&lt;\xe2\x80\xa8\x01"};
-    (void)state;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         uint64_t kept, bytes;
         char *text = write_page(names[i], 1, 1 << 20, &kept, &bytes);
@@ -148,11 +143,10 @@ static void name__cannot_end_its_element(void **state)
 }
 
 /* If it failed, a name that is no text, as a file may have, would spoil the page. */
-static void name__may_be_any_bytes(void **state)
+CASE(name__may_be_any_bytes)
 {
     char name[600];
     uint64_t kept, bytes;
-    (void)state;
     memset(name, 'n', sizeof name);
     name[0] = '\xff';
     name[sizeof name - 1] = '\0';
@@ -167,10 +161,9 @@ static void name__may_be_any_bytes(void **state)
 }
 
 /* If it failed, a file could be larger than was allowed, or smaller than it could be. */
-static void size__is_kept_and_used(void **state)
+CASE(size__is_kept_and_used)
 {
     uint64_t kept, bytes, all;
-    (void)state;
     free(write_page("whole", 40, 1 << 20, &kept, &all));
     assert_int_equal(kept, 40);
     for (uint64_t most = all / 3; most < all + 5000; most += 777) {
@@ -188,23 +181,21 @@ static void size__is_kept_and_used(void **state)
 }
 
 /* If it failed, --max-size would promise what the file does not keep. */
-static void bytes__are_counted_as_they_are_written(void **state)
+CASE(bytes__are_counted_as_they_are_written)
 {
     static const char *const texts[] = {"", "<>&", "\x01\xc3\xa4", "plain"};
     struct ctl_error error;
     struct page_file page;
-    (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         FILE *file = tmpfile();
         json_t *meta = json_pack("{s:s}", "text", texts[i]);
         assert_non_null(file);
-        assert_int_equal(
-            page_file_begin(&page, file, "page", template, sizeof template - 1, &error),
-            PCCD_OK);
+        assert_ok(
+            page_file_begin(&page, file, "page", template, sizeof template - 1, &error));
         for (size_t count = 0; count < 9; count++) {
-            assert_int_equal(page_file_blob(&page, "12345678", count, &error), PCCD_OK);
+            assert_ok(page_file_blob(&page, "12345678", count, &error));
         }
-        assert_int_equal(page_file_finish(&page, meta, &error), PCCD_OK);
+        assert_ok(page_file_finish(&page, meta, &error));
         assert_int_equal(ftell(file), page.bytes + page_file_json_bytes(meta));
         json_decref(meta);
         fclose(file);
@@ -214,7 +205,7 @@ static void bytes__are_counted_as_they_are_written(void **state)
 }
 
 /* If it failed, positions far from zero would jump, or contacts be others. */
-static void step__is_packed_as_the_page_reads_it(void **state)
+CASE(step__is_packed_as_the_page_reads_it)
 {
     const struct inspect_settings settings = {.every = 1, .bytes_max = 1 << 20};
     struct ctl_error error = {.text = ""};
@@ -224,12 +215,11 @@ static void step__is_packed_as_the_page_reads_it(void **state)
     struct inspect_contact contact;
     float x[3];
     FILE *file = tmpfile();
-    (void)state;
     assert_non_null(file);
     inspect_init(&inspect, &settings, &page, &error);
     page_file_begin(&page, file, "page", template, sizeof template - 1, &error);
     fall_begin(&fall, 1);
-    assert_int_equal(inspect_step(&inspect, &fall.step, &error), PCCD_OK);
+    assert_ok(inspect_step(&inspect, &fall.step, &error));
     assert_int_equal(inspect.origin[0], 1e9 + 1);
     const json_t *step = json_array_get(inspect.steps, 0);
     const json_t *object = json_array_get(json_object_get(step, "objects"), 0);
@@ -249,16 +239,4 @@ static void step__is_packed_as_the_page_reads_it(void **state)
     fall_end(&fall);
     inspect_deinit(&inspect);
     fclose(file);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(name__cannot_end_its_element),
-        cmocka_unit_test(name__may_be_any_bytes),
-        cmocka_unit_test(size__is_kept_and_used),
-        cmocka_unit_test(bytes__are_counted_as_they_are_written),
-        cmocka_unit_test(step__is_packed_as_the_page_reads_it),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,18 +1,11 @@
 /* test_ctl_malformed.c - the readers of PLY and OBJ, and broken files. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "ctl_kit.h"
 #include "meshfile.h"
-#include "skip.h"
 
 /* A malformed file: what stands in it, and what the message must say. */
 struct malformed {
@@ -54,7 +47,7 @@ static void check_malformed(const struct malformed *cases, size_t count, const c
 #define BODY(text) HEAD "end_header\n" text
 
 /* If it failed: a broken header would be guessed at, or its message would not help. */
-static void malformed__names_what_is_wrong_in_a_ply_header(void **state)
+CASE(malformed__names_what_is_wrong_in_a_ply_header)
 {
     static const struct malformed cases[] = {
         {"", 0, PCCD_E_FORMAT, ": the file is empty"},
@@ -122,12 +115,11 @@ static void malformed__names_what_is_wrong_in_a_ply_header(void **state)
          "of "
          "the file are left"},
     };
-    (void)state;
     check_malformed(cases, KIT_COUNT(cases), "bad.ply");
 }
 
 /* If it failed: an empty mesh would be registered. */
-static void malformed__refuses_a_ply_without_vertices_or_faces(void **state)
+CASE(malformed__refuses_a_ply_without_vertices_or_faces)
 {
     static const struct malformed cases[] = {
         {"ply\nformat ascii 1.0\nelement vertex 0\n" XYZ "element face 0\n" LIST
@@ -138,12 +130,11 @@ static void malformed__refuses_a_ply_without_vertices_or_faces(void **state)
          "0 0 0\n0 1\n",
          0, PCCD_E_INDEX, ":12: edge 0: 1 is not a vertex number (1 vertex is there)"},
     };
-    (void)state;
     check_malformed(cases, KIT_COUNT(cases), "bad.ply");
 }
 
 /* If it failed: a broken row would shift everything behind it. */
-static void malformed__names_what_is_wrong_in_an_ascii_ply(void **state)
+CASE(malformed__names_what_is_wrong_in_an_ascii_ply)
 {
     static const struct malformed cases[] = {
         {BODY("0 0 0\n1 0\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_FORMAT,
@@ -181,7 +172,6 @@ static void malformed__names_what_is_wrong_in_an_ascii_ply(void **state)
         {BODY("0.000000000 0 0\n1 0 0\n0 1 0\n"), 0, PCCD_E_FORMAT,
          ":12: face 0: the file ends here"},
     };
-    (void)state;
     check_malformed(cases, KIT_COUNT(cases), "bad.ply");
 }
 
@@ -196,7 +186,7 @@ static void malformed__names_what_is_wrong_in_an_ascii_ply(void **state)
 
 /* If it failed: a broken binary file would be read past its end, or its place not be
  * told. The header takes 165 bytes. */
-static void malformed__names_what_is_wrong_in_a_binary_ply(void **state)
+CASE(malformed__names_what_is_wrong_in_a_binary_ply)
 {
     static const struct malformed cases[] = {
         BINARY_CASE(ORIGIN "\2\0\0\0\0\0\0\0\0\0\0\0", PCCD_E_FORMAT,
@@ -216,13 +206,12 @@ static void malformed__names_what_is_wrong_in_a_binary_ply(void **state)
         BINARY_CASE("\0\0\0\0\0\0\300\177\0\0\0\0\3\0\0\0", PCCD_E_NOTFINITE,
                     ": byte 173: vertex 0: coordinate y is nan; |x| <= 1e18 is needed"),
     };
-    (void)state;
     assert_int_equal(sizeof(BINARY) - 1, 165);
     check_malformed(cases, KIT_COUNT(cases), "bad.ply");
 }
 
 /* If it failed: a broken OBJ file would be read as another mesh. */
-static void malformed__names_what_is_wrong_in_an_obj(void **state)
+CASE(malformed__names_what_is_wrong_in_an_obj)
 {
     static const struct malformed cases[] = {
         {"f 1 2 3\n", 0, PCCD_E_FORMAT, ": no vertices"},
@@ -254,18 +243,16 @@ static void malformed__names_what_is_wrong_in_an_obj(void **state)
         {"v 0 0 0\n\\\nv 1 1 1\n", 0, PCCD_E_FORMAT,
          ":2: a vertex that begins on a continued line"},
     };
-    (void)state;
     check_malformed(cases, KIT_COUNT(cases), "bad.obj");
 }
 
 /* If it failed: a file cut anywhere could be taken for a whole one, or read past its end.
  */
-static void malformed__refuses_a_binary_ply_cut_at_any_byte(void **state)
+CASE(malformed__refuses_a_binary_ply_cut_at_any_byte)
 {
     static struct kit_bytes bytes;
     const struct kit_variant variant = {
         "binary_big_endian", "double", "uchar", "int", true, PCCD_FORMAT_F64};
-    (void)state;
     kit_make_ply(&bytes, &variant);
     for (size_t count = 0; count < bytes.count; count++) {
         struct ctl_mesh mesh = {0};
@@ -279,12 +266,11 @@ static void malformed__refuses_a_binary_ply_cut_at_any_byte(void **state)
 
 /* If it failed: the caller could not tell a missing file from a bad one, nor which kind
  * is not read. */
-static void malformed__tells_files_it_cannot_read(void **state)
+CASE(malformed__tells_files_it_cannot_read)
 {
     struct ctl_mesh mesh = {0};
     struct ctl_error error = {.text = ""};
     char path[KIT_PATH_BYTES];
-    (void)state;
     snprintf(path, sizeof path, "%s/absent.ply", kit_folder);
     assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_E_SYSTEM);
     assert_non_null(strstr(error.text, "cannot open: No such file or directory"));
@@ -303,7 +289,7 @@ static void malformed__tells_files_it_cannot_read(void **state)
 
 /* If it failed: somebody would wait for minutes to be told what the first lines show, or
  * the machine would run out of memory before. */
-static void malformed__is_told_before_a_large_file_is_read(void **state)
+CASE(malformed__is_told_before_a_large_file_is_read)
 {
     static const struct malformed cases[] = {
         {BINARY_START "1000000000\n" XYZ "element face 1\n" LIST "end_header\n", 0,
@@ -321,7 +307,6 @@ static void malformed__is_told_before_a_large_file_is_read(void **state)
     static const struct malformed obj = {"v 0 0 0\nv 1 0 0\n", 0, PCCD_E_FORMAT,
                                          ": byte 16 is zero, which no text has"};
     clock_t begin = clock();
-    (void)state;
     large_bytes = (off_t)1 << 33;
     check_malformed(cases, KIT_COUNT(cases), "large.ply");
     check_malformed(&obj, 1, "large.obj");
@@ -329,17 +314,4 @@ static void malformed__is_told_before_a_large_file_is_read(void **state)
     assert_true(clock() - begin < 2 * CLOCKS_PER_SEC);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(malformed__names_what_is_wrong_in_a_ply_header),
-        cmocka_unit_test(malformed__refuses_a_ply_without_vertices_or_faces),
-        cmocka_unit_test(malformed__names_what_is_wrong_in_an_ascii_ply),
-        cmocka_unit_test(malformed__names_what_is_wrong_in_a_binary_ply),
-        cmocka_unit_test(malformed__names_what_is_wrong_in_an_obj),
-        cmocka_unit_test(malformed__refuses_a_binary_ply_cut_at_any_byte),
-        cmocka_unit_test(malformed__is_told_before_a_large_file_is_read),
-        cmocka_unit_test(malformed__tells_files_it_cannot_read),
-    };
-    return cmocka_run_group_tests(tests, kit_make_folder, kit_remove_folder);
-}
+CASES_WITH(kit_make_folder, kit_remove_folder);

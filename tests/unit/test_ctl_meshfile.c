@@ -1,18 +1,11 @@
 /* test_ctl_meshfile.c - the readers of PLY and OBJ, and whole files. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "ctl_kit.h"
 #include "meshfile.h"
-#include "skip.h"
 
 static const uint32_t expected_triangles[KIT_TRIANGLES][3] = {
     {0, 1, 2}, {0, 2, 3}, {0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}};
@@ -46,9 +39,8 @@ static const struct kit_variant variants[] = {
 };
 
 /* If it failed: a file's encoding would change the mesh that is checked. */
-static void meshfile__reads_every_ply_encoding_the_same(void **state)
+CASE(meshfile__reads_every_ply_encoding_the_same)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof variants / sizeof variants[0]; i++) {
         static struct kit_bytes bytes;
         struct ctl_mesh mesh = {0};
@@ -66,7 +58,7 @@ static void meshfile__reads_every_ply_encoding_the_same(void **state)
 }
 
 /* If it failed: OBJ frames would lose the correspondence with their PLY form. */
-static void meshfile__reads_every_obj_form_the_same(void **state)
+CASE(meshfile__reads_every_obj_form_the_same)
 {
     static const char vertices[] = "v -1 0 -1\nv 1 0 -1 1.0\nv 1 0 1 0.5 0.5 0.5\n"
                                    "v -1.0 0e0 1 # a corner\n  v 0 300 0\n";
@@ -78,7 +70,6 @@ static void meshfile__reads_every_obj_form_the_same(void **state)
         "f 2/1/1 5/1/1 3/1/1\n\no other\r\nf 3 5 4\r\nf 4 5 1\r\n",
         "f 1 2 \\\n3 4\nf 1 5 2\n# f 9 9 9\nf 2 5 3\nf 3 5\\\n 4\nf 4 5 1 \\\n",
     };
-    (void)state;
     for (size_t i = 0; i < sizeof rests / sizeof rests[0]; i++) {
         static struct kit_bytes bytes;
         struct ctl_mesh mesh = {0};
@@ -111,7 +102,7 @@ struct named {
 
 /* If it failed: rods and clouds would not be read, or as others than they are; vertices
  * of a mesh of faces or edges would be taken for a cloud. */
-static void meshfile__reads_edges_and_points_by_themselves(void **state)
+CASE(meshfile__reads_edges_and_points_by_themselves)
 {
     static const struct named files[] = {
         {"rods.obj",
@@ -147,7 +138,6 @@ static void meshfile__reads_edges_and_points_by_themselves(void **state)
          {{0}},
          {0, 1}},
     };
-    (void)state;
     for (size_t i = 0; i < KIT_COUNT(files); i++) {
         const struct named *file = &files[i];
         struct ctl_mesh mesh = {0};
@@ -173,7 +163,7 @@ static void meshfile__reads_edges_and_points_by_themselves(void **state)
 
 /* If it failed: a decimal fraction of a float file would be rounded twice or kept wide.
  */
-static void meshfile__rounds_ascii_floats_once(void **state)
+CASE(meshfile__rounds_ascii_floats_once)
 {
     static const char text[] =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
@@ -183,14 +173,13 @@ static void meshfile__rounds_ascii_floats_once(void **state)
     struct ctl_mesh mesh = {0};
     struct ctl_error error = {.text = ""};
     char path[KIT_PATH_BYTES];
-    (void)state;
     kit_write_file("floats.ply", text, sizeof text - 1, path);
-    assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_OK);
+    assert_ok(ctl_mesh_read(path, &mesh, &error));
     const float *x = mesh.x;
     assert_true(x[0] == 0.1f);
     assert_true(x[1] == 1e-3f);
     assert_true(x[2] == 16777216.0f);
-    assert_int_equal(ctl_mesh_promote(&mesh, &error), PCCD_OK);
+    assert_ok(ctl_mesh_promote(&mesh, &error));
     const double *wide = mesh.x;
     assert_true(wide[0] == (double)0.1f);
     assert_int_equal(mesh.format, PCCD_FORMAT_F64);
@@ -198,7 +187,7 @@ static void meshfile__rounds_ascii_floats_once(void **state)
 }
 
 /* If it failed: two frames of different meshes would be checked against each other. */
-static void meshfile__match_names_the_first_difference(void **state)
+CASE(meshfile__match_names_the_first_difference)
 {
     uint32_t a_triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
     uint32_t b_triangles[2][3] = {{0, 1, 2}, {0, 3, 2}};
@@ -209,8 +198,7 @@ static void meshfile__match_names_the_first_difference(void **state)
                          .vertex_count = 4,
                          .triangles = {.count = 2, .vertices = b_triangles[0]}};
     struct ctl_error error = {.text = ""};
-    (void)state;
-    assert_int_equal(ctl_mesh_match(&a, &a, &error), PCCD_OK);
+    assert_ok(ctl_mesh_match(&a, &a, &error));
     assert_int_equal(ctl_mesh_match(&a, &b, &error), PCCD_E_INVAL);
     assert_string_equal(error.text,
                         "triangle 1 is (0 2 3) in a and (0 3 2) in b: not two "
@@ -240,17 +228,16 @@ static void meshfile__match_names_the_first_difference(void **state)
 }
 
 /* If it failed: what belongs to an object of a file would be told of another. */
-static void meshfile__objects_begin_where_the_one_before_ends(void **state)
+CASE(meshfile__objects_begin_where_the_one_before_ends)
 {
     struct ctl_error error = {.text = ""};
     struct ctl_mesh mesh = {.path = "a", .error = &error};
     const uint32_t corners[3] = {0, 1, 2};
-    (void)state;
-    assert_int_equal(ctl_mesh_add_object(&mesh, "empty", 5), PCCD_OK);
-    assert_int_equal(ctl_mesh_add_object(&mesh, "body of", 4), PCCD_OK);
-    assert_int_equal(ctl_mesh_add(&mesh, CTL_TRIANGLES, corners), PCCD_OK);
-    assert_int_equal(ctl_mesh_add_object(&mesh, "rod", 3), PCCD_OK);
-    assert_int_equal(ctl_mesh_add(&mesh, CTL_EDGES, corners), PCCD_OK);
+    assert_ok(ctl_mesh_add_object(&mesh, "empty", 5));
+    assert_ok(ctl_mesh_add_object(&mesh, "body of", 4));
+    assert_ok(ctl_mesh_add(&mesh, CTL_TRIANGLES, corners));
+    assert_ok(ctl_mesh_add_object(&mesh, "rod", 3));
+    assert_ok(ctl_mesh_add(&mesh, CTL_EDGES, corners));
     assert_int_equal(mesh.object_count, 2);
     assert_string_equal(mesh.objects[0].name, "body");
     assert_int_equal(mesh.objects[0].first[CTL_TRIANGLES], 0);
@@ -262,7 +249,7 @@ static void meshfile__objects_begin_where_the_one_before_ends(void **state)
 }
 
 /* If it failed: the real scenes would not be read as their description says. */
-static void meshfile__reads_the_real_frames(void **state)
+CASE(meshfile__reads_the_real_frames)
 {
     static const struct {
         const char *name;
@@ -275,7 +262,6 @@ static void meshfile__reads_the_real_frames(void **state)
     };
     const char *data = getenv("PCCD_DATA");
     char path[4096];
-    (void)state;
     for (size_t i = 0; i < KIT_COUNT(frames); i++) {
         struct ctl_mesh mesh = {0};
         struct ctl_error error = {.text = ""};
@@ -293,16 +279,4 @@ static void meshfile__reads_the_real_frames(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(meshfile__reads_every_ply_encoding_the_same),
-        cmocka_unit_test(meshfile__reads_every_obj_form_the_same),
-        cmocka_unit_test(meshfile__reads_edges_and_points_by_themselves),
-        cmocka_unit_test(meshfile__rounds_ascii_floats_once),
-        cmocka_unit_test(meshfile__match_names_the_first_difference),
-        cmocka_unit_test(meshfile__objects_begin_where_the_one_before_ends),
-        cmocka_unit_test(meshfile__reads_the_real_frames),
-    };
-    return cmocka_run_group_tests(tests, kit_make_folder, kit_remove_folder);
-}
+CASES_WITH(kit_make_folder, kit_remove_folder);

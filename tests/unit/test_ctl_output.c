@@ -1,14 +1,10 @@
 /* test_ctl_output.c - what pccdctl writes: figures, CSV, JSON and pictures. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include <jansson.h>
 #include <png.h>
@@ -20,12 +16,11 @@
 #include "statistics.h"
 
 /* If it failed: figures of repeated steps would be means, or off by a rank. */
-static void statistics__give_medians_and_nearest_ranks(void **state)
+CASE(statistics__give_medians_and_nearest_ranks)
 {
     double odd[] = {5, 1, 3};
     double even[] = {4, 1, 3, 100};
     double many[200];
-    (void)state;
     statistics_sort(odd, 3);
     assert_true(statistics_median(odd, 3) == 3.0);
     statistics_sort(even, 4);
@@ -62,12 +57,11 @@ static void read_back(FILE *file, char *text, size_t bytes)
 
 /* If it failed: feature numbers would be taken for vertex numbers, or times lose digits.
  */
-static void csv__names_vertices_in_file_order(void **state)
+CASE(csv__names_vertices_in_file_order)
 {
     const struct pccd_answer page = {.contacts = contacts, .count = 2};
     struct contacts_csv csv = {.triangles = triangles, .edges = edges};
     char text[512];
-    (void)state;
     csv.file = tmpfile();
     assert_non_null(csv.file);
     contacts_csv_page(&csv, 1, &page);
@@ -78,13 +72,12 @@ static void csv__names_vertices_in_file_order(void **state)
 }
 
 /* If it failed: pairs would come with times nobody computed, or steps run together. */
-static void csv__leaves_times_of_pairs_empty_and_numbers_steps(void **state)
+CASE(csv__leaves_times_of_pairs_empty_and_numbers_steps)
 {
     const struct pccd_pair pairs[1] = {{.kind = PCCD_EE, .feature_a = 0, .feature_b = 2}};
     const struct pccd_answer page = {.pairs = pairs, .count = 1};
     struct contacts_csv csv = {.triangles = triangles, .edges = edges, .has_step = true};
     char text[512];
-    (void)state;
     csv.file = tmpfile();
     assert_non_null(csv.file);
     contacts_csv_page(&csv, 12, &page);
@@ -94,13 +87,12 @@ static void csv__leaves_times_of_pairs_empty_and_numbers_steps(void **state)
 }
 
 /* If it failed: a full disk would look like a complete file. */
-static void csv__tells_when_the_disk_is_full(void **state)
+CASE(csv__tells_when_the_disk_is_full)
 {
     struct contacts_csv csv = {
         .path = "/dev/full", .triangles = triangles, .edges = edges};
     struct ctl_error error = {.text = ""};
-    (void)state;
-    assert_int_equal(contacts_csv_open(&csv, &error), PCCD_OK);
+    assert_ok(contacts_csv_open(&csv, &error));
     assert_int_equal(contacts_csv_close(&csv, true, &error), PCCD_E_SYSTEM);
     assert_non_null(strstr(error.text, "/dev/full: cannot write"));
 }
@@ -146,14 +138,13 @@ static json_int_t count_of(const json_t *object, const char *key)
 }
 
 /* If it failed: programs that read the report would miss a value they were promised. */
-static void json__holds_the_promised_keys(void **state)
+CASE(json__holds_the_promised_keys)
 {
     static const char *const phases[] = {"build", "ingest", "refit", "traversal",
                                          "tests", "merge",  "step"};
     struct report_step step = made_step(3, 0.125);
     json_t *object = json_of(&step, 1);
     const json_t *ms = json_object_get(object, "ms");
-    (void)state;
     assert_int_equal(count_of(object, "vertices"), 4);
     assert_int_equal(count_of(object, "edges"), 5);
     assert_int_equal(count_of(object, "triangles"), 2);
@@ -176,10 +167,9 @@ static void json__holds_the_promised_keys(void **state)
 }
 
 /* If it failed: a sequence's sums or steps would be lost, or "never" look like a time. */
-static void json__sums_a_sequence(void **state)
+CASE(json__sums_a_sequence)
 {
     struct report_step steps[2] = {made_step(3, 0.125), made_step(2, 2.0)};
-    (void)state;
     steps[1].is_complete = false;
     json_t *object = json_of(steps, 2);
     const json_t *array = json_object_get(object, "steps");
@@ -217,9 +207,9 @@ static uint8_t *drawn_square(float from_z, const char *path)
     struct ctl_error error = {.text = ""};
     png_image image = {.version = PNG_IMAGE_VERSION};
     struct whole_file file;
-    assert_int_equal(output_open(&file, path, false, &error), PCCD_OK);
-    assert_int_equal(picture_write(&picture, file.to, path, &error), PCCD_OK);
-    assert_int_equal(output_finish(&file, path, &error), PCCD_OK);
+    assert_ok(output_open(&file, path, false, &error));
+    assert_ok(picture_write(&picture, file.to, path, &error));
+    assert_ok(output_finish(&file, path, &error));
     assert_int_not_equal(png_image_begin_read_from_file(&image, path), 0);
     assert_int_equal(image.width, PICTURE_WIDTH);
     assert_int_equal(image.height, PICTURE_HEIGHT);
@@ -237,11 +227,10 @@ static const uint8_t *pixel(const uint8_t *pixels, uint32_t x, uint32_t y)
 
 /* If it failed: sides would be swapped, marks missing or misplaced, or an older and
  * longer file would show through. */
-static void picture__shows_sides_and_marks_where_they_are(void **state)
+CASE(picture__shows_sides_and_marks_where_they_are)
 {
     char path[] = "/tmp/pccd-picture-XXXXXX";
     int fd = mkstemp(path);
-    (void)state;
     assert_true(fd >= 0);
     assert_int_equal(ftruncate(fd, 4000000), 0);
     close(fd);
@@ -272,14 +261,13 @@ static const uint32_t cube_triangles[12][3] = {
     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
 
 /* If it failed: the sides of a box would be shaded like cushions. */
-static void picture__shades_the_sides_of_a_box_flat(void **state)
+CASE(picture__shades_the_sides_of_a_box_flat)
 {
     const struct picture_mesh cube = {.x = cube_x,
                                       .triangles = cube_triangles,
                                       .vertex_count = 8,
                                       .triangle_count = 12};
     float normals[36][3];
-    (void)state;
     assert_true(crease_normals(&cube, 0, normals));
     for (uint32_t i = 0; i < 36; i++) {
         uint32_t side = i / 6; /* -z, z, -y, y, -x, x */
@@ -293,7 +281,7 @@ static void picture__shades_the_sides_of_a_box_flat(void **state)
 }
 
 /* If it failed: a ball would be a stone, or triangles wound otherwise would be dark. */
-static void picture__smooths_what_is_nearly_flat(void **state)
+CASE(picture__smooths_what_is_nearly_flat)
 {
     /* A ridge of 20 degrees along the y axis; the second time its last triangle is wound
      * otherwise. */
@@ -305,7 +293,6 @@ static void picture__smooths_what_is_nearly_flat(void **state)
     struct picture_mesh ridge = {
         .x = x, .triangles = ridges[0], .vertex_count = 6, .triangle_count = 4};
     float normals[12][3];
-    (void)state;
     assert_true(crease_normals(&ridge, 0, normals));
     assert_memory_equal(normals[1], normals[6], sizeof normals[1]); /* of vertex 1 */
     assert_memory_equal(normals[1], normals[9], sizeof normals[1]);
@@ -319,31 +306,13 @@ static void picture__smooths_what_is_nearly_flat(void **state)
 }
 
 /* If it failed: the demo would work for seconds before it says that it cannot write. */
-static void picture__tells_at_once_that_a_path_is_no_good(void **state)
+CASE(picture__tells_at_once_that_a_path_is_no_good)
 {
     struct ctl_error error = {.text = ""};
     struct whole_file file;
-    (void)state;
     assert_int_equal(output_open(&file, "/nowhere/at/all.png", false, &error),
                      PCCD_E_SYSTEM);
     assert_string_equal(error.text,
                         "/nowhere/at/all.png: cannot write: No such file or directory");
     assert_null(file.to);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(statistics__give_medians_and_nearest_ranks),
-        cmocka_unit_test(csv__names_vertices_in_file_order),
-        cmocka_unit_test(csv__leaves_times_of_pairs_empty_and_numbers_steps),
-        cmocka_unit_test(csv__tells_when_the_disk_is_full),
-        cmocka_unit_test(json__holds_the_promised_keys),
-        cmocka_unit_test(json__sums_a_sequence),
-        cmocka_unit_test(picture__shows_sides_and_marks_where_they_are),
-        cmocka_unit_test(picture__shades_the_sides_of_a_box_flat),
-        cmocka_unit_test(picture__smooths_what_is_nearly_flat),
-        cmocka_unit_test(picture__tells_at_once_that_a_path_is_no_good),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,18 +2,12 @@
  * of them.
  */
 #include <inttypes.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "ctl_kit.h"
 #include "meshfile.h"
@@ -194,13 +188,58 @@ static void check_pieces(enum kind kind, const char *path, uint32_t pieces)
     assert_int_equal(all.points.count, kind == OBJ ? POINTS : 0);
 }
 
+/* Kibibytes by which the most memory of a process grows when it reads a piece. */
+static long growth(const char *path, uint32_t pieces)
+{
+    int ends[2];
+    long kib = -1;
+    assert_int_equal(pipe(ends), 0);
+    pid_t child = fork();
+    if (child == 0) {
+        struct rusage before, after;
+        struct ctl_error error;
+        struct ctl_mesh piece;
+        getrusage(RUSAGE_SELF, &before);
+        int status = ctl_mesh_read_as(
+            path, &(struct ctl_reading){.number = 0, .count = pieces}, &piece, &error);
+        getrusage(RUSAGE_SELF, &after);
+        kib = status == PCCD_OK ? after.ru_maxrss - before.ru_maxrss : -1;
+        _exit(write(ends[1], &kib, sizeof kib) == (ssize_t)sizeof kib ? 0 : 1);
+    }
+    assert_int_equal(read(ends[0], &kib, sizeof kib), (ssize_t)sizeof kib);
+    close(ends[0]);
+    close(ends[1]);
+    assert_int_equal(waitpid(child, NULL, 0), child);
+    assert_true(kib >= 0);
+    return kib;
+}
+
+/* If it failed: a scene that is too large for one machine could not be read on many. The
+ * first case: what others have given back would be used again, and not be seen. */
+CASE(parts__take_memory_for_a_part_alone)
+{
+    char path[KIT_PATH_BYTES];
+    FILE *file = create("cloud.ply", path);
+    fprintf(file,
+            "ply\nformat binary_little_endian 1.0\nelement vertex %u\nproperty double x\n"
+            "property double y\nproperty double z\nend_header\n",
+            OTHERS);
+    for (uint32_t v = 0; v < OTHERS; v++) {
+        const double x[3] = {(double)v, 0, 1};
+        fwrite(x, sizeof x, 1, file);
+    }
+    assert_int_equal(fclose(file), 0);
+    long all = growth(path, 0), piece = growth(path, 16);
+    assert_true(all > OTHERS * 28l / 1024 - 2048);
+    assert_true(piece < all / 4);
+}
+
 /* If it failed: what lies where one window of a large file ends and the next begins would
  * be read wrongly, or ranks would have something twice, or not at all. */
-static void parts__are_together_what_the_file_has(void **state)
+CASE(parts__are_together_what_the_file_has)
 {
     static const uint32_t pieces[] = {0, 1, 3, 8};
     char path[KIT_PATH_BYTES];
-    (void)state;
     for (uint32_t kind = PLY_TEXT; kind <= OBJ; kind++) {
         write_mesh((enum kind)kind, path);
         for (size_t i = 0; i < KIT_COUNT(pieces); i++) {
@@ -211,7 +250,7 @@ static void parts__are_together_what_the_file_has(void **state)
 
 /* If it failed: a small file, or one that is read whole, would be another mesh in parts
  * than in one; or of few rows some would have no owner. */
-static void parts__of_small_files_are_together_what_they_have(void **state)
+CASE(parts__of_small_files_are_together_what_they_have)
 {
     static const char stl[] = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
                               "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
@@ -222,7 +261,6 @@ static void parts__of_small_files_are_together_what_they_have(void **state)
                                 "property float x\nproperty float y\nproperty float z\n"
                                 "end_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
     static const char *const texts[] = {stl, cloud}, *const files[] = {"a.stl", "c.ply"};
-    (void)state;
     for (uint32_t f = 0; f < KIT_COUNT(files); f++) {
         uint32_t vertices = 0, triangles = 0, points = 0;
         char path[KIT_PATH_BYTES];
@@ -230,10 +268,8 @@ static void parts__of_small_files_are_together_what_they_have(void **state)
         for (uint32_t i = 0; i < 3; i++) {
             struct ctl_mesh piece;
             struct ctl_error error = {.text = ""};
-            assert_int_equal(
-                ctl_mesh_read_as(path, &(struct ctl_reading){.number = i, .count = 3},
-                                 &piece, &error),
-                PCCD_OK);
+            assert_ok(ctl_mesh_read_as(
+                path, &(struct ctl_reading){.number = i, .count = 3}, &piece, &error));
             assert_int_equal(piece.part.vertex_first, vertices);
             assert_int_equal(piece.part.vertex_total, 4);
             for (uint32_t k = 0; k < piece.points.count; k++) {
@@ -252,12 +288,11 @@ static void parts__of_small_files_are_together_what_they_have(void **state)
 
 /* If it failed: a mistake behind the first window of a file would be told of another
  * place than where it is, or by a rank whose part has it alone. */
-static void parts__mistakes_are_told_by_all_of_them(void **state)
+CASE(parts__mistakes_are_told_by_all_of_them)
 {
     struct ctl_error error = {.text = ""};
     struct ctl_mesh piece;
     char path[KIT_PATH_BYTES];
-    (void)state;
     write_mesh(PLY_BINARY, path);
     FILE *file = fopen(path, "r+b");
     assert_non_null(file);
@@ -295,60 +330,4 @@ static void parts__mistakes_are_told_by_all_of_them(void **state)
     assert_non_null(strstr(error.text, ": byte 1572864 is zero, which no text has"));
 }
 
-/* Kibibytes by which the most memory of a process grows when it reads a piece. */
-static long growth(const char *path, uint32_t pieces)
-{
-    int ends[2];
-    long kib = -1;
-    assert_int_equal(pipe(ends), 0);
-    pid_t child = fork();
-    if (child == 0) {
-        struct rusage before, after;
-        struct ctl_error error;
-        struct ctl_mesh piece;
-        getrusage(RUSAGE_SELF, &before);
-        int status = ctl_mesh_read_as(
-            path, &(struct ctl_reading){.number = 0, .count = pieces}, &piece, &error);
-        getrusage(RUSAGE_SELF, &after);
-        kib = status == PCCD_OK ? after.ru_maxrss - before.ru_maxrss : -1;
-        _exit(write(ends[1], &kib, sizeof kib) == (ssize_t)sizeof kib ? 0 : 1);
-    }
-    assert_int_equal(read(ends[0], &kib, sizeof kib), (ssize_t)sizeof kib);
-    close(ends[0]);
-    close(ends[1]);
-    assert_int_equal(waitpid(child, NULL, 0), child);
-    assert_true(kib >= 0);
-    return kib;
-}
-
-/* If it failed: a scene that is too large for one machine could not be read on many. */
-static void parts__take_memory_for_a_part_alone(void **state)
-{
-    char path[KIT_PATH_BYTES];
-    FILE *file = create("cloud.ply", path);
-    (void)state;
-    fprintf(file,
-            "ply\nformat binary_little_endian 1.0\nelement vertex %u\nproperty double x\n"
-            "property double y\nproperty double z\nend_header\n",
-            OTHERS);
-    for (uint32_t v = 0; v < OTHERS; v++) {
-        const double x[3] = {(double)v, 0, 1};
-        fwrite(x, sizeof x, 1, file);
-    }
-    assert_int_equal(fclose(file), 0);
-    long all = growth(path, 0), piece = growth(path, 16);
-    assert_true(all > OTHERS * 28l / 1024 - 2048);
-    assert_true(piece < all / 4);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        /* First: what others have given back would be used again, and not be seen. */
-        cmocka_unit_test(parts__take_memory_for_a_part_alone),
-        cmocka_unit_test(parts__are_together_what_the_file_has),
-        cmocka_unit_test(parts__of_small_files_are_together_what_they_have),
-        cmocka_unit_test(parts__mistakes_are_told_by_all_of_them),
-    };
-    return cmocka_run_group_tests(tests, kit_make_folder, kit_remove_folder);
-}
+CASES_WITH(kit_make_folder, kit_remove_folder);

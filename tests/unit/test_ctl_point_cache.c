@@ -1,21 +1,11 @@
-/* test_ctl_point_cache.c - the readers of PC2 and MDD.
- *
- * Read frames of files that it writes, small and large, from files and pipes; broken
- * files; 1000 that were changed at random.
- */
+/* test_ctl_point_cache.c - the readers of PC2 and MDD. */
 #include <fcntl.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "ctl_kit.h"
 #include "meshfile.h"
@@ -96,7 +86,7 @@ static void check_frames(const struct ctl_motion *motion, uint32_t frames,
     assert_int_equal(motion->vertex_count, vertices);
     assert_int_equal(motion->format, PCCD_FORMAT_F32);
     for (uint32_t frame = frames; frame-- > 0;) {
-        assert_int_equal(motion->read(motion, frame, x, &error), PCCD_OK);
+        assert_ok(motion->read(motion, frame, x, &error));
         for (uint32_t i = 0; i < 3 * vertices; i++) {
             float is = x[i], due = coordinate(frame, i);
             assert_memory_equal(&is, &due, sizeof is);
@@ -106,15 +96,14 @@ static void check_frames(const struct ctl_motion *motion, uint32_t frames,
 }
 
 /* If it failed, a bake would be read with other positions, or under other names. */
-static void cache__has_the_frames_that_were_written(void **state)
+CASE(cache__has_the_frames_that_were_written)
 {
-    (void)state;
     for (int is_mdd = 0; is_mdd < 2; is_mdd++) {
         struct ctl_motion motion;
         struct ctl_error error;
         char name[64];
         make(is_mdd, FRAMES, VERTICES);
-        assert_int_equal(open_data(is_mdd, &motion, &error), PCCD_OK);
+        assert_ok(open_data(is_mdd, &motion, &error));
         check_frames(&motion, FRAMES, VERTICES);
         motion.name(&motion, 2, name, sizeof name);
         assert_string_equal(name, is_mdd ? "0.75 s" : "frame 11");
@@ -124,9 +113,8 @@ static void cache__has_the_frames_that_were_written(void **state)
 
 /* If it failed, no MDD of Blender would be read, or its first step would stand still; or
  * a file with a frame too many would pass for one. */
-static void cache__mdd_may_have_its_first_frame_twice(void **state)
+CASE(cache__mdd_may_have_its_first_frame_twice)
 {
-    (void)state;
     const size_t frame_bytes = 12 * (size_t)30011, begin = 8 + 4 * 3;
     struct ctl_motion motion;
     struct ctl_error error;
@@ -149,24 +137,22 @@ static void cache__mdd_may_have_its_first_frame_twice(void **state)
 }
 
 /* If it failed, a cache above what is read at once would be read in part. */
-static void cache__may_be_large(void **state)
+CASE(cache__may_be_large)
 {
-    (void)state;
     for (int is_mdd = 0; is_mdd < 2; is_mdd++) {
         struct ctl_motion motion;
         struct ctl_error error;
         make(is_mdd, 5, 30011);
         assert_true(data_bytes > 1u << 20);
-        assert_int_equal(open_data(is_mdd, &motion, &error), PCCD_OK);
+        assert_ok(open_data(is_mdd, &motion, &error));
         check_frames(&motion, 5, 30011);
         ctl_motion_close(&motion);
     }
 }
 
 /* If it failed, the way that a cache comes would decide what it says. */
-static void cache__may_be_a_pipe(void **state)
+CASE(cache__may_be_a_pipe)
 {
-    (void)state;
     for (int is_mdd = 0; is_mdd < 2; is_mdd++) {
         struct ctl_motion motion;
         struct ctl_error error;
@@ -181,7 +167,7 @@ static void cache__may_be_a_pipe(void **state)
             _exit(to == NULL || fwrite(data, 1, data_bytes, to) != data_bytes ||
                   fclose(to) != 0);
         }
-        assert_int_equal(open_as(is_mdd, path, &motion, &error), PCCD_OK);
+        assert_ok(open_as(is_mdd, path, &motion, &error));
         check_frames(&motion, 5, 30011);
         ctl_motion_close(&motion);
         assert_int_equal(waitpid(child, &status, 0), child);
@@ -222,9 +208,8 @@ static const struct broken {
 };
 
 /* If it failed, a cut or a wrong file would be read as another animation. */
-static void cache__that_is_broken_is_named(void **state)
+CASE(cache__that_is_broken_is_named)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof broken_files / sizeof broken_files[0]; i++) {
         const struct broken *broken = &broken_files[i];
         struct ctl_motion motion = {.state = NULL};
@@ -247,16 +232,15 @@ static void cache__that_is_broken_is_named(void **state)
 }
 
 /* If it failed, a NaN of a simulation that has exploded would go to the daemon. */
-static void cache__coordinate_that_is_none_is_named(void **state)
+CASE(cache__coordinate_that_is_none_is_named)
 {
-    (void)state;
     struct ctl_motion motion;
     struct ctl_error error;
     float x[VERTICES][3];
     make(false, FRAMES, VERTICES);
     memcpy(data + 32 + 48 + 16, "\0\0\xc0\x7f", 4);
-    assert_int_equal(open_data(false, &motion, &error), PCCD_OK);
-    assert_int_equal(motion.read(&motion, 0, x, &error), PCCD_OK);
+    assert_ok(open_data(false, &motion, &error));
+    assert_ok(motion.read(&motion, 0, x, &error));
     assert_int_equal(motion.read(&motion, 1, x, &error), PCCD_E_NOTFINITE);
     assert_non_null(
         strstr(error.text, "a.pc2: byte 96, frame 1, vertex 1: coordinate y is nan"));
@@ -264,9 +248,8 @@ static void cache__coordinate_that_is_none_is_named(void **state)
 }
 
 /* If it failed, a device would be read for ever. */
-static void cache__is_no_device(void **state)
+CASE(cache__is_no_device)
 {
-    (void)state;
     struct ctl_motion motion;
     struct ctl_error error;
     assert_int_equal(ctl_motion_open("/dev/zero", ctl_pc2_open, NULL, &motion, &error),
@@ -284,9 +267,8 @@ static uint32_t random_word(void)
 
 /* If it failed, a file from elsewhere could make pccdctl read or write outside of what it
  * has; the sanitizers would tell. */
-static void cache__that_was_changed_is_read_or_refused(void **state)
+CASE(cache__that_was_changed_is_read_or_refused)
 {
-    (void)state;
     uint32_t read_count = 0;
     float x[256][3];
     for (uint32_t i = 0; i < 2 * MUTANTS; i++) {
@@ -311,19 +293,10 @@ static void cache__that_was_changed_is_read_or_refused(void **state)
     assert_true(read_count > MUTANTS / 4);
 }
 
-int main(void)
+static int tear_down(void **state)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cache__has_the_frames_that_were_written),
-        cmocka_unit_test(cache__mdd_may_have_its_first_frame_twice),
-        cmocka_unit_test(cache__may_be_large),
-        cmocka_unit_test(cache__may_be_a_pipe),
-        cmocka_unit_test(cache__that_is_broken_is_named),
-        cmocka_unit_test(cache__coordinate_that_is_none_is_named),
-        cmocka_unit_test(cache__is_no_device),
-        cmocka_unit_test(cache__that_was_changed_is_read_or_refused),
-    };
-    int failed = cmocka_run_group_tests(tests, kit_make_folder, kit_remove_folder);
     free(data);
-    return failed;
+    return kit_remove_folder(state);
 }
+
+CASES_WITH(kit_make_folder, tear_down);

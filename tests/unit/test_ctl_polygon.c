@@ -1,17 +1,7 @@
-/* test_ctl_polygon.c - polygons of mesh files, and how they are cut.
- *
- * Cut polygons whose area is known in whole numbers, from each corner; write files with
- * polygons, read them whole, in parts and as later frames.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+/* test_ctl_polygon.c - polygons of mesh files, and how they are cut. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "ctl_kit.h"
 #include "meshfile.h"
@@ -121,13 +111,12 @@ static const double star[8][2] = {{6, 0},  {7, 5}, {12, 6}, {7, 7},
                                   {6, 12}, {5, 7}, {0, 6},  {5, 5}};
 
 /* If it failed: a face would cover what is no part of it, and meet what passes there. */
-static void polygon__is_cut_within_itself_from_each_corner(void **state)
+CASE(polygon__is_cut_within_itself_from_each_corner)
 {
     static const struct {
         const double (*p)[2];
         uint32_t count;
     } shapes[] = {{l_shape, 6}, {comb, 12}, {flat, 8}, {triangle, 4}, {star, 8}};
-    (void)state;
     for (size_t s = 0; s < KIT_COUNT(shapes); s++) {
         uint32_t count = shapes[s].count, once[CORNERS_MAX][3], again[CORNERS_MAX][3];
         for (uint32_t first = 0; first < count; first++) {
@@ -141,12 +130,11 @@ static void polygon__is_cut_within_itself_from_each_corner(void **state)
 }
 
 /* If it failed: files of quads would have other triangles than before. */
-static void polygon__of_four_corners_keeps_its_diagonal(void **state)
+CASE(polygon__of_four_corners_keeps_its_diagonal)
 {
     static const double square[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     static const double dart[4][2] = {{0, 0}, {4, 0}, {1, 1}, {0, 4}};
     static const uint32_t diagonal[2][3] = {{0, 1, 2}, {0, 2, 3}};
-    (void)state;
     for (uint32_t first = 0; first < 4; first++) {
         assert_true(cut(square, 4, first));
         assert_memory_equal(cutter.cut, diagonal, sizeof diagonal);
@@ -156,7 +144,7 @@ static void polygon__of_four_corners_keeps_its_diagonal(void **state)
 
 /* If it failed: a face that crosses itself would be read as some other surface, or one
  * whose corners are at one place be refused. */
-static void polygon__without_a_simple_cut_has_none(void **state)
+CASE(polygon__without_a_simple_cut_has_none)
 {
     static const double bow[4][2] = {{0, 0}, {2, 2}, {2, 0}, {0, 2}};
     static const double pentagram[5][2] = {{0, 3}, {6, 3}, {1, 0}, {3, 5}, {5, 0}};
@@ -164,7 +152,6 @@ static void polygon__without_a_simple_cut_has_none(void **state)
     static const double line[5][2] = {{0, 0}, {1, 0}, {3, 0}, {2, 0}, {0, 0}};
     static const double spike[5][2] = {{0, 0}, {4, 0}, {6, 0}, {4, 0}, {0, 4}};
     static const double doubled[6][2] = {{0, 0}, {0, 0}, {4, 0}, {4, 4}, {4, 4}, {0, 0}};
-    (void)state;
     assert_false(cut(bow, 4, 0));
     assert_false(cut(pentagram, 5, 0));
     assert_false(cut(touching, 6, 0));
@@ -184,13 +171,12 @@ static void polygon__without_a_simple_cut_has_none(void **state)
 }
 
 /* If it failed: rounding would decide where a corner is, and a cut leave its polygon. */
-static void polygon__signs_are_exact(void **state)
+CASE(polygon__signs_are_exact)
 {
     /* A corner that is one unit in the last place beside a side, to the inside or to the
      * outside; numbers from the least to the largest. */
     static const double scales[] = {1, 1e17, 1e-280,
                                     4.9406564584124654e-324 * 1073741824};
-    (void)state;
     for (size_t s = 0; s < KIT_COUNT(scales); s++) {
         for (int in = 0; in < 2; in++) {
             double unit = scales[s], third = unit / 4;
@@ -210,11 +196,10 @@ static void polygon__signs_are_exact(void **state)
 }
 
 /* If it failed: large polygons would be cut wrongly, or take for ever. */
-static void polygon__of_many_corners_is_cut(void **state)
+CASE(polygon__of_many_corners_is_cut)
 {
     enum { TEETH = 5000, COUNT = 2 * TEETH + 2 };
     double sum = 0;
-    (void)state;
     assert_true(ctl_cutter_reserve(&cutter, COUNT));
     for (uint32_t i = 0; i < COUNT - 2; i++) {
         cutter.x[i][0] = (double)i;
@@ -246,12 +231,11 @@ static void write_text(const char *name, const char *text, char path[KIT_PATH_BY
 }
 
 /* If it failed: a user would not know which face to mend. */
-static void polygon__that_has_no_cut_is_refused_by_its_place(void **state)
+CASE(polygon__that_has_no_cut_is_refused_by_its_place)
 {
     struct ctl_mesh mesh = {0};
     struct ctl_error error = {.text = ""};
     char path[KIT_PATH_BYTES];
-    (void)state;
     write_text("bow.obj", "v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 2 0\nf 1 3 2\n\nf 1 2 3 4\n",
                path);
     assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_E_FORMAT);
@@ -281,36 +265,33 @@ static void write_frame(const char *name, double x, char path[KIT_PATH_BYTES])
 
 /* If it failed: a mesh would change its triangles while it moves, or its later frames be
  * refused. */
-static void polygon__is_cut_as_in_the_first_frame(void **state)
+CASE(polygon__is_cut_as_in_the_first_frame)
 {
     struct ctl_mesh first = {0}, later = {0};
     struct ctl_error error = {.text = ""};
     char path[KIT_PATH_BYTES], other[KIT_PATH_BYTES];
     static const uint32_t cut_first[5][3] = {
         {0, 1, 2}, {0, 2, 3}, {0, 1, 2}, {6, 7, 4}, {6, 4, 5}};
-    (void)state;
     write_frame("first.obj", 1, path);
     write_frame("later.obj", .2, other); /* concave the other way */
-    assert_int_equal(ctl_mesh_read(path, &first, &error), PCCD_OK);
+    assert_ok(ctl_mesh_read(path, &first, &error));
     assert_memory_equal(first.triangles.vertices, cut_first, sizeof cut_first);
-    assert_int_equal(
-        ctl_mesh_read_as(other, &(struct ctl_reading){.like = &first}, &later, &error),
-        PCCD_OK);
+    assert_ok(
+        ctl_mesh_read_as(other, &(struct ctl_reading){.like = &first}, &later, &error));
     assert_memory_equal(later.triangles.vertices, cut_first, sizeof cut_first);
     ctl_mesh_deinit(&later);
     write_frame("crossed.obj", -1, other);
-    assert_int_equal(
-        ctl_mesh_read_as(other, &(struct ctl_reading){.like = &first}, &later, &error),
-        PCCD_OK);
+    assert_ok(
+        ctl_mesh_read_as(other, &(struct ctl_reading){.like = &first}, &later, &error));
     ctl_mesh_deinit(&later);
-    assert_int_equal(ctl_mesh_read(other, &later, &error), PCCD_OK); /* a dart */
+    assert_ok(ctl_mesh_read(other, &later, &error)); /* a dart */
     ctl_mesh_deinit(&later);
     ctl_mesh_deinit(&first);
 }
 
 /* If it failed: two files whose quads were cut by their writers where they bend would be
  * taken for one mesh, or it would not be told which face that was. */
-static void polygon__of_another_topology_is_named(void **state)
+CASE(polygon__of_another_topology_is_named)
 {
     static const struct {
         const char *first, *later, *message;
@@ -328,21 +309,20 @@ static void polygon__of_another_topology_is_named(void **state)
     };
     static const char vertices[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
                                    "v 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
-    (void)state;
     for (size_t i = 0; i < KIT_COUNT(cases); i++) {
         struct ctl_mesh first = {0}, later = {0};
         struct ctl_error error = {.text = ""};
         char path[KIT_PATH_BYTES], text[512];
         snprintf(text, sizeof text, "%s%s", vertices, cases[i].first);
         write_text("a.obj", text, path);
-        assert_int_equal(ctl_mesh_read(path, &first, &error), PCCD_OK);
+        assert_ok(ctl_mesh_read(path, &first, &error));
         snprintf(text, sizeof text, "%s%s", vertices, cases[i].later);
         write_text("b.obj", text, path);
         first.path = "a.obj";
         int status =
             ctl_mesh_read_as(path, &(struct ctl_reading){.like = &first}, &later, &error);
         if (cases[i].message == NULL) {
-            assert_int_equal(status, PCCD_OK);
+            assert_ok(status);
         } else {
             char *at;
             assert_int_equal(status, PCCD_E_INVAL);
@@ -359,14 +339,13 @@ static void polygon__of_another_topology_is_named(void **state)
 
 /* If it failed: ranks would cut a polygon in other ways than one process does, because
  * they keep other vertices than it has. */
-static void polygon__is_cut_alike_in_any_parts(void **state)
+CASE(polygon__is_cut_alike_in_any_parts)
 {
     enum { FACES = 40 };
     char text[8192], path[KIT_PATH_BYTES];
     size_t length = 0;
     struct ctl_mesh whole = {0};
     struct ctl_error error = {.text = ""};
-    (void)state;
     for (uint32_t i = 0; i < FACES; i++) {
         for (uint32_t k = 0; k < 6; k++) { /* an L, begun at another corner each time */
             const double *p = l_shape[(i + k) % 6];
@@ -381,24 +360,21 @@ static void polygon__is_cut_alike_in_any_parts(void **state)
                              v, v + 1, v + 2, v + 3, v + 4, v + 5);
     }
     write_text("parts.obj", text, path);
-    assert_int_equal(ctl_mesh_read(path, &whole, &error), PCCD_OK);
+    assert_ok(ctl_mesh_read(path, &whole, &error));
     assert_int_equal(whole.triangles.count, 4 * FACES);
     for (uint32_t pieces = 1; pieces <= 7; pieces += 3) {
         uint32_t seen = 0;
         for (uint32_t i = 0; i < pieces; i++) {
             struct ctl_mesh piece = {0}, later = {0};
-            assert_int_equal(
-                ctl_mesh_read_as(path,
-                                 &(struct ctl_reading){.number = i, .count = pieces},
-                                 &piece, &error),
-                PCCD_OK);
+            assert_ok(ctl_mesh_read_as(
+                path, &(struct ctl_reading){.number = i, .count = pieces}, &piece,
+                &error));
             assert_memory_equal(whole.triangles.vertices + 3 * (size_t)seen,
                                 piece.triangles.vertices,
                                 piece.triangles.count * sizeof(uint32_t[3]));
             seen += piece.triangles.count;
-            assert_int_equal(ctl_mesh_read_as(path, &(struct ctl_reading){.like = &piece},
-                                              &later, &error),
-                             PCCD_OK);
+            assert_ok(ctl_mesh_read_as(path, &(struct ctl_reading){.like = &piece},
+                                       &later, &error));
             ctl_mesh_deinit(&piece);
             ctl_mesh_deinit(&later);
         }
@@ -413,18 +389,4 @@ static int end(void **state)
     return kit_remove_folder(state);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(polygon__is_cut_within_itself_from_each_corner),
-        cmocka_unit_test(polygon__of_four_corners_keeps_its_diagonal),
-        cmocka_unit_test(polygon__without_a_simple_cut_has_none),
-        cmocka_unit_test(polygon__signs_are_exact),
-        cmocka_unit_test(polygon__of_many_corners_is_cut),
-        cmocka_unit_test(polygon__that_has_no_cut_is_refused_by_its_place),
-        cmocka_unit_test(polygon__is_cut_as_in_the_first_frame),
-        cmocka_unit_test(polygon__of_another_topology_is_named),
-        cmocka_unit_test(polygon__is_cut_alike_in_any_parts),
-    };
-    return cmocka_run_group_tests(tests, kit_make_folder, end);
-}
+CASES_WITH(kit_make_folder, end);

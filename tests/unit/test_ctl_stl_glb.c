@@ -1,12 +1,6 @@
 /* test_ctl_stl_glb.c - the readers of STL and of binary glTF. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "ctl_kit.h"
 #include "meshfile.h"
@@ -78,23 +72,22 @@ static void check_joined(const struct ctl_mesh *mesh)
 
 /* If it failed: a surface from STL would be loose triangles, which touch each other all
  * the time, or two encodings of one surface would differ. */
-static void stl__joins_corners_at_the_same_place(void **state)
+CASE(stl__joins_corners_at_the_same_place)
 {
     struct ctl_mesh mesh;
     struct ctl_error error;
-    (void)state;
     put_binary_stl(2);
-    assert_int_equal(read_bytes("two.STL", &mesh, &error), PCCD_OK);
+    assert_ok(read_bytes("two.STL", &mesh, &error));
     check_joined(&mesh);
     ctl_mesh_deinit(&mesh);
     put_ascii_stl();
-    assert_int_equal(read_bytes("two.stl", &mesh, &error), PCCD_OK);
+    assert_ok(read_bytes("two.stl", &mesh, &error));
     check_joined(&mesh);
     ctl_mesh_deinit(&mesh);
 }
 
 /* If it failed: of a long file some corners would be lost where the table grows. */
-static void stl__joins_many_corners(void **state)
+CASE(stl__joins_many_corners)
 {
     enum { FACETS = 3000 };
     static char data[84 + 50 * FACETS];
@@ -102,7 +95,6 @@ static void stl__joins_many_corners(void **state)
     struct ctl_error error = {.text = ""};
     char path[KIT_PATH_BYTES];
     uint32_t count = FACETS;
-    (void)state;
     memcpy(data + 80, &count, 4);
     for (uint32_t i = 0; i < FACETS; i++) {
         float x[3][3] = {{0}};
@@ -113,7 +105,7 @@ static void stl__joins_many_corners(void **state)
         memcpy(data + 84 + 50 * i + 12, x, sizeof x);
     }
     kit_write_file("strip.stl", data, sizeof data, path);
-    assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_OK);
+    assert_ok(ctl_mesh_read(path, &mesh, &error));
     assert_int_equal(mesh.vertex_count, FACETS + 2);
     for (uint32_t i = 0; i < FACETS; i++) {
         assert_int_equal(mesh.triangles.vertices[3 * i], i);
@@ -123,7 +115,7 @@ static void stl__joins_many_corners(void **state)
 }
 
 /* If it failed: a broken STL would be read in part, or its message would not help. */
-static void stl__names_what_is_wrong(void **state)
+CASE(stl__names_what_is_wrong)
 {
     static const struct {
         const char *text;
@@ -146,7 +138,6 @@ static void stl__names_what_is_wrong(void **state)
     };
     struct ctl_mesh mesh;
     struct ctl_error error;
-    (void)state;
     for (size_t i = 0; i < KIT_COUNT(cases); i++) {
         bytes.count = 0;
         kit_put_text(&bytes, cases[i].text);
@@ -202,13 +193,12 @@ static void put_glb(const char *json)
 }
 
 /* If it failed: a model would be read as another one, or elsewhere than it is. */
-static void glb__reads_what_a_node_shows(void **state)
+CASE(glb__reads_what_a_node_shows)
 {
     struct ctl_mesh mesh;
     struct ctl_error error;
-    (void)state;
     put_glb(FILE_OF("", ",\"indices\":1", "4"));
-    assert_int_equal(read_bytes("quad.glb", &mesh, &error), PCCD_OK);
+    assert_ok(read_bytes("quad.glb", &mesh, &error));
     assert_int_equal(mesh.format, PCCD_FORMAT_F32);
     assert_int_equal(mesh.vertex_count, 4);
     assert_int_equal(mesh.triangles.count, 1);
@@ -217,7 +207,7 @@ static void glb__reads_what_a_node_shows(void **state)
     ctl_mesh_deinit(&mesh);
 
     put_glb(FILE_OF(",\"translation\":[0,0,0.5]", ",\"mode\":1", "4"));
-    assert_int_equal(read_bytes("by its first bytes", &mesh, &error), PCCD_OK);
+    assert_ok(read_bytes("by its first bytes", &mesh, &error));
     const double(*x)[3] = mesh.x;
     assert_int_equal(mesh.format, PCCD_FORMAT_F64);
     assert_int_equal(mesh.edges.count, 2);
@@ -226,7 +216,7 @@ static void glb__reads_what_a_node_shows(void **state)
 
     put_glb(
         FILE_OF(",\"weights\":[0.5]", ",\"mode\":0,\"targets\":[{\"POSITION\":0}]", "4"));
-    assert_int_equal(read_bytes("moved.glb", &mesh, &error), PCCD_OK);
+    assert_ok(read_bytes("moved.glb", &mesh, &error));
     assert_int_equal(mesh.points.count, 4);
     x = mesh.x; /* not rounded to floats */
     assert_true(x[1][0] == 1.5 && x[2][2] == (double).1f + .5 * (double).1f);
@@ -234,7 +224,7 @@ static void glb__reads_what_a_node_shows(void **state)
 }
 
 /* If it failed: a file that this reader does not know would be read as something else. */
-static void glb__names_what_it_does_not_read(void **state)
+CASE(glb__names_what_it_does_not_read)
 {
     static const struct {
         const char *json;
@@ -259,7 +249,6 @@ static void glb__names_what_it_does_not_read(void **state)
     };
     struct ctl_mesh mesh;
     struct ctl_error error;
-    (void)state;
     for (size_t i = 0; i < KIT_COUNT(cases); i++) {
         put_glb(cases[i].json);
         int status = read_bytes("other.glb", &mesh, &error);
@@ -275,11 +264,10 @@ static void glb__names_what_it_does_not_read(void **state)
 
 /* If it failed: a file cut anywhere could be taken for a whole one, or read past its
  * end. */
-static void stl_and_glb__are_refused_when_cut(void **state)
+CASE(stl_and_glb__are_refused_when_cut)
 {
     struct ctl_mesh mesh;
     struct ctl_error error;
-    (void)state;
     put_binary_stl(2);
     for (size_t count = bytes.count; count-- > 0;) {
         bytes.count = count;
@@ -294,15 +282,4 @@ static void stl_and_glb__are_refused_when_cut(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(stl__joins_corners_at_the_same_place),
-        cmocka_unit_test(stl__joins_many_corners),
-        cmocka_unit_test(stl__names_what_is_wrong),
-        cmocka_unit_test(glb__reads_what_a_node_shows),
-        cmocka_unit_test(glb__names_what_it_does_not_read),
-        cmocka_unit_test(stl_and_glb__are_refused_when_cut),
-    };
-    return cmocka_run_group_tests(tests, kit_make_folder, kit_remove_folder);
-}
+CASES_WITH(kit_make_folder, kit_remove_folder);

@@ -1,12 +1,9 @@
 /* test_ctl_trace.c - recordings as files for Perfetto. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
 #include <jansson.h>
 
 #include "trace_file.h"
@@ -90,7 +87,7 @@ static bool has_label(const json_t *root, const char *what, const char *label)
 }
 
 /* If it failed: a file would not open, or show a slice at the wrong time or place. */
-static void trace__slices_keep_time_track_and_arguments(void **state)
+CASE(trace__slices_keep_time_track_and_arguments)
 {
     const struct pccd_trace_event events[] = {
         {ORIGIN_NS + 1234567, ORIGIN_NS + 2345678, PCCD_TRACE_UNIT, 3, 17, 99},
@@ -99,7 +96,6 @@ static void trace__slices_keep_time_track_and_arguments(void **state)
         {ORIGIN_NS + 20, ORIGIN_NS + 21, PCCD_TRACE_RECEIVE, 8, UINT32_MAX, 6},
     };
     struct trace_file trace;
-    (void)state;
     begin(&trace);
     trace_file_add(&trace, events, 2);
     trace_file_add(&trace, events + 2, 2);
@@ -127,13 +123,12 @@ static void trace__slices_keep_time_track_and_arguments(void **state)
 
 /* If it failed: requests in flight at a time would be drawn over each other, and those of
  * different clients be mixed up. */
-static void trace__requests_that_overlap_get_tracks_of_their_own(void **state)
+CASE(trace__requests_that_overlap_get_tracks_of_their_own)
 {
     struct pccd_trace_event events[40];
     struct trace_file trace;
     uint64_t ends_ns[2][5] = {{0}};
     uint32_t seen = 0;
-    (void)state;
     for (uint32_t i = 0; i < 40; i++) { /* three at a time, answered out of order */
         uint64_t at = ORIGIN_NS + 100 * (uint64_t)((i * 7) % 40);
         events[i] = (struct pccd_trace_event){
@@ -168,7 +163,7 @@ static void trace__requests_that_overlap_get_tracks_of_their_own(void **state)
 }
 
 /* If it failed: a recording without events, or of a newer daemon, would not open. */
-static void trace__empty_and_unknown_events_are_valid_json(void **state)
+CASE(trace__empty_and_unknown_events_are_valid_json)
 {
     const struct pccd_trace_event odd[] = {
         {ORIGIN_NS + 9, ORIGIN_NS + 3, PCCD_TRACE_KIND_COUNT, 2, 1, 1},
@@ -176,7 +171,6 @@ static void trace__empty_and_unknown_events_are_valid_json(void **state)
         {0, UINT64_MAX, PCCD_TRACE_REQUEST, UINT32_MAX, UINT32_MAX, UINT32_MAX},
     };
     struct trace_file trace;
-    (void)state;
     begin(&trace);
     json_decref(end(&trace, 0));
     begin(&trace);
@@ -185,14 +179,4 @@ static void trace__empty_and_unknown_events_are_valid_json(void **state)
     assert_non_null(find(root, "unknown"));
     assert_non_null(find(root, "unknown method"));
     json_decref(root);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(trace__slices_keep_time_track_and_arguments),
-        cmocka_unit_test(trace__requests_that_overlap_get_tracks_of_their_own),
-        cmocka_unit_test(trace__empty_and_unknown_events_are_valid_json),
-    };
-    return cmocka_run_group_tests_name("ctl_trace", tests, NULL, NULL);
 }

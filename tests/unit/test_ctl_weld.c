@@ -1,16 +1,10 @@
 /* test_ctl_weld.c - vertices at one place, in the frames of files. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "ctl_kit.h"
 #include "meshframes.h"
@@ -39,12 +33,11 @@ static void open_frames(struct ctl_frames *frames, char *const *paths, uint32_t 
 
 /* If it failed: what an exporter has split would touch itself, or what tears be held
  * together, or results name vertices that the file does not have. */
-static void weld__joins_what_is_at_one_place_in_each_frame(void **state)
+CASE(weld__joins_what_is_at_one_place_in_each_frame)
 {
     char a[KIT_PATH_BYTES], b[KIT_PATH_BYTES], c[KIT_PATH_BYTES];
     struct ctl_frames frames;
     struct ctl_mesh frame = {0};
-    (void)state;
     write_text("a.obj", SPLIT("1 -0 0", "0 1 -0"), a);
     write_text("b.obj", SPLIT("1 0 0", "0 1 0"), b);
     write_text("c.obj", SPLIT("1 0 0", "0 1 5e-324"), c);
@@ -53,7 +46,7 @@ static void weld__joins_what_is_at_one_place_in_each_frame(void **state)
     assert_int_equal(frames.welded.apart + frames.welded.more + frames.welded.flat, 0);
     assert_int_equal(frames.mesh.vertex_count, 7);
     assert_memory_equal(frames.mesh.triangles.vertices + 3, ((uint32_t[]){1, 6, 2}), 12);
-    assert_int_equal(ctl_frames_read(&frames, 1, &frame, &error), PCCD_OK);
+    assert_ok(ctl_frames_read(&frames, 1, &frame, &error));
     assert_int_equal(frame.vertex_count, 7);
     ctl_frames_close(&frames);
     open_frames(&frames, (char *[]){a, b, c}, 3, 0);
@@ -74,11 +67,10 @@ static void weld__joins_what_is_at_one_place_in_each_frame(void **state)
 
 /* If it failed: a sphere whose seam is off by a rounding could not be made whole, or its
  * user would not hear of it. */
-static void weld__joins_what_is_as_near_as_was_asked_for(void **state)
+CASE(weld__joins_what_is_as_near_as_was_asked_for)
 {
     char a[KIT_PATH_BYTES];
     struct ctl_frames frames;
-    (void)state;
     write_text("near.obj", SPLIT("1.0000000000000002 0 0", "0 0.9999 0"), a);
     open_frames(&frames, &(char *){a}, 1, 0);
     assert_int_equal(frames.welded.joined, 0);
@@ -111,14 +103,13 @@ static void write_stl(const char *name, const float x[6][3], char path[KIT_PATH_
 
 /* If it failed: two frames from STL would have other numbers of vertices where corners
  * meet or part, and be refused. */
-static void weld__gives_stl_the_same_vertices_in_each_frame(void **state)
+CASE(weld__gives_stl_the_same_vertices_in_each_frame)
 {
     static const float apart[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0},
                                       {1, 0, 0}, {1, 1, 0}, {0, 2, 0}};
     static const float together[6][3] = {{0, 0, 0}, {1, 0, 1}, {0, 1, 0},
                                          {1, 0, 1}, {1, 1, 0}, {0, 1, 0}};
     char a[KIT_PATH_BYTES], b[KIT_PATH_BYTES];
-    (void)state;
     write_stl("apart.stl", apart, a);
     write_stl("together.stl", together, b);
     for (int turned = 0; turned < 2; turned++) {
@@ -130,7 +121,7 @@ static void weld__gives_stl_the_same_vertices_in_each_frame(void **state)
         assert_memory_equal(frames.mesh.triangles.vertices,
                             ((uint32_t[2][3]){{0, 1, 2}, {1, 3, 4}}), 24);
         for (uint32_t i = 0; i < 2; i++) {
-            assert_int_equal(ctl_frames_read(&frames, i, &x[i], &error), PCCD_OK);
+            assert_ok(ctl_frames_read(&frames, i, &x[i], &error));
             assert_int_equal(x[i].vertex_count, 5);
         }
         assert_true(((const float(*)[3])x[turned].x)[4][1] == 2);
@@ -143,12 +134,11 @@ static void weld__gives_stl_the_same_vertices_in_each_frame(void **state)
 }
 
 /* If it failed: frames from pipes would be empty, because they were read twice. */
-static void weld__reads_pipes_once(void **state)
+CASE(weld__reads_pipes_once)
 {
     char a[KIT_PATH_BYTES], b[KIT_PATH_BYTES];
     struct ctl_frames frames;
     struct ctl_mesh frame = {0};
-    (void)state;
     for (int i = 0; i < 2; i++) {
         snprintf(i == 0 ? a : b, KIT_PATH_BYTES, "%s/pipe%d.obj", kit_folder, i);
         assert_int_equal(mkfifo(i == 0 ? a : b, 0600), 0);
@@ -165,8 +155,8 @@ static void weld__reads_pipes_once(void **state)
     open_frames(&frames, (char *[]){a, b}, 2, 0);
     assert_int_equal(frames.welded.joined, 1);
     assert_int_equal(frames.welded.apart, 1);
-    assert_int_equal(ctl_frames_read(&frames, 0, &frame, &error), PCCD_OK);
-    assert_int_equal(ctl_frames_read(&frames, 1, &frame, &error), PCCD_OK);
+    assert_ok(ctl_frames_read(&frames, 0, &frame, &error));
+    assert_ok(ctl_frames_read(&frames, 1, &frame, &error));
     assert_true(((const double(*)[3])frame.x)[4][2] == 1);
     ctl_mesh_deinit(&frame);
     ctl_frames_close(&frames);
@@ -175,13 +165,4 @@ static void weld__reads_pipes_once(void **state)
     (void)unlink(b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(weld__joins_what_is_at_one_place_in_each_frame),
-        cmocka_unit_test(weld__joins_what_is_as_near_as_was_asked_for),
-        cmocka_unit_test(weld__gives_stl_the_same_vertices_in_each_frame),
-        cmocka_unit_test(weld__reads_pipes_once),
-    };
-    return cmocka_run_group_tests(tests, kit_make_folder, kit_remove_folder);
-}
+CASES_WITH(kit_make_folder, kit_remove_folder);

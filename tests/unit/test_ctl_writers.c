@@ -1,18 +1,9 @@
 /* test_ctl_writers.c - what programs write into mesh files beside what the formats' first
  * examples have.
- *
- * Read the same two triangles from PLY, OBJ and STL in many forms; change bytes of such
- * files at random.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "ctl_kit.h"
 #include "meshfile.h"
@@ -90,7 +81,7 @@ static void check_forms(const struct form *forms, size_t count, const char *fill
 #define TWO   "3 0 1 2\n3 2 1 3\n"
 
 /* If it failed: a file that a program wrote would be refused, or read as points. */
-static void writers__of_ply_are_understood(void **state)
+CASE(writers__of_ply_are_understood)
 {
     static const struct form forms[] = {
         {"a.ply",
@@ -129,7 +120,6 @@ static void writers__of_ply_are_understood(void **state)
                "3\n0\n1\n2\n3\n2 1 3\n",
          0},
     };
-    (void)state;
     check_forms(forms, KIT_COUNT(forms), "");
 }
 
@@ -139,23 +129,22 @@ static void writers__of_ply_are_understood(void **state)
     "2 2 2\n"
 
 /* If it failed: strips would be joined by triangles that nobody wrote, or turn over. */
-static void writers__of_strips_begin_anew_and_turn(void **state)
+CASE(writers__of_strips_begin_anew_and_turn)
 {
     struct ctl_mesh mesh = {0};
     struct ctl_error error = {.text = ""};
     char path[KIT_PATH_BYTES];
     static const char text[] = RESTARTED "12 0 1 2 3 -1 3 4 0 0 0 1 2\n";
     static const uint32_t expected[4][3] = {{0, 1, 2}, {2, 1, 3}, {3, 4, 0}, {0, 1, 2}};
-    (void)state;
     kit_write_file("strips.ply", text, strlen(text), path);
-    assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_OK);
+    assert_ok(ctl_mesh_read(path, &mesh, &error));
     assert_int_equal(mesh.triangles.count, 4);
     assert_memory_equal(mesh.triangles.vertices, expected, sizeof expected);
     ctl_mesh_deinit(&mesh);
 }
 
 /* If it failed: a line end behind binary data would refuse a file, or other bytes not. */
-static void writers__of_binary_ply_end_with_a_line_end(void **state)
+CASE(writers__of_binary_ply_end_with_a_line_end)
 {
     static const char *const ends[] = {"",  "\n",   "\r\n", "\r",
                                        "x", "\n\n", "\n\r", "\r\nx"};
@@ -163,7 +152,6 @@ static void writers__of_binary_ply_end_with_a_line_end(void **state)
         "ply\nformat binary_little_endian 1.0\nelement vertex 4\n" XYZ
         "element face 2\nproperty list uchar uchar vertex_indices\n"
         "end_header\n";
-    (void)state;
     for (size_t i = 0; i < KIT_COUNT(ends); i++) {
         struct kit_bytes bytes = {.count = 0};
         struct ctl_mesh mesh = {0};
@@ -183,14 +171,13 @@ static void writers__of_binary_ply_end_with_a_line_end(void **state)
 }
 
 /* If it failed: a surface would be read as loose points, without a word. */
-static void writers__of_ply_never_lose_what_may_be_faces(void **state)
+CASE(writers__of_ply_never_lose_what_may_be_faces)
 {
     struct ctl_mesh mesh = {0};
     struct ctl_error error = {.text = ""};
     char path[KIT_PATH_BYTES];
     static const char text[] = ASCII "element mosaic 2\nproperty list uchar int corners\n"
                                      "end_header\n" FOUR TWO;
-    (void)state;
     kit_write_file("mosaic.ply", text, strlen(text), path);
     assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_E_FORMAT);
     assert_non_null(strstr(error.text, "element \"mosaic\" may have the faces: its list "
@@ -201,7 +188,7 @@ static void writers__of_ply_never_lose_what_may_be_faces(void **state)
 #define F "f 1 2 3\nf 3 2 4\n"
 
 /* If it failed: a comment or a name would eat the line behind it. */
-static void writers__of_obj_are_understood(void **state)
+CASE(writers__of_obj_are_understood)
 {
     static const struct form forms[] = {
         {"a.obj", V F, 0},
@@ -212,25 +199,23 @@ static void writers__of_obj_are_understood(void **state)
          "f 3 2 4\n",
          0},
     };
-    (void)state;
     check_forms(forms, KIT_COUNT(forms), "#");
 }
 
 /* If it failed: results would be told of another object of the file. */
-static void writers__of_obj_name_objects(void **state)
+CASE(writers__of_obj_name_objects)
 {
     static const struct {
         const char *text, *names[2];
     } cases[] = {{V "o  big box \nf 1 2 3\ng left\nusemtl m\no rod\ng x\nf 3 2 4\n",
                   {"big box", "rod"}},
                  {V "g a b\nf 1 2 3\ng\ng c\nf 3 2 4\n", {"a b", "c"}}};
-    (void)state;
     for (size_t i = 0; i < KIT_COUNT(cases); i++) {
         struct ctl_mesh mesh = {0};
         struct ctl_error error = {.text = ""};
         char path[KIT_PATH_BYTES];
         kit_write_file("named.obj", cases[i].text, strlen(cases[i].text), path);
-        assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_OK);
+        assert_ok(ctl_mesh_read(path, &mesh, &error));
         assert_int_equal(mesh.object_count, 2);
         for (uint32_t k = 0; k < 2; k++) {
             assert_string_equal(mesh.objects[k].name, cases[i].names[k]);
@@ -242,15 +227,14 @@ static void writers__of_obj_name_objects(void **state)
 
 /* If it failed: contacts of one group would be told of two, and of the group with itself
  * as of two that meet. */
-static void writers__of_obj_write_a_group_in_parts(void **state)
+CASE(writers__of_obj_write_a_group_in_parts)
 {
     static const char text[] = V "g a\nf 1 2 3\ng b\nf 3 2 4\ng a\nl 1 4\np 4\n";
     struct ctl_mesh mesh = {0};
     struct ctl_error error = {.text = ""};
     char path[KIT_PATH_BYTES];
-    (void)state;
     kit_write_file("parts.obj", text, strlen(text), path);
-    assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_OK);
+    assert_ok(ctl_mesh_read(path, &mesh, &error));
     assert_int_equal(ctl_mesh_object_at(&mesh, CTL_TRIANGLES, 0), 0);
     assert_int_equal(ctl_mesh_object_at(&mesh, CTL_TRIANGLES, 1), 1);
     assert_int_equal(ctl_mesh_object_at(&mesh, CTL_EDGES, 0), 0);
@@ -268,7 +252,7 @@ static void writers__of_obj_write_a_group_in_parts(void **state)
 
 /* If it failed: the way in which a program writes words would refuse its file, or only a
  * large one. */
-static void writers__of_stl_are_understood(void **state)
+CASE(writers__of_stl_are_understood)
 {
     static const struct form forms[] = {
         {"a.stl", "solid\n" BOTH "endsolid\n", 0},
@@ -283,17 +267,15 @@ static void writers__of_stl_are_understood(void **state)
                            "0 1 0") "endsolid\nsolid\n" FACET("0 1 0", "1 0 0", "1 1 0"),
          0},
     };
-    (void)state;
     check_forms(forms, KIT_COUNT(forms), "");
 }
 
 /* If it failed: a user would not know what is wrong with a binary file. */
-static void writers__of_binary_stl_hear_both_counts(void **state)
+CASE(writers__of_binary_stl_hear_both_counts)
 {
     char data[84 + 100] = "solid that is none", path[KIT_PATH_BYTES];
     struct ctl_mesh mesh = {0};
     struct ctl_error error = {.text = ""};
-    (void)state;
     data[80] = 3;
     for (int more = 0; more < 2; more++) {
         kit_write_file("count.stl", data, sizeof data - (more ? 7 : 0), path);
@@ -325,7 +307,7 @@ static const char binary_stl[] =
 
 /* If it failed: a damaged file would crash its reader, or be read beyond its end (built
  * with sanitisers), or be refused without its name. */
-static void writers__damage_is_survived(void **state)
+CASE(writers__damage_is_survived)
 {
     static const struct form forms[] = {
         {"m.ply",
@@ -341,7 +323,6 @@ static void writers__damage_is_survived(void **state)
     };
     uint32_t read_count = 0; /* of binary files */
     unsigned seed = 11;
-    (void)state;
     for (size_t f = 0; f < KIT_COUNT(forms); f++) {
         for (int round = 0; round < 1000; round++) {
             char data[1024], path[KIT_PATH_BYTES];
@@ -382,7 +363,7 @@ static void writers__damage_is_survived(void **state)
 }
 
 /* If it failed: a coordinate would differ in its last bit from what others read. */
-static void writers__numbers_are_rounded_as_the_c_library_does(void **state)
+CASE(writers__numbers_are_rounded_as_the_c_library_does)
 {
     static const char *const odd[] = {"16777217",
                                       "16777217.0000000001",
@@ -401,7 +382,6 @@ static void writers__numbers_are_rounded_as_the_c_library_does(void **state)
                                       "1e-45",
                                       "0x10"};
     unsigned seed = 5;
-    (void)state;
     for (int i = 0; i < 200000; i++) {
         char text[40];
         seed = seed * 1664525u + 1013904223u;
@@ -423,20 +403,4 @@ static void writers__numbers_are_rounded_as_the_c_library_does(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(writers__of_ply_are_understood),
-        cmocka_unit_test(writers__of_strips_begin_anew_and_turn),
-        cmocka_unit_test(writers__of_binary_ply_end_with_a_line_end),
-        cmocka_unit_test(writers__of_ply_never_lose_what_may_be_faces),
-        cmocka_unit_test(writers__of_obj_are_understood),
-        cmocka_unit_test(writers__of_obj_name_objects),
-        cmocka_unit_test(writers__of_obj_write_a_group_in_parts),
-        cmocka_unit_test(writers__of_stl_are_understood),
-        cmocka_unit_test(writers__of_binary_stl_hear_both_counts),
-        cmocka_unit_test(writers__damage_is_survived),
-        cmocka_unit_test(writers__numbers_are_rounded_as_the_c_library_does),
-    };
-    return cmocka_run_group_tests(tests, kit_make_folder, kit_remove_folder);
-}
+CASES_WITH(kit_make_folder, kit_remove_folder);

@@ -1,8 +1,4 @@
-/* test_eng_aabb.c - moving boxes.
- *
- * Directed rounding against nextafterf, union, and the overlap tests against plain code
- * and against boxes that are known to meet at some time.
- */
+/* test_eng_aabb.c - moving boxes. */
 #include "eng_kit.h"
 
 #include <math.h>
@@ -33,19 +29,18 @@ static void check_rounding(double x)
 }
 
 /* If it failed: a box could be too small by one rounding, or needlessly large. */
-static void aabb__rounding_is_the_nearest_float_outward(void **state)
+CASE(aabb__rounding_is_the_nearest_float_outward)
 {
-    (void)state;
-    struct kit_random random = {8};
+    struct prng random = {8};
     for (int i = 0; i < 300000; i++) {
         /* All magnitudes from below the smallest float to the limit, both signs. */
         double x =
-            ldexp(kit_between(&random, -1, 1), -1080 + (int)kit_below(&random, 1140));
+            ldexp(prng_between(&random, -1, 1), -1080 + (int)prng_u32(&random, 1140));
         check_rounding(x);
     }
     for (int i = 0; i < 300000; i++) {
-        float f = ldexpf((float)kit_between(&random, -1, 1),
-                         -150 + (int)kit_below(&random, 210));
+        float f = ldexpf((float)prng_between(&random, -1, 1),
+                         -150 + (int)prng_u32(&random, 210));
         check_rounding((double)f); /* itself */
         check_rounding(nextafter((double)f, INFINITY));
         check_rounding(nextafter((double)f, -INFINITY));
@@ -53,9 +48,8 @@ static void aabb__rounding_is_the_nearest_float_outward(void **state)
 }
 
 /* If it failed: denormals, zeros or the largest coordinates would round inward. */
-static void aabb__rounding_holds_at_the_corners(void **state)
+CASE(aabb__rounding_holds_at_the_corners)
 {
-    (void)state;
     const double corners[] = {
         0.0,        5e-324,        0x1p-149,        0x1p-150,        0x1.8p-150,
         0x1.8p-149, 0x1p-126,      0x1.fffffep-127, 0x1.ffffffp-127, 1.0,
@@ -72,15 +66,14 @@ static void aabb__rounding_holds_at_the_corners(void **state)
 
 /* If it failed: a point could lie outside its own box, or links of a node be
  * overwritten. */
-static void aabb__box_of_a_point_is_tight_and_keeps_the_words(void **state)
+CASE(aabb__box_of_a_point_is_tight_and_keeps_the_words)
 {
-    (void)state;
-    struct kit_random random = {9};
+    struct prng random = {9};
     for (int i = 0; i < 10000; i++) {
         struct eng_box box = {.word0 = 1, .word1 = 2, .word2 = UINT32_MAX, .word3 = 4};
         double x[2][3];
         for (int k = 0; k < 6; k++) {
-            x[k / 3][k % 3] = kit_between(&random, -1e3, 1e3);
+            x[k / 3][k % 3] = prng_between(&random, -1e3, 1e3);
         }
         eng_box_of_point(&box, NULL, x[0], x[1]);
         for (int k = 0; k < 3; k++) {
@@ -95,27 +88,26 @@ static void aabb__box_of_a_point_is_tight_and_keeps_the_words(void **state)
 }
 
 /* Bounds that are multiples of 1/16 below 64: times of 64ths give exact doubles. */
-static struct eng_box random_box(struct kit_random *random, uint32_t size)
+static struct eng_box random_box(struct prng *random, uint32_t size)
 {
     struct eng_box box;
     for (int k = 0; k < 3; k++) {
-        box.lo0[k] = (float)kit_integer(random, 128) / 16;
-        box.hi0[k] = box.lo0[k] + (float)kit_below(random, size) / 16;
-        box.lo1[k] = (float)kit_integer(random, 128) / 16;
-        box.hi1[k] = box.lo1[k] + (float)kit_below(random, size) / 16;
+        box.lo0[k] = (float)prng_integer(random, 128) / 16;
+        box.hi0[k] = box.lo0[k] + (float)prng_u32(random, size) / 16;
+        box.lo1[k] = (float)prng_integer(random, 128) / 16;
+        box.hi1[k] = box.lo1[k] + (float)prng_u32(random, size) / 16;
     }
-    box.word0 = (uint32_t)kit_u64(random); /* any bits, NaN patterns among them */
-    box.word1 = kit_below(random, 2) ? UINT32_MAX : 0;
-    box.word2 = (uint32_t)kit_u64(random);
+    box.word0 = (uint32_t)prng_next(random); /* any bits, NaN patterns among them */
+    box.word1 = prng_u32(random, 2) ? UINT32_MAX : 0;
+    box.word2 = (uint32_t)prng_next(random);
     box.word3 = UINT32_MAX;
     return box;
 }
 
 /* If it failed: a parent would not contain its children. */
-static void aabb__union_is_the_smallest_box_around_both(void **state)
+CASE(aabb__union_is_the_smallest_box_around_both)
 {
-    (void)state;
-    struct kit_random random = {10};
+    struct prng random = {10};
     for (int i = 0; i < 20000; i++) {
         struct eng_box a = random_box(&random, 64);
         struct eng_box b = random_box(&random, 64);
@@ -150,10 +142,9 @@ static bool plain_overlap(const struct eng_box *a, const struct eng_box *b)
 
 /* If it failed: the vector code would not do what its comment says, or look at the
  * words. */
-static void aabb__overlap_agrees_with_plain_code(void **state)
+CASE(aabb__overlap_agrees_with_plain_code)
 {
-    (void)state;
-    struct kit_random random = {11};
+    struct prng random = {11};
     int meets = 0;
     enum { ROUNDS = 200000 };
     for (uint32_t i = 0; i < ROUNDS; i++) {
@@ -184,10 +175,9 @@ static bool overlap_at(const struct eng_box *a, const struct eng_box *b, int j)
 }
 
 /* If it failed: a contact inside the step would be lost although no end shows it. */
-static void aabb__boxes_that_meet_at_some_time_overlap(void **state)
+CASE(aabb__boxes_that_meet_at_some_time_overlap)
 {
-    (void)state;
-    struct kit_random random = {12};
+    struct prng random = {12};
     int only_between = 0;
     for (int i = 0; i < 20000; i++) {
         struct eng_box a = random_box(&random, 32);
@@ -211,17 +201,16 @@ static void aabb__boxes_that_meet_at_some_time_overlap(void **state)
 }
 
 /* If it failed: rounding in the products could lose boxes that only just touch. */
-static void aabb__boxes_that_just_touch_at_the_end_time_overlap(void **state)
+CASE(aabb__boxes_that_just_touch_at_the_end_time_overlap)
 {
-    (void)state;
-    struct kit_random random = {13};
+    struct prng random = {13};
     for (int i = 0; i < 100000; i++) {
         struct eng_box a = random_box(&random, 32);
         struct eng_box b = a; /* alike but along one axis: only that one decides */
-        int axis = (int)kit_below(&random, 3);
-        float scale = ldexpf(1, (int)kit_below(&random, 170) - 120);
-        float gap0 = (float)kit_between(&random, 0.001, 1) * scale;
-        float gap1 = -(float)kit_between(&random, 0.001, 1) * scale;
+        int axis = (int)prng_u32(&random, 3);
+        float scale = ldexpf(1, (int)prng_u32(&random, 170) - 120);
+        float gap0 = (float)prng_between(&random, 0.001, 1) * scale;
+        float gap1 = -(float)prng_between(&random, 0.001, 1) * scale;
         a.lo0[axis] = a.hi0[axis] = a.lo1[axis] = a.hi1[axis] = 0;
         b.lo0[axis] = b.hi0[axis] = gap0;
         b.lo1[axis] = b.hi1[axis] = gap1;
@@ -240,10 +229,9 @@ static void aabb__boxes_that_just_touch_at_the_end_time_overlap(void **state)
 
 /* If it failed: culling by the earliest contact so far would cull nothing, or
  * everything. */
-static void aabb__overlap_until_the_end_is_overlap(void **state)
+CASE(aabb__overlap_until_the_end_is_overlap)
 {
-    (void)state;
-    struct kit_random random = {14};
+    struct prng random = {14};
     for (int i = 0; i < 100000; i++) {
         struct eng_box a = random_box(&random, 64);
         struct eng_box b = random_box(&random, 64);
@@ -252,19 +240,4 @@ static void aabb__overlap_until_the_end_is_overlap(void **state)
                          eng_box_overlap(&a, &b) || overlap_at(&a, &b, 64));
         assert_int_equal(eng_box_overlap_until(&a, &b, 0), overlap_at(&a, &b, 0));
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(aabb__rounding_is_the_nearest_float_outward),
-        cmocka_unit_test(aabb__rounding_holds_at_the_corners),
-        cmocka_unit_test(aabb__box_of_a_point_is_tight_and_keeps_the_words),
-        cmocka_unit_test(aabb__union_is_the_smallest_box_around_both),
-        cmocka_unit_test(aabb__overlap_agrees_with_plain_code),
-        cmocka_unit_test(aabb__boxes_that_meet_at_some_time_overlap),
-        cmocka_unit_test(aabb__boxes_that_just_touch_at_the_end_time_overlap),
-        cmocka_unit_test(aabb__overlap_until_the_end_is_overlap),
-    };
-    return cmocka_run_group_tests_name("eng_aabb", tests, NULL, NULL);
 }

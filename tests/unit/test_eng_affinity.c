@@ -4,7 +4,6 @@
  * team.
  */
 #include "eng_crew.h"
-#include "skip.h"
 
 #include <omp.h>
 #include <pthread.h>
@@ -78,6 +77,60 @@ struct rounds {
     struct sight sights[5];
 };
 
+static void *unplaced(void *data)
+{
+    struct rounds *rounds = data;
+    rounds->sights[0] = look(NULL, rounds->threads);
+    return NULL;
+}
+
+/* If it failed: whoever asks for no places would be bound all the same. The first case:
+ * clang's OpenMP library lends threads that were bound to the next who asks. */
+CASE(place__without_places_nobody_is_bound)
+{
+    static struct rounds rounds;
+    rounds.threads = usable(&rounds.affinity);
+    apart(unplaced, &rounds);
+    for (uint32_t i = 0; i < rounds.sights[0].count; i++) {
+        assert_int_equal(rounds.sights[0].allowed[i], rounds.affinity.count);
+    }
+}
+
+static void *as_guest(void *data)
+{
+    struct rounds *rounds = data;
+    for (uint32_t i = 0; i < 2; i++) { /* it has moved in between */
+        rounds->affinity.first_on = rounds->affinity.cpu[i];
+        rounds->sights[i] = look(&rounds->affinity, rounds->threads);
+    }
+    rounds->sights[2] = look(&rounds->affinity, rounds->threads + 1);
+    return NULL;
+}
+
+/* If it failed: a step in a game's process would bind the game's own thread, or the
+ * others would wait behind it on its processor. */
+CASE(place__guests_keep_off_the_first_thread_and_let_it_be)
+{
+    static struct rounds rounds;
+    rounds.threads = usable(&rounds.affinity);
+    if (rounds.threads == TEAM_MAX) {
+        test_skip("there are too many processors");
+    }
+    rounds.affinity.is_guest = true;
+    apart(as_guest, &rounds);
+    for (uint32_t i = 0; i < 3; i++) {
+        assert_int_equal(rounds.sights[i].allowed[0], rounds.affinity.count);
+    }
+    for (uint32_t i = 1; i < rounds.threads; i++) {
+        assert_int_equal(rounds.sights[0].allowed[i], rounds.affinity.count - 1);
+        assert_int_not_equal(rounds.sights[0].cpu[i], rounds.affinity.cpu[0]);
+        assert_int_equal(rounds.sights[1].allowed[i], rounds.affinity.count - 1);
+        assert_int_not_equal(rounds.sights[1].cpu[i], rounds.affinity.cpu[1]);
+        assert_int_equal(rounds.sights[2].allowed[i],
+                         rounds.affinity.count); /* a crowd */
+    }
+}
+
 static void *shrink_and_grow(void *data)
 {
     struct rounds *rounds = data;
@@ -91,10 +144,9 @@ static void *shrink_and_grow(void *data)
 }
 
 /* If it failed: two threads of a team could share a processor while another is idle. */
-static void place__each_thread_has_its_own_processor(void **state)
+CASE(place__each_thread_has_its_own_processor)
 {
     static struct rounds rounds;
-    (void)state;
     rounds.threads = usable(&rounds.affinity);
     apart(shrink_and_grow, &rounds);
     for (int i = 0; i < 5; i++) {
@@ -115,10 +167,9 @@ static void *bind_then_crowd(void *data)
 
 /* If it failed: the threads added to a bound team would all stay on the processor of the
  * thread that made them. */
-static void place__crowd_may_run_anywhere(void **state)
+CASE(place__crowd_may_run_anywhere)
 {
     static struct rounds rounds;
-    (void)state;
     rounds.threads = usable(&rounds.affinity);
     if (rounds.threads == TEAM_MAX) {
         test_skip("there are too many processors");
@@ -130,100 +181,6 @@ static void place__crowd_may_run_anywhere(void **state)
         assert_int_equal(rounds.sights[1].allowed[i], rounds.affinity.count);
     }
     check_bound(&rounds.sights[2], &rounds.affinity);
-}
-
-static void *unplaced(void *data)
-{
-    struct rounds *rounds = data;
-    rounds->sights[0] = look(NULL, rounds->threads);
-    return NULL;
-}
-
-/* If it failed: whoever asks for no places would be bound all the same. */
-static void place__without_places_nobody_is_bound(void **state)
-{
-    static struct rounds rounds;
-    (void)state;
-    rounds.threads = usable(&rounds.affinity);
-    apart(unplaced, &rounds);
-    for (uint32_t i = 0; i < rounds.sights[0].count; i++) {
-        assert_int_equal(rounds.sights[0].allowed[i], rounds.affinity.count);
-    }
-}
-
-struct stepping {
-    struct crew *crew;
-    struct eng_affinity affinity;
-    uint32_t threads;
-    struct sight sight;
-};
-
-/* A step, then a region that places nobody: the team is still where the step put it. */
-static void *step_with_places(void *data)
-{
-    struct stepping *stepping = data;
-    struct eng_question settings = crew_alone(PCCD_MODE_ALL);
-    struct eng_step_result result;
-    settings.threads = stepping->threads;
-    settings.team_always = true;
-    settings.affinity = &stepping->affinity;
-    eng_stage_begin(stepping->crew->scene);
-    if (eng_step(stepping->crew->scene, &settings, &result) == PCCD_OK) {
-        stepping->sight = look(NULL, stepping->threads);
-    }
-    return NULL;
-}
-
-/* If it failed: a step would leave its threads where the kernel put them, or bind those
- * of its process that it does not know. */
-static void place__steps_bind_their_team_only(void **state)
-{
-    static struct stepping stepping;
-    stepping.crew = *state;
-    stepping.threads = usable(&stepping.affinity);
-    int before = allowed_count();
-    apart(step_with_places, &stepping);
-    assert_int_equal(stepping.sight.count, stepping.threads);
-    for (uint32_t i = 0; i < stepping.sight.count; i++) {
-        assert_int_equal(stepping.sight.allowed[i], 1); /* its own, or one lent to it */
-    }
-    assert_int_equal(allowed_count(), before);
-}
-
-static void *as_guest(void *data)
-{
-    struct rounds *rounds = data;
-    for (uint32_t i = 0; i < 2; i++) { /* it has moved in between */
-        rounds->affinity.first_on = rounds->affinity.cpu[i];
-        rounds->sights[i] = look(&rounds->affinity, rounds->threads);
-    }
-    rounds->sights[2] = look(&rounds->affinity, rounds->threads + 1);
-    return NULL;
-}
-
-/* If it failed: a step in a game's process would bind the game's own thread, or the
- * others would wait behind it on its processor. */
-static void place__guests_keep_off_the_first_thread_and_let_it_be(void **state)
-{
-    static struct rounds rounds;
-    (void)state;
-    rounds.threads = usable(&rounds.affinity);
-    if (rounds.threads == TEAM_MAX) {
-        test_skip("there are too many processors");
-    }
-    rounds.affinity.is_guest = true;
-    apart(as_guest, &rounds);
-    for (uint32_t i = 0; i < 3; i++) {
-        assert_int_equal(rounds.sights[i].allowed[0], rounds.affinity.count);
-    }
-    for (uint32_t i = 1; i < rounds.threads; i++) {
-        assert_int_equal(rounds.sights[0].allowed[i], rounds.affinity.count - 1);
-        assert_int_not_equal(rounds.sights[0].cpu[i], rounds.affinity.cpu[0]);
-        assert_int_equal(rounds.sights[1].allowed[i], rounds.affinity.count - 1);
-        assert_int_not_equal(rounds.sights[1].cpu[i], rounds.affinity.cpu[1]);
-        assert_int_equal(rounds.sights[2].allowed[i],
-                         rounds.affinity.count); /* a crowd */
-    }
 }
 
 /* ---- lending ----------------------------------------------------------------------- */
@@ -334,47 +291,68 @@ static void lend_beside_burners(struct lending *lending)
 /* If it failed: a team would wait for the next tick, and the next, for one of its threads
  * whose processor somebody else has taken; or that thread would stay where it is in the
  * way of another. */
-static void place__who_waits_lends_its_processor(void **state)
+CASE(place__who_waits_lends_its_processor)
 {
     static struct lending lending;
-    (void)state;
     lend_beside_burners(&lending);
 }
 
 /* If it failed: two threads would wait for each other until the next tick, one of which
  * has waited, and cannot see that it need not any more. */
-static void place__who_waits_lends_to_one_that_cannot_look(void **state)
+CASE(place__who_waits_lends_to_one_that_cannot_look)
 {
     static struct lending lending = {.is_waiting = true};
-    (void)state;
     lend_beside_burners(&lending);
 }
 
 /* If it failed: threads that wait, asleep, for a third one would be thrown together. The
  * clock stands at less than any wait sleeps. */
-static void place__who_waits_itself_is_not_moved(void **state)
+CASE(place__who_waits_itself_is_not_moved)
 {
     static struct lending lending = {.is_waiting = true, .look_ns = 100};
-    (void)state;
     (void)usable(&lending.affinity);
     apart(lend, &lending);
     assert_int_equal(lending.moved, 0);
     assert_int_equal(lending.cpu, lending.affinity.cpu[1]);
 }
 
-int main(void)
+/* ---- steps ------------------------------------------------------------------------- */
+
+struct stepping {
+    struct crew *crew;
+    struct eng_affinity affinity;
+    uint32_t threads;
+    struct sight sight;
+};
+
+/* A step, then a region that places nobody: the team is still where the step put it. */
+static void *step_with_places(void *data)
 {
-    const struct CMUnitTest tests[] = {
-        /* First, because clang's OpenMP library lends threads that were bound to the next
-         * who asks; gcc's ends them with their team. */
-        cmocka_unit_test(place__without_places_nobody_is_bound),
-        cmocka_unit_test(place__guests_keep_off_the_first_thread_and_let_it_be),
-        cmocka_unit_test(place__each_thread_has_its_own_processor),
-        cmocka_unit_test(place__crowd_may_run_anywhere),
-        cmocka_unit_test(place__who_waits_lends_its_processor),
-        cmocka_unit_test(place__who_waits_lends_to_one_that_cannot_look),
-        cmocka_unit_test(place__who_waits_itself_is_not_moved),
-        CREW_TEST(place__steps_bind_their_team_only),
-    };
-    return cmocka_run_group_tests_name("eng_place", tests, NULL, NULL);
+    struct stepping *stepping = data;
+    struct eng_question settings = crew_alone(PCCD_MODE_ALL);
+    struct eng_step_result result;
+    settings.threads = stepping->threads;
+    settings.team_always = true;
+    settings.affinity = &stepping->affinity;
+    eng_stage_begin(stepping->crew->scene);
+    if (eng_step(stepping->crew->scene, &settings, &result) == PCCD_OK) {
+        stepping->sight = look(NULL, stepping->threads);
+    }
+    return NULL;
+}
+
+/* If it failed: a step would leave its threads where the kernel put them, or bind those
+ * of its process that it does not know. */
+CASE_WITH(place__steps_bind_their_team_only, crew_setup, crew_teardown)
+{
+    static struct stepping stepping;
+    stepping.crew = *state;
+    stepping.threads = usable(&stepping.affinity);
+    int before = allowed_count();
+    apart(step_with_places, &stepping);
+    assert_int_equal(stepping.sight.count, stepping.threads);
+    for (uint32_t i = 0; i < stepping.sight.count; i++) {
+        assert_int_equal(stepping.sight.allowed[i], 1); /* its own, or one lent to it */
+    }
+    assert_int_equal(allowed_count(), before);
 }

@@ -1,8 +1,5 @@
 /* test_eng_background.c - large subtrees, built in the background and swapped in.
  *
- * Poor subtrees above the regions come back good, a share at a time; answers meanwhile;
- * objects that go away; no memory after the first time.
- *
  * Source: daemon/engine/paper/background.h; paper sections 6.2 and 7.1.
  */
 #include "eng_blast.h"
@@ -68,9 +65,8 @@ static uint64_t settle(double t, struct eng_step_result *result)
 
 /* If it failed: the upper levels of a hierarchy would stay as bad as they have become, or
  * only a long step would make them good. */
-static void aside__poor_high_nodes_become_good(void **state)
+CASE(aside__poor_high_nodes_become_good)
 {
-    (void)state;
     const double t = 0.3;
     start(0);
     uint64_t never = stand_still(t).counters.box_tests;
@@ -96,9 +92,8 @@ static void aside__poor_high_nodes_become_good(void **state)
 
 /* If it failed: a large scene would be rebuilt within a step, which would then take as
  * long as many: the spikes of the paper's figure 6. */
-static void aside__shares_are_as_small_as_they_are_told(void **state)
+CASE(aside__shares_are_as_small_as_they_are_told)
 {
-    (void)state;
     struct eng_step_result result;
     start(0.9);
     struct eng_background *background = &eng_paper_of(blast.scene)->background;
@@ -118,9 +113,8 @@ static void aside__shares_are_as_small_as_they_are_told(void **state)
 
 /* If it failed: contacts would be lost or doubled while a subtree is built in the
  * background, or by its swap. */
-static void aside__answers_do_not_notice(void **state)
+CASE(aside__answers_do_not_notice)
 {
-    (void)state;
     const double dt = 0.02;
     uint64_t expected[12][2];
     start(0);
@@ -150,31 +144,28 @@ static void aside__answers_do_not_notice(void **state)
 
 /* If it failed: a subtree would be swapped into nodes that belong to another object by
  * now. */
-static void aside__objects_that_go_take_their_subtrees_along(void **state)
+CASE(aside__objects_that_go_take_their_subtrees_along)
 {
-    (void)state;
-    struct kit_random random = {66};
+    struct prng random = {66};
     struct eng_mesh *soups[2] = {kit_soup(&random, 400), kit_soup(&random, 3000)};
     start(0.9);
     for (uint32_t round = 0; round < 60; round++) {
         struct eng_background *background = &eng_paper_of(blast.scene)->background;
         uint32_t other;
-        assert_int_equal(eng_scene_add(blast.scene, soups[round % 2], 9, &other),
-                         PCCD_OK);
+        assert_ok(eng_scene_add(blast.scene, soups[round % 2], 9, &other));
         for (uint32_t step = 0; step <= round / 4; step++) {
             background->budget_ns =
                 8000 + 5000 * (round % 7); /* to be anywhere in the work */
             stand_still(0.05 * round);
         }
         if (round % 3 == 0) {
-            assert_int_equal(eng_scene_replace(blast.scene, blast.idx, soups[0]),
-                             PCCD_OK);
+            assert_ok(eng_scene_replace(blast.scene, blast.idx, soups[0]));
             blast_deinit(&blast);
             start(0.9);
             continue;
         }
         uint32_t gone = other;
-        assert_int_equal(eng_scene_remove(blast.scene, gone), PCCD_OK);
+        assert_ok(eng_scene_remove(blast.scene, gone));
         struct eng_step_result result = stand_still(0.05 * round);
         assert_int_equal(result.incomplete, PCCD_COMPLETE);
     }
@@ -184,9 +175,8 @@ static void aside__objects_that_go_take_their_subtrees_along(void **state)
 }
 
 /* If it failed: every large reconstruction would go to the system for memory. */
-static void aside__memory_is_taken_once(void **state)
+CASE(aside__memory_is_taken_once)
 {
-    (void)state;
     struct eng_step_result result;
     uint64_t swapped = 0;
     start(0.9);
@@ -207,16 +197,4 @@ static void aside__memory_is_taken_once(void **state)
                 BLAST_TRIANGLES * sizeof(struct eng_split_item));
     assert_int_equal(eng_scene_bytes(blast.scene), bytes);
     blast_deinit(&blast);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(aside__poor_high_nodes_become_good),
-        cmocka_unit_test(aside__shares_are_as_small_as_they_are_told),
-        cmocka_unit_test(aside__answers_do_not_notice),
-        cmocka_unit_test(aside__objects_that_go_take_their_subtrees_along),
-        cmocka_unit_test(aside__memory_is_taken_once),
-    };
-    return cmocka_run_group_tests_name("eng_background", tests, NULL, NULL);
 }

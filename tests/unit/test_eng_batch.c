@@ -1,8 +1,4 @@
-/* test_eng_batch.c - elementary tests of many pairs at once.
- *
- * Compare a batch with eng_solve, one pair at a time, for every instruction set: pairs in
- * general position, planted contacts, small grids (coplanar and degenerate), any count.
- */
+/* test_eng_batch.c - elementary tests of many pairs at once. */
 #include "eng_case.h"
 
 #include <math.h>
@@ -27,48 +23,48 @@ struct chunk {
 static struct chunk chunk;
 static struct eng_batch batch;
 
-static void random_query(struct kit_random *random, struct eng_query *query)
+static void random_query(struct prng *random, struct eng_query *query)
 {
-    unsigned family = kit_below(random, 4);
+    unsigned family = prng_u32(random, 4);
     if (family == 0) {
-        kit_plant(random, query->kind, kit_below(random, 9), query);
+        kit_plant(random, query->kind, prng_u32(random, 9), query);
         return;
     }
     for (int i = 0; i < 24; i++) {
-        query->x[i / 12][i / 3 % 4][i % 3] = family == 1 ? kit_integer(random, 2)
+        query->x[i / 12][i / 3 % 4][i % 3] = family == 1 ? prng_integer(random, 2)
                                              : family == 2
-                                                 ? kit_between(random, -1, 1)
-                                                 : 1e6 + kit_between(random, -1, 1);
+                                                 ? prng_between(random, -1, 1)
+                                                 : 1e6 + prng_between(random, -1, 1);
     }
 }
 
 /* Features that pass through the origin, or through the same places as each other, with
  * coordinates as far apart as they may be: decisions take longest. */
-static void slow_query(struct kit_random *random, struct eng_query *query)
+static void slow_query(struct prng *random, struct eng_query *query)
 {
     double pool[8];
     for (int i = 0; i < 8; i++) {
-        pool[i] = ldexp(kit_between(random, -1, 1), i % 2 ? 59 : -1074 + 9 * i);
+        pool[i] = ldexp(prng_between(random, -1, 1), i % 2 ? 59 : -1074 + 9 * i);
     }
     for (int i = 0; i < 24; i++) {
-        query->x[i / 12][i / 3 % 4][i % 3] = pool[kit_below(random, 8)];
+        query->x[i / 12][i / 3 % 4][i % 3] = pool[prng_u32(random, 8)];
     }
     for (int i = 0; i < 12; i++) {
-        if (kit_below(random, 2)) {
+        if (prng_u32(random, 2)) {
             query->x[1][i / 3][i % 3] = -query->x[0][i / 3][i % 3];
         }
     }
 }
 
 /* The points of all pairs in a random order. */
-static void fill_with(void (*make)(struct kit_random *random, struct eng_query *query),
-                      struct kit_random *random, enum pccd_kind kind, uint32_t count)
+static void fill_with(void (*make)(struct prng *random, struct eng_query *query),
+                      struct prng *random, enum pccd_kind kind, uint32_t count)
 {
     static uint32_t order[4 * PAIR_MAX];
     chunk.kind = kind;
     chunk.count = count;
     for (uint32_t i = 0; i < 4 * count; i++) {
-        uint32_t j = kit_below(random, i + 1);
+        uint32_t j = prng_u32(random, i + 1);
         order[i] = order[j];
         order[j] = i;
     }
@@ -80,13 +76,13 @@ static void fill_with(void (*make)(struct kit_random *random, struct eng_query *
             chunk.quads[i][k] = at;
             memcpy(chunk.points[at].x0, chunk.queries[i].x[0][k], 24);
             memcpy(chunk.points[at].x1, chunk.queries[i].x[1][k], 24);
-            chunk.points[at].word0 = kit_u64(random); /* the owner's: any bits */
+            chunk.points[at].word0 = prng_next(random); /* the owner's: any bits */
             chunk.points[at].word1 = UINT64_MAX;
         }
     }
 }
 
-static void fill(struct kit_random *random, enum pccd_kind kind, uint32_t count)
+static void fill(struct prng *random, enum pccd_kind kind, uint32_t count)
 {
     fill_with(random_query, random, kind, count);
 }
@@ -143,12 +139,11 @@ static uint32_t check(const struct eng_kernels *kernels, double t_end)
 
 /* If it failed: the answer would depend on the method, on the processor, or on which
  * pairs happen to be tested together. */
-static void batch__answers_are_those_of_single_queries(void **state)
+CASE(batch__answers_are_those_of_single_queries)
 {
-    (void)state;
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
-        struct kit_random random = {400};
+        struct prng random = {400};
         uint32_t hits = 0;
         for (uint32_t round = 0; kernels && round < 12; round++) {
             fill(&random, round % 2 ? PCCD_EE : PCCD_VF, PAIR_MAX);
@@ -159,9 +154,8 @@ static void batch__answers_are_those_of_single_queries(void **state)
 }
 
 /* If it failed: a kind would be announced to users, and the first step would crash. */
-static void batch__every_kind_has_its_row_in_every_table(void **state)
+CASE(batch__every_kind_has_its_row_in_every_table)
 {
-    (void)state;
     for (int kind = 0; kind < PCCD_KIND_COUNT; kind++) {
         bool is_of_free = kind == PCCD_VE || kind == PCCD_VV; /* only at a distance */
         assert_true((eng_solvers[kind].search == NULL) == is_of_free);
@@ -175,12 +169,11 @@ static void batch__every_kind_has_its_row_in_every_table(void **state)
 }
 
 /* If it failed: pairs behind the last full vector would be lost, or made up. */
-static void batch__any_count_is_tested(void **state)
+CASE(batch__any_count_is_tested)
 {
-    (void)state;
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
-        struct kit_random random = {401};
+        struct prng random = {401};
         for (uint32_t count = 0; kernels && count < 40; count++) {
             fill(&random, count % 2 ? PCCD_EE : PCCD_VF, count);
             check(kernels, 1);
@@ -195,10 +188,9 @@ static bool stop_now(void *owner)
 }
 
 /* If it failed: a deadline would wait for a chunk full of exact arithmetic. */
-static void batch__stops_after_exact_arithmetic(void **state)
+CASE(batch__stops_after_exact_arithmetic)
 {
-    (void)state;
-    struct kit_random random = {402};
+    struct prng random = {402};
     unsigned asked = 0;
     fill(&random, PCCD_VF, PAIR_MAX);
     batch.owner = &asked;
@@ -231,12 +223,11 @@ static uint32_t test_with_looks(struct looks *looks, uint32_t enough)
 
 /* If it failed: a deadline would wait for a decision, however long it takes; or a pair
  * that was given up would have an answer; or looking would change one. */
-static void batch__stops_within_a_decision(void **state)
+CASE(batch__stops_within_a_decision)
 {
-    (void)state;
     static struct eng_hit hits[64];
     static uint32_t index[64];
-    struct kit_random random = {403};
+    struct prng random = {403};
     struct looks looks;
     uint32_t within = 0; /* looks from inside a decision */
     for (uint32_t round = 0; round < 20; round++) {
@@ -262,16 +253,4 @@ static void batch__stops_within_a_decision(void **state)
     assert_true(within > 100);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(batch__answers_are_those_of_single_queries),
-        cmocka_unit_test(batch__every_kind_has_its_row_in_every_table),
-        cmocka_unit_test(batch__any_count_is_tested),
-        cmocka_unit_test(batch__stops_after_exact_arithmetic),
-        cmocka_unit_test(batch__stops_within_a_decision),
-    };
-    int status = cmocka_run_group_tests_name("eng_batch", tests, NULL, NULL);
-    eng_exact_deinit(case_exact());
-    return status;
-}
+CASES_WITH(NULL, case_end);

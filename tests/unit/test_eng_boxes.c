@@ -33,7 +33,7 @@ static struct eng_box plain(const struct eng_extents *box)
     return out;
 }
 
-static void fill(struct fixture *f, struct kit_random *random)
+static void fill(struct fixture *f, struct prng *random)
 {
     fill_boxes(f->boxes, f->corner, random);
     eng_kernels_of(ENG_ISA_SCALAR)
@@ -43,17 +43,16 @@ static void fill(struct fixture *f, struct kit_random *random)
 /* If a box were rounded inward by one set, it would miss contacts; outward by more, mode
  * pairs would name other pairs than the method paper; with a negative zero in it, boxes
  * that touch would be taken for ones that are apart. */
-static void boxes__of_points_are_rounded_as_everywhere(void **state)
+CASE(boxes__of_points_are_rounded_as_everywhere)
 {
-    (void)state;
-    struct kit_random random = {11};
+    struct prng random = {11};
     for (uint32_t round = 0; round < ROUNDS * 50; round++) {
         struct eng_point point = {.word0 = 1, .word1 = UINT64_MAX};
-        double scale = ldexp(1, (int)kit_below(&random, 160) - 100);
+        double scale = ldexp(1, (int)prng_u32(&random, 160) - 100);
         for (int k = 0; k < 3; k++) {
-            point.x0[k] = scale * kit_between(&random, -1, 1);
-            point.x1[k] = round % 3 ? (double)(float)(scale * kit_integer(&random, 9))
-                                    : 1e18 * kit_integer(&random, 1);
+            point.x0[k] = scale * prng_between(&random, -1, 1);
+            point.x1[k] = round % 3 ? (double)(float)(scale * prng_integer(&random, 9))
+                                    : 1e18 * prng_integer(&random, 1);
         }
         struct eng_box expected;
         eng_box_of_point(&expected, NULL, point.x0, point.x1);
@@ -95,13 +94,12 @@ static void leave_untouched(struct eng_wide_block *blocks)
 }
 
 /* If a row were in another lane, or a union too small, a pair would be lost. */
-static void boxes__go_into_blocks_and_unions(void **state)
+CASE(boxes__go_into_blocks_and_unions)
 {
-    (void)state;
     static struct fixture f;
     static struct eng_wide_block blocks[BLOCKS];
     struct eng_extents around[BLOCKS];
-    struct kit_random random = {12};
+    struct prng random = {12};
     fill(&f, &random);
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
@@ -199,17 +197,16 @@ static bool is_wanted(const struct fixture *f, enum which which, bool self, uint
 
 /* If a pair of touching boxes were missing a contact would be; if one were there twice,
  * or shared a vertex, the answer would be another. */
-static void boxes__of_two_blocks_are_joined_as_one_by_one(void **state)
+CASE(boxes__of_two_blocks_are_joined_as_one_by_one)
 {
-    (void)state;
     static struct fixture f;
     static struct lists out;
-    struct kit_random random = {13};
+    struct prng random = {13};
     uint64_t pairs = 0;
     for (uint32_t round = 0; round < ROUNDS; round++) {
         fill(&f, &random);
-        uint32_t n = kit_below(&random, BLOCKS);
-        uint32_t m = round % 2 ? n : kit_below(&random, BLOCKS);
+        uint32_t n = prng_u32(&random, BLOCKS);
+        uint32_t m = round % 2 ? n : prng_u32(&random, BLOCKS);
         for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
             const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
             for (enum which which = NODES; kernels && which <= FACES; which++) {
@@ -254,19 +251,18 @@ static bool is_apart_until(const struct eng_box *a, const struct eng_box *b, dou
 
 /* If a pair that meets before the bound were left out, mode first would miss the first
  * contact; if the sets differed, so would the counters of two machines. */
-static void boxes__are_joined_up_to_a_time(void **state)
+CASE(boxes__are_joined_up_to_a_time)
 {
-    (void)state;
     static struct fixture f;
     static struct lists whole;
     static struct lists expected;
     static struct lists out;
-    struct kit_random random = {14};
+    struct prng random = {14};
     uint64_t left_out = 0;
     uint64_t apart = 0;
     for (uint32_t round = 0; round < ROUNDS; round++) {
         fill(&f, &random);
-        double t = ldexp((double)kit_below(&random, 256), -8);
+        double t = ldexp((double)prng_u32(&random, 256), -8);
         enum which which = (enum which)(round % 3);
         run(eng_kernels_of(ENG_ISA_SCALAR), &f, which, 0, round % 2, 1, &whole);
         run(eng_kernels_of(ENG_ISA_SCALAR), &f, which, 0, round % 2, (float)t, &expected);
@@ -341,16 +337,15 @@ static void compare_near(struct fixture *f, enum which which, uint32_t m, double
 
 /* If a pair that meets before a bound that is near were left out, mode first would miss
  * the first contact; if few were left out, it would test the rest for nothing. */
-static void boxes__are_joined_up_to_a_time_that_is_near(void **state)
+CASE(boxes__are_joined_up_to_a_time_that_is_near)
 {
-    (void)state;
     static struct fixture f;
-    struct kit_random random = {15};
+    struct prng random = {15};
     struct left_out left_out[2] = {{0}};
     for (uint32_t round = 0; round < 10 * ROUNDS; round++) {
         fill(&f, &random);
         bool is_near = round % 4 != 0;
-        double t = ldexp((double)kit_below(&random, is_near ? 16 : 256), -8);
+        double t = ldexp((double)prng_u32(&random, is_near ? 16 : 256), -8);
         compare_near(&f, (enum which)(round % 3), round % 2, t, &left_out[is_near]);
     }
     for (int i = 0; i < 2; i++) {
@@ -360,13 +355,12 @@ static void boxes__are_joined_up_to_a_time_that_is_near(void **state)
 }
 
 /* If they were compared otherwise, the pairs beside other libraries' would be others. */
-static void boxes__that_stand_still_are_joined_as_those_that_move(void **state)
+CASE(boxes__that_stand_still_are_joined_as_those_that_move)
 {
-    (void)state;
     static struct fixture f;
     static struct lists moving;
     static struct lists swept;
-    struct kit_random random = {16};
+    struct prng random = {16};
     uint64_t pairs = 0;
     for (uint32_t round = 0; round < ROUNDS; round++) {
         fill(&f, &random);
@@ -418,13 +412,12 @@ static uint64_t compare_in_time(const struct eng_kernels *kernels, struct fixtur
 
 /* If a pair that meets at some time were left out, its contact would be missed; if hardly
  * any were left out, the filter would do the work again. */
-static void boxes__that_no_time_brings_together_are_left_out(void **state)
+CASE(boxes__that_no_time_brings_together_are_left_out)
 {
     static struct fixture f;
-    struct kit_random random = {91};
+    struct prng random = {91};
     uint64_t left_out[FACES + 1] = {0};
     uint64_t met[FACES + 1] = {0};
-    (void)state;
     for (uint32_t round = 0; round < ROUNDS * BLOCKS * ENG_ISA_COUNT; round++) {
         uint32_t n = round % BLOCKS;
         uint32_t m = round / 7 % BLOCKS;
@@ -441,18 +434,4 @@ static void boxes__that_no_time_brings_together_are_left_out(void **state)
     for (enum which which = NODES; which <= FACES; which++) {
         assert_true(left_out[which] > 1000 && met[which] > 1000);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(boxes__of_points_are_rounded_as_everywhere),
-        cmocka_unit_test(boxes__go_into_blocks_and_unions),
-        cmocka_unit_test(boxes__of_two_blocks_are_joined_as_one_by_one),
-        cmocka_unit_test(boxes__are_joined_up_to_a_time),
-        cmocka_unit_test(boxes__are_joined_up_to_a_time_that_is_near),
-        cmocka_unit_test(boxes__that_stand_still_are_joined_as_those_that_move),
-        cmocka_unit_test(boxes__that_no_time_brings_together_are_left_out),
-    };
-    return cmocka_run_group_tests_name("eng_boxes", tests, NULL, NULL);
 }

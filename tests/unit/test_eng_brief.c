@@ -1,8 +1,4 @@
-/* test_eng_brief.c - steps that are certain to end soon.
- *
- * What they answer beside other steps, what they give up and what becomes of it, and
- * which steps may be asked for as brief ones.
- */
+/* test_eng_brief.c - steps that are certain to end soon. */
 #include "eng_kit.h"
 
 #include <string.h>
@@ -25,21 +21,18 @@ static struct eng_question settings_of(enum pccd_mode mode, bool brief)
 }
 
 /* A scene of one soup. */
-static struct eng_scene *soup_new(struct kit_random *random, uint32_t triangles)
+static struct eng_scene *soup_new(struct prng *random, uint32_t triangles)
 {
-    struct eng_scene *scene;
-    uint32_t idx;
     struct eng_mesh *mesh = kit_soup(random, triangles);
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 7, &idx), PCCD_OK);
-    eng_mesh_release(mesh);
+    struct eng_scene *scene = kit_scene();
+    kit_add(scene, mesh, 7);
     return scene;
 }
 
 static void move(struct eng_scene *scene, const double (*x)[3], uint32_t count)
 {
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, count, x), PCCD_OK);
+    assert_ok(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, count, x));
 }
 
 static void check_same(const struct eng_step_result *a, const struct eng_step_result *b)
@@ -55,33 +48,31 @@ static void check_same(const struct eng_step_result *a, const struct eng_step_re
 
 /* Where the triangles of a soup go: two by two to places apart, or, in a crowd, all to
  * one. */
-static void choose_positions(struct kit_random *random, bool crowd, double (*x)[3])
+static void choose_positions(struct prng *random, bool crowd, double (*x)[3])
 {
     for (uint32_t i = 0; i < V; i++) {
         for (int k = 0; k < 3; k++) {
-            x[i][k] = kit_between(random, 0, crowd ? 1 : 0.3);
+            x[i][k] = prng_between(random, 0, crowd ? 1 : 0.3);
         }
         x[i][0] += crowd ? 0 : i / 6;
     }
 }
 
 /* If it failed: an answer would depend on which thread was awake. */
-static void brief__answers_are_those_of_other_steps(void **state)
+CASE(brief__answers_are_those_of_other_steps)
 {
-    struct kit_random random = {20261122};
-    struct kit_random same = random;
+    struct prng random = {20261122};
+    struct prng same = random;
     struct eng_scene *brief = soup_new(&random, TRIANGLES);
     struct eng_scene *other = soup_new(&same, TRIANGLES);
     uint32_t done = 0;
     uint32_t given_up = 0;
     uint64_t contacts = 0;
-    (void)state;
     for (uint32_t i = 0; i < ROUNDS; i++) {
         double x[V][3];
         struct eng_step_result a;
-        struct eng_step_result b;
         enum pccd_mode mode = (enum pccd_mode)(i / 4 % 3);
-        choose_positions(&random, kit_below(&random, 3) == 0, x);
+        choose_positions(&random, prng_u32(&random, 3) == 0, x);
         move(brief, (const double(*)[3])x, V);
         move(other, (const double(*)[3])x, V);
         struct eng_question settings = settings_of(mode, true);
@@ -96,8 +87,8 @@ static void brief__answers_are_those_of_other_steps(void **state)
             assert_int_equal(a.threads, 1);
             assert_int_equal(a.counters.exact, 0);
         }
-        assert_int_equal(status, PCCD_OK);
-        assert_int_equal(eng_step(other, &settings, &b), PCCD_OK);
+        assert_ok(status);
+        struct eng_step_result b = kit_step(other, &settings);
         check_same(&a, &b);
     }
     assert_true(done >= ROUNDS / 10 && given_up >= ROUNDS / 10 && contacts > 0);
@@ -107,25 +98,21 @@ static void brief__answers_are_those_of_other_steps(void **state)
 
 /* If it failed: a client could hold up all others, for 0.3 s with a query that needs
  * exact arithmetic, or with as many as there are pairs of triangles. */
-static void brief__ends_before_more_tests_than_it_may_do(void **state)
+CASE(brief__ends_before_more_tests_than_it_may_do)
 {
     /* A corner on a face from beginning to end, along a slanted way. */
     static const double x[6][3] = {{0, 0, 0},          {1, 0, 0.25},
                                    {0, 1, 0.75},       {0.25, 0.25, 0.25},
                                    {0.25, 0.25, 1.25}, {0.75, 0.25, 1.25}};
     static const uint32_t faces[2][3] = {{0, 1, 2}, {3, 4, 5}};
-    struct kit_random random = {20261122};
+    struct prng random = {20261122};
     struct eng_question settings = settings_of(PCCD_MODE_ALL, true);
     struct eng_step_result result;
     struct eng_scene *crowd = soup_new(&random, TRIANGLES);
-    struct eng_scene *touch;
     double at[V][3];
-    uint32_t idx;
-    (void)state;
     struct eng_mesh *mesh = kit_mesh(x, 6, faces, 2);
-    assert_int_equal(eng_scene_new(NULL, &touch), PCCD_OK);
-    assert_int_equal(eng_scene_add(touch, mesh, 1, &idx), PCCD_OK);
-    eng_mesh_release(mesh);
+    struct eng_scene *touch = kit_scene();
+    kit_add(touch, mesh, 1);
     assert_int_equal(eng_step(touch, &settings, &result), PCCD_E_AGAIN);
     assert_int_equal(eng_step_memory_of(touch)->workers[0]->exact.queries, 0);
     assert_true(eng_step_memory_of(touch)->workers[0]->tally.survivors > 0);
@@ -135,10 +122,10 @@ static void brief__ends_before_more_tests_than_it_may_do(void **state)
     assert_int_equal(eng_step_memory_of(crowd)->workers[0]->exact.queries, 0);
     assert_true(eng_step_memory_of(crowd)->workers[0]->record.tests <= ENG_BRIEF_TESTS);
     settings.brief = false;
-    assert_int_equal(eng_step(touch, &settings, &result), PCCD_OK);
+    result = kit_step(touch, &settings);
     assert_int_equal(result.count, 1);
     assert_true(result.counters.exact > 0);
-    assert_int_equal(eng_step(crowd, &settings, &result), PCCD_OK);
+    result = kit_step(crowd, &settings);
     assert_true(result.counters.candidates[PCCD_VF] +
                     result.counters.candidates[PCCD_EE] >
                 ENG_BRIEF_TESTS);
@@ -147,35 +134,34 @@ static void brief__ends_before_more_tests_than_it_may_do(void **state)
 }
 
 /* If it failed: what a step has given up would be moved twice, or meet nothing. */
-static void brief__given_up_has_moved_once(void **state)
+CASE(brief__given_up_has_moved_once)
 {
-    struct kit_random random = {20261122};
+    struct prng random = {20261122};
     struct eng_question settings = settings_of(PCCD_MODE_ALL, true);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, TRIANGLES);
     settings.tuning.still = ENG_STILL_ANEW; /* what stands is brief */
     double before[V][3];
     double x[V][3];
-    (void)state;
     memcpy(before, eng_scene_positions(scene, 0, 1), sizeof before);
     choose_positions(&random, true, x);
     move(scene, (const double(*)[3])x, V);
     assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_AGAIN);
     assert_memory_equal(eng_scene_positions(scene, 0, 1), x, sizeof x);
     settings.brief = false;
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    result = kit_step(scene, &settings);
     uint64_t count = result.count;
     assert_true(count > 0);
     assert_memory_equal(eng_scene_positions(scene, 0, 0), before, sizeof before);
     assert_memory_equal(eng_scene_positions(scene, 0, 1), x, sizeof x);
     /* The one after it stands still; and one that is staged is not the one given up. */
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    result = kit_step(scene, &settings);
     assert_memory_equal(eng_scene_positions(scene, 0, 0), x, sizeof x);
     settings.brief = true;
     assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_AGAIN);
     move(scene, (const double(*)[3])before, V);
     settings.brief = false;
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    result = kit_step(scene, &settings);
     assert_int_equal(result.count, count);
     assert_memory_equal(eng_scene_positions(scene, 0, 0), x, sizeof x);
     assert_memory_equal(eng_scene_positions(scene, 0, 1), before, sizeof before);
@@ -199,24 +185,22 @@ static bool can_rest(const struct eng_scene *scene, enum pccd_mode mode)
 static void warm(struct eng_scene *scene)
 {
     struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
-    struct eng_step_result result;
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        kit_step(scene, &settings);
     }
     /* Whatever else the machine did meanwhile. */
     eng_step_memory_of(scene)->effort[PCCD_METHOD_WIDE].work_ns[PCCD_MODE_ALL] = 1000;
 }
 
 /* If it failed: the loop would build hierarchies, or make boxes of thousands. */
-static void brief__only_small_scenes_that_are_warm_can_be(void **state)
+CASE(brief__only_small_scenes_that_are_warm_can_be)
 {
-    struct kit_random random = {20261122};
+    struct prng random = {20261122};
     struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, TRIANGLES);
     struct eng_scene *large = soup_new(&random, 65);
     uint32_t idx;
-    (void)state;
     assert_false(can(scene)); /* its trees are not there */
     warm(scene);
     warm(large);
@@ -234,15 +218,15 @@ static void brief__only_small_scenes_that_are_warm_can_be(void **state)
     assert_false(eng_step_can_be_brief(scene, &settings, true));
     assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_INVAL);
     struct eng_mesh *mesh = kit_sheet(1, 9);
-    assert_int_equal(eng_scene_add(scene, mesh, 8, &idx), PCCD_OK);
+    assert_ok(eng_scene_add(scene, mesh, 8, &idx));
     assert_false(can(scene)); /* its trees are to be put together */
     warm(scene);
     assert_true(can(scene));
     for (uint32_t id = 9; id < 80; id++) {
-        assert_int_equal(eng_scene_add(scene, mesh, id, &idx), PCCD_OK);
+        assert_ok(eng_scene_add(scene, mesh, id, &idx));
     }
     for (uint32_t i = 1; i <= idx; i++) {
-        assert_int_equal(eng_scene_remove(scene, i), PCCD_OK);
+        assert_ok(eng_scene_remove(scene, i));
     }
     warm(scene);
     assert_false(can(scene)); /* the places of 72 objects are looked at */
@@ -252,18 +236,16 @@ static void brief__only_small_scenes_that_are_warm_can_be(void **state)
 }
 
 /* If it failed: some later step would free what a team has left, a millisecond of it. */
-static void brief__scenes_that_had_a_team_cannot_be(void **state)
+CASE(brief__scenes_that_had_a_team_cannot_be)
 {
-    struct kit_random random = {20261122};
+    struct prng random = {20261122};
     struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
-    struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, TRIANGLES);
-    (void)state;
     warm(scene);
     assert_true(can(scene));
     settings.threads = 2;
     settings.team_always = true;
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_step(scene, &settings);
     assert_int_equal(result.threads, 2);
     warm(scene);
     assert_false(can(scene));
@@ -281,48 +263,43 @@ static void brief__scenes_that_had_a_team_cannot_be(void **state)
 static void settle(struct eng_scene *scene, enum pccd_mode mode)
 {
     struct eng_question settings = settings_of(mode, false);
-    struct eng_step_result result;
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        kit_step(scene, &settings);
     }
 }
 
 /* Everything moves, and the step is computed. */
-static void stir(struct eng_scene *scene, struct kit_random *random)
+static void stir(struct eng_scene *scene, struct prng *random)
 {
     static double x[3 * LARGE][3];
     struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
-    struct eng_step_result result;
     uint32_t count = eng_scene_vertex_count(scene, 0);
     assert_true(count <= 3 * LARGE);
     for (uint32_t i = 0; i < count; i++) { /* two by two to places apart */
         for (int k = 0; k < 3; k++) {
-            x[i][k] = kit_between(random, 0, 0.3);
+            x[i][k] = prng_between(random, 0, 0.3);
         }
         x[i][0] += i / 6;
     }
     move(scene, (const double(*)[3])x, count);
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    kit_step(scene, &settings);
 }
 
 /* If it failed: who asks for a large scene at rest would wait for threads to wake, or be
  * told something else than by these. */
-static void brief__what_is_at_rest_can_be_however_large_it_is(void **state)
+CASE(brief__what_is_at_rest_can_be_however_large_it_is)
 {
-    struct kit_random random = {20261125};
+    struct prng random = {20261125};
     struct eng_scene *scene = soup_new(&random, LARGE);
-    (void)state;
     for (int mode = 0; mode < PCCD_MODE_PAIRS; mode++) {
         struct eng_question settings = settings_of((enum pccd_mode)mode, false);
-        struct eng_step_result anew;
-        struct eng_step_result result;
         stir(scene, &random);
         assert_false(can_rest(scene, settings.mode));
         settle(scene, settings.mode);
         assert_true(can_rest(scene, settings.mode));
         assert_false(can(scene)); /* if something is staged */
         settings.brief = true;
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        struct eng_step_result result = kit_step(scene, &settings);
         assert_true(can_rest(scene, settings.mode)); /* and again */
         assert_int_equal(result.threads, 1);
         assert_int_equal(result.counters.box_tests, 0);
@@ -330,7 +307,7 @@ static void brief__what_is_at_rest_can_be_however_large_it_is(void **state)
         settings.tuning.still = ENG_STILL_ANEW;
         uint64_t count = result.count;
         uint64_t hash = result.hash[0];
-        assert_int_equal(eng_step(scene, &settings, &anew), PCCD_OK);
+        struct eng_step_result anew = kit_step(scene, &settings);
         assert_true(anew.count == count && anew.hash[0] == hash);
         assert_int_equal(anew.verdict, result.verdict);
     }
@@ -339,17 +316,15 @@ static void brief__what_is_at_rest_can_be_however_large_it_is(void **state)
 
 /* If it failed: the loop would make boxes of all features, search all pairs, go through
  * any number of records, or free what a team has left. */
-static void brief__what_is_not_at_rest_cannot_be(void **state)
+CASE(brief__what_is_not_at_rest_cannot_be)
 {
-    struct kit_random random = {20261125};
+    struct prng random = {20261125};
     struct eng_question settings = settings_of(PCCD_MODE_ALL, false);
-    struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, LARGE);
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
     double x[1][3] = {{0.5, 0.5, 0.5}};
-    (void)state;
     stir(scene, &random);
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    kit_step(scene, &settings);
     assert_false(can_rest(scene, PCCD_MODE_ALL)); /* it moved in the step before */
     settle(scene, PCCD_MODE_ALL);
     assert_true(can_rest(scene, PCCD_MODE_ALL));
@@ -361,13 +336,13 @@ static void brief__what_is_not_at_rest_cannot_be(void **state)
     settle(scene, PCCD_MODE_ALL);
     struct eng_object_filter filter = ENG_OBJECT_FILTER_DEFAULT;
     filter.self = false;
-    assert_int_equal(eng_scene_set_filter(scene, 0, &filter), PCCD_OK);
+    assert_ok(eng_scene_set_filter(scene, 0, &filter));
     assert_false(can_rest(scene, PCCD_MODE_ALL));
     settle(scene, PCCD_MODE_ALL);
     assert_true(can_rest(scene, PCCD_MODE_ALL));
     uint32_t idx;
     struct eng_mesh *mesh = kit_sheet(1, 9);
-    assert_int_equal(eng_scene_add(scene, mesh, 8, &idx), PCCD_OK);
+    assert_ok(eng_scene_add(scene, mesh, 8, &idx));
     assert_false(can_rest(scene, PCCD_MODE_ALL));
     settle(scene, PCCD_MODE_ALL);
     assert_true(can_rest(scene, PCCD_MODE_ALL));
@@ -375,12 +350,12 @@ static void brief__what_is_not_at_rest_cannot_be(void **state)
     settings.threads = 2;
     settings.team_always = true;
     settings.tuning.still = ENG_STILL_ANEW;
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    kit_step(scene, &settings);
     assert_int_equal(memory->worker_count, 2);
     uint32_t freed = 0;
     for (int i = 0; i < 1000 && memory->worker_count == 2; i++) {
         settings = settings_of(PCCD_MODE_ALL, can_rest(scene, PCCD_MODE_ALL));
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        kit_step(scene, &settings);
         freed += memory->worker_count == 1 && !settings.brief;
     }
     assert_int_equal(freed, 1);
@@ -390,36 +365,20 @@ static void brief__what_is_not_at_rest_cannot_be(void **state)
 
 /* If it failed: a step that was taken for a brief one would make the boxes of a large
  * scene, and search it until it has tested as much as it may. */
-static void brief__large_scenes_give_up_before_they_search(void **state)
+CASE(brief__large_scenes_give_up_before_they_search)
 {
-    struct kit_random random = {20261125};
+    struct prng random = {20261125};
     struct eng_question settings = settings_of(PCCD_MODE_ALL, true);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, LARGE);
     double x[1][3] = {{0.5, 0.5, 0.5}};
-    (void)state;
     stir(scene, &random);
     settle(scene, PCCD_MODE_ALL);
     move(scene, (const double(*)[3])x, 1);
     assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_AGAIN);
     assert_int_equal(eng_step_memory_of(scene)->workers[0]->record.box_tests, 0);
     settings.brief = false;
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    result = kit_step(scene, &settings);
     assert_true(result.counters.box_tests > 0);
     eng_scene_free(scene);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(brief__answers_are_those_of_other_steps),
-        cmocka_unit_test(brief__ends_before_more_tests_than_it_may_do),
-        cmocka_unit_test(brief__given_up_has_moved_once),
-        cmocka_unit_test(brief__only_small_scenes_that_are_warm_can_be),
-        cmocka_unit_test(brief__scenes_that_had_a_team_cannot_be),
-        cmocka_unit_test(brief__what_is_at_rest_can_be_however_large_it_is),
-        cmocka_unit_test(brief__what_is_not_at_rest_cannot_be),
-        cmocka_unit_test(brief__large_scenes_give_up_before_they_search),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

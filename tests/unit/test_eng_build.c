@@ -1,8 +1,5 @@
 /* test_eng_build.c - hierarchies of objects, and the tree over them.
  *
- * Shape, depth and completeness of trees of 1 to 100 triangles and 1 to 300 objects; the
- * validator itself.
- *
  * Source: daemon/engine/paper/build.h; paper sections 6.2 and 7.
  */
 #include "eng_kit.h"
@@ -20,8 +17,7 @@
 
 static struct eng_scene *new_scene(void)
 {
-    struct eng_scene *scene = NULL;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
     return scene;
 }
 
@@ -29,16 +25,15 @@ static struct eng_scene *new_scene(void)
 static uint32_t add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
 {
     uint32_t idx = UINT32_MAX;
-    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), PCCD_OK);
-    eng_mesh_release(mesh);
+    idx = kit_add(scene, mesh, id);
     return idx;
 }
 
 /* What a step does to trees. */
 static void settle(struct eng_scene *scene)
 {
-    assert_int_equal(eng_paper_add_objects(scene), PCCD_OK);
-    assert_int_equal(eng_build_top(scene), PCCD_OK);
+    assert_ok(eng_paper_add_objects(scene));
+    assert_ok(eng_build_top(scene));
     assert_false(eng_trees_of(scene)->top_is_stale);
     eng_refit(scene);
     assert_true(eng_tree_validate(scene));
@@ -103,10 +98,9 @@ static uint32_t walk(const struct eng_scene *scene, uint32_t *top_depth)
 
 /* If it failed: triangles would be missing from the hierarchy, or the stacks that a
  * traversal sizes by its depth would run over. */
-static void build__trees_of_every_size_are_complete_and_shallow(void **state)
+CASE(build__trees_of_every_size_are_complete_and_shallow)
 {
-    (void)state;
-    struct kit_random random = {20};
+    struct prng random = {20};
     for (uint32_t n = 1; n <= 100; n++) {
         struct eng_scene *scene = new_scene();
         uint32_t idx = add(scene, kit_soup(&random, n), n);
@@ -124,9 +118,8 @@ static void build__trees_of_every_size_are_complete_and_shallow(void **state)
 }
 
 /* If it failed: many triangles at one place would make a list of the tree, or no tree. */
-static void build__identical_centroids_split_evenly(void **state)
+CASE(build__identical_centroids_split_evenly)
 {
-    (void)state;
     const double x[6][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},
                             {-1, 2, 0}, {2, 0, -1}, {0, -1, 2}};
     for (uint32_t n = 1; n <= 1000; n = n * 3 + 1) {
@@ -149,9 +142,8 @@ static void build__identical_centroids_split_evenly(void **state)
 }
 
 /* If it failed: triangles at the limit of the coordinates would overflow a centroid. */
-static void build__extreme_coordinates_make_a_tree(void **state)
+CASE(build__extreme_coordinates_make_a_tree)
 {
-    (void)state;
     const double x[6][3] = {{1e18, 1e18, 1e18}, {1e18, 1e18, -1e18},
                             {1e18, 1e18, 0},    {-1e18, -1e18, -1e18},
                             {5e-324, 0, 0},     {-1e18, -1e18, 1e18}};
@@ -169,14 +161,13 @@ static void build__extreme_coordinates_make_a_tree(void **state)
 }
 
 /* If it failed: an object would be missing from the tree over the objects, or doubled. */
-static void build__tree_over_objects_holds_each_once(void **state)
+CASE(build__tree_over_objects_holds_each_once)
 {
-    (void)state;
-    struct kit_random random = {21};
+    struct prng random = {21};
     struct eng_scene *scene = new_scene();
     uint32_t triangles = 0;
     for (uint32_t n = 1; n <= 300; n++) {
-        uint32_t size = 1 + kit_below(&random, 5);
+        uint32_t size = 1 + prng_u32(&random, 5);
         uint32_t top_depth;
         add(scene, kit_soup(&random, size), n);
         triangles += size;
@@ -194,10 +185,9 @@ static void build__tree_over_objects_holds_each_once(void **state)
 }
 
 /* If it failed: removal would leave a dangling node, or lose room for nodes for good. */
-static void build__tree_over_objects_follows_removals(void **state)
+CASE(build__tree_over_objects_follows_removals)
 {
-    (void)state;
-    struct kit_random random = {22};
+    struct prng random = {22};
     struct eng_scene *scene = new_scene();
     uint32_t ids[64];
     uint32_t top_depth;
@@ -206,8 +196,8 @@ static void build__tree_over_objects_follows_removals(void **state)
     }
     settle(scene);
     for (uint32_t left = 64; left > 0; left--) {
-        uint32_t pick = kit_below(&random, left);
-        assert_int_equal(eng_scene_remove(scene, ids[pick]), PCCD_OK);
+        uint32_t pick = prng_u32(&random, left);
+        assert_ok(eng_scene_remove(scene, ids[pick]));
         ids[pick] = ids[left - 1];
         settle(scene);
         if (left > 1) {
@@ -224,12 +214,11 @@ static void build__tree_over_objects_follows_removals(void **state)
 }
 
 /* If it failed: the same objects would make another tree on another run. */
-static void build__same_input_makes_the_same_bytes(void **state)
+CASE(build__same_input_makes_the_same_bytes)
 {
-    (void)state;
     struct eng_scene *scenes[2];
     for (int i = 0; i < 2; i++) {
-        struct kit_random random = {23};
+        struct prng random = {23};
         scenes[i] = new_scene();
         for (uint32_t k = 0; k < 20; k++) {
             add(scenes[i], kit_soup(&random, 1 + 3 * k), k);
@@ -246,10 +235,9 @@ static void build__same_input_makes_the_same_bytes(void **state)
 }
 
 /* If it failed: the validator would pass a broken tree, and the tests that lean on it. */
-static void build__validator_sees_each_kind_of_damage(void **state)
+CASE(build__validator_sees_each_kind_of_damage)
 {
-    (void)state;
-    struct kit_random random = {24};
+    struct prng random = {24};
     struct eng_scene *scene = new_scene();
     add(scene, kit_soup(&random, 9), 1);
     add(scene, kit_soup(&random, 7), 2);
@@ -289,7 +277,7 @@ static void build__validator_sees_each_kind_of_damage(void **state)
 /* Put numbers 0 .. count-1 as centroids, in one of several orders. */
 static void arrange(struct eng_split_item *items, uint32_t count, int order)
 {
-    struct kit_random random = {25};
+    struct prng random = {25};
     for (uint32_t i = 0; i < count; i++) {
         uint32_t half = count / 2;
         uint32_t killer = i < half ? (i % 2 == 0 ? i + 1 : half + i + (half % 2 == 0))
@@ -298,9 +286,9 @@ static void arrange(struct eng_split_item *items, uint32_t count, int order)
                          : order == 1 ? count - i
                          : order == 2 ? (i < half ? i : count - i)
                          : order == 3 ? 7
-                         : order == 4 ? kit_below(&random, 10)
+                         : order == 4 ? prng_u32(&random, 10)
                          : order == 5 ? killer
-                                      : (uint32_t)kit_u64(&random) >> 8;
+                                      : (uint32_t)prng_next(&random) >> 8;
         items[i].centroid[0] = 0;
         items[i].centroid[1] = (float)value;
         items[i].centroid[2] = -(float)value;
@@ -319,9 +307,8 @@ static int compare_items(const void *a, const void *b)
 }
 
 /* If it failed: a tree would depend on the order of triangles, or take hours to build. */
-static void build__median_split_makes_the_same_halves_from_any_order(void **state)
+CASE(build__median_split_makes_the_same_halves_from_any_order)
 {
-    (void)state;
     static struct eng_split_item items[ITEMS];
     static struct eng_split_item sorted[ITEMS];
     for (uint32_t count = 1; count <= ITEMS; count = count * 3 + (count < 10)) {
@@ -339,19 +326,4 @@ static void build__median_split_makes_the_same_halves_from_any_order(void **stat
             assert_memory_equal(items, sorted, count * sizeof *items);
         }
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(build__trees_of_every_size_are_complete_and_shallow),
-        cmocka_unit_test(build__identical_centroids_split_evenly),
-        cmocka_unit_test(build__extreme_coordinates_make_a_tree),
-        cmocka_unit_test(build__tree_over_objects_holds_each_once),
-        cmocka_unit_test(build__tree_over_objects_follows_removals),
-        cmocka_unit_test(build__same_input_makes_the_same_bytes),
-        cmocka_unit_test(build__median_split_makes_the_same_halves_from_any_order),
-        cmocka_unit_test(build__validator_sees_each_kind_of_damage),
-    };
-    return cmocka_run_group_tests_name("eng_build", tests, NULL, NULL);
 }

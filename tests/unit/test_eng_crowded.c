@@ -1,9 +1,4 @@
-/* test_eng_crowded.c - which features of a mesh are crowded.
- *
- * Compare the features that are said to be crowded with the distances of all pairs of
- * small meshes, measured in another way; look at sheets at known distances, at meshes for
- * which it is of no use, and at searches in parts.
- */
+/* test_eng_crowded.c - which features of a mesh are crowded. */
 #include "eng_kit.h"
 
 #include <math.h>
@@ -101,7 +96,7 @@ static real edge_to_edge(const double *a, const double *b, const double *c,
 /* With its features in order, as a daemon's meshes are. */
 static struct eng_mesh *in_order(struct eng_mesh *mesh)
 {
-    assert_int_equal(eng_mesh_sort_features(mesh, 1), PCCD_OK);
+    assert_ok(eng_mesh_sort_features(mesh, 1));
     return mesh;
 }
 
@@ -220,8 +215,8 @@ static void check(const struct eng_mesh *mesh)
 
 /* A sheet of side x side squares that is bent and ruffled, and some patches of two
  * triangles about `gap` above it, each of them turned a little. */
-static struct eng_mesh *some_mesh(struct kit_random *random, uint32_t side,
-                                  uint32_t patches, double gap)
+static struct eng_mesh *some_mesh(struct prng *random, uint32_t side, uint32_t patches,
+                                  double gap)
 {
     uint32_t row = side + 1;
     uint32_t sheet = row * row;
@@ -231,9 +226,9 @@ static struct eng_mesh *some_mesh(struct kit_random *random, uint32_t side,
     uint32_t(*triangles)[3] = malloc(count * sizeof *triangles);
     assert_true(x && triangles);
     for (uint32_t v = 0; v < sheet; v++) {
-        x[v][0] = v % row + kit_between(random, -0.2, 0.2);
-        x[v][1] = v / row + kit_between(random, -0.2, 0.2);
-        x[v][2] = kit_between(random, -0.2, 0.2);
+        x[v][0] = v % row + prng_between(random, -0.2, 0.2);
+        x[v][1] = v / row + prng_between(random, -0.2, 0.2);
+        x[v][2] = prng_between(random, -0.2, 0.2);
     }
     uint32_t n = 0;
     for (uint32_t i = 0; i < side * side; i++) {
@@ -244,8 +239,8 @@ static struct eng_mesh *some_mesh(struct kit_random *random, uint32_t side,
     }
     for (uint32_t i = 0; i < patches; i++) {
         uint32_t v = sheet + 4 * i;
-        const uint32_t *under = triangles[kit_below(random, 2 * side * side)];
-        double tilt = gap * kit_between(random, 0, 2);
+        const uint32_t *under = triangles[prng_u32(random, 2 * side * side)];
+        double tilt = gap * prng_between(random, 0, 2);
         for (uint32_t k = 0; k < 3; k++) { /* a copy of the triangle, lifted and shrunk */
             for (int axis = 0; axis < 3; axis++) {
                 double middle =
@@ -269,16 +264,15 @@ static struct eng_mesh *some_mesh(struct kit_random *random, uint32_t side,
 /* If this failed, features that touch would be taken for apart, and their contacts be
  * missed once the mesh is moved by poses; or rigid objects would be tested against
  * themselves though nothing of them is crowded. */
-static void crowded__is_what_lies_within_the_clearance(void **state)
+CASE(crowded__is_what_lies_within_the_clearance)
 {
-    struct kit_random random = {21};
+    struct prng random = {21};
     uint32_t with_crowded = 0;
     uint32_t without = 0;
-    (void)state;
     for (uint32_t i = 0; i < 60; i++) {
-        double gap = 0x1p-20 * exp2(kit_between(&random, -6, 6));
+        double gap = 0x1p-20 * exp2(prng_between(&random, -6, 6));
         struct eng_mesh *mesh = some_mesh(&random, 8, i % 3, i % 7 ? gap : 0);
-        search(mesh, 1 + kit_below(&random, 3000));
+        search(mesh, 1 + prng_u32(&random, 3000));
         assert_true(eng_mesh_clearance(mesh) > 0x1p-22 &&
                     eng_mesh_clearance(mesh) < 0x1p-19);
         check(mesh);
@@ -291,9 +285,8 @@ static void crowded__is_what_lies_within_the_clearance(void **state)
 }
 
 /* If this failed, whether two sheets of a folded thing are crowded would be chance. */
-static void crowded__parallel_sheets_are_told_by_their_distance(void **state)
+CASE(crowded__parallel_sheets_are_told_by_their_distance)
 {
-    (void)state;
     for (int i = 0; i < 2; i++) {
         enum { SIDE = 24 };
         struct eng_mesh *sheet = in_order(kit_sheet(SIDE, 0));
@@ -329,12 +322,11 @@ static void crowded__parallel_sheets_are_told_by_their_distance(void **state)
 
 /* If this failed, a soup of triangles would keep every step busy with a search that is of
  * no use, or a mesh without size would be divided by. */
-static void crowded__is_not_told_of_heaps_and_points(void **state)
+CASE(crowded__is_not_told_of_heaps_and_points)
 {
     static const double points[3][3] = {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}};
     static const uint32_t one[1][3] = {{0, 1, 2}};
-    struct kit_random random = {22};
-    (void)state;
+    struct prng random = {22};
     struct eng_mesh *meshes[3] = {in_order(kit_mesh(points, 3, one, 1)), NULL,
                                   some_mesh(&random, 2, 30, 0)};
     double(*heap)[3] = malloc(sizeof *heap * 3 * 4000);
@@ -342,7 +334,7 @@ static void crowded__is_not_told_of_heaps_and_points(void **state)
     assert_true(heap && triangles);
     for (uint32_t v = 0; v < 3 * 4000; v++) {
         for (int k = 0; k < 3; k++) {
-            heap[v][k] = kit_between(&random, 0, 1);
+            heap[v][k] = prng_between(&random, 0, 1);
         }
         triangles[v / 3][v % 3] = v;
     }
@@ -360,12 +352,11 @@ static void crowded__is_not_told_of_heaps_and_points(void **state)
 }
 
 /* If this failed, what is found would depend on how long steps take. */
-static void crowded__is_found_alike_in_one_part_and_in_many(void **state)
+CASE(crowded__is_found_alike_in_one_part_and_in_many)
 {
-    struct kit_random random = {23};
-    (void)state;
+    struct prng random = {23};
     for (uint32_t i = 0; i < 6; i++) {
-        struct kit_random same = random;
+        struct prng same = random;
         struct eng_mesh *whole = some_mesh(&random, 20, 8, 0x1p-22);
         struct eng_mesh *parts = some_mesh(&same, 20, 8, 0x1p-22);
         search(whole, UINT64_MAX);
@@ -385,11 +376,10 @@ static void crowded__is_found_alike_in_one_part_and_in_many(void **state)
 
 /* If this failed, features far from the origin, of tiny or of huge meshes would be taken
  * for apart by rounding, or for crowded. */
-static void crowded__scales_with_the_mesh(void **state)
+CASE(crowded__scales_with_the_mesh)
 {
     static const double scales[] = {0x1p-200, 0x1p-40, 1, 0x1p40};
-    struct kit_random random = {24};
-    (void)state;
+    struct prng random = {24};
     struct eng_mesh *mesh = some_mesh(&random, 10, 3, 0x1p-21);
     search(mesh, UINT64_MAX);
     uint32_t(*triangles)[3] = malloc(sizeof *triangles * mesh->info.triangle_count);
@@ -415,11 +405,10 @@ static void crowded__scales_with_the_mesh(void **state)
 
 /* If this failed, a mesh in another user's scene would leave that one with memory that he
  * has not, and its owner with less than none: the daemon stops where it finds that. */
-static void crowded__is_charged_to_whoever_made_the_mesh(void **state)
+CASE(crowded__is_charged_to_whoever_made_the_mesh)
 {
     struct eng_account owner = {.limit = INT64_MAX}, other = {.limit = INT64_MAX};
-    struct kit_random random = {25};
-    (void)state;
+    struct prng random = {25};
     eng_payer()->account = &owner;
     struct eng_mesh *mesh = some_mesh(&random, 20, 8, 0x1p-22);
     int64_t begun = owner.bytes;
@@ -429,7 +418,7 @@ static void crowded__is_charged_to_whoever_made_the_mesh(void **state)
     search(mesh, UINT64_MAX);
     assert_true(all_crowded_of(mesh) > 0 && owner.bytes > begun && other.bytes == 0);
     begun = owner.bytes;
-    assert_int_equal(eng_rings_prepare(mesh, 2, NULL), PCCD_OK);
+    assert_ok(eng_rings_prepare(mesh, 2, NULL));
     assert_true(owner.bytes > begun && other.bytes == 0);
     void *block = eng_alloc(1, 1); /* all else is for the other one still */
     assert_true(other.bytes > 0);
@@ -438,17 +427,4 @@ static void crowded__is_charged_to_whoever_made_the_mesh(void **state)
     eng_mesh_release(mesh);
     eng_payer()->account = NULL;
     assert_true(owner.bytes == 0 && other.bytes == 0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(crowded__is_what_lies_within_the_clearance),
-        cmocka_unit_test(crowded__parallel_sheets_are_told_by_their_distance),
-        cmocka_unit_test(crowded__is_not_told_of_heaps_and_points),
-        cmocka_unit_test(crowded__is_found_alike_in_one_part_and_in_many),
-        cmocka_unit_test(crowded__scales_with_the_mesh),
-        cmocka_unit_test(crowded__is_charged_to_whoever_made_the_mesh),
-    };
-    return cmocka_run_group_tests_name("eng_crowded", tests, NULL, NULL);
 }

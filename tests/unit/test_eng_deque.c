@@ -1,8 +1,4 @@
-/* test_eng_deque.c - the work-stealing deque, shares, the pool of blocks.
- *
- * Order for the owner and for a thief; nothing lost or doubled while thieves and the
- * owner race; items of shares and blocks handed out once.
- */
+/* test_eng_deque.c - the work-stealing deque, shares, the pool of blocks. */
 #include "eng_kit.h"
 
 #include <pthread.h>
@@ -31,7 +27,7 @@ static int teardown(void **state)
 }
 
 /* If it failed: the owner would leave its cache, or a thief would get crumbs. */
-static void deque__owner_takes_the_newest_and_thieves_the_oldest(void **state)
+CASE_WITH(deque__owner_takes_the_newest_and_thieves_the_oldest, setup, teardown)
 {
     struct eng_deque *deque = *state;
     uint64_t task = 0;
@@ -52,7 +48,7 @@ static void deque__owner_takes_the_newest_and_thieves_the_oldest(void **state)
 }
 
 /* If it failed: a full deque would overwrite tasks that nobody has done. */
-static void deque__full_refuses_and_wraps(void **state)
+CASE_WITH(deque__full_refuses_and_wraps, setup, teardown)
 {
     struct eng_deque *deque = *state;
     uint64_t task = 0;
@@ -90,7 +86,7 @@ static void *thief(void *context)
 }
 
 /* If it failed: pairs of triangles would be tested twice or, worse, never. */
-static void deque__races_lose_and_double_nothing(void **state)
+CASE_WITH(deque__races_lose_and_double_nothing, setup, teardown)
 {
     struct race race = {.deque = *state};
     pthread_t threads[THIEVES];
@@ -125,9 +121,8 @@ static void deque__races_lose_and_double_nothing(void **state)
 
 /* If it failed: two workers would write their records into one block, or a warm step
  * would ask the system for memory. */
-static void pool__blocks_are_handed_out_once_and_kept(void **state)
+CASE(pool__blocks_are_handed_out_once_and_kept)
 {
-    (void)state;
     struct eng_pool pool;
     struct eng_block *blocks[64];
     uint64_t bytes = eng_alloc_bytes();
@@ -176,9 +171,8 @@ static void *take_shares(void *data)
 
 /* If it failed: boxes would be made twice, or never, when a team has fewer threads than
  * were asked for. */
-static void share__every_item_is_taken_once(void **state)
+CASE(share__every_item_is_taken_once)
 {
-    (void)state;
     for (uint32_t threads = 1; threads <= SHARES; threads++) {
         struct sharers *all = aligned_alloc(128, (sizeof *all + 127) / 128 * 128);
         assert_non_null(all);
@@ -198,18 +192,4 @@ static void share__every_item_is_taken_once(void **state)
         }
         free(all);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(
-            deque__owner_takes_the_newest_and_thieves_the_oldest, setup, teardown),
-        cmocka_unit_test_setup_teardown(deque__full_refuses_and_wraps, setup, teardown),
-        cmocka_unit_test_setup_teardown(deque__races_lose_and_double_nothing, setup,
-                                        teardown),
-        cmocka_unit_test(share__every_item_is_taken_once),
-        cmocka_unit_test(pool__blocks_are_handed_out_once_and_kept),
-    };
-    return cmocka_run_group_tests_name("eng_deque", tests, NULL, NULL);
 }

@@ -1,12 +1,7 @@
 /* test_eng_divisor.c - greatest common divisors by primes. */
 #include "poly.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #include "eng_kit.h"
 
@@ -49,27 +44,26 @@ static struct eng_divisor *divisor_scratch(void)
 /* Products of short and of long polynomials; and t - 2^260 and 2 t^2 - 1, which have a
  * common root modulo 2^521 - 1. If it failed: a side would be said to be 0 at a root
  * where it is not, or a root to be there twice. */
-static void divisor__is_that_of_remainders(void **state)
+CASE(divisor__is_that_of_remainders)
 {
     static const long unlucky[2][3] = {{-1, 1}, {-1, 0, 2}};
-    struct kit_random random = {3};
+    struct prng random = {3};
     struct eng_divisor *divisor = divisor_scratch();
     mp_limb_t *block = divisor->common.c[0]->_mp_d;
     struct eng_poly p[6];
     int degrees[6] = {0}; /* 3 + 2 at most */
-    (void)state;
     for (int i = 0; i < 6; i++) {
         poly_init(&p[i]);
     }
     for (int n = 0; n < 2000; n++) {
-        unsigned long shift = kit_below(&random, 3) ? kit_below(&random, 40) : 700;
+        unsigned long shift = prng_u32(&random, 3) ? prng_u32(&random, 40) : 700;
         for (int i = 0; i < 3; i++) {
             long numbers[4];
-            int degree = (int)kit_below(&random, i == 0 ? 4 : 3);
+            int degree = (int)prng_u32(&random, i == 0 ? 4 : 3);
             for (int k = 0; k <= degree; k++) {
-                numbers[k] = (long)kit_below(&random, 9) - 4;
+                numbers[k] = (long)prng_u32(&random, 9) - 4;
             }
-            numbers[degree] = 1 + (long)kit_below(&random, 3);
+            numbers[degree] = 1 + (long)prng_u32(&random, 3);
             set_numbers(&p[i], degree, numbers, shift);
         }
         eng_poly_mul(&p[3], &p[0], &p[1]);
@@ -98,12 +92,4 @@ static void divisor__is_that_of_remainders(void **state)
         poly_deinit(&p[i]);
     }
     free(block);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(divisor__is_that_of_remainders),
-    };
-    return cmocka_run_group_tests_name("eng_divisor", tests, NULL, NULL);
 }

@@ -1,21 +1,15 @@
-/* test_eng_effort.c - does a team pay for a step?
- *
- * Ask about scenes small and large, at the border, and after one odd step; look at what
- * steps make of the answers.
- */
+/* test_eng_effort.c - does a team pay for a step? */
 #include "eng_kit.h"
 
-#include "skip.h"
 #include "step.h"
 #include "step_memory.h"
 
 #define MS 1000000u
 
 /* If it failed: every small request would wake a team, or no large one would. */
-static void effort__unknown_scenes_go_by_their_size(void **state)
+CASE(effort__unknown_scenes_go_by_their_size)
 {
     struct eng_effort effort;
-    (void)state;
     eng_effort_forget(&effort);
     assert_false(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
     assert_false(eng_effort_pays(&effort, PCCD_MODE_ALL, 100));
@@ -25,10 +19,9 @@ static void effort__unknown_scenes_go_by_their_size(void **state)
 
 /* If it failed: a scene whose triangles are far apart, or crowded, would be taken for
  * another. */
-static void effort__known_scenes_go_by_their_work(void **state)
+CASE(effort__known_scenes_go_by_their_work)
 {
     struct eng_effort effort;
-    (void)state;
     eng_effort_forget(&effort);
     eng_effort_learn(&effort, PCCD_MODE_ALL, MS / 100);
     assert_false(eng_effort_pays(&effort, PCCD_MODE_ALL, UINT32_MAX));
@@ -58,10 +51,9 @@ static uint64_t border(bool paid)
 
 /* If it failed: a scene at the border would be taken by one thread and by many in turn,
  * and its times would jump. */
-static void effort__border_scenes_stay_with_the_last_answer(void **state)
+CASE(effort__border_scenes_stay_with_the_last_answer)
 {
     struct eng_effort effort;
-    (void)state;
     uint64_t up = border(false);
     uint64_t down = border(true);
     assert_true(down > 50000 && up < 2 * MS);
@@ -81,10 +73,9 @@ static void effort__border_scenes_stay_with_the_last_answer(void **state)
 
 /* If it failed: a thread that lost its processor once would wake teams for a small scene
  * from then on. */
-static void effort__one_odd_step_changes_little(void **state)
+CASE(effort__one_odd_step_changes_little)
 {
     struct eng_effort effort;
-    (void)state;
     eng_effort_forget(&effort);
     eng_effort_learn(&effort, PCCD_MODE_ALL, 100000);
     eng_effort_learn(&effort, PCCD_MODE_ALL, 50 * MS);
@@ -116,10 +107,9 @@ static uint32_t run_steps(struct eng_effort *effort, uint64_t alone_ns, uint64_t
 
 /* If it failed: steps of some hundred microseconds would wait for a thread whose
  * processor another process has, or not take a team where nothing is in its way. */
-static void effort__near_the_border_the_clock_decides(void **state)
+CASE(effort__near_the_border_the_clock_decides)
 {
     struct eng_effort effort;
-    (void)state;
     eng_effort_forget(&effort);
     eng_effort_learn(&effort, PCCD_MODE_ALL, 400000);
     assert_in_range(run_steps(&effort, 400000, 250000, 320), 300, 319);
@@ -140,15 +130,12 @@ static void effort__near_the_border_the_clock_decides(void **state)
 /* If it failed: a scene of which little moves would be taken for the work of its first
  * step for ever, however long that was off its processor: teams would be woken for some
  * microseconds of work, and no step be brief. */
-static void effort__one_slow_step_is_forgotten_where_most_stands(void **state)
+CASE(effort__one_slow_step_is_forgotten_where_most_stands)
 {
-    (void)state;
     test_skip_emulated("an emulator takes many times as long for a step");
-    struct kit_random random = {3};
+    struct prng random = {3};
     struct eng_effort effort;
-    struct eng_scene *scene = NULL;
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     uint64_t still = 0;
     double x[24][3];
     uint32_t idx[2];
@@ -159,26 +146,24 @@ static void effort__one_slow_step_is_forgotten_where_most_stands(void **state)
     assert_int_equal(effort.work_ns[PCCD_MODE_ALL], 8 * MS);
     eng_effort_learn_part(&effort, PCCD_MODE_ALL, 0.5, 3 * MS);
     assert_int_equal(effort.work_ns[PCCD_MODE_ALL], 6 * MS);
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
     for (uint32_t i = 0; i < 2; i++) {
-        struct eng_mesh *mesh = kit_soup(&random, 8);
-        assert_int_equal(eng_scene_add(scene, mesh, 1 + i, &idx[i]), PCCD_OK);
-        eng_mesh_release(mesh);
+        idx[i] = kit_add(scene, kit_soup(&random, 8), 1 + i);
     }
     settings.threads = 2;
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_step(scene, &settings);
     uint64_t *work_ns =
         eng_step_memory_of(scene)->effort[result.method].work_ns + PCCD_MODE_ALL;
     *work_ns = 50 * MS; /* as if others had had the processor */
     for (int i = 0; i < 100; i++) {
         for (int k = 0; k < 24; k++) {
             for (int axis = 0; axis < 3; axis++) {
-                x[k][axis] = kit_between(&random, 0, 1);
+                x[k][axis] = prng_between(&random, 0, 1);
             }
         }
         eng_stage_begin(scene);
-        assert_int_equal(eng_stage_x1(scene, idx[1], PCCD_FORMAT_F64, 0, 24, x), PCCD_OK);
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        assert_ok(eng_stage_x1(scene, idx[1], PCCD_FORMAT_F64, 0, 24, x));
+        result = kit_step(scene, &settings);
         still += result.counters.still_features;
     }
     assert_true(still > 0 && *work_ns < 2 * MS);
@@ -187,50 +172,30 @@ static void effort__one_slow_step_is_forgotten_where_most_stands(void **state)
 
 /* If it failed: steps would not ask, or would go on with what they knew of objects that
  * are gone. */
-static void effort__steps_go_by_it(void **state)
+CASE(effort__steps_go_by_it)
 {
-    (void)state;
-    struct kit_random random = {3};
-    struct eng_scene *scene = NULL;
+    struct prng random = {3};
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
-    uint32_t small;
     uint32_t large;
     settings.threads = 2;
     settings.tuning.still = ENG_STILL_ANEW;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
     struct eng_mesh *mesh = kit_soup(&random, 8);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &small), PCCD_OK);
-    eng_mesh_release(mesh);
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    kit_add(scene, mesh, 1);
+    struct eng_step_result result = kit_step(scene, &settings);
     assert_int_equal(result.threads, 1);
     mesh = kit_soup(&random, 20000);
-    assert_int_equal(eng_scene_add(scene, mesh, 2, &large), PCCD_OK);
-    eng_mesh_release(mesh);
+    large = kit_add(scene, mesh, 2);
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        result = kit_step(scene, &settings);
         assert_int_equal(result.threads, 2);
     }
     settings.tuning.still = ENG_STILL_KEPT; /* nothing moves: there is nothing to share */
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    result = kit_step(scene, &settings);
     assert_int_equal(result.threads, 1);
     settings.tuning.still = ENG_STILL_ANEW;
-    assert_int_equal(eng_scene_remove(scene, large), PCCD_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_ok(eng_scene_remove(scene, large));
+    result = kit_step(scene, &settings);
     assert_int_equal(result.threads, 1);
     eng_scene_free(scene);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(effort__unknown_scenes_go_by_their_size),
-        cmocka_unit_test(effort__known_scenes_go_by_their_work),
-        cmocka_unit_test(effort__border_scenes_stay_with_the_last_answer),
-        cmocka_unit_test(effort__near_the_border_the_clock_decides),
-        cmocka_unit_test(effort__one_odd_step_changes_little),
-        cmocka_unit_test(effort__one_slow_step_is_forgotten_where_most_stands),
-        cmocka_unit_test(effort__steps_go_by_it),
-    };
-    return cmocka_run_group_tests_name("eng_effort", tests, NULL, NULL);
 }

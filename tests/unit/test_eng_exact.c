@@ -1,8 +1,4 @@
-/* test_eng_exact.c - exact answers about a moment and about a span.
- *
- * Touching cases and near misses by one ulp, spans that hold or just miss a known
- * contact, the polynomials below.
- */
+/* test_eng_exact.c - exact answers about a moment and about a span. */
 #include "eng_case.h"
 
 #include <math.h>
@@ -36,9 +32,8 @@ static void check(enum pccd_kind kind, bool touching, const double x[4][3])
           (const double[4][3]){{x, y, z}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}})
 
 /* If it failed: a vertex on a face would not touch it, or one beside it would. */
-static void exact__vertex_on_face_to_one_ulp(void **state)
+CASE(exact__vertex_on_face_to_one_ulp)
 {
-    (void)state;
     VF(true, 0.25, 0.25, 0);
     VF(true, 0.1, 0.2, 0);
     VF(false, 0.25, 0.25, 0x1p-110); /* scaled down it is still there */
@@ -55,9 +50,8 @@ static void exact__vertex_on_face_to_one_ulp(void **state)
 }
 
 /* If it failed: a face without area would be passed through by what lies on it. */
-static void exact__collapsed_face_is_its_segment_or_point(void **state)
+CASE(exact__collapsed_face_is_its_segment_or_point)
 {
-    (void)state;
     check(PCCD_VF, true,
           (const double[4][3]){{1.5, 3, 0}, {0, 0, 0}, {1, 2, 0}, {2, 4, 0}});
     check(PCCD_VF, true,
@@ -80,9 +74,8 @@ static void exact__collapsed_face_is_its_segment_or_point(void **state)
 
 /* If it failed: edges that cross or meet end to end would not touch, or near ones
  * would. */
-static void exact__edges_to_one_ulp(void **state)
+CASE(exact__edges_to_one_ulp)
 {
-    (void)state;
     EE(true, {1, -1, 0}, {1, 1, 0});
     EE(true, {1, -1, -1}, {1, 2, 2});
     EE(true, {1, 0, 0}, {1, 1, 3});
@@ -94,9 +87,8 @@ static void exact__edges_to_one_ulp(void **state)
 }
 
 /* If it failed: parallel edges or points would be undecided. */
-static void exact__parallel_and_collapsed_edges(void **state)
+CASE(exact__parallel_and_collapsed_edges)
 {
-    (void)state;
     EE(true, {1, 0, 0}, {3, 0, 0});
     EE(true, {-1, 0, 0}, {3, 0, 0});
     EE(true, {2, 0, 0}, {3, 0, 0});
@@ -113,9 +105,8 @@ static void exact__parallel_and_collapsed_edges(void **state)
 /* If it failed: meshes that continue each other would be said to be apart where they
  * hang together, or every such pair would take big integers. One ulp beside, it is not
  * that easy. */
-static void exact__a_common_corner_touches(void **state)
+CASE(exact__a_common_corner_touches)
 {
-    (void)state;
     struct eng_exact *exact = case_exact();
     for (int kind = 0; kind < 2; kind++) {
         int split = kind == PCCD_VF ? 1 : 2;
@@ -139,9 +130,8 @@ static void exact__a_common_corner_touches(void **state)
 }
 
 /* If it failed: a crossing that begins at t = 0 would have no side, or the wrong one. */
-static void exact__side_is_the_sign_of_the_determinant(void **state)
+CASE(exact__side_is_the_sign_of_the_determinant)
 {
-    (void)state;
     const double heights[] = {5, 0x1p-1000, 0, -0x1p-1000, -5};
     const int sides[] = {1, 1, 0, -1, -1};
     for (int i = 0; i < 5; i++) {
@@ -159,13 +149,12 @@ static void exact__side_is_the_sign_of_the_determinant(void **state)
 
 /* If it failed: the bracket of a contact would drift off the contact while it is
  * halved. */
-static void exact__span_holds_a_known_contact_or_just_not(void **state)
+CASE(exact__span_holds_a_known_contact_or_just_not)
 {
-    (void)state;
-    struct kit_random random = {70};
+    struct prng random = {70};
     for (int round = 0; round < 2000; round++) {
         struct eng_query query;
-        unsigned eighths = kit_below(&random, 9);
+        unsigned eighths = prng_u32(&random, 9);
         double t = eighths / 8.0;
         kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, eighths, &query);
         assert_true(eng_exact_meets(case_exact(), &query, 0, 1));
@@ -188,18 +177,17 @@ static void exact__span_holds_a_known_contact_or_just_not(void **state)
 }
 
 /* If it failed: numbers that the next query reuses would carry over from the last one. */
-static void exact__scratch_carries_nothing_over(void **state)
+CASE(exact__scratch_carries_nothing_over)
 {
-    (void)state;
-    struct kit_random random = {71};
+    struct prng random = {71};
     for (int round = 0; round < 2000; round++) {
         struct eng_query query = {.kind = round % 2 ? PCCD_EE : PCCD_VF};
         struct eng_exact fresh;
         for (int i = 0; i < 24; i++) {
             query.x[i / 12][i / 3 % 4][i % 3] =
-                ldexp(kit_integer(&random, 2), kit_below(&random, 8) ? 0 : -200);
+                ldexp(prng_integer(&random, 2), prng_u32(&random, 8) ? 0 : -200);
         }
-        assert_int_equal(eng_exact_init(&fresh), PCCD_OK);
+        assert_ok(eng_exact_init(&fresh));
         struct eng_moment a = eng_exact_moment(case_exact(), &query, round / 2 % 2);
         struct eng_moment b = eng_exact_moment(&fresh, &query, round / 2 % 2);
         assert_int_equal(a.touching, b.touching);
@@ -253,20 +241,19 @@ static void poly_of_roots(struct eng_poly *poly, const int (*roots)[2], int coun
 }
 
 /* If it failed: roots would be counted that are not there, or lost: a false answer. */
-static void exact__variations_count_the_roots_inside(void **state)
+CASE(exact__variations_count_the_roots_inside)
 {
-    (void)state;
-    struct kit_random random = {72};
+    struct prng random = {72};
     struct eng_poly poly;
     poly_init(&poly);
     for (int round = 0; round < 5000; round++) {
         int roots[4][2]; /* b / a with 1 <= a <= 9, b in -9 .. 9 */
-        int count = (int)kit_below(&random, 5);
+        int count = (int)prng_u32(&random, 5);
         int inside = 0;
         int sign = 7;
         for (int i = 0; i < count; i++) {
-            roots[i][0] = (int)kit_below(&random, 19) - 9;
-            roots[i][1] = 1 + (int)kit_below(&random, 9);
+            roots[i][0] = (int)prng_u32(&random, 19) - 9;
+            roots[i][1] = 1 + (int)prng_u32(&random, 9);
             inside += roots[i][0] > 0 && roots[i][0] < roots[i][1];
         }
         poly_of_roots(&poly, (const int(*)[2])roots, count);
@@ -292,9 +279,8 @@ static void exact__variations_count_the_roots_inside(void **state)
 
 /* If it failed: an event would be missed where three polynomials share a root, or a
  * double root would be looked for until there is no memory. */
-static void exact__common_divisors_hold_the_common_roots(void **state)
+CASE(exact__common_divisors_hold_the_common_roots)
 {
-    (void)state;
     const int a_roots[4][2] = {{1, 2}, {1, 2}, {2, 3}, {-5, 1}};
     const int b_roots[3][2] = {{1, 2}, {3, 1}, {-5, 1}};
     const int common[2][2] = {{1, 2}, {-5, 1}};
@@ -347,22 +333,21 @@ static void exact__common_divisors_hold_the_common_roots(void **state)
 
 /* If it failed: the first contact of a long span would be said to begin too late, or to
  * be where none is. */
-static void exact__first_contact_is_bracketed(void **state)
+CASE(exact__first_contact_is_bracketed)
 {
-    (void)state;
     struct eng_exact exact;
-    struct kit_random random = {81};
+    struct prng random = {81};
     int hits = 0;
-    assert_int_equal(eng_exact_init(&exact), PCCD_OK);
+    assert_ok(eng_exact_init(&exact));
     for (int round = 0; round < 6000; round++) {
         struct eng_query query = {.kind = round % 2 ? PCCD_EE : PCCD_VF};
         uint32_t bound = 1 + (uint32_t)round % 3;
-        double tolerance = ldexp(1, -(int)kit_below(&random, 44));
+        double tolerance = ldexp(1, -(int)prng_u32(&random, 44));
         double l = round % 5 == 0 ? 0.3 : 0;
         double r = round % 7 == 0 ? 0.9 : 1;
         for (int i = 0; i < 24; i++) {
             query.x[i / 12][i / 3 % 4][i % 3] =
-                round % 4 ? kit_integer(&random, bound) : kit_between(&random, -1, 1);
+                round % 4 ? prng_integer(&random, bound) : prng_between(&random, -1, 1);
         }
         double from = l;
         double to = r;
@@ -405,39 +390,38 @@ static void count_free(void *block, size_t bytes)
 
 /* Exponents as far apart as they may be; some coordinates are the same, or each other's
  * negative, so that roots are, too. */
-static void extreme_query(struct kit_random *random, struct eng_query *query)
+static void extreme_query(struct prng *random, struct eng_query *query)
 {
     double pool[6] = {0};
-    query->kind = kit_below(random, 2) ? PCCD_EE : PCCD_VF;
+    query->kind = prng_u32(random, 2) ? PCCD_EE : PCCD_VF;
     for (int i = 0; i < 24; i++) {
         double *x = &query->x[i / 12][i / 3 % 4][i % 3];
-        double value = kit_below(random, 2) ? kit_integer(random, 4) / 4
-                                            : kit_between(random, -1, 1);
-        int exponent = kit_below(random, 3) == 0 ? -(int)kit_below(random, 1134)
-                       : kit_below(random, 2)    ? -1133
-                                                 : 0;
-        *x = kit_below(random, 4) == 0 ? pool[kit_below(random, 6)]
-                                       : ldexp(value, 59 + exponent);
-        pool[kit_below(random, 6)] = kit_below(random, 2) ? *x : -*x;
+        double value = prng_u32(random, 2) ? prng_integer(random, 4) / 4
+                                           : prng_between(random, -1, 1);
+        int exponent = prng_u32(random, 3) == 0 ? -(int)prng_u32(random, 1134)
+                       : prng_u32(random, 2)    ? -1133
+                                                : 0;
+        *x = prng_u32(random, 4) == 0 ? pool[prng_u32(random, 6)]
+                                      : ldexp(value, 59 + exponent);
+        pool[prng_u32(random, 6)] = prng_u32(random, 2) ? *x : -*x;
     }
 }
 
 /* If it failed: GMP would end the daemon where it gets no memory for a number. */
-static void exact__decisions_allocate_nothing(void **state)
+CASE(exact__decisions_allocate_nothing)
 {
-    (void)state;
     struct eng_exact exact;
-    struct kit_random random = {74};
-    assert_int_equal(eng_exact_init(&exact), PCCD_OK);
+    struct prng random = {74};
+    assert_ok(eng_exact_init(&exact));
     mp_set_memory_functions(count_alloc, count_realloc, count_free);
     gmp_calls = 0;
     for (int round = 0; round < 4000; round++) {
         struct eng_query query;
         extreme_query(&random, &query);
-        double tolerance = ldexp(1, -(int)kit_below(&random, 44));
+        double tolerance = ldexp(1, -(int)prng_u32(&random, 44));
         double l =
-            round % 3 ? 0 : ldexp(kit_between(&random, 0, 1), -(int)(round % 1074));
-        double r = l + (1 - l) * ldexp(1, -(int)kit_below(&random, 40));
+            round % 3 ? 0 : ldexp(prng_between(&random, 0, 1), -(int)(round % 1074));
+        double r = l + (1 - l) * ldexp(1, -(int)prng_u32(&random, 40));
         struct eng_moment moment = eng_exact_moment(&exact, &query, round % 2);
         assert_in_range(moment.side + 1, 0, 2);
         bool found = eng_exact_meets(&exact, &query, l, r);
@@ -485,10 +469,9 @@ static void check_sign(struct eng_root_sign *scratch, const struct eng_poly *g,
 
 /* If it failed: a contact on the rim of a triangle, or beside it, would be taken for the
  * other. Roots of both polynomials are near each other, the same, or at the ends. */
-static void exact__a_quadratic_has_its_sign_at_a_root(void **state)
+CASE(exact__a_quadratic_has_its_sign_at_a_root)
 {
-    (void)state;
-    struct kit_random random = {73};
+    struct prng random = {73};
     struct eng_root_sign *scratch = &case_exact()->span.root_sign;
     struct eng_poly f;
     struct eng_poly g;
@@ -497,17 +480,17 @@ static void exact__a_quadratic_has_its_sign_at_a_root(void **state)
     poly_init(&g);
     for (int round = 0; round < 20000; round++) {
         int roots[5][2]; /* three of f, then two of g */
-        int f_count = 1 + (int)kit_below(&random, 3);
-        int g_count = (int)kit_below(&random, 3);
+        int f_count = 1 + (int)prng_u32(&random, 3);
+        int g_count = (int)prng_u32(&random, 3);
         for (int i = 0; i < 5; i++) {
-            roots[i][0] = (int)kit_below(&random, 15) - 3;
-            roots[i][1] = 1 + (int)kit_below(&random, 11);
-            if (i >= 3 && kit_below(&random, 4) == 0) { /* shared, or double */
+            roots[i][0] = (int)prng_u32(&random, 15) - 3;
+            roots[i][1] = 1 + (int)prng_u32(&random, 11);
+            if (i >= 3 && prng_u32(&random, 4) == 0) { /* shared, or double */
                 memcpy(roots[i], roots[i == 3 ? 0 : 3], sizeof *roots);
             }
         }
-        unsigned long k = kit_below(&random, 4);
-        int num = (int)kit_below(&random, 1u << k);
+        unsigned long k = prng_u32(&random, 4);
+        int num = (int)prng_u32(&random, 1u << k);
         const int ends[2][2] = {{num, 1 << k}, {num + 1, 1 << k}};
         bool is_alone = compare(ends[0], roots[0]) < 0 && compare(roots[0], ends[1]) < 0;
         int before = 1;
@@ -519,10 +502,10 @@ static void exact__a_quadratic_has_its_sign_at_a_root(void **state)
         if (!is_alone) {
             continue;
         }
-        int expected = kit_below(&random, 2) ? 1 : -1;
+        int expected = prng_u32(&random, 2) ? 1 : -1;
         poly_of_roots(&f, (const int(*)[2])roots, f_count);
         poly_of_roots(&g, (const int(*)[2])(roots + 3), g_count);
-        if (g_count == 2 && kit_below(&random, 3) == 0) { /* no root, but nearly */
+        if (g_count == 2 && prng_u32(&random, 3) == 0) { /* no root, but nearly */
             mpz_mul_2exp(g.c[0], g.c[0], 40);
             mpz_mul_2exp(g.c[1], g.c[1], 40);
             mpz_mul_2exp(g.c[2], g.c[2], 40);
@@ -540,7 +523,7 @@ static void exact__a_quadratic_has_its_sign_at_a_root(void **state)
         mpz_t number;
         mpz_init_set_si(number, num);
         const struct eng_root root = {&f, &number, k, before};
-        check_sign(scratch, &g, &root, kit_below(&random, 2), expected);
+        check_sign(scratch, &g, &root, prng_u32(&random, 2), expected);
         signs[expected + 1]++;
         mpz_clear(number);
     }
@@ -551,24 +534,4 @@ static void exact__a_quadratic_has_its_sign_at_a_root(void **state)
     poly_deinit(&g);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(exact__first_contact_is_bracketed),
-        cmocka_unit_test(exact__vertex_on_face_to_one_ulp),
-        cmocka_unit_test(exact__collapsed_face_is_its_segment_or_point),
-        cmocka_unit_test(exact__edges_to_one_ulp),
-        cmocka_unit_test(exact__parallel_and_collapsed_edges),
-        cmocka_unit_test(exact__a_common_corner_touches),
-        cmocka_unit_test(exact__side_is_the_sign_of_the_determinant),
-        cmocka_unit_test(exact__span_holds_a_known_contact_or_just_not),
-        cmocka_unit_test(exact__scratch_carries_nothing_over),
-        cmocka_unit_test(exact__variations_count_the_roots_inside),
-        cmocka_unit_test(exact__common_divisors_hold_the_common_roots),
-        cmocka_unit_test(exact__a_quadratic_has_its_sign_at_a_root),
-        cmocka_unit_test(exact__decisions_allocate_nothing),
-    };
-    int status = cmocka_run_group_tests_name("eng_exact", tests, NULL, NULL);
-    eng_exact_deinit(case_exact());
-    return status;
-}
+CASES_WITH(NULL, case_end);

@@ -1,8 +1,4 @@
-/* test_eng_fault.c - the engine when memory runs out.
- *
- * Fail the n-th allocation, for every n, over the whole life of meshes and a scene, once
- * or from then on until the call has returned.
- */
+/* test_eng_fault.c - the engine when memory runs out. */
 #include "eng_scarce.h"
 
 #include <stdlib.h>
@@ -46,15 +42,15 @@ static struct eng_mesh *make_sheet(void)
 
 static int stage(struct eng_scene *scene, uint32_t object_idx, int seed)
 {
-    struct kit_random random = {(uint64_t)seed};
+    struct prng random = {(uint64_t)seed};
     const double from[12] = {1, 0, 0, 0.3, 0, 1, 0, 0.2, 0, 0, 1, 0.5 + seed};
     const double to[12] = {1, 0.1, 0, 0, 0, 1, 0.1, 0, 0, 0.2, 1, -0.5 - seed};
     double x0[V][3];
     double x1[V][3];
     for (uint32_t i = 0; i < 3 * V; i++) {
         double place = i % 3 == 0 && object_idx > 2 ? 3.0 * object_idx : 0;
-        x0[i / 3][i % 3] = place + kit_between(&random, 0, SIDE);
-        x1[i / 3][i % 3] = place + kit_between(&random, 0, SIDE);
+        x0[i / 3][i % 3] = place + prng_between(&random, 0, SIDE);
+        x1[i / 3][i % 3] = place + prng_between(&random, 0, SIDE);
     }
     if (seed % 3 == 0 && object_idx < 3) {
         return eng_stage_rigid(scene, object_idx, 0, V, from, to);
@@ -180,7 +176,7 @@ static void live(struct journal *journal)
         assert_int_equal(eng_scene_object_count(scene), i + 1);
         step(scene, i == 1 ? PCCD_MODE_PAIRS : PCCD_MODE_ALL, (int)i, journal);
     }
-    assert_int_equal(eng_scene_remove(scene, idx[1]), PCCD_OK);
+    assert_ok(eng_scene_remove(scene, idx[1]));
     step(scene, PCCD_MODE_FIRST, 3, journal);
     for (uint32_t i = 3; i < 20; i++) { /* the tables of objects and holes grow */
         RETRY(eng_scene_add(scene, mesh, i, &idx[i]));
@@ -189,7 +185,7 @@ static void live(struct journal *journal)
     step(scene, PCCD_MODE_ANY, 4, journal);
     for (uint32_t i = 3; i < 20; i++) { /* the first pair takes memory, the 33rd more */
         const struct eng_object_filter bits = {1u << i % 3, 6 - i % 3, i % 4 > 0};
-        assert_int_equal(eng_scene_set_filter(scene, idx[i], &bits), PCCD_OK);
+        assert_ok(eng_scene_set_filter(scene, idx[i], &bits));
         RETRY(eng_scene_ignore(scene, idx[i], idx[i - 3], true));
         RETRY(eng_scene_ignore(scene, idx[i], idx[0], true));
         RETRY(eng_scene_ignore(scene, idx[i], idx[2], true));
@@ -200,13 +196,13 @@ static void live(struct journal *journal)
     eng_mesh_release(other);
     step(scene, PCCD_MODE_ALL, 8, journal);
     for (uint32_t i = 3; i < 20; i += 2) {
-        assert_int_equal(eng_scene_remove(scene, idx[i]), PCCD_OK);
+        assert_ok(eng_scene_remove(scene, idx[i]));
     }
     step(scene, PCCD_MODE_PAIRS, 5, journal);
     step(scene, PCCD_MODE_ALL, 6, journal);
     for (uint32_t i = 0; i < 20; i++) {
         if (eng_scene_object(scene, idx[i])) {
-            assert_int_equal(eng_scene_remove(scene, idx[i]), PCCD_OK);
+            assert_ok(eng_scene_remove(scene, idx[i]));
         }
     }
     step(scene, PCCD_MODE_ANY, 7, journal);
@@ -220,9 +216,8 @@ static void live(struct journal *journal)
 
 /* If it failed: running out of memory would crash, leak, spoil the scene or change
  * answers. */
-static void fault__every_allocation_may_fail(void **state)
+CASE(fault__every_allocation_may_fail)
 {
-    (void)state;
     struct journal reference;
     struct journal journal;
     scarce.countdown = 0;
@@ -248,9 +243,8 @@ static void fault__every_allocation_may_fail(void **state)
 }
 
 /* If it failed: a call that could not get memory would leave a part of it behind. */
-static void fault__failed_calls_leave_nothing_behind(void **state)
+CASE(fault__failed_calls_leave_nothing_behind)
 {
-    (void)state;
     struct eng_mesh *mesh = NULL;
     struct eng_scene *scene = NULL;
     scarce.goes_on_failing = false;
@@ -272,7 +266,7 @@ static void fault__failed_calls_leave_nothing_behind(void **state)
     for (uint64_t n = 1; status != PCCD_OK; n++) {
         uint32_t idx = 77;
         uint64_t before = scarce.allocations;
-        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        assert_ok(eng_scene_new(NULL, &scene));
         uint64_t made = scarce.allocations - before;
         scarce.countdown = n;
         status = eng_scene_add(scene, mesh, 1, &idx);
@@ -308,17 +302,15 @@ static void run_disorder(struct eng_scene *scene, struct journal *journal)
 {
     for (int seed = 0; seed < 6; seed++) {
         struct eng_step_result result;
-        assert_int_equal(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_PAPER, seed, &result),
-                         PCCD_OK);
+        assert_ok(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_PAPER, seed, &result));
         assert_true(eng_tree_validate(scene));
         journal->hash[journal->count++] = result.hash[1];
     }
 }
 
 /* If it failed: a step that lacks memory for a better hierarchy would fail with it. */
-static void fault__steps_go_on_without_memory_aside(void **state)
+CASE(fault__steps_go_on_without_memory_aside)
 {
-    (void)state;
     const struct eng_scene_settings settings = {1e-9, 3, 1};
     struct journal reference = {.count = 0};
     struct eng_mesh *mesh = kit_sheet(2 * SIDE, 0);
@@ -326,8 +318,8 @@ static void fault__steps_go_on_without_memory_aside(void **state)
         struct journal journal = {.count = 0};
         struct eng_scene *scene;
         uint32_t idx;
-        assert_int_equal(eng_scene_new(&settings, &scene), PCCD_OK);
-        assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), PCCD_OK);
+        assert_ok(eng_scene_new(&settings, &scene));
+        assert_ok(eng_scene_add(scene, mesh, 0, &idx));
         run_disorder(scene, &journal); /* nothing is as poor; room for contacts is made */
         assert_int_equal(eng_background_bytes(&eng_paper_of(scene)->background), 0);
         scene->settings.rebuild_ratio = 0.9;
@@ -347,47 +339,32 @@ static void fault__steps_go_on_without_memory_aside(void **state)
 
 /* If it failed: a step would fail for want of memory that only makes later ones faster,
  * or ask for it again in every step. */
-static void fault__steps_go_on_without_memory_for_an_order(void **state)
+CASE(fault__steps_go_on_without_memory_for_an_order)
 {
-    (void)state;
     struct eng_mesh *mesh = make_sheet();
     struct eng_scene *scene;
     struct eng_step_result result;
     uint32_t idx;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), PCCD_OK);
+    assert_ok(eng_scene_new(NULL, &scene));
+    assert_ok(eng_scene_add(scene, mesh, 0, &idx));
     struct eng_wide_resort *resort = &eng_wide_state_of(scene)->resort;
     for (int round = 0; round < 2; round++) { /* the first step makes room for others */
-        assert_int_equal(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_WIDE, 0, &result),
-                         PCCD_OK);
+        assert_ok(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_WIDE, 0, &result));
     }
     uint64_t hash = result.hash[1];
     resort->state = ENG_WIDE_WANTED;
     scarce.goes_on_failing = false;
     scarce.failures = 0;
     scarce.countdown = 1;
-    assert_int_equal(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_WIDE, 0, &result),
-                     PCCD_OK);
+    assert_ok(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_WIDE, 0, &result));
     assert_int_equal(scarce.failures, 1);
     assert_int_equal(resort->state, ENG_WIDE_IDLE);
     assert_int_equal(eng_wide_resort_bytes(resort), 0);
     assert_true(result.hash[1] == hash);
     resort->state = ENG_WIDE_WANTED; /* with memory it is made */
-    assert_int_equal(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_WIDE, 0, &result),
-                     PCCD_OK);
+    assert_ok(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_WIDE, 0, &result));
     assert_int_not_equal(resort->state, ENG_WIDE_IDLE);
     eng_scene_free(scene);
     eng_mesh_release(mesh);
     assert_int_equal(scarce.held_blocks, 0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fault__failed_calls_leave_nothing_behind),
-        cmocka_unit_test(fault__every_allocation_may_fail),
-        cmocka_unit_test(fault__steps_go_on_without_memory_aside),
-        cmocka_unit_test(fault__steps_go_on_without_memory_for_an_order),
-    };
-    return cmocka_run_group_tests_name("eng_fault", tests, NULL, NULL);
 }

@@ -1,9 +1,4 @@
-/* test_eng_fault_team.c - a step by several threads when memory runs out.
- *
- * Fail the n-th allocation, for every n, of a step by four threads: before the parallel
- * region, by whichever thread inside, by the one that prepares the merge while the others
- * wait.
- */
+/* test_eng_fault_team.c - a step by several threads when memory runs out. */
 #include "eng_scarce.h"
 
 #include "step.h"
@@ -49,10 +44,9 @@ static uint64_t live(struct eng_mesh *mesh, enum pccd_mode mode,
 
 /* If it failed: threads would wait for ever for one that had no memory, or an answer
  * without some of its records would look whole. */
-static void fault_team__every_allocation_of_a_step_may_fail(void **state)
+CASE(fault_team__every_allocation_of_a_step_may_fail)
 {
-    (void)state;
-    struct kit_random random = {92};
+    struct prng random = {92};
     struct eng_mesh *mesh = kit_soup(&random, TRIANGLES);
     const uint64_t held = scarce.held_blocks;
     for (int i = 0; i < 4; i++) {
@@ -71,12 +65,4 @@ static void fault_team__every_allocation_of_a_step_may_fail(void **state)
     }
     eng_mesh_release(mesh);
     assert_int_equal(scarce.held_blocks, 0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fault_team__every_allocation_of_a_step_may_fail),
-    };
-    return cmocka_run_group_tests_name("eng_fault_team", tests, NULL, NULL);
 }

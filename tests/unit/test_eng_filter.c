@@ -25,10 +25,9 @@ static bool passes(const struct eng_query *query)
 }
 
 /* If it failed: a real contact would be thrown away before anybody looks. */
-static void filter__planted_contacts_pass(void **state)
+CASE(filter__planted_contacts_pass)
 {
-    (void)state;
-    struct kit_random random = {51};
+    struct prng random = {51};
     for (int round = 0; round < 100000; round++) {
         struct eng_query query;
         kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, (unsigned)round / 2 % 9,
@@ -38,16 +37,15 @@ static void filter__planted_contacts_pass(void **state)
 }
 
 /* If it failed: underflow or overflow would turn a contact into a miss. */
-static void filter__planted_contacts_pass_at_every_scale(void **state)
+CASE(filter__planted_contacts_pass_at_every_scale)
 {
-    (void)state;
-    struct kit_random random = {52};
+    struct prng random = {52};
     /* 2^9 2^50 < 1e18; the smallest bits, 2^-9 2^-1060, are the last denormals but
      * few. */
     for (int exponent = -1060; exponent <= 50; exponent += 5) {
         for (int round = 0; round < 200; round++) {
             struct eng_query query;
-            kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, kit_below(&random, 9),
+            kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, prng_u32(&random, 9),
                       &query);
             kit_place(&query, ldexp(1, exponent), 0);
             assert_true(passes(&query));
@@ -56,27 +54,25 @@ static void filter__planted_contacts_pass_at_every_scale(void **state)
 }
 
 /* If it failed: contacts far from the origin would be lost to cancellation. */
-static void filter__planted_contacts_pass_far_from_the_origin(void **state)
+CASE(filter__planted_contacts_pass_far_from_the_origin)
 {
-    (void)state;
-    struct kit_random random = {53};
+    struct prng random = {53};
     for (int round = 0; round < 100000; round++) {
         struct eng_query query;
-        double offset = ldexp(kit_integer(&random, 7), (int)kit_below(&random, 40));
-        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, kit_below(&random, 9), &query);
+        double offset = ldexp(prng_integer(&random, 7), (int)prng_u32(&random, 40));
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, prng_u32(&random, 9), &query);
         kit_place(&query, 1, offset); /* below 2^43: the 2^-9 stay exact */
         assert_true(passes(&query));
     }
 }
 
 /* If it failed: degenerate features would be rejected by a sign of zero. */
-static void filter__degenerate_contacts_pass(void **state)
+CASE(filter__degenerate_contacts_pass)
 {
-    (void)state;
-    struct kit_random random = {54};
+    struct prng random = {54};
     for (int round = 0; round < 20000; round++) {
         struct eng_query query;
-        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, kit_below(&random, 9), &query);
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, prng_u32(&random, 9), &query);
         /* Collapse everything onto one moving point, or onto a plane. */
         for (int i = 0; i < 24; i++) {
             int end = i / 12;
@@ -92,18 +88,17 @@ static void filter__degenerate_contacts_pass(void **state)
 }
 
 /* If it failed: where products underflow, the sign of their rounding would decide. */
-static void filter__flat_contacts_pass_where_products_underflow(void **state)
+CASE(filter__flat_contacts_pass_where_products_underflow)
 {
-    (void)state;
-    struct kit_random random = {55};
+    struct prng random = {55};
     for (int round = 0; round < 100000; round++) {
         struct eng_query query;
-        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, kit_below(&random, 9), &query);
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, prng_u32(&random, 9), &query);
         for (int i = 0; i < 8; i++) { /* a plane that no axis knows */
             double *x = query.x[i / 4][i % 4];
             x[2] = x[0] + 3 * x[1];
         }
-        kit_place(&query, ldexp(1, -350 - (int)kit_below(&random, 15)), 0);
+        kit_place(&query, ldexp(1, -350 - (int)prng_u32(&random, 15)), 0);
         assert_true(passes(&query));
     }
 }
@@ -124,9 +119,8 @@ static void check_rejected(enum pccd_kind kind, const double x0[4][3],
 }
 
 /* If it failed: the filter would filter nothing, and every pair would be solved. */
-static void filter__obvious_misses_are_rejected(void **state)
+CASE(filter__obvious_misses_are_rejected)
 {
-    (void)state;
     /* Above the plane of a tilted face all the time, boxes overlapping. */
     const double above[4][3] = {{1, 1, 1.5}, {0, 0, 0}, {2, 0, 1}, {0, 2, 1}};
     const double above1[4][3] = {{1, 1, 1.25}, {0, 0, 0}, {2, 0, 1}, {0, 2, 1}};
@@ -141,17 +135,4 @@ static void filter__obvious_misses_are_rejected(void **state)
     const double parallel[4][3] = {{0, 0, 0}, {2, 2, 0}, {0.5, 0, 0}, {2.5, 2, 0}};
     const double parallel1[4][3] = {{1, 1, 0}, {3, 3, 0}, {0.5, 0, 0}, {2.5, 2, 0}};
     check_rejected(PCCD_EE, parallel, parallel1);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(filter__planted_contacts_pass),
-        cmocka_unit_test(filter__planted_contacts_pass_at_every_scale),
-        cmocka_unit_test(filter__planted_contacts_pass_far_from_the_origin),
-        cmocka_unit_test(filter__degenerate_contacts_pass),
-        cmocka_unit_test(filter__flat_contacts_pass_where_products_underflow),
-        cmocka_unit_test(filter__obvious_misses_are_rejected),
-    };
-    return cmocka_run_group_tests_name("eng_filter", tests, NULL, NULL);
 }

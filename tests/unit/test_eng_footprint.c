@@ -1,10 +1,4 @@
-/* test_eng_footprint.c - the memory that a scene takes.
- *
- * Step a cloth of five sheets and 100 000 triangles by both methods; hold the bytes of a
- * triangle that stay against the 400 of bench/growth/README.md, the scene's own account
- * of them against what the engine has allocated, and that against what the process has
- * grown by. And see that none are kept for pairs.
- */
+/* test_eng_footprint.c - the memory that a scene takes. */
 #include "eng_kit.h"
 #include "eng_way.h"
 
@@ -15,7 +9,6 @@
 #include <unistd.h>
 
 #include "memory.h"
-#include "skip.h"
 #include "step.h"
 #include "step_memory.h"
 #include "wide_cells.h"
@@ -50,22 +43,18 @@ static void cloth_init(struct cloth *cloth)
     malloc_trim(0);
     cloth->engine_before = eng_alloc_bytes();
     cloth->process_before = process_bytes();
-    assert_int_equal(eng_scene_new(NULL, &cloth->scene), PCCD_OK);
+    cloth->scene = kit_scene();
     for (uint32_t i = 0; i < SHEETS; i++) {
-        struct eng_mesh *mesh = kit_sheet(SIDE, APART * i);
-        assert_int_equal(eng_scene_add(cloth->scene, mesh, i, &cloth->objects[i]),
-                         PCCD_OK);
-        eng_mesh_release(mesh);
+        cloth->objects[i] = kit_add(cloth->scene, kit_sheet(SIDE, APART * i), i);
     }
 }
 
 /* Every vertex goes up or down by less than a sheet is from the next; some meet. */
 static void step(struct cloth *cloth, enum pccd_method method, enum pccd_mode mode,
-                 struct kit_random *random)
+                 struct prng *random)
 {
     static double x1[(SIDE + 1) * (SIDE + 1)][3];
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     eng_stage_begin(cloth->scene);
     for (uint32_t i = 0; i < SHEETS; i++) {
         uint32_t count = eng_scene_vertex_count(cloth->scene, cloth->objects[i]);
@@ -74,15 +63,14 @@ static void step(struct cloth *cloth, enum pccd_method method, enum pccd_mode mo
         assert_true(count <= sizeof x1 / sizeof x1[0]);
         memcpy(x1, x0, count * sizeof x1[0]);
         for (uint32_t v = 0; v < count; v++) {
-            x1[v][2] += 0.55 * APART * kit_between(random, -1, 1);
+            x1[v][2] += 0.55 * APART * prng_between(random, -1, 1);
         }
-        assert_int_equal(
-            eng_stage_x1(cloth->scene, cloth->objects[i], PCCD_FORMAT_F64, 0, count, x1),
-            PCCD_OK);
+        assert_ok(
+            eng_stage_x1(cloth->scene, cloth->objects[i], PCCD_FORMAT_F64, 0, count, x1));
     }
     settings.method = method;
     settings.mode = mode;
-    assert_int_equal(eng_step(cloth->scene, &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_step(cloth->scene, &settings);
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     assert_true(result.count > 0);
 }
@@ -110,12 +98,11 @@ static double check_account(const struct cloth *cloth)
 
 /* If an array came back that holds what another one does, or one grew past what it holds,
  * a scene that fits a machine today would not tomorrow. */
-static void footprint__of_wide_is_as_promised(void **state)
+CASE(footprint__of_wide_is_as_promised)
 {
-    (void)state;
     static const enum pccd_mode modes[] = {PCCD_MODE_ALL, PCCD_MODE_ALL, PCCD_MODE_PAIRS,
                                            PCCD_MODE_FIRST, PCCD_MODE_PAIRS};
-    struct kit_random random = {41};
+    struct prng random = {41};
     struct cloth cloth;
     uint32_t quantised = 0;
     double bytes = 0;
@@ -140,22 +127,20 @@ static void footprint__of_wide_is_as_promised(void **state)
 
 /* If it failed, a rank of which most of its part has gone to others would keep the memory
  * of all that it once had. */
-static void footprint__of_wide_follows_a_scene_that_shrinks(void **state)
+CASE(footprint__of_wide_follows_a_scene_that_shrinks)
 {
-    (void)state;
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
-    struct kit_random random = {43};
+    struct prng random = {43};
     struct cloth cloth;
     cloth_init(&cloth);
     step(&cloth, PCCD_METHOD_WIDE, PCCD_MODE_ALL, &random);
     uint64_t before = eng_wide_bytes(eng_wide_of(cloth.scene));
     for (uint32_t i = 1; i < SHEETS; i++) {
-        assert_int_equal(eng_scene_remove(cloth.scene, cloth.objects[i]), PCCD_OK);
+        assert_ok(eng_scene_remove(cloth.scene, cloth.objects[i]));
     }
     settings.method = PCCD_METHOD_WIDE;
     eng_stage_begin(cloth.scene);
-    assert_int_equal(eng_step(cloth.scene, &settings, &result), PCCD_OK);
+    kit_step(cloth.scene, &settings);
     assert_true(eng_wide_bytes(eng_wide_of(cloth.scene)) < before / 2);
     eng_scene_free(cloth.scene);
     assert_int_equal(eng_alloc_bytes(), cloth.engine_before);
@@ -170,7 +155,7 @@ static void fall_through_another(struct eng_scene *scene)
     uint32_t objects[2];
     double x1[9][3];
     for (uint32_t i = 0; i < 2; i++) {
-        assert_int_equal(eng_scene_add(scene, small, 100 + i, &objects[i]), PCCD_OK);
+        assert_ok(eng_scene_add(scene, small, 100 + i, &objects[i]));
     }
     for (int end = 0; end < 2; end++) { /* it begins where the last one ended */
         memcpy(x1, eng_mesh_vertices(small), sizeof x1);
@@ -179,10 +164,9 @@ static void fall_through_another(struct eng_scene *scene)
             x1[v][2] += end == 0 ? APART : -APART;
         }
         eng_stage_begin(scene);
-        assert_int_equal(
-            eng_stage_x1(scene, objects[0], PCCD_FORMAT_F64, 0, 9, (const void *)x1),
-            PCCD_OK);
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        assert_ok(
+            eng_stage_x1(scene, objects[0], PCCD_FORMAT_F64, 0, 9, (const void *)x1));
+        result = kit_step(scene, &settings);
     }
     assert_true(result.count > 0);
     eng_mesh_release(small);
@@ -190,10 +174,9 @@ static void fall_through_another(struct eng_scene *scene)
 
 /* If it failed, a rank whose leaves all travel while a scene is cut anew would keep what
  * a step of the old ones took beside what the new ones take to arrive. */
-static void footprint__of_an_emptied_scene_is_given_back(void **state)
+CASE(footprint__of_an_emptied_scene_is_given_back)
 {
-    (void)state;
-    struct kit_random random = {44};
+    struct prng random = {44};
     struct cloth cloth;
     cloth_init(&cloth);
     step(&cloth, PCCD_METHOD_WIDE, PCCD_MODE_ALL, &random);
@@ -202,7 +185,7 @@ static void footprint__of_an_emptied_scene_is_given_back(void **state)
     uint64_t records = memory->sorted.capacity_bytes;
     assert_true(eng_merge_bytes(memory->merge) > records / 8);
     for (uint32_t i = 0; i < SHEETS; i++) {
-        assert_int_equal(eng_scene_remove(cloth.scene, cloth.objects[i]), PCCD_OK);
+        assert_ok(eng_scene_remove(cloth.scene, cloth.objects[i]));
     }
     assert_true(eng_wide_bytes(eng_wide_of(cloth.scene)) < wide / 16);
     assert_true(eng_merge_bytes(memory->merge) < records / 16);
@@ -216,10 +199,9 @@ static void footprint__of_an_emptied_scene_is_given_back(void **state)
 }
 
 /* What is promised of wide, of paper; the first step makes its hierarchies. */
-static void footprint__of_paper_is_as_promised(void **state)
+CASE(footprint__of_paper_is_as_promised)
 {
-    (void)state;
-    struct kit_random random = {42};
+    struct prng random = {42};
     struct cloth cloth;
     cloth_init(&cloth);
     for (uint32_t i = 0; i < 3; i++) {
@@ -234,10 +216,9 @@ static void footprint__of_paper_is_as_promised(void **state)
 
 /* If it failed, the account would leave out what a scene takes. Not all of what the
  * engine was given has been written to. */
-static void footprint__is_what_the_process_has_grown_by(void **state)
+CASE(footprint__is_what_the_process_has_grown_by)
 {
-    (void)state;
-    struct kit_random random = {45};
+    struct prng random = {45};
 #ifdef PCCD_SANITIZED
     test_skip("red zones and shadows are the process's, too");
 #endif
@@ -258,33 +239,30 @@ static void footprint__is_what_the_process_has_grown_by(void **state)
 
 /* If candidates were collected, a step in which everything crosses everything would need
  * memory for millions of pairs: others have run out of it there. */
-static void footprint__does_not_follow_the_candidates(void **state)
+CASE(footprint__does_not_follow_the_candidates)
 {
-    (void)state;
-    struct kit_random random = {8};
+    struct prng random = {8};
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
-    struct eng_scene *scene;
     uint64_t candidates[2];
     uint64_t bytes[2];
     uint32_t object;
     settings.method = PCCD_METHOD_WIDE;
     settings.contact_max = 1000;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
     struct eng_mesh *mesh = kit_soup(&random, 300);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &object), PCCD_OK);
+    assert_ok(eng_scene_add(scene, mesh, 1, &object));
     uint32_t count = eng_scene_vertex_count(scene, object);
     double(*x1)[3] = malloc(count * sizeof *x1);
     assert_non_null(x1);
     for (int i = 0; i < 2; i++) {
         for (uint32_t k = 0; k < 3 * count; k++) {
             x1[k / 3][k % 3] = eng_mesh_vertices(mesh)[k / 3][k % 3] +
-                               (i == 0 ? 0.001 : 50) * kit_between(&random, -1, 1);
+                               (i == 0 ? 0.001 : 50) * prng_between(&random, -1, 1);
         }
         eng_stage_begin(scene);
-        assert_int_equal(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, count, x1),
-                         PCCD_OK);
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        assert_ok(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, count, x1));
+        result = kit_step(scene, &settings);
         candidates[i] =
             result.counters.candidates[PCCD_VF] + result.counters.candidates[PCCD_EE];
         bytes[i] = eng_scene_bytes(scene);
@@ -297,18 +275,13 @@ static void footprint__does_not_follow_the_candidates(void **state)
     eng_scene_free(scene);
 }
 
-int main(void)
+/* As the daemon does: what is freed goes back. */
+static int set_up(void **state)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(footprint__of_wide_is_as_promised),
-        cmocka_unit_test(footprint__of_wide_follows_a_scene_that_shrinks),
-        cmocka_unit_test(footprint__of_an_emptied_scene_is_given_back),
-        cmocka_unit_test(footprint__of_paper_is_as_promised),
-        cmocka_unit_test(footprint__is_what_the_process_has_grown_by),
-        cmocka_unit_test(footprint__does_not_follow_the_candidates),
-    };
-    /* As the daemon does: what is freed goes back. */
+    (void)state;
     (void)mallopt(M_MMAP_THRESHOLD, 256 << 10);
     (void)mallopt(M_TRIM_THRESHOLD, 256 << 10);
-    return cmocka_run_group_tests_name("eng_footprint", tests, NULL, NULL);
+    return 0;
 }
+
+CASES_WITH(set_up, NULL);

@@ -1,8 +1,4 @@
-/* test_eng_frames.c - scenes far from the origin, tiny ones, and objects far apart.
- *
- * Boxes in a frame against whole numbers of 128 bits; what is counted in a step far away
- * against the same step in place, by both methods; scenes that travel.
- */
+/* test_eng_frames.c - scenes far from the origin, tiny ones, and objects far apart. */
 #include "aabb.h"
 #include "eng_kit.h"
 
@@ -37,19 +33,18 @@ static whole whole_of(double x)
 }
 
 /* A multiple of UNIT, small or as large as coordinates may be. */
-static double some_coordinate(struct kit_random *random)
+static double some_coordinate(struct prng *random)
 {
-    int bits = 1 + (int)kit_below(random, 50);
-    double x = kit_integer(random, 0x7fffffff) * ldexp(1, bits - 31);
-    return ldexp(x, (int)kit_below(random, 60) - bits) + UNIT * kit_integer(random, 9);
+    int bits = 1 + (int)prng_u32(random, 50);
+    double x = prng_integer(random, 0x7fffffff) * ldexp(1, bits - 31);
+    return ldexp(x, (int)prng_u32(random, 60) - bits) + UNIT * prng_integer(random, 9);
 }
 
 /* If it failed, a box would not hold its point, and a contact could be missed, or it
  * would be larger than it has to be, and a step slower. */
-static void frames__boxes_hold_their_points_tightly(void **state)
+CASE(frames__boxes_hold_their_points_tightly)
 {
-    struct kit_random random = {1};
-    (void)state;
+    struct prng random = {1};
     for (uint32_t i = 0; i < 200000; i++) {
         double x = floor(some_coordinate(&random) / UNIT) * UNIT;
         double origin = i % 4 ? x + floor(some_coordinate(&random) / UNIT) * UNIT
@@ -70,10 +65,9 @@ static void frames__boxes_hold_their_points_tightly(void **state)
 }
 
 /* If it failed, an instruction set would have boxes of its own. */
-static void frames__kernels_make_the_same_boxes(void **state)
+CASE(frames__kernels_make_the_same_boxes)
 {
-    struct kit_random random = {2};
-    (void)state;
+    struct prng random = {2};
     for (uint32_t i = 0; i < 20000; i++) {
         struct eng_point point = {.word0 = 1, .word1 = UINT64_MAX};
         struct eng_frame frame = {.scale = i % 3 ? 1 : 0x1p300};
@@ -82,7 +76,7 @@ static void frames__kernels_make_the_same_boxes(void **state)
             point.x0[k] = some_coordinate(&random) / frame.scale;
             point.x1[k] = some_coordinate(&random) / frame.scale;
             frame.origin[k] = some_coordinate(&random) / frame.scale;
-            frame.origin[4 + k] = kit_below(&random, 2) ? point.x1[k] : 0;
+            frame.origin[4 + k] = prng_u32(&random, 2) ? point.x1[k] : 0;
         }
         eng_box_of_point(&expected, &frame, point.x0, point.x1);
         for (uint32_t n = 0; n < way_kernels_count(); n++) {
@@ -100,16 +94,15 @@ static void frames__kernels_make_the_same_boxes(void **state)
 
 /* If it failed, an object would be taken for smaller than it is, and two that meet for
  * apart. */
-static void frames__kernels_find_the_bounds(void **state)
+CASE(frames__kernels_find_the_bounds)
 {
     enum { MOST = 67 };
-    struct kit_random random = {3};
+    struct prng random = {3};
     static double x[MOST][3];
-    (void)state;
     for (uint32_t count = 0; count <= MOST; count++) {
         struct eng_bounds expected = ENG_NO_BOUNDS;
         for (uint32_t i = 0; i < 3 * count; i++) {
-            double y = x[i / 3][i % 3] = kit_integer(&random, 1000);
+            double y = x[i / 3][i % 3] = prng_integer(&random, 1000);
             expected.low[i % 3] = fmin(expected.low[i % 3], y);
             expected.high[i % 3] = fmax(expected.high[i % 3], y);
         }
@@ -156,7 +149,7 @@ struct layout {
 static void ground_init(struct ground *ground, const struct layout *layout)
 {
     static double x[VERTICES][3];
-    assert_int_equal(eng_scene_new(NULL, &ground->scene), PCCD_OK);
+    ground->scene = kit_scene();
     for (uint32_t i = 0; i < SHEETS; i++) {
         struct eng_mesh *flat = kit_sheet(SIDE, 0);
         uint32_t(*corners)[3] = calloc(flat->info.triangle_count, sizeof *corners);
@@ -167,9 +160,7 @@ static void ground_init(struct ground *ground, const struct layout *layout)
         struct eng_mesh *mesh =
             kit_mesh((const double(*)[3])x, VERTICES, (const uint32_t(*)[3])corners,
                      flat->info.triangle_count);
-        assert_int_equal(eng_scene_add(ground->scene, mesh, i, &ground->objects[i]),
-                         PCCD_OK);
-        eng_mesh_release(mesh);
+        ground->objects[i] = kit_add(ground->scene, mesh, i);
         eng_mesh_release(flat);
         free(corners);
     }
@@ -182,18 +173,16 @@ static struct eng_step_result ground_step(struct ground *ground,
 {
     static double x[VERTICES][3];
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     settings.method = method;
     settings.mode = mode;
     eng_stage_begin(ground->scene);
     for (uint32_t i = 0; i < SHEETS; i++) {
         place_sheet(i, number, layout->offset[i / 2], layout->back[i / 2], layout->scale,
                     x);
-        assert_int_equal(eng_stage_x1(ground->scene, ground->objects[i], PCCD_FORMAT_F64,
-                                      0, VERTICES, x),
-                         PCCD_OK);
+        assert_ok(eng_stage_x1(ground->scene, ground->objects[i], PCCD_FORMAT_F64, 0,
+                               VERTICES, x));
     }
-    assert_int_equal(eng_step(ground->scene, &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_step(ground->scene, &settings);
     return result;
 }
 
@@ -242,10 +231,9 @@ static void compare_layouts(const struct layout *far, const double back[2][3])
 
 /* If it failed, a scene on a map, or one in millimetres, would take a thousand times as
  * long as at the origin: boxes had single precision there. */
-static void frames__a_scene_moved_away_counts_as_in_place(void **state)
+CASE(frames__a_scene_moved_away_counts_as_in_place)
 {
     static const double offsets[] = {1e3, 1e5, 1e6, 5e6, 0x1p30};
-    (void)state;
     for (uint32_t i = 0; i < sizeof offsets / sizeof *offsets; i++) {
         double o = offsets[i];
         struct layout far = {.offset = {{o, -o, o}, {o + 3, -o, o}}, .scale = 1};
@@ -255,11 +243,10 @@ static void frames__a_scene_moved_away_counts_as_in_place(void **state)
 }
 
 /* If it failed, tiny scenes would all be one box, or leave the numbers of floats. */
-static void frames__a_scaled_scene_counts_as_in_place(void **state)
+CASE(frames__a_scaled_scene_counts_as_in_place)
 {
     static const int exponents[] = {-300, -200, -140, -60, -20, 20, 50};
     const double back[2][3] = {{0}};
-    (void)state;
     for (uint32_t i = 0; i < sizeof exponents / sizeof *exponents; i++) {
         struct layout far = {.offset = {{0}, {3, 0, 0}}, .scale = ldexp(1, exponents[i])};
         compare_layouts(&far, back);
@@ -276,7 +263,7 @@ static void sort_at_once(struct eng_scene *scene)
 /* If it failed, all boxes of a scene on a map would be made anew when one of its objects
  * moves, or kept in a frame that is not theirs any more; or a new order of the features
  * would make them anew in two steps and not in one. */
-static void frames__stay_where_little_moves(void **state)
+CASE(frames__stay_where_little_moves)
 {
     enum { JUMP = 4, NEW_ORDER = 6 };
     static double x[VERTICES][3];
@@ -285,7 +272,6 @@ static void frames__stay_where_little_moves(void **state)
     struct ground grounds[2]; /* the second makes everything anew */
     struct eng_step_result results[2];
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    (void)state;
     settings.method = PCCD_METHOD_WIDE;
     ground_init(&grounds[0], &layout);
     ground_init(&grounds[1], &layout);
@@ -297,11 +283,10 @@ static void frames__stay_where_little_moves(void **state)
                 x[v][1] += 1e8; /* it leaves what the frame is fine for, and comes back */
             }
             eng_stage_begin(grounds[i].scene);
-            assert_int_equal(eng_stage_x1(grounds[i].scene, grounds[i].objects[0],
-                                          PCCD_FORMAT_F64, 0, VERTICES, x),
-                             PCCD_OK);
+            assert_ok(eng_stage_x1(grounds[i].scene, grounds[i].objects[0],
+                                   PCCD_FORMAT_F64, 0, VERTICES, x));
             sort_at_once(grounds[i].scene);
-            assert_int_equal(eng_step(grounds[i].scene, &settings, &results[i]), PCCD_OK);
+            results[i] = kit_step(grounds[i].scene, &settings);
         }
         assert_true(grounds[0].scene->framing.number > 0);
         assert_int_equal(results[0].count, results[1].count);
@@ -318,11 +303,10 @@ static void frames__stay_where_little_moves(void **state)
 
 /* If it failed, one object far away would make the step of all others as slow as if they
  * were far away themselves. */
-static void frames__objects_far_apart_count_as_in_place(void **state)
+CASE(frames__objects_far_apart_count_as_in_place)
 {
     static const double ways[][3] = {
         {0x1p30, 0, 0}, {0, -0x1p30, 0}, {0x1p30, 0x1p30, -0x1p30}, {1e6, 0, 1e4}};
-    (void)state;
     for (uint32_t i = 0; i < sizeof ways / sizeof *ways; i++) {
         struct layout far = {.scale = 1};
         double back[2][3] = {{0}};
@@ -336,10 +320,9 @@ static void frames__objects_far_apart_count_as_in_place(void **state)
 
 /* If it failed, a vehicle that drives far would be slower from step to step, or be made
  * anew at each; the first pair of sheets stays where it was. */
-static void frames__what_travels_counts_as_in_place(void **state)
+CASE(frames__what_travels_counts_as_in_place)
 {
     const double per_step = 12345.678;
-    (void)state;
     for (uint32_t m = 0; m < WAY_METHODS; m++) {
         struct layout far = {.offset = {{0}, {3, 0, 0}}, .scale = 1};
         struct layout near = far;
@@ -396,10 +379,9 @@ static void check_level(const struct eng_scene *scene, enum pccd_tree tree,
 
 /* If it failed, who looks at the hierarchies of a scene would see boxes that are not
  * where its objects are. */
-static void frames__boxes_that_are_shown_are_in_coordinates(void **state)
+CASE(frames__boxes_that_are_shown_are_in_coordinates)
 {
     struct layout far = {.offset = {{0, 0, 0x1p28}, {0x1p30, 0, 0}}, .scale = 1};
-    (void)state;
     for (uint32_t m = 0; m < WAY_METHODS; m++) {
         struct ground ground;
         ground_init(&ground, &far);
@@ -428,30 +410,26 @@ static void frames__boxes_that_are_shown_are_in_coordinates(void **state)
 
 /* If it failed, a vertex that no triangle uses would decide where the boxes of all others
  * are measured from; files have such at the origin. */
-static void frames__a_vertex_in_no_triangle_does_not_count(void **state)
+CASE(frames__a_vertex_in_no_triangle_does_not_count)
 {
     static double x[VERTICES + 1][3];
     struct layout far = {.offset = {{0x1p30, 0, 0}}, .scale = 1};
     struct eng_mesh *flat = kit_sheet(SIDE, 0);
     uint32_t count = flat->info.triangle_count;
     uint32_t(*corners)[3] = calloc(count, sizeof *corners);
-    struct eng_scene *scene;
     uint32_t object;
-    (void)state;
     assert_non_null(corners);
     eng_mesh_get_corners(flat, corners);
     place_sheet(0, 0, far.offset[0], far.back[0], 1, x); /* the last stays at 0 */
     struct eng_mesh *mesh = kit_mesh((const double(*)[3])x, VERTICES + 1,
                                      (const uint32_t(*)[3])corners, count);
     assert_true(mesh->bounds.low[0] >= 0x1p30);
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &object), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
+    assert_ok(eng_scene_add(scene, mesh, 1, &object));
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, VERTICES + 1, x),
-                     PCCD_OK);
+    assert_ok(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, VERTICES + 1, x));
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_step(scene, &settings);
     assert_true(scene->framing.number > 0);
     assert_true(result.counters.candidates[PCCD_EE] < 20ull * VERTICES);
     assert_true(scene->objects[object].bounds[scene->now].low[0] >= 0x1p30);
@@ -459,21 +437,4 @@ static void frames__a_vertex_in_no_triangle_does_not_count(void **state)
     eng_mesh_release(mesh);
     eng_mesh_release(flat);
     free(corners);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frames__boxes_hold_their_points_tightly),
-        cmocka_unit_test(frames__kernels_make_the_same_boxes),
-        cmocka_unit_test(frames__kernels_find_the_bounds),
-        cmocka_unit_test(frames__a_scene_moved_away_counts_as_in_place),
-        cmocka_unit_test(frames__a_scaled_scene_counts_as_in_place),
-        cmocka_unit_test(frames__stay_where_little_moves),
-        cmocka_unit_test(frames__objects_far_apart_count_as_in_place),
-        cmocka_unit_test(frames__what_travels_counts_as_in_place),
-        cmocka_unit_test(frames__boxes_that_are_shown_are_in_coordinates),
-        cmocka_unit_test(frames__a_vertex_in_no_triangle_does_not_count),
-    };
-    return cmocka_run_group_tests_name("eng_frames", tests, NULL, NULL);
 }

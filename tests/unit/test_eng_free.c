@@ -1,9 +1,4 @@
-/* test_eng_free.c - edges and points of meshes that no triangle has.
- *
- * What a mesh makes of the edges and points that are named in it; scenes of some thousand
- * features against all pairs, each decided by itself: steps of which all or little moves,
- * and what is near.
- */
+/* test_eng_free.c - edges and points of meshes that no triangle has. */
 #include "eng_way.h"
 
 #include <math.h>
@@ -14,7 +9,7 @@
 #include "eng_kit.h"
 #include "kinds.h"
 #include "near.h"
-#include "near_kit.h"
+#include "eng_kit.h"
 #include "thick.h"
 #include "topology.h"
 
@@ -33,7 +28,7 @@ static struct eng_mesh *mesh_of(const struct shape *shape)
     const struct eng_mesh_counts *counts = &shape->counts;
     struct eng_mesh *mesh;
     uint32_t bad;
-    assert_int_equal(eng_mesh_make(counts, &mesh), PCCD_OK);
+    assert_ok(eng_mesh_make(counts, &mesh));
     assert_int_equal(
         eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, counts->vertices, shape->x), 0);
     if (counts->triangles > 0) {
@@ -49,7 +44,7 @@ static struct eng_mesh *mesh_of(const struct shape *shape)
         assert_int_equal(
             eng_mesh_write_points(mesh, 0, counts->points, shape->points, &bad), 0);
     }
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_ok(eng_mesh_commit(mesh));
     assert_true(eng_feature_validate(mesh));
     return mesh;
 }
@@ -59,9 +54,8 @@ static const double line[9][3] = {{0}, {1}, {2}, {3}, {4}, {5}, {6}, {7}, {8}};
 /* If it failed: what is named twice, or is a side or a corner anyway, would be tested
  * twice; an edge without length would be lost; a vertex that nothing names would be
  * tested. */
-static void mesh__has_free_what_nothing_else_has(void **state)
+CASE(mesh__has_free_what_nothing_else_has)
 {
-    (void)state;
     static const uint32_t triangles[1][3] = {{0, 1, 2}};
     static const uint32_t edges[6][2] = {{2, 1}, {4, 3}, {3, 4}, {5, 5}, {3, 2}, {3, 3}};
     static const uint32_t points[5] = {0, 4, 6, 6, 5};
@@ -91,9 +85,8 @@ static void mesh__has_free_what_nothing_else_has(void **state)
 
 /* If it failed: an edge or a point that names no vertex would be taken, or a mesh be
  * committed of which something has not arrived. */
-static void mesh__takes_edges_and_points_whole_and_checked(void **state)
+CASE(mesh__takes_edges_and_points_whole_and_checked)
 {
-    (void)state;
     static const struct eng_mesh_counts counts = {9, 0, 3, 2};
     static const struct eng_mesh_counts empty = {9, 0, 0, 0};
     static const uint32_t edges[3][2] = {{0, 1}, {1, 9}, {2, 3}};
@@ -101,7 +94,7 @@ static void mesh__takes_edges_and_points_whole_and_checked(void **state)
     struct eng_mesh *mesh;
     uint32_t bad = 77;
     assert_int_equal(eng_mesh_make(&empty, &mesh), PCCD_E_INVAL);
-    assert_int_equal(eng_mesh_make(&counts, &mesh), PCCD_OK);
+    assert_ok(eng_mesh_make(&counts, &mesh));
     assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 9, line), 0);
     assert_int_equal(eng_mesh_write_edges(mesh, 0, 3, edges, &bad), PCCD_E_INDEX);
     assert_int_equal(bad, 1);
@@ -116,14 +109,13 @@ static void mesh__takes_edges_and_points_whole_and_checked(void **state)
     assert_int_equal(eng_mesh_write_points(mesh, 0, 1, points, &bad), 0);
     assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
     assert_int_equal(eng_mesh_write_points(mesh, 1, 1, points, &bad), 0);
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_ok(eng_mesh_commit(mesh));
     eng_mesh_release(mesh);
 }
 
 /* If it failed: a contact would be shown, and verified, at another place of its edge. */
-static void kinds__place_contacts_by_their_parameters(void **state)
+CASE(kinds__place_contacts_by_their_parameters)
 {
-    (void)state;
     const float param[2] = {0, 0.25F};
     const float of_face[2] = {0.5F, 0.25F};
     double w[2][3];
@@ -158,7 +150,7 @@ struct body {
 };
 
 struct play {
-    struct kit_random random;
+    struct prng random;
     struct body bodies[2];
     struct eng_scene *scenes[32];
     struct eng_thick thick;
@@ -169,7 +161,7 @@ struct play {
 static void draw(struct play *play, double x[3])
 {
     for (int k = 0; k < 3; k++) {
-        x[k] = kit_between(&play->random, 0, 1);
+        x[k] = prng_between(&play->random, 0, 1);
     }
 }
 
@@ -208,7 +200,7 @@ static void make_mixed(struct play *play)
     uint32_t edges[RODS * SEGMENTS][2];
     uint32_t points[POINTS];
     for (uint32_t i = 0; i < MIXED; i++) { /* in any order */
-        uint32_t k = kit_below(&play->random, i + 1);
+        uint32_t k = prng_u32(&play->random, i + 1);
         name[i] = name[k];
         name[k] = i;
     }
@@ -250,18 +242,17 @@ static void begin(struct play *play, uint64_t seed)
 {
     memset(play, 0, sizeof *play);
     play->random.state = seed;
-    assert_int_equal(eng_thick_init(&play->thick), PCCD_OK);
-    assert_int_equal(eng_exact_init(&play->exact), PCCD_OK);
+    assert_ok(eng_thick_init(&play->thick));
+    assert_ok(eng_exact_init(&play->exact));
     make_cloud(play);
     make_mixed(play);
     assert_true(way_count() <= 32);
     for (uint32_t i = 0; i < way_count(); i++) {
-        assert_int_equal(eng_scene_new(NULL, &play->scenes[i]), PCCD_OK);
+        play->scenes[i] = kit_scene();
         for (uint32_t k = 0; k < 2; k++) {
             uint32_t idx;
-            assert_int_equal(eng_scene_add(play->scenes[i], play->bodies[k].mesh,
-                                           play->bodies[k].id, &idx),
-                             PCCD_OK);
+            assert_ok(eng_scene_add(play->scenes[i], play->bodies[k].mesh,
+                                    play->bodies[k].id, &idx));
             assert_int_equal(idx, k);
         }
     }
@@ -292,16 +283,15 @@ static void move(struct play *play, uint32_t part)
         struct body *body = &play->bodies[k];
         memcpy(body->x[0], body->x[1], body->vertex_count * sizeof *body->x[0]);
         for (uint32_t v = 0; v < body->vertex_count; v++) {
-            if (kit_below(&play->random, part) > 0) {
+            if (prng_u32(&play->random, part) > 0) {
                 continue;
             }
             for (int axis = 0; axis < 3; axis++) {
-                body->x[1][v][axis] += kit_between(&play->random, -0.02, 0.02);
+                body->x[1][v][axis] += prng_between(&play->random, -0.02, 0.02);
             }
             for (uint32_t i = 0; i < way_count(); i++) {
-                assert_int_equal(eng_stage_x1(play->scenes[i], k, PCCD_FORMAT_F64, v, 1,
-                                              body->x[1][v]),
-                                 PCCD_OK);
+                assert_ok(eng_stage_x1(play->scenes[i], k, PCCD_FORMAT_F64, v, 1,
+                                       body->x[1][v]));
             }
         }
     }
@@ -476,8 +466,7 @@ static void step(struct play *play, enum pccd_mode mode,
     uint64_t hash[2] = {0, 0};
     for (uint32_t i = 0; i < way_count(); i++) {
         struct eng_question settings = way(i, mode);
-        struct eng_step_result result;
-        assert_int_equal(eng_step(play->scenes[i], &settings, &result), PCCD_OK);
+        struct eng_step_result result = kit_step(play->scenes[i], &settings);
         assert_true(way_tree_is_sound(play->scenes[i], &result));
         assert_int_equal(result.incomplete, PCCD_COMPLETE);
         if (i == 0) {
@@ -497,9 +486,8 @@ static void step(struct play *play, enum pccd_mode mode,
 /* If it failed: where there are more features than fit into one node, those that are free
  * would be missed among others, or others be taken for free; or boxes and records of what
  * stands be kept wrongly. */
-static void step__finds_what_is_free_among_many(void **state)
+CASE(step__finds_what_is_free_among_many)
 {
-    (void)state;
     static const uint32_t parts[6] = {1, 1, 60, 1000, 60, 1};
     static struct play play;
     uint64_t by_kind[PCCD_KIND_COUNT];
@@ -519,9 +507,8 @@ static void step__finds_what_is_free_among_many(void **state)
 
 /* If it failed: points that only touch points or edges would be found, which nothing can
  * keep apart. */
-static void step__does_not_test_points_without_a_distance(void **state)
+CASE(step__does_not_test_points_without_a_distance)
 {
-    (void)state;
     static struct play play;
     uint64_t by_kind[PCCD_KIND_COUNT];
     begin(&play, prng_seed() + 1);
@@ -594,8 +581,7 @@ static struct eng_step_result ask(struct play *play, enum pccd_near_what what, u
     settings.verb = what;
     settings.distance = NEAR;
     settings.end = 1;
-    struct eng_step_result result;
-    assert_int_equal(eng_near(play->scenes[i], &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_near(play->scenes[i], &settings);
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     return result;
 }
@@ -621,9 +607,8 @@ static void check_merged(struct play *play, struct near *near, uint32_t i, uint6
 
 /* If it failed: points and rods that are near would be missed, or have another distance,
  * place or bound than theirs. */
-static void near__has_free_points_and_edges(void **state)
+CASE(near__has_free_points_and_edges)
 {
-    (void)state;
     static struct play play;
     static struct near near;
     uint64_t hash[2][2] = {{0}};
@@ -632,10 +617,9 @@ static void near__has_free_points_and_edges(void **state)
     move(&play, 1);
     for (uint32_t i = 0; i < way_count(); i++) {
         struct eng_question settings = way(i, PCCD_MODE_ANY);
-        struct eng_step_result result;
-        assert_int_equal(eng_step(play.scenes[i], &settings, &result), PCCD_OK);
+        kit_step(play.scenes[i], &settings);
     }
-    assert_int_equal(eng_distances_init(&near.distances), PCCD_OK);
+    assert_ok(eng_distances_init(&near.distances));
     for (uint32_t i = 0; i < way_count(); i++) {
         struct eng_step_result result = ask(&play, PCCD_NEAR_PAIRS, i);
         if (i == 0) {
@@ -664,9 +648,8 @@ static void near__has_free_points_and_edges(void **state)
 
 /* If it failed: what is answered for triangles alone would be answered for a cloud as if
  * it were not there. */
-static void near__refuses_by_name_what_it_has_no_answer_to(void **state)
+CASE(near__refuses_by_name_what_it_has_no_answer_to)
 {
-    (void)state;
     static const enum pccd_near_what whats[2] = {PCCD_NEAR_NEAREST, PCCD_NEAR_DEPTH};
     static struct play play;
     begin(&play, prng_seed() + 3);
@@ -681,18 +664,4 @@ static void near__refuses_by_name_what_it_has_no_answer_to(void **state)
         assert_true(result.has_free);
     }
     end(&play);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mesh__has_free_what_nothing_else_has),
-        cmocka_unit_test(mesh__takes_edges_and_points_whole_and_checked),
-        cmocka_unit_test(kinds__place_contacts_by_their_parameters),
-        cmocka_unit_test(step__finds_what_is_free_among_many),
-        cmocka_unit_test(step__does_not_test_points_without_a_distance),
-        cmocka_unit_test(near__has_free_points_and_edges),
-        cmocka_unit_test(near__refuses_by_name_what_it_has_no_answer_to),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,11 +17,11 @@ static struct eng_trees trees = {.nodes = nodes};
 
 static void put_cloud(uint64_t seed, uint32_t count)
 {
-    struct kit_random random = {seed};
+    struct prng random = {seed};
     for (uint32_t i = 0; i < count; i++) {
         items[i].id = i;
         for (int k = 0; k < 3; k++) { /* denser at one corner */
-            items[i].centroid[k] = (float)pow(kit_between(&random, 0, 1), 3);
+            items[i].centroid[k] = (float)pow(prng_between(&random, 0, 1), 3);
         }
     }
 }
@@ -73,10 +73,9 @@ static uint32_t ceil_log2(uint32_t n)
 
 /* If it failed: a subtree built in the background would not be the one built in place, or
  * stacks that are sized by its depth would run over. */
-static void grow__pieces_make_the_tree_of_one_go(void **state)
+CASE(grow__pieces_make_the_tree_of_one_go)
 {
     static struct eng_node whole[2 * ITEMS_MAX];
-    (void)state;
     for (uint32_t count = 1; count <= ITEMS_MAX; count = count * 3 + 1) {
         put_cloud(72, count); /* other places: the same nodes, other leaves */
         eng_grow(grower_of(count, nodes));
@@ -98,9 +97,8 @@ static void grow__pieces_make_the_tree_of_one_go(void **state)
 }
 
 /* If it failed: places chosen by a foe, or all the same, would make a list of a tree. */
-static void grow__depth_depends_on_the_number_alone(void **state)
+CASE(grow__depth_depends_on_the_number_alone)
 {
-    (void)state;
     for (int power = 0; power < 4; power++) {
         const uint32_t count = 240;
         for (uint32_t i = 0; i < count; i++) {
@@ -110,13 +108,4 @@ static void grow__depth_depends_on_the_number_alone(void **state)
         eng_grow(grower_of(count, nodes));
         assert_int_equal(depth_of_nodes(count), ceil_log2(count));
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(grow__pieces_make_the_tree_of_one_go),
-        cmocka_unit_test(grow__depth_depends_on_the_number_alone),
-    };
-    return cmocka_run_group_tests_name("eng_grow", tests, NULL, NULL);
 }

@@ -22,9 +22,8 @@ static void expect(const uint64_t hash[2], uint64_t high, uint64_t low)
 
 /* If it failed: a client that hashes records as PROTOCOL.md says would take right answers
  * for wrong ones. */
-static void hash__has_the_values_that_the_protocol_tells(void **state)
+CASE(hash__has_the_values_that_the_protocol_tells)
 {
-    (void)state;
     const struct pccd_pair pairs[2] = {{0, 1, 2, 3, 4}, {1, 1, 5, 3, 6}};
     unsigned char contacts[2 * sizeof(struct pccd_contact)];
     uint64_t hash[2];
@@ -44,9 +43,8 @@ static void hash__has_the_values_that_the_protocol_tells(void **state)
 }
 
 /* If it failed: two answers that differ could not be told apart by their hashes. */
-static void hash__follows_every_bit_and_the_number_of_records(void **state)
+CASE(hash__follows_every_bit_and_the_number_of_records)
 {
-    (void)state;
     for (int k = 0; k < 2; k++) {
         unsigned char records[9 * sizeof(struct pccd_contact) + 1];
         uint32_t each = sizes[k];
@@ -70,19 +68,18 @@ static void hash__follows_every_bit_and_the_number_of_records(void **state)
 
 /* If it failed: the hash of an answer would depend on threads or pages, or on the order
  * in which they take records. */
-static void hash__parts_in_any_order_add_up_to_the_whole(void **state)
+CASE(hash__parts_in_any_order_add_up_to_the_whole)
 {
-    (void)state;
-    struct kit_random random = {83};
+    struct prng random = {83};
     for (int k = 0; k < 2; k++) {
         uint32_t each = sizes[k];
         unsigned char *records = malloc(500 * each);
         assert_non_null(records);
         for (size_t i = 0; i < 500 * each; i++) {
-            records[i] = (unsigned char)kit_u64(&random);
+            records[i] = (unsigned char)prng_next(&random);
         }
         for (uint64_t count = 0; count <= 500; count += 1 + count / 9) {
-            uint64_t cut = count > 0 ? kit_u64(&random) % count : 0;
+            uint64_t cut = count > 0 ? prng_next(&random) % count : 0;
             uint64_t whole[2];
             uint64_t parts[2];
             eng_hash_sum sum = eng_hash_records(records + cut * each, count - cut, each);
@@ -93,14 +90,4 @@ static void hash__parts_in_any_order_add_up_to_the_whole(void **state)
         }
         free(records);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hash__has_the_values_that_the_protocol_tells),
-        cmocka_unit_test(hash__follows_every_bit_and_the_number_of_records),
-        cmocka_unit_test(hash__parts_in_any_order_add_up_to_the_whole),
-    };
-    return cmocka_run_group_tests_name("eng_hash", tests, NULL, NULL);
 }

@@ -23,12 +23,11 @@ static void check(const struct eng_ids *ids, const uint32_t model[NUMBERS])
 }
 
 /* If this failed, an object would not be found by its id, or one that is gone would. */
-static void ids__are_those_that_came_and_did_not_go(void **state)
+CASE(ids__are_those_that_came_and_did_not_go)
 {
     struct eng_ids ids = {.table = NULL};
     uint32_t model[NUMBERS];
     uint32_t count = 0;
-    (void)state;
     for (uint32_t i = 0; i < NUMBERS; i++) {
         model[i] = ENG_NO_OBJECT;
     }
@@ -41,7 +40,7 @@ static void ids__are_those_that_came_and_did_not_go(void **state)
             model[number] = ENG_NO_OBJECT;
             count--;
         } else {
-            assert_int_equal(eng_ids_reserve(&ids, ++count), PCCD_OK);
+            assert_ok(eng_ids_reserve(&ids, ++count));
             eng_ids_add(&ids, id_of(number), turn);
             model[number] = turn;
         }
@@ -53,12 +52,4 @@ static void ids__are_those_that_came_and_did_not_go(void **state)
     assert_true(ids.size <= 4 * NUMBERS); /* it grows with what is there alone */
     assert_int_equal(eng_ids_bytes(&ids), ids.size * sizeof *ids.table);
     eng_ids_deinit(&ids);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ids__are_those_that_came_and_did_not_go),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

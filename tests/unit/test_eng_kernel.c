@@ -24,11 +24,10 @@ static unsigned others(const struct eng_kernels *sets[ENG_ISA_COUNT])
 }
 
 /* If a name chose another set than it says, PCCD_CPU would measure the wrong kernels. */
-static void kernels__are_chosen_by_name(void **state)
+CASE(kernels__are_chosen_by_name)
 {
     static const char *const names[ENG_ISA_COUNT] = {"scalar", "sse4", "avx2", "avx512",
                                                      "neon"};
-    (void)state;
     const struct eng_kernels *best = NULL;
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
@@ -43,10 +42,9 @@ static void kernels__are_chosen_by_name(void **state)
 
 /* If a value out of range passed in some lane or in the rest behind the last vector, a
  * step would compute with it. */
-static void kernels__find_a_bad_value_at_any_place(void **state)
+CASE(kernels__find_a_bad_value_at_any_place)
 {
     static const double bad[] = {NAN, INFINITY, -INFINITY, 1.0000000000000002e18, -2e18};
-    (void)state;
     double x[COUNT_MAX];
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
@@ -66,7 +64,7 @@ static void kernels__find_a_bad_value_at_any_place(void **state)
 }
 
 /* If widening differed between sets, a step's input would depend on the processor. */
-static void kernels__widen_to_the_same_bits(void **state)
+CASE(kernels__widen_to_the_same_bits)
 {
     const struct eng_kernels *sets[ENG_ISA_COUNT];
     const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
@@ -74,7 +72,6 @@ static void kernels__widen_to_the_same_bits(void **state)
     float x[COUNT_MAX];
     double expected[COUNT_MAX];
     double out[COUNT_MAX];
-    (void)state;
     for (uint32_t i = 0; i < COUNT_MAX; i++) {
         x[i] = ldexpf(i % 2 ? -1.0f - (float)i / 64 : 1.0f, (int)(i * 4) - 149);
     }
@@ -97,20 +94,20 @@ struct pairs {
     uint32_t quads[PAIR_COUNT][4];
 };
 
-static void make_pairs(struct kit_random *random, enum pccd_kind kind,
-                       struct pairs *pairs)
+static void make_pairs(struct prng *random, enum pccd_kind kind, struct pairs *pairs)
 {
     for (uint32_t i = 0; i < PAIR_COUNT; i++) {
         struct eng_query query = {.kind = kind};
-        double scale = ldexp(1, (int)kit_below(random, 80) - 40);
-        double offset[2] = {kit_between(random, -2, 2), kit_between(random, -2, 2)};
-        unsigned family = kit_below(random, 3);
+        double scale = ldexp(1, (int)prng_u32(random, 80) - 40);
+        double offset[2] = {prng_between(random, -2, 2), prng_between(random, -2, 2)};
+        unsigned family = prng_u32(random, 3);
         if (family == 0) {
-            kit_plant(random, kind, kit_below(random, 9), &query);
+            kit_plant(random, kind, prng_u32(random, 9), &query);
         }
         for (int k = 0; k < 24 && family > 0; k++) {
             bool second = k / 3 % 4 >= (kind == PCCD_VF ? 1 : 2);
-            double x = family == 1 ? kit_integer(random, 2) : kit_between(random, -1, 1);
+            double x =
+                family == 1 ? prng_integer(random, 2) : prng_between(random, -1, 1);
             query.x[k / 12][k / 3 % 4][k % 3] = x + (second ? offset[k / 12] : 0);
         }
         kit_place(&query, scale, 0);
@@ -118,8 +115,8 @@ static void make_pairs(struct kit_random *random, enum pccd_kind kind,
             struct eng_point *point = &pairs->points[4 * i + k];
             memcpy(point->x0, query.x[0][k], sizeof point->x0);
             memcpy(point->x1, query.x[1][k], sizeof point->x1);
-            point->word0 = UINT64_MAX - kit_below(random, 2); /* not a number, or 1 */
-            point->word1 = kit_below(random, 2);
+            point->word0 = UINT64_MAX - prng_u32(random, 2); /* not a number, or 1 */
+            point->word1 = prng_u32(random, 2);
             pairs->quads[i][k] = 4 * i + k;
         }
     }
@@ -127,14 +124,13 @@ static void make_pairs(struct kit_random *random, enum pccd_kind kind,
 
 /* If a set filtered otherwise, or looked at the words between the coordinates, survivors
  * would be counted otherwise on another processor, or contacts be lost. */
-static void kernels__filter_the_same_pairs(void **state)
+CASE(kernels__filter_the_same_pairs)
 {
-    (void)state;
     static struct pairs pairs;
     const struct eng_kernels *sets[ENG_ISA_COUNT];
     const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
     unsigned set_count = others(sets);
-    struct kit_random random = {71};
+    struct prng random = {71};
     uint32_t apart = 0;
     uint32_t filtered = 0;
     for (uint32_t round = 0; round < 200; round++) {
@@ -180,9 +176,8 @@ static struct eng_bracketed bracket(const struct eng_kernels *kernels,
 
 /* If a set solved otherwise, the same scene would have other times, places and normals
  * on another processor, or a contact that is proved here would be searched for there. */
-static void kernels__bracket_to_the_same_bits(void **state)
+CASE(kernels__bracket_to_the_same_bits)
 {
-    (void)state;
     static struct pairs pairs;
     static struct eng_hit expected_hits[PAIR_COUNT];
     static struct eng_hit hits[PAIR_COUNT];
@@ -190,7 +185,7 @@ static void kernels__bracket_to_the_same_bits(void **state)
     uint32_t list[2][PAIR_COUNT];
     const struct eng_kernels *sets[ENG_ISA_COUNT];
     unsigned set_count = others(sets);
-    struct kit_random random = {72};
+    struct prng random = {72};
     uint32_t hit_count = 0;
     uint32_t unsure_count = 0;
     for (uint32_t round = 0; round < 200; round++) {
@@ -221,22 +216,21 @@ static void kernels__bracket_to_the_same_bits(void **state)
 /* Edges beside each other, of which one turns and is parallel to the other at some time:
  * only then they are coplanar, and where they would cross is nowhere. If it failed: that
  * they miss would be found by searches. */
-static void kernels__bracket_tells_that_parallel_edges_pass(void **state)
+CASE(kernels__bracket_tells_that_parallel_edges_pass)
 {
-    (void)state;
     static struct pairs pairs;
     static struct eng_hit hits[PAIR_COUNT];
     uint32_t list[2][PAIR_COUNT];
-    struct kit_random random = {74};
+    struct prng random = {74};
     for (uint32_t i = 0; i < PAIR_COUNT; i++) {
         double along[3];
         for (int k = 0; k < 3; k++) {
-            along[k] = kit_between(&random, 0.25, 1);
+            along[k] = prng_between(&random, 0.25, 1);
         }
         const double up[3] = {-along[1], along[0], 0};
         const double side[3] = {-along[2] * along[0], -along[2] * along[1],
                                 along[0] * along[0] + along[1] * along[1]};
-        double turn = kit_between(&random, 0.25, 0.75);
+        double turn = prng_between(&random, 0.25, 0.75);
         for (int end = 0; end < 2; end++) {
             double x[4][3];
             for (int k = 0; k < 3; k++) {
@@ -261,21 +255,20 @@ static void kernels__bracket_tells_that_parallel_edges_pass(void **state)
 /* Points anywhere, whose cubics have one, two or three roots, in any order with their
  * turns. If the bracket kernel decided fewer of them, answers would be right and steps
  * slow: a search takes ten times as long. */
-static void kernels__bracket_decides_what_is_in_general_position(void **state)
+CASE(kernels__bracket_decides_what_is_in_general_position)
 {
-    (void)state;
     static struct pairs pairs;
     static struct eng_hit hits[PAIR_COUNT];
     uint32_t list[2][PAIR_COUNT];
-    struct kit_random random = {73};
+    struct prng random = {73};
     uint32_t hit_count = 0;
     uint32_t unsure_count = 0;
     for (uint32_t round = 0; round < 100; round++) {
         enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
         for (uint32_t i = 0; i < 4 * PAIR_COUNT; i++) {
             for (int k = 0; k < 3; k++) {
-                pairs.points[i].x0[k] = kit_between(&random, -1, 1);
-                pairs.points[i].x1[k] = kit_between(&random, -1, 1);
+                pairs.points[i].x0[k] = prng_between(&random, -1, 1);
+                pairs.points[i].x1[k] = prng_between(&random, -1, 1);
             }
             pairs.quads[i / 4][i % 4] = i;
         }
@@ -290,10 +283,9 @@ static void kernels__bracket_decides_what_is_in_general_position(void **state)
 
 /* If one set said otherwise than another, trees would depend on the processor, and where
  * it forgot equal places, lists of them would not be divided at all. */
-static void kernels__say_which_items_come_before(void **state)
+CASE(kernels__say_which_items_come_before)
 {
-    (void)state;
-    struct kit_random random = {46};
+    struct prng random = {46};
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
         for (int round = 0; kernels && round < 300; round++) {
@@ -301,8 +293,8 @@ static void kernels__say_which_items_come_before(void **state)
             int axis = round % 3;
             for (uint32_t i = 0; i < 64; i++) {
                 for (int k = 0; k < 3; k++) {
-                    items[i].centroid[k] = round % 2 ? (float)kit_between(&random, -1, 1)
-                                                     : (float)kit_below(&random, 3);
+                    items[i].centroid[k] = round % 2 ? (float)prng_between(&random, -1, 1)
+                                                     : (float)prng_u32(&random, 3);
                 }
                 items[i].id = (i * 37 + (uint32_t)round) % 64 + (i % 2 ? 1u << 31 : 0);
             }
@@ -315,19 +307,4 @@ static void kernels__say_which_items_come_before(void **state)
             }
         }
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(kernels__say_which_items_come_before),
-        cmocka_unit_test(kernels__are_chosen_by_name),
-        cmocka_unit_test(kernels__find_a_bad_value_at_any_place),
-        cmocka_unit_test(kernels__widen_to_the_same_bits),
-        cmocka_unit_test(kernels__filter_the_same_pairs),
-        cmocka_unit_test(kernels__bracket_to_the_same_bits),
-        cmocka_unit_test(kernels__bracket_tells_that_parallel_edges_pass),
-        cmocka_unit_test(kernels__bracket_decides_what_is_in_general_position),
-    };
-    return cmocka_run_group_tests_name("eng_kernel", tests, NULL, NULL);
 }

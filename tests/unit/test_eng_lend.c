@@ -25,11 +25,9 @@ struct farm {
 static void make(struct farm *farm, struct eng_mesh *sheet)
 {
     for (uint32_t i = 0; i < SCENES; i++) {
-        assert_int_equal(eng_scene_new(NULL, &farm->scenes[i]), PCCD_OK);
+        farm->scenes[i] = kit_scene();
         for (uint32_t k = 0; k < 2; k++) {
-            assert_int_equal(
-                eng_scene_add(farm->scenes[i], sheet, k + 1, &farm->objects[i][k]),
-                PCCD_OK);
+            assert_ok(eng_scene_add(farm->scenes[i], sheet, k + 1, &farm->objects[i][k]));
         }
     }
 }
@@ -45,18 +43,17 @@ static void drop(struct farm *farm)
 static void stage(struct farm *farm, uint32_t i, uint32_t step)
 {
     double x1[(SIDE + 1) * (SIDE + 1)][3];
-    struct kit_random random = {i * 100 + step};
+    struct prng random = {i * 100 + step};
     for (uint32_t v = 0; v < (SIDE + 1) * (SIDE + 1); v++) {
-        x1[v][0] = v % (SIDE + 1) + kit_between(&random, -0.2, 0.2);
-        x1[v][1] = v / (SIDE + 1) + kit_between(&random, -0.2, 0.2);
-        x1[v][2] = (step % 2 == 0 ? 1 : -1) * kit_between(&random, 0.1, 1);
+        x1[v][0] = v % (SIDE + 1) + prng_between(&random, -0.2, 0.2);
+        x1[v][1] = v / (SIDE + 1) + prng_between(&random, -0.2, 0.2);
+        x1[v][2] = (step % 2 == 0 ? 1 : -1) * prng_between(&random, 0.1, 1);
         x1[v][0] /= SIDE;
         x1[v][1] /= SIDE;
     }
     eng_stage_begin(farm->scenes[i]);
-    assert_int_equal(eng_stage_x1(farm->scenes[i], farm->objects[i][1], PCCD_FORMAT_F64,
-                                  0, (SIDE + 1) * (SIDE + 1), x1),
-                     PCCD_OK);
+    assert_ok(eng_stage_x1(farm->scenes[i], farm->objects[i][1], PCCD_FORMAT_F64, 0,
+                           (SIDE + 1) * (SIDE + 1), x1));
 }
 
 static void step_one(struct farm *farm, uint32_t i, uint32_t step,
@@ -67,7 +64,7 @@ static void step_one(struct farm *farm, uint32_t i, uint32_t step,
     settings.mode = (enum pccd_mode)(step % PCCD_MODE_COUNT);
     settings.scratch_from = lender;
     stage(farm, i, step);
-    assert_int_equal(eng_step(farm->scenes[i], &settings, &farm->results[i]), PCCD_OK);
+    farm->results[i] = kit_step(farm->scenes[i], &settings);
 }
 
 struct turn {
@@ -83,12 +80,11 @@ static void step_item(void *context, uint32_t item, uint32_t thread)
 
 /* If it failed, a scene in a batch would have other contacts than by itself, or each
  * scene would keep the scratch of a thread. */
-static void lent__worker_finds_what_an_own_one_finds(void **state)
+CASE(lent__worker_finds_what_an_own_one_finds)
 {
     struct eng_mesh *sheet = kit_sheet(SIDE, 0);
     struct farm own = {.scenes = {NULL}}, lent = {.scenes = {NULL}};
     uint64_t records = 0;
-    (void)state;
     make(&own, sheet);
     make(&lent, sheet);
     for (uint32_t step = 0; step < STEPS; step++) {
@@ -117,11 +113,10 @@ static void lent__worker_finds_what_an_own_one_finds(void **state)
 /* If it failed, a scene that was stepped by itself once would keep its scratch for as
  * long as it lives, though only batches step it; or lose it between two steps by
  * itself. */
-static void own__worker_goes_when_others_lend_theirs_for_long(void **state)
+CASE(own__worker_goes_when_others_lend_theirs_for_long)
 {
     struct eng_mesh *sheet = kit_sheet(SIDE, 0);
     struct farm farm = {.scenes = {NULL}};
-    (void)state;
     make(&farm, sheet);
     step_one(&farm, 5, 0, NULL);
     step_one(&farm, 0, 0, NULL);
@@ -161,10 +156,9 @@ static void take(void *context, uint32_t item, uint32_t thread)
 }
 
 /* If it failed, a scene of a batch would be left out, or stepped twice. */
-static void items__are_taken_once_each(void **state)
+CASE(items__are_taken_once_each)
 {
     static struct taken taken;
-    (void)state;
     for (uint32_t count = 0; count <= ITEMS; count = count * 3 + 1) {
         memset(&taken, 0, sizeof taken);
         eng_parallel_for(&(const struct eng_parallel_for){
@@ -176,14 +170,4 @@ static void items__are_taken_once_each(void **state)
             assert_int_equal(taken.first[thread], thread);
         }
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lent__worker_finds_what_an_own_one_finds),
-        cmocka_unit_test(own__worker_goes_when_others_lend_theirs_for_long),
-        cmocka_unit_test(items__are_taken_once_each),
-    };
-    return cmocka_run_group_tests_name("eng_lend", tests, NULL, NULL);
 }

@@ -1,8 +1,4 @@
-/* test_eng_masks.c - objects that may not meet are left out, and only they.
- *
- * Filter the records of a step in which everything meets by a rule of its own, and
- * compare; look at what is not paid for.
- */
+/* test_eng_masks.c - objects that may not meet are left out, and only they. */
 #include "eng_kit.h"
 
 #include <stdlib.h>
@@ -27,14 +23,13 @@ struct crowd {
 };
 
 static void add(struct crowd *crowd, struct eng_mesh *mesh, double reach,
-                struct kit_random *random)
+                struct prng *random)
 {
     uint32_t i = crowd->count++;
     assert_true(i < FILTERS_OBJECTS_MAX);
     crowd->affinity[i].id = (i * 37 + 5) % 1009; /* not in the order of the indices */
-    assert_int_equal(
-        eng_scene_add(crowd->scene, mesh, crowd->affinity[i].id, &crowd->affinity[i].idx),
-        PCCD_OK);
+    assert_ok(eng_scene_add(crowd->scene, mesh, crowd->affinity[i].id,
+                            &crowd->affinity[i].idx));
     crowd->vertices[i] = eng_scene_vertex_count(crowd->scene, crowd->affinity[i].idx);
     crowd->x0[i] = malloc(crowd->vertices[i] * sizeof *crowd->x0[i]);
     crowd->x1[i] = malloc(crowd->vertices[i] * sizeof *crowd->x1[i]);
@@ -42,7 +37,7 @@ static void add(struct crowd *crowd, struct eng_mesh *mesh, double reach,
     for (uint32_t k = 0; k < 3 * crowd->vertices[i]; k++) {
         double x = mesh->x[k / 3][k % 3];
         crowd->x0[i][k / 3][k % 3] = x;
-        crowd->x1[i][k / 3][k % 3] = x + kit_between(random, -reach, reach);
+        crowd->x1[i][k / 3][k % 3] = x + prng_between(random, -reach, reach);
     }
     eng_mesh_release(mesh);
 }
@@ -50,7 +45,7 @@ static void add(struct crowd *crowd, struct eng_mesh *mesh, double reach,
 static void begin(struct crowd *crowd)
 {
     memset(crowd, 0, sizeof *crowd);
-    assert_int_equal(eng_scene_new(NULL, &crowd->scene), PCCD_OK);
+    crowd->scene = kit_scene();
 }
 
 /* Soups of one triangle to some hundreds in the same cube: everything meets everything,
@@ -58,7 +53,7 @@ static void begin(struct crowd *crowd)
 static void begin_soups(struct crowd *crowd)
 {
     static const uint32_t sizes[] = {1, 300, 6, 40, 2};
-    struct kit_random random = {77};
+    struct prng random = {77};
     begin(crowd);
     for (uint32_t i = 0; i < OBJECTS; i++) {
         add(crowd, kit_soup(&random, sizes[i % 5]), 0.02, &random);
@@ -77,15 +72,12 @@ static void end(struct crowd *crowd)
 static struct eng_step_result step(struct crowd *crowd,
                                    const struct eng_question *settings)
 {
-    struct eng_step_result result;
     eng_stage_begin(crowd->scene);
     for (uint32_t i = 0; i < crowd->count; i++) {
-        assert_int_equal(eng_stage_x0x1(crowd->scene, crowd->affinity[i].idx,
-                                        PCCD_FORMAT_F64, 0, crowd->vertices[i],
-                                        crowd->x0[i], crowd->x1[i]),
-                         PCCD_OK);
+        assert_ok(eng_stage_x0x1(crowd->scene, crowd->affinity[i].idx, PCCD_FORMAT_F64, 0,
+                                 crowd->vertices[i], crowd->x0[i], crowd->x1[i]));
     }
-    assert_int_equal(eng_step(crowd->scene, settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_step(crowd->scene, settings);
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     return result;
 }
@@ -191,9 +183,8 @@ static void check_step(struct crowd *crowd, enum pccd_mode mode,
 
 /* If it failed: a contact would be missed because other objects may not meet, or objects
  * that may not would be answered; by some method, team or instruction set. */
-static void masks__leave_out_what_may_not_meet(void **state)
+CASE(masks__leave_out_what_may_not_meet)
 {
-    (void)state;
     struct crowd crowd;
     struct prng prng = {prng_seed()};
     begin_soups(&crowd);
@@ -214,11 +205,10 @@ static void masks__leave_out_what_may_not_meet(void **state)
 
 /* If it failed: what an object may meet would not go on with it, or be another's who
  * comes in its place. */
-static void masks__stay_with_their_object(void **state)
+CASE(masks__stay_with_their_object)
 {
-    (void)state;
     struct crowd crowd;
-    struct kit_random random = {3};
+    struct prng random = {3};
     struct eng_object_filter bits = {6, 0x8000000000000001u, false};
     begin(&crowd);
     for (uint32_t i = 0; i < 3; i++) {
@@ -231,29 +221,28 @@ static void masks__stay_with_their_object(void **state)
     assert_int_equal(step_in(&crowd, PCCD_MODE_PAIRS, PCCD_METHOD_PAPER).count,
                      step_in(&crowd, PCCD_MODE_PAIRS, PCCD_METHOD_WIDE).count);
     struct eng_mesh *other = kit_soup(&random, 30);
-    assert_int_equal(eng_scene_replace(crowd.scene, at[1].idx, other), PCCD_OK);
+    assert_ok(eng_scene_replace(crowd.scene, at[1].idx, other));
     struct eng_object_filter now;
-    assert_int_equal(eng_scene_get_filter(crowd.scene, at[1].idx, &now), PCCD_OK);
+    assert_ok(eng_scene_get_filter(crowd.scene, at[1].idx, &now));
     assert_true(now.group == 6 && now.mask == 0x8000000000000001u && !now.self);
     assert_int_equal(eng_scene_ignored_count(crowd.scene), 2);
-    assert_int_equal(eng_scene_remove(crowd.scene, at[1].idx), PCCD_OK);
+    assert_ok(eng_scene_remove(crowd.scene, at[1].idx));
     assert_int_equal(eng_scene_ignored_count(crowd.scene), 1);
     assert_int_equal(eng_scene_get_filter(crowd.scene, at[1].idx, &now), PCCD_E_INVAL);
     uint32_t idx;
-    assert_int_equal(eng_scene_add(crowd.scene, other, 4711, &idx), PCCD_OK);
+    assert_ok(eng_scene_add(crowd.scene, other, 4711, &idx));
     assert_int_equal(idx, at[1].idx);
-    assert_int_equal(eng_scene_get_filter(crowd.scene, idx, &now), PCCD_OK);
+    assert_ok(eng_scene_get_filter(crowd.scene, idx, &now));
     assert_true(now.group == 1 && now.mask == UINT64_MAX && now.self);
     eng_mesh_release(other);
     end(&crowd);
 }
 
 /* If it failed: a wrong index would be written to, or an object ignored itself. */
-static void masks__refuse_what_is_not_there(void **state)
+CASE(masks__refuse_what_is_not_there)
 {
-    (void)state;
     struct crowd crowd;
-    struct kit_random random = {3};
+    struct prng random = {3};
     struct eng_object_filter bits = ENG_OBJECT_FILTER_DEFAULT;
     begin(&crowd);
     add(&crowd, kit_soup(&random, 3), 0.1, &random);
@@ -271,11 +260,10 @@ static void masks__refuse_what_is_not_there(void **state)
 
 /* If it failed: an object whose self-collision is off, or two that ignore each other,
  * would cost as if they could meet. */
-static void masks__cost_nothing_where_nothing_may_meet(void **state)
+CASE(masks__cost_nothing_where_nothing_may_meet)
 {
-    (void)state;
     struct crowd crowd;
-    struct kit_random random = {8};
+    struct prng random = {8};
     struct eng_object_filter alone = {1, UINT64_MAX, false};
     begin(&crowd);
     for (uint32_t i = 0; i < 2; i++) {
@@ -311,11 +299,10 @@ static void masks__cost_nothing_where_nothing_may_meet(void **state)
 
 /* If it failed: many things of one group that do not meet each other, as a level is made
  * of, would be compared pair by pair. */
-static void masks__pass_over_groups_together(void **state)
+CASE(masks__pass_over_groups_together)
 {
-    (void)state;
     struct crowd crowd;
-    struct kit_random random = {9};
+    struct prng random = {9};
     const struct eng_object_filter level = {2, 1, true};
     begin(&crowd);
     for (uint32_t i = 0; i < FILTERS_OBJECTS_MAX - 1; i++) {
@@ -334,9 +321,8 @@ static void masks__pass_over_groups_together(void **state)
 }
 
 /* If it failed: a step after a change would take memory, however often it changes. */
-static void masks__change_without_memory(void **state)
+CASE(masks__change_without_memory)
 {
-    (void)state;
     struct crowd crowd;
     struct prng prng = {11};
     begin_soups(&crowd);
@@ -359,17 +345,4 @@ static void masks__change_without_memory(void **state)
     }
     assert_int_equal(eng_alloc_count(), before);
     end(&crowd);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(masks__leave_out_what_may_not_meet),
-        cmocka_unit_test(masks__stay_with_their_object),
-        cmocka_unit_test(masks__refuse_what_is_not_there),
-        cmocka_unit_test(masks__cost_nothing_where_nothing_may_meet),
-        cmocka_unit_test(masks__pass_over_groups_together),
-        cmocka_unit_test(masks__change_without_memory),
-    };
-    return cmocka_run_group_tests_name("eng_masks", tests, NULL, NULL);
 }

@@ -1,8 +1,4 @@
-/* test_eng_memory.c - the engine's allocations, counted.
- *
- * Alignment, counts, refusal of sizes that overflow, content across realloc, and that
- * freed memory is used again.
- */
+/* test_eng_memory.c - the engine's allocations, counted. */
 #include "eng_kit.h"
 
 #include <malloc.h>
@@ -26,9 +22,8 @@ const char *__tsan_default_options(void)
 }
 
 /* If it failed: vector loads from a block would fault or be slow. */
-static void memory__blocks_are_aligned_and_wholly_usable(void **state)
+CASE(memory__blocks_are_aligned_and_wholly_usable)
 {
-    (void)state;
     for (size_t bytes = 0; bytes < 300; bytes++) {
         unsigned char *block = eng_alloc(bytes, 1);
         assert_non_null(block);
@@ -42,9 +37,8 @@ static void memory__blocks_are_aligned_and_wholly_usable(void **state)
 }
 
 /* If it failed: "a warm step allocates nothing" in the statistics would mean nothing. */
-static void memory__count_rises_with_every_allocation(void **state)
+CASE(memory__count_rises_with_every_allocation)
 {
-    (void)state;
     uint64_t start = eng_alloc_count();
     void *a = eng_alloc(10, 10);
     assert_int_equal(eng_alloc_count(), start + 1);
@@ -60,9 +54,8 @@ static void memory__count_rises_with_every_allocation(void **state)
 }
 
 /* If it failed: the bytes that quotas are charged for would drift. */
-static void memory__bytes_return_to_the_start(void **state)
+CASE(memory__bytes_return_to_the_start)
 {
-    (void)state;
     uint64_t start = eng_alloc_bytes();
     void *blocks[50];
     for (size_t i = 0; i < 50; i++) {
@@ -84,9 +77,8 @@ static void memory__bytes_return_to_the_start(void **state)
 
 /* If it failed: a count from outside could make a block smaller than what is written to
  * it. */
-static void memory__sizes_that_overflow_are_refused(void **state)
+CASE(memory__sizes_that_overflow_are_refused)
 {
-    (void)state;
     uint64_t count = eng_alloc_count();
     uint64_t bytes = eng_alloc_bytes();
     assert_null(eng_alloc(SIZE_MAX, 2));
@@ -100,17 +92,16 @@ static void memory__sizes_that_overflow_are_refused(void **state)
 }
 
 /* If it failed: growing an array would lose or spoil what it holds. */
-static void memory__realloc_keeps_the_content(void **state)
+CASE(memory__realloc_keeps_the_content)
 {
-    (void)state;
-    struct kit_random random = {1};
+    struct prng random = {1};
     size_t bytes = 100;
     unsigned char *block = eng_alloc(bytes, 1);
     for (size_t i = 0; i < bytes; i++) {
         block[i] = (unsigned char)(i * 7);
     }
     for (int round = 0; round < 200; round++) {
-        size_t next = 1 + kit_below(&random, 5000);
+        size_t next = 1 + prng_u32(&random, 5000);
         size_t kept = next < bytes ? next : bytes;
         block = eng_realloc(block, next, 1);
         assert_non_null(block);
@@ -126,9 +117,8 @@ static void memory__realloc_keeps_the_content(void **state)
 }
 
 /* If it failed: a scene that cannot grow would lose the array that it has. */
-static void memory__refused_realloc_leaves_the_old_block(void **state)
+CASE(memory__refused_realloc_leaves_the_old_block)
 {
-    (void)state;
     uint64_t bytes = eng_alloc_bytes();
     char *block = eng_alloc(3, 4);
     memcpy(block, "still here!", 12);
@@ -147,7 +137,7 @@ struct held {
     void *others[BLOCKS];
 };
 
-static void renew(struct held *held, const size_t *bytes, struct kit_random *random)
+static void renew(struct held *held, const size_t *bytes, struct prng *random)
 {
     for (size_t i = 0; i < BLOCKS; i++) {
         eng_free(held->blocks[i]);
@@ -155,7 +145,7 @@ static void renew(struct held *held, const size_t *bytes, struct kit_random *ran
     }
     for (size_t i = 0; i < BLOCKS; i++) {
         held->blocks[i] = eng_alloc(bytes[i], 1);
-        held->others[i] = malloc(kit_below(random, 500));
+        held->others[i] = malloc(prng_u32(random, 500));
         assert_non_null(held->blocks[i]);
     }
 }
@@ -172,27 +162,26 @@ static size_t free_bytes(void)
 
 /* If it failed: a daemon whose clients come and go would grow, though it holds no more
  * than before. With aligned_alloc a tenth of the memory lies unused here. */
-static void memory__freed_blocks_are_found_again(void **state)
+CASE(memory__freed_blocks_are_found_again)
 {
     static struct held scenes[SCENES];
-    struct kit_random random = {7};
+    struct prng random = {7};
     size_t bytes[BLOCKS];
     size_t before = free_bytes();
     uint64_t held = eng_alloc_bytes();
-    (void)state;
     for (size_t i = 0; i < BLOCKS; i++) {
-        bytes[i] = ((size_t)1 << kit_below(&random, 15)) + kit_below(&random, 4096);
+        bytes[i] = ((size_t)1 << prng_u32(&random, 15)) + prng_u32(&random, 4096);
     }
     for (size_t i = 0; i < SCENES; i++) {
         renew(&scenes[i], bytes, &random);
     }
     held = eng_alloc_bytes() - held;
     for (size_t round = 0; round < 2000; round++) {
-        struct held *other = &scenes[kit_below(&random, SCENES)];
-        for (size_t i = kit_below(&random, 3); i < BLOCKS; i += 3) {
+        struct held *other = &scenes[prng_u32(&random, SCENES)];
+        for (size_t i = prng_u32(&random, 3); i < BLOCKS; i += 3) {
             other->blocks[i] = eng_realloc(other->blocks[i], bytes[i], 1);
         }
-        renew(&scenes[kit_below(&random, SCENES)], bytes, &random);
+        renew(&scenes[prng_u32(&random, SCENES)], bytes, &random);
     }
     assert_in_range(free_bytes(), 0, before + held / 25);
     for (size_t i = 0; i < SCENES; i++) {
@@ -215,9 +204,8 @@ static void *churn(void *argument)
 }
 
 /* If it failed: counts taken by several threads at once would get lost. */
-static void memory__threads_lose_no_counts(void **state)
+CASE(memory__threads_lose_no_counts)
 {
-    (void)state;
     pthread_t threads[4];
     uint64_t count = eng_alloc_count();
     uint64_t bytes = eng_alloc_bytes();
@@ -233,10 +221,9 @@ static void memory__threads_lose_no_counts(void **state)
 
 /* If it failed, a user could take more of the engine's memory than the quota allows, or
  * one refusal would refuse what fits afterwards. */
-static void memory__limit_refuses_what_goes_beyond_it(void **state)
+CASE(memory__limit_refuses_what_goes_beyond_it)
 {
     struct eng_account account = {.limit = 10000};
-    (void)state;
     eng_payer()->account = &account;
     void *small = eng_alloc(1, 5000);
     assert_non_null(small);
@@ -294,12 +281,11 @@ static void *buy(void *context)
 
 /* If it failed, a user would be charged for what a step of another user takes that runs
  * at the same time, and be refused memory for it. */
-static void memory__those_who_compute_at_once_pay_each_for_itself(void **state)
+CASE(memory__those_who_compute_at_once_pay_each_for_itself)
 {
     struct customer customers[2] = {{.account = {.limit = 50000}, .blocks = 20000},
                                     {.account = {.limit = 50000}, .blocks = 30000}};
     pthread_t threads[2];
-    (void)state;
     for (int i = 0; i < 2; i++) {
         assert_int_equal(pthread_create(&threads[i], NULL, buy, &customers[i]), 0);
     }
@@ -309,21 +295,4 @@ static void memory__those_who_compute_at_once_pay_each_for_itself(void **state)
         assert_int_equal(customers[i].account.refused, 2);
         assert_int_equal(customers[i].allocs, customers[i].blocks + 2 * HELPED);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory__blocks_are_aligned_and_wholly_usable),
-        cmocka_unit_test(memory__count_rises_with_every_allocation),
-        cmocka_unit_test(memory__bytes_return_to_the_start),
-        cmocka_unit_test(memory__sizes_that_overflow_are_refused),
-        cmocka_unit_test(memory__realloc_keeps_the_content),
-        cmocka_unit_test(memory__refused_realloc_leaves_the_old_block),
-        cmocka_unit_test(memory__freed_blocks_are_found_again),
-        cmocka_unit_test(memory__threads_lose_no_counts),
-        cmocka_unit_test(memory__limit_refuses_what_goes_beyond_it),
-        cmocka_unit_test(memory__those_who_compute_at_once_pay_each_for_itself),
-    };
-    return cmocka_run_group_tests_name("eng_memory", tests, NULL, NULL);
 }

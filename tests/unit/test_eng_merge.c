@@ -1,8 +1,4 @@
-/* test_eng_merge.c - many lists become one answer, by any number of threads.
- *
- * Compare with qsort for names of every distribution, counts, hash, the limit, lists of
- * uneven length, memory that is there already.
- */
+/* test_eng_merge.c - many lists become one answer, by any number of threads. */
 #include "eng_kit.h"
 
 #include <pthread.h>
@@ -62,26 +58,26 @@ enum pattern {
     PATTERNS
 };
 
-static uint32_t wide_word(struct kit_random *random)
+static uint32_t wide_word(struct prng *random)
 {
-    switch (kit_below(random, 4)) {
+    switch (prng_u32(random, 4)) {
     case 0:
-        return kit_below(random, 3);
+        return prng_u32(random, 3);
     case 1:
-        return UINT32_MAX - kit_below(random, 3);
+        return UINT32_MAX - prng_u32(random, 3);
     case 2:
         return 0x80000000u;
     default:
-        return (uint32_t)kit_u64(random);
+        return (uint32_t)prng_next(random);
     }
 }
 
-static struct eng_name name_of(enum pattern pattern, struct kit_random *random,
-                               uint32_t i, uint32_t count)
+static struct eng_name name_of(enum pattern pattern, struct prng *random, uint32_t i,
+                               uint32_t count)
 {
-    struct eng_name name = {{kit_below(random, 2), 3 + kit_below(random, 5),
-                             kit_below(random, 1u << 20), 3 + kit_below(random, 5),
-                             kit_below(random, 1u << 20)}};
+    struct eng_name name = {{prng_u32(random, 2), 3 + prng_u32(random, 5),
+                             prng_u32(random, 1u << 20), 3 + prng_u32(random, 5),
+                             prng_u32(random, 1u << 20)}};
     switch (pattern) {
     case WIDE:
         for (unsigned k = 1; k < ENG_NAME_WORDS; k++) {
@@ -91,14 +87,14 @@ static struct eng_name name_of(enum pattern pattern, struct kit_random *random,
     case EQUAL:
         return (struct eng_name){{1, 7, 7, 7, 7}};
     case SKEWED:
-        if (kit_below(random, 100) > 0) {
+        if (prng_u32(random, 100) > 0) {
             memcpy(name.word, (uint32_t[3]){0, 4, 777777}, 3 * sizeof *name.word);
         }
         return name;
     case CROWDED:
-        if (kit_below(random, 100) > 0) {
+        if (prng_u32(random, 100) > 0) {
             name = (struct eng_name){
-                {1, 5, kit_below(random, 1000), 5, kit_below(random, 1000)}};
+                {1, 5, prng_u32(random, 1000), 5, prng_u32(random, 1000)}};
         }
         return name;
     case SORTED:
@@ -115,7 +111,7 @@ static struct eng_name name_of(enum pattern pattern, struct kit_random *random,
 
 /* `count` records over the lists; `uneven`: nearly all in one. Contacts carry their order
  * of arrival over the lists one after the other, and counts to be taken. */
-static void fill(struct fixture *f, struct kit_random *random, enum pattern pattern,
+static void fill(struct fixture *f, struct prng *random, enum pattern pattern,
                  uint32_t count, bool uneven)
 {
     eng_pool_reset(&f->pool, f->threads);
@@ -123,16 +119,16 @@ static void fill(struct fixture *f, struct kit_random *random, enum pattern patt
         eng_found_begin(&f->found[t], &f->pool, f->record_bytes, f->limit);
     }
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t t = uneven && kit_below(random, 50) > 0 ? f->threads / 2
-                                                         : kit_below(random, f->threads);
+        uint32_t t = uneven && prng_u32(random, 50) > 0 ? f->threads / 2
+                                                        : prng_u32(random, f->threads);
         struct eng_name name = name_of(pattern, random, i, count);
         struct pccd_pair pair;
         memcpy(&pair, &name, sizeof pair);
         struct pccd_contact *contact = eng_found_add(&f->found[t], &pair);
         assert_non_null(contact);
         if (f->record_bytes == sizeof *contact) {
-            contact->flags = kit_below(random, 4);
-            contact->toi = kit_between(random, 0, 1);
+            contact->flags = prng_u32(random, 4);
+            contact->toi = prng_between(random, 0, 1);
             contact->toi_hi = (double)i;
             memset(contact->param, (int)i, sizeof contact->param);
             memset(contact->normal, (int)i, sizeof contact->normal);
@@ -272,7 +268,7 @@ static void check_counts(const struct fixture *f, const struct eng_counts *count
     assert_true(counts->toi_first == expected.toi_first);
 }
 
-static void check(struct fixture *f, struct kit_random *random, enum pattern pattern,
+static void check(struct fixture *f, struct prng *random, enum pattern pattern,
                   uint32_t count, bool uneven)
 {
     struct eng_counts counts;
@@ -280,7 +276,7 @@ static void check(struct fixture *f, struct kit_random *random, enum pattern pat
     uint64_t whole[2];
     fill(f, random, pattern, count, uneven);
     unsigned char *expected = expect(f, count);
-    assert_int_equal(merge(f, f->threads, &counts, hash), PCCD_OK);
+    assert_ok(merge(f, f->threads, &counts, hash));
     uint64_t kept = count < f->limit ? count : f->limit;
     assert_int_equal(f->merge.total, count);
     assert_int_equal(f->out.count, kept);
@@ -299,10 +295,10 @@ static const uint32_t records[2] = {sizeof(struct pccd_pair),
 
 /* If it failed: answers would depend on the number of threads, or names of some
  * distribution would come out of order. */
-static void merge__equals_qsort_for_any_names_and_threads(void **state)
+CASE_WITH(merge__equals_qsort_for_any_names_and_threads, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {85};
+    struct prng random = {85};
     const uint32_t counts[] = {0, 1, 2, 40, 2999, 3001, 20011};
     const uint32_t threads[] = {1, 2, 3, 4, 7, 16};
     for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
@@ -317,10 +313,10 @@ static void merge__equals_qsort_for_any_names_and_threads(void **state)
 }
 
 /* If it failed: a thread that found nearly all, or nothing, would be left out. */
-static void merge__takes_lists_of_uneven_length(void **state)
+CASE_WITH(merge__takes_lists_of_uneven_length, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {86};
+    struct prng random = {86};
     for (uint32_t threads = 2; threads <= 16; threads += 7) {
         f->threads = threads;
         for (uint32_t i = 0; i < 2 * PATTERNS; i++) {
@@ -332,10 +328,10 @@ static void merge__takes_lists_of_uneven_length(void **state)
 }
 
 /* If it failed: many records would be divided by sizes that do not hold them. */
-static void merge__sorts_many_records(void **state)
+CASE_WITH(merge__sorts_many_records, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {87};
+    struct prng random = {87};
     for (uint32_t i = 0; i < 4; i++) {
         f->threads = i < 2 ? 1 : 4;
         f->record_bytes = records[i % 2];
@@ -345,10 +341,10 @@ static void merge__sorts_many_records(void **state)
 
 /* If it failed: a cut answer would hold other records than the first, or be hashed and
  * counted beyond its end. */
-static void merge__limit_keeps_the_first_in_order(void **state)
+CASE_WITH(merge__limit_keeps_the_first_in_order, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {88};
+    struct prng random = {88};
     const uint64_t limits[] = {1, 2, 17, 4000, 7999, 8000};
     for (size_t i = 0; i < 2 * sizeof limits / sizeof *limits; i++) {
         f->record_bytes = records[i % 2];
@@ -361,7 +357,7 @@ static void merge__limit_keeps_the_first_in_order(void **state)
             uint64_t hash[2];
             uint64_t whole[2];
             f->found[0].limit = limits[i / 2];
-            assert_int_equal(merge(f, f->threads, &counts, hash), PCCD_OK);
+            assert_ok(merge(f, f->threads, &counts, hash));
             assert_int_equal(f->out.count, limits[i / 2]);
             assert_int_equal(f->merge.total, 8000);
             assert_memory_equal(f->out.data, expected, f->out.count * f->record_bytes);
@@ -374,17 +370,17 @@ static void merge__limit_keeps_the_first_in_order(void **state)
 }
 
 /* If it failed: a team smaller than asked for would wait for lists that nobody brings. */
-static void merge__leaves_out_lists_without_a_thread(void **state)
+CASE_WITH(merge__leaves_out_lists_without_a_thread, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {89};
+    struct prng random = {89};
     struct eng_counts counts;
     uint64_t hash[2];
     f->threads = 3;
     f->record_bytes = sizeof(struct pccd_pair);
     fill(f, &random, RANDOM, 7000, false);
     unsigned char *expected = expect(f, 7000);
-    assert_int_equal(merge(f, 8, &counts, hash), PCCD_OK);
+    assert_ok(merge(f, 8, &counts, hash));
     assert_int_equal(f->out.count, 7000);
     assert_memory_equal(f->out.data, expected, 7000 * sizeof(struct pccd_pair));
     free(expected);
@@ -393,10 +389,10 @@ static void merge__leaves_out_lists_without_a_thread(void **state)
 /* If it failed: a step that is cancelled while it merges would go on for milliseconds, or
  * hand out places that nobody has filled; or one that was stopped before, with few
  * records, would answer nothing of what it has found. */
-static void merge__is_given_up_when_cancelled_unless_it_is_short(void **state)
+CASE_WITH(merge__is_given_up_when_cancelled_unless_it_is_short, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {92};
+    struct prng random = {92};
     struct eng_counts counts;
     uint64_t hash[2];
     for (uint32_t i = 0; i < 6; i++) {
@@ -404,7 +400,7 @@ static void merge__is_given_up_when_cancelled_unless_it_is_short(void **state)
         f->threads = 1 + i / 2 * 3;
         fill(f, &random, RANDOM, 20000, false);
         atomic_store(&is_cancelled, true);
-        assert_int_equal(merge(f, f->threads, &counts, hash), PCCD_OK);
+        assert_ok(merge(f, f->threads, &counts, hash));
         assert_true(eng_merge_is_given_up(&f->merge));
         assert_int_equal(f->out.count, 0);
         check_counts(f, &counts);
@@ -417,10 +413,10 @@ static void merge__is_given_up_when_cancelled_unless_it_is_short(void **state)
 }
 
 /* If it failed: a step would allocate again after the same step. */
-static void merge__warm_allocates_nothing(void **state)
+CASE_WITH(merge__warm_allocates_nothing, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {90};
+    struct prng random = {90};
     for (uint32_t i = 0; i < 12; i++) {
         uint64_t before = 0;
         f->record_bytes = records[i % 2];
@@ -430,7 +426,7 @@ static void merge__warm_allocates_nothing(void **state)
             before = round == 0 ? before : eng_alloc_count();
             struct eng_counts counts;
             uint64_t hash[2];
-            assert_int_equal(merge(f, f->threads, &counts, hash), PCCD_OK);
+            assert_ok(merge(f, f->threads, &counts, hash));
             assert_true(round == 0 || eng_alloc_count() == before);
         }
     }
@@ -453,10 +449,10 @@ static void check_evenness(const struct fixture *f, uint32_t count)
 }
 
 /* If it failed: where names crowd, one thread would have nearly all to sort. */
-static void merge__buckets_are_even_for_any_names(void **state)
+CASE_WITH(merge__buckets_are_even_for_any_names, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {91};
+    struct prng random = {91};
     const enum pattern patterns[] = {RANDOM, CROWDED, SKEWED, SORTED, REVERSE};
     f->threads = 4;
     f->record_bytes = sizeof(struct pccd_pair);
@@ -468,10 +464,10 @@ static void merge__buckets_are_even_for_any_names(void **state)
 
 /* If it failed: where one thread has found everything, one would also sort all of it, in
  * a piece that nothing can interrupt. */
-static void merge__buckets_are_even_beside_a_list_of_nothing(void **state)
+CASE_WITH(merge__buckets_are_even_beside_a_list_of_nothing, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {93};
+    struct prng random = {93};
     struct eng_counts counts;
     uint64_t hash[2];
     for (uint32_t i = 0; i < 2; i++) {
@@ -480,26 +476,8 @@ static void merge__buckets_are_even_beside_a_list_of_nothing(void **state)
         fill(f, &random, SORTED, 100000, false);
         f->threads = 2;
         eng_found_begin(&f->found[1], &f->pool, f->record_bytes, f->limit);
-        assert_int_equal(merge(f, f->threads, &counts, hash), PCCD_OK);
+        assert_ok(merge(f, f->threads, &counts, hash));
         assert_int_equal(f->out.count, 100000);
         check_evenness(f, 100000);
     }
-}
-
-#define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        TEST(merge__equals_qsort_for_any_names_and_threads),
-        TEST(merge__takes_lists_of_uneven_length),
-        TEST(merge__sorts_many_records),
-        TEST(merge__limit_keeps_the_first_in_order),
-        TEST(merge__leaves_out_lists_without_a_thread),
-        TEST(merge__is_given_up_when_cancelled_unless_it_is_short),
-        TEST(merge__warm_allocates_nothing),
-        TEST(merge__buckets_are_even_for_any_names),
-        TEST(merge__buckets_are_even_beside_a_list_of_nothing),
-    };
-    return cmocka_run_group_tests_name("eng_merge", tests, NULL, NULL);
 }

@@ -31,7 +31,7 @@ static const uint32_t square_t[2][3] = {{0, 1, 2}, {0, 2, 3}};
 static struct eng_mesh *new_mesh(uint32_t vertices, uint32_t triangles)
 {
     struct eng_mesh *mesh = NULL;
-    assert_int_equal(eng_mesh_new(vertices, triangles, &mesh), PCCD_OK);
+    assert_ok(eng_mesh_new(vertices, triangles, &mesh));
     return mesh;
 }
 
@@ -47,25 +47,24 @@ static int write_t(struct eng_mesh *mesh, uint32_t first, uint32_t count)
 }
 
 /* If it failed: a large mesh could not come in pieces. */
-static void mesh__chunks_in_order_make_a_mesh(void **state)
+CASE(mesh__chunks_in_order_make_a_mesh)
 {
-    (void)state;
     struct eng_mesh *mesh = new_mesh(4, 2);
     struct eng_mesh_counts received;
-    assert_int_equal(write_x(mesh, 0, 1), PCCD_OK);
-    assert_int_equal(write_x(mesh, 1, 2), PCCD_OK);
+    assert_ok(write_x(mesh, 0, 1));
+    assert_ok(write_x(mesh, 1, 2));
     eng_mesh_received(mesh, &received);
     assert_int_equal(received.vertices, 3);
     assert_int_equal(received.triangles, 0);
-    assert_int_equal(write_x(mesh, 2, 2), PCCD_OK); /* overlapping is allowed */
-    assert_int_equal(write_t(mesh, 0, 1), PCCD_OK);
-    assert_int_equal(write_t(mesh, 1, 1), PCCD_OK);
-    assert_int_equal(write_t(mesh, 0, 1), PCCD_OK); /* again: the prefix stays */
+    assert_ok(write_x(mesh, 2, 2)); /* overlapping is allowed */
+    assert_ok(write_t(mesh, 0, 1));
+    assert_ok(write_t(mesh, 1, 1));
+    assert_ok(write_t(mesh, 0, 1)); /* again: the prefix stays */
     eng_mesh_received(mesh, &received);
     assert_int_equal(received.vertices, 4);
     assert_int_equal(received.triangles, 2);
     assert_false(eng_mesh_is_committed(mesh));
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_ok(eng_mesh_commit(mesh));
     assert_true(eng_mesh_is_committed(mesh));
     assert_true(eng_feature_validate(mesh));
     assert_memory_equal(mesh->x, square_x, sizeof square_x);
@@ -73,9 +72,8 @@ static void mesh__chunks_in_order_make_a_mesh(void **state)
 }
 
 /* If it failed: vertices that never came would be used. */
-static void mesh__gaps_and_ranges_outside_are_refused(void **state)
+CASE(mesh__gaps_and_ranges_outside_are_refused)
 {
-    (void)state;
     struct eng_mesh *mesh = new_mesh(4, 2);
     assert_int_equal(write_x(mesh, 1, 1), PCCD_E_STATE);
     assert_int_equal(write_t(mesh, 1, 1), PCCD_E_STATE);
@@ -96,9 +94,8 @@ static void mesh__gaps_and_ranges_outside_are_refused(void **state)
 
 /* If it failed: a peer's wrong index would read outside, or it would not learn which
  * one. */
-static void mesh__index_out_of_range_names_the_triangle(void **state)
+CASE(mesh__index_out_of_range_names_the_triangle)
 {
-    (void)state;
     enum { COUNT = 1500 };
     static uint32_t triangles[COUNT][3];
     struct eng_mesh *mesh = new_mesh(4, COUNT);
@@ -112,8 +109,7 @@ static void mesh__index_out_of_range_names_the_triangle(void **state)
             assert_int_equal(bad, at);
             /* The same in a chunk that does not begin at 0. */
             memset(triangles, 0, sizeof triangles);
-            assert_int_equal(eng_mesh_write_triangles(mesh, 0, 10, triangles, &bad),
-                             PCCD_OK);
+            assert_ok(eng_mesh_write_triangles(mesh, 0, 10, triangles, &bad));
             if (at >= 10) {
                 triangles[at][corner] = 4;
                 assert_int_equal(
@@ -130,9 +126,8 @@ static void mesh__index_out_of_range_names_the_triangle(void **state)
 }
 
 /* If it failed: NaN or overflow would reach boxes and error bounds. */
-static void mesh__coordinates_beyond_the_limits_are_refused(void **state)
+CASE(mesh__coordinates_beyond_the_limits_are_refused)
 {
-    (void)state;
     const double bad[] = {NAN,   -NAN, INFINITY, -INFINITY, nextafter(1e18, INFINITY),
                           -1e300};
     const double good[] = {1e18, -1e18, 0.0, -0.0, 5e-324, -1e-310};
@@ -144,8 +139,7 @@ static void mesh__coordinates_beyond_the_limits_are_refused(void **state)
         assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 4, x),
                          PCCD_E_NOTFINITE);
         x[i % 12 / 3][i % 3] = good[i / 12];
-        assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 4, x),
-                         PCCD_OK);
+        assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 4, x));
         assert_memory_equal(mesh->x, x, sizeof x);
         eng_mesh_release(mesh);
     }
@@ -156,44 +150,41 @@ static void mesh__coordinates_beyond_the_limits_are_refused(void **state)
         assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F32, 0, 4, x),
                          PCCD_E_NOTFINITE);
         x[i % 12 / 3][i % 3] = 0.1f;
-        assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F32, 0, 4, x),
-                         PCCD_OK);
+        assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F32, 0, 4, x));
         assert_true(mesh->x[i % 12 / 3][i % 3] == (double)0.1f);
         eng_mesh_release(mesh);
     }
 }
 
 /* If it failed: what a refused chunk spoilt would be taken for good vertices. */
-static void mesh__refused_chunk_has_to_come_again(void **state)
+CASE(mesh__refused_chunk_has_to_come_again)
 {
-    (void)state;
     double x[4][3];
     struct eng_mesh *mesh = new_mesh(4, 2);
-    assert_int_equal(write_x(mesh, 0, 4), PCCD_OK);
-    assert_int_equal(write_t(mesh, 0, 2), PCCD_OK);
+    assert_ok(write_x(mesh, 0, 4));
+    assert_ok(write_t(mesh, 0, 2));
     memcpy(x, square_x, sizeof x);
     x[2][1] = NAN;
     assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 1, 3, x[1]),
                      PCCD_E_NOTFINITE);
     assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
-    assert_int_equal(write_x(mesh, 1, 3), PCCD_OK);
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_ok(write_x(mesh, 1, 3));
+    assert_ok(eng_mesh_commit(mesh));
     assert_memory_equal(mesh->x, square_x, sizeof square_x);
     eng_mesh_release(mesh);
 }
 
 /* If it failed: a mesh in use could change, or an unfinished one could be used. */
-static void mesh__commit_happens_once_and_only_when_complete(void **state)
+CASE(mesh__commit_happens_once_and_only_when_complete)
 {
-    (void)state;
     struct eng_mesh *mesh = new_mesh(4, 2);
     assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
-    assert_int_equal(write_x(mesh, 0, 4), PCCD_OK);
+    assert_ok(write_x(mesh, 0, 4));
     assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
-    assert_int_equal(write_t(mesh, 0, 1), PCCD_OK);
+    assert_ok(write_t(mesh, 0, 1));
     assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
-    assert_int_equal(write_t(mesh, 1, 1), PCCD_OK);
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_ok(write_t(mesh, 1, 1));
+    assert_ok(eng_mesh_commit(mesh));
     assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
     assert_int_equal(write_x(mesh, 0, 4), PCCD_E_STATE);
     assert_int_equal(write_t(mesh, 0, 2), PCCD_E_STATE);
@@ -201,9 +192,8 @@ static void mesh__commit_happens_once_and_only_when_complete(void **state)
 }
 
 /* If it failed: a peer's absurd count would crash the process or leave memory behind. */
-static void mesh__absurd_counts_are_refused(void **state)
+CASE(mesh__absurd_counts_are_refused)
 {
-    (void)state;
     struct eng_mesh *mesh = NULL;
     uint64_t bytes = eng_alloc_bytes();
     assert_int_equal(eng_mesh_new(0, 1, &mesh), PCCD_E_INVAL);
@@ -224,9 +214,8 @@ static void mesh__absurd_counts_are_refused(void **state)
 }
 
 /* If it failed: the report after registration would not describe the mesh. */
-static void mesh__counts_describe_duplicates_degenerates_and_isolated(void **state)
+CASE(mesh__counts_describe_duplicates_degenerates_and_isolated)
 {
-    (void)state;
     const double x[7][3] = {{0, 0, 0}, {1, 0, 0},   {0, 1, 0}, {2, 0, 0},
                             {5, 5, 5}, {0.1, 0, 1}, {9, 9, 9}};
     const uint32_t t[7][3] = {
@@ -262,9 +251,8 @@ static void check_order(const struct eng_mesh *mesh)
 }
 
 /* If it failed: edge numbers would not be those of public ground-truth data. */
-static void mesh__edges_are_unique_and_sorted_by_higher_then_lower(void **state)
+CASE(mesh__edges_are_unique_and_sorted_by_higher_then_lower)
 {
-    (void)state;
     const uint32_t square_edges[5][2] = {{0, 1}, {0, 2}, {1, 2}, {0, 3}, {2, 3}};
     struct eng_mesh *mesh = kit_mesh(square_x, 4, square_t, 2);
     struct eng_mesh_info info;
@@ -326,10 +314,9 @@ static void check_ownership(const struct eng_mesh *mesh)
 }
 
 /* If it failed: a contact would be missing (no owner) or reported twice (two). */
-static void mesh__every_feature_is_owned_exactly_once(void **state)
+CASE(mesh__every_feature_is_owned_exactly_once)
 {
-    (void)state;
-    struct kit_random random = {7};
+    struct prng random = {7};
     struct eng_mesh *mesh = kit_sheet(9, 0);
     check_ownership(mesh);
     eng_mesh_release(mesh);
@@ -353,12 +340,12 @@ static void mesh__every_feature_is_owned_exactly_once(void **state)
      * case. */
     for (int round = 0; round < 300; round++) {
         uint32_t triangles[30][3];
-        uint32_t vertices = 1 + kit_below(&random, 12);
+        uint32_t vertices = 1 + prng_u32(&random, 12);
         for (uint32_t i = 0; i < 90; i++) {
-            triangles[i / 3][i % 3] = kit_below(&random, vertices);
+            triangles[i / 3][i % 3] = prng_u32(&random, vertices);
         }
         mesh = kit_mesh((const double(*)[3])x, vertices, (const uint32_t(*)[3])triangles,
-                        1 + kit_below(&random, 30));
+                        1 + prng_u32(&random, 30));
         check_ownership(mesh);
         eng_mesh_release(mesh);
     }
@@ -366,9 +353,8 @@ static void mesh__every_feature_is_owned_exactly_once(void **state)
 
 /* If it failed: a vertex with many edges would have them in another order, or twice, or
  * many triangles at one vertex would be no duplicates. */
-static void mesh__many_edges_at_a_vertex_are_like_few(void **state)
+CASE(mesh__many_edges_at_a_vertex_are_like_few)
 {
-    (void)state;
     enum { RIM = 300, TWICE = 40 };
     double x[RIM + 1][3] = {{0}};
     uint32_t fan[RIM + TWICE][3];
@@ -393,9 +379,8 @@ static void mesh__many_edges_at_a_vertex_are_like_few(void **state)
 }
 
 /* If it failed: a mesh would go while an instance of it is in use, or stay for ever. */
-static void mesh__last_release_frees(void **state)
+CASE(mesh__last_release_frees)
 {
-    (void)state;
     uint64_t bytes = eng_alloc_bytes();
     struct eng_mesh *mesh = kit_mesh(square_x, 4, square_t, 2);
     uint64_t held = eng_alloc_bytes();
@@ -407,23 +392,4 @@ static void mesh__last_release_frees(void **state)
     eng_mesh_release(mesh);
     assert_int_equal(eng_alloc_bytes(), bytes);
     eng_mesh_release(NULL);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mesh__chunks_in_order_make_a_mesh),
-        cmocka_unit_test(mesh__gaps_and_ranges_outside_are_refused),
-        cmocka_unit_test(mesh__index_out_of_range_names_the_triangle),
-        cmocka_unit_test(mesh__coordinates_beyond_the_limits_are_refused),
-        cmocka_unit_test(mesh__refused_chunk_has_to_come_again),
-        cmocka_unit_test(mesh__commit_happens_once_and_only_when_complete),
-        cmocka_unit_test(mesh__absurd_counts_are_refused),
-        cmocka_unit_test(mesh__counts_describe_duplicates_degenerates_and_isolated),
-        cmocka_unit_test(mesh__edges_are_unique_and_sorted_by_higher_then_lower),
-        cmocka_unit_test(mesh__every_feature_is_owned_exactly_once),
-        cmocka_unit_test(mesh__many_edges_at_a_vertex_are_like_few),
-        cmocka_unit_test(mesh__last_release_frees),
-    };
-    return cmocka_run_group_tests_name("eng_mesh", tests, NULL, NULL);
 }

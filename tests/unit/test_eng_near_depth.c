@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "near_kit.h"
+#include "eng_kit.h"
 
 struct box {
     double low[3];
@@ -19,7 +19,7 @@ static struct eng_mesh *boxes(const struct box *box, uint32_t count)
     uint32_t corners[64][3];
     assert_true(count <= 5);
     for (uint32_t i = 0; i < count; i++) {
-        struct eng_mesh *mesh = near_kit_box(box[i].low, box[i].high, box[i].inward);
+        struct eng_mesh *mesh = kit_box(box[i].low, box[i].high, box[i].inward);
         memcpy(x + 8 * i, eng_mesh_vertices(mesh), 8 * sizeof x[0]);
         eng_mesh_get_corners(mesh, corners + 12 * i);
         for (uint32_t k = 0; k < 36; k++) {
@@ -45,78 +45,65 @@ static struct eng_mesh *spike(double x, double y, double z)
     return kit_mesh((const double(*)[3])corner, 4, faces, 4);
 }
 
-static struct eng_step_result ask(struct near_kit *kit, struct eng_mesh *a,
-                                  struct eng_mesh *b)
+static struct eng_step_result ask(struct eng_mesh *a, struct eng_mesh *b)
 {
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_DEPTH);
-    near_kit_begin(kit);
-    near_kit_add(kit, a);
-    near_kit_add(kit, b);
-    return near_kit_ask(kit, &settings);
+    kit_begin();
+    kit_put(a);
+    kit_put(b);
+    return kit_ask_for(PCCD_NEAR_DEPTH);
 }
 
 /* A box with one corner in another: that corner alone, and how deep it is. A corner that
  * is counted from both sides, or none, would be wrong. */
-static void depth__is_of_the_vertices_inside(void **state)
+CASE(depth__is_of_the_vertices_inside)
 {
-    (void)state;
-    struct near_kit kit;
-    struct eng_step_result result = ask(&kit, cube(0, 2), cube(1.5, 4));
+    struct eng_step_result result = ask(cube(0, 2), cube(1.5, 4));
     assert_int_equal(result.count, 2); /* 0's corner (2, 2, 2) is in the other, too */
-    const struct pccd_near *record = near_kit_record(&result, 0);
+    const struct pccd_near *record = kit_record(&result, 0);
     assert_int_equal(record->kind, PCCD_VF);
     assert_int_equal(record->object_a, 1);
     assert_int_equal(record->feature_a, 7);
     assert_int_equal(record->object_b, 2);
     assert_true(record->d_lo == 0.5 && record->d_hi == 0.5);
-    assert_int_equal(near_kit_record(&result, 1)->object_a, 2);
-    assert_int_equal(near_kit_record(&result, 1)->feature_a, 0);
+    assert_int_equal(kit_record(&result, 1)->object_a, 2);
+    assert_int_equal(kit_record(&result, 1)->feature_a, 0);
     assert_true(result.distance_max == 0.5);
-    near_kit_end(&kit);
 }
 
 /* The whole of one in another: all its vertices, the face of the least number among
  * equally near ones. */
-static void depth__is_of_a_mesh_inside_another(void **state)
+CASE(depth__is_of_a_mesh_inside_another)
 {
-    (void)state;
-    struct near_kit kit;
-    struct eng_step_result result = ask(&kit, cube(0, 8), cube(3, 4));
+    struct eng_step_result result = ask(cube(0, 8), cube(3, 4));
     assert_int_equal(result.count, 8);
     for (uint64_t i = 0; i < 8; i++) {
-        const struct pccd_near *record = near_kit_record(&result, i);
+        const struct pccd_near *record = kit_record(&result, i);
         assert_int_equal(record->object_a, 2);
         assert_int_equal(record->feature_a, i);
         assert_true(record->d_lo == (i == 7 ? 4 : 3));
     }
     /* Of (3, 3, 3) the faces of x = 0, y = 0 and z = 0 are as far away: face 0 or 1 is
      * the first, and both have the foot. */
-    assert_int_equal(near_kit_record(&result, 0)->feature_b, 0);
-    near_kit_end(&kit);
+    assert_int_equal(kit_record(&result, 0)->feature_b, 0);
 }
 
 /* What is on the surface is not inside: on a face, on an edge, on a vertex. */
-static void depth__leaves_out_what_is_on_the_surface(void **state)
+CASE(depth__leaves_out_what_is_on_the_surface)
 {
-    (void)state;
     static const double places[][3] = {{4, 1, 1}, {4, 4, 1}, {4, 4, 4}, {4, 2, 2},
                                        {2, 4, 1}, {0, 1, 2}, {1, 0, 2}, {1, 2, 0}};
     for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
-        struct near_kit kit;
         struct eng_step_result result =
-            ask(&kit, cube(0, 4), spike(places[i][0], places[i][1], places[i][2]));
+            ask(cube(0, 4), spike(places[i][0], places[i][1], places[i][2]));
         assert_int_equal(result.count, 0);
-        near_kit_end(&kit);
     }
 }
 
 /* In an octahedron the ray along +x from the middle meets a vertex, others meet edges;
  * from outside it touches them. A count that has such a crossing twice, or not at all,
  * would call an inside an outside. */
-static void depth__decides_rays_through_edges_and_vertices(void **state)
+CASE(depth__decides_rays_through_edges_and_vertices)
 {
-    (void)state;
-    struct near_kit kit;
     struct eng_step_result result;
     static const double x[6][3] = {{4, 0, 0},  {-4, 0, 0}, {0, 4, 0},
                                    {0, -4, 0}, {0, 0, 4},  {0, 0, -4}};
@@ -127,72 +114,61 @@ static void depth__decides_rays_through_edges_and_vertices(void **state)
     static const double outside[][3] = {{-5, 0, 0}, {-4, 1, 0}, {-4, 0, -1}, {-3, 2, 0},
                                         {-1, 4, 0}, {-2, 0, 4}, {-3, -4, 0}};
     for (size_t i = 0; i < sizeof inside / sizeof inside[0]; i++) {
-        result = ask(&kit, kit_mesh(x, 6, faces, 8),
+        result = ask(kit_mesh(x, 6, faces, 8),
                      spike(inside[i][0], inside[i][1], inside[i][2]));
         assert_int_equal(result.count, 1);
-        near_kit_end(&kit);
     }
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) {
-        result = ask(&kit, kit_mesh(x, 6, faces, 8),
+        result = ask(kit_mesh(x, 6, faces, 8),
                      spike(outside[i][0], outside[i][1], outside[i][2]));
         for (uint64_t k = 0; k < result.count; k++) { /* no vertex of the spike */
-            assert_int_equal(near_kit_record(&result, k)->object_a, 1);
+            assert_int_equal(kit_record(&result, k)->object_a, 1);
         }
-        near_kit_end(&kit);
     }
 }
 
 /* Shells within shells: winding number 2 is inside; 1 - 1 is outside; one that is turned
  * inside out is as closed as another. */
-static void depth__goes_by_the_winding_number(void **state)
+CASE(depth__goes_by_the_winding_number)
 {
-    (void)state;
     struct box shells[2] = {{{0, 0, 0}, {8, 8, 8}, false}, {{2, 2, 2}, {6, 6, 6}, false}};
     for (int i = 0; i < 4; i++) {
-        struct near_kit kit;
         shells[0].inward = i % 2 == 1;
         shells[1].inward = i / 2 == 1;
-        struct eng_step_result result = ask(&kit, boxes(shells, 2), spike(4, 4, 3.5));
+        struct eng_step_result result = ask(boxes(shells, 2), spike(4, 4, 3.5));
         bool cancels = shells[0].inward != shells[1].inward;
         assert_int_equal(result.count, cancels ? 0 : 1);
         assert_true(cancels || result.distance_max == 1.5);
-        near_kit_end(&kit);
     }
 }
 
 /* Crossed bars: no vertex of either is in the other, and yet the 4 long edges of the thin
  * one pass through 2 sides of the other each. If crossings were not counted, the bars
  * would be taken for apart. */
-static void depth__counts_what_passes_through(void **state)
+CASE(depth__counts_what_passes_through)
 {
-    (void)state;
-    struct near_kit kit;
     struct eng_step_result result =
-        ask(&kit, boxes(&(struct box){{-8, -1, -1}, {8, 1, 1}, false}, 1),
+        ask(boxes(&(struct box){{-8, -1, -1}, {8, 1, 1}, false}, 1),
             boxes(&(struct box){{-0.5, -9, -0.5}, {0.5, 9, 0.5}, false}, 1));
     assert_int_equal(result.count, 0);
     assert_true(result.distance_max == 0);
     assert_true(result.crossings >= 8);
-    near_kit_end(&kit);
-    result = ask(&kit, boxes(&(struct box){{-8, -1, -1}, {8, 1, 1}, false}, 1),
+    result = ask(boxes(&(struct box){{-8, -1, -1}, {8, 1, 1}, false}, 1),
                  boxes(&(struct box){{-0.5, -9, 3}, {0.5, 9, 4}, false}, 1));
     assert_int_equal(result.crossings, 0);
-    near_kit_end(&kit);
 }
 
 /* A mesh with a hole has no inside: the error names the first edge that shows it. */
-static void depth__names_what_is_open(void **state)
+CASE(depth__names_what_is_open)
 {
-    (void)state;
     static const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     /* Without its fourth face; the third is turned round. */
     static const uint32_t faces[3][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}};
-    struct near_kit kit;
     struct eng_step_result result;
-    near_kit_begin(&kit);
-    near_kit_add(&kit, cube(0, 1));
-    near_kit_add(&kit, kit_mesh(x, 4, faces, 3));
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_DEPTH);
+    kit_begin();
+    kit_put(cube(0, 1));
+    kit_put(kit_mesh(x, 4, faces, 3));
+    struct eng_question settings = kit_question(PCCD_NEAR_DEPTH);
     for (int i = 0; i < 2; i++) { /* the second time it is known */
         assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_INVAL);
         assert_int_equal(result.open_object, 2);
@@ -202,11 +178,10 @@ static void depth__names_what_is_open(void **state)
         assert_int_equal(result.open_runs[1], 0);
     }
     /* It matters only where it is asked for. */
-    near_kit_add(&kit, cube(0.25, 0.5));
+    kit_put(cube(0.25, 0.5));
     settings.objects[0] = 1;
     settings.objects[1] = 3;
-    assert_int_equal(near_kit_ask(&kit, &settings).count, 8);
-    near_kit_end(&kit);
+    assert_int_equal(kit_ask(&settings).count, 8);
 }
 
 /* A box of which some vertices and edges are foreign, and perhaps the last face is
@@ -218,14 +193,14 @@ static struct eng_mesh *part(struct box box, uint64_t own, bool is_open)
     eng_mesh_get_corners(whole, corners);
     struct eng_mesh *mesh = kit_mesh((const double(*)[3])eng_mesh_vertices(whole), 8,
                                      (const uint32_t(*)[3])corners, is_open ? 11 : 12);
-    assert_int_equal(eng_mesh_set_own(mesh, &own, &own), PCCD_OK);
+    assert_ok(eng_mesh_set_own(mesh, &own, &own));
     eng_mesh_release(whole);
     return mesh;
 }
 
 /* What two scenes say of which each has some vertices and edges as its own is together
  * what one says. If it failed, ranks would count a vertex twice, or not at all. */
-static void depth__of_parts_is_that_of_their_own_vertices(void **state)
+CASE(depth__of_parts_is_that_of_their_own_vertices)
 {
     static const uint64_t own[3] = {UINT64_MAX, 0x5a341, ~UINT64_C(0x5a341)};
     static const struct box corner[2] = {{{0, 0, 0}, {2, 2, 2}, false},
@@ -235,17 +210,12 @@ static void depth__of_parts_is_that_of_their_own_vertices(void **state)
     uint64_t crossings[3];
     struct eng_step_result result[3];
     struct pccd_near records[3][4];
-    (void)state;
     for (int i = 0; i < 3; i++) {
-        struct near_kit kit;
-        result[i] =
-            ask(&kit, part(corner[0], own[i], false), part(corner[1], own[i], false));
+        result[i] = ask(part(corner[0], own[i], false), part(corner[1], own[i], false));
         assert_true(result[i].count <= 4);
         memcpy(records[i], result[i].records, result[i].count * sizeof records[0][0]);
-        near_kit_end(&kit);
         crossings[i] =
-            ask(&kit, part(bar[0], own[i], false), part(bar[1], own[i], false)).crossings;
-        near_kit_end(&kit);
+            ask(part(bar[0], own[i], false), part(bar[1], own[i], false)).crossings;
     }
     assert_int_equal(result[0].count, 2);
     assert_int_equal(result[1].count, 1); /* vertex 0 of the second, not 7 of the first */
@@ -258,35 +228,16 @@ static void depth__of_parts_is_that_of_their_own_vertices(void **state)
 
 /* A part of a closed mesh has open edges; and a vertex within it may lie outside of the
  * box of what is there. If it failed, ranks could not be asked how deep anything is. */
-static void depth__of_a_part_needs_only_what_rays_meet(void **state)
+CASE(depth__of_a_part_needs_only_what_rays_meet)
 {
     static const double x[3][3] = {{4, 0, 0}, {4, 4, 0}, {4, 0, 4}};
     static const uint32_t face[1][3] = {{0, 1, 2}};
     const uint64_t all = UINT64_MAX;
     const struct box inside = {{1, 1, 1}, {1.5, 1.5, 1.5}, false};
-    struct near_kit kit;
     struct eng_mesh *mesh = kit_mesh(x, 3, face, 1);
-    (void)state;
-    assert_int_equal(eng_mesh_set_own(mesh, &all, &all), PCCD_OK);
-    struct eng_step_result result = ask(&kit, mesh, part(inside, all, true));
+    assert_ok(eng_mesh_set_own(mesh, &all, &all));
+    struct eng_step_result result = ask(mesh, part(inside, all, true));
     assert_int_equal(result.count, 8); /* a ray from each vertex passes it */
-    assert_int_equal(near_kit_record(&result, 0)->object_a, 2);
-    assert_true(near_kit_record(&result, 0)->d_lo == 3);
-    near_kit_end(&kit);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(depth__is_of_the_vertices_inside),
-        cmocka_unit_test(depth__is_of_a_mesh_inside_another),
-        cmocka_unit_test(depth__leaves_out_what_is_on_the_surface),
-        cmocka_unit_test(depth__decides_rays_through_edges_and_vertices),
-        cmocka_unit_test(depth__goes_by_the_winding_number),
-        cmocka_unit_test(depth__counts_what_passes_through),
-        cmocka_unit_test(depth__names_what_is_open),
-        cmocka_unit_test(depth__of_parts_is_that_of_their_own_vertices),
-        cmocka_unit_test(depth__of_a_part_needs_only_what_rays_meet),
-    };
-    return cmocka_run_group_tests_name("eng_near_depth", tests, NULL, NULL);
+    assert_int_equal(kit_record(&result, 0)->object_a, 2);
+    assert_true(kit_record(&result, 0)->d_lo == 3);
 }

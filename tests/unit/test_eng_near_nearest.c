@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "near_kit.h"
+#include "eng_kit.h"
 
 static const double unit_low[3] = {0, 0, 0};
 static const double unit_high[3] = {1, 1, 1};
@@ -13,7 +13,7 @@ static struct eng_mesh *box_at(double x, double y, double z)
 {
     double low[3] = {x, y, z};
     double high[3] = {x + 1, y + 1, z + 1};
-    return near_kit_box(low, high, false);
+    return kit_box(low, high, false);
 }
 
 /* A single triangle. */
@@ -25,20 +25,17 @@ static struct eng_mesh *triangle(const double x[3][3])
 
 /* A vertex above the inside of a face: a search that cuts off too early, or that looks at
  * one direction of vertex and face only, would answer something else. */
-static void nearest__is_a_vertex_above_a_face(void **state)
+CASE(nearest__is_a_vertex_above_a_face)
 {
-    (void)state;
     static const double floor[3][3] = {{-4, -4, 0}, {4, -4, 0}, {0, 4, 0}};
     static const double spike[3][3] = {{0, 0, 0.5}, {1, 0, 3}, {0, 1, 3}};
     for (int turned = 0; turned < 2; turned++) {
-        struct near_kit kit;
-        near_kit_begin(&kit);
-        near_kit_add(&kit, triangle(turned ? spike : floor));
-        near_kit_add(&kit, triangle(turned ? floor : spike));
-        struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-        struct eng_step_result result = near_kit_ask(&kit, &settings);
+        kit_begin();
+        kit_put(triangle(turned ? spike : floor));
+        kit_put(triangle(turned ? floor : spike));
+        struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
         assert_int_equal(result.count, 1);
-        const struct pccd_near *record = near_kit_record(&result, 0);
+        const struct pccd_near *record = kit_record(&result, 0);
         assert_int_equal(record->kind, PCCD_VF);
         assert_int_equal(record->object_a, turned ? 1 : 2);
         assert_int_equal(record->feature_a, 0);
@@ -48,53 +45,46 @@ static void nearest__is_a_vertex_above_a_face(void **state)
         assert_true(record->direction[2] == 1);
         assert_int_equal(PCCD_NEAR_TYPE(record->flags), PCCD_VF);
         assert_int_equal(record->count, 1);
-        near_kit_end(&kit);
     }
 }
 
 /* Two edges across each other: with vertices and faces alone the distance would be too
  * large. */
-static void nearest__is_two_edges(void **state)
+CASE(nearest__is_two_edges)
 {
-    (void)state;
     static const double lower[3][3] = {{-1, 0, 0}, {1, 0, 0}, {0, 0, -2}};
     static const double upper[3][3] = {{0, -1, 0.25}, {0, 1, 0.25}, {0, 0, 2}};
-    struct near_kit kit;
-    near_kit_begin(&kit);
-    near_kit_add(&kit, triangle(lower));
-    near_kit_add(&kit, triangle(upper));
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_step_result result = near_kit_ask(&kit, &settings);
+    kit_begin();
+    kit_put(triangle(lower));
+    kit_put(triangle(upper));
+    struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
     assert_int_equal(result.count, 1);
-    const struct pccd_near *record = near_kit_record(&result, 0);
+    const struct pccd_near *record = kit_record(&result, 0);
     assert_int_equal(record->kind, PCCD_EE);
     assert_int_equal(record->feature_a, 0); /* of vertices 0 and 1 */
     assert_int_equal(record->feature_b, 0);
     assert_true(record->d_lo == 0.25 && record->param[0] == 0.5f);
-    near_kit_end(&kit);
 }
 
 /* A spike through a floor, far from all its edges, is at distance 0 by what passes
  * through: of the two edges that do the first. By vertices and edges alone it would be
  * 2 away. With a radius its surfaces are nearer than those of a pair that touches; a
  * mask keeps it out. */
-static void nearest__of_what_crosses_is_the_first_crossing(void **state)
+CASE(nearest__of_what_crosses_is_the_first_crossing)
 {
-    (void)state;
     static const double floor[3][3] = {{-30, -30, 0}, {30, -30, 0}, {0, 30, 0}};
     static const double spike[3][3] = {{0, 0, -2}, {1, 0, 6}, {0, 1, 6}};
     for (int turned = 0; turned < 2; turned++) {
-        struct near_kit kit;
-        near_kit_begin(&kit);
-        near_kit_add(&kit, triangle(turned ? spike : floor));
-        near_kit_add(&kit, triangle(turned ? floor : spike));
-        struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        kit_begin();
+        kit_put(triangle(turned ? spike : floor));
+        kit_put(triangle(turned ? floor : spike));
+        struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
         for (int way = 0; way < 4; way++) { /* from anew, then warm */
             settings.distance = way % 2 == 0 ? INFINITY : 0;
-            struct eng_step_result result = near_kit_ask(&kit, &settings);
+            struct eng_step_result result = kit_ask(&settings);
             assert_int_equal(result.count, 1);
             assert_int_equal(result.counts[PCCD_EF], 1);
-            const struct pccd_near *record = near_kit_record(&result, 0);
+            const struct pccd_near *record = kit_record(&result, 0);
             assert_int_equal(record->kind, PCCD_EF);
             assert_int_equal(record->object_a, turned ? 1 : 2);
             assert_int_equal(record->feature_a, 0); /* of vertices 0 and 1 */
@@ -107,58 +97,50 @@ static void nearest__of_what_crosses_is_the_first_crossing(void **state)
             assert_int_equal(record->flags, 0);
         }
         struct pccd_near of_crossings[2];
-        settings = near_kit_settings(PCCD_NEAR_NEAREST);
-        struct eng_step_result result = near_kit_ask(&kit, &settings);
-        of_crossings[0] = *near_kit_record(&result, 0);
-        settings = near_kit_settings(PCCD_NEAR_CROSSINGS);
-        result = near_kit_ask(&kit, &settings);
-        of_crossings[1] = *near_kit_record(&result, 0);
+        settings = kit_question(PCCD_NEAR_NEAREST);
+        struct eng_step_result result = kit_ask(&settings);
+        of_crossings[0] = *kit_record(&result, 0);
+        settings = kit_question(PCCD_NEAR_CROSSINGS);
+        result = kit_ask(&settings);
+        of_crossings[1] = *kit_record(&result, 0);
         assert_int_equal(result.count, 2);
         assert_memory_equal(&of_crossings[0], &of_crossings[1], sizeof of_crossings[0]);
-        assert_int_equal(eng_scene_ignore(kit.scene, kit.idx[0], kit.idx[1], true),
-                         PCCD_OK);
-        settings = near_kit_settings(PCCD_NEAR_NEAREST);
-        result = near_kit_ask(&kit, &settings);
+        assert_ok(eng_scene_ignore(kit.scene, kit.idx[0], kit.idx[1], true));
+        settings = kit_question(PCCD_NEAR_NEAREST);
+        result = kit_ask(&settings);
         assert_int_equal(result.count, 0);
-        near_kit_end(&kit);
     }
 }
 
 /* A box inside a box passes through nothing: its surface is as far from the other as it
  * is; that it is inside, DEPTH says. */
-static void nearest__of_a_box_inside_a_box_is_no_crossing(void **state)
+CASE(nearest__of_a_box_inside_a_box_is_no_crossing)
 {
-    (void)state;
     static const double low[3] = {-2, -2, -2};
     static const double high[3] = {4, 4, 4};
-    struct near_kit kit;
-    near_kit_begin(&kit);
-    near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
-    near_kit_add(&kit, near_kit_box(low, high, false));
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_step_result result = near_kit_ask(&kit, &settings);
+    kit_begin();
+    kit_put(kit_box(unit_low, unit_high, false));
+    kit_put(kit_box(low, high, false));
+    struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
+    struct eng_step_result result = kit_ask(&settings);
     assert_int_equal(result.count, 1);
-    assert_true(near_kit_record(&result, 0)->d_lo == 2);
-    settings = near_kit_settings(PCCD_NEAR_DEPTH);
-    result = near_kit_ask(&kit, &settings);
+    assert_true(kit_record(&result, 0)->d_lo == 2);
+    settings = kit_question(PCCD_NEAR_DEPTH);
+    result = kit_ask(&settings);
     assert_int_equal(result.count, 8);
     assert_int_equal(result.crossings, 0);
-    near_kit_end(&kit);
 }
 
 /* Two boxes side by side: every pair of their facing sides has the distance 0.5. Without
  * the tie rule the answer would be whichever was found first. */
-static void nearest__of_equals_is_the_first_in_order(void **state)
+CASE(nearest__of_equals_is_the_first_in_order)
 {
-    (void)state;
-    struct near_kit kit;
-    near_kit_begin(&kit);
-    near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
-    near_kit_add(&kit, box_at(1.5, 0, 0));
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_step_result result = near_kit_ask(&kit, &settings);
+    kit_begin();
+    kit_put(kit_box(unit_low, unit_high, false));
+    kit_put(box_at(1.5, 0, 0));
+    struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
     assert_int_equal(result.count, 1);
-    const struct pccd_near *record = near_kit_record(&result, 0);
+    const struct pccd_near *record = kit_record(&result, 0);
     /* The first vertex of object 1 with x = 1, and the first face of object 2 that has
      * its neighbour: faces 0 and 1 are the side z = 0 with vertices 0 2 3 1. */
     assert_int_equal(record->kind, PCCD_VF);
@@ -168,225 +150,196 @@ static void nearest__of_equals_is_the_first_in_order(void **state)
     assert_int_equal(record->feature_b, 0);
     assert_true(record->d_lo == 0.5 && record->d_hi == 0.5);
     assert_int_equal(PCCD_NEAR_TYPE(record->flags), PCCD_VV);
-    near_kit_end(&kit);
 }
 
 /* Distances that differ in the last bit of a coordinate, far below what rounded lengths
  * tell apart: compared as doubles, the earlier of the two would win. */
-static void nearest__is_told_from_one_that_is_hardly_farther(void **state)
+CASE(nearest__is_told_from_one_that_is_hardly_farther)
 {
-    (void)state;
     static const double floor[3][3] = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
     double spikes[6][3] = {{0.1, 0.2, 0.7}, {0.3, 0, 3},  {0, 0.3, 3},
                            {-0.4, 0.1, 0},  {-0.3, 0, 3}, {0, -0.3, 3}};
     static const uint32_t corners[2][3] = {{0, 1, 2}, {3, 4, 5}};
     spikes[3][2] = nextafter(0.7, 0);
-    struct near_kit kit;
-    near_kit_begin(&kit);
-    near_kit_add(&kit, triangle(floor));
-    near_kit_add(&kit, kit_mesh((const double(*)[3])spikes, 6, corners, 2));
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_step_result result = near_kit_ask(&kit, &settings);
-    assert_int_equal(near_kit_record(&result, 0)->feature_a, 3);
-    near_kit_end(&kit);
+    kit_begin();
+    kit_put(triangle(floor));
+    kit_put(kit_mesh((const double(*)[3])spikes, 6, corners, 2));
+    struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
+    assert_int_equal(kit_record(&result, 0)->feature_a, 3);
 }
 
 /* Boxes that touch, and one inside another: distance 0 has no direction, and what is
  * inside is as far away as its surface. */
-static void nearest__touches_or_is_inside(void **state)
+CASE(nearest__touches_or_is_inside)
 {
-    (void)state;
-    struct near_kit kit;
-    near_kit_begin(&kit);
-    near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
-    near_kit_add(&kit, box_at(1, 0.25, 0.25));
+    kit_begin();
+    kit_put(kit_box(unit_low, unit_high, false));
+    kit_put(box_at(1, 0.25, 0.25));
     static const double low[3] = {-2, -2, -2};
     static const double high[3] = {4, 4, 4};
-    near_kit_add(&kit, near_kit_box(low, high, false));
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_step_result result = near_kit_ask(&kit, &settings);
+    kit_put(kit_box(low, high, false));
+    struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
     assert_int_equal(result.count, 3);
     for (uint64_t i = 0; i < 3; i++) {
-        const struct pccd_near *record = near_kit_record(&result, i);
+        const struct pccd_near *record = kit_record(&result, i);
         bool touches = record->object_a + record->object_b == 3;
         assert_true(touches == (record->d_hi == 0));
         assert_true(touches == (record->direction[0] == 0 && record->direction[1] == 0 &&
                                 record->direction[2] == 0));
         assert_true(touches || record->d_lo == 2);
     }
-    near_kit_end(&kit);
 }
 
 /* `distance` is within it when it is exactly that far, and leaves out what is farther: a
  * search that ended early otherwise would lose the record of the next test. */
-static void nearest__has_no_record_beyond_the_distance(void **state)
+CASE(nearest__has_no_record_beyond_the_distance)
 {
-    (void)state;
-    struct near_kit kit;
-    near_kit_begin(&kit);
-    near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
-    near_kit_add(&kit, box_at(1.5, 0, 0));
-    near_kit_add(&kit, box_at(0, 3, 0));
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    kit_begin();
+    kit_put(kit_box(unit_low, unit_high, false));
+    kit_put(box_at(1.5, 0, 0));
+    kit_put(box_at(0, 3, 0));
+    struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
     settings.distance = 0.5;
-    assert_int_equal(near_kit_ask(&kit, &settings).count, 1);
+    assert_int_equal(kit_ask(&settings).count, 1);
     settings.distance = nextafter(0.5, 0);
-    assert_int_equal(near_kit_ask(&kit, &settings).count, 0);
+    assert_int_equal(kit_ask(&settings).count, 0);
     settings.distance = 2;
-    assert_int_equal(near_kit_ask(&kit, &settings).count, 2);
-    near_kit_end(&kit);
+    assert_int_equal(kit_ask(&settings).count, 2);
 }
 
 /* Masks and ignored pairs leave pairs of objects out, also two that are named; objects
  * that are named are asked for alone. */
-static void nearest__is_of_objects_that_may_meet(void **state)
+CASE(nearest__is_of_objects_that_may_meet)
 {
-    (void)state;
-    struct near_kit kit;
     struct eng_step_result result;
-    near_kit_begin(&kit);
+    kit_begin();
     for (int i = 0; i < 4; i++) {
-        near_kit_add(&kit, box_at(2 * i, 0, 0));
+        kit_put(box_at(2 * i, 0, 0));
     }
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    assert_int_equal(near_kit_ask(&kit, &settings).count, 6);
-    assert_int_equal(eng_scene_ignore(kit.scene, kit.idx[0], kit.idx[1], true), PCCD_OK);
-    assert_int_equal(near_kit_ask(&kit, &settings).count, 5);
+    struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
+    assert_int_equal(kit_ask(&settings).count, 6);
+    assert_ok(eng_scene_ignore(kit.scene, kit.idx[0], kit.idx[1], true));
+    assert_int_equal(kit_ask(&settings).count, 5);
     settings.objects[1] = 1;
-    assert_int_equal(near_kit_ask(&kit, &settings).count, 2);
+    assert_int_equal(kit_ask(&settings).count, 2);
     settings.objects[0] = 2;
-    assert_int_equal(near_kit_ask(&kit, &settings).count, 0);
+    assert_int_equal(kit_ask(&settings).count, 0);
     settings.objects[0] = 3;
-    result = near_kit_ask(&kit, &settings);
+    result = kit_ask(&settings);
     assert_int_equal(result.count, 1);
-    assert_true(near_kit_record(&result, 0)->d_lo == 3);
+    assert_true(kit_record(&result, 0)->d_lo == 3);
     static const struct eng_object_filter alone = {1, 0, true};
-    assert_int_equal(eng_scene_set_filter(kit.scene, kit.idx[2], &alone), PCCD_OK);
-    assert_int_equal(near_kit_ask(&kit, &settings).count, 0);
+    assert_ok(eng_scene_set_filter(kit.scene, kit.idx[2], &alone));
+    assert_int_equal(kit_ask(&settings).count, 0);
     settings.objects[0] = 9;
     assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_HANDLE);
     settings.objects[0] = 1;
     assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_INVAL);
-    near_kit_end(&kit);
 }
 
 /* With a gap the reported distance is true and at most that much too large, the flag says
  * so, and there is no hash. */
-static void nearest__with_a_gap_is_near_enough(void **state)
+CASE(nearest__with_a_gap_is_near_enough)
 {
-    (void)state;
-    struct near_kit kit;
-    near_kit_begin(&kit);
-    near_kit_add(&kit, kit_sheet(12, 0));
-    near_kit_add(&kit, kit_sheet(9, 0.5));
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    kit_begin();
+    kit_put(kit_sheet(12, 0));
+    kit_put(kit_sheet(9, 0.5));
+    struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
     settings.gap = 0.25;
-    struct eng_step_result result = near_kit_ask(&kit, &settings);
+    struct eng_step_result result = kit_ask(&settings);
     assert_int_equal(result.count, 1);
-    assert_true(near_kit_record(&result, 0)->flags & PCCD_NEAR_GAP);
-    assert_true(near_kit_record(&result, 0)->d_lo >= 0.5 &&
-                near_kit_record(&result, 0)->d_hi <= 0.75);
+    assert_true(kit_record(&result, 0)->flags & PCCD_NEAR_GAP);
+    assert_true(kit_record(&result, 0)->d_lo >= 0.5 &&
+                kit_record(&result, 0)->d_hi <= 0.75);
     assert_true(result.hash[0] == 0 && result.hash[1] == 0);
-    near_kit_end(&kit);
 }
 
 /* Object 3 is thick and far away. If it failed: because of it, a search of the other two
  * could end at a pair that is farther than was asked for, which then is no answer. */
-static void nearest__with_a_gap_has_a_record_as_without(void **state)
+CASE(nearest__with_a_gap_has_a_record_as_without)
 {
-    (void)state;
     static const double floor[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     static const double spike[3][3] = {{0, 0, 0.5}, {1, 0, 0.1}, {0, 1, 0.5}};
     static const double away[3][3] = {{100, 0, 0}, {101, 0, 0}, {100, 1, 0}};
     static const struct eng_object_thickness thick = {.has_radius = true, .radius = 1};
     for (int gap = 0; gap <= 4; gap++) {
-        struct near_kit kit; /* another search would begin where the last one ended */
-        near_kit_begin(&kit);
-        near_kit_add(&kit, triangle(floor));
-        near_kit_add(&kit, triangle(spike));
-        near_kit_add(&kit, triangle(away));
-        assert_int_equal(eng_scene_set_thickness(kit.scene, kit.idx[2], &thick), PCCD_OK);
-        struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        kit_begin();
+        kit_put(triangle(floor));
+        kit_put(triangle(spike));
+        kit_put(triangle(away));
+        assert_ok(eng_scene_set_thickness(kit.scene, kit.idx[2], &thick));
+        struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
         settings.distance = 0.25;
         settings.gap = 0.5 * gap;
-        struct eng_step_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = kit_ask(&settings);
         assert_int_equal(result.count, 1);
         assert_true(result.distance_max <= 0.25);
-        near_kit_end(&kit);
     }
 }
 
 /* Two spikes over a floor, of which the farther one is thick at its tip: 1 up with no
  * radius, 2 up with radius 1.5. */
-static void set_up_spikes(struct near_kit *kit, double tip_radius)
+static void set_up_spikes(double tip_radius)
 {
     static const double floor[3][3] = {{-99, -99, 0}, {99, -99, 0}, {0, 99, 0}};
     static const double spikes[6][3] = {{0, 0, 1},  {1, 0, 30},  {0, 1, 30},
                                         {10, 0, 2}, {11, 0, 30}, {10, 1, 30}};
     static const uint32_t corners[2][3] = {{0, 1, 2}, {3, 4, 5}};
     const double radii[6] = {0, 0, 0, tip_radius, 0, 0};
-    near_kit_begin(kit);
-    near_kit_add(kit, triangle(floor));
-    near_kit_add(kit, kit_mesh_thick(spikes, 6, corners, 2, radii));
+    kit_begin();
+    kit_put(triangle(floor));
+    kit_put(kit_mesh_thick(spikes, 6, corners, 2, radii));
 }
 
 /* What counts is how far surfaces are apart. If it failed: a body would be taken for as
  * far away as the nearest of its thin features, and another question about the same
  * distance would have what this one denies. */
-static void nearest__is_of_surfaces(void **state)
+CASE(nearest__is_of_surfaces)
 {
-    (void)state;
-    struct near_kit kit;
-    set_up_spikes(&kit, 1.5);
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    set_up_spikes(1.5);
+    struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
     static const double distances[] = {INFINITY, 2, 0.5};
     for (int i = 0; i < 3; i++) {
         settings.distance = distances[i];
-        struct eng_step_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = kit_ask(&settings);
         assert_int_equal(result.count, 1);
-        assert_int_equal(near_kit_record(&result, 0)->feature_a, 3);
-        assert_true(near_kit_record(&result, 0)->d_lo == 2);
+        assert_int_equal(kit_record(&result, 0)->feature_a, 3);
+        assert_true(kit_record(&result, 0)->d_lo == 2);
     }
     settings.distance = nextafter(0.5, 0);
     for (int i = 0; i < 3; i++) {
         settings.gap = i;
-        assert_int_equal(near_kit_ask(&kit, &settings).count, 0);
+        assert_int_equal(kit_ask(&settings).count, 0);
     }
-    near_kit_end(&kit);
 }
 
 /* Both surfaces are 1 away, but for a radius that is larger or less by 2^-52. If it
  * failed: pairs would be compared by sums that are rounded. */
-static void nearest__tells_surfaces_apart_by_the_last_bit(void **state)
+CASE(nearest__tells_surfaces_apart_by_the_last_bit)
 {
-    (void)state;
     static const double tips[3] = {1, 1 + 0x1p-52, 1 - 0x1p-53};
     static const uint32_t want[3] = {0, 3, 0}; /* of equals the first */
     for (int i = 0; i < 3; i++) {
-        struct near_kit kit;
-        set_up_spikes(&kit, tips[i]);
-        struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-        struct eng_step_result result = near_kit_ask(&kit, &settings);
-        assert_int_equal(near_kit_record(&result, 0)->feature_a, want[i]);
+        set_up_spikes(tips[i]);
+        struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
+        struct eng_step_result result = kit_ask(&settings);
+        assert_int_equal(kit_record(&result, 0)->feature_a, want[i]);
         settings.distance = 1 - 0x1p-52;
-        result = near_kit_ask(&kit, &settings);
+        result = kit_ask(&settings);
         assert_int_equal(result.count, want[i] == 3);
-        near_kit_end(&kit);
     }
 }
 
 /* Where the last search ended is where the next one begins, and nothing more: after the
  * objects have moved far, after one has another mesh, and for another end of the step. */
-static void nearest__does_not_depend_on_the_last_answer(void **state)
+CASE(nearest__does_not_depend_on_the_last_answer)
 {
-    (void)state;
-    struct near_kit kit;
-    near_kit_begin(&kit);
-    near_kit_add(&kit, kit_sheet(6, 0));
-    near_kit_add(&kit, kit_sheet(5, 1));
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_step_result result = near_kit_ask(&kit, &settings);
-    assert_true(near_kit_record(&result, 0)->d_lo == 1);
+    kit_begin();
+    kit_put(kit_sheet(6, 0));
+    kit_put(kit_sheet(5, 1));
+    struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
+    struct eng_step_result result = kit_ask(&settings);
+    assert_true(kit_record(&result, 0)->d_lo == 1);
     const struct eng_mesh *mesh = eng_scene_mesh(kit.scene, kit.idx[1]);
     uint32_t count = eng_scene_vertex_count(kit.scene, kit.idx[1]);
     double x[64][3];
@@ -396,86 +349,54 @@ static void nearest__does_not_depend_on_the_last_answer(void **state)
         x[i][2] = 0;
     }
     eng_stage_begin(kit.scene);
-    assert_int_equal(eng_stage_x1(kit.scene, kit.idx[1], PCCD_FORMAT_F64, 0, count, x),
-                     PCCD_OK);
-    assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
-    assert_true(near_kit_record(&result, 0)->d_lo == 4);
+    assert_ok(eng_stage_x1(kit.scene, kit.idx[1], PCCD_FORMAT_F64, 0, count, x));
+    result = kit_near(kit.scene, &settings);
+    assert_true(kit_record(&result, 0)->d_lo == 4);
     settings.end = 0;
-    assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
-    assert_true(near_kit_record(&result, 0)->d_lo == 1);
-    near_kit_end(&kit);
+    result = kit_near(kit.scene, &settings);
+    assert_true(kit_record(&result, 0)->d_lo == 1);
 }
 
 /* A mesh in the place of another has other features under the same numbers: vertex 0,
  * which was one of the nearest pair, is now in no triangle, and does not count. */
-static void nearest__forgets_what_was_replaced(void **state)
+CASE(nearest__forgets_what_was_replaced)
 {
-    (void)state;
     static const double x[4][3] = {{0.1, 0.1, 0.9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     static const uint32_t corners[1][3] = {{1, 2, 3}};
-    struct near_kit kit;
-    near_kit_begin(&kit);
-    near_kit_add(&kit, kit_sheet(6, 0));
-    near_kit_add(&kit, kit_sheet(5, 1));
-    struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-    struct eng_step_result result = near_kit_ask(&kit, &settings);
-    assert_int_equal(near_kit_record(&result, 0)->object_a, 1);
-    assert_int_equal(near_kit_record(&result, 0)->feature_a, 0);
+    kit_begin();
+    kit_put(kit_sheet(6, 0));
+    kit_put(kit_sheet(5, 1));
+    struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
+    struct eng_step_result result = kit_ask(&settings);
+    assert_int_equal(kit_record(&result, 0)->object_a, 1);
+    assert_int_equal(kit_record(&result, 0)->feature_a, 0);
     struct eng_mesh *mesh = kit_mesh(x, 4, corners, 1);
-    assert_int_equal(eng_scene_replace(kit.scene, kit.idx[0], mesh), PCCD_OK);
+    assert_ok(eng_scene_replace(kit.scene, kit.idx[0], mesh));
     eng_mesh_release(mesh);
-    result = near_kit_ask(&kit, &settings);
-    assert_int_equal(near_kit_record(&result, 0)->feature_a, 1);
-    assert_true(near_kit_record(&result, 0)->d_lo == 1);
-    near_kit_end(&kit);
+    result = kit_ask(&settings);
+    assert_int_equal(kit_record(&result, 0)->feature_a, 1);
+    assert_true(kit_record(&result, 0)->d_lo == 1);
 }
 
 /* Far from the origin, far from each other, and tiny: boxes are measured in frames there,
  * in which objects are nearer to each other than they are. */
-static void nearest__is_found_wherever_objects_are(void **state)
+CASE(nearest__is_found_wherever_objects_are)
 {
-    (void)state;
     static const double places[][2] = {
         {1e9, 1}, {0, 0x1p-300}, {1e15, 0x1p10}, {5, 0x1p-20}};
     for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
         double at = places[i][0];
         double size = places[i][1];
-        struct near_kit kit;
-        near_kit_begin(&kit);
+        kit_begin();
         for (int j = 0; j < 3; j++) { /* the third far away from the others */
             double begin = at + size * (j == 2 ? 0x1p20 : 2 * j);
             double low[3] = {begin, begin, at};
             double high[3] = {begin + size, begin + size, at + size};
-            near_kit_add(&kit, near_kit_box(low, high, false));
+            kit_put(kit_box(low, high, false));
         }
-        struct eng_question settings = near_kit_settings(PCCD_NEAR_NEAREST);
-        struct eng_step_result result = near_kit_ask(&kit, &settings);
+        struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
         assert_int_equal(result.count, 3);
         double true_one = size * sqrt(2);
         assert_true(fabs(result.distance_min - true_one) < 1e-6 * true_one);
-        near_kit_end(&kit);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nearest__is_a_vertex_above_a_face),
-        cmocka_unit_test(nearest__is_two_edges),
-        cmocka_unit_test(nearest__of_what_crosses_is_the_first_crossing),
-        cmocka_unit_test(nearest__of_a_box_inside_a_box_is_no_crossing),
-        cmocka_unit_test(nearest__of_equals_is_the_first_in_order),
-        cmocka_unit_test(nearest__is_told_from_one_that_is_hardly_farther),
-        cmocka_unit_test(nearest__touches_or_is_inside),
-        cmocka_unit_test(nearest__has_no_record_beyond_the_distance),
-        cmocka_unit_test(nearest__is_of_objects_that_may_meet),
-        cmocka_unit_test(nearest__with_a_gap_is_near_enough),
-        cmocka_unit_test(nearest__with_a_gap_has_a_record_as_without),
-        cmocka_unit_test(nearest__is_of_surfaces),
-        cmocka_unit_test(nearest__tells_surfaces_apart_by_the_last_bit),
-        cmocka_unit_test(nearest__does_not_depend_on_the_last_answer),
-        cmocka_unit_test(nearest__forgets_what_was_replaced),
-        cmocka_unit_test(nearest__is_found_wherever_objects_are),
-    };
-    return cmocka_run_group_tests_name("eng_near_nearest", tests, NULL, NULL);
 }

@@ -1,12 +1,8 @@
 /* test_eng_nearest.c - distances of two features, worked out by hand. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <math.h>
+#include <string.h>
 
 #include "distance.h"
 
@@ -53,9 +49,8 @@ static void expect(enum pccd_kind kind, const double x[4][3], const uint8_t rank
 
 /* If it failed: a distance would be measured to the wrong part of a face, or a foot on an
  * edge would be said to be inside the face. */
-static void distance__of_a_vertex_is_to_the_part_of_fewest_points(void **state)
+CASE(distance__of_a_vertex_is_to_the_part_of_fewest_points)
 {
-    (void)state;
     expect(PCCD_VF, AT(1, 2, 3), in_order, RESULT(VF, 15, 3, .25, .5));
     expect(PCCD_VF, AT(3, -3, 4), in_order, RESULT(VE, 7, 5, .75, 0));
     expect(PCCD_VF, AT(0, -3, 4), in_order, RESULT(VV, 3, 5, 0, 0));
@@ -68,11 +63,10 @@ static void distance__of_a_vertex_is_to_the_part_of_fewest_points(void **state)
 
 /* If it failed: faces that are segments or points would have no answer, or one that
  * depends on the order of the corners. */
-static void distance__to_a_degenerate_face_takes_the_least_ranks(void **state)
+CASE(distance__to_a_degenerate_face_takes_the_least_ranks)
 {
     static const double line[4][3] = {{2, 0, 1}, {0, 0, 0}, {4, 0, 0}, {8, 0, 0}};
     static const double dot[4][3] = {{2, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-    (void)state;
     expect(PCCD_VF, line, in_order, RESULT(VE, 7, 1, .5, 0));
     expect(PCCD_VF, line, (const uint8_t[]){0, 2, 3, 1}, RESULT(VE, 11, 1, 0, .25));
     expect(PCCD_VF, dot, in_order, RESULT(VV, 3, 2, 0, 0));
@@ -81,7 +75,7 @@ static void distance__to_a_degenerate_face_takes_the_least_ranks(void **state)
 
 /* If it failed: edges would be measured between the wrong places, or parallel ones would
  * be EE, which have no common perpendicular of their own. */
-static void distance__of_edges_is_at_ends_where_they_are_parallel(void **state)
+CASE(distance__of_edges_is_at_ends_where_they_are_parallel)
 {
     static const double crossed[4][3] = {{-1, 0, 2}, {3, 0, 2}, {0, -3, 0}, {0, 1, 0}};
     static const double beside[4][3] = {{1, 3, 4}, {5, 6, 8}, {0, 0, 0}, {4, 0, 0}};
@@ -89,7 +83,6 @@ static void distance__of_edges_is_at_ends_where_they_are_parallel(void **state)
     static const double shifted[4][3] = {{0, 0, 1}, {4, 0, 1}, {1, 0, 0}, {5, 0, 0}};
     static const double aligned[4][3] = {{0, 0, 1}, {4, 0, 1}, {4, 0, 0}, {0, 0, 0}};
     static const double dots[4][3] = {{0, 0, 2}, {0, 0, 2}, {0, 0, 0}, {0, 0, 0}};
-    (void)state;
     expect(PCCD_EE, crossed, in_order, RESULT(EE, 15, 2, .25, .75));
     expect(PCCD_EE, beside, in_order, RESULT(VE, 13, 5, 0, .25));
     expect(PCCD_EE, meet, in_order, RESULT(EE, 15, 0, .5, .5));
@@ -123,9 +116,8 @@ static void make_close(uint64_t *seed, double x[4][3])
 /* If it failed: what lies in one place or along an axis, as meshes at rest do, would be
  * said otherwise by doubles than by integers; or doubles would never say it, and each
  * such pair take as long as a hundred others. */
-static void distance__in_one_place_or_along_an_axis_is_known_by_doubles(void **state)
+CASE(distance__in_one_place_or_along_an_axis_is_known_by_doubles)
 {
-    (void)state;
     uint64_t seed = 5;
     uint64_t before = distances.decided[ENG_DISTANCE_BY_DOUBLES];
     for (unsigned round = 0; round < 20000; round++) {
@@ -187,9 +179,8 @@ static void expect_crossing(double z0, double z1, double position)
 
 /* If it failed: whoever pulls two surfaces apart would begin in the wrong place, or in
  * another one after an update of the processor. */
-static void crossing__is_at_the_nearest_multiple(void **state)
+CASE(crossing__is_at_the_nearest_multiple)
 {
-    (void)state;
     expect_crossing(1, -1, .5);
     expect_crossing(-1, 3, .25);
     expect_crossing(1, -2, 1431655765 * 0x1p-32);   /* a third: 0x55555555.55.. */
@@ -202,9 +193,8 @@ static void crossing__is_at_the_nearest_multiple(void **state)
 
 /* If it failed: an edge that only touches would count as passing through, or one that
  * passes through as touching. */
-static void crossing__is_strict(void **state)
+CASE(crossing__is_strict)
 {
-    (void)state;
     assert_true(crosses(1, 1, 1, 1, 1, -1));
     assert_true(crosses(0x1p-900, 0x1p-900, 1, 0x1p-900, 0x1p-900, -1));
     assert_false(crosses(1, 1, 0, 1, 1, -1)); /* an end on the face */
@@ -215,20 +205,17 @@ static void crossing__is_strict(void **state)
     assert_false(crosses(-9, 1, 0, 9, 1, 0)); /* in its plane */
 }
 
-int main(void)
+static int set_up(void **state)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(distance__of_a_vertex_is_to_the_part_of_fewest_points),
-        cmocka_unit_test(distance__to_a_degenerate_face_takes_the_least_ranks),
-        cmocka_unit_test(distance__of_edges_is_at_ends_where_they_are_parallel),
-        cmocka_unit_test(distance__in_one_place_or_along_an_axis_is_known_by_doubles),
-        cmocka_unit_test(crossing__is_strict),
-        cmocka_unit_test(crossing__is_at_the_nearest_multiple),
-    };
-    if (eng_distances_init(&distances) != PCCD_OK) {
-        return 1;
-    }
-    int failed = cmocka_run_group_tests_name("eng_nearest", tests, NULL, NULL);
-    eng_distances_deinit(&distances);
-    return failed;
+    (void)state;
+    return eng_distances_init(&distances);
 }
+
+static int tear_down(void **state)
+{
+    (void)state;
+    eng_distances_deinit(&distances);
+    return 0;
+}
+
+CASES_WITH(set_up, tear_down);

@@ -10,16 +10,15 @@
 
 /* If a feature were missing from its order it would never be tested; if an aligned group
  * were spread over the object, its box would be useless. */
-static void order__has_every_feature_once_in_tight_groups(void **state)
+CASE(order__has_every_feature_once_in_tight_groups)
 {
-    (void)state;
     enum { STRIP = 700 };
     static double x[STRIP + 3][3];
     static uint32_t triangles[STRIP][3];
-    struct kit_random random = {5};
+    struct prng random = {5};
     for (uint32_t i = 0; i < STRIP + 3; i++) { /* the last one is in no triangle */
         x[i][0] = (double)(i * 577 % (STRIP + 3));
-        x[i][1] = kit_between(&random, 0, 0.5);
+        x[i][1] = prng_between(&random, 0, 0.5);
     }
     for (uint32_t i = 0; i < STRIP; i++) {
         triangles[i][0] = i;
@@ -29,8 +28,7 @@ static void order__has_every_feature_once_in_tight_groups(void **state)
     struct eng_mesh *mesh = kit_mesh((const double(*)[3])x, STRIP + 3,
                                      (const uint32_t(*)[3])triangles, STRIP);
     struct eng_wide_order *order;
-    assert_int_equal(eng_wide_order_new(mesh, (const double(*)[3])mesh->x, 1, &order),
-                     PCCD_OK);
+    assert_ok(eng_wide_order_new(mesh, (const double(*)[3])mesh->x, 1, &order));
     assert_int_equal(order->count[PCCD_TREE_VERTICES], STRIP + 1);
     assert_int_equal(order->count[PCCD_TREE_EDGES], STRIP);
     assert_int_equal(order->count[PCCD_TREE_FACES], STRIP);
@@ -79,13 +77,12 @@ static void sort_groups(struct eng_split_item *items, struct eng_wide_range rang
 
 /* If it failed, a mesh would have another order where there is memory for lists, or where
  * more threads divide it first; on a grid, where most coordinates are equal, as well. */
-static void lists__make_the_groups_that_medians_make(void **state)
+CASE(lists__make_the_groups_that_medians_make)
 {
-    (void)state;
     static struct eng_wide_lists lists;
     static struct eng_split_item items[2][ENG_WIDE_LISTS_MAX + 300];
     const uint32_t counts[] = {1, 16, 17, 255, 256, 257, 1000, 2048, ENG_WIDE_LISTS_MAX};
-    struct kit_random random = {11};
+    struct prng random = {11};
     for (uint32_t round = 0; round < 4 * sizeof counts / sizeof *counts; round++) {
         uint32_t count = counts[round / 4], kind = round % 4;
         struct eng_wide_range range = {0, 0, count + (kind == 2 ? 300 : 0)};
@@ -93,7 +90,7 @@ static void lists__make_the_groups_that_medians_make(void **state)
             struct eng_split_item *item = &items[0][i];
             item->id = kind == 1 ? i : (i * 7919u + 13u) % 104729u;
             for (int k = 0; k < 3; k++) {
-                double x = kit_between(&random, -4, 4);
+                double x = prng_between(&random, -4, 4);
                 item->centroid[k] = kind == 3 ? 1 : kind == 1 ? (float)(int)x : (float)x;
                 item->centroid[k] *= k == 2 && i % 2 == 0 ? -0.0f : 1;
             }
@@ -141,9 +138,8 @@ static struct eng_mesh *sheets(uint32_t count, uint32_t times)
 
 /* If it failed: how fast a step is would depend on how many threads there were when its
  * mesh came. */
-static void order__is_the_same_by_any_number_of_threads(void **state)
+CASE(order__is_the_same_by_any_number_of_threads)
 {
-    (void)state;
     /* More features than one thread takes, in one piece or in many. */
     struct eng_mesh *meshes[2] = {kit_sheet(100, 0.3), sheets(100, 2)};
     struct eng_wide_order *orders[2];
@@ -151,9 +147,8 @@ static void order__is_the_same_by_any_number_of_threads(void **state)
     for (int i = 0; i < 6; i++) {
         const struct eng_mesh *mesh = meshes[i / 3];
         const double(*x)[3] = (const double(*)[3])mesh->x;
-        assert_int_equal(eng_wide_order_new(mesh, x, 0, &orders[0]), PCCD_OK);
-        assert_int_equal(eng_wide_order_new(mesh, x, threads[i % 3], &orders[1]),
-                         PCCD_OK);
+        assert_ok(eng_wide_order_new(mesh, x, 0, &orders[0]));
+        assert_ok(eng_wide_order_new(mesh, x, threads[i % 3], &orders[1]));
         for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
             assert_int_equal(orders[1]->count[kind], orders[0]->count[kind]);
             assert_memory_equal(orders[1]->feature[kind], orders[0]->feature[kind],
@@ -168,9 +163,8 @@ static void order__is_the_same_by_any_number_of_threads(void **state)
 
 /* If it failed: a body and its splinters, or a pair, would lie where the splinters leave
  * room; or what breaks into many would mix them (test_eng_resort says at what price). */
-static void order__pieces_are_told_apart_if_they_are_many(void **state)
+CASE(order__pieces_are_told_apart_if_they_are_many)
 {
-    (void)state;
     const struct {
         uint32_t sheets, times, pieces, threads;
     } cases[] = {{1, 1, 1, 1},   {15, 1, 1, 1},  {16, 1, 16, 1},  {40, 1, 40, 1},
@@ -178,9 +172,8 @@ static void order__pieces_are_told_apart_if_they_are_many(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct eng_mesh *mesh = sheets(cases[i].sheets, cases[i].times);
         struct eng_wide_order *order;
-        assert_int_equal(eng_wide_order_new(mesh, (const double(*)[3])mesh->x,
-                                            cases[i].threads, &order),
-                         PCCD_OK);
+        assert_ok(eng_wide_order_new(mesh, (const double(*)[3])mesh->x, cases[i].threads,
+                                     &order));
         assert_int_equal(order->piece_count, cases[i].pieces);
         for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
             uint32_t sum = 0;
@@ -195,15 +188,4 @@ static void order__pieces_are_told_apart_if_they_are_many(void **state)
         eng_free(order);
         eng_mesh_release(mesh);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(order__has_every_feature_once_in_tight_groups),
-        cmocka_unit_test(lists__make_the_groups_that_medians_make),
-        cmocka_unit_test(order__is_the_same_by_any_number_of_threads),
-        cmocka_unit_test(order__pieces_are_told_apart_if_they_are_many),
-    };
-    return cmocka_run_group_tests_name("eng_order", tests, NULL, NULL);
 }

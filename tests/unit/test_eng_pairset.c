@@ -1,7 +1,6 @@
 /* test_eng_pairset.c - a set of unordered pairs. */
 #include "eng_kit.h"
 
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,21 +48,20 @@ static void take_all(struct model *model, struct eng_pairset *pairs, uint32_t a)
 }
 
 /* If it failed: pairs of objects would be ignored, or tested, that should not. */
-static void pairset__holds_what_was_added(void **state)
+CASE(pairset__holds_what_was_added)
 {
-    (void)state;
-    struct kit_random random = {5};
+    struct prng random = {5};
     for (uint32_t round = 0; round < 40; round++) {
         struct model model = {.count = 0};
         struct eng_pairset pairs = {.capacity = 0};
-        uint32_t adds = 1 + kit_below(&random, 4); /* of five */
+        uint32_t adds = 1 + prng_u32(&random, 4); /* of five */
         for (uint32_t i = 0; i < 2000; i++) {
-            uint32_t a = kit_below(&random, NUMBERS);
-            uint32_t b = (a + 1 + kit_below(&random, NUMBERS - 1)) % NUMBERS;
-            if (kit_below(&random, 100) == 0) {
+            uint32_t a = prng_u32(&random, NUMBERS);
+            uint32_t b = (a + 1 + prng_u32(&random, NUMBERS - 1)) % NUMBERS;
+            if (prng_u32(&random, 100) == 0) {
                 take_all(&model, &pairs, a);
-            } else if (kit_below(&random, 5) < adds) {
-                assert_int_equal(eng_pairset_add(&pairs, a, b), PCCD_OK);
+            } else if (prng_u32(&random, 5) < adds) {
+                assert_ok(eng_pairset_add(&pairs, a, b));
                 set(&model, a, b, true);
             } else {
                 eng_pairset_remove(&pairs, a, b);
@@ -82,9 +80,8 @@ static void pairset__holds_what_was_added(void **state)
 }
 
 /* If it failed: without memory a pair would be lost, or a wrong one found. */
-static void pairset__stays_as_it_was_without_memory(void **state)
+CASE(pairset__stays_as_it_was_without_memory)
 {
-    (void)state;
     struct eng_pairset pairs = {.capacity = 0};
     uint64_t before = eng_alloc_bytes();
     uint32_t a = 1;
@@ -93,7 +90,7 @@ static void pairset__stays_as_it_was_without_memory(void **state)
     assert_int_equal(eng_pairset_add(&pairs, 0, 1), PCCD_E_NOMEM);
     account.limit = INT64_MAX;
     assert_int_equal(pairs.count, 0);
-    assert_int_equal(eng_pairset_add(&pairs, 0, 1), PCCD_OK);
+    assert_ok(eng_pairset_add(&pairs, 0, 1));
     account.limit = account.bytes;
     do {
         a++;
@@ -109,15 +106,14 @@ static void pairset__stays_as_it_was_without_memory(void **state)
 
 /* If it failed: a client could take any memory, or be refused before the limit, and
  * what it takes back would not make room. */
-static void pairset__of_a_scene_has_a_limit(void **state)
+CASE(pairset__of_a_scene_has_a_limit)
 {
-    (void)state;
     struct eng_masks masks;
     uint32_t a = 0;
     uint32_t b = 0;
     int status = PCCD_OK;
     eng_masks_init(&masks);
-    assert_int_equal(eng_masks_reserve(&masks, 1000), PCCD_OK);
+    assert_ok(eng_masks_reserve(&masks, 1000));
     while (status == PCCD_OK) {
         a = b == a + 1 || b == 0 ? 0 : a + 1;
         b = a == 0 ? b + 1 : b;
@@ -127,9 +123,9 @@ static void pairset__of_a_scene_has_a_limit(void **state)
     assert_int_equal(masks.ignored.count, PROTO_IGNORED_PER_SCENE);
     assert_false(eng_masks_ignores(&masks, a, b));
     assert_true(eng_masks_allows(&masks, a, b));
-    assert_int_equal(eng_masks_ignore(&masks, 1, 0, true), PCCD_OK); /* it is already */
-    assert_int_equal(eng_masks_ignore(&masks, 0, 1, false), PCCD_OK);
-    assert_int_equal(eng_masks_ignore(&masks, b, a, true), PCCD_OK);
+    assert_ok(eng_masks_ignore(&masks, 1, 0, true)); /* it is already */
+    assert_ok(eng_masks_ignore(&masks, 0, 1, false));
+    assert_ok(eng_masks_ignore(&masks, b, a, true));
     assert_true(eng_masks_ignores(&masks, a, b));
     for (uint32_t i = 0; i < 1000; i++) {
         eng_masks_forget(&masks, i);
@@ -142,22 +138,21 @@ static void pairset__of_a_scene_has_a_limit(void **state)
 
 /* If it failed: pairs of objects that go would stay, or others' pairs go with them; or
  * the counts of the others be wrong, whose pairs are looked for by these. */
-static void pairset__of_hidden_objects_goes_at_once(void **state)
+CASE(pairset__of_hidden_objects_goes_at_once)
 {
-    (void)state;
-    struct kit_random random = {6};
+    struct prng random = {6};
     for (uint32_t round = 0; round < 200; round++) {
         struct eng_masks masks;
         bool ignored[NUMBERS][NUMBERS] = {{false}};
         eng_masks_init(&masks);
-        assert_int_equal(eng_masks_reserve(&masks, NUMBERS), PCCD_OK);
-        for (uint32_t i = 0; i < 1 + kit_below(&random, 300); i++) {
-            uint32_t a = kit_below(&random, NUMBERS);
-            uint32_t b = (a + 1 + kit_below(&random, NUMBERS - 1)) % NUMBERS;
-            assert_int_equal(eng_masks_ignore(&masks, a, b, true), PCCD_OK);
+        assert_ok(eng_masks_reserve(&masks, NUMBERS));
+        for (uint32_t i = 0; i < 1 + prng_u32(&random, 300); i++) {
+            uint32_t a = prng_u32(&random, NUMBERS);
+            uint32_t b = (a + 1 + prng_u32(&random, NUMBERS - 1)) % NUMBERS;
+            assert_ok(eng_masks_ignore(&masks, a, b, true));
             ignored[a][b] = ignored[b][a] = true;
         }
-        uint32_t hidden = kit_below(&random, NUMBERS + 1); /* the first ones */
+        uint32_t hidden = prng_u32(&random, NUMBERS + 1); /* the first ones */
         for (uint32_t a = 0; a < hidden; a++) {
             eng_masks_exclude(&masks, a);
         }
@@ -174,15 +169,4 @@ static void pairset__of_hidden_objects_goes_at_once(void **state)
         }
         eng_masks_deinit(&masks);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pairset__holds_what_was_added),
-        cmocka_unit_test(pairset__stays_as_it_was_without_memory),
-        cmocka_unit_test(pairset__of_a_scene_has_a_limit),
-        cmocka_unit_test(pairset__of_hidden_objects_goes_at_once),
-    };
-    return cmocka_run_group_tests_name("eng_pairset", tests, NULL, NULL);
 }

@@ -1,8 +1,4 @@
-/* test_eng_plane.c - contacts within the plane of two axes.
- *
- * Queries of which three or four points share a coordinate, in general position and on
- * grids, against exact arithmetic.
- */
+/* test_eng_plane.c - contacts within the plane of two axes. */
 #include "eng_case.h"
 
 #include <math.h>
@@ -12,20 +8,21 @@
 /* Points `first` to 3 but `odd` (4: none) get the coordinate of the others along a random
  * axis at both ends; `odd` lies on one side of them, or `crosses` over to the other.
  * `grid` 0: any numbers; else integers up to it. */
-static struct eng_query plane_query(struct kit_random *random, enum pccd_kind kind,
+static struct eng_query plane_query(struct prng *random, enum pccd_kind kind,
                                     unsigned odd, bool crosses, uint32_t grid)
 {
     struct eng_query query = {.kind = kind};
-    unsigned axis = kit_below(random, 3);
+    unsigned axis = prng_u32(random, 3);
     for (unsigned end = 0; end < 2; end++) {
-        double shared = kit_between(random, -3, 3);
+        double shared = prng_between(random, -3, 3);
         for (unsigned i = 0; i < 12; i++) {
-            double x = grid > 0 ? kit_integer(random, grid) : kit_between(random, -1, 1);
+            double x =
+                grid > 0 ? prng_integer(random, grid) : prng_between(random, -1, 1);
             bool in_plane = i % 3 == axis && i / 3 != odd;
             query.x[end][i / 3][i % 3] = in_plane ? shared : x;
         }
         if (odd < 4) {
-            double gap = kit_between(random, 0.1, 1);
+            double gap = prng_between(random, 0.1, 1);
             query.x[end][odd][axis] = shared + (crosses && end == 1 ? -gap : gap);
         }
     }
@@ -71,10 +68,9 @@ static bool check(const struct eng_query *query)
 
 /* If it failed: meshes cut along an axis would have contacts missed, made up or late
  * where a point meets an edge in the plane of the cut. */
-static void plane__rims_are_decided_exactly(void **state)
+CASE(plane__rims_are_decided_exactly)
 {
-    (void)state;
-    struct kit_random random = {611};
+    struct prng random = {611};
     int hits = 0;
     uint64_t exact_before = case_exact()->queries;
     uint64_t exact_here = 0;
@@ -82,8 +78,7 @@ static void plane__rims_are_decided_exactly(void **state)
     enum { ROUNDS = 12000 };
     for (int round = 0; round < ROUNDS; round++) {
         enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
-        unsigned odd =
-            kind == PCCD_VF ? 1 + kit_below(&random, 3) : kit_below(&random, 4);
+        unsigned odd = kind == PCCD_VF ? 1 + prng_u32(&random, 3) : prng_u32(&random, 4);
         struct eng_query query = plane_query(&random, kind, odd, false,
                                              round % 8 < 2 ? 1 + (uint32_t)round % 3 : 0);
         struct eng_hit hit;
@@ -101,13 +96,12 @@ static void plane__rims_are_decided_exactly(void **state)
 
 /* If it failed: a pair would be said to miss, or to meet at another time, that meets
  * where all of both features are in the plane for a moment. */
-static void plane__a_point_that_crosses_it_decides_nothing(void **state)
+CASE(plane__a_point_that_crosses_it_decides_nothing)
 {
-    (void)state;
-    struct kit_random random = {614};
+    struct prng random = {614};
     for (int round = 0; round < 4000; round++) {
         enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
-        unsigned odd = kit_below(&random, 4);
+        unsigned odd = prng_u32(&random, 4);
         struct eng_query query =
             plane_query(&random, kind, odd, true, round % 8 < 2 ? 2 : 0);
         double l;
@@ -121,10 +115,9 @@ static void plane__a_point_that_crosses_it_decides_nothing(void **state)
 
 /* If it failed: sheets that slide on a table would have contacts missed, made up or
  * late. */
-static void plane__motion_within_the_plane_is_decided_exactly(void **state)
+CASE(plane__motion_within_the_plane_is_decided_exactly)
 {
-    (void)state;
-    struct kit_random random = {612};
+    struct prng random = {612};
     int hits = 0;
     int decided[3] = {0, 0, 0};
     enum { ROUNDS = 12000 };
@@ -141,14 +134,13 @@ static void plane__motion_within_the_plane_is_decided_exactly(void **state)
 }
 
 /* If it failed: a plane would be seen where coordinates differ in the last bit. */
-static void plane__a_bit_beside_is_no_plane(void **state)
+CASE(plane__a_bit_beside_is_no_plane)
 {
-    (void)state;
-    struct kit_random random = {613};
+    struct prng random = {613};
     for (int round = 0; round < 2000; round++) {
         struct eng_query query =
             plane_query(&random, round % 2 ? PCCD_EE : PCCD_VF, 4, false, 0);
-        double *x = query.x[round % 4 / 2][kit_below(&random, 4)];
+        double *x = query.x[round % 4 / 2][prng_u32(&random, 4)];
         double l;
         double r;
         for (int k = 0; k < 3; k++) {
@@ -159,15 +151,4 @@ static void plane__a_bit_beside_is_no_plane(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(plane__rims_are_decided_exactly),
-        cmocka_unit_test(plane__a_point_that_crosses_it_decides_nothing),
-        cmocka_unit_test(plane__motion_within_the_plane_is_decided_exactly),
-        cmocka_unit_test(plane__a_bit_beside_is_no_plane),
-    };
-    int status = cmocka_run_group_tests_name("eng_plane", tests, NULL, NULL);
-    eng_exact_deinit(case_exact());
-    return status;
-}
+CASES_WITH(NULL, case_end);

@@ -1,9 +1,4 @@
-/* test_eng_quantised.c - boxes in whole numbers of 16 bits.
- *
- * Compare the numbers with exact sums of the boxes' bounds, and joins by them, of every
- * instruction set, with those of the boxes themselves; see a scene take to them and leave
- * them.
- */
+/* test_eng_quantised.c - boxes in whole numbers of 16 bits. */
 #include "eng_boxes.h"
 
 #include <math.h>
@@ -36,7 +31,7 @@ static struct eng_quantising quantising_around(double cell, double middle)
     return quantising;
 }
 
-static void fill(struct fixture *f, struct kit_random *random)
+static void fill(struct fixture *f, struct prng *random)
 {
     struct eng_quantising quantising = quantising_around(CELL, 0);
     const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
@@ -82,16 +77,15 @@ static void check_sums(const struct eng_wide_block *block,
 
 /* If two numbers added up to less than the bounds do, boxes that meet would be taken for
  * apart; if to much more, pairs would be tested for nothing. */
-static void quantised__numbers_are_no_less_than_the_bounds(void **state)
+CASE(quantised__numbers_are_no_less_than_the_bounds)
 {
-    (void)state;
-    struct kit_random random = {31};
+    struct prng random = {31};
     for (uint32_t round = 0; round < ROUNDS * ENG_ISA_COUNT; round++) {
         const struct eng_kernels *kernels =
             eng_kernels_of((enum eng_isa)(round % ENG_ISA_COUNT));
         /* Far away the origin itself is rounded, to a 16th of a cell here. */
-        double cell = ldexp(1, (int)kit_below(&random, 60) - 30);
-        double middle = round % 3 == 0 ? 0x1p19 * kit_between(&random, -1, 1) : 0;
+        double cell = ldexp(1, (int)prng_u32(&random, 60) - 30);
+        double middle = round % 3 == 0 ? 0x1p19 * prng_between(&random, -1, 1) : 0;
         struct eng_quantising quantising = quantising_around(cell, middle * cell);
         struct eng_extents boxes[ENG_WIDE];
         struct eng_extents around;
@@ -106,10 +100,10 @@ static void quantised__numbers_are_no_less_than_the_bounds(void **state)
         }
         for (uint32_t i = 0; i < ENG_WIDE; i++) {
             for (int k = 0; k < 8; k++) {
-                double lo = (middle + 30000 * kit_between(&random, -1, 1)) * cell;
+                double lo = (middle + 30000 * prng_between(&random, -1, 1)) * cell;
                 boxes[i].side[ENG_LOW0 + k / 4][k % 4] = (float)-lo;
                 boxes[i].side[ENG_HIGH0 + k / 4][k % 4] =
-                    (float)(lo + 1000 * cell * kit_between(&random, 0, 1));
+                    (float)(lo + 1000 * cell * prng_between(&random, 0, 1));
             }
         }
         kernels->box_fold(boxes, 1, false, &block, &around);
@@ -139,9 +133,8 @@ static void quantised__numbers_are_no_less_than_the_bounds(void **state)
 
 /* If a number that does not fit were used, a box would be on the other side of the
  * scene. */
-static void quantised__says_what_is_beyond_its_reach(void **state)
+CASE(quantised__says_what_is_beyond_its_reach)
 {
-    (void)state;
     struct eng_quantising quantising = quantising_around(1, 0);
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
@@ -196,13 +189,12 @@ static void join(const struct eng_kernels *kernels, const struct fixture *f, boo
 /* Bounds that are whole numbers of cells, far more than the numbers are off by: if the
  * pairs were not the same as those of the boxes themselves, some would be lost, or
  * features that share a vertex would collide. */
-static void quantised__joins_find_the_same_pairs(void **state)
+CASE(quantised__joins_find_the_same_pairs)
 {
-    (void)state;
     static struct fixture f;
     static struct lists expected;
     static struct lists found;
-    struct kit_random random = {32};
+    struct prng random = {32};
     uint64_t pairs = 0;
     uint64_t apart = 0;
     for (uint32_t round = 0; round < ROUNDS; round++) {
@@ -225,13 +217,13 @@ static void quantised__joins_find_the_same_pairs(void **state)
 }
 
 /* Boxes of up to eight cells, or as many times more, anywhere between them. */
-static void fill_by_cells(struct fixture *f, struct kit_random *random, double cells)
+static void fill_by_cells(struct fixture *f, struct prng *random, double cells)
 {
     const struct eng_quantising quantising = quantising_around(CELL, 0);
     const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
     for (uint32_t i = 0; i < BOXES * 6; i++) {
-        double lo = 15 * cells * kit_between(random, -1, 1);
-        double size = 8 * cells * kit_between(random, 0, 1);
+        double lo = 15 * cells * prng_between(random, -1, 1);
+        double size = 8 * cells * prng_between(random, 0, 1);
         struct eng_extents *box = &f->boxes[i / 6];
         box->side[ENG_LOW0 + i % 2][i / 2 % 3] = (float)(CELL * -lo);
         box->side[ENG_HIGH0 + i % 2][i / 2 % 3] = (float)(CELL * (lo + size));
@@ -246,13 +238,12 @@ static void fill_by_cells(struct fixture *f, struct kit_random *random, double c
 /* If a pair that meets at some time were left out because its numbers are off by a cell,
  * or a sum of two does not fit 16 bits, its contact would be missed; if none were, the
  * filter would do the work. */
-static void quantised__times_hold_those_of_the_boxes(void **state)
+CASE(quantised__times_hold_those_of_the_boxes)
 {
-    (void)state;
     static struct fixture f;
     static struct lists all;
     static struct lists kept;
-    struct kit_random random = {34};
+    struct prng random = {34};
     uint64_t gone = 0;
     for (uint32_t round = 0; round < ROUNDS * ENG_ISA_COUNT; round++) {
         const struct eng_kernels *kernels =
@@ -332,21 +323,20 @@ static void all_pairs(const struct fixture *f, bool edges, uint32_t m, struct li
 
 /* If a pair that meets before the bound were left out, mode first would miss the first
  * contact; if the sets differed, so would the counters of two machines. */
-static void quantised__joins_go_up_to_a_time(void **state)
+CASE(quantised__joins_go_up_to_a_time)
 {
-    (void)state;
     static struct fixture f;
     static struct lists all;
     static struct lists expected;
     static struct lists found;
-    struct kit_random random = {33};
+    struct prng random = {33};
     enum { UNTIL, AROUND, FROM_BEGIN, WAYS };
     uint64_t gone[WAYS] = {0};
     for (uint32_t round = 0; round < 10 * ROUNDS; round++) {
         bool around = round % 2 == 1;
         /* Every other near time is so near that boxes of t = 0 are compared. */
         int exponent = round / 4 % 2 == 1 && around ? -20 : -8;
-        double t = ldexp((double)kit_below(&random, around ? 17 : 256), exponent);
+        double t = ldexp((double)prng_u32(&random, around ? 17 : 256), exponent);
         bool edges = round / 2 % 2 == 1;
         uint32_t m = round % 3;
         fill(&f, &random);
@@ -396,9 +386,8 @@ static void set_approaching(struct fixture *f, int axis, double gap, double way)
 
 /* If what boxes grow by were left out of the comparison of those of t = 0, mode first
  * would miss what comes within the next cells. */
-static void quantised__boxes_as_they_begin_reach_the_near_time(void **state)
+CASE(quantised__boxes_as_they_begin_reach_the_near_time)
 {
-    (void)state;
     static struct fixture f;
     static struct lists found;
     const struct eng_quantising quantising = quantising_around(CELL, 0);
@@ -431,8 +420,8 @@ static void quantised__boxes_as_they_begin_reach_the_near_time(void **state)
 #define FINE_VERTICES ((FINE + 1) * (FINE + 1))
 
 /* A sheet by its numbers: shaken, and moved along x at the end. */
-static void stage(struct eng_scene *scene, const uint32_t objects[2],
-                  struct kit_random *random, double moved)
+static void stage(struct eng_scene *scene, const uint32_t objects[2], struct prng *random,
+                  double moved)
 {
     static double x1[VERTICES][3];
     eng_stage_begin(scene);
@@ -440,10 +429,9 @@ static void stage(struct eng_scene *scene, const uint32_t objects[2],
         const struct eng_object *object = eng_scene_object(scene, objects[i]);
         for (uint32_t k = 0; k < 3 * VERTICES; k++) {
             x1[k / 3][k % 3] = object->mesh->x[k / 3][k % 3] +
-                               kit_between(random, -0.1, 0.1) + (k % 3 == 0 ? moved : 0);
+                               prng_between(random, -0.1, 0.1) + (k % 3 == 0 ? moved : 0);
         }
-        assert_int_equal(
-            eng_stage_x1(scene, objects[i], PCCD_FORMAT_F64, 0, VERTICES, x1), PCCD_OK);
+        assert_ok(eng_stage_x1(scene, objects[i], PCCD_FORMAT_F64, 0, VERTICES, x1));
     }
 }
 
@@ -451,12 +439,11 @@ static struct eng_step_result step(struct eng_scene *scene, enum pccd_method met
                                    uint32_t threads)
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     settings.threads = threads;
     settings.team_always = true;
     settings.mode = PCCD_MODE_ALL;
     settings.method = method;
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_step(scene, &settings);
     return result;
 }
 
@@ -472,16 +459,13 @@ static struct uses go(uint32_t threads, const double *moved, uint32_t steps)
     uint32_t objects[2][2];
     struct uses uses = {0, 0};
     for (uint32_t i = 0; i < 2; i++) {
-        assert_int_equal(eng_scene_new(NULL, &scenes[i]), PCCD_OK);
+        scenes[i] = kit_scene();
         for (uint32_t k = 0; k < 2; k++) {
-            struct eng_mesh *mesh = kit_sheet(SIDE, 0.05 * k);
-            assert_int_equal(eng_scene_add(scenes[i], mesh, k + 1, &objects[i][k]),
-                             PCCD_OK);
-            eng_mesh_release(mesh);
+            objects[i][k] = kit_add(scenes[i], kit_sheet(SIDE, 0.05 * k), k + 1);
         }
     }
     for (uint32_t i = 0; i < steps; i++) {
-        struct kit_random random[2] = {{i}, {i}};
+        struct prng random[2] = {{i}, {i}};
         const struct eng_wide *wide = eng_wide_of(scenes[0]);
         stage(scenes[0], objects[0], &random[0], moved[i]);
         stage(scenes[1], objects[1], &random[1], moved[i]);
@@ -501,9 +485,8 @@ static struct uses go(uint32_t threads, const double *moved, uint32_t steps)
 
 /* If a scene never took to them they would be of no use; if it kept to them where it goes
  * too far, or decided before all had seen how far it goes, contacts would be missed. */
-static void quantised__is_left_where_a_step_goes_too_far(void **state)
+CASE(quantised__is_left_where_a_step_goes_too_far)
 {
-    (void)state;
     static const double moved[] = {0, 0, 0, 40, 40, 0, 0, 0, 0};
     for (uint32_t threads = 1; threads <= 4; threads++) {
         struct uses uses = go(threads, moved, sizeof moved / sizeof moved[0]);
@@ -520,20 +503,18 @@ static struct eng_step_result rise(enum pccd_method method)
     static const uint32_t halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
     static double x1[FINE_VERTICES][3];
     struct eng_step_result result;
-    struct eng_scene *scene;
     uint32_t object;
     struct eng_mesh *ground = kit_mesh(corners, 4, halves, 2);
     struct eng_mesh *sheet = kit_sheet(FINE, 0);
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, ground, 1, &object), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, sheet, 2, &object), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
+    assert_ok(eng_scene_add(scene, ground, 1, &object));
+    assert_ok(eng_scene_add(scene, sheet, 2, &object));
     for (uint32_t i = 1; i <= 3; i++) {
         for (uint32_t k = 0; k < 3 * FINE_VERTICES; k++) {
             x1[k / 3][k % 3] = sheet->x[k / 3][k % 3] + (k % 3 == 2 ? 0.01 * i : 0);
         }
         eng_stage_begin(scene);
-        assert_int_equal(
-            eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, FINE_VERTICES, x1), PCCD_OK);
+        assert_ok(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, FINE_VERTICES, x1));
         result = step(scene, method, 1);
     }
     eng_scene_free(scene);
@@ -544,9 +525,8 @@ static struct eng_step_result rise(enum pccd_method method)
 
 /* If it failed, a large triangle would make the cells of the whole scene large, and in
  * them each feature of what is fine would meet hundreds of others. */
-static void quantised__is_left_where_only_little_is_large(void **state)
+CASE(quantised__is_left_where_only_little_is_large)
 {
-    (void)state;
     struct eng_step_result found = rise(PCCD_METHOD_WIDE);
     struct eng_step_result expected = rise(PCCD_METHOD_PAPER);
     for (int kind = PCCD_VF; kind <= PCCD_EE; kind++) {
@@ -554,19 +534,4 @@ static void quantised__is_left_where_only_little_is_large(void **state)
         assert_true((double)found.counters.candidates[kind] <=
                     1.02 * (double)expected.counters.candidates[kind]);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(quantised__numbers_are_no_less_than_the_bounds),
-        cmocka_unit_test(quantised__says_what_is_beyond_its_reach),
-        cmocka_unit_test(quantised__joins_find_the_same_pairs),
-        cmocka_unit_test(quantised__times_hold_those_of_the_boxes),
-        cmocka_unit_test(quantised__joins_go_up_to_a_time),
-        cmocka_unit_test(quantised__boxes_as_they_begin_reach_the_near_time),
-        cmocka_unit_test(quantised__is_left_where_a_step_goes_too_far),
-        cmocka_unit_test(quantised__is_left_where_only_little_is_large),
-    };
-    return cmocka_run_group_tests_name("eng_quantised", tests, NULL, NULL);
 }

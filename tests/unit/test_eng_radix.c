@@ -18,14 +18,14 @@ static int compare(const void *a, const void *b)
     return x->index < y->index ? -1 : x->index > y->index;
 }
 
-static void check(struct kit_random *random, size_t count, uint64_t mask)
+static void check(struct prng *random, size_t count, uint64_t mask)
 {
     static struct eng_radix_key keys[ITEMS_MAX];
     static struct eng_radix_key room[ITEMS_MAX];
     static struct eng_radix_key sorted_keys[ITEMS_MAX];
-    uint64_t common = kit_u64(random) & ~mask;
+    uint64_t common = prng_next(random) & ~mask;
     for (size_t i = 0; i < count; i++) {
-        keys[i] = (struct eng_radix_key){common | (kit_u64(random) & mask), i};
+        keys[i] = (struct eng_radix_key){common | (prng_next(random) & mask), i};
     }
     memcpy(sorted_keys, keys, count * sizeof *keys);
     qsort(sorted_keys, count, sizeof *sorted_keys, compare);
@@ -38,10 +38,9 @@ static void check(struct kit_random *random, size_t count, uint64_t mask)
 
 /* If it failed: an answer would come out of order where its names differ in bits that
  * fill no whole number of digits. */
-static void radix__keys_sort_for_any_bits_that_differ(void **state)
+CASE(radix__keys_sort_for_any_bits_that_differ)
 {
-    (void)state;
-    struct kit_random random = {7};
+    struct prng random = {7};
     const size_t counts[] = {0, 1, 2, 23, 24, 25, 26, 300, ITEMS_MAX};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
         check(&random, counts[i], 0);
@@ -56,19 +55,9 @@ static void radix__keys_sort_for_any_bits_that_differ(void **state)
 }
 
 /* If it failed: an answer of threads would depend on which of them had found it. */
-static void radix__equal_keys_keep_their_order(void **state)
+CASE(radix__equal_keys_keep_their_order)
 {
-    (void)state;
-    struct kit_random random = {5};
+    struct prng random = {5};
     check(&random, ITEMS_MAX, 3);                     /* few keys, long runs */
     check(&random, ITEMS_MAX, (uint64_t)1 << 52 | 1); /* in digits far apart */
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(radix__keys_sort_for_any_bits_that_differ),
-        cmocka_unit_test(radix__equal_keys_keep_their_order),
-    };
-    return cmocka_run_group_tests_name("eng_radix", tests, NULL, NULL);
 }

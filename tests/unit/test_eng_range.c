@@ -1,7 +1,6 @@
 /* test_eng_range.c - ranges of consecutive indices. */
 #include "eng_kit.h"
 
-#include <stdbool.h>
 #include <string.h>
 
 #include "memory.h"
@@ -10,14 +9,13 @@
 static uint32_t take(struct eng_ranges *ranges, uint32_t count)
 {
     uint32_t first = UINT32_MAX;
-    assert_int_equal(eng_ranges_take(ranges, count, &first), PCCD_OK);
+    assert_ok(eng_ranges_take(ranges, count, &first));
     return first;
 }
 
 /* If it failed: arrays would grow although a removed object left room for the new one. */
-static void range__take_uses_the_first_hole_that_fits(void **state)
+CASE(range__take_uses_the_first_hole_that_fits)
 {
-    (void)state;
     struct eng_ranges ranges;
     eng_ranges_init(&ranges, 1000);
     for (uint32_t i = 0; i < 5; i++) {
@@ -48,9 +46,8 @@ static void order_of(unsigned i, uint32_t order[4])
 }
 
 /* If it failed: holes side by side would stay apart and a large object would not fit. */
-static void range__neighbouring_holes_merge_in_every_order(void **state)
+CASE(range__neighbouring_holes_merge_in_every_order)
 {
-    (void)state;
     for (unsigned i = 0; i < 24; i++) {
         uint32_t order[4];
         struct eng_ranges ranges;
@@ -73,9 +70,8 @@ static void range__neighbouring_holes_merge_in_every_order(void **state)
 }
 
 /* If it failed: an index could pass the largest number that the arrays can name. */
-static void range__limit_is_kept(void **state)
+CASE(range__limit_is_kept)
 {
-    (void)state;
     struct eng_ranges ranges;
     uint32_t first = 77;
     eng_ranges_init(&ranges, 100);
@@ -100,9 +96,8 @@ static void range__limit_is_kept(void **state)
 
 /* If it failed: removing every other of many objects would write behind the list of
  * holes. */
-static void range__as_many_holes_as_ranges_find_room(void **state)
+CASE(range__as_many_holes_as_ranges_find_room)
 {
-    (void)state;
     struct eng_ranges ranges;
     eng_ranges_init(&ranges, 100000);
     for (uint32_t i = 0; i < 1001; i++) {
@@ -159,10 +154,9 @@ static void check_holes(const struct eng_ranges *ranges, const bool *taken)
 }
 
 /* If it failed: two objects could be given the same vertices, or room would leak away. */
-static void range__random_traffic_agrees_with_a_bitmap(void **state)
+CASE(range__random_traffic_agrees_with_a_bitmap)
 {
-    (void)state;
-    struct kit_random random = {2};
+    struct prng random = {2};
     static bool taken[MODEL_SIZE];
     struct eng_range held[HELD_MAX];
     uint32_t held_count = 0;
@@ -171,14 +165,14 @@ static void range__random_traffic_agrees_with_a_bitmap(void **state)
     eng_ranges_init(&ranges, MODEL_SIZE);
     for (int round = 0; round < 20000; round++) {
         bool fill = round / 1000 % 2 == 0;
-        if (held_count < HELD_MAX && kit_below(&random, 10) < (fill ? 7u : 3u)) {
-            uint32_t count = 1 + kit_below(&random, 12);
+        if (held_count < HELD_MAX && prng_u32(&random, 10) < (fill ? 7u : 3u)) {
+            uint32_t count = 1 + prng_u32(&random, 12);
             uint32_t first = take(&ranges, count);
             assert_int_equal(first, model_fit(taken, count));
             memset(taken + first, true, count);
             held[held_count++] = (struct eng_range){first, count};
         } else if (held_count > 0) {
-            uint32_t i = kit_below(&random, held_count);
+            uint32_t i = prng_u32(&random, held_count);
             eng_ranges_give(&ranges, held[i].first, held[i].count);
             memset(taken + held[i].first, false, held[i].count);
             held[i] = held[--held_count];
@@ -187,16 +181,4 @@ static void range__random_traffic_agrees_with_a_bitmap(void **state)
     }
     eng_ranges_deinit(&ranges);
     assert_int_equal(eng_alloc_bytes(), bytes);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(range__take_uses_the_first_hole_that_fits),
-        cmocka_unit_test(range__neighbouring_holes_merge_in_every_order),
-        cmocka_unit_test(range__limit_is_kept),
-        cmocka_unit_test(range__as_many_holes_as_ranges_find_room),
-        cmocka_unit_test(range__random_traffic_agrees_with_a_bitmap),
-    };
-    return cmocka_run_group_tests_name("eng_range", tests, NULL, NULL);
 }

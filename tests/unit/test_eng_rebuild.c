@@ -1,8 +1,5 @@
 /* test_eng_rebuild.c - selective, lazy reconstruction.
  *
- * What is rebuilt and what is left alone; the tree and the answer afterwards, by any
- * number of threads; cancelled steps.
- *
  * Source: daemon/engine/paper/rebuild.h; paper section 6.2.
  */
 #include "eng_blast.h"
@@ -71,9 +68,8 @@ static void count_box_tests(uint64_t never[STEPS], uint64_t every[STEPS],
 }
 
 /* If it failed: refit alone would carry a hierarchy along that does not cull any more. */
-static void rebuild__poor_nodes_are_built_anew(void **state)
+CASE(rebuild__poor_nodes_are_built_anew)
 {
-    (void)state;
     uint64_t never[STEPS];
     uint64_t every[STEPS];
     uint64_t lazy[STEPS];
@@ -85,9 +81,8 @@ static void rebuild__poor_nodes_are_built_anew(void **state)
 }
 
 /* If it failed: the next step would begin with what this one has found to be poor. */
-static void rebuild__next_step_refits_what_this_one_left(void **state)
+CASE(rebuild__next_step_refits_what_this_one_left)
 {
-    (void)state;
     start(0.9, BLAST_TRIANGLES);
     stand_still(0.3);
     uint32_t root = eng_trees_of(blast.scene)->root;
@@ -104,9 +99,8 @@ static void rebuild__next_step_refits_what_this_one_left(void **state)
 }
 
 /* If it failed: time would go into building what is good already. */
-static void rebuild__good_nodes_are_left_alone(void **state)
+CASE(rebuild__good_nodes_are_left_alone)
 {
-    (void)state;
     static double x[BLAST_VERTICES][3];
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
@@ -121,8 +115,8 @@ static void rebuild__good_nodes_are_left_alone(void **state)
         eng_stage_begin(blast.scene);
         int status =
             eng_stage_x1(blast.scene, blast.idx, PCCD_FORMAT_F64, 0, BLAST_VERTICES, x);
-        assert_int_equal(status, PCCD_OK);
-        assert_int_equal(eng_step(blast.scene, &settings, &result), PCCD_OK);
+        assert_ok(status);
+        result = kit_step(blast.scene, &settings);
         assert_int_equal(result.counters.rebuilds, 0);
         assert_int_equal(result.counters.swaps, 0);
     }
@@ -130,23 +124,18 @@ static void rebuild__good_nodes_are_left_alone(void **state)
 }
 
 /* If it failed: what overlaps by nature would be rebuilt in every step, for nothing. */
-static void rebuild__nodes_that_stay_poor_are_built_once(void **state)
+CASE(rebuild__nodes_that_stay_poor_are_built_once)
 {
-    (void)state;
-    struct kit_random random = {62};
+    struct prng random = {62};
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
-    struct eng_scene *scene;
     uint32_t idx;
     uint32_t poor = 0;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    struct eng_mesh *mesh = kit_soup(&random, 600);
-    assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), PCCD_OK);
-    eng_mesh_release(mesh);
+    struct eng_scene *scene = kit_scene();
+    idx = kit_add(scene, kit_soup(&random, 600), 0);
     for (uint32_t step = 0; step < STEPS; step++) {
-        struct eng_step_result result;
         eng_stage_begin(scene);
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        struct eng_step_result result = kit_step(scene, &settings);
         assert_int_equal(result.counters.rebuilds, 0);
     }
     for (uint32_t i = 0; i < eng_paper_object_of(&scene->objects[idx])->nodes.count;
@@ -161,9 +150,8 @@ static void rebuild__nodes_that_stay_poor_are_built_once(void **state)
 
 /* If it failed: settings that say "never" would not be obeyed, or a threshold would be
  * none. */
-static void rebuild__threshold_decides(void **state)
+CASE(rebuild__threshold_decides)
 {
-    (void)state;
     const double ratios[] = {0, 0.3, 0.7, 0.9, 1};
     uint64_t before = 0;
     for (size_t i = 0; i < sizeof ratios / sizeof *ratios; i++) {
@@ -210,16 +198,15 @@ static void check_regions(const struct eng_node *before, uint32_t touched[2])
 
 /* If it failed: a step that ends early would pay for rebuilding everything, or one that
  * does not would traverse poor nodes. */
-static void rebuild__touched_regions_are_made_good_and_no_others(void **state)
+CASE(rebuild__touched_regions_are_made_good_and_no_others)
 {
-    (void)state;
     static struct eng_node before[2 * BLAST_TRIANGLES];
     atomic_bool cancel;
     for (int way = 0; way < 8; way++) {
         struct eng_question settings =
             team_of(1u << way / 2, way & 1 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL);
         start(0.9, 40);
-        assert_int_equal(eng_paper_add_objects(blast.scene), PCCD_OK);
+        assert_ok(eng_paper_add_objects(blast.scene));
         struct eng_range nodes =
             eng_paper_object_of(&blast.scene->objects[blast.idx])->nodes;
         uint64_t rebuilds = 0;
@@ -253,9 +240,8 @@ static struct answer answer_of(const struct eng_step_result *result)
 }
 
 /* If it failed: a contact would depend on how hierarchies came to be. */
-static void rebuild__answers_are_those_of_fresh_trees(void **state)
+CASE(rebuild__answers_are_those_of_fresh_trees)
 {
-    (void)state;
     struct answer expected[STEPS];
     start(0, 1024);
     for (uint32_t step = 0; step < STEPS; step++) {
@@ -282,9 +268,8 @@ static void rebuild__answers_are_those_of_fresh_trees(void **state)
 }
 
 /* If it failed: trees, and with them times, would differ from run to run. */
-static void rebuild__same_trees_by_any_number_of_threads(void **state)
+CASE(rebuild__same_trees_by_any_number_of_threads)
 {
-    (void)state;
     struct pccd_step_counters expected[STEPS];
     for (int way = 0; way < 8; way++) {
         start(0.9, 200);
@@ -306,9 +291,8 @@ static void rebuild__same_trees_by_any_number_of_threads(void **state)
 }
 
 /* If it failed: a client that cancels would leave a scene behind that hangs or errs. */
-static void rebuild__steps_cut_short_leave_good_trees(void **state)
+CASE(rebuild__steps_cut_short_leave_good_trees)
 {
-    (void)state;
     struct answer expected[STEPS];
     start(0, 1024);
     for (uint32_t step = 0; step < STEPS; step++) {
@@ -336,9 +320,8 @@ static void rebuild__steps_cut_short_leave_good_trees(void **state)
 }
 
 /* If it failed: steps that rebuild would go to the system for memory. */
-static void rebuild__warm_steps_allocate_nothing(void **state)
+CASE(rebuild__warm_steps_allocate_nothing)
 {
-    (void)state;
     start(0.9, BLAST_TRIANGLES);
     stand_still(0.1); /* contacts take memory too: as many as will ever be */
     for (uint32_t step = 0; step < STEPS; step++) {
@@ -362,27 +345,26 @@ static void fly_apart(struct eng_scene *scene, const uint32_t *objects, double t
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
-    struct kit_random random = {63};
+    struct prng random = {63};
     eng_stage_begin(scene);
     for (uint32_t i = 0; i < OBJECTS; i++) {
         double m0[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
         double m1[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
         uint32_t count = eng_scene_vertex_count(scene, objects[i]);
         for (int k = 0; k < 3; k++) {
-            double velocity = kit_between(&random, -20, 20);
+            double velocity = prng_between(&random, -20, 20);
             m0[4 * k + 3] = t * velocity + (k == 0 ? 2.0 * i : 0);
             m1[4 * k + 3] = (t + 0.1) * velocity + (k == 0 ? 2.0 * i : 0);
         }
-        assert_int_equal(eng_stage_rigid(scene, objects[i], 0, count, m0, m1), PCCD_OK);
+        assert_ok(eng_stage_rigid(scene, objects[i], 0, count, m0, m1));
     }
-    assert_int_equal(eng_step(scene, &settings, result), PCCD_OK);
+    assert_ok(eng_step(scene, &settings, result));
     assert_true(eng_tree_validate(scene));
 }
 
 /* If it failed: objects that change places would be tested against ever more others. */
-static void rebuild__tree_over_objects_follows_them(void **state)
+CASE(rebuild__tree_over_objects_follows_them)
 {
-    (void)state;
     uint64_t box_tests[2];
     for (int way = 0; way < 2; way++) {
         struct eng_scene_settings settings = ENG_SCENE_SETTINGS_DEFAULT;
@@ -391,11 +373,9 @@ static void rebuild__tree_over_objects_follows_them(void **state)
         uint32_t objects[OBJECTS];
         uint64_t rebuilds = 0;
         settings.rebuild_ratio = way == 0 ? 0.9 : 0;
-        assert_int_equal(eng_scene_new(&settings, &scene), PCCD_OK);
+        assert_ok(eng_scene_new(&settings, &scene));
         for (uint32_t i = 0; i < OBJECTS; i++) {
-            struct eng_mesh *mesh = kit_sheet(1, 0);
-            assert_int_equal(eng_scene_add(scene, mesh, i, &objects[i]), PCCD_OK);
-            eng_mesh_release(mesh);
+            objects[i] = kit_add(scene, kit_sheet(1, 0), i);
         }
         for (uint32_t step = 0; step < 40; step++) {
             fly_apart(scene, objects, 0.1 * step, &result);
@@ -406,22 +386,4 @@ static void rebuild__tree_over_objects_follows_them(void **state)
         eng_scene_free(scene);
     }
     assert_true(box_tests[1] > 2 * box_tests[0]);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rebuild__poor_nodes_are_built_anew),
-        cmocka_unit_test(rebuild__next_step_refits_what_this_one_left),
-        cmocka_unit_test(rebuild__good_nodes_are_left_alone),
-        cmocka_unit_test(rebuild__nodes_that_stay_poor_are_built_once),
-        cmocka_unit_test(rebuild__threshold_decides),
-        cmocka_unit_test(rebuild__touched_regions_are_made_good_and_no_others),
-        cmocka_unit_test(rebuild__answers_are_those_of_fresh_trees),
-        cmocka_unit_test(rebuild__same_trees_by_any_number_of_threads),
-        cmocka_unit_test(rebuild__steps_cut_short_leave_good_trees),
-        cmocka_unit_test(rebuild__warm_steps_allocate_nothing),
-        cmocka_unit_test(rebuild__tree_over_objects_follows_them),
-    };
-    return cmocka_run_group_tests_name("eng_rebuild", tests, NULL, NULL);
 }

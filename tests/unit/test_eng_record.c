@@ -25,7 +25,7 @@ static struct eng_thread_record sum_of(const struct eng_step_result *result)
 }
 
 /* If it failed: somebody who adds the threads up would get another step. */
-static void record__counts_add_up_to_those_of_the_step(void **state)
+CASE_WITH(record__counts_add_up_to_those_of_the_step, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_step_result alone = crew_run(crew, crew_alone(PCCD_MODE_ALL));
@@ -45,7 +45,7 @@ static void record__counts_add_up_to_those_of_the_step(void **state)
 }
 
 /* If it failed: a record would count candidates that were only listed. */
-static void record__listed_candidates_are_not_tests(void **state)
+CASE_WITH(record__listed_candidates_are_not_tests, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < crew_count(); i++) {
@@ -56,7 +56,7 @@ static void record__listed_candidates_are_not_tests(void **state)
 }
 
 /* If it failed: shares of the time, such as those of a figure, would pass the whole. */
-static void record__times_lie_within_the_step(void **state)
+CASE_WITH(record__times_lie_within_the_step, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < crew_count(); i++) {
@@ -87,7 +87,7 @@ static void record__times_lie_within_the_step(void **state)
 
 /* If it failed: a node would be lost on its way between two threads, or the record of who
  * helped whom would not be believed. */
-static void record__what_is_given_is_received(void **state)
+CASE_WITH(record__what_is_given_is_received, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < crew_count(); i++) {
@@ -105,7 +105,7 @@ static void record__what_is_given_is_received(void **state)
 }
 
 /* If it failed: a step by one thread would look as if it had waited for itself. */
-static void record__one_thread_never_waits(void **state)
+CASE_WITH(record__one_thread_never_waits, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_step_result alone = crew_run(crew, crew_alone(PCCD_MODE_ALL));
@@ -118,16 +118,4 @@ static void record__one_thread_never_waits(void **state)
     assert_int_equal(record->wait_ns, 0);
     assert_int_equal(record->steals + record->requests + record->given + record->sleeps,
                      0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        CREW_TEST(record__counts_add_up_to_those_of_the_step),
-        CREW_TEST(record__listed_candidates_are_not_tests),
-        CREW_TEST(record__times_lie_within_the_step),
-        CREW_TEST(record__what_is_given_is_received),
-        CREW_TEST(record__one_thread_never_waits),
-    };
-    return cmocka_run_group_tests_name("eng_record", tests, NULL, NULL);
 }

@@ -1,8 +1,5 @@
 /* test_eng_refit.c - bottom-up update of every box.
  *
- * Containment and tightness after random steps; refitting twice is as once; by one thread
- * and by a team.
- *
  * Source: daemon/engine/paper/refit.h; paper section 6.1.
  */
 #include "eng_kit.h"
@@ -18,17 +15,14 @@
 
 #define VERTICES 300u /* of 100 separate triangles */
 
-static struct eng_scene *new_scene(struct kit_random *random, uint32_t objects)
+static struct eng_scene *new_scene(struct prng *random, uint32_t objects)
 {
     struct eng_scene_settings settings = ENG_SCENE_SETTINGS_DEFAULT;
     struct eng_scene *scene = NULL;
     settings.rebuild_ratio = 0; /* refit alone */
-    assert_int_equal(eng_scene_new(&settings, &scene), PCCD_OK);
+    assert_ok(eng_scene_new(&settings, &scene));
     for (uint32_t i = 0; i < objects; i++) {
-        uint32_t idx;
-        struct eng_mesh *mesh = kit_soup(random, VERTICES / 3);
-        assert_int_equal(eng_scene_add(scene, mesh, i, &idx), PCCD_OK);
-        eng_mesh_release(mesh);
+        kit_add(scene, kit_soup(random, VERTICES / 3), i);
     }
     return scene;
 }
@@ -39,24 +33,22 @@ static void run(struct eng_scene *scene)
     const atomic_bool cancel = true;
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.method = PCCD_METHOD_PAPER;
-    struct eng_step_result result;
     settings.mode = PCCD_MODE_ANY;
     settings.cancel = &cancel;
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    kit_step(scene, &settings);
 }
 
 static void move_to(struct eng_scene *scene, uint32_t object_idx, const double (*x)[3])
 {
-    assert_int_equal(eng_stage_x1(scene, object_idx, PCCD_FORMAT_F64, 0, VERTICES, x),
-                     PCCD_OK);
+    assert_ok(eng_stage_x1(scene, object_idx, PCCD_FORMAT_F64, 0, VERTICES, x));
 }
 
 /* Around everywhere, at scales from tiny to huge. */
-static void random_positions(struct kit_random *random, double (*x)[3])
+static void random_positions(struct prng *random, double (*x)[3])
 {
-    double scale = ldexp(1, (int)kit_below(random, 80) - 40);
+    double scale = ldexp(1, (int)prng_u32(random, 80) - 40);
     for (uint32_t i = 0; i < 3 * VERTICES; i++) {
-        x[i / 3][i % 3] = kit_between(random, -scale, scale);
+        x[i / 3][i % 3] = prng_between(random, -scale, scale);
     }
 }
 
@@ -99,16 +91,15 @@ static void check_all(const struct eng_scene *scene)
 }
 
 /* If it failed: a pair would be culled although its features meet. */
-static void refit__boxes_contain_their_content_after_every_step(void **state)
+CASE(refit__boxes_contain_their_content_after_every_step)
 {
-    (void)state;
-    struct kit_random random = {30};
+    struct prng random = {30};
     struct eng_scene *scene = new_scene(&random, 3);
     static double x[VERTICES][3];
     for (int step = 0; step < 60; step++) {
         eng_stage_begin(scene);
         for (uint32_t idx = 0; idx < 3; idx++) {
-            if (kit_below(&random, 3) > 0) { /* some stand still */
+            if (prng_u32(&random, 3) > 0) { /* some stand still */
                 random_positions(&random, x);
                 move_to(scene, idx, (const double(*)[3])x);
             }
@@ -120,10 +111,9 @@ static void refit__boxes_contain_their_content_after_every_step(void **state)
 }
 
 /* If it failed: boxes would be larger than rounding asks for, and culling worse. */
-static void refit__root_is_as_tight_as_the_vertices(void **state)
+CASE(refit__root_is_as_tight_as_the_vertices)
 {
-    (void)state;
-    struct kit_random random = {31};
+    struct prng random = {31};
     struct eng_scene *scene = new_scene(&random, 3);
     static double x[VERTICES][3];
     for (int step = 0; step < 20; step++) {
@@ -194,10 +184,9 @@ static void check_same(const struct eng_scene *scene, const struct snapshot *bef
 }
 
 /* If it failed: boxes would grow from step to step without a cause. */
-static void refit__repeated_refit_does_not_inflate(void **state)
+CASE(refit__repeated_refit_does_not_inflate)
 {
-    (void)state;
-    struct kit_random random = {32};
+    struct prng random = {32};
     struct eng_scene *scene = new_scene(&random, 2);
     static double p[VERTICES][3];
     static double q[VERTICES][3];
@@ -206,10 +195,8 @@ static void refit__repeated_refit_does_not_inflate(void **state)
     struct snapshot first = {NULL, NULL, NULL};
     for (int round = 0; round < 6; round++) {
         eng_stage_begin(scene);
-        assert_int_equal(eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, VERTICES, p, q),
-                         PCCD_OK);
-        assert_int_equal(eng_stage_x0x1(scene, 1, PCCD_FORMAT_F64, 0, VERTICES, q, p),
-                         PCCD_OK);
+        assert_ok(eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, VERTICES, p, q));
+        assert_ok(eng_stage_x0x1(scene, 1, PCCD_FORMAT_F64, 0, VERTICES, q, p));
         run(scene);
         if (round == 0) {
             first = snap(scene);
@@ -228,10 +215,9 @@ static void refit__repeated_refit_does_not_inflate(void **state)
 }
 
 /* If it failed: an object that stands still would keep the boxes of its last motion. */
-static void refit__still_objects_have_equal_boxes_at_both_ends(void **state)
+CASE(refit__still_objects_have_equal_boxes_at_both_ends)
 {
-    (void)state;
-    struct kit_random random = {33};
+    struct prng random = {33};
     struct eng_scene *scene = new_scene(&random, 2);
     static double x[VERTICES][3];
     random_positions(&random, x);
@@ -262,16 +248,16 @@ static void check_same_boxes(const void *a, const void *b, size_t count)
 }
 
 /* Some vertices of one object go somewhere else, now and then all. */
-static void move_some(struct kit_random *random, struct eng_scene *scene)
+static void move_some(struct prng *random, struct eng_scene *scene)
 {
-    uint32_t idx = kit_below(random, 3);
-    uint32_t count = 1 + kit_below(random, kit_below(random, 4) > 0 ? 3 : VERTICES);
-    uint32_t first = kit_below(random, VERTICES - count + 1);
+    uint32_t idx = prng_u32(random, 3);
+    uint32_t count = 1 + prng_u32(random, prng_u32(random, 4) > 0 ? 3 : VERTICES);
+    uint32_t first = prng_u32(random, VERTICES - count + 1);
     static double x[VERTICES][3];
     for (uint32_t i = 0; i < 3 * count; i++) {
-        x[i / 3][i % 3] = kit_between(random, -1, 1);
+        x[i / 3][i % 3] = prng_between(random, -1, 1);
     }
-    assert_int_equal(eng_stage_x1(scene, idx, PCCD_FORMAT_F64, first, count, x), PCCD_OK);
+    assert_ok(eng_stage_x1(scene, idx, PCCD_FORMAT_F64, first, count, x));
 }
 
 static void check_as_alone(struct eng_scene *scene)
@@ -289,11 +275,10 @@ static void check_as_alone(struct eng_scene *scene)
 
 /* If this failed, boxes would depend on the number of threads, or some would be those of
  * another step. */
-static void refit__by_a_team_makes_the_boxes_of_one_thread(void **state)
+CASE(refit__by_a_team_makes_the_boxes_of_one_thread)
 {
-    (void)state;
     static const enum eng_refit_scheme schemes[] = {ENG_REFIT_EVEN, ENG_REFIT_PAPER};
-    struct kit_random random = {34};
+    struct prng random = {34};
     for (uint32_t way = 0; way < 4; way++) {
         struct eng_scene *scene = new_scene(&random, 3);
         struct eng_question settings = ENG_QUESTION_DEFAULT;
@@ -304,12 +289,11 @@ static void refit__by_a_team_makes_the_boxes_of_one_thread(void **state)
         settings.tuning.refit = schemes[way % 2];
         for (uint32_t step = 0; step < 60; step++) {
             eng_stage_begin(scene);
-            if (kit_below(&random, 5) > 0) {
+            if (prng_u32(&random, 5) > 0) {
                 move_some(&random, scene);
             }
-            settings.mode =
-                kit_below(&random, 8) == 0 ? PCCD_MODE_FIRST : PCCD_MODE_PAIRS;
-            assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+            settings.mode = prng_u32(&random, 8) == 0 ? PCCD_MODE_FIRST : PCCD_MODE_PAIRS;
+            result = kit_step(scene, &settings);
             assert_int_equal(result.counters.still_features, 0);
             check_as_alone(scene);
         }
@@ -319,16 +303,15 @@ static void refit__by_a_team_makes_the_boxes_of_one_thread(void **state)
 
 /* If this failed, many threads and small objects would leave nodes without boxes, or
  * write behind the plan: the trees have fewer subtrees than are wanted. */
-static void refit_plan__covers_every_node_within_its_memory(void **state)
+CASE(refit_plan__covers_every_node_within_its_memory)
 {
-    (void)state;
-    struct kit_random random = {5};
+    struct prng random = {5};
     struct eng_scene *scene = new_scene(&random, 3);
     struct eng_refit_plan plan = {0};
     run(scene); /* builds the tree over the objects */
     for (uint32_t threads = 1; threads < 250; threads += 3) {
         enum eng_refit_scheme scheme = threads % 2 ? ENG_REFIT_EVEN : ENG_REFIT_PAPER;
-        assert_int_equal(eng_refit_plan_tree(&plan, scene, scheme, threads), PCCD_OK);
+        assert_ok(eng_refit_plan_tree(&plan, scene, scheme, threads));
         assert_true(plan.opened_count <= plan.capacity);
         assert_true(plan.root_count <= plan.capacity + 1);
         uint32_t covered = plan.opened_count;
@@ -339,17 +322,4 @@ static void refit_plan__covers_every_node_within_its_memory(void **state)
     }
     eng_refit_plan_deinit(&plan);
     eng_scene_free(scene);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refit__boxes_contain_their_content_after_every_step),
-        cmocka_unit_test(refit__root_is_as_tight_as_the_vertices),
-        cmocka_unit_test(refit__repeated_refit_does_not_inflate),
-        cmocka_unit_test(refit__still_objects_have_equal_boxes_at_both_ends),
-        cmocka_unit_test(refit__by_a_team_makes_the_boxes_of_one_thread),
-        cmocka_unit_test(refit_plan__covers_every_node_within_its_memory),
-    };
-    return cmocka_run_group_tests_name("eng_refit", tests, NULL, NULL);
 }

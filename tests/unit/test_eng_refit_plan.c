@@ -26,18 +26,15 @@ struct fixture {
 static int setup(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
-    struct kit_random random = {11};
+    struct prng random = {11};
     assert_non_null(f);
-    assert_int_equal(eng_scene_new(NULL, &f->scene), PCCD_OK);
+    f->scene = kit_scene();
     for (uint32_t i = 0; i < OBJECT_COUNT; i++) {
-        uint32_t idx;
-        struct eng_mesh *mesh = kit_soup(&random, sizes[i]);
-        assert_int_equal(eng_scene_add(f->scene, mesh, i, &idx), PCCD_OK);
-        eng_mesh_release(mesh);
+        kit_add(f->scene, kit_soup(&random, sizes[i]), i);
     }
-    assert_int_equal(eng_scene_remove(f->scene, 4), PCCD_OK); /* a gap in every array */
-    assert_int_equal(eng_paper_add_objects(f->scene), PCCD_OK);
-    assert_int_equal(eng_build_top(f->scene), PCCD_OK);
+    assert_ok(eng_scene_remove(f->scene, 4)); /* a gap in every array */
+    assert_ok(eng_paper_add_objects(f->scene));
+    assert_ok(eng_build_top(f->scene));
     *state = f;
     return 0;
 }
@@ -53,7 +50,7 @@ static int teardown(void **state)
 
 static void divide(struct fixture *f, enum eng_refit_scheme scheme, uint32_t threads)
 {
-    assert_int_equal(eng_refit_plan_tree(&f->plan, f->scene, scheme, threads), PCCD_OK);
+    assert_ok(eng_refit_plan_tree(&f->plan, f->scene, scheme, threads));
 }
 
 /* Opened nodes come after their parents, and their children are opened or roots. */
@@ -98,7 +95,7 @@ static void check_tree(const struct fixture *f)
 
 /* If it failed: a subtree would be refit by two threads, by none, or before its parent
  * for ever. */
-static void refit_plan__subtrees_make_up_the_tree(void **state)
+CASE_WITH(refit_plan__subtrees_make_up_the_tree, setup, teardown)
 {
     struct fixture *f = *state;
     for (size_t i = 0; i < TEAM_COUNT; i++) {
@@ -110,7 +107,7 @@ static void refit_plan__subtrees_make_up_the_tree(void **state)
 }
 
 /* If it failed: the comparison with the paper would be with something else. */
-static void refit_plan__paper_has_two_subtrees_a_thread(void **state)
+CASE_WITH(refit_plan__paper_has_two_subtrees_a_thread, setup, teardown)
 {
     struct fixture *f = *state;
     for (size_t i = 0; i < TEAM_COUNT; i++) {
@@ -121,7 +118,7 @@ static void refit_plan__paper_has_two_subtrees_a_thread(void **state)
 }
 
 /* If it failed: one thread would be left with a large subtree while the others wait. */
-static void refit_plan__even_subtrees_are_small(void **state)
+CASE_WITH(refit_plan__even_subtrees_are_small, setup, teardown)
 {
     struct fixture *f = *state;
     uint32_t triangles =
@@ -151,7 +148,7 @@ static void check_chunks(const struct eng_refit_chunks *chunks, uint32_t end,
 }
 
 /* If it failed: the box of a vertex or an edge would stay where it was. */
-static void refit_plan__chunks_hold_every_feature_once(void **state)
+CASE_WITH(refit_plan__chunks_hold_every_feature_once, setup, teardown)
 {
     static unsigned char seen[1 << 16];
     static unsigned char vertices[1 << 16];
@@ -167,7 +164,7 @@ static void refit_plan__chunks_hold_every_feature_once(void **state)
                    eng_paper_object_of(object)->edges.count);
         }
     }
-    assert_int_equal(eng_refit_plan_features(&f->plan, f->scene), PCCD_OK);
+    assert_ok(eng_refit_plan_features(&f->plan, f->scene));
     check_chunks(&f->plan.vertices, f->scene->vertex_ranges.end, seen, vertices);
     check_chunks(&f->plan.edges, eng_trees_of(f->scene)->edge_ranges.end, seen, edges);
     uint64_t least = f->scene->vertex_ranges.end / ENG_REFIT_CHUNK;
@@ -183,7 +180,7 @@ static void forget(struct eng_scene *scene, struct eng_range nodes)
 }
 
 /* If it failed: a subtree with nodes above objects would keep old boxes. */
-static void refit_plan__every_subtree_is_refit_as_a_whole(void **state)
+CASE_WITH(refit_plan__every_subtree_is_refit_as_a_whole, setup, teardown)
 {
     struct fixture *f = *state;
     struct eng_scene *scene = f->scene;
@@ -208,18 +205,4 @@ static void refit_plan__every_subtree_is_refit_as_a_whole(void **state)
         assert_memory_equal(eng_trees_of(scene)->nodes, expected, bytes);
     }
     free(expected);
-}
-
-#define TEST(name) cmocka_unit_test_setup_teardown(name, setup, teardown)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        TEST(refit_plan__subtrees_make_up_the_tree),
-        TEST(refit_plan__paper_has_two_subtrees_a_thread),
-        TEST(refit_plan__even_subtrees_are_small),
-        TEST(refit_plan__chunks_hold_every_feature_once),
-        TEST(refit_plan__every_subtree_is_refit_as_a_whole),
-    };
-    return cmocka_run_group_tests_name("eng_refit_plan", tests, NULL, NULL);
 }

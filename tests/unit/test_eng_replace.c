@@ -22,9 +22,9 @@ struct fixture {
 
 static void open_scene(struct fixture *f, struct eng_mesh *low, struct eng_mesh *high)
 {
-    assert_int_equal(eng_scene_new(NULL, &f->scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(f->scene, low, 7, &f->low), PCCD_OK);
-    assert_int_equal(eng_scene_add(f->scene, high, 9, &f->high), PCCD_OK);
+    f->scene = kit_scene();
+    assert_ok(eng_scene_add(f->scene, low, 7, &f->low));
+    assert_ok(eng_scene_add(f->scene, high, 9, &f->high));
 }
 
 static int set_up(void **state)
@@ -53,13 +53,11 @@ static uint64_t step(struct fixture *f, double z)
     const struct eng_question settings = ENG_QUESTION_DEFAULT;
     const double from[12] = {1, 0, 0, 0.01, 0, 1, 0, 0.02, 0, 0, 1, 0.5};
     const double to[12] = {1, 0, 0, 0.03, 0, 1, 0, 0.01, 0.125, 0.0625, 1, z};
-    struct eng_step_result result;
     uint32_t count = eng_scene_vertex_count(f->scene, f->high);
-    assert_int_equal(eng_paper_add_objects(f->scene),
-                     PCCD_OK); /* trees of both methods */
+    assert_ok(eng_paper_add_objects(f->scene)); /* trees of both methods */
     eng_stage_begin(f->scene);
-    assert_int_equal(eng_stage_rigid(f->scene, f->high, 0, count, from, to), PCCD_OK);
-    assert_int_equal(eng_step(f->scene, &settings, &result), PCCD_OK);
+    assert_ok(eng_stage_rigid(f->scene, f->high, 0, count, from, to));
+    struct eng_step_result result = kit_step(f->scene, &settings);
     assert_true(result.count > 0);
     return result.hash[1];
 }
@@ -73,14 +71,14 @@ static void *copy_of(const void *block, size_t bytes)
 }
 
 /* If it failed: a replaced object would answer otherwise than one made so. */
-static void replace__answers_as_a_fresh_object(void **state)
+CASE_WITH(replace__answers_as_a_fresh_object, set_up, tear_down)
 {
     struct fixture *f = *state;
     struct fixture fresh = *f;
     step(f, -0.75);
     open_scene(&fresh, f->sheet, f->finer);
     uint32_t idx = f->high;
-    assert_int_equal(eng_scene_replace(f->scene, idx, f->finer), PCCD_OK);
+    assert_ok(eng_scene_replace(f->scene, idx, f->finer));
     assert_int_equal(eng_scene_object_count(f->scene), 2);
     assert_int_equal(eng_scene_vertex_count(f->scene, idx), 13 * 13);
     for (int i = 0; i < 3; i++) {
@@ -90,7 +88,7 @@ static void replace__answers_as_a_fresh_object(void **state)
 }
 
 /* If it failed: an attempt that came to nothing would have moved or changed something. */
-static void replace__taken_back_leaves_everything_as_it_was(void **state)
+CASE_WITH(replace__taken_back_leaves_everything_as_it_was, set_up, tear_down)
 {
     struct fixture *f = *state;
     struct fixture twin = *f;
@@ -98,8 +96,8 @@ static void replace__taken_back_leaves_everything_as_it_was(void **state)
     assert_true(step(f, -0.75) == step(&twin, -0.75));
     for (int i = 0; i < 3; i++) {
         uint32_t end = eng_trees_of(f->scene)->node_ranges.end;
-        assert_int_equal(eng_scene_try_replace(f->scene, f->low, f->finer), PCCD_OK);
-        assert_int_equal(eng_scene_try_replace(f->scene, f->high, f->finer), PCCD_OK);
+        assert_ok(eng_scene_try_replace(f->scene, f->low, f->finer));
+        assert_ok(eng_scene_try_replace(f->scene, f->high, f->finer));
         assert_int_equal(eng_scene_vertex_count(f->scene, f->low), 13 * 13);
         assert_int_equal(f->scene->leaf_count, 2 * f->finer->info.triangle_count);
         eng_scene_take_back(f->scene);
@@ -112,16 +110,16 @@ static void replace__taken_back_leaves_everything_as_it_was(void **state)
 }
 
 /* If it failed: what an object was would stay in memory, or go while it is in use. */
-static void replace__settled_releases_what_was(void **state)
+CASE_WITH(replace__settled_releases_what_was, set_up, tear_down)
 {
     struct fixture *f = *state;
     step(f, -0.75);
-    assert_int_equal(eng_scene_try_replace(f->scene, f->low, f->finer), PCCD_OK);
-    assert_int_equal(eng_scene_try_replace(f->scene, f->high, f->finer), PCCD_OK);
+    assert_ok(eng_scene_try_replace(f->scene, f->low, f->finer));
+    assert_ok(eng_scene_try_replace(f->scene, f->high, f->finer));
     eng_scene_settle(f->scene);
     step(f, -0.5);
-    assert_int_equal(eng_scene_remove(f->scene, f->low), PCCD_OK);
-    assert_int_equal(eng_scene_remove(f->scene, f->high), PCCD_OK);
+    assert_ok(eng_scene_remove(f->scene, f->low));
+    assert_ok(eng_scene_remove(f->scene, f->high));
     assert_int_equal(f->scene->vertex_ranges.end, 0);
     assert_int_equal(eng_trees_of(f->scene)->triangle_ranges.end, 0);
     assert_int_equal(f->scene->leaf_count, 0);
@@ -129,7 +127,7 @@ static void replace__settled_releases_what_was(void **state)
 
 /* If it failed: a client's handle would name something else after its object broke, or
  * the others would pay for it. */
-static void replace__touches_nothing_but_its_object(void **state)
+CASE_WITH(replace__touches_nothing_but_its_object, set_up, tear_down)
 {
     struct fixture *f = *state;
     step(f, -0.75);
@@ -143,7 +141,7 @@ static void replace__touches_nothing_but_its_object(void **state)
     void *x = copy_of(f->scene->x[f->scene->now] + before.vertices.first, x_bytes);
     uint64_t builds = f->scene->builds;
     uint32_t idx;
-    assert_int_equal(eng_scene_replace(f->scene, f->low, f->finer), PCCD_OK);
+    assert_ok(eng_scene_replace(f->scene, f->low, f->finer));
     assert_int_equal(f->scene->builds, builds + 1);
     assert_int_equal(eng_scene_object_count(f->scene), 2);
     assert_int_equal(eng_scene_object(f->scene, f->low)->id, 7);
@@ -158,16 +156,15 @@ static void replace__touches_nothing_but_its_object(void **state)
 }
 
 /* If it failed: an object that keeps breaking would fill the memory. */
-static void replace__a_thousand_times_grows_nothing(void **state)
+CASE_WITH(replace__a_thousand_times_grows_nothing, set_up, tear_down)
 {
     struct fixture *f = *state;
     uint64_t bytes = 0;
     uint64_t scene_bytes = 0;
     uint32_t ends[4] = {0};
     for (int i = 0; i < 1000; i++) {
-        assert_int_equal(eng_scene_replace(f->scene, i % 3 ? f->low : f->high,
-                                           i % 2 ? f->sheet : f->finer),
-                         PCCD_OK);
+        assert_ok(eng_scene_replace(f->scene, i % 3 ? f->low : f->high,
+                                    i % 2 ? f->sheet : f->finer));
         if (i % 20 == 0) {
             step(f, -0.75);
         }
@@ -189,19 +186,19 @@ static void replace__a_thousand_times_grows_nothing(void **state)
 
 /* If it failed: a mesh would stay in memory after the last object that had it, or go
  * while one has it. */
-static void replace__holds_the_new_mesh_and_drops_the_old(void **state)
+CASE_WITH(replace__holds_the_new_mesh_and_drops_the_old, set_up, tear_down)
 {
     struct fixture *f = *state;
     uint64_t bytes = 0;
     for (int i = 0; i < 8; i++) {
         struct eng_mesh *mesh = kit_sheet(SIDE, 0);
-        assert_int_equal(eng_scene_replace(f->scene, f->low, mesh), PCCD_OK);
+        assert_ok(eng_scene_replace(f->scene, f->low, mesh));
         eng_mesh_release(mesh); /* the scene's is the last one */
         step(f, -0.75);
         assert_ptr_equal(eng_scene_object(f->scene, f->low)->mesh, mesh);
-        assert_int_equal(eng_scene_replace(f->scene, f->low, mesh), PCCD_OK); /* itself */
+        assert_ok(eng_scene_replace(f->scene, f->low, mesh)); /* itself */
         step(f, -0.5);
-        assert_int_equal(eng_scene_replace(f->scene, f->low, f->sheet), PCCD_OK);
+        assert_ok(eng_scene_replace(f->scene, f->low, f->sheet));
         step(f, -0.25);
         assert_true(i < 4 || eng_alloc_bytes() == bytes);
         bytes = eng_alloc_bytes();
@@ -210,14 +207,14 @@ static void replace__holds_the_new_mesh_and_drops_the_old(void **state)
 
 /* If it failed: a wrong call would be taken for another, or would leave something behind.
  */
-static void replace__wrong_calls_are_refused(void **state)
+CASE_WITH(replace__wrong_calls_are_refused, set_up, tear_down)
 {
     struct fixture *f = *state;
     struct fixture twin = *f;
     struct eng_mesh *empty = NULL;
     open_scene(&twin, f->sheet, f->sheet);
     uint64_t bytes = eng_alloc_bytes();
-    assert_int_equal(eng_mesh_new(3, 1, &empty), PCCD_OK);
+    assert_ok(eng_mesh_new(3, 1, &empty));
     assert_int_equal(eng_scene_replace(f->scene, 77, f->finer), PCCD_E_INVAL);
     assert_int_equal(eng_scene_replace(f->scene, f->low, empty), PCCD_E_STATE);
     assert_int_equal(eng_scene_try_replace(f->scene, 77, f->finer), PCCD_E_INVAL);
@@ -231,19 +228,4 @@ static void replace__wrong_calls_are_refused(void **state)
     assert_int_equal(eng_scene_vertex_count(f->scene, f->low), 7 * 7);
     assert_true(step(f, -0.75) == step(&twin, -0.75));
     eng_scene_free(twin.scene);
-}
-
-int main(void)
-{
-#define REPLACE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        REPLACE_TEST(replace__answers_as_a_fresh_object),
-        REPLACE_TEST(replace__taken_back_leaves_everything_as_it_was),
-        REPLACE_TEST(replace__settled_releases_what_was),
-        REPLACE_TEST(replace__touches_nothing_but_its_object),
-        REPLACE_TEST(replace__a_thousand_times_grows_nothing),
-        REPLACE_TEST(replace__holds_the_new_mesh_and_drops_the_old),
-        REPLACE_TEST(replace__wrong_calls_are_refused),
-    };
-    return cmocka_run_group_tests_name("eng_replace", tests, NULL, NULL);
 }

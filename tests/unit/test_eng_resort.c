@@ -1,8 +1,4 @@
-/* test_eng_resort.c - features that have left their neighbours are put in order again.
- *
- * Let triangles change places, and look at what steps take from then on; and at who has
- * an order of its own.
- */
+/* test_eng_resort.c - features that have left their neighbours are put in order again. */
 #include "eng_kit.h"
 
 #include <stdlib.h>
@@ -29,18 +25,17 @@ static struct soup soup;
 
 static void start(void)
 {
-    struct kit_random random = {91};
+    struct prng random = {91};
     struct eng_mesh *mesh = kit_soup(&random, COUNT);
     memcpy(soup.rest, mesh->x, sizeof soup.rest);
-    assert_int_equal(eng_mesh_sort_features(mesh, 1), PCCD_OK);
-    assert_int_equal(eng_scene_new(NULL, &soup.scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(soup.scene, mesh, 1, &soup.idx), PCCD_OK);
-    eng_mesh_release(mesh);
+    assert_ok(eng_mesh_sort_features(mesh, 1));
+    soup.scene = kit_scene();
+    soup.idx = kit_add(soup.scene, mesh, 1);
     soup.x = malloc(sizeof soup.rest);
     assert_non_null(soup.x);
     memcpy(soup.x, soup.rest, sizeof soup.rest);
     for (uint32_t i = 0; i < COUNT; i++) {
-        uint32_t other = kit_below(&random, i + 1);
+        uint32_t other = prng_u32(&random, i + 1);
         soup.place[i] = soup.place[other];
         soup.place[other] = i;
     }
@@ -63,17 +58,15 @@ static void shuffle(void)
 static struct eng_step_result step(enum pccd_mode mode, uint32_t threads)
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     settings.method = PCCD_METHOD_WIDE;
     settings.mode = mode;
     settings.threads = threads;
     settings.team_always = true;
     settings.tuning.still = ENG_STILL_ANEW; /* the shuffled soup then stands */
     eng_stage_begin(soup.scene);
-    assert_int_equal(eng_stage_x0x1(soup.scene, soup.idx, PCCD_FORMAT_F64, 0, VERTICES,
-                                    soup.x, soup.x),
-                     PCCD_OK);
-    assert_int_equal(eng_step(soup.scene, &settings, &result), PCCD_OK);
+    assert_ok(eng_stage_x0x1(soup.scene, soup.idx, PCCD_FORMAT_F64, 0, VERTICES, soup.x,
+                             soup.x));
+    struct eng_step_result result = kit_step(soup.scene, &settings);
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     return result;
 }
@@ -99,31 +92,25 @@ static struct eng_step_result until_sorted(uint32_t threads, uint32_t *steps)
 static struct eng_step_result step_to_and_fro(uint32_t number)
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     settings.method = PCCD_METHOD_WIDE;
     settings.mode = PCCD_MODE_PAIRS;
     for (uint32_t v = 0; v < VERTICES; v++) {
         soup.x[v][0] += number % 2 == 0 ? 0x1p-20 : -0x1p-20;
     }
     eng_stage_begin(soup.scene);
-    assert_int_equal(
-        eng_stage_x1(soup.scene, soup.idx, PCCD_FORMAT_F64, 0, VERTICES, soup.x),
-        PCCD_OK);
-    assert_int_equal(eng_step(soup.scene, &settings, &result), PCCD_OK);
+    assert_ok(eng_stage_x1(soup.scene, soup.idx, PCCD_FORMAT_F64, 0, VERTICES, soup.x));
+    struct eng_step_result result = kit_step(soup.scene, &settings);
     return result;
 }
 
 /* If it failed: what moves would be slow for ever in a scene of which half stands, as its
  * steps never go through all of it. */
-static void resort__sees_what_moves_beside_what_stands(void **state)
+CASE(resort__sees_what_moves_beside_what_stands)
 {
-    (void)state;
-    struct kit_random random = {17};
+    struct prng random = {17};
     struct eng_mesh *scenery = kit_soup(&random, COUNT);
-    uint32_t idx;
     start();
-    assert_int_equal(eng_scene_add(soup.scene, scenery, 2, &idx), PCCD_OK);
-    eng_mesh_release(scenery);
+    kit_add(soup.scene, scenery, 2);
     for (uint32_t i = 0; i < 3; i++) {
         (void)step_to_and_fro(i);
     }
@@ -140,9 +127,8 @@ static void resort__sees_what_moves_beside_what_stands(void **state)
 
 /* If it failed: a mesh that comes apart would be as slow for ever as on the day that its
  * parts had mixed; or the answer would depend on the order. */
-static void resort__makes_a_mixed_soup_as_good_as_new(void **state)
+CASE(resort__makes_a_mixed_soup_as_good_as_new)
 {
-    (void)state;
     for (uint32_t threads = 1; threads <= 2; threads++) {
         uint32_t steps;
         start();
@@ -163,17 +149,15 @@ static void resort__makes_a_mixed_soup_as_good_as_new(void **state)
 
 /* If it failed: a thousand scenes of one mesh would have its order a thousand times; or
  * what one scene moves would put the features of all others in disorder. */
-static void order__is_the_meshs_until_an_object_needs_another(void **state)
+CASE(order__is_the_meshs_until_an_object_needs_another)
 {
-    (void)state;
     uint32_t idx, steps;
     start();
     struct eng_mesh *mesh = soup.scene->objects[soup.idx].mesh;
-    struct eng_scene *other;
     assert_int_equal(eng_mesh_sort_features(mesh, 1), PCCD_E_STATE);
-    assert_int_equal(eng_scene_new(NULL, &other), PCCD_OK);
+    struct eng_scene *other = kit_scene();
     uint64_t before = eng_alloc_bytes();
-    assert_int_equal(eng_scene_add(other, mesh, 1, &idx), PCCD_OK);
+    assert_ok(eng_scene_add(other, mesh, 1, &idx));
     uint64_t positions = (uint64_t)VERTICES * 2 * sizeof *mesh->x;
     assert_true(eng_alloc_bytes() - before < positions + mesh->order_bytes);
     assert_ptr_equal(eng_wide_order_of(&other->objects[idx]), mesh->order);
@@ -196,9 +180,8 @@ static void order__is_the_meshs_until_an_object_needs_another(void **state)
 }
 
 /* If it failed: scenes whose order is good would pay for sorting it. */
-static void resort__leaves_a_good_order_alone(void **state)
+CASE(resort__leaves_a_good_order_alone)
 {
-    (void)state;
     start();
     for (uint32_t i = 0; i < 50; i++) {
         assert_int_equal(step(PCCD_MODE_PAIRS, 1).counters.swaps, 0);
@@ -208,14 +191,12 @@ static void resort__leaves_a_good_order_alone(void **state)
 }
 
 /* If it failed: an order of features that are gone would be taken. */
-static void resort__forgets_what_it_began_when_objects_change(void **state)
+CASE(resort__forgets_what_it_began_when_objects_change)
 {
-    (void)state;
     const enum eng_wide_resort_state states[] = {ENG_WIDE_WANTED, ENG_WIDE_SORTING,
                                                  ENG_WIDE_SORTED};
     for (int i = 0; i < 3; i++) {
-        struct kit_random random = {3};
-        uint32_t other;
+        struct prng random = {3};
         start();
         step(PCCD_MODE_PAIRS, 1);
         shuffle();
@@ -228,9 +209,7 @@ static void resort__forgets_what_it_began_when_objects_change(void **state)
             }
             step(PCCD_MODE_PAIRS, 1);
         }
-        struct eng_mesh *mesh = kit_soup(&random, 50);
-        assert_int_equal(eng_scene_add(soup.scene, mesh, 2, &other), PCCD_OK);
-        eng_mesh_release(mesh);
+        kit_add(soup.scene, kit_soup(&random, 50), 2);
         assert_int_equal(step(PCCD_MODE_PAIRS, 1).counters.swaps, 0);
         assert_int_equal(eng_wide_state_of(soup.scene)->resort.state, ENG_WIDE_IDLE);
         end();
@@ -241,12 +220,12 @@ static void resort__forgets_what_it_began_when_objects_change(void **state)
 static void spoil(struct eng_wide_resort *resort)
 {
     const struct eng_object *object = &soup.scene->objects[soup.idx];
-    struct kit_random random = {17};
+    struct prng random = {17};
     struct eng_split_item *part = resort->items;
     for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t count = eng_wide_order_of(object)->count[kind];
         for (uint32_t i = 0; i < count; i++) {
-            uint32_t other = kit_below(&random, i + 1);
+            uint32_t other = prng_u32(&random, i + 1);
             struct eng_split_item item = part[i];
             part[i] = part[other];
             part[other] = item;
@@ -257,9 +236,8 @@ static void spoil(struct eng_wide_resort *resort)
 
 /* If it failed: what winds itself up would be twice as slow from the day on that a new
  * order was tried; or it would be tried again and again. */
-static void resort__takes_back_an_order_that_is_worse(void **state)
+CASE(resort__takes_back_an_order_that_is_worse)
 {
-    (void)state;
     start();
     struct eng_wide_resort *resort = &eng_wide_state_of(soup.scene)->resort;
     step(PCCD_MODE_PAIRS, 1);
@@ -291,9 +269,8 @@ static void resort__takes_back_an_order_that_is_worse(void **state)
 
 /* If it failed: a step that is cancelled, or past its deadline, would sort on; or a share
  * would be as long as an object is large. */
-static void resort__shares_are_short_and_end_with_the_step(void **state)
+CASE(resort__shares_are_short_and_end_with_the_step)
 {
-    (void)state;
     const struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_stop stop;
     start();
@@ -356,8 +333,7 @@ static uint32_t add_pieces(struct eng_scene *scene, const double (*x)[3])
     }
     struct eng_mesh *mesh =
         kit_mesh(x, PIECES * SHEET, (const uint32_t(*)[3])triangles, count);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
-    eng_mesh_release(mesh);
+    idx = kit_add(scene, mesh, 1);
     return idx;
 }
 
@@ -366,14 +342,12 @@ static struct eng_step_result step_pieces(struct eng_scene *scene, uint32_t idx,
                                           const double (*x)[3])
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     settings.method = PCCD_METHOD_WIDE;
     settings.mode = PCCD_MODE_PAIRS;
     settings.tuning.still = ENG_STILL_ANEW;
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x0x1(scene, idx, PCCD_FORMAT_F64, 0, PIECES * SHEET, x, x),
-                     PCCD_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_ok(eng_stage_x0x1(scene, idx, PCCD_FORMAT_F64, 0, PIECES * SHEET, x, x));
+    struct eng_step_result result = kit_step(scene, &settings);
     return result;
 }
 
@@ -399,15 +373,14 @@ static void check_pieces(const struct eng_object *object)
 
 /* If it failed: what breaks would be many times as slow from then on, until its features
  * had been sorted; or they would be sorted so that the next break is as bad. */
-static void resort__pieces_may_fly_apart(void **state)
+CASE(resort__pieces_may_fly_apart)
 {
-    (void)state;
     static double x[PIECES * SHEET][3];
     struct eng_scene *scenes[2]; /* stacked first; apart from the beginning */
     uint32_t idx[2];
     for (int i = 0; i < 2; i++) {
         put_pieces(x, i == 1);
-        assert_int_equal(eng_scene_new(NULL, &scenes[i]), PCCD_OK);
+        scenes[i] = kit_scene();
         idx[i] = add_pieces(scenes[i], (const double(*)[3])x);
         check_pieces(&scenes[i]->objects[idx[i]]);
     }
@@ -426,19 +399,4 @@ static void resort__pieces_may_fly_apart(void **state)
     assert_int_equal(sorted.counters.box_tests, fresh.counters.box_tests);
     eng_scene_free(scenes[0]);
     eng_scene_free(scenes[1]);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(resort__makes_a_mixed_soup_as_good_as_new),
-        cmocka_unit_test(order__is_the_meshs_until_an_object_needs_another),
-        cmocka_unit_test(resort__sees_what_moves_beside_what_stands),
-        cmocka_unit_test(resort__leaves_a_good_order_alone),
-        cmocka_unit_test(resort__forgets_what_it_began_when_objects_change),
-        cmocka_unit_test(resort__takes_back_an_order_that_is_worse),
-        cmocka_unit_test(resort__shares_are_short_and_end_with_the_step),
-        cmocka_unit_test(resort__pieces_may_fly_apart),
-    };
-    return cmocka_run_group_tests_name("eng_resort", tests, NULL, NULL);
 }

@@ -41,23 +41,23 @@ static int teardown(void **state)
 }
 
 /* Names of any size, and often alike but for one word. */
-static uint32_t random_word(struct kit_random *random)
+static uint32_t random_word(struct prng *random)
 {
-    switch (kit_below(random, 4)) {
+    switch (prng_u32(random, 4)) {
     case 0:
-        return kit_below(random, 3);
+        return prng_u32(random, 3);
     case 1:
-        return UINT32_MAX - kit_below(random, 3); /* the high bit */
+        return UINT32_MAX - prng_u32(random, 3); /* the high bit */
     case 2:
         return 0x80000000u;
     default:
-        return (uint32_t)kit_u64(random);
+        return (uint32_t)prng_next(random);
     }
 }
 
-static struct pccd_pair random_name(struct kit_random *random)
+static struct pccd_pair random_name(struct prng *random)
 {
-    return (struct pccd_pair){kit_below(random, 2), random_word(random),
+    return (struct pccd_pair){prng_u32(random, 2), random_word(random),
                               random_word(random), random_word(random),
                               random_word(random)};
 }
@@ -122,7 +122,7 @@ static void *copy_found(const struct lists *lists)
     return copy;
 }
 
-static void add_contacts(struct lists *lists, struct kit_random *random, uint32_t count)
+static void add_contacts(struct lists *lists, struct prng *random, uint32_t count)
 {
     begin(lists, sizeof(struct pccd_contact), LIMIT);
     for (uint32_t i = 0; i < count; i++) {
@@ -139,26 +139,26 @@ static void add_contacts(struct lists *lists, struct kit_random *random, uint32_
     assert_false(lists->found[0].overflowed || lists->found[1].overflowed);
 }
 
-static void add_pairs(struct lists *lists, struct kit_random *random, uint32_t count)
+static void add_pairs(struct lists *lists, struct prng *random, uint32_t count)
 {
     begin(lists, sizeof(struct pccd_pair), LIMIT);
     for (uint32_t i = 0; i < count; i++) {
         struct pccd_pair name = random_name(random);
-        assert_non_null(eng_found_add(&lists->found[kit_below(random, 2)], &name));
+        assert_non_null(eng_found_add(&lists->found[prng_u32(random, 2)], &name));
     }
 }
 
 /* If it failed: the same contacts would come back in another order another time. */
-static void result__contacts_sort_canonically(void **state)
+CASE_WITH(result__contacts_sort_canonically, setup, teardown)
 {
     struct lists *lists = *state;
-    struct kit_random random = {80};
+    struct prng random = {80};
     for (uint32_t count = 1; count < 6000; count = count * 2 + 1) {
         add_contacts(lists, &random, count);
         size_t bytes = count * sizeof(struct pccd_contact);
         struct pccd_contact *expected = copy_found(lists);
         qsort(expected, count, sizeof *expected, compare_contacts);
-        assert_int_equal(sort(lists), PCCD_OK);
+        assert_ok(sort(lists));
         assert_int_equal(lists->sorted.count, count);
         assert_int_equal(lists->sorted.record_bytes, sizeof(struct pccd_contact));
         assert_memory_equal(lists->sorted.data, expected, bytes);
@@ -167,16 +167,16 @@ static void result__contacts_sort_canonically(void **state)
 }
 
 /* If it failed: candidate pairs would be sorted by the wrong words. */
-static void result__pairs_sort_canonically(void **state)
+CASE_WITH(result__pairs_sort_canonically, setup, teardown)
 {
     struct lists *lists = *state;
-    struct kit_random random = {81};
+    struct prng random = {81};
     for (uint32_t count = 1; count < 6000; count = count * 2 + 1) {
         add_pairs(lists, &random, count);
         size_t bytes = count * sizeof(struct pccd_pair);
         struct pccd_pair *expected = copy_found(lists);
         qsort(expected, count, sizeof *expected, compare_pairs);
-        assert_int_equal(sort(lists), PCCD_OK);
+        assert_ok(sort(lists));
         assert_int_equal(lists->sorted.count, count);
         assert_memory_equal(lists->sorted.data, expected, bytes);
         free(expected);
@@ -184,11 +184,11 @@ static void result__pairs_sort_canonically(void **state)
 }
 
 /* If it failed: a step without contacts would have an answer of the wrong form. */
-static void result__nothing_sorts_to_nothing(void **state)
+CASE_WITH(result__nothing_sorts_to_nothing, setup, teardown)
 {
     struct lists *lists = *state;
     begin(lists, sizeof(struct pccd_pair), LIMIT);
-    assert_int_equal(sort(lists), PCCD_OK);
+    assert_ok(sort(lists));
     assert_int_equal(lists->sorted.count, 0);
     assert_int_equal(lists->sorted.record_bytes, sizeof(struct pccd_pair));
     assert_int_equal(lists->merge.total, 0);
@@ -205,7 +205,7 @@ static void add_empty(struct eng_found *found)
 }
 
 /* If it failed: a cut answer would look complete, or a full one cut. */
-static void result__limit_is_kept_and_told(void **state)
+CASE_WITH(result__limit_is_kept_and_told, setup, teardown)
 {
     struct lists *lists = *state;
     struct eng_found *found = &lists->found[0];
@@ -217,11 +217,11 @@ static void result__limit_is_kept_and_told(void **state)
         }
         assert_false(found->overflowed);
         assert_int_equal(found->count, limits[i]);
-        assert_int_equal(sort(lists), PCCD_OK);
+        assert_ok(sort(lists));
         assert_int_equal(lists->sorted.count, limits[i]);
         assert_int_equal(lists->merge.total, limits[i]);
         eng_found_add(found, &no_name);
-        assert_int_equal(sort(lists), PCCD_OK);
+        assert_ok(sort(lists));
         assert_int_equal(lists->sorted.count, limits[i]);
         assert_true(found->overflowed || lists->merge.total > limits[i]);
         begin(lists, sizeof(struct pccd_pair), limits[i]);
@@ -232,10 +232,10 @@ static void result__limit_is_kept_and_told(void **state)
 
 /* If it failed: a list would grow without a bound, or keep what came first instead of
  * what is first. */
-static void result__long_list_keeps_the_first_in_order(void **state)
+CASE_WITH(result__long_list_keeps_the_first_in_order, setup, teardown)
 {
     struct lists *lists = *state;
-    struct kit_random random = {84};
+    struct prng random = {84};
     const uint64_t limits[] = {1, 700, 4000, 10000};
     static struct pccd_pair all[20000];
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
@@ -249,7 +249,7 @@ static void result__long_list_keeps_the_first_in_order(void **state)
         }
         qsort(all, sizeof all / sizeof *all, sizeof *all, compare_pairs);
         assert_true(found->overflowed);
-        assert_int_equal(sort(lists), PCCD_OK);
+        assert_ok(sort(lists));
         assert_int_equal(lists->sorted.count, limits[i]);
         assert_memory_equal(lists->sorted.data, all, limits[i] * sizeof *all);
     }
@@ -259,17 +259,17 @@ static void result__long_list_keeps_the_first_in_order(void **state)
 #define OBJECT_MOST  3u
 #define FEATURE_MOST 0xfffffu
 
-static struct pccd_pair small_name(struct kit_random *random)
+static struct pccd_pair small_name(struct prng *random)
 {
-    return (struct pccd_pair){kit_below(random, 2), kit_below(random, OBJECT_MOST + 1),
-                              kit_below(random, FEATURE_MOST + 1),
-                              kit_below(random, OBJECT_MOST + 1),
-                              kit_below(random, FEATURE_MOST + 1)};
+    return (struct pccd_pair){prng_u32(random, 2), prng_u32(random, OBJECT_MOST + 1),
+                              prng_u32(random, FEATURE_MOST + 1),
+                              prng_u32(random, OBJECT_MOST + 1),
+                              prng_u32(random, FEATURE_MOST + 1)};
 }
 
 /* Records all[count], as many at a time as a random number says. */
 static void add_many(struct eng_found *found, const struct pccd_pair *all, uint32_t count,
-                     struct kit_random *random)
+                     struct prng *random)
 {
     const struct eng_name_range range = {
         .high = {{1, OBJECT_MOST, FEATURE_MOST, OBJECT_MOST, FEATURE_MOST}}};
@@ -277,7 +277,7 @@ static void add_many(struct eng_found *found, const struct pccd_pair *all, uint3
     for (uint32_t k = 0; k < count;) {
         void *slots;
         uint64_t *keys;
-        uint32_t wanted = 1 + kit_below(random, 700);
+        uint32_t wanted = 1 + prng_u32(random, 700);
         wanted = wanted < count - k ? wanted : count - k;
         uint32_t n = eng_found_open(found, wanted, &slots, &keys);
         assert_in_range(n, 0, wanted);
@@ -285,7 +285,7 @@ static void add_many(struct eng_found *found, const struct pccd_pair *all, uint3
             eng_found_add(found, &all[k++]);
             continue;
         }
-        n = kit_below(random, 2) ? n : 1 + kit_below(random, n);
+        n = prng_u32(random, 2) ? n : 1 + prng_u32(random, n);
         memcpy(slots, &all[k], n * sizeof *all);
         for (uint32_t i = 0; i < n; i++) {
             struct eng_name name;
@@ -299,10 +299,10 @@ static void add_many(struct eng_found *found, const struct pccd_pair *all, uint3
 
 /* If it failed: what a chunk finds at once would be kept otherwise than what is found one
  * by one: lost, without a limit, or out of order. */
-static void result__many_at_a_time_are_kept_as_one_by_one(void **state)
+CASE_WITH(result__many_at_a_time_are_kept_as_one_by_one, setup, teardown)
 {
     struct lists *lists = *state;
-    struct kit_random random = {85};
+    struct prng random = {85};
     const uint64_t limits[] = {0, 1, 700, 4000, 10000, 20000};
     static struct pccd_pair all[20000];
     const uint32_t count = sizeof all / sizeof *all;
@@ -316,14 +316,14 @@ static void result__many_at_a_time_are_kept_as_one_by_one(void **state)
         assert_true(lists->found[0].overflowed == (limits[i] < count));
         assert_in_range(lists->found[0].count, 0,
                         limits[i] + limits[i] / 4 + lists->found[0].per_block);
-        assert_int_equal(sort(lists), PCCD_OK);
+        assert_ok(sort(lists));
         assert_int_equal(lists->sorted.count, limits[i]);
         assert_memory_equal(lists->sorted.data, all, limits[i] * sizeof *all);
     }
 }
 
 /* If it failed: names of which a word does not hold the keys would lose bits of these. */
-static void result__keys_of_several_words_are_not_kept(void **state)
+CASE_WITH(result__keys_of_several_words_are_not_kept, setup, teardown)
 {
     struct lists *lists = *state;
     const struct eng_name_range range = {.high = {{1, 3, UINT32_MAX, 3, UINT32_MAX / 2}}};
@@ -333,34 +333,34 @@ static void result__keys_of_several_words_are_not_kept(void **state)
 }
 
 /* If it failed: two workers would keep twice what one may. */
-static void result__limit_counts_all_workers_together(void **state)
+CASE_WITH(result__limit_counts_all_workers_together, setup, teardown)
 {
     struct lists *lists = *state;
     begin(lists, sizeof(struct pccd_contact), 100);
     for (int k = 0; k < 120; k++) {
         add_empty(&lists->found[k % 2]);
     }
-    assert_int_equal(sort(lists), PCCD_OK);
+    assert_ok(sort(lists));
     assert_int_equal(lists->merge.total, 120);
     assert_int_equal(lists->sorted.count, 100);
 }
 
 /* If it failed: every step would allocate again. */
-static void result__memory_is_used_again(void **state)
+CASE_WITH(result__memory_is_used_again, setup, teardown)
 {
     struct lists *lists = *state;
-    struct kit_random random = {82};
+    struct prng random = {82};
     add_contacts(lists, &random, 5000);
-    assert_int_equal(sort(lists), PCCD_OK);
+    assert_ok(sort(lists));
     eng_pool_reset(&lists->pool, 2); /* what was spilled becomes the pool's own */
     add_pairs(lists, &random, 5000); /* of two lists they take more scratch */
-    assert_int_equal(sort(lists), PCCD_OK);
+    assert_ok(sort(lists));
     uint64_t allocations = eng_alloc_count();
     for (int round = 0; round < 5; round++) {
         add_contacts(lists, &random, 5000);
-        assert_int_equal(sort(lists), PCCD_OK);
+        assert_ok(sort(lists));
         add_pairs(lists, &random, 5000); /* the smaller record fits as well */
-        assert_int_equal(sort(lists), PCCD_OK);
+        assert_ok(sort(lists));
     }
     assert_int_equal(eng_alloc_count(), allocations);
 }
@@ -373,7 +373,7 @@ static bool lies_in(const struct eng_block *block, const struct eng_block *memor
 
 /* If it failed: a step would take memory beside what it was lent, or go on to use that
  * when it is somebody else's again. */
-static void result__lent_memory_is_taken_first(void **state)
+CASE_WITH(result__lent_memory_is_taken_first, setup, teardown)
 {
     struct lists *lists = *state;
     enum { LENT = 3, TAKEN = 9 };
@@ -394,23 +394,4 @@ static void result__lent_memory_is_taken_first(void **state)
     assert_int_equal(eng_pool_bytes(&lists->pool), 9 * sizeof *memory);
     eng_pool_lend(&lists->pool, NULL, 0);
     assert_false(lies_in(eng_pool_take(&lists->pool), memory, LENT + 1));
-}
-
-#define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        TEST(result__contacts_sort_canonically),
-        TEST(result__pairs_sort_canonically),
-        TEST(result__nothing_sorts_to_nothing),
-        TEST(result__limit_is_kept_and_told),
-        TEST(result__long_list_keeps_the_first_in_order),
-        TEST(result__many_at_a_time_are_kept_as_one_by_one),
-        TEST(result__keys_of_several_words_are_not_kept),
-        TEST(result__limit_counts_all_workers_together),
-        TEST(result__memory_is_used_again),
-        TEST(result__lent_memory_is_taken_first),
-    };
-    return cmocka_run_group_tests_name("eng_result", tests, NULL, NULL);
 }

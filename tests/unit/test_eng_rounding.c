@@ -1,9 +1,6 @@
 /* test_eng_rounding.c - how much an object that two poses move shrinks between them, and
  * how far rounding takes its vertices.
  *
- * Compare the bounds with what random poses, times, directions and points do: turns of
- * all angles, scales, shears, matrices of any numbers.
- *
  * Source: daemon/engine/elementary/BOUNDS.md, "Objects that move by poses".
  */
 #include "eng_kit.h"
@@ -17,12 +14,12 @@
 
 #define PI 3.14159265358979323846
 
-static void unit(struct kit_random *random, double v[3])
+static void unit(struct prng *random, double v[3])
 {
     double length;
     do {
         for (int k = 0; k < 3; k++) {
-            v[k] = kit_between(random, -1, 1);
+            v[k] = prng_between(random, -1, 1);
         }
         length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     } while (length < 0.1 || length > 1);
@@ -58,36 +55,36 @@ static void identity(double m[12])
 
 enum family { TURNS, SCALES, SHEARS, ANYTHING, FLAT, FAMILIES };
 
-static void some_poses(struct kit_random *random, enum family family, double m0[12],
+static void some_poses(struct prng *random, enum family family, double m0[12],
                        double m1[12])
 {
     double axis[3];
     identity(m0);
     unit(random, axis);
-    turn(m0, axis, kit_between(random, -PI, PI));
-    double all = exp2(kit_integer(random, 30));
+    turn(m0, axis, prng_between(random, -PI, PI));
+    double all = exp2(prng_integer(random, 30));
     for (int i = 0; family == SCALES && i < 3; i++) {
-        double scale = all * exp2(kit_integer(random, 1));
+        double scale = all * exp2(prng_integer(random, 1));
         for (int k = 0; k < 3; k++) {
             m0[4 * k + i] *= scale;
         }
     }
     for (int k = 0; family == SHEARS && k < 3; k++) {
-        m0[4 * k + 1] += kit_between(random, -1, 1) * m0[4 * k];
+        m0[4 * k + 1] += prng_between(random, -1, 1) * m0[4 * k];
     }
     memcpy(m1, m0, 12 * sizeof *m1);
     unit(random, axis);
-    turn(m1, axis, PI / 180 * kit_between(random, 0, 179.9));
+    turn(m1, axis, PI / 180 * prng_between(random, 0, 179.9));
     for (int i = 0; family >= ANYTHING && i < 12; i++) {
-        m0[i] = (i % 5 == 0) + kit_between(random, -0.5, 0.5);
-        m1[i] = m0[i] + kit_between(random, -1, 1) * exp2(-(double)kit_below(random, 20));
+        m0[i] = (i % 5 == 0) + prng_between(random, -0.5, 0.5);
+        m1[i] = m0[i] + prng_between(random, -1, 1) * exp2(-(double)prng_u32(random, 20));
     }
     for (int k = 0; family == FLAT && k < 3; k++) {
         m1[4 * k + 2] = m1[4 * k]; /* two columns are one */
     }
     for (int k = 0; k < 3; k++) {
-        m0[4 * k + 3] = kit_between(random, -1e3, 1e3);
-        m1[4 * k + 3] = kit_between(random, -1e9, 1e9);
+        m0[4 * k + 3] = prng_between(random, -1e3, 1e3);
+        m1[4 * k + 3] = prng_between(random, -1e9, 1e9);
     }
 }
 
@@ -109,20 +106,20 @@ static long double left_of(const double m0[12], const double m1[12], const doubl
 }
 
 /* Downhill from a random direction and time: near the least that is left. */
-static long double least_left(struct kit_random *random, const double m0[12],
+static long double least_left(struct prng *random, const double m0[12],
                               const double m1[12])
 {
     double v[3];
-    double t = kit_between(random, 0, 1);
+    double t = prng_between(random, 0, 1);
     unit(random, v);
     long double least = left_of(m0, m1, v, t);
     for (double size = 1; size > 1e-5; size *= 0.9) {
         for (int i = 0; i < 6; i++) {
             double w[3];
-            double s = t + kit_between(random, -size, size);
+            double s = t + prng_between(random, -size, size);
             double length = 0;
             for (int k = 0; k < 3; k++) {
-                w[k] = v[k] + kit_between(random, -size, size);
+                w[k] = v[k] + prng_between(random, -size, size);
                 length += w[k] * w[k];
             }
             for (int k = 0; k < 3; k++) {
@@ -142,11 +139,10 @@ static long double least_left(struct kit_random *random, const double m0[12],
 
 /* If this failed, an object that turns, or is pressed together, could meet itself and not
  * be tested. */
-static void rounding__no_length_shrinks_more_than_is_said(void **state)
+CASE(rounding__no_length_shrinks_more_than_is_said)
 {
-    struct kit_random random = {11};
+    struct prng random = {11};
     uint32_t certain[FAMILIES] = {0};
-    (void)state;
     for (uint32_t i = 0; i < 4000; i++) {
         enum family family = (enum family)(i % FAMILIES);
         double m0[12];
@@ -166,18 +162,17 @@ static void rounding__no_length_shrinks_more_than_is_said(void **state)
 
 /* If this failed, more would be tested than need be: bodies turn in a step, about any
  * axis. */
-static void rounding__turns_are_bounded_tightly(void **state)
+CASE(rounding__turns_are_bounded_tightly)
 {
-    struct kit_random random = {12};
-    (void)state;
+    struct prng random = {12};
     for (uint32_t i = 0; i < 2000; i++) {
-        double angle = PI / 180 * kit_between(&random, 0, 179.9);
+        double angle = PI / 180 * prng_between(&random, 0, 179.9);
         double axis[3];
         double m0[12];
         double m1[12];
         unit(&random, axis);
         identity(m0);
-        turn(m0, axis, kit_between(&random, -PI, PI));
+        turn(m0, axis, prng_between(&random, -PI, PI));
         memcpy(m1, m0, sizeof m1);
         unit(&random, axis);
         turn(m1, axis, angle);
@@ -193,11 +188,10 @@ static void rounding__turns_are_bounded_tightly(void **state)
 
 /* If this failed, an object that passes through itself could be taken for one that does
  * not: half a turn takes every point through the axis. */
-static void rounding__says_nothing_of_half_a_turn_and_of_mirrors(void **state)
+CASE(rounding__says_nothing_of_half_a_turn_and_of_mirrors)
 {
-    struct kit_random random = {13};
+    struct prng random = {13};
     const struct eng_bounds bounds = {{0, 0, 0}, {1, 1, 1}};
-    (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
         double axis[3] = {0, 0, 0};
         double m0[12];
@@ -223,23 +217,22 @@ static void rounding__says_nothing_of_half_a_turn_and_of_mirrors(void **state)
 
 /* If this failed, rounding could bring together what is taken for apart; or, if it were
  * vacuous, bodies a kilometre away would be tested against themselves. */
-static void rounding__vertices_are_no_farther_off_than_is_said(void **state)
+CASE(rounding__vertices_are_no_farther_off_than_is_said)
 {
-    struct kit_random random = {14};
+    struct prng random = {14};
     long double worst = 0;
-    (void)state;
     assert_true(LDBL_MANT_DIG >= 64);
     for (uint32_t i = 0; i < 300000; i++) {
         double m[12];
         double x[3];
         double y[3];
-        double size = exp2(kit_integer(&random, i % 50));
+        double size = exp2(prng_integer(&random, i % 50));
         struct eng_bounds bounds;
         for (int k = 0; k < 12; k++) {
-            m[k] = kit_between(&random, -1, 1) * exp2(kit_integer(&random, i % 7));
+            m[k] = prng_between(&random, -1, 1) * exp2(prng_integer(&random, i % 7));
         }
         for (int k = 0; k < 3; k++) {
-            x[k] = kit_between(&random, -size, size);
+            x[k] = prng_between(&random, -size, size);
             bounds.low[k] = fmin(x[k], 0.5 * x[k]);
             bounds.high[k] = fmax(x[k], 0.5 * x[k]);
         }
@@ -262,12 +255,11 @@ static void rounding__vertices_are_no_farther_off_than_is_said(void **state)
 
 /* If this failed, a mesh of a millimetre that is taken 1e9 m away would be trusted, all
  * of whose vertices may fall on one point there. */
-static void rounding__grows_with_the_distance(void **state)
+CASE(rounding__grows_with_the_distance)
 {
     const struct eng_bounds bounds = {{-1e-3, -1e-3, -1e-3}, {1e-3, 1e-3, 1e-3}};
     double near[12];
     double far[12];
-    (void)state;
     identity(near);
     identity(far);
     far[3] = 1e9;
@@ -278,16 +270,4 @@ static void rounding__grows_with_the_distance(void **state)
     far[5] = 0x1p-40; /* almost flat: what it does not shrink by rounding may close */
     assert_true(eng_rounding_reach(far, far, &bounds) >
                 0x1p39 * eng_rounding_reach(near, near, &bounds));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rounding__no_length_shrinks_more_than_is_said),
-        cmocka_unit_test(rounding__turns_are_bounded_tightly),
-        cmocka_unit_test(rounding__says_nothing_of_half_a_turn_and_of_mirrors),
-        cmocka_unit_test(rounding__vertices_are_no_farther_off_than_is_said),
-        cmocka_unit_test(rounding__grows_with_the_distance),
-    };
-    return cmocka_run_group_tests_name("eng_rounding", tests, NULL, NULL);
 }

@@ -1,8 +1,4 @@
-/* test_eng_rounds.c - joins of many pairs of blocks at a time.
- *
- * Compare them, of every instruction set and in little room, with joins of two blocks;
- * those of what moves with all.
- */
+/* test_eng_rounds.c - joins of many pairs of blocks at a time. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,7 +22,7 @@ struct fixture {
     uint16_t moving[ALL_BLOCKS];
 };
 
-static void fill(struct fixture *f, struct kit_random *random)
+static void fill(struct fixture *f, struct prng *random)
 {
     struct eng_quantising quantiseding = {{0}, {0}, {0}};
     const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
@@ -49,9 +45,9 @@ static void fill(struct fixture *f, struct kit_random *random)
                                          &f->farthest));
     memcpy(f->others, f->blocks, sizeof f->others);
     for (uint32_t i = 0; i < ALL_BLOCKS; i++) { /* all, none or some */
-        uint32_t some = kit_below(random, 0x10000) & kit_below(random, 0x10000);
+        uint32_t some = prng_u32(random, 0x10000) & prng_u32(random, 0x10000);
         uint32_t masks[] = {0xffff, 0, some};
-        f->moving[i] = (uint16_t)masks[kit_below(random, 3)];
+        f->moving[i] = (uint16_t)masks[prng_u32(random, 3)];
     }
 }
 
@@ -138,14 +134,14 @@ static int by_number(const void *a, const void *b)
 }
 
 /* Different pairs of blocks of two runs, or of one with itself. */
-static uint32_t make_blocks(struct kit_random *random, enum which which,
+static uint32_t make_blocks(struct prng *random, enum which which,
                             uint32_t (*blocks)[PAIRS_MAX])
 {
-    uint32_t first_a = ENG_WIDE * (1 + kit_below(random, 2));
-    uint32_t first_b = ENG_WIDE * (1 + kit_below(random, 2));
-    uint32_t most = 1 + kit_below(random, PAIRS_MAX);
+    uint32_t first_a = ENG_WIDE * (1 + prng_u32(random, 2));
+    uint32_t first_b = ENG_WIDE * (1 + prng_u32(random, 2));
+    uint32_t most = 1 + prng_u32(random, PAIRS_MAX);
     uint32_t count = 0;
-    for (uint32_t i = kit_below(random, 100); i < ENG_JOIN_MAX && count < most; i++) {
+    for (uint32_t i = prng_u32(random, 100); i < ENG_JOIN_MAX && count < most; i++) {
         uint32_t n = first_a + i / ENG_WIDE;
         uint32_t m = first_b + i % ENG_WIDE;
         if (which == FACES || first_a != first_b || n <= m) {
@@ -175,15 +171,14 @@ static void leave_out(const struct fixture *f, struct pairs *pairs)
 
 /* If a pair that stands were found, its contact would be there twice, as the last answer
  * has it, too; if one were left out that moves, it would be missed. */
-static void rounds__leave_out_what_stands(void **state)
+CASE(rounds__leave_out_what_stands)
 {
-    (void)state;
     static struct fixture f;
     static uint32_t blocks[2][PAIRS_MAX];
     static struct pairs all;
     static struct pairs expected;
     static struct pairs found;
-    struct kit_random random = {18};
+    struct prng random = {18};
     uint64_t pairs = 0;
     uint64_t still = 0;
     for (uint32_t way = 0; way < 24 * WHICH_COUNT; way++) {
@@ -218,19 +213,18 @@ static void rounds__leave_out_what_stands(void **state)
 
 /* If a pair were lost where a round ends, or where there is no room for it, its contact
  * would be missed; if it were there twice, so would be what is answered. */
-static void rounds__find_what_two_blocks_have(void **state)
+CASE(rounds__find_what_two_blocks_have)
 {
-    (void)state;
     static struct fixture f;
     static uint32_t blocks[2][PAIRS_MAX];
     static struct pairs expected;
     static struct pairs first;
     static struct pairs found;
-    struct kit_random random = {17};
+    struct prng random = {17};
     uint64_t pairs = 0;
     for (uint32_t way = 0; way < 24 * WHICH_COUNT; way++) {
         enum which which = (enum which)(way % WHICH_COUNT);
-        uint32_t room = ENG_WIDE + kit_below(&random, ENG_JOIN_MAX - ENG_WIDE + 1);
+        uint32_t room = ENG_WIDE + prng_u32(&random, ENG_JOIN_MAX - ENG_WIDE + 1);
         fill(&f, &random);
         uint32_t count = make_blocks(&random, which, blocks);
         const uint32_t(*both)[PAIRS_MAX] = (const uint32_t(*)[PAIRS_MAX])blocks;
@@ -259,13 +253,4 @@ static void rounds__find_what_two_blocks_have(void **state)
     }
     assert_true(pairs > 100000);
     assert_true(2 * 0.05f * (float)f.farthest > 6);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rounds__find_what_two_blocks_have),
-        cmocka_unit_test(rounds__leave_out_what_stands),
-    };
-    return cmocka_run_group_tests_name("eng_rounds", tests, NULL, NULL);
 }

@@ -1,8 +1,4 @@
-/* test_eng_separate.c - fixed directions between two features.
- *
- * Queries of small whole numbers against the nine directions one by one, and planted
- * contacts in places where sums are rounded.
- */
+/* test_eng_separate.c - fixed directions between two features. */
 #include "eng_kit.h"
 
 #include "kernel.h"
@@ -36,17 +32,16 @@ static bool is_apart_along(const struct eng_query *query, const int d[3])
 
 /* If it failed: a direction would be left out, or a pair that only a direction between
  * them tells apart, or one that changes sides, would be dropped. */
-static void separate__says_what_nine_directions_say(void **state)
+CASE(separate__says_what_nine_directions_say)
 {
-    (void)state;
-    struct kit_random random = {811};
+    struct prng random = {811};
     int alone[2][DIRECTIONS] = {{0}};
     int apart = 0;
     enum { ROUNDS = 200000 };
     for (int round = 0; round < ROUNDS; round++) {
         struct eng_query query = {.kind = round % 2 ? PCCD_EE : PCCD_VF};
         for (int i = 0; i < 24; i++) {
-            query.x[i / 12][i / 3 % 4][i % 3] = kit_integer(&random, 6);
+            query.x[i / 12][i / 3 % 4][i % 3] = prng_integer(&random, 6);
         }
         int count = 0;
         int last = 0;
@@ -67,31 +62,21 @@ static void separate__says_what_nine_directions_say(void **state)
 }
 
 /* If it failed: a contact would be missed whose sums of coordinates are rounded. */
-static void separate__never_drops_a_contact(void **state)
+CASE(separate__never_drops_a_contact)
 {
-    (void)state;
-    struct kit_random random = {812};
+    struct prng random = {812};
     for (int round = 0; round < 60000; round++) {
         struct eng_query query;
-        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, kit_below(&random, 9), &query);
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, prng_u32(&random, 9), &query);
         assert_false(eng_query_separates(&query));
         /* A sixth of the numbers moved by a bit: less than any margin. */
         struct eng_query near = query;
         for (int i = 0; i < 24; i++) {
             double *x = &near.x[i / 12][i / 3 % 4][i % 3];
-            *x = kit_below(&random, 6) == 0 ? *x * (1 + 0x1p-52) : *x;
+            *x = prng_u32(&random, 6) == 0 ? *x * (1 + 0x1p-52) : *x;
         }
         assert_true(!eng_query_separates(&near) || is_apart_along(&near, directions[0]) ||
                     is_apart_along(&near, directions[1]) ||
                     is_apart_along(&near, directions[2]));
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(separate__says_what_nine_directions_say),
-        cmocka_unit_test(separate__never_drops_a_contact),
-    };
-    return cmocka_run_group_tests_name("eng_separate", tests, NULL, NULL);
 }

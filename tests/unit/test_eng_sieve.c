@@ -1,8 +1,5 @@
 /* test_eng_sieve.c - certain rejections from points on a grid.
  *
- * Put pairs of every sort on grids fine and coarse; hold what the sieve rejects against
- * eng_solve, and every instruction set against the scalar one.
- *
  * Source: daemon/engine/kernel/, BOUNDS.md.
  */
 #include "eng_case.h"
@@ -28,16 +25,16 @@ struct ground {
 
 static struct ground ground;
 
-static void random_query(struct kit_random *random, struct eng_query *query)
+static void random_query(struct prng *random, struct eng_query *query)
 {
-    unsigned family = kit_below(random, 4);
+    unsigned family = prng_u32(random, 4);
     if (family == 0) {
-        kit_plant(random, query->kind, kit_below(random, 9), query);
+        kit_plant(random, query->kind, prng_u32(random, 9), query);
         return;
     }
     for (int i = 0; i < 24; i++) {
         double *x = &query->x[i / 12][i / 3 % 4][i % 3];
-        *x = family == 1 ? kit_integer(random, 2) : kit_between(random, -1, 1);
+        *x = family == 1 ? prng_integer(random, 2) : prng_between(random, -1, 1);
         /* Features that move together, apart by about their size or far less. */
         *x += family == 3 && i / 3 % 4 == 0 && i % 3 == 2 ? ldexp(1, -(i % 20)) : 0;
         *x += family > 1 && i >= 12 ? 8 * query->x[0][0][i % 3] : 0;
@@ -45,24 +42,24 @@ static void random_query(struct kit_random *random, struct eng_query *query)
 }
 
 /* A grid that reaches as far as the pair, or up to 2^`coarse_max` times. */
-static struct eng_grid grid_of(struct kit_random *random, const struct eng_query *query,
+static struct eng_grid grid_of(struct prng *random, const struct eng_query *query,
                                uint32_t coarse_max)
 {
     struct eng_grid grid;
     double far = 0;
     int exponent;
     for (int k = 0; k < 3; k++) {
-        grid.origin[k] = query->x[0][0][k] + kit_between(random, -1, 1);
+        grid.origin[k] = query->x[0][0][k] + prng_between(random, -1, 1);
         for (int i = 0; i < 8; i++) {
             far = fmax(far, fabs(query->x[i / 4][i % 4][k] - grid.origin[k]));
         }
     }
     frexp(far * 1.001, &exponent);
-    grid.scale = ldexp(1, 30 - exponent - (int)kit_below(random, coarse_max + 1));
+    grid.scale = ldexp(1, 30 - exponent - (int)prng_u32(random, coarse_max + 1));
     return grid;
 }
 
-static void put(struct kit_random *random, enum pccd_kind kind, uint32_t coarse_max)
+static void put(struct prng *random, enum pccd_kind kind, uint32_t coarse_max)
 {
     ground.kind = kind;
     for (uint32_t i = 0; i < PAIR_MAX; i++) {
@@ -73,7 +70,7 @@ static void put(struct kit_random *random, enum pccd_kind kind, uint32_t coarse_
             struct eng_point *point = &ground.points[4 * i + k];
             memcpy(point->x0, query->x[0][k], sizeof point->x0);
             memcpy(point->x1, query->x[1][k], sizeof point->x1);
-            point->word0 = kit_u64(random);
+            point->word0 = prng_next(random);
             point->word1 = UINT64_MAX;
             ground.corner[k][i] = 4 * i + k;
         }
@@ -126,14 +123,13 @@ static uint32_t check(uint32_t kept, float t_end)
 }
 
 /* If it failed: a contact would be thrown away before anybody looks. */
-static void sieve__what_it_rejects_misses(void **state)
+CASE(sieve__what_it_rejects_misses)
 {
-    (void)state;
-    struct kit_random random = {81};
+    struct prng random = {81};
     uint32_t rejected[2] = {0, 0};
     uint32_t later = 0;
     for (uint32_t round = 0; round < 400; round++) {
-        float t_end = round % 3 == 0 ? (float)kit_between(&random, 0, 1) : 1;
+        float t_end = round % 3 == 0 ? (float)prng_between(&random, 0, 1) : 1;
         put(&random, round % 2 ? PCCD_EE : PCCD_VF, round % 4 < 2 ? 0 : 28);
         struct eng_sieve sieve = sieve_of(t_end);
         sieve.cubic_first = round % 8 < 4;
@@ -149,10 +145,9 @@ static void sieve__what_it_rejects_misses(void **state)
 
 /* If it failed: a contact at a multiple of its rounding would be lost, or one that begins
  * at the time to which it looks. */
-static void sieve__contacts_at_its_last_time_pass(void **state)
+CASE(sieve__contacts_at_its_last_time_pass)
 {
-    (void)state;
-    struct kit_random random = {82};
+    struct prng random = {82};
     for (uint32_t round = 0; round < 1000; round++) {
         uint32_t eighths = round % 9;
         float t_end = (float)eighths / 8;
@@ -177,13 +172,12 @@ static void sieve__contacts_at_its_last_time_pass(void **state)
 
 /* If a set sifted otherwise, or lost what lies behind the last full vector, survivors
  * would be counted otherwise on another processor, or contacts be lost. */
-static void sieve__keeps_the_same_pairs_by_every_set(void **state)
+CASE(sieve__keeps_the_same_pairs_by_every_set)
 {
-    (void)state;
-    struct kit_random random = {83};
+    struct prng random = {83};
     for (uint32_t round = 0; round < 300; round++) {
         uint32_t count = round < 200 ? round : PAIR_MAX;
-        float t_end = round % 3 == 0 ? (float)kit_between(&random, 0, 1) : 1;
+        float t_end = round % 3 == 0 ? (float)prng_between(&random, 0, 1) : 1;
         uint32_t expected[PAIR_MAX];
         uint32_t kept = 0;
         bool cubic_first = false;
@@ -211,7 +205,7 @@ static void sieve__keeps_the_same_pairs_by_every_set(void **state)
 }
 
 /* If it failed: the sieve would leave everything to what comes behind it. */
-static void sieve__obvious_misses_are_rejected(void **state)
+CASE(sieve__obvious_misses_are_rejected)
 {
     static const struct {
         enum pccd_kind kind;
@@ -238,8 +232,7 @@ static void sieve__obvious_misses_are_rejected(void **state)
          {{{-1, -1, 0}, {1, 1, 1}, {-1, 1, 0.75}, {1, -1, 1.75}},
           {{-1, -1, 0}, {1, 1, 1}, {-1, 1, 0.75}, {1, -1, 1.75}}}},
     };
-    (void)state;
-    struct kit_random random = {84};
+    struct prng random = {84};
     for (size_t i = 0; i < sizeof misses / sizeof misses[0]; i++) {
         for (uint32_t n = 0; n < 20; n++) { /* features down to 2^10 units */
             struct eng_grid grid = {{1000, -500, 3}, ldexp(1, 30 - (int)n)};
@@ -280,11 +273,10 @@ static void put_apart(const struct eng_kernels *kernels, const uint32_t axis[2],
 
 /* If it failed: a pair would be lost that only rounding to the grid holds apart, or that
  * is apart along one axis first and along another then; or none would be rejected. */
-static void sieve__swept_pairs_need_two_units_of_one_axis(void **state)
+CASE(sieve__swept_pairs_need_two_units_of_one_axis)
 {
     static const double gaps[] = {1, 2, -1, -2};
-    (void)state;
-    struct kit_random random = {86};
+    struct prng random = {86};
     for (uint32_t i = 0; i < 2 * 9 * 16; i++) {
         const uint32_t axis[2] = {i / 2 % 3, i / 6 % 3};
         const double gap[2] = {gaps[i / 18 % 4], gaps[i / 72]};
@@ -306,24 +298,23 @@ static void sieve__swept_pairs_need_two_units_of_one_axis(void **state)
 
 /* If it failed: marks would be off by more than the margins of the sieve hold, or be
  * other ones on another processor. */
-static void marks__are_the_nearest_whole_numbers(void **state)
+CASE(marks__are_the_nearest_whole_numbers)
 {
-    (void)state;
-    struct kit_random random = {85};
+    struct prng random = {85};
     struct eng_grid grid = {{1e6, -3, 0.1}, 0x1p20};
     struct eng_point points[7] = {0};
     for (uint32_t round = 0; round < 2000; round++) {
         struct eng_mark expected[7] = {0};
         for (int i = 0; i < 42; i++) {
-            double q = round % 2 ? kit_integer(&random, 9) / 2
-                                 : kit_between(&random, -0x1p29, 0x1p29);
+            double q = round % 2 ? prng_integer(&random, 9) / 2
+                                 : prng_between(&random, -0x1p29, 0x1p29);
             double x = grid.origin[i % 3] + q * 0x1p-20;
             double scaled = rint((x - grid.origin[i % 3]) * 0x1p20);
             struct eng_point *point = &points[i / 6];
             (i % 6 < 3 ? point->x0 : point->x1)[i % 3] = x;
             (i % 6 < 3 ? expected[i / 6].q0 : expected[i / 6].q1)[i % 3] =
                 (int32_t)scaled;
-            point->word0 = kit_u64(&random);
+            point->word0 = prng_next(&random);
             point->word1 = UINT64_MAX; /* not a number */
         }
         for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
@@ -339,9 +330,8 @@ static void marks__are_the_nearest_whole_numbers(void **state)
 
 /* If it failed: a mark that has no place in 32 bits would stand for a point nearby, and
  * contacts be lost. */
-static void marks__beyond_the_grid_are_told(void **state)
+CASE(marks__beyond_the_grid_are_told)
 {
-    (void)state;
     const struct eng_grid grid = {{10, 0, -5}, 0x1p10};
     const double far[] = {0x1p20, -0x1p20, 1e18, -1e18, 0x1p20 - 0x1p-8};
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
@@ -359,18 +349,4 @@ static void marks__beyond_the_grid_are_told(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sieve__what_it_rejects_misses),
-        cmocka_unit_test(sieve__contacts_at_its_last_time_pass),
-        cmocka_unit_test(sieve__keeps_the_same_pairs_by_every_set),
-        cmocka_unit_test(sieve__obvious_misses_are_rejected),
-        cmocka_unit_test(sieve__swept_pairs_need_two_units_of_one_axis),
-        cmocka_unit_test(marks__are_the_nearest_whole_numbers),
-        cmocka_unit_test(marks__beyond_the_grid_are_told),
-    };
-    int status = cmocka_run_group_tests_name("eng_sieve", tests, NULL, NULL);
-    eng_exact_deinit(case_exact());
-    return status;
-}
+CASES_WITH(NULL, case_end);

@@ -1,8 +1,5 @@
 /* test_eng_sieve_near.c - what is certainly not near, from points on a grid.
  *
- * Put pairs of every sort on grids fine and coarse; hold what the sieve rejects against
- * exact distances and exact crossings, and every instruction set against the scalar one.
- *
  * Source: BOUNDS.md, "The sieve: what is near".
  */
 #include "eng_case.h"
@@ -29,16 +26,16 @@ static uint32_t points_of(uint32_t kind)
 
 /* Whole numbers, many of whose distances tie; needles; features beside each other, apart
  * by their size or by far less. */
-static void make(struct kit_random *random, uint32_t kind, struct pair *pair)
+static void make(struct prng *random, uint32_t kind, struct pair *pair)
 {
-    unsigned family = kit_below(random, 4);
-    double apart = family == 3 ? ldexp(1, -(int)kit_below(random, 24)) : 0;
+    unsigned family = prng_u32(random, 4);
+    double apart = family == 3 ? ldexp(1, -(int)prng_u32(random, 24)) : 0;
     pair->kind = kind;
     for (uint32_t i = 0; i < points_of(kind); i++) {
         bool is_b = i >= common_kinds[kind].points[0];
         for (int k = 0; k < 3; k++) {
             double *x = &pair->x[i][k];
-            *x = family == 0 ? kit_integer(random, 2) : kit_between(random, -1, 1);
+            *x = family == 0 ? prng_integer(random, 2) : prng_between(random, -1, 1);
             *x *= family == 2 && k > 0 ? 0x1p-26 : 1;
             *x = family == 3 && k == 2 ? 0.3 * pair->x[i][0] : *x;
             *x += is_b && k == 2 ? apart : 0;
@@ -47,15 +44,14 @@ static void make(struct kit_random *random, uint32_t kind, struct pair *pair)
 }
 
 /* Put it on a grid that reaches as far as the pair, or up to 2^`coarse` times. */
-static void put(struct kit_random *random, uint32_t coarse, uint32_t end,
-                struct pair *pair)
+static void put(struct prng *random, uint32_t coarse, uint32_t end, struct pair *pair)
 {
     struct eng_point points[5];
     double far = 0;
     int exponent;
     memset(points, 0, sizeof points);
     for (int k = 0; k < 3; k++) {
-        pair->grid.origin[k] = pair->x[0][k] + kit_between(random, -1, 1);
+        pair->grid.origin[k] = pair->x[0][k] + prng_between(random, -1, 1);
     }
     for (uint32_t i = 0; i < points_of(pair->kind); i++) {
         for (int k = 0; k < 3; k++) {
@@ -66,7 +62,7 @@ static void put(struct kit_random *random, uint32_t coarse, uint32_t end,
         }
     }
     frexp(far * 1.001, &exponent);
-    pair->grid.scale = ldexp(1, 30 - exponent - (int)kit_below(random, coarse + 1));
+    pair->grid.scale = ldexp(1, 30 - exponent - (int)prng_u32(random, coarse + 1));
     assert_true(eng_kernels()->place_points(points, points_of(pair->kind), NULL,
                                             &pair->grid, pair->marks));
 }
@@ -129,13 +125,12 @@ static double length_of(struct eng_distances *distances, const struct pair *pair
 
 /* If it failed: a pair that is near, by a hair's breadth or by the width of the grid's
  * cells, would be thrown away before anybody looks. */
-static void sieve_near__what_it_rejects_is_farther(void **state)
+CASE(sieve_near__what_it_rejects_is_farther)
 {
-    (void)state;
-    struct kit_random random = {91};
+    struct prng random = {91};
     struct eng_distances distances;
     uint32_t rejected[2] = {0, 0}; /* on fine grids, on any */
-    assert_int_equal(eng_distances_init(&distances), PCCD_OK);
+    assert_ok(eng_distances_init(&distances));
     for (uint32_t round = 0; round < 120000; round++) {
         struct pair pair;
         uint32_t end = round / 2 % 2;
@@ -153,14 +148,13 @@ static void sieve_near__what_it_rejects_is_farther(void **state)
 
 /* If it failed: an edge that passes through a face would not be told, or the sieve would
  * leave everything to what comes behind it. */
-static void sieve_near__no_crossing_is_rejected(void **state)
+CASE(sieve_near__no_crossing_is_rejected)
 {
-    (void)state;
-    struct kit_random random = {92};
+    struct prng random = {92};
     struct eng_distances distances;
     uint32_t crossings = 0;
     uint32_t rejected = 0;
-    assert_int_equal(eng_distances_init(&distances), PCCD_OK);
+    assert_ok(eng_distances_init(&distances));
     for (uint32_t round = 0; round < 120000; round++) {
         struct pair pair;
         uint32_t end = round % 2;
@@ -179,17 +173,16 @@ static void sieve_near__no_crossing_is_rejected(void **state)
 
 /* If a set sifted otherwise, or lost what lies behind the last full vector, work would be
  * counted otherwise on another processor, or pairs be lost. */
-static void sieve_near__keeps_the_same_pairs_by_every_set(void **state)
+CASE(sieve_near__keeps_the_same_pairs_by_every_set)
 {
-    (void)state;
-    struct kit_random random = {93};
+    struct prng random = {93};
     for (uint32_t round = 0; round < 30000; round++) {
         struct pair pair;
         static const uint32_t kinds[] = {PCCD_VF, PCCD_EE, PCCD_EF};
         uint32_t end = round % 2;
         make(&random, kinds[round % 3], &pair);
         put(&random, 24, end, &pair);
-        double d = kit_between(&random, 0, 1) * ldexp(1, -(int)kit_below(&random, 30));
+        double d = prng_between(&random, 0, 1) * ldexp(1, -(int)prng_u32(&random, 30));
         bool expected =
             stays(eng_kernels_of(ENG_ISA_SCALAR), &pair, end, d, 1 + round % 5);
         for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
@@ -203,10 +196,9 @@ static void sieve_near__keeps_the_same_pairs_by_every_set(void **state)
 
 /* If it failed: a pair that is nearer to one of its points than all others would be
  * thrown away, as the others are nearer to something else; or none would be. */
-static void sieve_near__looks_as_far_as_the_least_known_of_its_points(void **state)
+CASE(sieve_near__looks_as_far_as_the_least_known_of_its_points)
 {
-    (void)state;
-    struct kit_random random = {94};
+    struct prng random = {94};
     uint32_t rejected = 0;
     for (uint32_t round = 0; round < 30000; round++) {
         struct pair pair;
@@ -216,7 +208,7 @@ static void sieve_near__looks_as_far_as_the_least_known_of_its_points(void **sta
         put(&random, 24, end, &pair);
         for (uint32_t i = 0; i < 4; i++) {
             double own =
-                kit_between(&random, 0, 1) * ldexp(1, -(int)kit_below(&random, 3));
+                prng_between(&random, 0, 1) * ldexp(1, -(int)prng_u32(&random, 3));
             know(&pair, end, i, 0.75, own);
             far = fmax(far, fmin(own, 0.75));
         }
@@ -234,15 +226,4 @@ static void sieve_near__looks_as_far_as_the_least_known_of_its_points(void **sta
         }
     }
     assert_true(rejected > 300);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sieve_near__what_it_rejects_is_farther),
-        cmocka_unit_test(sieve_near__no_crossing_is_rejected),
-        cmocka_unit_test(sieve_near__keeps_the_same_pairs_by_every_set),
-        cmocka_unit_test(sieve_near__looks_as_far_as_the_least_known_of_its_points),
-    };
-    return cmocka_run_group_tests_name("eng_sieve_near", tests, NULL, NULL);
 }

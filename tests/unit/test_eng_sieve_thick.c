@@ -1,9 +1,5 @@
 /* test_eng_sieve_thick.c - what certainly stays apart, from points on a grid.
  *
- * Put moving pairs of every sort on grids fine and coarse, with the least distance at
- * which they meet; hold what the sieve rejects against that and against the kernel that
- * looks at the points themselves, and every instruction set against the scalar one.
- *
  * Source: BOUNDS.md, "The sieve: thick features".
  */
 #include "eng_case.h"
@@ -24,35 +20,35 @@ struct pair {
 
 /* Whole numbers; needles; features beside each other in a plane that is aslant, apart by
  * their size or by far less; many that come nearest for a moment only. */
-static void make(struct kit_random *random, enum pccd_kind kind, bool at_rest,
+static void make(struct prng *random, enum pccd_kind kind, bool at_rest,
                  struct pair *pair)
 {
-    unsigned family = kit_below(random, 4);
-    double apart = family == 3 ? ldexp(1, -(int)kit_below(random, 24)) : 0;
+    unsigned family = prng_u32(random, 4);
+    double apart = family == 3 ? ldexp(1, -(int)prng_u32(random, 24)) : 0;
     memset(pair, 0, sizeof *pair);
     pair->query.query.kind = kind;
     for (int i = 0; i < 8; i++) {
         double *x = pair->query.query.x[i / 4][i % 4];
         bool is_b = i % 4 >= (kind == PCCD_VF ? 1 : 2);
         for (int k = 0; k < 3; k++) {
-            x[k] = family == 0 ? kit_integer(random, 2) : kit_between(random, -1, 1);
+            x[k] = family == 0 ? prng_integer(random, 2) : prng_between(random, -1, 1);
             x[k] *= family == 2 && k > 0 ? 0x1p-20 : 1;
             x[k] = family == 3 && k == 2 ? 0.3 * x[0] : x[k];
             x[k] += is_b && k == 2 ? apart + (family == 1 ? 2 : 0) : 0;
         }
-        if (i >= 4 && (at_rest || kit_below(random, 4) == 0)) {
+        if (i >= 4 && (at_rest || prng_u32(random, 4) == 0)) {
             memcpy(x, pair->query.query.x[0][i % 4], 3 * sizeof *x);
         }
     }
 }
 
 /* Put it on a grid that reaches as far as the pair, or up to 2^`coarse` times. */
-static void put(struct kit_random *random, uint32_t coarse, struct pair *pair)
+static void put(struct prng *random, uint32_t coarse, struct pair *pair)
 {
     double far = 0;
     int exponent;
     for (int k = 0; k < 3; k++) {
-        pair->grid.origin[k] = pair->query.query.x[0][0][k] + kit_between(random, -1, 1);
+        pair->grid.origin[k] = pair->query.query.x[0][0][k] + prng_between(random, -1, 1);
     }
     for (int i = 0; i < 8; i++) {
         const double *x = pair->query.query.x[i / 4][i % 4];
@@ -63,7 +59,7 @@ static void put(struct kit_random *random, uint32_t coarse, struct pair *pair)
         }
     }
     frexp(far * 1.001, &exponent);
-    pair->grid.scale = ldexp(1, 30 - exponent - (int)kit_below(random, coarse + 1));
+    pair->grid.scale = ldexp(1, 30 - exponent - (int)prng_u32(random, coarse + 1));
     assert_true(
         eng_kernels()->place_points(pair->points, 4, NULL, &pair->grid, pair->marks));
 }
@@ -134,15 +130,14 @@ static bool is_beyond(const struct pair *pair, double r)
 /* If it failed: a pair that comes within r, by a hair's breadth or by the width of the
  * grid's cells, would be thrown away before anybody looks; or what integers give up would
  * be told or not for how the scene's grid lies. */
-static void sieve_thick__what_it_rejects_stays_farther(void **state)
+CASE(sieve_thick__what_it_rejects_stays_farther)
 {
-    (void)state;
-    struct kit_random random = {94};
+    struct prng random = {94};
     struct eng_thick thick;
     struct eng_distances distances;
     uint32_t rejected[2] = {0, 0}; /* on fine grids, on any */
-    assert_int_equal(eng_thick_init(&thick), PCCD_OK);
-    assert_int_equal(eng_distances_init(&distances), PCCD_OK);
+    assert_ok(eng_thick_init(&thick));
+    assert_ok(eng_distances_init(&distances));
     for (uint32_t round = 0; round < 160000; round++) {
         struct pair pair;
         bool is_fine = round % 8 < 4;
@@ -163,15 +158,14 @@ static void sieve_thick__what_it_rejects_stays_farther(void **state)
 
 /* If a set sifted otherwise, or lost what lies behind the last full vector, work would be
  * counted otherwise on another processor, or pairs be lost. */
-static void sieve_thick__keeps_the_same_pairs_by_every_set(void **state)
+CASE(sieve_thick__keeps_the_same_pairs_by_every_set)
 {
-    (void)state;
-    struct kit_random random = {95};
+    struct prng random = {95};
     for (uint32_t round = 0; round < 30000; round++) {
         struct pair pair;
         make(&random, round % 2 ? PCCD_EE : PCCD_VF, false, &pair);
         put(&random, 24, &pair);
-        double r = kit_between(&random, 0, 1) * ldexp(1, -(int)kit_below(&random, 30));
+        double r = prng_between(&random, 0, 1) * ldexp(1, -(int)prng_u32(&random, 30));
         bool is_first = round % 4 < 2;
         bool expected =
             stays(eng_kernels_of(ENG_ISA_SCALAR), &pair, r, 1 + round % 5, is_first);
@@ -183,13 +177,4 @@ static void sieve_thick__keeps_the_same_pairs_by_every_set(void **state)
             }
         }
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sieve_thick__what_it_rejects_stays_farther),
-        cmocka_unit_test(sieve_thick__keeps_the_same_pairs_by_every_set),
-    };
-    return cmocka_run_group_tests_name("eng_sieve_thick", tests, NULL, NULL);
 }

@@ -1,8 +1,4 @@
-/* test_eng_solve.c - the certified solver, by cases derived by hand.
- *
- * Hits, misses, touches at the ends, double roots, coplanar motion, degenerate features,
- * each from every side (eng_case.h); what holds for any query.
- */
+/* test_eng_solve.c - the certified solver, by cases derived by hand. */
 #include "eng_case.h"
 
 #include <math.h>
@@ -93,9 +89,8 @@ static void check_normal(const struct eng_query *query, double t, const float no
 }
 
 /* If it failed: the plainest contact would have a wrong time, place or side. */
-static void solve__plain_hits_have_time_place_and_side(void **state)
+CASE(solve__plain_hits_have_time_place_and_side)
 {
-    (void)state;
     const float up[3] = {0, 0, 1};
     const float down[3] = {0, 0, -1};
     struct eng_query fall = vertex_path(POINT(0.25, 0.5, 3), POINT(0.25, 0.5, -1));
@@ -112,9 +107,8 @@ static void solve__plain_hits_have_time_place_and_side(void **state)
 }
 
 /* If it failed: features that pass beside each other would be called contacts. */
-static void solve__plain_misses_are_misses(void **state)
+CASE(solve__plain_misses_are_misses)
 {
-    (void)state;
     check_path(CASE_MISS, POINT(0.75, 0.75, 3), POINT(0.75, 0.75, -1));
     check_path(CASE_MISS, POINT(-0.25, 0.5, 3), POINT(-0.25, 0.5, -1));
     check_path(CASE_MISS, POINT(0.25, 0.25, 3), POINT(0.25, 0.25, 0.125));
@@ -125,9 +119,8 @@ static void solve__plain_misses_are_misses(void **state)
 }
 
 /* If it failed: boundaries of a feature would not belong to it, or reach beyond it. */
-static void solve__closed_boundaries_count_and_one_ulp_does_not(void **state)
+CASE(solve__closed_boundaries_count_and_one_ulp_does_not)
 {
-    (void)state;
     check_path(0.75, POINT(0, 0, 3), POINT(0, 0, -1));
     check_path(0.75, POINT(0, 1, 3), POINT(0, 1, -1));
     check_path(0.75, POINT(0.5, 0.5, 3), POINT(0.5, 0.5, -1));
@@ -144,9 +137,8 @@ static void solve__closed_boundaries_count_and_one_ulp_does_not(void **state)
 }
 
 /* If it failed: a step that begins in contact would not say so. */
-static void solve__touch_at_the_start_is_initial(void **state)
+CASE(solve__touch_at_the_start_is_initial)
 {
-    (void)state;
     check_path(0, POINT(0.25, 0.25, 0), POINT(0.25, 0.25, 1));
     check_path(0, POINT(0.25, 0.25, 0), POINT(0.25, 0.25, 0));
     check_path(0, POINT(0.25, 0.25, 0), POINT(0.5, 0.25, 0));
@@ -158,9 +150,8 @@ static void solve__touch_at_the_start_is_initial(void **state)
 }
 
 /* If it failed: a contact at the very end would belong to no step at all. */
-static void solve__touch_at_the_end_is_found(void **state)
+CASE(solve__touch_at_the_end_is_found)
 {
-    (void)state;
     check_path(1, POINT(0.25, 0.25, 1), POINT(0.25, 0.25, 0));
     check_path(1, POINT(0.75, 0.75, 1), POINT(0, 0, 0));
     check_path(1, POINT(-1, 0.5, 0), POINT(0, 0.5, 0)); /* in the plane */
@@ -173,9 +164,8 @@ static void solve__touch_at_the_end_is_found(void **state)
 }
 
 /* If it failed: a contact without passing through would be lost, or one invented. */
-static void solve__double_roots_are_told_from_near_ones(void **state)
+CASE(solve__double_roots_are_told_from_near_ones)
 {
-    (void)state;
     for (enum pccd_kind kind = PCCD_VF; kind <= PCCD_EE; kind++) {
         struct eng_query graze = parabola(kind, 0, 0.25, 0.25);
         struct eng_query over = parabola(kind, 0x1p-50, 0.25, 0.25);
@@ -189,9 +179,8 @@ static void solve__double_roots_are_told_from_near_ones(void **state)
 }
 
 /* If it failed: the second crossing would be reported as the first contact. */
-static void solve__the_first_of_two_crossings_counts(void **state)
+CASE(solve__the_first_of_two_crossings_counts)
 {
-    (void)state;
     for (enum pccd_kind kind = PCCD_VF; kind <= PCCD_EE; kind++) {
         /* (t - 1/4)(t - 3/4): both inside, only the second inside, none. */
         struct eng_query both = parabola(kind, -0.0625, 0.125, 0.125);
@@ -204,9 +193,8 @@ static void solve__the_first_of_two_crossings_counts(void **state)
 }
 
 /* If it failed: motion within one plane, as of cloth on a table, would be undecided. */
-static void solve__coplanar_motion_is_decided(void **state)
+CASE(solve__coplanar_motion_is_decided)
 {
-    (void)state;
     check_path(0.5, POINT(-1, 0.25, 0), POINT(1, 0.25, 0));
     check_path(0.25, POINT(-1, 0.25, 0), POINT(3, 0.25, 0));
     check_path(CASE_MISS, POINT(-1, -0.5, 0), POINT(1, -0.5, 0));
@@ -221,9 +209,8 @@ static void solve__coplanar_motion_is_decided(void **state)
 }
 
 /* If it failed: collapsed faces would be skipped, or hit everything. */
-static void solve__collapsed_faces_are_what_is_left_of_them(void **state)
+CASE(solve__collapsed_faces_are_what_is_left_of_them)
 {
-    (void)state;
     const double segment0[4][3] = {{1.5, 0, 1}, {0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     const double segment1[4][3] = {{1.5, 0, -1}, {0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     const double at_point0[4][3] = {{0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
@@ -248,9 +235,8 @@ static void solve__collapsed_faces_are_what_is_left_of_them(void **state)
 }
 
 /* If it failed: edges without length or direction would be skipped, or hit everything. */
-static void solve__collapsed_and_parallel_edges_are_decided(void **state)
+CASE(solve__collapsed_and_parallel_edges_are_decided)
 {
-    (void)state;
     const double meet0[4][3] = {{0, 0, 0}, {0, 0, 0}, {2, 4, 8}, {2, 4, 8}};
     const double meet1[4][3] = {{4, 8, 16}, {4, 8, 16}, {2, 4, 8}, {2, 4, 8}};
     check_bar(0.5, POINT(1, 0, 1), POINT(1, 0, 1), POINT(0, 0, -2));
@@ -271,14 +257,13 @@ static void solve__collapsed_and_parallel_edges_are_decided(void **state)
 }
 
 /* If it failed: an exactly known contact would be missed, or reported too late. */
-static void solve__planted_contacts_are_never_missed_nor_late(void **state)
+CASE(solve__planted_contacts_are_never_missed_nor_late)
 {
-    (void)state;
-    struct kit_random random = {60};
+    struct prng random = {60};
     for (int round = 0; round < 20000; round++) {
         struct eng_query query;
         struct eng_hit hit;
-        unsigned eighths = kit_below(&random, 9);
+        unsigned eighths = prng_u32(&random, 9);
         kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, eighths, &query);
         assert_true(eng_solve(&query, 1e-6, 1, case_exact(), &hit));
         case_check_form(&query, 1e-6, &hit);
@@ -287,22 +272,21 @@ static void solve__planted_contacts_are_never_missed_nor_late(void **state)
 }
 
 /* Points on a coarse grid: most queries are degenerate, coplanar or just touching. */
-static struct eng_query grid_query(struct kit_random *random, enum pccd_kind kind,
+static struct eng_query grid_query(struct prng *random, enum pccd_kind kind,
                                    uint32_t bound)
 {
     struct eng_query query = {.kind = kind};
     for (int i = 0; i < 24; i++) {
-        query.x[i / 12][i / 3 % 4][i % 3] = kit_integer(random, bound);
+        query.x[i / 12][i / 3 % 4][i % 3] = prng_integer(random, bound);
     }
     return query;
 }
 
 /* If it failed: the answer would depend on which end, corner or direction comes first, or
  * there would be a contact before the time that is called the first. */
-static void solve__answers_agree_from_every_side(void **state)
+CASE(solve__answers_agree_from_every_side)
 {
-    (void)state;
-    struct kit_random random = {61};
+    struct prng random = {61};
     int hits = 0;
     enum { ROUNDS = 3000 };
     for (int round = 0; round < ROUNDS; round++) {
@@ -332,17 +316,16 @@ static void solve__answers_agree_from_every_side(void **state)
 }
 
 /* If it failed: mode first would give other bytes than mode all for the same contact. */
-static void solve__end_time_decides_whether_not_what(void **state)
+CASE(solve__end_time_decides_whether_not_what)
 {
-    (void)state;
-    struct kit_random random = {62};
+    struct prng random = {62};
     for (int round = 0; round < 6000; round++) {
         enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
         struct eng_query query;
         struct eng_hit hit;
         struct eng_hit other;
         if (round % 4 < 2) {
-            kit_plant(&random, kind, 1 + kit_below(&random, 8), &query);
+            kit_plant(&random, kind, 1 + prng_u32(&random, 8), &query);
         } else {
             query = grid_query(&random, kind, 2);
         }
@@ -368,9 +351,8 @@ static void solve__end_time_decides_whether_not_what(void **state)
 
 /* If it failed: an early contact would be found up to the end of the step, but not up to
  * its own time: its bracket begins before the span in which it is proved. */
-static void solve__a_bracket_may_begin_before_its_span(void **state)
+CASE(solve__a_bracket_may_begin_before_its_span)
 {
-    (void)state;
     const struct eng_query query = {
         PCCD_EE,
         {{{-0x1.00ae931497bb9p+0, 0x1.9c6a1e5ce8cffp-1, -0x1.86a5af2c0eeep-4},
@@ -390,10 +372,9 @@ static void solve__a_bracket_may_begin_before_its_span(void **state)
 
 /* If it failed: a vertex projected onto a surface in the last step, and so coplanar with
  * it up to rounding, would be pushed out on the wrong side. */
-static void solve__normal_names_the_exact_side_at_the_start(void **state)
+CASE(solve__normal_names_the_exact_side_at_the_start)
 {
-    (void)state;
-    struct kit_random random = {311};
+    struct prng random = {311};
     uint32_t looked_at = 0;
     for (int i = 0; i < 3000; i++) {
         struct eng_query query = {.kind = PCCD_VF};
@@ -401,7 +382,7 @@ static void solve__normal_names_the_exact_side_at_the_start(void **state)
         double c[3];
         double n[3];
         for (int k = 0; k < 9; k++) {
-            double x = kit_between(&random, -1, 1);
+            double x = prng_between(&random, -1, 1);
             query.x[0][1 + k / 3][k % 3] = x;
             query.x[1][1 + k / 3][k % 3] = x;
         }
@@ -430,26 +411,4 @@ static void solve__normal_names_the_exact_side_at_the_start(void **state)
     assert_true(looked_at > 1000);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(solve__plain_hits_have_time_place_and_side),
-        cmocka_unit_test(solve__plain_misses_are_misses),
-        cmocka_unit_test(solve__closed_boundaries_count_and_one_ulp_does_not),
-        cmocka_unit_test(solve__touch_at_the_start_is_initial),
-        cmocka_unit_test(solve__touch_at_the_end_is_found),
-        cmocka_unit_test(solve__double_roots_are_told_from_near_ones),
-        cmocka_unit_test(solve__the_first_of_two_crossings_counts),
-        cmocka_unit_test(solve__coplanar_motion_is_decided),
-        cmocka_unit_test(solve__collapsed_faces_are_what_is_left_of_them),
-        cmocka_unit_test(solve__collapsed_and_parallel_edges_are_decided),
-        cmocka_unit_test(solve__planted_contacts_are_never_missed_nor_late),
-        cmocka_unit_test(solve__answers_agree_from_every_side),
-        cmocka_unit_test(solve__end_time_decides_whether_not_what),
-        cmocka_unit_test(solve__a_bracket_may_begin_before_its_span),
-        cmocka_unit_test(solve__normal_names_the_exact_side_at_the_start),
-    };
-    int status = cmocka_run_group_tests_name("eng_solve", tests, NULL, NULL);
-    eng_exact_deinit(case_exact());
-    return status;
-}
+CASES_WITH(NULL, case_end);

@@ -1,8 +1,4 @@
-/* test_eng_stage.c - the positions of a step.
- *
- * What each kind of write means for both ends, and that whatever fails or is aborted
- * leaves the positions as they were.
- */
+/* test_eng_stage.c - the positions of a step. */
 #include "eng_kit.h"
 
 #include <math.h>
@@ -22,11 +18,11 @@ struct fixture {
 static int setup(void **state)
 {
     static struct fixture fixture;
-    assert_int_equal(eng_scene_new(NULL, &fixture.scene), PCCD_OK);
+    fixture.scene = kit_scene();
     for (uint32_t i = 0; i < OBJECTS; i++) {
         uint32_t idx;
         struct eng_mesh *mesh = kit_sheet(3, i);
-        assert_int_equal(eng_scene_add(fixture.scene, mesh, 10 + i, &idx), PCCD_OK);
+        assert_ok(eng_scene_add(fixture.scene, mesh, 10 + i, &idx));
         assert_int_equal(idx, i);
         assert_int_equal(eng_scene_vertex_count(fixture.scene, idx), V);
         memcpy(fixture.at[i], mesh->x, sizeof fixture.at[i]);
@@ -72,24 +68,24 @@ static void check_standing(const struct fixture *f)
     }
 }
 
-static void fill(struct kit_random *random, double (*x)[3], uint32_t count)
+static void fill(struct prng *random, double (*x)[3], uint32_t count)
 {
     for (uint32_t i = 0; i < 3 * count; i++) {
-        x[i / 3][i % 3] = kit_between(random, -1, 1);
+        x[i / 3][i % 3] = prng_between(random, -1, 1);
     }
 }
 
 /* If it failed: the start of a step would not be the end of the last one. */
-static void stage__x1_moves_from_the_last_end(void **state)
+CASE_WITH(stage__x1_moves_from_the_last_end, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {40};
+    struct prng random = {40};
     double x[V][3];
     for (int step = 0; step < 5; step++) {
         fill(&random, x, V);
         eng_stage_begin(f->scene);
-        assert_int_equal(eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, 0, V, x), PCCD_OK);
-        assert_int_equal(run(f->scene), PCCD_OK);
+        assert_ok(eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, 0, V, x));
+        assert_ok(run(f->scene));
         check_end(f, 1, 0, (const double(*)[3])f->at[1]);
         memcpy(f->at[1], x, sizeof x);
         check_standing(f);
@@ -99,22 +95,22 @@ static void stage__x1_moves_from_the_last_end(void **state)
 }
 
 /* If it failed: a teleport would be swept, or floats would not be taken exactly. */
-static void stage__x0x1_gives_both_ends(void **state)
+CASE_WITH(stage__x0x1_gives_both_ends, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {41};
+    struct prng random = {41};
     float x0[V][3];
     float x1[V][3];
     double expected[2][V][3];
     for (uint32_t i = 0; i < 3 * V; i++) {
-        x0[i / 3][i % 3] = (float)kit_between(&random, -1, 1);
-        x1[i / 3][i % 3] = (float)kit_between(&random, -1, 1);
+        x0[i / 3][i % 3] = (float)prng_between(&random, -1, 1);
+        x1[i / 3][i % 3] = (float)prng_between(&random, -1, 1);
         expected[0][i / 3][i % 3] = (double)x0[i / 3][i % 3];
         expected[1][i / 3][i % 3] = (double)x1[i / 3][i % 3];
     }
     eng_stage_begin(f->scene);
-    assert_int_equal(eng_stage_x0x1(f->scene, 2, PCCD_FORMAT_F32, 0, V, x0, x1), PCCD_OK);
-    assert_int_equal(run(f->scene), PCCD_OK);
+    assert_ok(eng_stage_x0x1(f->scene, 2, PCCD_FORMAT_F32, 0, V, x0, x1));
+    assert_ok(run(f->scene));
     check_end(f, 2, 0, (const double(*)[3])expected[0]);
     memcpy(f->at[2], expected[1], sizeof expected[1]);
     check_standing(f);
@@ -122,16 +118,16 @@ static void stage__x0x1_gives_both_ends(void **state)
 
 /* If it failed: a rigid motion would not have the bits that its documentation
  * promises. */
-static void stage__rigid_is_the_documented_formula(void **state)
+CASE_WITH(stage__rigid_is_the_documented_formula, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {42};
+    struct prng random = {42};
     double m[2][12];
     double expected[2][V][3];
     const double(*rest)[3] = (const double(*)[3])f->scene->objects[0].mesh->x;
     for (int step = 0; step < 3; step++) {
         for (int i = 0; i < 24; i++) {
-            m[i / 12][i % 12] = kit_between(&random, -2, 2);
+            m[i / 12][i % 12] = prng_between(&random, -2, 2);
         }
         for (uint32_t i = 0; i < 2 * 3 * V; i++) {
             const double *row = m[i / (3 * V)] + 4 * (i % 3);
@@ -144,8 +140,8 @@ static void stage__rigid_is_the_documented_formula(void **state)
             expected[i / (3 * V)][i / 3 % V][i % 3] = sum + row[3];
         }
         eng_stage_begin(f->scene);
-        assert_int_equal(eng_stage_rigid(f->scene, 0, 0, V, m[0], m[1]), PCCD_OK);
-        assert_int_equal(run(f->scene), PCCD_OK);
+        assert_ok(eng_stage_rigid(f->scene, 0, 0, V, m[0], m[1]));
+        assert_ok(run(f->scene));
         check_end(f, 0, 0, (const double(*)[3])expected[0]);
         memcpy(f->at[0], expected[1], sizeof expected[1]);
         check_standing(f);
@@ -153,40 +149,36 @@ static void stage__rigid_is_the_documented_formula(void **state)
 }
 
 /* If it failed: writing a part of an object would disturb the rest of it. */
-static void stage__ranges_move_only_their_vertices(void **state)
+CASE_WITH(stage__ranges_move_only_their_vertices, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {43};
+    struct prng random = {43};
     for (int step = 0; step < 200; step++) {
         double start[V][3];
         double x[V][3];
         double x0[V][3];
-        uint32_t first = kit_below(&random, V);
-        uint32_t count = 1 + kit_below(&random, V - first);
-        uint32_t object = kit_below(&random, OBJECTS);
-        bool both = kit_below(&random, 2);
+        uint32_t first = prng_u32(&random, V);
+        uint32_t count = 1 + prng_u32(&random, V - first);
+        uint32_t object = prng_u32(&random, OBJECTS);
+        bool both = prng_u32(&random, 2);
         fill(&random, x, count);
         fill(&random, x0, count);
         memcpy(start, f->at[object], sizeof start);
         eng_stage_begin(f->scene);
         if (both) {
-            assert_int_equal(
-                eng_stage_x0x1(f->scene, object, PCCD_FORMAT_F64, first, count, x0, x),
-                PCCD_OK);
+            assert_ok(
+                eng_stage_x0x1(f->scene, object, PCCD_FORMAT_F64, first, count, x0, x));
             memcpy(start[first], x0, count * sizeof *x0);
         } else {
-            assert_int_equal(
-                eng_stage_x1(f->scene, object, PCCD_FORMAT_F64, first, count, x),
-                PCCD_OK);
+            assert_ok(eng_stage_x1(f->scene, object, PCCD_FORMAT_F64, first, count, x));
         }
         memcpy(f->at[object][first], x, count * sizeof *x);
         if (first > 2) { /* a second range of the same object */
             fill(&random, x, 2);
-            assert_int_equal(eng_stage_x1(f->scene, object, PCCD_FORMAT_F64, 0, 2, x),
-                             PCCD_OK);
+            assert_ok(eng_stage_x1(f->scene, object, PCCD_FORMAT_F64, 0, 2, x));
             memcpy(f->at[object][0], x, 2 * sizeof *x);
         }
-        assert_int_equal(run(f->scene), PCCD_OK);
+        assert_ok(run(f->scene));
         check_end(f, object, 0, (const double(*)[3])start);
         check_standing(f);
     }
@@ -194,43 +186,38 @@ static void stage__ranges_move_only_their_vertices(void **state)
 
 /* If it failed: a step that gives every start would leave its predecessor's positions in
  * some buffer for a later step, or for objects that come, to find. */
-static void stage__all_starts_or_some_give_the_same_ends(void **state)
+CASE_WITH(stage__all_starts_or_some_give_the_same_ends, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {45};
+    struct prng random = {45};
     for (int step = 0; step < 300; step++) {
         double start[OBJECTS][V][3];
         memcpy(start, f->at, sizeof start);
         if (step % 20 == 19) { /* comes and goes: the arrays grow, numbers stay */
             uint32_t idx;
-            struct eng_mesh *mesh = kit_sheet(3 + (uint32_t)step / 20, 9);
-            assert_int_equal(eng_scene_add(f->scene, mesh, 77, &idx), PCCD_OK);
-            eng_mesh_release(mesh);
+            idx = kit_add(f->scene, kit_sheet(3 + (uint32_t)step / 20, 9), 77);
             check_standing(f);
-            assert_int_equal(eng_scene_remove(f->scene, idx), PCCD_OK);
+            assert_ok(eng_scene_remove(f->scene, idx));
         }
         eng_stage_begin(f->scene);
         for (uint32_t i = 0; i < OBJECTS; i++) {
             double x[V][3];
-            uint32_t kind = step % 3 > 0 ? 0 : kit_below(&random, 3);
+            uint32_t kind = step % 3 > 0 ? 0 : prng_u32(&random, 3);
             fill(&random, x, V);
             if (kind == 0) {
                 fill(&random, start[i], V / 2);
-                assert_int_equal(
-                    eng_stage_x0x1(f->scene, i, PCCD_FORMAT_F64, 0, V / 2, start[i], x),
-                    PCCD_OK);
-                assert_int_equal(eng_stage_x0x1(f->scene, i, PCCD_FORMAT_F64, V / 2,
-                                                V / 2, start[i] + V / 2, x + V / 2),
-                                 PCCD_OK);
+                assert_ok(
+                    eng_stage_x0x1(f->scene, i, PCCD_FORMAT_F64, 0, V / 2, start[i], x));
+                assert_ok(eng_stage_x0x1(f->scene, i, PCCD_FORMAT_F64, V / 2, V / 2,
+                                         start[i] + V / 2, x + V / 2));
             } else if (kind == 1) {
-                assert_int_equal(eng_stage_x1(f->scene, i, PCCD_FORMAT_F64, 0, V, x),
-                                 PCCD_OK);
+                assert_ok(eng_stage_x1(f->scene, i, PCCD_FORMAT_F64, 0, V, x));
             }
             if (kind < 2) {
                 memcpy(f->at[i], x, sizeof x);
             }
         }
-        assert_int_equal(run(f->scene), PCCD_OK);
+        assert_ok(run(f->scene));
         for (uint32_t i = 0; i < OBJECTS; i++) {
             check_end(f, i, 0, (const double(*)[3])start[i]);
         }
@@ -239,14 +226,14 @@ static void stage__all_starts_or_some_give_the_same_ends(void **state)
 }
 
 /* If it failed: a range of a rigid object would use the wrong registered positions. */
-static void stage__rigid_range_uses_its_own_rest_positions(void **state)
+CASE_WITH(stage__rigid_range_uses_its_own_rest_positions, setup, teardown)
 {
     struct fixture *f = *state;
     const double here[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     const double up[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 8};
     eng_stage_begin(f->scene);
-    assert_int_equal(eng_stage_rigid(f->scene, 1, 5, 4, here, up), PCCD_OK);
-    assert_int_equal(run(f->scene), PCCD_OK);
+    assert_ok(eng_stage_rigid(f->scene, 1, 5, 4, here, up));
+    assert_ok(run(f->scene));
     for (uint32_t v = 5; v < 9; v++) {
         f->at[1][v][2] += 8;
     }
@@ -254,17 +241,17 @@ static void stage__rigid_range_uses_its_own_rest_positions(void **state)
 }
 
 /* If it failed: what was staged and thrown away would show in a later step. */
-static void stage__abort_leaves_positions_as_before(void **state)
+CASE_WITH(stage__abort_leaves_positions_as_before, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {44};
+    struct prng random = {44};
     double x[V][3];
     for (int round = 0; round < 20; round++) {
         eng_stage_begin(f->scene);
         for (uint32_t i = 0; i < OBJECTS; i++) {
             fill(&random, x, V);
-            uint32_t count = 1 + kit_below(&random, V);
-            if (kit_below(&random, 2)) {
+            uint32_t count = 1 + prng_u32(&random, V);
+            if (prng_u32(&random, 2)) {
                 eng_stage_x1(f->scene, i, PCCD_FORMAT_F64, 0, count, x);
             } else {
                 eng_stage_x0x1(f->scene, i, PCCD_FORMAT_F64, 0, count, x, x);
@@ -273,7 +260,7 @@ static void stage__abort_leaves_positions_as_before(void **state)
         eng_stage_abort(f->scene);
         check_standing(f);
         if (round % 3 == 0) { /* nothing staged: everything stands still */
-            assert_int_equal(run(f->scene), PCCD_OK);
+            assert_ok(run(f->scene));
             check_standing(f);
             for (uint32_t i = 0; i < OBJECTS; i++) {
                 check_end(f, i, 0, (const double(*)[3])f->at[i]);
@@ -281,9 +268,8 @@ static void stage__abort_leaves_positions_as_before(void **state)
         } else if (round % 3 == 1) { /* a part of one object moves */
             fill(&random, x, 3);
             eng_stage_begin(f->scene);
-            assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, 4, 3, x),
-                             PCCD_OK);
-            assert_int_equal(run(f->scene), PCCD_OK);
+            assert_ok(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, 4, 3, x));
+            assert_ok(run(f->scene));
             check_end(f, 0, 0, (const double(*)[3])f->at[0]);
             memcpy(f->at[0][4], x, 3 * sizeof *x);
             check_standing(f);
@@ -292,10 +278,10 @@ static void stage__abort_leaves_positions_as_before(void **state)
 }
 
 /* If it failed: a bad number in the last vertex would leave half a step behind. */
-static void stage__refused_coordinates_leave_positions_as_before(void **state)
+CASE_WITH(stage__refused_coordinates_leave_positions_as_before, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {45};
+    struct prng random = {45};
     const double bad[] = {NAN, INFINITY, -INFINITY, 1.0000001e18};
     double good[V][3];
     double x[V][3];
@@ -306,12 +292,11 @@ static void stage__refused_coordinates_leave_positions_as_before(void **state)
         memcpy(x, good, sizeof x);
         x[V - 1][2] = bad[i];
         memcpy(m, identity, sizeof m);
-        m[kit_below(&random, 12)] = bad[i];
+        m[prng_u32(&random, 12)] = bad[i];
         for (int kind = 0; kind < 5; kind++) {
             int status = PCCD_OK;
             eng_stage_begin(f->scene);
-            assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, 0, V, good),
-                             PCCD_OK);
+            assert_ok(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, 0, V, good));
             status =
                 kind == 0   ? eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, 0, V, x)
                 : kind == 1 ? eng_stage_x0x1(f->scene, 1, PCCD_FORMAT_F64, 0, V, x, good)
@@ -321,7 +306,7 @@ static void stage__refused_coordinates_leave_positions_as_before(void **state)
             assert_int_equal(status, PCCD_E_NOTFINITE);
             eng_stage_abort(f->scene);
             check_standing(f);
-            assert_int_equal(run(f->scene), PCCD_OK);
+            assert_ok(run(f->scene));
             check_standing(f);
         }
     }
@@ -334,10 +319,10 @@ static void stage__refused_coordinates_leave_positions_as_before(void **state)
 }
 
 /* If it failed: two writes to one vertex would leave the order of arrival to decide. */
-static void stage__overlapping_ranges_are_refused(void **state)
+CASE_WITH(stage__overlapping_ranges_are_refused, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {46};
+    struct prng random = {46};
     double x[V][3];
     int refused = 0;
     for (int round = 0; round < 500; round++) {
@@ -347,13 +332,11 @@ static void stage__overlapping_ranges_are_refused(void **state)
         memcpy(next, f->at, sizeof next);
         eng_stage_begin(f->scene);
         for (uint32_t i = 0; i < 4; i++) {
-            uint32_t object = kit_below(&random, OBJECTS);
-            uint32_t first = kit_below(&random, V);
-            uint32_t count = 1 + kit_below(&random, V - first < 6 ? V - first : 6);
+            uint32_t object = prng_u32(&random, OBJECTS);
+            uint32_t first = prng_u32(&random, V);
+            uint32_t count = 1 + prng_u32(&random, V - first < 6 ? V - first : 6);
             fill(&random, x, count);
-            assert_int_equal(
-                eng_stage_x1(f->scene, object, PCCD_FORMAT_F64, first, count, x),
-                PCCD_OK);
+            assert_ok(eng_stage_x1(f->scene, object, PCCD_FORMAT_F64, first, count, x));
             memcpy(next[object][first], x, count * sizeof *x);
             for (uint32_t v = first; v < first + count; v++) {
                 overlap |= written[object][v];
@@ -371,7 +354,7 @@ static void stage__overlapping_ranges_are_refused(void **state)
 }
 
 /* If it failed: a write outside its object would hit a neighbour's vertices. */
-static void stage__ranges_outside_the_object_are_refused(void **state)
+CASE_WITH(stage__ranges_outside_the_object_are_refused, setup, teardown)
 {
     struct fixture *f = *state;
     double x[V + 1][3] = {{0}};
@@ -400,7 +383,7 @@ static void stage__ranges_outside_the_object_are_refused(void **state)
 }
 
 /* If it failed: a step refused for its settings would move the scene all the same. */
-static void stage__refused_settings_leave_positions_as_before(void **state)
+CASE_WITH(stage__refused_settings_leave_positions_as_before, setup, teardown)
 {
     struct fixture *f = *state;
     double x[V][3] = {{0}};
@@ -416,15 +399,14 @@ static void stage__refused_settings_leave_positions_as_before(void **state)
                              : which == 6 ? 0.9e-12
                                           : 1e-6;
         eng_stage_begin(f->scene);
-        assert_int_equal(eng_stage_x0x1(f->scene, 0, PCCD_FORMAT_F64, 0, V, x, x),
-                         PCCD_OK);
+        assert_ok(eng_stage_x0x1(f->scene, 0, PCCD_FORMAT_F64, 0, V, x, x));
         assert_int_equal(eng_step(f->scene, &settings, &result), PCCD_E_INVAL);
         check_standing(f);
     }
 }
 
 /* If it failed: the tree would change under the ranges that a step has staged. */
-static void stage__objects_neither_come_nor_go_while_staging(void **state)
+CASE_WITH(stage__objects_neither_come_nor_go_while_staging, setup, teardown)
 {
     struct fixture *f = *state;
     uint32_t idx = 77;
@@ -435,8 +417,7 @@ static void stage__objects_neither_come_nor_go_while_staging(void **state)
     assert_int_equal(idx, 77);
     assert_int_equal(eng_scene_object_count(f->scene), OBJECTS);
     eng_stage_abort(f->scene);
-    assert_int_equal(eng_scene_add(f->scene, mesh, 99, &idx), PCCD_OK);
-    eng_mesh_release(mesh);
+    idx = kit_add(f->scene, mesh, 99);
     check_standing(f); /* the arrays have grown, the others stay */
 }
 
@@ -466,46 +447,41 @@ static void check_bounds(const struct fixture *f)
 /* If it failed: boxes would be measured from where the object is not, which takes longer,
  * and far from the origin find too many pairs. Most parts do not have what is farthest
  * out, and where they do, what comes in its place may be nearer. */
-static void stage__bounds_follow_the_parts_that_move(void **state)
+CASE_WITH(stage__bounds_follow_the_parts_that_move, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {41};
+    struct prng random = {41};
     double x0[V][3];
     double x1[V][3];
     for (int step = 0; step < 2000; step++) {
-        uint32_t first = kit_below(&random, V);
-        uint32_t count = 1 + kit_below(&random, V - first);
+        uint32_t first = prng_u32(&random, V);
+        uint32_t count = 1 + prng_u32(&random, V - first);
         fill(&random, x0, V);
         fill(&random, x1, V);
         eng_stage_begin(f->scene);
         if (step % 5 == 0) {
-            assert_int_equal(
-                eng_stage_x0x1(f->scene, 1, PCCD_FORMAT_F64, first, count, x0, x1),
-                PCCD_OK);
+            assert_ok(eng_stage_x0x1(f->scene, 1, PCCD_FORMAT_F64, first, count, x0, x1));
         } else {
-            assert_int_equal(eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, first, count, x1),
-                             PCCD_OK);
+            assert_ok(eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, first, count, x1));
         }
         if (step % 3 == 0 && first > 0) {
-            assert_int_equal(eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, 0, 1, x1[0]),
-                             PCCD_OK);
+            assert_ok(eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, 0, 1, x1[0]));
         }
         if (step % 7 == 0) {
             eng_stage_abort(f->scene);
             continue;
         }
-        assert_int_equal(run(f->scene), PCCD_OK);
+        assert_ok(run(f->scene));
         check_bounds(f);
     }
 }
 
 static struct eng_scene *large_scene(void)
 {
-    struct eng_scene *scene;
     uint32_t idx;
     struct eng_mesh *mesh = kit_sheet(LARGE_SIDE, 0);
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
+    assert_ok(eng_scene_add(scene, mesh, 1, &idx));
     assert_int_equal(eng_scene_vertex_count(scene, idx), LARGE_V);
     eng_mesh_release(mesh);
     return scene;
@@ -513,20 +489,18 @@ static struct eng_scene *large_scene(void)
 
 /* If it failed: a large object would be somewhere else when several threads copy its
  * positions, or a bad coordinate among them would pass. */
-static void stage__a_team_copies_what_one_thread_does(void **state)
+CASE(stage__a_team_copies_what_one_thread_does)
 {
-    (void)state;
     static double x[2][LARGE_V][3];
-    struct kit_random random = {11};
+    struct prng random = {11};
     for (uint32_t threads = 1; threads <= 4; threads++) {
         struct eng_scene *scene = large_scene();
         fill(&random, x[0], LARGE_V);
         fill(&random, x[1], LARGE_V);
         eng_stage_begin(scene);
         eng_stage_share(scene, threads, NULL);
-        assert_int_equal(
-            eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, LARGE_V, x[0], x[1]), PCCD_OK);
-        assert_int_equal(run(scene), PCCD_OK);
+        assert_ok(eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, LARGE_V, x[0], x[1]));
+        assert_ok(run(scene));
         assert_memory_equal(end_of(scene, 0, 0), x[0], sizeof x[0]);
         assert_memory_equal(end_of(scene, 0, 1), x[1], sizeof x[1]);
         for (uint32_t bad = 0; bad < LARGE_V; bad += LARGE_V / 7) {
@@ -545,10 +519,10 @@ static void stage__a_team_copies_what_one_thread_does(void **state)
 }
 
 /* If it failed: what is written in place would not move, or leave a trace of nothing. */
-static void stage__lent_places_are_a_write_or_nothing(void **state)
+CASE_WITH(stage__lent_places_are_a_write_or_nothing, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {49};
+    struct prng random = {49};
     for (uint32_t round = 0; round < 40; round++) {
         double(*x[2])[3] = {f->at[1]}, now[2][V][3];
         bool has_start = round % 2 > 0, moves = round / 2 % 4 == 0;
@@ -569,33 +543,9 @@ static void stage__lent_places_are_a_write_or_nothing(void **state)
         } else if (round / 2 % 4 == 2) {
             eng_stage_unmap(f->scene, 1);
         }
-        assert_int_equal(run(f->scene), PCCD_OK);
+        assert_ok(run(f->scene));
         check_end(f, 1, 0, (const double(*)[3])now[0]);
         memcpy(f->at[1], now[1], sizeof now[1]);
     }
     check_standing(f);
-}
-
-#define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        TEST(stage__x1_moves_from_the_last_end),
-        TEST(stage__x0x1_gives_both_ends),
-        TEST(stage__rigid_is_the_documented_formula),
-        TEST(stage__ranges_move_only_their_vertices),
-        TEST(stage__all_starts_or_some_give_the_same_ends),
-        TEST(stage__rigid_range_uses_its_own_rest_positions),
-        TEST(stage__abort_leaves_positions_as_before),
-        TEST(stage__refused_coordinates_leave_positions_as_before),
-        TEST(stage__overlapping_ranges_are_refused),
-        TEST(stage__ranges_outside_the_object_are_refused),
-        TEST(stage__refused_settings_leave_positions_as_before),
-        TEST(stage__objects_neither_come_nor_go_while_staging),
-        TEST(stage__bounds_follow_the_parts_that_move),
-        TEST(stage__lent_places_are_a_write_or_nothing),
-        cmocka_unit_test(stage__a_team_copies_what_one_thread_does),
-    };
-    return cmocka_run_group_tests_name("eng_stage", tests, NULL, NULL);
 }

@@ -30,23 +30,22 @@ struct fixture {
 static uint32_t add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
 {
     uint32_t idx = UINT32_MAX;
-    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), PCCD_OK);
-    eng_mesh_release(mesh);
+    idx = kit_add(scene, mesh, id);
     return idx;
 }
 
 static int setup(void **state)
 {
     static struct fixture f;
-    struct kit_random random = {90};
-    assert_int_equal(eng_scene_new(NULL, &f.scene), PCCD_OK);
+    struct prng random = {90};
+    f.scene = kit_scene();
     f.sheet = add(f.scene, kit_sheet(SHEET_SIDE, 0.5), SHEET);
     struct eng_mesh *soup = kit_soup(&random, SOUP_TRIANGLES);
     f.soup = add(f.scene, eng_mesh_acquire(soup), SOUP);
     const double(*rest)[3] = eng_scene_object(f.scene, f.soup)->mesh->x;
     for (uint32_t i = 0; i < 3 * SOUP_VERTICES; i++) {
         f.x0[i / 3][i % 3] = rest[i / 3][i % 3];
-        f.x1[i / 3][i % 3] = rest[i / 3][i % 3] + kit_between(&random, -0.25, 0.25);
+        f.x1[i / 3][i % 3] = rest[i / 3][i % 3] + prng_between(&random, -0.25, 0.25);
     }
     eng_mesh_release(soup);
     *state = &f;
@@ -64,12 +63,10 @@ static int teardown(void **state)
 static struct eng_step_result run_with(struct fixture *f,
                                        const struct eng_question *settings)
 {
-    struct eng_step_result result;
     eng_stage_begin(f->scene);
-    assert_int_equal(eng_stage_x0x1(f->scene, f->soup, PCCD_FORMAT_F64, 0, SOUP_VERTICES,
-                                    f->x0, f->x1),
-                     PCCD_OK);
-    assert_int_equal(eng_step(f->scene, settings, &result), PCCD_OK);
+    assert_ok(eng_stage_x0x1(f->scene, f->soup, PCCD_FORMAT_F64, 0, SOUP_VERTICES, f->x0,
+                             f->x1));
+    struct eng_step_result result = kit_step(f->scene, settings);
     return result;
 }
 
@@ -111,7 +108,7 @@ static void check_golden(const struct eng_step_result *result, uint64_t count,
 
 /* If it failed: a compiler, an option or a change would alter answers unnoticed. (A
  * wanted change of the solver's arithmetic changes the first two.) */
-static void step__golden_hashes_hold(void **state)
+CASE_WITH(step__golden_hashes_hold, setup, teardown)
 {
     struct fixture *f = *state;
     struct eng_step_result result = run(f, PCCD_MODE_ALL);
@@ -123,7 +120,7 @@ static void step__golden_hashes_hold(void **state)
 }
 
 /* If it failed: counts beside the records would not be those of the records. */
-static void step__counts_describe_the_records(void **state)
+CASE_WITH(step__counts_describe_the_records, setup, teardown)
 {
     struct fixture *f = *state;
     struct eng_step_result result = run(f, PCCD_MODE_ALL);
@@ -165,7 +162,7 @@ static int compare_pairs(const void *a, const void *b)
 }
 
 /* If it failed: the modes would contradict each other about one step. */
-static void step__modes_agree(void **state)
+CASE_WITH(step__modes_agree, setup, teardown)
 {
     struct fixture *f = *state;
     for (int move = 0; move < 4; move++) {
@@ -211,10 +208,10 @@ static void step__modes_agree(void **state)
 
 /* Small triangles at random heights over the square, each alone in its column; they land
  * in another order than that of their numbers. */
-static void make_rain(struct kit_random *random, double (*x)[3], uint32_t (*triangles)[3])
+static void make_rain(struct prng *random, double (*x)[3], uint32_t (*triangles)[3])
 {
     for (uint32_t t = 0; t < RAIN; t++) {
-        double height = kit_between(random, 0.5, 2);
+        double height = prng_between(random, 0.5, 2);
         for (uint32_t k = 0; k < 3; k++) {
             double *corner = x[3 * t + k];
             corner[0] = (t % 20 + (k == 1 ? 0.7 : 0.2)) / 20;
@@ -227,16 +224,14 @@ static void make_rain(struct kit_random *random, double (*x)[3], uint32_t (*tria
 
 /* If it failed: what culls later contacts would cull the earliest, or not all that share
  * its time. */
-static void step__first_is_found_whatever_is_found_before(void **state)
+CASE(step__first_is_found_whatever_is_found_before)
 {
-    (void)state;
-    struct kit_random random = {93};
+    struct prng random = {93};
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     const double here[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     const double below[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -4};
     for (int round = 0; round < 8; round++) {
-        struct eng_scene *scene = NULL;
         double x[3 * RAIN][3];
         uint32_t triangles[RAIN][3];
         double lowest = 2;
@@ -244,7 +239,7 @@ static void step__first_is_found_whatever_is_found_before(void **state)
         for (uint32_t v = 0; v < 3 * RAIN; v++) {
             lowest = x[v][2] < lowest ? x[v][2] : lowest;
         }
-        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        struct eng_scene *scene = kit_scene();
         add(scene, kit_sheet(1 + (uint32_t)round % 3, 0), 1);
         add(scene,
             kit_mesh((const double(*)[3])x, 3 * RAIN, (const uint32_t(*)[3])triangles,
@@ -253,8 +248,8 @@ static void step__first_is_found_whatever_is_found_before(void **state)
         settings.mode = PCCD_MODE_FIRST;
         settings.method = round % 2 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
         eng_stage_begin(scene);
-        assert_int_equal(eng_stage_rigid(scene, 1, 0, 3 * RAIN, here, below), PCCD_OK);
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        assert_ok(eng_stage_rigid(scene, 1, 0, 3 * RAIN, here, below));
+        result = kit_step(scene, &settings);
         assert_true(settings.method == PCCD_METHOD_WIDE || /* it finds the first sooner */
                     result.counters.candidates[PCCD_VF] +
                             result.counters.candidates[PCCD_EE] >
@@ -264,10 +259,10 @@ static void step__first_is_found_whatever_is_found_before(void **state)
                     result.toi_first > lowest / 4 - 1e-6);
         /* Back on the sheet, all at rest: every contact is the first. */
         add(scene, kit_sheet(2, 0), 3);
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        result = kit_step(scene, &settings);
         uint64_t first_count = result.count;
         settings.mode = PCCD_MODE_ALL;
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        result = kit_step(scene, &settings);
         assert_true(result.initial > 0);
         assert_int_equal(first_count, result.initial);
         eng_scene_free(scene);
@@ -275,7 +270,7 @@ static void step__first_is_found_whatever_is_found_before(void **state)
 }
 
 /* If it failed: a finer tolerance would find other contacts. */
-static void step__tolerance_narrows_brackets_only(void **state)
+CASE_WITH(step__tolerance_narrows_brackets_only, setup, teardown)
 {
     struct fixture *f = *state;
     struct eng_question settings = ENG_QUESTION_DEFAULT;
@@ -311,7 +306,7 @@ static void check_subset(const struct eng_step_result *part,
 
 /* If it failed: a step that ran out of time, was called off or was cut would pass for
  * whole, or the next step would start from the wrong place. */
-static void step__early_ends_say_why(void **state)
+CASE_WITH(step__early_ends_say_why, setup, teardown)
 {
     struct fixture *f = *state;
     struct eng_step_result all = run(f, PCCD_MODE_ALL);
@@ -371,15 +366,12 @@ static struct eng_scene *make_spikes(void)
             corners[i][k] = v;
         }
     }
-    struct eng_scene *scene;
-    uint32_t idx;
     struct eng_mesh *meshes[2] = {kit_mesh(floor, 4, halves, 2),
                                   kit_mesh((const double(*)[3])x, 3 * SPIKES,
                                            (const uint32_t(*)[3])corners, SPIKES)};
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
     for (uint32_t i = 0; i < 2; i++) {
-        assert_int_equal(eng_scene_add(scene, meshes[i], i + 1, &idx), PCCD_OK);
-        eng_mesh_release(meshes[i]);
+        kit_add(scene, meshes[i], i + 1);
     }
     return scene;
 }
@@ -390,18 +382,16 @@ static struct eng_step_result fall(struct eng_scene *scene,
 {
     static const double pose[2][12] = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
                                        {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -1}};
-    struct eng_step_result result;
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_rigid(scene, 1, 0, 3 * SPIKES, pose[0], pose[1]), PCCD_OK);
-    assert_int_equal(eng_step(scene, settings, &result), PCCD_OK);
+    assert_ok(eng_stage_rigid(scene, 1, 0, 3 * SPIKES, pose[0], pose[1]));
+    struct eng_step_result result = kit_step(scene, settings);
     return result;
 }
 
 /* If it failed: of many contacts that are found early in the search and meet late so few
  * would be kept that none is left when others are found to be earlier. */
-static void step__keeps_the_first_of_the_earliest(void **state)
+CASE(step__keeps_the_first_of_the_earliest)
 {
-    (void)state;
     struct eng_scene *scene = make_spikes();
     struct pccd_contact first[KEPT];
     for (uint32_t round = 0; round < 3 * 2; round++) {
@@ -439,7 +429,7 @@ static bool count_questions(void *context)
 
 /* If it failed: libpccd-mpi would call MPI from a thread that must not, or a step would
  * not end for what another rank has found. */
-static void step__only_the_caller_is_asked_and_can_stop(void **state)
+CASE_WITH(step__only_the_caller_is_asked_and_can_stop, setup, teardown)
 {
     struct fixture *f = *state;
     const uint64_t total = run(f, PCCD_MODE_ALL).count;
@@ -466,20 +456,19 @@ static void step__only_the_caller_is_asked_and_can_stop(void **state)
  * each time. */
 static struct eng_scene *hostile_scene(void)
 {
-    struct kit_random random = {91};
-    struct eng_scene *scene = NULL;
+    struct prng random = {91};
     double x[2][120][3];
     uint32_t triangles[40][3];
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
     for (uint32_t i = 0; i < 720; i++) {
-        double scale = kit_below(&random, 2) ? 0x1p-1070 : 0x1p57;
-        x[i / 360][i % 360 / 3][i % 3] = kit_integer(&random, 3) * scale;
+        double scale = prng_u32(&random, 2) ? 0x1p-1070 : 0x1p57;
+        x[i / 360][i % 360 / 3][i % 3] = prng_integer(&random, 3) * scale;
         triangles[i % 120 / 3][i % 3] = i % 120;
     }
     add(scene,
         kit_mesh((const double(*)[3])x[0], 120, (const uint32_t(*)[3])triangles, 40), 1);
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, 120, x[1]), PCCD_OK);
+    assert_ok(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, 120, x[1]));
     return scene;
 }
 
@@ -514,14 +503,13 @@ static enum pccd_incomplete step_hostile(uint64_t budget_ns, uint32_t cancel_at,
 {
     struct eng_scene *scene = hostile_scene();
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     struct canceller canceller = {.cancel_at = cancel_at};
     settings.cancel = &canceller.cancel;
     settings.is_stopped = cancel_at_question;
     settings.asked = &canceller;
     uint64_t begin_ns = processor_ns();
     settings.deadline_ns = budget_ns == 0 ? 0 : common_now_ns() + budget_ns;
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_step(scene, &settings);
     *took_ns = processor_ns() - begin_ns;
     *questions = canceller.questions;
     eng_scene_free(scene);
@@ -530,9 +518,8 @@ static enum pccd_incomplete step_hostile(uint64_t budget_ns, uint32_t cancel_at,
 
 /* If it failed: one client's odd numbers would hold up every other client for seconds.
  * Counted in looks at the clock: a busy machine is late for reasons of its own. */
-static void step__deadline_is_seen_between_slow_tests(void **state)
+CASE(step__deadline_is_seen_between_slow_tests)
 {
-    (void)state;
     uint32_t whole, part;
     uint64_t whole_ns, took_ns;
     assert_int_equal(step_hostile(0, 0, &whole, &whole_ns), PCCD_COMPLETE);
@@ -546,17 +533,14 @@ static void step__deadline_is_seen_between_slow_tests(void **state)
 }
 
 /* If it failed: a scene without objects, or with nothing that can meet, would trip. */
-static void step__empty_scene_and_single_object_have_no_contacts(void **state)
+CASE(step__empty_scene_and_single_object_have_no_contacts)
 {
-    (void)state;
-    struct eng_scene *scene = NULL;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
     for (int objects = 0; objects < 2; objects++) {
         for (int mode = PCCD_MODE_ALL; mode <= PCCD_MODE_PAIRS; mode++) {
             struct eng_question settings = ENG_QUESTION_DEFAULT;
-            struct eng_step_result result;
             settings.mode = (enum pccd_mode)mode;
-            assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+            struct eng_step_result result = kit_step(scene, &settings);
             assert_int_equal(result.incomplete, PCCD_COMPLETE);
             assert_true(mode == PCCD_MODE_PAIRS || result.count == 0);
             assert_true(result.toi_first == 2);
@@ -571,24 +555,20 @@ static void step__empty_scene_and_single_object_have_no_contacts(void **state)
 }
 
 /* If it failed: cloth would pass through itself. */
-static void step__one_object_meets_itself(void **state)
+CASE(step__one_object_meets_itself)
 {
-    (void)state;
-    struct eng_scene *scene = NULL;
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     const double corner[1][3] = {{0.6, 0.55, 0.5}};
     const double below[1][3] = {{0.6, 0.55, -0.5}};
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
     add(scene, kit_sheet(4, 0), 9);
     eng_stage_begin(scene); /* vertex 0 is lifted over the sheet ... */
-    assert_int_equal(eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, 1, corner, corner),
-                     PCCD_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_ok(eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, 1, corner, corner));
+    struct eng_step_result result = kit_step(scene, &settings);
     assert_int_equal(result.counts[PCCD_VF], 0);
     eng_stage_begin(scene); /* ... and pushed through it */
-    assert_int_equal(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, 1, below), PCCD_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_ok(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, 1, below));
+    result = kit_step(scene, &settings);
     const struct pccd_contact *contact = result.records;
     assert_true(result.counts[PCCD_VF] > 0 && result.counts[PCCD_EE] > 0);
     assert_true(contact->kind == PCCD_VF && contact->object_a == 9 &&
@@ -617,10 +597,10 @@ static void check_nodes(const struct eng_scene *scene, struct eng_range range,
 }
 
 /* If it failed: adding or removing an object would cost or change the others. */
-static void step__objects_come_and_go_without_touching_others(void **state)
+CASE_WITH(step__objects_come_and_go_without_touching_others, setup, teardown)
 {
     struct fixture *f = *state;
-    struct kit_random random = {92};
+    struct prng random = {92};
     struct eng_step_result before = run(f, PCCD_MODE_ALL);
     struct eng_range range = eng_paper_object_of(&f->scene->objects[f->soup])->nodes;
     struct eng_node *nodes = copy_nodes(f->scene, range);
@@ -635,7 +615,7 @@ static void step__objects_come_and_go_without_touching_others(void **state)
         assert_true(eng_tree_validate(f->scene));
     }
     for (uint32_t i = 0; i < 6; i++) {
-        assert_int_equal(eng_scene_remove(f->scene, others[(i * 5) % 6]), PCCD_OK);
+        assert_ok(eng_scene_remove(f->scene, others[(i * 5) % 6]));
         assert_int_equal(eng_scene_remove(f->scene, others[(i * 5) % 6]), PCCD_E_INVAL);
         run(f, PCCD_MODE_ALL);
         check_nodes(f->scene, range, nodes);
@@ -648,22 +628,22 @@ static void step__objects_come_and_go_without_touching_others(void **state)
 }
 
 /* If it failed: an id could name two objects, or a wrong index remove one. */
-static void step__ids_are_unique_and_come_free_again(void **state)
+CASE_WITH(step__ids_are_unique_and_come_free_again, setup, teardown)
 {
     struct fixture *f = *state;
     uint32_t idx = 77;
     struct eng_mesh *mesh = kit_sheet(1, 0);
     struct eng_mesh *raw = NULL;
     assert_int_equal(eng_scene_add(f->scene, mesh, SOUP, &idx), PCCD_E_INVAL);
-    assert_int_equal(eng_mesh_new(3, 1, &raw), PCCD_OK);
+    assert_ok(eng_mesh_new(3, 1, &raw));
     assert_int_equal(eng_scene_add(f->scene, raw, 1, &idx), PCCD_E_STATE);
     assert_int_equal(idx, 77);
     assert_int_equal(eng_scene_remove(f->scene, 77), PCCD_E_INVAL);
     assert_int_equal(eng_scene_remove(f->scene, UINT32_MAX), PCCD_E_INVAL);
     assert_int_equal(eng_scene_object_count(f->scene), 2);
-    assert_int_equal(eng_scene_remove(f->scene, f->soup), PCCD_OK);
+    assert_ok(eng_scene_remove(f->scene, f->soup));
     assert_int_equal(eng_scene_vertex_count(f->scene, f->soup), 0);
-    assert_int_equal(eng_scene_add(f->scene, mesh, SOUP, &idx), PCCD_OK);
+    assert_ok(eng_scene_add(f->scene, mesh, SOUP, &idx));
     assert_int_equal(idx, f->soup);
     assert_int_equal(eng_scene_vertex_count(f->scene, idx), 4);
     eng_mesh_release(mesh);
@@ -671,18 +651,15 @@ static void step__ids_are_unique_and_come_free_again(void **state)
 }
 
 /* If it failed: the order of records would depend on the order of arrival. */
-static void step__object_ids_decide_the_order(void **state)
+CASE(step__object_ids_decide_the_order)
 {
-    (void)state;
     static const uint32_t ids[2][2] = {{1, 0x90000000u}, {0x90000000u, 1}};
     for (int order = 0; order < 2; order++) {
-        struct eng_scene *scene = NULL;
         struct eng_question settings = ENG_QUESTION_DEFAULT;
-        struct eng_step_result result;
-        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        struct eng_scene *scene = kit_scene();
         add(scene, kit_sheet(2, 0), ids[order][0]);
         add(scene, kit_sheet(3, 0), ids[order][1]); /* in the same plane: touching */
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        struct eng_step_result result = kit_step(scene, &settings);
         const struct pccd_contact *contacts = result.records;
         assert_true(result.counts[PCCD_EE] > 20 && result.counts[PCCD_VF] > 20);
         assert_int_equal(result.initial, result.count);
@@ -699,49 +676,22 @@ static void step__object_ids_decide_the_order(void **state)
 }
 
 /* If it failed: instances of one mesh would share positions, or need their own copies. */
-static void step__two_instances_of_one_mesh_are_two_objects(void **state)
+CASE(step__two_instances_of_one_mesh_are_two_objects)
 {
-    (void)state;
-    struct eng_scene *scene = NULL;
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     const double up[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.125, 0, 0, 1, 1};
     const double down[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.125, 0, 0, 1, -1};
     struct eng_mesh *mesh = kit_sheet(2, 0);
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
     uint32_t a = add(scene, eng_mesh_acquire(mesh), 1);
     uint32_t b = add(scene, mesh, 2); /* nobody but the scene holds the mesh now */
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_rigid(scene, b, 0, 9, up, down), PCCD_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_ok(eng_stage_rigid(scene, b, 0, 9, up, down));
+    struct eng_step_result result = kit_step(scene, &settings);
     assert_true(result.counts[PCCD_VF] > 0 && result.counts[PCCD_EE] > 0);
     assert_true(result.toi_first <= 0.5 && result.toi_first >= 0.5 - 1e-6);
-    assert_int_equal(eng_scene_remove(scene, a), PCCD_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_ok(eng_scene_remove(scene, a));
+    result = kit_step(scene, &settings);
     assert_int_equal(result.count, 0);
     eng_scene_free(scene);
-}
-
-#define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        TEST(step__golden_hashes_hold),
-        TEST(step__counts_describe_the_records),
-        TEST(step__modes_agree),
-        cmocka_unit_test(step__first_is_found_whatever_is_found_before),
-        TEST(step__tolerance_narrows_brackets_only),
-        TEST(step__early_ends_say_why),
-        cmocka_unit_test(step__keeps_the_first_of_the_earliest),
-        TEST(step__only_the_caller_is_asked_and_can_stop),
-        cmocka_unit_test(step__deadline_is_seen_between_slow_tests),
-        cmocka_unit_test(step__empty_scene_and_single_object_have_no_contacts),
-        cmocka_unit_test(step__one_object_meets_itself),
-        TEST(step__objects_come_and_go_without_touching_others),
-        TEST(step__ids_are_unique_and_come_free_again),
-        cmocka_unit_test(step__object_ids_decide_the_order),
-        cmocka_unit_test(step__two_instances_of_one_mesh_are_two_objects),
-    };
-    return cmocka_run_group_tests_name("eng_step", tests, NULL, NULL);
 }

@@ -1,8 +1,4 @@
-/* test_eng_still.c - when what stands still is looked for.
- *
- * Steps in which the same part of a sheet moves, in one piece or spread over it, and how
- * much of what stands is left out.
- */
+/* test_eng_still.c - when what stands still is looked for. */
 #include "eng_kit.h"
 
 #include <string.h>
@@ -25,12 +21,11 @@ static uint64_t still_features(uint32_t stride, bool in_one_piece)
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result = {0};
-    struct eng_scene *scene;
     uint32_t idx;
     struct eng_mesh *mesh = kit_sheet(SIDE, 0);
     assert_int_equal(mesh->info.vertex_count, V);
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
+    assert_ok(eng_scene_add(scene, mesh, 1, &idx));
     for (uint32_t step = 0; step < 6; step++) {
         static double x[V][3];
         memcpy(x, mesh->x, sizeof x);
@@ -38,8 +33,8 @@ static uint64_t still_features(uint32_t stride, bool in_one_piece)
             x[i][2] += moves(i, stride, in_one_piece) ? 0.01 * (step % 2) : 0;
         }
         eng_stage_begin(scene);
-        assert_int_equal(eng_stage_x1(scene, idx, PCCD_FORMAT_F64, 0, V, x), PCCD_OK);
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        assert_ok(eng_stage_x1(scene, idx, PCCD_FORMAT_F64, 0, V, x));
+        result = kit_step(scene, &settings);
     }
     eng_mesh_release(mesh);
     eng_scene_free(scene);
@@ -49,19 +44,10 @@ static uint64_t still_features(uint32_t stride, bool in_one_piece)
 /* If it failed: a step would look for what stands in every block and hardly find any,
  * which takes longer than to search all; or it would search all where half of the blocks
  * stand. */
-static void still__is_looked_for_where_blocks_stand(void **state)
+CASE(still__is_looked_for_where_blocks_stand)
 {
-    (void)state;
     assert_int_equal(still_features(2, false), 0);
     assert_true(still_features(2, true) > V);
     assert_true(still_features(50, false) > V); /* most blocks stand */
     assert_true(still_features(50, true) > V);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(still__is_looked_for_where_blocks_stand),
-    };
-    return cmocka_run_group_tests_name("eng_still", tests, NULL, NULL);
 }

@@ -1,8 +1,5 @@
 /* test_eng_subtree.c - which nodes are below which; disjoint task units.
  *
- * Hold the order of nodes against the links; run teams whose threads check each other
- * where the build validates.
- *
  * Source: daemon/engine/paper/trees.h; paper section 4.1.
  */
 #include "eng_crew.h"
@@ -25,22 +22,17 @@ static void find_parents(const struct eng_scene *scene, uint32_t *parents)
 
 /* If it failed: the check of disjoint task units would miss, or invent, a conflict, and a
  * subtree would be refit in part. */
-static void subtree__order_says_what_the_links_say(void **state)
+CASE(subtree__order_says_what_the_links_say)
 {
     static const uint32_t sizes[] = {5, 1, 9, 1, 2, 17};
     static uint32_t parents[256];
-    (void)state;
-    struct kit_random random = {5};
-    struct eng_scene *scene = NULL;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    struct prng random = {5};
+    struct eng_scene *scene = kit_scene();
     for (uint32_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        uint32_t idx;
-        struct eng_mesh *mesh = kit_soup(&random, sizes[i]);
-        assert_int_equal(eng_scene_add(scene, mesh, i, &idx), PCCD_OK);
-        eng_mesh_release(mesh);
+        kit_add(scene, kit_soup(&random, sizes[i]), i);
     }
-    assert_int_equal(eng_paper_add_objects(scene), PCCD_OK);
-    assert_int_equal(eng_build_top(scene), PCCD_OK);
+    assert_ok(eng_paper_add_objects(scene));
+    assert_ok(eng_build_top(scene));
     assert_true(eng_trees_of(scene)->node_ranges.end <= sizeof parents / sizeof *parents);
     find_parents(scene, parents);
     uint32_t pairs = 0;
@@ -60,7 +52,7 @@ static void subtree__order_says_what_the_links_say(void **state)
 
 /* If it failed: two threads would work below the same node without a lock (the step
  * asserts it in builds with --enable-validate), or a task unit would be left out. */
-static void subtree__threads_perform_disjoint_task_units(void **state)
+CASE_WITH(subtree__threads_perform_disjoint_task_units, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_step_result alone = crew_run(crew, crew_alone(PCCD_MODE_ALL));
@@ -74,13 +66,4 @@ static void subtree__threads_perform_disjoint_task_units(void **state)
             assert_int_equal(team.hash[1], alone.hash[1]);
         }
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(subtree__order_says_what_the_links_say),
-        CREW_TEST(subtree__threads_perform_disjoint_task_units),
-    };
-    return cmocka_run_group_tests_name("eng_subtree", tests, NULL, NULL);
 }

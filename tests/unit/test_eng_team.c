@@ -1,8 +1,4 @@
-/* test_eng_team.c - the same step by any number of threads.
- *
- * Records, hash, counts and boxes compared between one thread and several, for every
- * mode; warm teams allocate nothing; early ends end all threads.
- */
+/* test_eng_team.c - the same step by any number of threads. */
 #include "eng_crew.h"
 
 #include <stdlib.h>
@@ -15,7 +11,7 @@
 #include "worker.h"
 
 /* If it failed: the answer would depend on the machine or on the day. */
-static void team__same_records_for_any_number_of_threads(void **state)
+CASE_WITH(team__same_records_for_any_number_of_threads, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     for (int mode = PCCD_MODE_ALL; mode <= PCCD_MODE_PAIRS; mode++) {
@@ -48,7 +44,7 @@ static void team__same_records_for_any_number_of_threads(void **state)
 
 /* If it failed: a pair of boxes would be tested twice or not at all by some team, and
  * only luck would keep the answer. */
-static void team__same_work_for_any_number_of_threads(void **state)
+CASE_WITH(team__same_work_for_any_number_of_threads, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_step_result alone = crew_run(crew, crew_alone(PCCD_MODE_ALL));
@@ -66,7 +62,7 @@ static void team__same_work_for_any_number_of_threads(void **state)
 }
 
 /* If it failed: a node's box would be refit before its children's by some team. */
-static void team__refit_gives_the_same_boxes(void **state)
+CASE_WITH(team__refit_gives_the_same_boxes, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     size_t bytes = eng_trees_of(crew->scene)->node_ranges.end *
@@ -86,7 +82,7 @@ static void team__refit_gives_the_same_boxes(void **state)
 }
 
 /* If it failed: every step of a team would go to the system for memory. */
-static void team__warm_steps_allocate_nothing(void **state)
+CASE_WITH(team__warm_steps_allocate_nothing, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < crew_count(); i++) {
@@ -105,7 +101,7 @@ static void team__warm_steps_allocate_nothing(void **state)
 /* If it failed: beside other processes, where small scenes are now and then taken for
  * large ones, every scene of a daemon would come to hold the memory of a whole team. Or
  * those that want one now and then would make it anew each time. */
-static void team__workers_go_when_no_step_wants_them(void **state)
+CASE_WITH(team__workers_go_when_no_step_wants_them, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_scene *scene = crew->scene;
@@ -115,13 +111,12 @@ static void team__workers_go_when_no_step_wants_them(void **state)
     uint64_t before = eng_alloc_bytes();
     team.team_always = true;
     for (int i = 0; i < MANY_STEPS; i++) {
-        assert_int_equal(eng_step(scene, i % 100 == 99 ? &team : &alone, &result),
-                         PCCD_OK);
+        result = kit_step(scene, i % 100 == 99 ? &team : &alone);
         assert_int_equal(result.counters.allocs, 0);
     }
     assert_int_equal(eng_alloc_bytes(), before);
     for (int i = 0; i < MANY_STEPS; i++) {
-        assert_int_equal(eng_step(scene, &alone, &result), PCCD_OK);
+        result = kit_step(scene, &alone);
     }
     size_t one =
         sizeof(struct eng_worker) + sizeof(struct eng_paper_work) + eng_exact_bytes();
@@ -132,7 +127,7 @@ static void team__workers_go_when_no_step_wants_them(void **state)
 
 /* If it failed: a cancelled step would go on in the threads that did not see it, or hang.
  * Or boxes would be searched that the refit, which stops too, has not made. */
-static void team__early_ends_end_every_thread(void **state)
+CASE_WITH(team__early_ends_end_every_thread, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < 2 * crew_count(); i++) {
@@ -150,7 +145,7 @@ static void team__early_ends_end_every_thread(void **state)
 }
 
 /* If it failed: which records a cut answer holds would depend on who found them. */
-static void team__cut_answers_hold_the_first_records(void **state)
+CASE_WITH(team__cut_answers_hold_the_first_records, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     for (int k = 0; k < 6; k++) {
@@ -180,11 +175,11 @@ static void team__cut_answers_hold_the_first_records(void **state)
 static void fill_pairs(double (*x0)[3], double (*x1)[3], uint32_t (*triangles)[3])
 {
     const double corners[3][2] = {{0, 0}, {1, 0}, {0, 1}};
-    struct kit_random random = {98};
+    struct prng random = {98};
     for (uint32_t v = 0; v < 6 * PAIRS; v++) {
         uint32_t pair = v / 6;
         bool falls = v % 6 >= 3;
-        double first = pair % 3 == 0 ? 0.25 : kit_between(&random, 0.3, 0.875);
+        double first = pair % 3 == 0 ? 0.25 : prng_between(&random, 0.3, 0.875);
         x0[v][0] =
             3 * (pair % 30) + (falls ? 0.125 : 0) + corners[v % 3][0] * (falls ? 0.5 : 1);
         x0[v][1] =
@@ -198,7 +193,7 @@ static void fill_pairs(double (*x0)[3], double (*x1)[3], uint32_t (*triangles)[3
 
 /* If it failed: which contacts mode first gives would depend on how soon the earliest was
  * met, so on the number of threads. */
-static void team__first_is_what_all_says_it_is(void **state)
+CASE_WITH(team__first_is_what_all_says_it_is, crew_setup, crew_teardown)
 {
     static double x0[6 * PAIRS][3];
     static double x1[6 * PAIRS][3];
@@ -208,21 +203,18 @@ static void team__first_is_what_all_says_it_is(void **state)
     fill_pairs(x0, x1, triangles);
     struct eng_mesh *mesh = kit_mesh((const double(*)[3])x0, 6 * PAIRS,
                                      (const uint32_t(*)[3])triangles, 2 * PAIRS);
-    assert_int_equal(eng_scene_remove(crew->scene, crew->soup), PCCD_OK);
-    assert_int_equal(eng_scene_add(crew->scene, mesh, 3, &pairs), PCCD_OK);
-    eng_mesh_release(mesh);
+    assert_ok(eng_scene_remove(crew->scene, crew->soup));
+    pairs = kit_add(crew->scene, mesh, 3);
     uint64_t expected = 0;
     for (int threads = 0; threads < 5; threads++) {
         struct eng_question settings =
             crew_alone(threads == 0 ? PCCD_MODE_ALL : PCCD_MODE_FIRST);
-        struct eng_step_result result;
         settings.threads = threads == 0 ? 1 : (uint32_t)threads;
         settings.team_always = true;
         eng_stage_begin(crew->scene);
-        assert_int_equal(
-            eng_stage_x0x1(crew->scene, pairs, PCCD_FORMAT_F64, 0, 6 * PAIRS, x0, x1),
-            PCCD_OK);
-        assert_int_equal(eng_step(crew->scene, &settings, &result), PCCD_OK);
+        assert_ok(
+            eng_stage_x0x1(crew->scene, pairs, PCCD_FORMAT_F64, 0, 6 * PAIRS, x0, x1));
+        struct eng_step_result result = kit_step(crew->scene, &settings);
         const struct pccd_contact *contacts = result.records;
         double bound = 2;
         for (uint64_t i = 0; i < result.count; i++) {
@@ -239,25 +231,20 @@ static void team__first_is_what_all_says_it_is(void **state)
 }
 
 /* If it failed: a team larger than its scene would hang, or lose the few pairs. */
-static void team__larger_than_its_scene(void **state)
+CASE_WITH(team__larger_than_its_scene, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
-    struct kit_random random = {7};
-    assert_int_equal(eng_scene_remove(crew->scene, crew->soup), PCCD_OK);
-    assert_int_equal(eng_scene_remove(crew->scene, crew->sheet), PCCD_OK);
+    struct prng random = {7};
+    assert_ok(eng_scene_remove(crew->scene, crew->soup));
+    assert_ok(eng_scene_remove(crew->scene, crew->sheet));
     for (uint32_t triangles = 1; triangles <= 5; triangles++) {
-        uint32_t idx;
-        struct eng_mesh *mesh = kit_soup(&random, triangles);
-        assert_int_equal(eng_scene_add(crew->scene, mesh, triangles, &idx), PCCD_OK);
-        eng_mesh_release(mesh);
+        kit_add(crew->scene, kit_soup(&random, triangles), triangles);
         struct eng_question settings = crew_alone(PCCD_MODE_ALL);
-        struct eng_step_result alone;
-        assert_int_equal(eng_step(crew->scene, &settings, &alone), PCCD_OK);
+        struct eng_step_result alone = kit_step(crew->scene, &settings);
         for (size_t i = 0; i < crew_count(); i++) {
-            struct eng_step_result team;
             settings = crew_team(PCCD_MODE_ALL, i);
             settings.team_always = true;
-            assert_int_equal(eng_step(crew->scene, &settings, &team), PCCD_OK);
+            struct eng_step_result team = kit_step(crew->scene, &settings);
             assert_int_equal(team.threads, settings.threads);
             assert_int_equal(team.counters.task_units, alone.counters.task_units);
             assert_int_equal(team.counters.box_tests, alone.counters.box_tests);
@@ -265,20 +252,4 @@ static void team__larger_than_its_scene(void **state)
             assert_int_equal(team.hash[1], alone.hash[1]);
         }
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        CREW_TEST(team__same_records_for_any_number_of_threads),
-        CREW_TEST(team__first_is_what_all_says_it_is),
-        CREW_TEST(team__same_work_for_any_number_of_threads),
-        CREW_TEST(team__refit_gives_the_same_boxes),
-        CREW_TEST(team__warm_steps_allocate_nothing),
-        CREW_TEST(team__workers_go_when_no_step_wants_them),
-        CREW_TEST(team__early_ends_end_every_thread),
-        CREW_TEST(team__larger_than_its_scene),
-        CREW_TEST(team__cut_answers_hold_the_first_records),
-    };
-    return cmocka_run_group_tests_name("eng_team", tests, NULL, NULL);
 }

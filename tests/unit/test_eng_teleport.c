@@ -1,9 +1,4 @@
-/* test_eng_teleport.c - a step's memory does not depend on how far things go.
- *
- * A mesh of which every vertex jumps to some place far away, so that nearly everything
- * may meet everything, after steps in which hardly anything moved; counts bytes,
- * allocations and candidates, for every method and by teams.
- */
+/* test_eng_teleport.c - a step's memory does not depend on how far things go. */
 #include "eng_kit.h"
 
 #include <string.h>
@@ -39,17 +34,17 @@ struct ground {
 static int setup(void **state)
 {
     static struct ground ground;
-    struct kit_random random = {4};
+    struct prng random = {4};
     struct eng_mesh *mesh = kit_soup(&random, TRIANGLES);
     memset(&ground, 0, sizeof ground);
-    assert_int_equal(eng_scene_new(NULL, &ground.scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(ground.scene, mesh, 1, &ground.object), PCCD_OK);
+    ground.scene = kit_scene();
+    assert_ok(eng_scene_add(ground.scene, mesh, 1, &ground.object));
     for (uint32_t i = 0; i < 3 * VERTICES; i++) {
         double x = mesh->x[i / 3][i % 3];
         ground.calm[0][i / 3][i % 3] = x;
-        ground.calm[1][i / 3][i % 3] = x + kit_between(&random, -1e-3, 1e-3);
-        ground.far[0][i / 3][i % 3] = kit_between(&random, -FAR, FAR);
-        ground.far[1][i / 3][i % 3] = kit_between(&random, -FAR, FAR);
+        ground.calm[1][i / 3][i % 3] = x + prng_between(&random, -1e-3, 1e-3);
+        ground.far[0][i / 3][i % 3] = prng_between(&random, -FAR, FAR);
+        ground.far[1][i / 3][i % 3] = prng_between(&random, -FAR, FAR);
     }
     eng_mesh_release(mesh);
     *state = &ground;
@@ -65,12 +60,10 @@ static int teardown(void **state)
 static struct pccd_step_counters step(struct ground *ground, double x[2][VERTICES][3],
                                       const struct eng_question *settings)
 {
-    struct eng_step_result result;
     eng_stage_begin(ground->scene);
-    assert_int_equal(eng_stage_x0x1(ground->scene, ground->object, PCCD_FORMAT_F64, 0,
-                                    VERTICES, x[0], x[1]),
-                     PCCD_OK);
-    assert_int_equal(eng_step(ground->scene, settings, &result), PCCD_OK);
+    assert_ok(eng_stage_x0x1(ground->scene, ground->object, PCCD_FORMAT_F64, 0, VERTICES,
+                             x[0], x[1]));
+    struct eng_step_result result = kit_step(ground->scene, settings);
     assert_int_equal(result.threads, settings->threads);
     assert_true(result.count <= KEPT);
     return result.counters;
@@ -82,7 +75,7 @@ static uint64_t candidates(const struct pccd_step_counters *counters)
 }
 
 /* If it failed, a mesh that goes astray would take a machine's memory. */
-static void teleport__takes_no_more_memory_than_a_calm_step(void **state)
+CASE_WITH(teleport__takes_no_more_memory_than_a_calm_step, setup, teardown)
 {
     struct ground *ground = *state;
     for (uint32_t i = 0; i < WAY_METHODS * 2 * 2; i++) {
@@ -102,13 +95,4 @@ static void teleport__takes_no_more_memory_than_a_calm_step(void **state)
             assert_true(far.allocs <= ALLOCS_MAX * settings.threads);
         }
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(teleport__takes_no_more_memory_than_a_calm_step,
-                                        setup, teardown),
-    };
-    return cmocka_run_group_tests_name("eng_teleport", tests, NULL, NULL);
 }

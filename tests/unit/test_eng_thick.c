@@ -1,9 +1,4 @@
-/* test_eng_thick.c - the elementary test of thick features.
- *
- * Cases that were worked out by hand, in every order of their points and at several
- * scales, by doubles and by integers alone; flags, times, directions; no radius is
- * contact.
- */
+/* test_eng_thick.c - the elementary test of thick features. */
 #include "eng_case.h"
 
 #include <math.h>
@@ -20,7 +15,7 @@ static struct eng_thick *thick_scratch(void)
 {
     static struct eng_thick thick;
     if (thick.exact.block == NULL) {
-        assert_int_equal(eng_thick_init(&thick), PCCD_OK);
+        assert_ok(eng_thick_init(&thick));
     }
     return &thick;
 }
@@ -99,11 +94,10 @@ static void scale(struct eng_thick_query *query, double factor)
 
 /* If it failed: a pair would come within r unseen, or at another time, or that would
  * depend on the order of its points, on units, or on who decides. */
-static void thick__times_are_those_worked_out_by_hand(void **state)
+CASE(thick__times_are_those_worked_out_by_hand)
 {
     static const double scales[] = {1, 0x1p-60, 0x1p-1};
     static const double tolerances[] = {TOLERANCE, 1e-12, 1};
-    (void)state;
     for (size_t i = 0; i < thick_case_count; i++) {
         const struct thick_case *made = &thick_cases[i];
         for (int n = 0; n < 18; n++) {
@@ -127,10 +121,9 @@ static void thick__times_are_those_worked_out_by_hand(void **state)
 }
 
 /* If it failed: objects without thickness would get other bytes than they do today. */
-static void thick__without_radius_has_the_bytes_of_contact(void **state)
+CASE(thick__without_radius_has_the_bytes_of_contact)
 {
     int hits = 0;
-    (void)state;
     for (size_t i = 0; i < thick_case_count; i++) {
         struct eng_thick_query query = query_of(&thick_cases[i]);
         if (thick_cases[i].points_a + thick_cases[i].points_b < 4) {
@@ -209,9 +202,8 @@ static const struct {
 
 /* If it failed: where edges shrink to a point, or nearly, a contact would be said that
  * is none, or nobody would know. */
-static void thick__what_shrinks_to_a_point_is_decided(void **state)
+CASE(thick__what_shrinks_to_a_point_is_decided)
 {
-    (void)state;
     for (size_t i = 0; i < 2 * (sizeof noisy / sizeof *noisy); i++) {
         struct eng_thick_query query = {.approach = noisy[i / 2].approach};
         struct eng_hit hit;
@@ -247,10 +239,9 @@ static const struct thick_case *case_named(const char *name)
 }
 
 /* If it failed: a response would push features apart in another direction. */
-static void thick__nearest_points_are_described(void **state)
+CASE(thick__nearest_points_are_described)
 {
     struct eng_hit hit;
-    (void)state;
     struct eng_thick_query query = query_of(case_named("vertex above a face"));
     assert_true(solve(&query, TOLERANCE, 1, &hit));
     assert_direction(&hit, 0, 0, 1);
@@ -272,9 +263,8 @@ static void thick__nearest_points_are_described(void **state)
 }
 
 /* If it failed: times would not be cells, whose bytes depend on the first time alone. */
-static void thick__cells_follow_each_other(void **state)
+CASE(thick__cells_follow_each_other)
 {
-    (void)state;
     for (int depth = 30; depth <= 40; depth++) {
         int64_t last = INT64_C(1) << depth;
         for (int64_t i = -1; i < 5; i++) {
@@ -314,39 +304,38 @@ static void count_free(void *block, size_t bytes)
 }
 
 /* Of every exponent that there is. */
-static double extreme(struct kit_random *random)
+static double extreme(struct prng *random)
 {
-    double mantissa = kit_below(random, 2) ? kit_between(random, -1, 1)
-                                           : (double)kit_below(random, 9) - 4;
-    return ldexp(mantissa, (int)kit_below(random, 1130) - 1074);
+    double mantissa = prng_u32(random, 2) ? prng_between(random, -1, 1)
+                                          : (double)prng_u32(random, 9) - 4;
+    return ldexp(mantissa, (int)prng_u32(random, 1130) - 1074);
 }
 
-static void extreme_query(struct kit_random *random, struct eng_thick_query *query)
+static void extreme_query(struct prng *random, struct eng_thick_query *query)
 {
     memset(query, 0, sizeof *query);
-    query->query.kind = (enum pccd_kind)kit_below(random, 4);
+    query->query.kind = (enum pccd_kind)prng_u32(random, 4);
     for (int i = 0; i < 24; i++) {
         double *x = &query->query.x[i / 12][i / 3 % 4][i % 3];
-        *x = kit_below(random, 4) ? extreme(random)
-                                  : query->query.x[0][kit_below(random, 4)][i % 3];
+        *x = prng_u32(random, 4) ? extreme(random)
+                                 : query->query.x[0][prng_u32(random, 4)][i % 3];
     }
     for (int i = 0; i < 2; i++) {
         query->radius[i] = fabs(extreme(random));
     }
-    query->approach = kit_below(random, 4) ? 0 : 0x1p-1022 + kit_between(random, 0, 1);
+    query->approach = prng_u32(random, 4) ? 0 : 0x1p-1022 + prng_between(random, 0, 1);
 }
 
 /* If it failed: GMP would end the process where there is no memory, or write beyond what
  * it was given. */
-static void thick__decisions_allocate_nothing(void **state)
+CASE(thick__decisions_allocate_nothing)
 {
     struct eng_thick thick;
-    struct kit_random random = {77};
-    (void)state;
+    struct prng random = {77};
     eng_alloc_ceiling(1);
     assert_int_equal(eng_thick_init(&thick), PCCD_E_NOMEM);
     eng_alloc_ceiling(UINT64_MAX);
-    assert_int_equal(eng_thick_init(&thick), PCCD_OK);
+    assert_ok(eng_thick_init(&thick));
     mp_set_memory_functions(count_alloc, count_realloc, count_free);
     gmp_calls = 0;
     thick.first = ENG_THICK_BY_INTEGERS;
@@ -361,17 +350,4 @@ static void thick__decisions_allocate_nothing(void **state)
     mp_set_memory_functions(NULL, NULL, NULL);
     assert_int_equal(eng_alloc_count(), count);
     eng_thick_deinit(&thick);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(thick__times_are_those_worked_out_by_hand),
-        cmocka_unit_test(thick__what_shrinks_to_a_point_is_decided),
-        cmocka_unit_test(thick__without_radius_has_the_bytes_of_contact),
-        cmocka_unit_test(thick__nearest_points_are_described),
-        cmocka_unit_test(thick__cells_follow_each_other),
-        cmocka_unit_test(thick__decisions_allocate_nothing),
-    };
-    return cmocka_run_group_tests_name("eng_thick", tests, NULL, NULL);
 }

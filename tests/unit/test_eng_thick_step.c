@@ -30,9 +30,7 @@ static void add_triangle(struct eng_scene *scene, uint32_t id, double x, double 
     const double at[3][3] = {{x, y, 0}, {x + 20, y + 0.5, 0}, {x, y, 0.5}};
     static const uint32_t corners[1][3] = {{0, 1, 2}};
     struct eng_mesh *mesh = kit_mesh(at, 3, corners, 1);
-    uint32_t idx;
-    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), PCCD_OK);
-    eng_mesh_release(mesh);
+    kit_add(scene, mesh, id);
 }
 
 static void add_long_triangle(struct eng_scene *scene, uint32_t id, double x)
@@ -43,14 +41,11 @@ static void add_long_triangle(struct eng_scene *scene, uint32_t id, double x)
 /* Objects far from the origin, of which one is far from the others. Two, 50 apart, go 60
  * along x together, and r is 55. If it failed: frames, in which their boxes are 110
  * apart, would be taken for the way between them, and the contact be missed. */
-static void step__finds_what_is_within_r_across_a_gap(void **state)
+CASE(step__finds_what_is_within_r_across_a_gap)
 {
-    (void)state;
     for (uint32_t i = 0; i < way_count(); i++) {
         struct eng_question settings = way(i, PCCD_MODE_ANY, 55);
-        struct eng_step_result result;
-        struct eng_scene *scene;
-        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        struct eng_scene *scene = kit_scene();
         add_long_triangle(scene, 1, 0x1p40);
         add_long_triangle(scene, 2, 0x1p40 + 70);
         add_long_triangle(scene, 3, 0x1p40 + 0x1p20);
@@ -61,10 +56,9 @@ static void step__finds_what_is_within_r_across_a_gap(void **state)
             for (int v = 0; v < 3; v++) {
                 x[v][0] += 60;
             }
-            assert_int_equal(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, 3, x),
-                             PCCD_OK);
+            assert_ok(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, 3, x));
         }
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        struct eng_step_result result = kit_step(scene, &settings);
         assert_int_equal(result.verdict, PCCD_VERDICT_YES);
         eng_scene_free(scene);
     }
@@ -73,17 +67,17 @@ static void step__finds_what_is_within_r_across_a_gap(void **state)
 #define RODS 40u
 
 /* Rods between whole places, with noise, whose ends come to few such places. */
-static void draw_rods(struct kit_random *random, double x[2][2 * RODS][3])
+static void draw_rods(struct prng *random, double x[2][2 * RODS][3])
 {
     double to[3][3];
     for (uint32_t i = 0; i < 9; i++) {
-        to[i / 3][i % 3] = (double)kit_below(random, 3) - 1;
+        to[i / 3][i % 3] = (double)prng_u32(random, 3) - 1;
     }
     for (uint32_t i = 0; i < 6 * RODS; i++) {
-        double noise = ((double)kit_below(random, 19) - 9) * 1e-8;
-        double place = (double)kit_below(random, 3) - 1;
-        x[0][i / 3][i % 3] = place + (kit_below(random, 2) ? noise : 0);
-        x[1][i / 3][i % 3] = to[i / 6 % 3][i % 3] + (kit_below(random, 4) ? 0 : noise);
+        double noise = ((double)prng_u32(random, 19) - 9) * 1e-8;
+        double place = (double)prng_u32(random, 3) - 1;
+        x[0][i / 3][i % 3] = place + (prng_u32(random, 2) ? noise : 0);
+        x[1][i / 3][i % 3] = to[i / 6 % 3][i % 3] + (prng_u32(random, 4) ? 0 : noise);
     }
 }
 
@@ -92,21 +86,19 @@ static struct eng_scene *scene_of_rods(double x[2 * RODS][3])
     const struct eng_mesh_counts counts = {2 * RODS, 0, RODS, 0};
     const struct eng_object_thickness thickness = {.has_radius = true, .radius = 0.25};
     uint32_t ends[RODS][2];
-    struct eng_scene *scene;
     struct eng_mesh *mesh;
     uint32_t bad;
     uint32_t idx;
     for (uint32_t i = 0; i < 2 * RODS; i++) {
         ends[i / 2][i % 2] = i;
     }
-    assert_int_equal(eng_mesh_make(&counts, &mesh), PCCD_OK);
-    assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 2 * RODS, x),
-                     PCCD_OK);
-    assert_int_equal(eng_mesh_write_edges(mesh, 0, RODS, ends, &bad), PCCD_OK);
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
-    assert_int_equal(eng_scene_set_thickness(scene, idx, &thickness), PCCD_OK);
+    assert_ok(eng_mesh_make(&counts, &mesh));
+    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 2 * RODS, x));
+    assert_ok(eng_mesh_write_edges(mesh, 0, RODS, ends, &bad));
+    assert_ok(eng_mesh_commit(mesh));
+    struct eng_scene *scene = kit_scene();
+    assert_ok(eng_scene_add(scene, mesh, 1, &idx));
+    assert_ok(eng_scene_set_thickness(scene, idx, &thickness));
     eng_mesh_release(mesh);
     return scene;
 }
@@ -117,20 +109,18 @@ static void step_rods(struct eng_scene *scene, uint32_t i, double x[2][2 * RODS]
     struct eng_question settings = way(i, PCCD_MODE_ALL, 0);
     settings.approach = 0.3;
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, 2 * RODS, x[0], x[1]),
-                     PCCD_OK);
-    assert_int_equal(eng_step(scene, &settings, result), PCCD_OK);
+    assert_ok(eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, 2 * RODS, x[0], x[1]));
+    assert_ok(eng_step(scene, &settings, result));
 }
 
 /* A step of rods that shrink to points, by a scene that knows nothing else and by one
  * whose rods were all at one point before. If it failed: a pair would be left undecided,
  * and whether it is told would depend on the boxes and lists that were kept. */
-static void step__of_rods_does_not_depend_on_the_step_before(void **state)
+CASE(step__of_rods_does_not_depend_on_the_step_before)
 {
     static double x[2][2 * RODS][3];
     static double same[2][2 * RODS][3];
-    struct kit_random random = {5};
-    (void)state;
+    struct prng random = {5};
     for (uint32_t round = 0; round < 2 * way_count(); round++) {
         struct eng_step_result fresh;
         struct eng_step_result result;
@@ -151,31 +141,26 @@ static void step__of_rods_does_not_depend_on_the_step_before(void **state)
 /* A body of two triangles that lie 1 apart is moved by poses, which prove without
  * thickness that it does not meet itself. If it failed: they would be said to prove that
  * of thick bodies, too. */
-static void step__tests_thick_bodies_that_poses_move(void **state)
+CASE(step__tests_thick_bodies_that_poses_move)
 {
-    (void)state;
     static const double pose[2][12] = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
                                        {1, 0, 0, 3, 0, 1, 0, 0, 0, 0, 1, 0}};
     for (uint32_t method = 0; method < WAY_METHODS; method++) {
         struct eng_question settings = way(method, PCCD_MODE_ALL, 0);
         struct eng_step_result result = {0};
-        struct eng_scene *scene;
         struct eng_mesh *mesh = two_triangles();
         uint32_t idx;
-        assert_int_equal(eng_mesh_sort_features(mesh, 1), PCCD_OK);
-        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-        assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
-        eng_mesh_release(mesh);
+        assert_ok(eng_mesh_sort_features(mesh, 1));
+        struct eng_scene *scene = kit_scene();
+        idx = kit_add(scene, mesh, 1);
         for (int i = 0; i < 20; i++) {
             settings.distance = i == 19 ? 1.5 : 0;
             eng_stage_begin(scene);
-            assert_int_equal(
-                eng_stage_rigid(scene, idx, 0, 6, pose[i % 2], pose[(i + 1) % 2]),
-                PCCD_OK);
+            assert_ok(eng_stage_rigid(scene, idx, 0, 6, pose[i % 2], pose[(i + 1) % 2]));
             if (i == 19) {
                 assert_true(result.counters.rigid_objects == 1 && result.count == 0);
             }
-            assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+            result = kit_step(scene, &settings);
         }
         assert_true(result.counters.rigid_objects == 0 && result.count > 0 &&
                     result.initial == result.count && result.crowded);
@@ -185,21 +170,18 @@ static void step__tests_thick_bodies_that_poses_move(void **state)
 
 /* Two triangles that lie 1 apart, within r. If it failed: what is exactly as near at rest
  * as the object wants it to be would be left thin, or what is nearer would not. */
-static void step__leaves_thin_what_is_nearer_at_rest(void **state)
+CASE(step__leaves_thin_what_is_nearer_at_rest)
 {
-    (void)state;
     for (uint32_t i = 0; i < 2 * WAY_METHODS; i++) {
         struct eng_question settings = way(i / 2, PCCD_MODE_ALL, 1.5);
         const struct eng_object_thickness thickness = {
             .rest_distance = i % 2 == 0 ? 1 : nextafter(1, 2)};
-        struct eng_step_result result;
-        struct eng_scene *scene;
         struct eng_mesh *mesh = two_triangles();
         uint32_t idx;
-        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-        assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
-        assert_int_equal(eng_scene_set_thickness(scene, idx, &thickness), PCCD_OK);
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        struct eng_scene *scene = kit_scene();
+        assert_ok(eng_scene_add(scene, mesh, 1, &idx));
+        assert_ok(eng_scene_set_thickness(scene, idx, &thickness));
+        struct eng_step_result result = kit_step(scene, &settings);
         assert_true((result.count > 0) == (i % 2 == 0));
         eng_mesh_release(mesh);
         eng_scene_free(scene);
@@ -208,23 +190,21 @@ static void step__leaves_thin_what_is_nearer_at_rest(void **state)
 
 /* Two objects touch from the beginning; a third one is far away. If it failed: who has
  * one thick object would be told that it is too thick, whatever it is that touches. */
-static void step__is_crowded_by_thick_objects_alone(void **state)
+CASE(step__is_crowded_by_thick_objects_alone)
 {
-    (void)state;
     static const struct eng_object_thickness thick = {.has_radius = true, .radius = 1};
     for (uint32_t i = 0; i < 2 * WAY_METHODS; i++) {
         struct eng_question settings =
             way(i / 2, i % 2 == 0 ? PCCD_MODE_ALL : PCCD_MODE_FIRST, 0);
         struct eng_step_result result;
-        struct eng_scene *scene;
-        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        struct eng_scene *scene = kit_scene();
         add_long_triangle(scene, 1, 0);
         add_long_triangle(scene, 2, 0); /* in the same place */
         add_long_triangle(scene, 3, 1000);
         for (uint32_t object = 3; object-- > 0;) { /* the last one is far away */
-            assert_int_equal(eng_scene_set_thickness(scene, object, &thick), PCCD_OK);
+            assert_ok(eng_scene_set_thickness(scene, object, &thick));
             eng_stage_begin(scene);
-            assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+            result = kit_step(scene, &settings);
             assert_true(result.count > 0 && result.initial == result.count);
             assert_int_equal(result.crowded, object < 2);
         }
@@ -235,38 +215,35 @@ static void step__is_crowded_by_thick_objects_alone(void **state)
 /* Two triangles touch from the beginning: corner at corner, or a corner on an edge. If it
  * failed: who registers a surface that is split would not be told, or who has bodies that
  * rest on each other would be. */
-static void step__counts_what_touches_in_vertices(void **state)
+CASE(step__counts_what_touches_in_vertices)
 {
-    (void)state;
     static const struct eng_object_thickness thick = {.has_radius = true, .radius = 1};
     for (uint32_t i = 0; i < 4 * WAY_METHODS; i++) {
         bool is_split = i % 2 == 0;
         struct eng_question settings =
             way(i / 4, i % 4 < 2 ? PCCD_MODE_ALL : PCCD_MODE_FIRST, 0);
         struct eng_step_result result;
-        struct eng_scene *scene;
-        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        struct eng_scene *scene = kit_scene();
         add_long_triangle(scene, 1, 0);
         add_triangle(scene, 2, is_split ? 0 : 10, is_split ? 0 : 0.25);
         for (uint32_t again = 0; again < 2; again++) { /* the second is kept */
             eng_stage_begin(scene);
-            assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+            result = kit_step(scene, &settings);
             assert_true(result.count > 0 && result.initial == result.count);
             assert_int_equal(result.coincident, is_split ? result.count : 0);
             assert_int_equal(result.crowded, is_split);
         }
-        assert_int_equal(eng_scene_set_thickness(scene, 0, &thick), PCCD_OK);
+        assert_ok(eng_scene_set_thickness(scene, 0, &thick));
         eng_stage_begin(scene);
-        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        result = kit_step(scene, &settings);
         assert_true(result.coincident == 0 && result.crowded);
         eng_scene_free(scene);
     }
 }
 
 /* If it failed: nonsense would be taken for a length. */
-static void step__refuses_what_is_no_length(void **state)
+CASE(step__refuses_what_is_no_length)
 {
-    (void)state;
     static const struct {
         double length;
         int status;
@@ -274,11 +251,10 @@ static void step__refuses_what_is_no_length(void **state)
                    {1.1e18, PCCD_E_LIMIT}, {1e18, PCCD_OK},     {0, PCCD_OK}};
     struct eng_mesh *committed = two_triangles();
     struct eng_mesh *mesh;
-    struct eng_scene *scene;
     uint32_t idx;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, committed, 1, &idx), PCCD_OK);
-    assert_int_equal(eng_mesh_new(3, 1, &mesh), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
+    assert_ok(eng_scene_add(scene, committed, 1, &idx));
+    assert_ok(eng_mesh_new(3, 1, &mesh));
     for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
         struct eng_object_thickness thickness = {.has_radius = true,
                                                  .radius = lengths[i].length};
@@ -298,7 +274,7 @@ static void step__refuses_what_is_no_length(void **state)
         assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_INVAL);
     }
     struct eng_object_thickness thickness;
-    assert_int_equal(eng_scene_get_thickness(scene, idx, &thickness), PCCD_OK);
+    assert_ok(eng_scene_get_thickness(scene, idx, &thickness));
     assert_true(!thickness.has_radius && thickness.rest_distance == 0);
     assert_int_equal(eng_scene_get_thickness(scene, 9, &thickness), PCCD_E_INVAL);
     thickness.rest_rings = 9;
@@ -313,48 +289,31 @@ static void step__refuses_what_is_no_length(void **state)
 
 /* If this failed, nobody could stop a search that takes long; or one that was stopped
  * would have changed something, or would be taken for done. */
-static void rings__are_not_kept_when_they_were_cancelled(void **state)
+CASE(rings__are_not_kept_when_they_were_cancelled)
 {
     struct eng_mesh *mesh = kit_sheet(4, 0);
     struct eng_mesh *other = kit_sheet(5, 0);
     const struct eng_object_thickness thickness = {.rest_rings = 3};
     atomic_bool cancel = true;
-    struct eng_scene *scene;
     uint32_t idx;
-    (void)state;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
+    struct eng_scene *scene = kit_scene();
+    assert_ok(eng_scene_add(scene, mesh, 1, &idx));
     assert_int_equal(eng_scene_prepare_rings(scene, 9, NULL, 3, NULL), PCCD_E_INVAL);
     assert_int_equal(eng_scene_prepare_rings(scene, idx, NULL, 9, NULL), PCCD_E_LIMIT);
     uint64_t bytes = eng_mesh_bytes(mesh);
-    assert_int_equal(eng_scene_prepare_rings(scene, idx, NULL, 0, &cancel), PCCD_OK);
+    assert_ok(eng_scene_prepare_rings(scene, idx, NULL, 0, &cancel));
     assert_int_equal(eng_scene_prepare_rings(scene, idx, NULL, 3, &cancel),
                      PCCD_E_CANCELLED);
     assert_int_equal(eng_scene_prepare_rings(scene, idx, other, 3, &cancel),
                      PCCD_E_CANCELLED);
     assert_int_equal(eng_mesh_bytes(mesh), bytes);
-    assert_int_equal(eng_scene_set_thickness(scene, idx, &thickness), PCCD_OK);
+    assert_ok(eng_scene_set_thickness(scene, idx, &thickness));
     assert_true(eng_mesh_bytes(mesh) > bytes);
-    assert_int_equal(eng_scene_prepare_rings(scene, idx, NULL, 3, &cancel), PCCD_OK);
+    assert_ok(eng_scene_prepare_rings(scene, idx, NULL, 3, &cancel));
     cancel = false;
-    assert_int_equal(eng_scene_prepare_rings(scene, idx, other, 3, &cancel), PCCD_OK);
-    assert_int_equal(eng_scene_replace(scene, idx, other), PCCD_OK);
+    assert_ok(eng_scene_prepare_rings(scene, idx, other, 3, &cancel));
+    assert_ok(eng_scene_replace(scene, idx, other));
     eng_scene_free(scene);
     eng_mesh_release(mesh);
     eng_mesh_release(other);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(step__finds_what_is_within_r_across_a_gap),
-        cmocka_unit_test(step__of_rods_does_not_depend_on_the_step_before),
-        cmocka_unit_test(step__tests_thick_bodies_that_poses_move),
-        cmocka_unit_test(step__leaves_thin_what_is_nearer_at_rest),
-        cmocka_unit_test(rings__are_not_kept_when_they_were_cancelled),
-        cmocka_unit_test(step__is_crowded_by_thick_objects_alone),
-        cmocka_unit_test(step__counts_what_touches_in_vertices),
-        cmocka_unit_test(step__refuses_what_is_no_length),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

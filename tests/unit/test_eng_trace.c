@@ -18,11 +18,10 @@ static struct pccd_trace_event event(uint32_t thread, enum pccd_trace_kind kind,
 }
 
 /* If it failed: a reader would get events that were overwritten, or not the last ones. */
-static void trace__ring_keeps_the_newest(void **state)
+CASE(trace__ring_keeps_the_newest)
 {
     struct eng_trace trace;
-    (void)state;
-    assert_int_equal(eng_trace_init(&trace, 2, 5, 0), PCCD_OK);
+    assert_ok(eng_trace_init(&trace, 2, 5, 0));
     assert_int_equal(trace.capacity, 8);
     for (uint32_t i = 0; i < 27; i++) {
         assert_int_equal(eng_trace_count(&trace, 1), i < 8 ? i : 8);
@@ -43,13 +42,12 @@ static void trace__ring_keeps_the_newest(void **state)
 
 /* If it failed: a trace of no use would be accepted, or a thread too many would write
  * behind the lanes. */
-static void trace__refuses_what_has_no_room(void **state)
+CASE(trace__refuses_what_has_no_room)
 {
     struct eng_trace trace;
-    (void)state;
     assert_int_equal(eng_trace_init(&trace, 0, 8, 0), PCCD_E_INVAL);
     assert_int_equal(eng_trace_init(&trace, 1, 0, 0), PCCD_E_INVAL);
-    assert_int_equal(eng_trace_init(&trace, 1, 8, 100), PCCD_OK);
+    assert_ok(eng_trace_init(&trace, 1, 8, 100));
     eng_trace_add(&trace, event(1, PCCD_TRACE_STEP, 0, 1, 0, 0));
     eng_trace_add(NULL, event(0, PCCD_TRACE_STEP, 0, 1, 0, 0));
     eng_trace_add(&trace, event(0, PCCD_TRACE_UNIT, 0, 99, 0, 0));
@@ -126,11 +124,11 @@ static void check_team(const struct eng_trace *trace, const struct eng_step_resu
 }
 
 /* If it failed: the picture of a step would lack task units, or show some twice. */
-static void trace__holds_a_slice_for_each_task_unit(void **state)
+CASE_WITH(trace__holds_a_slice_for_each_task_unit, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_trace trace;
-    assert_int_equal(eng_trace_init(&trace, LANES, EVENTS, 0), PCCD_OK);
+    assert_ok(eng_trace_init(&trace, LANES, EVENTS, 0));
     struct eng_step_result alone = traced(crew, crew_alone(PCCD_MODE_ALL), &trace);
     check_team(&trace, &alone);
     uint64_t hash[2] = {alone.hash[0], alone.hash[1]};
@@ -145,11 +143,11 @@ static void trace__holds_a_slice_for_each_task_unit(void **state)
 
 /* If it failed: threads that step a scene each would write to one ring at the same time,
  * and the picture of a batch would show one thread doing what all did. */
-static void trace__of_a_step_by_one_thread_is_in_its_lane(void **state)
+CASE_WITH(trace__of_a_step_by_one_thread_is_in_its_lane, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_trace trace;
-    assert_int_equal(eng_trace_init(&trace, 2, EVENTS, 0), PCCD_OK);
+    assert_ok(eng_trace_init(&trace, 2, EVENTS, 0));
     struct eng_question question = crew_alone(PCCD_MODE_ALL);
     question.lane = 1;
     traced(crew, question, &trace);
@@ -178,11 +176,11 @@ static void check_nesting(const struct eng_trace *trace, uint32_t lane)
 }
 
 /* If it failed: viewers would refuse the trace or draw slices over each other. */
-static void trace__slices_of_a_thread_nest(void **state)
+CASE_WITH(trace__slices_of_a_thread_nest, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_trace trace;
-    assert_int_equal(eng_trace_init(&trace, LANES, EVENTS, 0), PCCD_OK);
+    assert_ok(eng_trace_init(&trace, LANES, EVENTS, 0));
     for (size_t i = 0; i < crew_count(); i++) {
         traced(crew, crew_team(PCCD_MODE_ALL, i), &trace);
         for (uint32_t lane = 0; lane < LANES; lane++) {
@@ -193,11 +191,11 @@ static void trace__slices_of_a_thread_nest(void **state)
 }
 
 /* If it failed: a small trace of a large step would be full of what nobody looks at. */
-static void trace__leaves_short_tasks_out(void **state)
+CASE_WITH(trace__leaves_short_tasks_out, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_trace trace;
-    assert_int_equal(eng_trace_init(&trace, 1, EVENTS, UINT64_MAX), PCCD_OK);
+    assert_ok(eng_trace_init(&trace, 1, EVENTS, UINT64_MAX));
     for (size_t i = 0; i < crew_count(); i++) {
         traced(crew, crew_team(PCCD_MODE_ALL, i), &trace);
         struct totals totals = totals_of(&trace, 0);
@@ -209,17 +207,4 @@ static void trace__leaves_short_tasks_out(void **state)
         assert_in_range(totals.count[PCCD_TRACE_MERGE], 1, 4);
     }
     eng_trace_deinit(&trace);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(trace__ring_keeps_the_newest),
-        cmocka_unit_test(trace__refuses_what_has_no_room),
-        CREW_TEST(trace__holds_a_slice_for_each_task_unit),
-        CREW_TEST(trace__of_a_step_by_one_thread_is_in_its_lane),
-        CREW_TEST(trace__slices_of_a_thread_nest),
-        CREW_TEST(trace__leaves_short_tasks_out),
-    };
-    return cmocka_run_group_tests_name("eng_trace", tests, NULL, NULL);
 }

@@ -1,8 +1,4 @@
-/* test_eng_warm.c - a warm step allocates nothing.
- *
- * Count every call of malloc and its kin in this process, libraries included, while a
- * step that was done before is staged and done again.
- */
+/* test_eng_warm.c - a warm step allocates nothing. */
 #include "eng_kit.h"
 
 #include <stdlib.h>
@@ -50,9 +46,11 @@ static void on_free(const volatile void *block)
     (void)block;
 }
 
-static void start_counting(void)
+static int start_counting(void **state)
 {
+    (void)state;
     assert_true(__sanitizer_install_malloc_and_free_hooks(on_malloc, on_free) > 0);
+    return 0;
 }
 
 #else
@@ -90,16 +88,17 @@ EXPORT void *aligned_alloc(size_t alignment, size_t bytes)
     return __libc_memalign(alignment, bytes);
 }
 
-static void start_counting(void)
+static int start_counting(void **state)
 {
+    (void)state;
+    return 0;
 }
 
 #endif
 
 /* If it failed: the counting below would count nothing. */
-static void warm__counting_counts(void **state)
+CASE(warm__counting_counts)
 {
-    (void)state;
     size_t before = calls;
     void *volatile block = malloc(10);
     block = realloc(block, 100000);
@@ -133,20 +132,17 @@ struct fixture {
 static int setup(void **state)
 {
     static struct fixture f;
-    struct kit_random random = {95};
-    assert_int_equal(eng_scene_new(NULL, &f.scene), PCCD_OK);
+    struct prng random = {95};
+    f.scene = kit_scene();
     for (uint32_t i = 0; i < 3; i++) {
-        uint32_t idx;
-        struct eng_mesh *mesh = kit_sheet(SIDE, 0);
-        assert_int_equal(eng_scene_add(f.scene, mesh, i, &idx), PCCD_OK);
-        eng_mesh_release(mesh);
+        kit_add(f.scene, kit_sheet(SIDE, 0), i);
     }
     for (uint32_t v = 0; v < VERTICES; v++) {
         double x = (double)(v % (SIDE + 1)) / SIDE;
         double y = (double)(v / (SIDE + 1)) / SIDE;
         for (int k = 0; k < 3; k++) {
             f.x0[v][k] = k == 0 ? x + 0.03 : k == 1 ? y + 0.07 : 0.1;
-            f.x1[v][k] = f.x0[v][k] - (k == 2 ? kit_between(&random, 0, 0.2) : 0);
+            f.x1[v][k] = f.x0[v][k] - (k == 2 ? prng_between(&random, 0, 0.2) : 0);
             f.up[v][k] = (float)(k == 0 ? x + 1.5 : k == 1 ? y : 0);
             f.down[v][k] = f.up[v][k] - (k == 0 ? 1.25f : 0);
         }
@@ -176,14 +172,14 @@ static struct eng_step_result run_by(struct fixture *f, enum pccd_mode mode,
     status |= eng_stage_x0x1(f->scene, 2, PCCD_FORMAT_F32, 100, VERTICES - 100,
                              f->up + 100, f->down + 100);
     status |= eng_step(f->scene, &settings, &result);
-    assert_int_equal(status, PCCD_OK);
+    assert_ok(status);
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     return result;
 }
 
 /* If it failed: a step's time would depend on the state of the heap, and could fail in
  * it. */
-static void warm__second_step_allocates_nothing(void **state)
+CASE_WITH(warm__second_step_allocates_nothing, setup, teardown)
 {
     struct fixture *f = *state;
     for (int round = 0; round < 2 * MODES; round++) {
@@ -207,7 +203,7 @@ static void warm__second_step_allocates_nothing(void **state)
 }
 
 /* If it failed: aborting a step would cost memory. */
-static void warm__aborted_staging_allocates_nothing(void **state)
+CASE_WITH(warm__aborted_staging_allocates_nothing, setup, teardown)
 {
     struct fixture *f = *state;
     run_by(f, PCCD_MODE_ANY, PCCD_METHOD_DEFAULT);
@@ -217,20 +213,9 @@ static void warm__aborted_staging_allocates_nothing(void **state)
         int status =
             eng_stage_x0x1(f->scene, 1, PCCD_FORMAT_F64, 0, VERTICES, f->x0, f->x1);
         eng_stage_abort(f->scene);
-        assert_int_equal(status, PCCD_OK);
+        assert_ok(status);
     }
     assert_int_equal(calls - before, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(warm__counting_counts),
-        cmocka_unit_test_setup_teardown(warm__second_step_allocates_nothing, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(warm__aborted_staging_allocates_nothing, setup,
-                                        teardown),
-    };
-    start_counting();
-    return cmocka_run_group_tests_name("eng_warm", tests, NULL, NULL);
-}
+CASES_WITH(start_counting, NULL);

@@ -1,8 +1,4 @@
-/* test_eng_wide.c - the trees of the method wide.
- *
- * Slots and boxes as objects come and go; pairs against brute force; the same answers as
- * the method paper.
- */
+/* test_eng_wide.c - the trees of the method wide. */
 #include "eng_kit.h"
 
 #include <stdlib.h>
@@ -28,7 +24,7 @@
 
 struct fixture {
     struct eng_scene *scene;
-    struct kit_random random;
+    struct prng random;
     uint32_t objects[OBJECTS_MAX];
     uint32_t count;
     double thrown; /* how far a vertex of the first object is thrown in the next step */
@@ -37,8 +33,7 @@ struct fixture {
 static void add(struct fixture *f, struct eng_mesh *mesh)
 {
     uint32_t id = 1000 - 7 * f->count; /* not in the order of arrival */
-    assert_int_equal(eng_scene_add(f->scene, mesh, id, &f->objects[f->count]), PCCD_OK);
-    eng_mesh_release(mesh);
+    f->objects[f->count] = kit_add(f->scene, mesh, id);
     f->count++;
 }
 
@@ -47,7 +42,7 @@ static int setup(void **state)
     static struct fixture f;
     memset(&f, 0, sizeof f);
     f.random.state = 77;
-    assert_int_equal(eng_scene_new(NULL, &f.scene), PCCD_OK);
+    f.scene = kit_scene();
     for (uint32_t i = 0; i < SHEETS; i++) {
         add(&f, kit_sheet(i == 0 ? SHEET_SIDE : i, 0.2 * i));
     }
@@ -77,13 +72,12 @@ static void shake(struct fixture *f, double by)
         assert_true(count <= VERTICES_MAX);
         for (uint32_t k = 0; k < 3 * count; k++) {
             double x = object->mesh->x[k / 3][k % 3];
-            x0[k / 3][k % 3] = x + kit_between(&f->random, -by, by) / 8;
-            x1[k / 3][k % 3] = x + kit_between(&f->random, -by, by);
+            x0[k / 3][k % 3] = x + prng_between(&f->random, -by, by) / 8;
+            x1[k / 3][k % 3] = x + prng_between(&f->random, -by, by);
         }
         x1[0][0] += i == 0 ? f->thrown : 0;
-        assert_int_equal(
-            eng_stage_x0x1(f->scene, f->objects[i], PCCD_FORMAT_F64, 0, count, x0, x1),
-            PCCD_OK);
+        assert_ok(
+            eng_stage_x0x1(f->scene, f->objects[i], PCCD_FORMAT_F64, 0, count, x0, x1));
     }
 }
 
@@ -92,13 +86,12 @@ static struct eng_step_result step_by(struct fixture *f, enum pccd_mode mode,
                                       enum eng_scheduler scheduler)
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     settings.threads = threads;
     settings.tuning.scheduler = scheduler;
     settings.team_always = true;
     settings.mode = mode;
     settings.method = method;
-    assert_int_equal(eng_step(f->scene, &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_step(f->scene, &settings);
     assert_int_equal(result.method, method);
     return result;
 }
@@ -200,18 +193,18 @@ static void check_boxes(const struct eng_wide *wide, enum pccd_tree kind)
 
 /* If a slot kept what an object left there, a contact would name a ghost; if a box did
  * not hold what is below it, a contact would be missed. */
-static void wide__trees_follow_objects_that_come_and_go(void **state)
+CASE_WITH(wide__trees_follow_objects_that_come_and_go, setup, teardown)
 {
     struct fixture *f = *state;
     for (uint32_t round = 0; round < 4; round++) {
         if (round == 1) {
-            assert_int_equal(eng_scene_remove(f->scene, f->objects[0]), PCCD_OK);
+            assert_ok(eng_scene_remove(f->scene, f->objects[0]));
             f->objects[0] = UINT32_MAX;
         } else if (round == 2) {
             add(f, kit_sheet(9, 0.7));
         } else if (round == 3) {
             struct eng_mesh *mesh = kit_sheet(3, 0.1);
-            assert_int_equal(eng_scene_replace(f->scene, f->objects[5], mesh), PCCD_OK);
+            assert_ok(eng_scene_replace(f->scene, f->objects[5], mesh));
             eng_mesh_release(mesh);
         }
         shake(f, SHAKEN_BY);
@@ -331,7 +324,7 @@ static void brute_force(const struct fixture *f, enum pccd_kind kind, struct fou
 
 /* If a pair were lost on the way down, found twice, or by one number of threads only, the
  * comparison with other libraries would be of something else. */
-static void wide__sweep_finds_the_pairs_of_brute_force(void **state)
+CASE_WITH(wide__sweep_finds_the_pairs_of_brute_force, setup, teardown)
 {
     struct fixture *f = *state;
     struct found expected = {calloc(PAIRS_MAX, sizeof *expected.pairs), 0};
@@ -341,8 +334,8 @@ static void wide__sweep_finds_the_pairs_of_brute_force(void **state)
     struct eng_wide_sweep two;
     shake(f, SHAKEN_BY);
     step(f, PCCD_MODE_PAIRS, PCCD_METHOD_WIDE);
-    assert_int_equal(eng_wide_sweep(f->scene, 1, visit, &found, &one), PCCD_OK);
-    assert_int_equal(eng_wide_sweep(f->scene, 2, NULL, NULL, &two), PCCD_OK);
+    assert_ok(eng_wide_sweep(f->scene, 1, visit, &found, &one));
+    assert_ok(eng_wide_sweep(f->scene, 2, NULL, NULL, &two));
     brute_force(f, PCCD_VF, &expected);
     assert_int_equal(one.counts[PCCD_VF], expected.count);
     brute_force(f, PCCD_EE, &expected);
@@ -379,7 +372,7 @@ static void check_candidates(const struct eng_wide *wide, bool in_time, uint64_t
 /* If an answer depended on the method, it would not be the answer; if a counter did, but
  * for nodes left out for their times and for rounding, one of the two would miss pairs or
  * test them twice. */
-static void wide__answers_as_paper_does(void **state)
+CASE_WITH(wide__answers_as_paper_does, setup, teardown)
 {
     struct fixture *f = *state;
     uint64_t records = 0;
@@ -388,7 +381,7 @@ static void wide__answers_as_paper_does(void **state)
     for (uint32_t round = 0; round < 5 * MODES; round++) {
         enum pccd_mode mode = (enum pccd_mode)(round % MODES);
         bool in_time = round / MODES % 2;
-        struct kit_random random = f->random;
+        struct prng random = f->random;
         look_at_times(f, in_time);
         /* No boxes in whole numbers: it goes farther than the last step let expect. */
         f->thrown = round % 3 == 1 ? 12 : 0;
@@ -424,12 +417,12 @@ static void wide__answers_as_paper_does(void **state)
 
 /* If a task were lost or done twice, or a box read before it was made, the answer would
  * depend on the number of threads. */
-static void wide__answers_alike_by_any_number_of_threads(void **state)
+CASE_WITH(wide__answers_alike_by_any_number_of_threads, setup, teardown)
 {
     struct fixture *f = *state;
     for (uint32_t round = 0; round < 24; round++) {
         enum pccd_mode mode = (enum pccd_mode)(round % MODES);
-        struct kit_random random = f->random;
+        struct prng random = f->random;
         shake(f, SHAKEN_BY); /* a step before both, so that both follow the same one */
         (void)step(f, mode, PCCD_METHOD_WIDE);
         f->random = random;
@@ -454,34 +447,32 @@ static void wide__answers_alike_by_any_number_of_threads(void **state)
 
 /* If a scene without objects, or an object of one triangle, were not a tree, the first
  * step of many clients would fail. */
-static void wide__small_scenes_are_trees_too(void **state)
+CASE(wide__small_scenes_are_trees_too)
 {
-    (void)state;
     struct fixture f = {.random = {3}};
-    assert_int_equal(eng_scene_new(NULL, &f.scene), PCCD_OK);
+    f.scene = kit_scene();
     assert_int_equal(step(&f, PCCD_MODE_ALL, PCCD_METHOD_WIDE).count, 0);
     add(&f, kit_soup(&f.random, 1));
     assert_int_equal(step(&f, PCCD_MODE_ALL, PCCD_METHOD_WIDE).count, 0);
     add(&f, kit_soup(&f.random, 1));
     shake(&f, 2);
     assert_true(step(&f, PCCD_MODE_PAIRS, PCCD_METHOD_WIDE).count > 0);
-    assert_int_equal(eng_scene_remove(f.scene, f.objects[0]), PCCD_OK);
-    assert_int_equal(eng_scene_remove(f.scene, f.objects[1]), PCCD_OK);
+    assert_ok(eng_scene_remove(f.scene, f.objects[0]));
+    assert_ok(eng_scene_remove(f.scene, f.objects[1]));
     assert_int_equal(step(&f, PCCD_MODE_ALL, PCCD_METHOD_WIDE).count, 0);
     eng_scene_free(f.scene);
 }
 
 /* If zeros with a sign were two places, features that touch there would be missed: two
  * triangles that reach to z = 0 from below and from above, crossing each other there. */
-static void wide__zeros_of_both_signs_are_one_place(void **state)
+CASE(wide__zeros_of_both_signs_are_one_place)
 {
-    (void)state;
     static const double low[3][3] = {{-1, 0, -0.0}, {1, 0, -0.0}, {0, 0, -1}};
     static const double high[3][3] = {{0, -1, 0.0}, {0, 1, 0.0}, {0, 0, 1}};
     static const uint32_t triangle[1][3] = {{0, 1, 2}};
     for (uint32_t round = 0; round < 2; round++) { /* either may be the first object */
         struct fixture f = {.random = {3}};
-        assert_int_equal(eng_scene_new(NULL, &f.scene), PCCD_OK);
+        f.scene = kit_scene();
         add(&f, kit_mesh(round ? high : low, 3, triangle, 1));
         add(&f, kit_mesh(round ? low : high, 3, triangle, 1));
         assert_int_equal(step(&f, PCCD_MODE_ALL, PCCD_METHOD_PAPER).count, 1);
@@ -500,7 +491,7 @@ static void add_needles(struct fixture *f)
     for (uint32_t i = 0; i < 3 * NEEDLES; i++) {
         x[i][0] = i / 3 % 40 + 0.3 * (i % 3 == 1);
         x[i][1] = i / 120 + 0.3 * (i % 3 == 2);
-        x[i][2] = kit_between(&f->random, 0, 20);
+        x[i][2] = prng_between(&f->random, 0, 20);
         triangles[i / 3][i % 3] = i;
     }
     add(f, kit_mesh(x, 3 * NEEDLES, triangles, NEEDLES));
@@ -518,13 +509,12 @@ static bool has_more_chunks_than_listed(const struct eng_wide *wide)
 
 /* If it failed, a feature whose vertices lie far from each other would not move with
  * them; a sanitizer would see a read beyond the list of their chunks. */
-static void wide__features_move_with_vertices_from_many_chunks(void **state)
+CASE(wide__features_move_with_vertices_from_many_chunks)
 {
-    (void)state;
     uint64_t records = 0;
     struct fixture f[2] = {{.random = {9}}, {.random = {9}}};
     for (uint32_t i = 0; i < 2; i++) {
-        assert_int_equal(eng_scene_new(NULL, &f[i].scene), PCCD_OK);
+        f[i].scene = kit_scene();
         add_needles(&f[i]);
     }
     for (uint32_t round = 0; round < 12; round++) {
@@ -536,9 +526,8 @@ static void wide__features_move_with_vertices_from_many_chunks(void **state)
             const double *x = object->mesh->x[vertex];
             const double x1[3] = {x[0] + 9.5, x[1] + 6.5, x[2]};
             eng_stage_begin(f[i].scene);
-            assert_int_equal(
-                eng_stage_x1(f[i].scene, f[i].objects[0], PCCD_FORMAT_F64, vertex, 1, x1),
-                PCCD_OK);
+            assert_ok(eng_stage_x1(f[i].scene, f[i].objects[0], PCCD_FORMAT_F64, vertex,
+                                   1, x1));
             results[i] =
                 step(&f[i], PCCD_MODE_ALL, i == 0 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER);
         }
@@ -554,35 +543,16 @@ static void wide__features_move_with_vertices_from_many_chunks(void **state)
 
 /* If a cancelled step went on, a client could not stop it; if it said that it was
  * complete, the client would believe it. */
-static void wide__stops_when_cancelled(void **state)
+CASE_WITH(wide__stops_when_cancelled, setup, teardown)
 {
     struct fixture *f = *state;
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    struct eng_step_result result;
     atomic_bool cancel;
     atomic_init(&cancel, true);
     settings.method = PCCD_METHOD_WIDE;
     settings.cancel = &cancel;
     shake(f, SHAKEN_BY);
-    assert_int_equal(eng_step(f->scene, &settings, &result), PCCD_OK);
+    struct eng_step_result result = kit_step(f->scene, &settings);
     assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CANCELLED);
     assert_int_equal(result.counters.survivors, 0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(wide__trees_follow_objects_that_come_and_go,
-                                        setup, teardown),
-        cmocka_unit_test_setup_teardown(wide__sweep_finds_the_pairs_of_brute_force, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(wide__answers_as_paper_does, setup, teardown),
-        cmocka_unit_test_setup_teardown(wide__answers_alike_by_any_number_of_threads,
-                                        setup, teardown),
-        cmocka_unit_test(wide__small_scenes_are_trees_too),
-        cmocka_unit_test(wide__zeros_of_both_signs_are_one_place),
-        cmocka_unit_test(wide__features_move_with_vertices_from_many_chunks),
-        cmocka_unit_test_setup_teardown(wide__stops_when_cancelled, setup, teardown),
-    };
-    return cmocka_run_group_tests_name("eng_wide", tests, NULL, NULL);
 }

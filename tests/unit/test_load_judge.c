@@ -1,16 +1,8 @@
-/* test_load_judge.c - whether the load harness would notice.
- *
- * Give the judge answers that are right, wrong, another's, or too many; give the fit
- * series that grow and such that do not.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+/* test_load_judge.c - whether the load harness would notice. */
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "actor.h"
 #include "watch.h"
@@ -83,7 +75,7 @@ static int tear_down(void **state)
 }
 
 /* If a right answer were called wrong, the harness would cry wolf. */
-static void judge__takes_what_a_lone_client_got(void **state)
+CASE_WITH(judge__takes_what_a_lone_client_got, set_up, tear_down)
 {
     struct fixture *f = *state;
     wait_for(f, 3, 2);
@@ -96,7 +88,7 @@ static void judge__takes_what_a_lone_client_got(void **state)
 }
 
 /* If this failed, a spoilt record behind a right hash would go unnoticed. */
-static void judge__finds_one_bit_that_is_wrong(void **state)
+CASE_WITH(judge__finds_one_bit_that_is_wrong, set_up, tear_down)
 {
     struct fixture *f = *state;
     wait_for(f, 3, 2);
@@ -112,7 +104,7 @@ static void judge__finds_one_bit_that_is_wrong(void **state)
 }
 
 /* If this failed, answers could go to others, or come again, and all would seem well. */
-static void judge__finds_answers_of_others_and_second_ones(void **state)
+CASE_WITH(judge__finds_answers_of_others_and_second_ones, set_up, tear_down)
 {
     struct fixture *f = *state;
     wait_for(f, 3, 2);
@@ -130,7 +122,7 @@ static void judge__finds_answers_of_others_and_second_ones(void **state)
 
 /* If this failed, objects that were made anew would look like wrong answers: which has
  * the smaller number decides which of two edges comes first. */
-static void judge__knows_both_orders_of_the_objects(void **state)
+CASE_WITH(judge__knows_both_orders_of_the_objects, set_up, tear_down)
 {
     struct fixture *f = *state;
     make_answer(f, 3, 2);
@@ -152,7 +144,7 @@ static void judge__knows_both_orders_of_the_objects(void **state)
 
 /* If this failed, a step that was refused or ended early without a reason would pass for
  * one that was meant to. */
-static void judge__tells_errors_that_were_asked_for(void **state)
+CASE_WITH(judge__tells_errors_that_were_asked_for, set_up, tear_down)
 {
     struct fixture *f = *state;
     wait_for(f, 3, 2);
@@ -177,7 +169,7 @@ static void judge__tells_errors_that_were_asked_for(void **state)
 
 /* If this failed, a client that is held up would ask less often, and the wait of what it
  * did not ask would be nobody's: coordinated omission. */
-static void judge__counts_from_when_a_request_was_due(void **state)
+CASE_WITH(judge__counts_from_when_a_request_was_due, set_up, tear_down)
 {
     struct fixture *f = *state;
     uint64_t now_ns = common_now_ns();
@@ -203,7 +195,7 @@ static void judge__counts_from_when_a_request_was_due(void **state)
 }
 
 /* If this failed, what is slow at the beginning would be taken for what is slow. */
-static void judge__leaves_the_warm_up_out(void **state)
+CASE_WITH(judge__leaves_the_warm_up_out, set_up, tear_down)
 {
     struct fixture *f = *state;
     uint64_t now_ns = common_now_ns();
@@ -232,10 +224,9 @@ static void make_series(struct load_sample *samples, double per_s)
 }
 
 /* If this failed, a leak would look like noise, or every restart like a leak. */
-static void watch__fits_a_slope_through_every_worker(void **state)
+CASE_WITH(watch__fits_a_slope_through_every_worker, set_up, tear_down)
 {
     static struct load_sample samples[300];
-    (void)state;
     make_series(samples, 0);
     struct load_slope slope = load_slope_of(samples, 300, LOAD_MEMORY, 10);
     assert_int_equal(slope.count, 270);
@@ -258,11 +249,10 @@ static void make_saw(struct load_sample *samples, double per_s)
 }
 
 /* If this failed, what comes and goes would look like a leak, or hide one. */
-static void watch__floors_show_a_leak_and_nothing_else(void **state)
+CASE_WITH(watch__floors_show_a_leak_and_nothing_else, set_up, tear_down)
 {
     static struct load_sample samples[480];
     struct load_sample floors[480];
-    (void)state;
     make_saw(samples, 0);
     struct load_slope raw = load_slope_of(samples, 480, LOAD_MEMORY, 60);
     assert_true(raw.per_min > 4 * raw.error); /* as it was: a false alarm */
@@ -279,33 +269,14 @@ static void watch__floors_show_a_leak_and_nothing_else(void **state)
 
 /* If this failed, the floor of one worker would be taken for another's, or the first
  * seconds of a worker for its floor. */
-static void watch__floors_are_of_one_worker_each(void **state)
+CASE_WITH(watch__floors_are_of_one_worker_each, set_up, tear_down)
 {
     static struct load_sample samples[300];
     struct load_sample floors[300];
-    (void)state;
     make_series(samples, 0);
     assert_int_equal(load_floors_of(samples, 300, 30, 10, floors), 6);
     for (uint32_t i = 0; i < 6; i++) {
         assert_int_equal(floors[i].pid, 10 + (int)(i / 2));
         assert_true(floors[i].value[LOAD_MEMORY] == 5000 + 900 * (i / 2));
     }
-}
-
-int main(void)
-{
-#define JUDGE_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        JUDGE_TEST(judge__takes_what_a_lone_client_got),
-        JUDGE_TEST(judge__finds_one_bit_that_is_wrong),
-        JUDGE_TEST(judge__finds_answers_of_others_and_second_ones),
-        JUDGE_TEST(judge__knows_both_orders_of_the_objects),
-        JUDGE_TEST(judge__tells_errors_that_were_asked_for),
-        JUDGE_TEST(judge__counts_from_when_a_request_was_due),
-        JUDGE_TEST(judge__leaves_the_warm_up_out),
-        JUDGE_TEST(watch__fits_a_slope_through_every_worker),
-        JUDGE_TEST(watch__floors_show_a_leak_and_nothing_else),
-        JUDGE_TEST(watch__floors_are_of_one_worker_each),
-    };
-    return cmocka_run_group_tests_name("load_judge", tests, NULL, NULL);
 }

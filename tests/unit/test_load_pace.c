@@ -1,13 +1,9 @@
 /* test_load_pace.c - whether the load harness asks and counts as it says. */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "actor.h"
 #include "tally.h"
@@ -28,12 +24,11 @@ static uint64_t draw(uint64_t i)
 }
 
 /* If it failed, percentiles would be told that no request had. */
-static void hist__has_the_quantiles_of_sorted_values_to_a_percent(void **state)
+CASE(hist__has_the_quantiles_of_sorted_values_to_a_percent)
 {
     static const double shares[] = {0.01, 0.5, 0.9, 0.99, 0.999, 0.9999, 1};
     static uint64_t values[VALUES];
     struct load_hist *hist = calloc(1, sizeof *hist);
-    (void)state;
     assert_non_null(hist);
     for (uint32_t i = 0; i < VALUES; i++) {
         values[i] = draw(i);
@@ -53,10 +48,9 @@ static void hist__has_the_quantiles_of_sorted_values_to_a_percent(void **state)
 }
 
 /* If it failed, a time beyond all bins would be written beside them. */
-static void hist__takes_any_time(void **state)
+CASE(hist__takes_any_time)
 {
     struct load_hist *hist = calloc(1, sizeof *hist);
-    (void)state;
     assert_non_null(hist);
     load_hist_add(hist, 0);
     load_hist_add(hist, UINT64_MAX);
@@ -68,10 +62,9 @@ static void hist__takes_any_time(void **state)
 }
 
 /* If it failed, processes would not add up, or seconds not be told apart. */
-static void hist__parts_add_up_and_come_apart(void **state)
+CASE(hist__parts_add_up_and_come_apart)
 {
     struct load_hist *h = calloc(4, sizeof *h);
-    (void)state;
     assert_non_null(h);
     for (uint32_t i = 0; i < VALUES; i++) {
         load_hist_add(&h[i % 2], draw(i));
@@ -98,10 +91,9 @@ static struct load make_load(double hz)
 }
 
 /* If it failed, a slow daemon would be asked less often, or all clients at once. */
-static void pace__open_loop_knows_nothing_of_answers(void **state)
+CASE(pace__open_loop_knows_nothing_of_answers)
 {
     struct load load = make_load(50);
-    (void)state;
     for (uint32_t client = 0; client < 4; client++) {
         struct load_pace pace;
         load_pace_begin(&pace, &load, client);
@@ -116,12 +108,11 @@ static void pace__open_loop_knows_nothing_of_answers(void **state)
 }
 
 /* If it failed, random arrivals would have another rate than was asked, or be even. */
-static void pace__random_arrivals_have_the_rate(void **state)
+CASE(pace__random_arrivals_have_the_rate)
 {
     struct load load = make_load(100);
     struct load_pace pace;
     double squares = 0;
-    (void)state;
     load.settings.poisson = true;
     load_pace_begin(&pace, &load, 2);
     uint64_t first_ns = pace.due_ns;
@@ -138,11 +129,10 @@ static void pace__random_arrivals_have_the_rate(void **state)
 }
 
 /* If it failed, all clients would join at once, or latencies of joining would count. */
-static void pace__clients_join_over_the_ramp(void **state)
+CASE(pace__clients_join_over_the_ramp)
 {
     struct load load = make_load(0);
     struct load_pace pace;
-    (void)state;
     load.settings.ramp_s = 8;
     load.settings.warm_up_s = 2;
     load_pace_begin(&pace, &load, 0);
@@ -153,11 +143,10 @@ static void pace__clients_join_over_the_ramp(void **state)
 }
 
 /* If it failed, a closed loop would not think, or think without being asked to. */
-static void pace__closed_loop_thinks_from_the_last_request(void **state)
+CASE(pace__closed_loop_thinks_from_the_last_request)
 {
     struct load load = make_load(0);
     struct load_pace pace;
-    (void)state;
     load_pace_begin(&pace, &load, 1);
     load_pace_next(&pace, &load, 5000000000u);
     assert_int_equal(pace.due_ns, 1000000000u);
@@ -169,12 +158,11 @@ static void pace__closed_loop_thinks_from_the_last_request(void **state)
 }
 
 /* If it failed, a planted stall would not be there, or be everywhere. */
-static void pace__stalls_in_the_share_that_was_asked(void **state)
+CASE(pace__stalls_in_the_share_that_was_asked)
 {
     struct load load = make_load(0);
     struct load_pace pace;
     uint32_t stalls = 0;
-    (void)state;
     load.settings.stall_share = 0.1;
     load.settings.stall_ms = 200;
     load_pace_begin(&pace, &load, 1);
@@ -190,13 +178,12 @@ static void pace__stalls_in_the_share_that_was_asked(void **state)
 /* ---- scenes ---------------------------------------------------------------------- */
 
 /* If it failed, another load would be made than was asked. */
-static void size__reads_lists_with_weights_and_ranges(void **state)
+CASE(size__reads_lists_with_weights_and_ranges)
 {
     static const char *const wrong[] = {
         "",     "k",     "0",     "5..2",    "1k:",   "1k,",  ",1k",
         "1k:0", "1k:-1", "2000k", "1..2..3", "1k 2k", "1k:x", "..5"};
     struct load_sizes sizes = {0};
-    (void)state;
     assert_true(load_sizes_parse(&sizes, "200..5k:3,1.5k"));
     assert_int_equal(sizes.count, 2);
     assert_int_equal(sizes.parts[0].low, 200);
@@ -211,12 +198,11 @@ static void size__reads_lists_with_weights_and_ranges(void **state)
 }
 
 /* If it failed, large scenes would be as many as small ones of a range are rare. */
-static void size__draws_by_weight_and_by_octave(void **state)
+CASE(size__draws_by_weight_and_by_octave)
 {
     struct load_sizes sizes;
     uint32_t single = 0;
     uint32_t below = 0;
-    (void)state;
     assert_true(load_sizes_parse(&sizes, "100..10000:3,50:1"));
     for (uint32_t i = 0; i < 8000; i++) {
         uint32_t size = load_sizes_draw(&sizes, load_mix(3, i));
@@ -229,11 +215,10 @@ static void size__draws_by_weight_and_by_octave(void **state)
 }
 
 /* If two clients sent the same, an answer that went to the wrong one would be right. */
-static void shape__is_different_for_every_client_and_position(void **state)
+CASE(shape__is_different_for_every_client_and_position)
 {
     double x[2][25][3];
     struct load_shape shape = {.seed = 1, .client = 7, .side = 4};
-    (void)state;
     for (int scene = 0; scene < LOAD_SCENE_COUNT; scene++) {
         shape = (struct load_shape){
             .seed = 1, .client = 7, .side = 4, .scene = (enum load_scene)scene};
@@ -254,10 +239,9 @@ static void shape__is_different_for_every_client_and_position(void **state)
 }
 
 /* If it failed, scenes would have another size than was asked. */
-static void shape__has_about_the_triangles_that_were_asked(void **state)
+CASE(shape__has_about_the_triangles_that_were_asked)
 {
     static const uint32_t asked[] = {40, 1000, 20000, 1000000};
-    (void)state;
     for (size_t i = 0; i < sizeof asked / sizeof asked[0]; i++) {
         struct load_shape shape = {.side = load_sheet_side(asked[i])};
         uint32_t made = load_sheet_triangle_count(&shape) + LOAD_FLOOR_TRIANGLES;
@@ -266,23 +250,4 @@ static void shape__has_about_the_triangles_that_were_asked(void **state)
     }
     assert_int_equal(load_sheet_side(40), 4);
     assert_int_equal(load_sheet_side(1), 1);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hist__has_the_quantiles_of_sorted_values_to_a_percent),
-        cmocka_unit_test(hist__takes_any_time),
-        cmocka_unit_test(hist__parts_add_up_and_come_apart),
-        cmocka_unit_test(pace__open_loop_knows_nothing_of_answers),
-        cmocka_unit_test(pace__random_arrivals_have_the_rate),
-        cmocka_unit_test(pace__clients_join_over_the_ramp),
-        cmocka_unit_test(pace__closed_loop_thinks_from_the_last_request),
-        cmocka_unit_test(pace__stalls_in_the_share_that_was_asked),
-        cmocka_unit_test(size__reads_lists_with_weights_and_ranges),
-        cmocka_unit_test(size__draws_by_weight_and_by_octave),
-        cmocka_unit_test(shape__is_different_for_every_client_and_position),
-        cmocka_unit_test(shape__has_about_the_triangles_that_were_asked),
-    };
-    return cmocka_run_group_tests_name("load_pace", tests, NULL, NULL);
 }

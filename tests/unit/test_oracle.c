@@ -1,17 +1,9 @@
-/* test_oracle.c - the exact oracle on cases that were worked out by hand.
- *
- * Touches at the ends of the step, grazes, coplanar motion, degenerate features, exact
- * times, and laws that any answer obeys.
- */
+/* test_oracle.c - the exact oracle on cases that were worked out by hand. */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "oracle_scene.h"
 #include "prng.h"
@@ -72,9 +64,8 @@ static struct expected at(long numerator, unsigned long denominator)
 }
 
 /* If this failed, the plainest contact would be missed or late. */
-static void oracle_vf__finds_a_vertex_that_falls_through_a_face(void **state)
+CASE(oracle_vf__finds_a_vertex_that_falls_through_a_face)
 {
-    (void)state;
     const double half[8][3] = VERTEX_TO_FLOOR(1, 1, 1, 1, 1, -1);
     const double third[8][3] = VERTEX_TO_FLOOR(1, 1, 1, 1, 1, -2);
     const double beside[8][3] = VERTEX_TO_FLOOR(3, 3, 1, 3, 3, -1);
@@ -84,9 +75,8 @@ static void oracle_vf__finds_a_vertex_that_falls_through_a_face(void **state)
 }
 
 /* If this failed, the closed end of the step or of a face would be treated as open. */
-static void oracle_vf__counts_touching_at_the_very_end(void **state)
+CASE(oracle_vf__counts_touching_at_the_very_end)
 {
-    (void)state;
     const double inside[8][3] = VERTEX_TO_FLOOR(1, 1, 1, 1, 1, 0);
     const double on_edge[8][3] = VERTEX_TO_FLOOR(2, 2, 1, 2, 2, 0);
     const double on_corner[8][3] = VERTEX_TO_FLOOR(4, 0, 1, 4, 0, 0);
@@ -104,9 +94,8 @@ static void oracle_vf__counts_touching_at_the_very_end(void **state)
 
 /* If this failed, contacts that are there from the start or never go away would be
  * lost. */
-static void oracle_vf__counts_static_touching(void **state)
+CASE(oracle_vf__counts_static_touching)
 {
-    (void)state;
     const double rest[8][3] = VERTEX_TO_FLOOR(1, 1, 0, 1, 1, 0);
     const double leaves[8][3] = VERTEX_TO_FLOOR(1, 1, 0, 1, 1, 1);
     const double apart[8][3] = VERTEX_TO_FLOOR(1, 1, 1, 1, 1, 1);
@@ -118,9 +107,8 @@ static void oracle_vf__counts_static_touching(void **state)
 }
 
 /* If this failed, a double root of the cubic would be taken for none. */
-static void oracle_vf__finds_a_graze(void **state)
+CASE(oracle_vf__finds_a_graze)
 {
-    (void)state;
     /* The vertex (t, 0, 1/4) is (t - 1/2)^2 above the plane z = (1 - t) x. */
     const double graze[8][3] = {{0, 0, 0.25}, {-8, -8, -8}, {8, -8, 8}, {0, 8, 0},
                                 {1, 0, 0.25}, {-8, -8, 0},  {8, -8, 0}, {0, 8, 0}};
@@ -132,9 +120,8 @@ static void oracle_vf__finds_a_graze(void **state)
 }
 
 /* If this failed, motion within one plane would be judged by the vanishing cubic. */
-static void oracle_vf__follows_coplanar_motion(void **state)
+CASE(oracle_vf__follows_coplanar_motion)
 {
-    (void)state;
     const double slides_in[8][3] = VERTEX_TO_FLOOR(-1, 1, 0, 1, 1, 0);
     const double slides_past[8][3] = VERTEX_TO_FLOOR(5, 0, 0, 0, 5, 0);
     const double slides_along_edge[8][3] = VERTEX_TO_FLOOR(-3, 0, 0, 5, 0, 0);
@@ -148,9 +135,8 @@ static void oracle_vf__follows_coplanar_motion(void **state)
 }
 
 /* If this failed, a face without area would be transparent or would have one. */
-static void oracle_vf__sees_a_face_without_area(void **state)
+CASE(oracle_vf__sees_a_face_without_area)
 {
-    (void)state;
     /* The face is the segment from (0,0,0) to (4,0,0), its third corner in the middle. */
     const double hit[8][3] = {{1, 0, 1},  {0, 0, 0}, {4, 0, 0}, {2, 0, 0},
                               {1, 0, -2}, {0, 0, 0}, {4, 0, 0}, {2, 0, 0}};
@@ -173,9 +159,8 @@ static void oracle_vf__sees_a_face_without_area(void **state)
 }
 
 /* If this failed, points that coincide for ever, or never, would be confused. */
-static void oracle_vf__compares_identical_points(void **state)
+CASE(oracle_vf__compares_identical_points)
 {
-    (void)state;
     const double same[8][3] = {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3},
                                {5, 6, 7}, {5, 6, 7}, {5, 6, 7}, {5, 6, 7}};
     const double parallel[8][3] = {{1, 2, 3}, {1, 2, 4}, {1, 2, 4}, {1, 2, 4},
@@ -188,9 +173,8 @@ static void oracle_vf__compares_identical_points(void **state)
 }
 
 /* If this failed, the plainest contact of edges would be missed or late. */
-static void oracle_ee__finds_edges_that_cross(void **state)
+CASE(oracle_ee__finds_edges_that_cross)
 {
-    (void)state;
     const double cross[8][3] = {{-1, 0, 1},  {1, 0, 1},  {0, -1, 0}, {0, 1, 0},
                                 {-1, 0, -4}, {1, 0, -4}, {0, -1, 0}, {0, 1, 0}};
     const double ends[8][3] = {{0, 0, 1},  {1, 0, 1},  {0, 0, 0}, {0, 1, 0},
@@ -203,9 +187,8 @@ static void oracle_ee__finds_edges_that_cross(void **state)
 }
 
 /* If this failed, parallel edges, whose normal vanishes, would be judged by it. */
-static void oracle_ee__compares_parallel_edges(void **state)
+CASE(oracle_ee__compares_parallel_edges)
 {
-    (void)state;
     const double overlap[8][3] = {{0, 0, 1},  {4, 0, 1},  {1, 0, 0}, {9, 0, 0},
                                   {0, 0, -2}, {4, 0, -2}, {1, 0, 0}, {9, 0, 0}};
     const double apart[8][3] = {{0, 0, 1},  {4, 0, 1},  {5, 0, 0}, {9, 0, 0},
@@ -224,9 +207,8 @@ static void oracle_ee__compares_parallel_edges(void **state)
 }
 
 /* If this failed, an edge that has shrunk to a point would be transparent or thick. */
-static void oracle_ee__sees_an_edge_without_length(void **state)
+CASE(oracle_ee__sees_an_edge_without_length)
 {
-    (void)state;
     const double hit[8][3] = {{0, 0, 0}, {4, 0, 0}, {1, 0, 1},  {1, 0, 1},
                               {0, 0, 0}, {4, 0, 0}, {1, 0, -1}, {1, 0, -1}};
     const double beside[8][3] = {{0, 0, 0}, {4, 0, 0}, {5, 0, 1},  {5, 0, 1},
@@ -242,9 +224,8 @@ static void oracle_ee__sees_an_edge_without_length(void **state)
 }
 
 /* If this failed, edges that slide in a common plane would be judged by the cubic. */
-static void oracle_ee__follows_coplanar_motion(void **state)
+CASE(oracle_ee__follows_coplanar_motion)
 {
-    (void)state;
     const double slides_in[8][3] = {{0, -1, 0}, {0, 1, 0}, {3, 0, 0},  {5, 0, 0},
                                     {0, -1, 0}, {0, 1, 0}, {-2, 0, 0}, {0, 0, 0}};
     const double slides_past[8][3] = {{0, -1, 0}, {0, 1, 0}, {1, 2, 0},  {5, 2, 0},
@@ -258,9 +239,8 @@ static void oracle_ee__follows_coplanar_motion(void **state)
 
 /* If this failed, an irrational time would be compared with a double as if it were
  * one. */
-static void oracle_first__compares_irrational_times(void **state)
+CASE(oracle_first__compares_irrational_times)
 {
-    (void)state;
     /* The vertex (t, 0, 1/2) under the plane z = t x: contact where t^2 = 1/2. */
     const double p[8][3] = {{0, 0, 0.5}, {-8, -8, 0},  {8, -8, 0}, {0, 8, 0},
                             {1, 0, 0.5}, {-8, -8, -8}, {8, -8, 8}, {0, 8, 0}};
@@ -276,9 +256,8 @@ static void oracle_first__compares_irrational_times(void **state)
 }
 
 /* If this failed, an exact time would not be equal to itself. */
-static void oracle_first__is_equal_to_an_exact_time(void **state)
+CASE(oracle_first__is_equal_to_an_exact_time)
 {
-    (void)state;
     const double p[8][3] = VERTEX_TO_FLOOR(1, 1, 3, 1, 1, -5);
     struct oracle_first *first = oracle_first_new(ORACLE_VF, p);
     assert_non_null(first);
@@ -307,13 +286,12 @@ static void random_query(struct prng *prng, double p[8][3])
 /* If this failed, the two ways to an answer (the first contact of the whole step; the
  * motion cut at a time and put together again) would disagree somewhere on degenerate
  * input. */
-static void oracle__answers_parts_like_the_whole(void **state)
+CASE(oracle__answers_parts_like_the_whole)
 {
     struct prng prng = {prng_seed()};
     mpq_t zero;
     mpq_t cut;
     mpq_t one;
-    (void)state;
     print_message("# PCCD_SEED=%llu\n", (unsigned long long)prng.state);
     mpq_inits(zero, cut, one, NULL);
     mpq_set_ui(one, 1, 1);
@@ -346,9 +324,8 @@ static void oracle__answers_parts_like_the_whole(void **state)
 
 /* If this failed, brute force would pass over a pair, test neighbours, or misname
  * edges. */
-static void oracle_scene__lists_every_pair_once(void **state)
+CASE(oracle_scene__lists_every_pair_once)
 {
-    (void)state;
     /* A triangle pierced by an edge of a second one; vertex 6 is in no triangle. */
     const double x[7][3] = {{0, 0, 0},  {4, 0, 0}, {0, 4, 0}, {1, 1, 1},
                             {1, 1, -1}, {9, 9, 0}, {1, 1, 0}};
@@ -383,26 +360,4 @@ static void oracle_scene__lists_every_pair_once(void **state)
     assert_int_equal(oracle_pair_compare(&contacts.pairs[0], &vertex_meets_face), 0);
     assert_int_equal(oracle_pair_compare(&contacts.pairs[1], &edges_meet), 0);
     oracle_contacts_deinit(&contacts);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(oracle_vf__finds_a_vertex_that_falls_through_a_face),
-        cmocka_unit_test(oracle_vf__counts_touching_at_the_very_end),
-        cmocka_unit_test(oracle_vf__counts_static_touching),
-        cmocka_unit_test(oracle_vf__finds_a_graze),
-        cmocka_unit_test(oracle_vf__follows_coplanar_motion),
-        cmocka_unit_test(oracle_vf__sees_a_face_without_area),
-        cmocka_unit_test(oracle_vf__compares_identical_points),
-        cmocka_unit_test(oracle_ee__finds_edges_that_cross),
-        cmocka_unit_test(oracle_ee__compares_parallel_edges),
-        cmocka_unit_test(oracle_ee__sees_an_edge_without_length),
-        cmocka_unit_test(oracle_ee__follows_coplanar_motion),
-        cmocka_unit_test(oracle_first__compares_irrational_times),
-        cmocka_unit_test(oracle_first__is_equal_to_an_exact_time),
-        cmocka_unit_test(oracle__answers_parts_like_the_whole),
-        cmocka_unit_test(oracle_scene__lists_every_pair_once),
-    };
-    return cmocka_run_group_tests_name("oracle", tests, NULL, NULL);
 }

@@ -1,15 +1,8 @@
 /* test_oracle_distance.c - the oracle's distances, on cases that were worked out by hand.
- *
- * Each type, the ties between types and between equal ones, roundings, degenerate
- * features, edges that pass through faces.
  */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <math.h>
 
 #include "oracle_distance.h"
 
@@ -61,9 +54,8 @@ static void expect(enum oracle_kind kind, points_t p, const uint8_t rank[4],
 
 /* If it failed: a vertex over a face, beside an edge or beyond a corner would get the
  * distance to another part of it. */
-static void distance__finds_each_part_of_a_face(void **state)
+CASE(distance__finds_each_part_of_a_face)
 {
-    (void)state;
     expect(ORACLE_VF, AT(1, 2, 3), in_order, RESULT(VF, 15, 3, .25, .5, 0, 0, 1));
     expect(ORACLE_VF, AT(1, 2, -3), in_order, RESULT(VF, 15, 3, .25, .5, 0, 0, -1));
     expect(ORACLE_VF, AT(3, -3, 4), in_order, RESULT(VE, 7, 5, .75, 0, 0, -.6, .8));
@@ -75,9 +67,8 @@ static void distance__finds_each_part_of_a_face(void **state)
 
 /* If it failed: a foot exactly on an edge would be given to the face, or one exactly at a
  * corner to an edge. */
-static void distance__takes_the_fewest_points(void **state)
+CASE(distance__takes_the_fewest_points)
 {
-    (void)state;
     expect(ORACLE_VF, AT(1, 0, 3), in_order, RESULT(VE, 7, 3, .25, 0, 0, 0, 1));
     expect(ORACLE_VF, AT(1, 3, 3), in_order, RESULT(VE, 13, 3, .25, .75, 0, 0, 1));
     expect(ORACLE_VF, AT(0, 0, 3), in_order, RESULT(VV, 3, 3, 0, 0, 0, 0, 1));
@@ -87,12 +78,11 @@ static void distance__takes_the_fewest_points(void **state)
 
 /* If it failed: degenerate features would have no order, or one that depends on the order
  * in which they are tried. */
-static void distance__takes_the_least_ranks_among_equals(void **state)
+CASE(distance__takes_the_least_ranks_among_equals)
 {
     static const double line[4][3] = {{2, 0, 1}, {0, 0, 0}, {4, 0, 0}, {8, 0, 0}};
     static const double dot[4][3] = {{2, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
     static const double twice[4][3] = {{2, 0, 1}, {0, 0, 0}, {2, 0, 0}, {8, 0, 0}};
-    (void)state;
     expect(ORACLE_VF, line, in_order, RESULT(VE, 7, 1, .5, 0, 0, 0, 1));
     expect(ORACLE_VF, line, (const uint8_t[]){0, 2, 3, 1},
            RESULT(VE, 11, 1, 0, .25, 0, 0, 1));
@@ -102,14 +92,13 @@ static void distance__takes_the_least_ranks_among_equals(void **state)
 }
 
 /* If it failed: edges would be measured between the wrong places. */
-static void distance__finds_each_part_of_edges(void **state)
+CASE(distance__finds_each_part_of_edges)
 {
     static const double crossed[4][3] = {{-1, 0, 2}, {3, 0, 2}, {0, -3, 0}, {0, 1, 0}};
     static const double beside[4][3] = {{1, 3, 4}, {5, 6, 8}, {0, 0, 0}, {4, 0, 0}};
     static const double other[4][3] = {{0, 0, 0}, {4, 0, 0}, {5, 6, 8}, {1, 3, 4}};
     static const double far[4][3] = {{0, 0, 0}, {4, 0, 0}, {9, 0, 0}, {12, 1, 0}};
     static const double meet[4][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}};
-    (void)state;
     expect(ORACLE_EE, crossed, in_order, RESULT(EE, 15, 2, .25, .75, 0, 0, 1));
     expect(ORACLE_EE, beside, in_order, RESULT(VE, 13, 5, 0, .25, 0, .6, .8));
     expect(ORACLE_EE, other, in_order, RESULT(VE, 11, 5, .25, 1, 0, -.6, -.8));
@@ -118,12 +107,11 @@ static void distance__finds_each_part_of_edges(void **state)
 }
 
 /* If it failed: parallel edges would be EE, whose normal is 0, or any of their ends. */
-static void distance__of_parallel_edges_is_at_their_ends(void **state)
+CASE(distance__of_parallel_edges_is_at_their_ends)
 {
     static const double shifted[4][3] = {{0, 0, 1}, {4, 0, 1}, {1, 0, 0}, {5, 0, 0}};
     static const double aligned[4][3] = {{0, 0, 1}, {4, 0, 1}, {4, 0, 0}, {0, 0, 0}};
     static const double dots[4][3] = {{0, 0, 2}, {0, 0, 2}, {0, 0, 0}, {0, 0, 0}};
-    (void)state;
     expect(ORACLE_EE, shifted, in_order, RESULT(VE, 14, 1, 1, .75, 0, 0, 1));
     expect(ORACLE_EE, shifted, backwards, RESULT(VE, 7, 1, .25, 0, 0, 0, 1));
     expect(ORACLE_EE, aligned, in_order, RESULT(VV, 9, 1, 0, 1, 0, 0, 1));
@@ -134,10 +122,9 @@ static void distance__of_parallel_edges_is_at_their_ends(void **state)
 }
 
 /* If it failed: a bracket would be too wide, off, or would lose what a double can say. */
-static void distance__is_rounded_to_33_bits(void **state)
+CASE(distance__is_rounded_to_33_bits)
 {
     struct oracle_distance distance;
-    (void)state;
     distance = find(ORACLE_VF, AT(-1, -1, 0), in_order);
     assert_true(distance.lo == floor(sqrt(2) * 0x1p32) * 0x1p-32);
     assert_true(distance.hi == distance.lo + 0x1p-32);
@@ -161,11 +148,10 @@ static void distance__is_rounded_to_33_bits(void **state)
 }
 
 /* If it failed: halves would be rounded by chance. */
-static void distance__rounds_halves_to_even(void **state)
+CASE(distance__rounds_halves_to_even)
 {
     static const double ends[4][3] = {{0x1p-32, 0, 1}, {0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
     static const double three[4][3] = {{0x3p-32, 1, 1}, {0, 0, 0}, {2, 0, 0}, {0, 4, 0}};
-    (void)state;
     assert_true(find(ORACLE_VF, ends, in_order).param[0] == 0);
     assert_true(find(ORACLE_VF, three, in_order).param[0] == 0x2p-32);
 }
@@ -175,11 +161,10 @@ static void distance__rounds_halves_to_even(void **state)
 
 /* If it failed: edges that only touch would count as passing through, or those that pass
  * through as touching. */
-static void crossing__is_strict(void **state)
+CASE(crossing__is_strict)
 {
     static const double flat[5][3] = {
         {1, 1, -1}, {1, 1, 1}, {0, 0, 0}, {1, 1, 0}, {2, 2, 0}};
-    (void)state;
     assert_true(CROSSES(1, 1, 1, 1, 1, -1));
     assert_true(CROSSES(1, 1, -1, 1, 1, 1));
     assert_true(CROSSES(0x1p-1000, 0x1p-1000, 1, 0x1p-1000, 0x1p-1000, -1));
@@ -191,19 +176,4 @@ static void crossing__is_strict(void **state)
     assert_false(CROSSES(-9, 1, 0, 9, 1, 0)); /* in its plane */
     assert_false(CROSSES(1, 1, 1, 1, 1, 1));  /* without length */
     assert_false(oracle_crosses(flat));       /* no inside */
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(distance__finds_each_part_of_a_face),
-        cmocka_unit_test(distance__takes_the_fewest_points),
-        cmocka_unit_test(distance__takes_the_least_ranks_among_equals),
-        cmocka_unit_test(distance__finds_each_part_of_edges),
-        cmocka_unit_test(distance__of_parallel_edges_is_at_their_ends),
-        cmocka_unit_test(distance__is_rounded_to_33_bits),
-        cmocka_unit_test(distance__rounds_halves_to_even),
-        cmocka_unit_test(crossing__is_strict),
-    };
-    return cmocka_run_group_tests_name("oracle_distance", tests, NULL, NULL);
 }

@@ -1,16 +1,8 @@
-/* test_oracle_thick.c - the oracle of thick features.
- *
- * Cases that were worked out by hand; random ones on a grid against the oracle's distance
- * at many times; no radius against the oracle of contacts.
- */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+/* test_oracle_thick.c - the oracle of thick features. */
+#include "cases.h"
 
-#include <cmocka.h>
+#include <math.h>
+#include <string.h>
 
 #include "oracle_distance.h"
 #include "oracle_thick.h"
@@ -27,9 +19,8 @@ static struct oracle_thick thick_of(const struct thick_case *made)
 }
 
 /* If it failed, the oracle would be no truth to compare the engine with. */
-static void thick__first_times_are_those_worked_out_by_hand(void **state)
+CASE(thick__first_times_are_those_worked_out_by_hand)
 {
-    (void)state;
     for (size_t i = 0; i < thick_case_count; i++) {
         const struct thick_case *made = &thick_cases[i];
         struct oracle_thick thick = thick_of(made);
@@ -56,12 +47,11 @@ static void thick__first_times_are_those_worked_out_by_hand(void **state)
 }
 
 /* If it failed, three radii would not be added exactly. */
-static void thick__radius_is_an_exact_sum(void **state)
+CASE(thick__radius_is_an_exact_sum)
 {
     static const double p[8][3] = {{0, 0, 0}, {4, 0, 0}, {0}, {0}, {0, 0, 0}, {1, 0, 0}};
     struct oracle_thick thick = {
         .points_a = 1, .points_b = 1, .p = p, .radius = {0x1p-300, 1, 0}};
-    (void)state;
     struct oracle_first *first = oracle_thick_first_new(&thick);
     assert_non_null(first);
     assert_int_equal(oracle_first_compare(first, 1), -1);
@@ -106,11 +96,10 @@ static void make_grid(struct prng *prng, struct oracle_thick *thick, double p[8]
 /* If it failed, a first time would be too late, too early, or missing: on a grid, places
  * at sixteenths of the step are numbers, so another definition of the distance can be
  * asked there. */
-static void thick__first_time_is_where_the_distance_is_r(void **state)
+CASE(thick__first_time_is_where_the_distance_is_r)
 {
     struct prng prng = {prng_seed()};
     int hits = 0;
-    (void)state;
     for (int i = 0; i < 3000; i++) {
         double p[8][3];
         struct oracle_thick thick;
@@ -136,11 +125,10 @@ static void thick__first_time_is_where_the_distance_is_r(void **state)
 }
 
 /* If it failed, features without thickness would meet at other times than contacts. */
-static void thick__without_radius_is_contact(void **state)
+CASE(thick__without_radius_is_contact)
 {
     struct prng prng = {prng_seed() + 1};
     int hits = 0;
-    (void)state;
     for (int i = 0; i < 2000; i++) {
         double p[8][3];
         struct oracle_thick thick;
@@ -166,10 +154,9 @@ static void thick__without_radius_is_contact(void **state)
 
 /* If it failed, a pair that begins inside would have another threshold than s times its
  * distance. */
-static void thick__approach_is_to_a_part_of_the_first_distance(void **state)
+CASE(thick__approach_is_to_a_part_of_the_first_distance)
 {
     struct prng prng = {prng_seed() + 2};
-    (void)state;
     for (int i = 0; i < 500; i++) {
         /* At t = 0 all is in two planes, `height` apart and as near as that. */
         double p[8][3];
@@ -198,16 +185,4 @@ static void thick__approach_is_to_a_part_of_the_first_distance(void **state)
         oracle_first_free(first);
         oracle_first_free(due);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(thick__first_times_are_those_worked_out_by_hand),
-        cmocka_unit_test(thick__radius_is_an_exact_sum),
-        cmocka_unit_test(thick__first_time_is_where_the_distance_is_r),
-        cmocka_unit_test(thick__without_radius_is_contact),
-        cmocka_unit_test(thick__approach_is_to_a_part_of_the_first_distance),
-    };
-    return cmocka_run_group_tests_name("oracle_thick", tests, NULL, NULL);
 }

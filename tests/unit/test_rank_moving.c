@@ -1,15 +1,7 @@
-/* test_rank_moving.c - boxes that go on as vertices go.
- *
- * Let vertices go wherever they may, and compare the boxes that were promised for them
- * with the boxes that they have.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+/* test_rank_moving.c - boxes that go on as vertices go. */
+#include "cases.h"
 
-#include <cmocka.h>
+#include <string.h>
 
 #include "moving.h"
 #include "prng.h"
@@ -132,9 +124,8 @@ static bool meet(const struct leaf *a, const struct leaf *b, double from, double
 
 /* If it failed, a rank would not get a leaf that one of its own meets some steps after
  * ghosts were chosen, and a contact would be missed. */
-static void rank_moving__boxes_meet_whenever_vertices_do(void **state)
+CASE(rank_moving__boxes_meet_whenever_vertices_do)
 {
-    (void)state;
     uint32_t met = 0, apart = 0;
     prng.state = prng_seed();
     for (uint32_t round = 0; round < ROUNDS; round++) {
@@ -164,9 +155,8 @@ static void rank_moving__boxes_meet_whenever_vertices_do(void **state)
 
 /* If it failed, what falls side by side would be a ghost of its neighbours, however far
  * they are: boxes around their ways overlap. */
-static void rank_moving__what_goes_side_by_side_does_not_meet(void **state)
+CASE(rank_moving__what_goes_side_by_side_does_not_meet)
 {
-    (void)state;
     const struct ranks_room room = {
         .more = {0.1, 0.1, 0.1}, .follows = {true, true, true}, .steps = 40};
     const double a0[3] = {0, 0, 10}, a1[3] = {0.1, 0, 9}, b0[3] = {0, 0, 8},
@@ -188,9 +178,8 @@ static void rank_moving__what_goes_side_by_side_does_not_meet(void **state)
 
 /* If it failed, a box would be smaller than what is in it by a rounding, or larger by
  * more than one. */
-static void rank_moving__floats_are_rounded_outward(void **state)
+CASE(rank_moving__floats_are_rounded_outward)
 {
-    (void)state;
     static const double some[] = {0, 1, 1e-50, 1e-42, 3e38, 3.5e38, 1e300, 0.1, 1 + 1e-9};
     for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
         for (int sign = -1; sign <= 1; sign += 2) {
@@ -204,14 +193,4 @@ static void rank_moving__floats_are_rounded_outward(void **state)
             assert_true((double)ranks_float_above(x) >= x);
         }
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rank_moving__boxes_meet_whenever_vertices_do),
-        cmocka_unit_test(rank_moving__floats_are_rounded_outward),
-        cmocka_unit_test(rank_moving__what_goes_side_by_side_does_not_meet),
-    };
-    return cmocka_run_group_tests_name("rank_moving", tests, NULL, NULL);
 }

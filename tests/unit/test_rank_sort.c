@@ -1,10 +1,5 @@
 /* test_rank_sort.c - numbers sorted with what is attached. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cases.h"
 
 #include "prng.h"
 #include "rank_sort.h"
@@ -14,9 +9,8 @@
 
 /* If it failed, ranks would number vertices in another order than one process, and find
  * other contacts, or none: some keys differ in few bits, which may be anywhere. */
-static void rank_sort__sorts_and_keeps_the_order_of_equal_keys(void **state)
+CASE(rank_sort__sorts_and_keeps_the_order_of_equal_keys)
 {
-    (void)state;
     static struct ranks_key keys[KEYS], other[KEYS], slow[KEYS];
     static const uint64_t masks[] = {
         0,          1,          0x7ff,           0x800,      0xfffff,    0x80000001ull,
@@ -45,9 +39,8 @@ static void rank_sort__sorts_and_keeps_the_order_of_equal_keys(void **state)
 }
 
 /* If it failed: the same of what leaves name. */
-static void rank_sort__sorts_words_by_their_upper_halves(void **state)
+CASE(rank_sort__sorts_words_by_their_upper_halves)
 {
-    (void)state;
     static uint64_t words[KEYS], other[KEYS];
     static struct ranks_key keys[KEYS], more[KEYS];
     static const uint32_t masks[] = {0,       1,           0x7ff,     0x800,
@@ -71,9 +64,8 @@ static void rank_sort__sorts_words_by_their_upper_halves(void **state)
 }
 
 /* If it failed, a rank would take one vertex for another that came before. */
-static void recent__knows_numbers_or_forgets_them(void **state)
+CASE(recent__knows_numbers_or_forgets_them)
 {
-    (void)state;
     static struct ranks_recent recent;
     struct prng random = {prng_seed()};
     uint32_t known = 0;
@@ -87,14 +79,4 @@ static void recent__knows_numbers_or_forgets_them(void **state)
         *value = number * 3;
     }
     assert_true(known > 10000);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rank_sort__sorts_and_keeps_the_order_of_equal_keys),
-        cmocka_unit_test(rank_sort__sorts_words_by_their_upper_halves),
-        cmocka_unit_test(recent__knows_numbers_or_forgets_them),
-    };
-    return cmocka_run_group_tests_name("rank_sort", tests, NULL, NULL);
 }

@@ -1,19 +1,14 @@
 /* test_rec_format.c - recordings as files: written, cut, damaged, read.
  *
- * Write a small recording, and read what is left of it after every cut and after the
- * change of any byte. More than 600 lines: what a reader refuses of every kind of chunk,
+ * More than 600 lines: what a reader refuses of every kind of chunk,
  * on one fixture.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "object_attributes.h"
 #include "payload.h"
@@ -128,13 +123,12 @@ static uint32_t read_all(const uint8_t *from, uint64_t bytes, int *status,
 }
 
 /* If this failed, what was recorded would not be what is read. */
-static void chunks__come_back_as_they_were(void **state)
+CASE(chunks__come_back_as_they_were)
 {
     static const uint16_t kinds[] = {RECORD_BEGIN,  RECORD_MESH, RECORD_SCENE,
                                      RECORD_OBJECT, RECORD_LOG,  RECORD_FRAME,
                                      RECORD_ANSWER, RECORD_END};
 
-    (void)state;
     for (int level = 0; level <= 3; level += 3) {
         struct record_reader reader;
         struct record_view view;
@@ -164,9 +158,8 @@ static void chunks__come_back_as_they_were(void **state)
 
 /* If this failed, a crash would cost more than the chunk that was being written, or what
  * is left would be taken for damaged. */
-static void files__are_read_up_to_any_cut(void **state)
+CASE(files__are_read_up_to_any_cut)
 {
-    (void)state;
     for (uint64_t bytes = RECORD_HEAD_BYTES; bytes <= file_bytes; bytes++) {
         enum record_ending ending;
         uint32_t whole = 0;
@@ -193,9 +186,8 @@ static void files__are_read_up_to_any_cut(void **state)
 
 /* If this failed, a byte that has changed on a disk would be played as if it were right,
  * or chunks before it would be lost. */
-static void files__show_the_change_of_any_byte(void **state)
+CASE(files__show_the_change_of_any_byte)
 {
-    (void)state;
     for (uint64_t at = 0; at < file_bytes; at++) {
         enum record_ending ending;
         struct record_chunk chunk;
@@ -259,14 +251,13 @@ static int open_with(uint32_t version, uint32_t features, char *text, size_t roo
 
 /* If this failed, a release from before there were masks would repeat a recording without
  * them, and blame the daemon; or refuse one that has none. */
-static void heads__say_what_a_reader_must_know(void **state)
+CASE(heads__say_what_a_reader_must_know)
 {
     const struct record_filter filter = {.scene = 5, .object = 9, .what = 1};
     struct record_writer writer = {.fd = -1};
     uint32_t head[4];
     char text[256];
 
-    (void)state;
     assert_int_equal(unlink(path), 0);
     assert_int_equal(record_writer_open(&writer, path), 0);
     head_of(head);
@@ -307,11 +298,10 @@ static void heads__say_what_a_reader_must_know(void **state)
 }
 
 /* If this failed, a recording could be written over by the next one. */
-static void files__are_never_written_over(void **state)
+CASE(files__are_never_written_over)
 {
     struct record_writer writer = {.fd = -1};
 
-    (void)state;
     assert_int_equal(record_writer_open(&writer, path), PCCD_E_SYSTEM);
     record_writer_deinit(&writer);
 }
@@ -332,7 +322,7 @@ static int judge_with(uint16_t kind, const void *payload, size_t bytes, size_t a
 }
 
 /* If this failed, a reader would follow an index or a range out of its memory. */
-static void payloads__are_refused_with_indices_out_of_range(void **state)
+CASE(payloads__are_refused_with_indices_out_of_range)
 {
     struct {
         struct record_mesh head;
@@ -353,7 +343,6 @@ static void payloads__are_refused_with_indices_out_of_range(void **state)
     const struct record_filter filter = {.what = PCCD_OBJECT_ALL, .self = 1};
     const size_t segment = sizeof frame.head;
 
-    (void)state;
     assert_int_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 0, 1), 0);
     assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 8, 3), 0);
     assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 8, 1), 0);
@@ -413,7 +402,7 @@ static int read_zeros(uint16_t kind, const void *head, size_t head_bytes, size_t
 
 /* If this failed, a file of a hundred kilobytes would take gigabytes of memory, for a
  * chunk that says nothing so long. */
-static void chunks__take_no_more_memory_than_they_count(void **state)
+CASE(chunks__take_no_more_memory_than_they_count)
 {
     const size_t large = (size_t)64 << 20;
     const struct record_mesh mesh = {1, PCCD_FORMAT_F32, 4, 1};
@@ -445,7 +434,6 @@ static void chunks__take_no_more_memory_than_they_count(void **state)
     char text[256];
     size_t room;
 
-    (void)state;
     if (!record_has_zstd()) {
         return; /* nothing is longer than its file */
     }
@@ -480,7 +468,7 @@ static void chunks__take_no_more_memory_than_they_count(void **state)
 
 /* If this failed, a recording could name the handle of nothing, or have coordinates that
  * are none, and end its reader. */
-static void payloads__have_handles_and_coordinates(void **state)
+CASE(payloads__have_handles_and_coordinates)
 {
     const struct record_scene scene = {.scene = 5};
     const struct record_object object = {5, 1, 9, 0};
@@ -496,7 +484,6 @@ static void payloads__have_handles_and_coordinates(void **state)
     } mesh = {{1, PCCD_FORMAT_F32, 4, 1}, {{0}}, {{0, 1, 2}}};
     const uint32_t nan = 0x7fc00000, high = 0x7ff80000;
 
-    (void)state;
     assert_int_equal(judge_with(RECORD_SCENE, &scene, sizeof scene, 0, 5), 0);
     assert_int_not_equal(judge_with(RECORD_SCENE, &scene, sizeof scene, 0, 0), 0);
     assert_int_equal(judge_with(RECORD_OBJECT, &object, sizeof object, 0, 5), 0);
@@ -518,7 +505,7 @@ static void payloads__have_handles_and_coordinates(void **state)
 
 /* If this failed, a reader would follow what it has not judged of a question about what
  * is near, or of its answer. */
-static void payloads__of_what_is_near_are_judged(void **state)
+CASE(payloads__of_what_is_near_are_judged)
 {
     struct {
         struct record_near head;
@@ -539,7 +526,6 @@ static void payloads__of_what_is_near_are_judged(void **state)
     const size_t end = offsetof(struct record_near, end);
     const size_t segments = offsetof(struct record_near, segment_count);
 
-    (void)state;
     assert_int_equal(judge_with(RECORD_NEAR, &near, sizeof near, end, 0), 0);
     assert_int_equal(judge_with(RECORD_NEAR, &near.head, sizeof near.head, segments, 0),
                      0);
@@ -566,13 +552,12 @@ static void payloads__of_what_is_near_are_judged(void **state)
 
 /* If this failed, a program of before would misread what is near instead of refusing the
  * file by the number of the feature. */
-static void files__with_what_is_near_name_that_feature(void **state)
+CASE(files__with_what_is_near_name_that_feature)
 {
     const struct record_near near = {.step = 1};
     struct record_writer writer = {.fd = -1};
     uint32_t head[4];
 
-    (void)state;
     assert_int_equal(unlink(path), 0);
     assert_int_equal(record_writer_open(&writer, path), 0);
     chunk_count = 0;
@@ -586,12 +571,11 @@ static void files__with_what_is_near_name_that_feature(void **state)
 }
 
 /* If this failed, a reader would look for the end of a text beyond it. */
-static void tunings__have_an_end(void **state)
+CASE(tunings__have_an_end)
 {
     const uint32_t word = 0x78787878; /* as it is */
     struct record_tuning tuning;
 
-    (void)state;
     memset(&tuning, 'x', sizeof tuning);
     assert_int_not_equal(judge_with(RECORD_TUNING, &tuning, sizeof tuning, 0, word), 0);
     tuning.text[sizeof tuning.text - 1] = '\0';
@@ -602,7 +586,7 @@ static void tunings__have_an_end(void **state)
 
 /* If this failed, recordings of before would be repeated in another way than they were
  * made. */
-static void tunings__of_before_are_numbers(void **state)
+CASE(tunings__of_before_are_numbers)
 {
     const struct {
         uint32_t numbers[3];
@@ -615,7 +599,6 @@ static void tunings__of_before_are_numbers(void **state)
         {{2, 3, UINT32_MAX}, "scheduler=paper"},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         struct record_frame frame = {.step = 1};
         char text[PCCD_TUNING_BYTES];
@@ -628,13 +611,12 @@ static void tunings__of_before_are_numbers(void **state)
 
 /* If this failed, a recording of before would be repeated with objects that meet
  * themselves, or do not, as they did not then. */
-static void filters__of_before_have_two_words(void **state)
+CASE(filters__of_before_have_two_words)
 {
     const struct common_attributes told = {.group = 5, .mask = 6};
     struct common_attributes read;
     struct record_filter filter, again;
 
-    (void)state;
     record_filter_make(&filter, 1, 2, PCCD_OBJECT_ALL, &told);
     assert_int_equal(filter.what, COMMON_OBJECT_KNOWN);
     record_filter_read(&filter, sizeof filter, &again, &read);
@@ -648,22 +630,4 @@ static void filters__of_before_have_two_words(void **state)
     assert_true(read.self_collision && again.scene == 1 && again.object == 2);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(chunks__come_back_as_they_were),
-        cmocka_unit_test(files__are_read_up_to_any_cut),
-        cmocka_unit_test(files__show_the_change_of_any_byte),
-        cmocka_unit_test(heads__say_what_a_reader_must_know),
-        cmocka_unit_test(files__are_never_written_over),
-        cmocka_unit_test(payloads__are_refused_with_indices_out_of_range),
-        cmocka_unit_test(filters__of_before_have_two_words),
-        cmocka_unit_test(chunks__take_no_more_memory_than_they_count),
-        cmocka_unit_test(payloads__have_handles_and_coordinates),
-        cmocka_unit_test(payloads__of_what_is_near_are_judged),
-        cmocka_unit_test(files__with_what_is_near_name_that_feature),
-        cmocka_unit_test(tunings__have_an_end),
-        cmocka_unit_test(tunings__of_before_are_numbers),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

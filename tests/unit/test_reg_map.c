@@ -1,10 +1,5 @@
 /* test_reg_map.c - what belongs to a handle, among many. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cases.h"
 
 #include "prng.h"
 #include "registry.h"
@@ -19,18 +14,17 @@ static uint32_t handle_of(uint32_t i)
 
 /* If it failed, a scene among many would not be found, or another one in its place: its
  * objects would not come back after a crash. */
-static void map__has_what_was_put_last(void **state)
+CASE(map__has_what_was_put_last)
 {
     struct prng prng = {prng_seed()};
 
-    (void)state;
     for (uint32_t round = 0; round < 50; round++) {
         struct registry_map map = {.entries = NULL};
         uint64_t told[HANDLES] = {0}; /* 0: not there */
         uint32_t count = 0;
 
         for (uint64_t step = 1; step <= 3000; step++) {
-            uint32_t i = (uint32_t)prng_below(&prng, HANDLES);
+            uint32_t i = prng_u32(&prng, HANDLES);
 
             if (prng_below(&prng, 2) == 0) {
                 assert_int_equal(registry_map_put(&map, handle_of(i), step), 0);
@@ -51,13 +45,4 @@ static void map__has_what_was_put_last(void **state)
         }
         registry_map_deinit(&map);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(map__has_what_was_put_last),
-    };
-
-    return cmocka_run_group_tests_name("reg_map", tests, NULL, NULL);
 }

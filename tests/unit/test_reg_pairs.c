@@ -1,11 +1,7 @@
 /* test_reg_pairs.c - pairs that ignore each other, as the registry keeps them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <string.h>
 
 #include "prng.h"
 #include "registry.h"
@@ -35,18 +31,17 @@ static void check(struct registry_pairs *pairs, bool told[OBJECTS][OBJECTS])
 
 /* If it failed, a daemon that was told anew would test pairs that the last one had been
  * told to ignore, or ignore those that it had not. */
-static void pairs__are_the_last_word_on_each(void **state)
+CASE(pairs__are_the_last_word_on_each)
 {
     struct prng prng = {prng_seed()};
 
-    (void)state;
     for (uint32_t round = 0; round < 100; round++) {
         struct registry_pairs pairs = {.count = 0};
         bool told[OBJECTS][OBJECTS] = {{false}};
 
         for (uint32_t i = 0; i < 2000; i++) {
-            uint32_t a = (uint32_t)prng_below(&prng, OBJECTS);
-            uint32_t b = (a + 1 + (uint32_t)prng_below(&prng, OBJECTS - 1)) % OBJECTS;
+            uint32_t a = prng_u32(&prng, OBJECTS);
+            uint32_t b = (a + 1 + prng_u32(&prng, OBJECTS - 1)) % OBJECTS;
             bool ignored = prng_below(&prng, 3) > 0;
 
             if (prng_below(&prng, 100) == 0) {
@@ -66,13 +61,4 @@ static void pairs__are_the_last_word_on_each(void **state)
         assert_true(pairs.room <= 1024); /* it does not grow with what was said twice */
         registry_pairs_deinit(&pairs);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pairs__are_the_last_word_on_each),
-    };
-
-    return cmocka_run_group_tests_name("reg_pairs", tests, NULL, NULL);
 }

@@ -1,11 +1,7 @@
 /* test_reg_positions.c - where the objects of a registry are. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <string.h>
 
 #include "pccd_types.h"
 #include "prng.h"
@@ -43,12 +39,12 @@ static void fill(struct prng *prng, const struct registry_motion *motion, uint8_
 static struct registry_motion draw_motion(struct prng *prng, struct payload *payload)
 {
     struct registry_motion motion = {.is_rigid = prng_below(prng, 3) == 0,
-                                     .format = (uint32_t)prng_below(prng, 2),
+                                     .format = prng_u32(prng, 2),
                                      .count = VERTICES};
 
     if (prng_below(prng, 2) == 0) {
-        motion.first = (uint32_t)prng_below(prng, VERTICES);
-        motion.count = (uint32_t)prng_below(prng, VERTICES - motion.first + 1);
+        motion.first = prng_u32(prng, VERTICES);
+        motion.count = prng_u32(prng, VERTICES - motion.first + 1);
     }
     fill(prng, &motion, payload->start + 1);
     fill(prng, &motion, payload->end + 1);
@@ -106,11 +102,10 @@ static void end_of(const struct registry_object *object, uint32_t vertex, double
 
 /* If it failed, another daemon would be told of other positions than a recording of the
  * same client is repeated with, or than the last daemon has computed with. */
-static void ends__are_the_same_in_both_ways(void **state)
+CASE(ends__are_the_same_in_both_ways)
 {
     struct prng prng = {prng_seed()};
 
-    (void)state;
     for (uint32_t round = 0; round < 400; round++) {
         struct registry compact = {.meshes = NULL};
         struct registry both = {.meshes = NULL};
@@ -145,7 +140,7 @@ static void ends__are_the_same_in_both_ways(void **state)
 }
 
 /* If it failed, a rigid body would cost as much as its vertices do, for each client. */
-static void rigid_bodies__are_kept_as_transforms(void **state)
+CASE(rigid_bodies__are_kept_as_transforms)
 {
     struct prng prng = {prng_seed()};
     struct registry registry = {.meshes = NULL};
@@ -156,20 +151,9 @@ static void rigid_bodies__are_kept_as_transforms(void **state)
                                            .count = VERTICES,
                                            .end = payload.end + 1};
 
-    (void)state;
     fill(&prng, &motion, payload.end + 1);
     assert_int_equal(registry_place(object, &motion), 0);
     assert_int_equal(object->placing, REGISTRY_RIGID);
     assert_null(object->x);
     registry_deinit(&registry);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ends__are_the_same_in_both_ways),
-        cmocka_unit_test(rigid_bodies__are_kept_as_transforms),
-    };
-
-    return cmocka_run_group_tests_name("reg_place", tests, NULL, NULL);
 }

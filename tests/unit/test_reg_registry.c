@@ -1,11 +1,7 @@
 /* test_reg_registry.c - what a client has told a daemon. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <string.h>
 
 #include "pccd_types.h"
 #include "registry.h"
@@ -38,13 +34,12 @@ static void set(struct registry_object *object, uint32_t what, uint64_t group,
 
 /* If it failed, a daemon could not be told of an object whose mesh the client has
  * destroyed, or meshes would be kept for ever. */
-static void mesh__stays_while_objects_are_made_of_it(void **state)
+CASE(mesh__stays_while_objects_are_made_of_it)
 {
     struct registry registry = {.meshes = NULL};
     struct registry_scene *scene;
     struct registry_object *object;
 
-    (void)state;
     assert_int_equal(registry_put_mesh(&registry, 7, triangle(), 1), 0);
     scene = registry_add_scene(&registry, 1, &plain);
     assert_non_null(scene);
@@ -69,14 +64,13 @@ static void mesh__stays_while_objects_are_made_of_it(void **state)
 
 /* If it failed, objects would be told to another daemon under wrong handles, or in an
  * order other than the handles', in which answers list them. */
-static void objects__lie_in_the_order_of_their_handles(void **state)
+CASE(objects__lie_in_the_order_of_their_handles)
 {
     static const uint32_t handles[] = {40, 10, 30, 20, 50};
     struct registry registry = {.meshes = NULL};
     struct registry_scene *scene = registry_add_scene(&registry, 1, &plain);
     struct registry_mesh *mesh;
 
-    (void)state;
     assert_non_null(scene);
     assert_int_equal(registry_put_mesh(&registry, 7, triangle(), 1), 0);
     mesh = registry_mesh(&registry, 7);
@@ -97,7 +91,7 @@ static void objects__lie_in_the_order_of_their_handles(void **state)
 }
 
 /* If it failed, a step that came before a mesh was replaced would move the new one. */
-static void replacement__puts_objects_where_it_was_registered(void **state)
+CASE(replacement__puts_objects_where_it_was_registered)
 {
     static const double moved[12] = {1, 0, 0, 5, 0, 1, 0, 5, 0, 0, 1, 5};
     const struct registry_motion motion = {.is_rigid = true, .count = 3, .end = moved};
@@ -105,7 +99,6 @@ static void replacement__puts_objects_where_it_was_registered(void **state)
     struct registry_scene *scene = registry_add_scene(&registry, 1, &plain);
     struct registry_object *object;
 
-    (void)state;
     assert_non_null(scene);
     assert_int_equal(registry_put_mesh(&registry, 7, triangle(), 1), 0);
     object = registry_add_object(scene, registry_mesh(&registry, 7), 3, 1);
@@ -121,13 +114,12 @@ static void replacement__puts_objects_where_it_was_registered(void **state)
 
 /* If it failed, what others have put into a shared scene would be repeated with masks
  * that nobody has set, or with none. */
-static void guest__gets_a_shape_and_keeps_what_it_may_meet(void **state)
+CASE(guest__gets_a_shape_and_keeps_what_it_may_meet)
 {
     struct registry registry = {.meshes = NULL};
     struct registry_scene *scene = registry_add_scene(&registry, 1, &plain);
     struct registry_object *object;
 
-    (void)state;
     assert_non_null(scene);
     object = registry_put_guest(&registry, scene, 3, triangle());
     assert_non_null(object);
@@ -147,14 +139,13 @@ static void guest__gets_a_shape_and_keeps_what_it_may_meet(void **state)
 
 /* If it failed, contacts of objects that were masked would be held against the daemon, or
  * those that are missing would not. */
-static void objects__meet_as_groups_masks_and_pairs_say(void **state)
+CASE(objects__meet_as_groups_masks_and_pairs_say)
 {
     struct registry registry = {.meshes = NULL};
     struct registry_scene *scene = registry_add_scene(&registry, 1, &plain);
     struct registry_object *a;
     struct registry_object *b;
 
-    (void)state;
     assert_non_null(scene);
     assert_int_equal(registry_put_mesh(&registry, 7, triangle(), 1), 0);
     assert_non_null(registry_add_object(scene, registry_mesh(&registry, 7), 3, 1));
@@ -177,17 +168,4 @@ static void objects__meet_as_groups_masks_and_pairs_say(void **state)
     registry_remove_object(&registry, scene, b);
     assert_int_equal(scene->ignored.count, 0);
     registry_deinit(&registry);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mesh__stays_while_objects_are_made_of_it),
-        cmocka_unit_test(objects__lie_in_the_order_of_their_handles),
-        cmocka_unit_test(replacement__puts_objects_where_it_was_registered),
-        cmocka_unit_test(guest__gets_a_shape_and_keeps_what_it_may_meet),
-        cmocka_unit_test(objects__meet_as_groups_masks_and_pairs_say),
-    };
-
-    return cmocka_run_group_tests_name("reg_registry", tests, NULL, NULL);
 }

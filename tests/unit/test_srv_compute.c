@@ -1,16 +1,8 @@
-/* test_srv_compute.c - the compute thread and its queue.
- *
- * Order within a lane, turns between lanes and groups, bounds, taking back, cancelling,
- * batches of notifications. Shares are test_srv_fairqueue.c.
- */
-#include <semaphore.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <time.h>
+/* test_srv_compute.c - the compute thread and its queue. */
+#include "cases.h"
 
-#include <cmocka.h>
+#include <semaphore.h>
+#include <time.h>
 
 #include "compute.h"
 #include "invariant.h"
@@ -152,8 +144,8 @@ static int set_up(void **state)
     sem_init(&fixture.blocked, 0, 0);
     sem_init(&fixture.gate, 0, 0);
     *state = &fixture;
-    const struct srv_compute_settings settings = {
-        CAPACITY, 1, 1, on_enter, on_notify, &fixture};
+    const struct srv_compute_settings settings = {CAPACITY, 1,         1,
+                                                  on_enter, on_notify, &fixture};
     return srv_compute_start(&fixture.compute, &settings);
 }
 
@@ -194,7 +186,7 @@ static void block(struct fixture *fixture, struct srv_lane *lane, struct named_j
 }
 
 /* A session that pipelines mesh.data, mesh.commit and scene.add relies on this order. */
-static void compute__jobs_of_a_lane_run_in_order(void **state)
+CASE_WITH(compute__jobs_of_a_lane_run_in_order, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lane = {.group = &fixture->group};
@@ -223,7 +215,7 @@ static int place_of(const struct fixture *fixture, int name)
 
 /* A session with many jobs must delay another by about as many, not by all, and a user
  * with many sessions another user likewise. */
-static void compute__users_and_their_sessions_take_turns(void **state)
+CASE_WITH(compute__users_and_their_sessions_take_turns, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_group other = {.running = 0};
@@ -253,7 +245,7 @@ static void compute__users_and_their_sessions_take_turns(void **state)
 
 /* Without it a session whose jobs take long would keep the others waiting as often as it
  * has jobs, however little they ask for. */
-static void compute__what_a_job_took_is_charged_to_its_lane(void **state)
+CASE_WITH(compute__what_a_job_took_is_charged_to_its_lane, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lanes[3];
@@ -277,7 +269,7 @@ static void compute__what_a_job_took_is_charged_to_its_lane(void **state)
 
 /* Without it, where processors are short, a client would be made to wait because others
  * had the processor while its job ran. */
-static void compute__what_a_job_waits_is_not_charged(void **state)
+CASE_WITH(compute__what_a_job_waits_is_not_charged, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lanes[3];
@@ -302,7 +294,7 @@ static void compute__what_a_job_waits_is_not_charged(void **state)
 /* Without it a large upload would hold up everybody for as long as it takes to copy; a
  * part that ran before its turn, or after another job of its session, would be wrong,
  * too. */
-static void compute__others_come_between_the_parts_of_a_job(void **state)
+CASE_WITH(compute__others_come_between_the_parts_of_a_job, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lanes[3];
@@ -329,7 +321,7 @@ static void compute__others_come_between_the_parts_of_a_job(void **state)
 
 /* If a job could not be taken back between its parts, a client that has gone would be
  * worked for until the end. */
-static void compute__a_job_can_be_removed_between_its_parts(void **state)
+CASE_WITH(compute__a_job_can_be_removed_between_its_parts, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lanes[2];
@@ -354,7 +346,7 @@ static void compute__a_job_can_be_removed_between_its_parts(void **state)
 }
 
 /* An unbounded queue would let clients fill the memory; freeing must never be refused. */
-static void compute__queue_is_bounded_but_not_for_reaping(void **state)
+CASE_WITH(compute__queue_is_bounded_but_not_for_reaping, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lane = {.group = &fixture->group};
@@ -389,7 +381,7 @@ static void stop_counting(struct srv_job *job, void *context)
 /* If it failed, a client that has its answer at a deadline, or whose meshes are being
  * freed, would be refused the next thing for what nobody waits for: where the queue is
  * short, in each of its tries. */
-static void compute__what_nobody_waits_for_takes_no_room(void **state)
+CASE_WITH(compute__what_nobody_waits_for_takes_no_room, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lane = {.group = &fixture->group};
@@ -421,7 +413,7 @@ static void compute__what_nobody_waits_for_takes_no_room(void **state)
 
 /* A job taken back must neither run nor be reported, and the others must stay in
  * order. */
-static void compute__removed_jobs_do_not_run(void **state)
+CASE_WITH(compute__removed_jobs_do_not_run, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lanes[3];
@@ -460,7 +452,7 @@ static void count_change(struct srv_job *job, void *context)
 
 /* If it failed, a request would be answered at its deadline while it is computed, and
  * again when it is done. */
-static void compute__only_queued_jobs_are_changed(void **state)
+CASE_WITH(compute__only_queued_jobs_are_changed, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lane;
@@ -483,7 +475,7 @@ static void compute__only_queued_jobs_are_changed(void **state)
 }
 
 /* A step that never sees its flag would hold up every other session. */
-static void compute__running_job_sees_its_cancel_flag(void **state)
+CASE_WITH(compute__running_job_sees_its_cancel_flag, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lane = {.group = &fixture->group};
@@ -499,7 +491,7 @@ static void compute__running_job_sees_its_cancel_flag(void **state)
 }
 
 /* One notification a batch: a wake-up per job would cost more than a small job. */
-static void compute__completions_are_batched(void **state)
+CASE_WITH(compute__completions_are_batched, set_up, tear_down)
 {
     struct fixture *fixture = *state;
     struct srv_lane lane = {.group = &fixture->group};
@@ -517,25 +509,4 @@ static void compute__completions_are_batched(void **state)
     drain(fixture, 21);
     assert_int_equal(atomic_load(&fixture->notify_count), 2);
     srv_compute_stop(&fixture->compute);
-}
-
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        TEST(compute__jobs_of_a_lane_run_in_order),
-        TEST(compute__users_and_their_sessions_take_turns),
-        TEST(compute__what_a_job_took_is_charged_to_its_lane),
-        TEST(compute__what_a_job_waits_is_not_charged),
-        TEST(compute__others_come_between_the_parts_of_a_job),
-        TEST(compute__a_job_can_be_removed_between_its_parts),
-        TEST(compute__queue_is_bounded_but_not_for_reaping),
-        TEST(compute__what_nobody_waits_for_takes_no_room),
-        TEST(compute__removed_jobs_do_not_run),
-        TEST(compute__only_queued_jobs_are_changed),
-        TEST(compute__running_job_sees_its_cancel_flag),
-        TEST(compute__completions_are_batched),
-    };
-    return cmocka_run_group_tests_name("srv_compute", tests, NULL, NULL);
 }

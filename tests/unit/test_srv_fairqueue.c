@@ -1,10 +1,5 @@
 /* test_srv_fairqueue.c - shares, waits and the order of the queue. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cases.h"
 
 #include "prng.h"
 #include "turns.h"
@@ -30,11 +25,10 @@ static uint32_t serve(struct server *server, const uint64_t *cost_ns)
 }
 
 /* If it failed, whoever asks for much at a time would get more than the others. */
-static void fairqueue__shares_are_equal_under_skewed_costs(void **state)
+CASE(fairqueue__shares_are_equal_under_skewed_costs)
 {
     static struct server server;
     static const uint64_t cost[5] = {20000, 200000, 1 * MS, 10 * MS, 100 * MS};
-    (void)state;
     server = (struct server){.had_ns = {0}};
     for (uint32_t i = 0; i < 5; i++) {
         srv_fair_push(&server.queue, &server.entries[i]);
@@ -50,11 +44,10 @@ static void fairqueue__shares_are_equal_under_skewed_costs(void **state)
 
 /* If it failed, one who asks for little now and then would wait for a turn of each of
  * those who always ask. */
-static void fairqueue__one_that_asks_for_little_is_next(void **state)
+CASE(fairqueue__one_that_asks_for_little_is_next)
 {
     static struct server server;
     static uint64_t cost[ENTRIES];
-    (void)state;
     server = (struct server){.had_ns = {0}};
     srv_fair_push(&server.queue, &server.entries[0]); /* it has been here before */
     srv_fair_remove(&server.queue, &server.entries[0]);
@@ -76,11 +69,10 @@ static void fairqueue__one_that_asks_for_little_is_next(void **state)
 
 /* If it failed, one who was away could come back and keep everybody waiting for as long
  * as that, or one who had all of it while nobody asked would have to pay for it. */
-static void fairqueue__what_was_before_is_forgotten_when_nobody_waited(void **state)
+CASE(fairqueue__what_was_before_is_forgotten_when_nobody_waited)
 {
     static struct server server;
     static const uint64_t cost[2] = {1 * MS, 1 * MS};
-    (void)state;
     server = (struct server){.had_ns = {0}};
     srv_fair_push(&server.queue, &server.entries[0]);
     for (uint32_t i = 0; i < 10000; i++) {
@@ -96,12 +88,11 @@ static void fairqueue__what_was_before_is_forgotten_when_nobody_waited(void **st
 
 /* If it failed, one who was away for long while others waited could come back and keep
  * them waiting for as long as that. */
-static void fairqueue__little_is_kept_for_who_was_away(void **state)
+CASE(fairqueue__little_is_kept_for_who_was_away)
 {
     static struct server server;
     static const uint64_t cost[3] = {1 * MS, 1 * MS, 1 * MS};
     uint32_t first = 0;
-    (void)state;
     server = (struct server){.had_ns = {0}};
     for (uint32_t i = 0; i < 3; i++) {
         srv_fair_push(&server.queue, &server.entries[i]);
@@ -119,13 +110,12 @@ static void fairqueue__little_is_kept_for_who_was_away(void **state)
 
 /* If it failed, newcomers without end - sessions that are opened for one job each - would
  * keep one with a long job from ever being served. */
-static void fairqueue__newcomers_do_not_starve_who_waits(void **state)
+CASE(fairqueue__newcomers_do_not_starve_who_waits)
 {
     static struct srv_fair newcomers[100];
     struct srv_fairqueue queue = {.root = NULL};
     struct srv_fair long_one = {.queued = false};
     uint32_t served = 0;
-    (void)state;
     srv_fair_push(&queue, &long_one);
     (void)srv_fair_take(&queue);
     srv_fair_push(&queue, &newcomers[served]); /* while it is being served */
@@ -145,13 +135,12 @@ static void fairqueue__newcomers_do_not_starve_who_waits(void **state)
 
 /* If it failed, who is taken out or has come again would be lost or served twice, or the
  * order would be broken for the others. */
-static void fairqueue__order_holds_whoever_is_taken_out(void **state)
+CASE(fairqueue__order_holds_whoever_is_taken_out)
 {
     static struct srv_fair entries[1000];
     struct srv_fairqueue queue = {.root = NULL};
     struct prng prng = {17};
     uint32_t queued = 0;
-    (void)state;
     for (uint32_t round = 0; round < 200000; round++) {
         struct srv_fair *entry = &entries[prng_below(&prng, 1000)];
         if (!entry->queued) {
@@ -177,17 +166,4 @@ static void fairqueue__order_holds_whoever_is_taken_out(void **state)
     for (uint32_t i = 0; i < 1000; i++) {
         assert_false(entries[i].queued);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fairqueue__shares_are_equal_under_skewed_costs),
-        cmocka_unit_test(fairqueue__one_that_asks_for_little_is_next),
-        cmocka_unit_test(fairqueue__what_was_before_is_forgotten_when_nobody_waited),
-        cmocka_unit_test(fairqueue__little_is_kept_for_who_was_away),
-        cmocka_unit_test(fairqueue__newcomers_do_not_starve_who_waits),
-        cmocka_unit_test(fairqueue__order_holds_whoever_is_taken_out),
-    };
-    return cmocka_run_group_tests_name("srv_fairqueue", tests, NULL, NULL);
 }

@@ -1,11 +1,7 @@
 /* test_srv_handles.c - handles with generations. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <stdlib.h>
 
 #include "handles.h"
 #include "pccd_types.h"
@@ -26,9 +22,8 @@ static int add(struct srv_handles *handles, void *item, uint32_t want, uint32_t 
 
 /* A handle that leads elsewhere would let a client change another object than it
  * named. */
-static void handles__get_returns_what_was_added(void **state)
+CASE(handles__get_returns_what_was_added)
 {
-    (void)state;
     struct srv_handles handles;
     uint32_t handle[64];
     srv_handles_init(&handles, 64, 0);
@@ -44,9 +39,8 @@ static void handles__get_returns_what_was_added(void **state)
 }
 
 /* Numbers from nowhere must not lead anywhere, 0 least of all. */
-static void handles__unknown_handles_are_null(void **state)
+CASE(handles__unknown_handles_are_null)
 {
-    (void)state;
     struct srv_handles handles;
     uint32_t handle = 0;
     srv_handles_init(&handles, 64, 0);
@@ -63,9 +57,8 @@ static void handles__unknown_handles_are_null(void **state)
 
 /* A removed handle must stay dead when its index is used again, until 4095 reuses
  * later. */
-static void handles__removed_handle_stays_stale_through_4094_reuses(void **state)
+CASE(handles__removed_handle_stays_stale_through_4094_reuses)
 {
-    (void)state;
     struct srv_handles handles;
     uint32_t first = 0;
     srv_handles_init(&handles, 1, 7);
@@ -89,9 +82,8 @@ static void handles__removed_handle_stays_stale_through_4094_reuses(void **state
 
 /* Reusing the newest free index first would wear out its generations 1000 times as
  * fast. */
-static void handles__free_indices_are_reused_in_turn(void **state)
+CASE(handles__free_indices_are_reused_in_turn)
 {
-    (void)state;
     struct srv_handles handles;
     uint32_t handle[3];
     srv_handles_init(&handles, 64, 0);
@@ -113,9 +105,8 @@ static void handles__free_indices_are_reused_in_turn(void **state)
 
 /* Without a bound a client could fill the memory; after removal there must be room
  * again. */
-static void handles__exhaustion_is_a_limit_and_passes(void **state)
+CASE(handles__exhaustion_is_a_limit_and_passes)
 {
-    (void)state;
     struct srv_handles handles;
     uint32_t handle[20];
     uint32_t more = 77;
@@ -133,9 +124,8 @@ static void handles__exhaustion_is_a_limit_and_passes(void **state)
 }
 
 /* Two scenes of one session whose object handles are alike would hide a mix-up. */
-static void handles__tables_with_other_salt_share_no_handles(void **state)
+CASE(handles__tables_with_other_salt_share_no_handles)
 {
-    (void)state;
     struct srv_handles a;
     struct srv_handles b;
     uint32_t handle = 0;
@@ -153,9 +143,8 @@ static void handles__tables_with_other_salt_share_no_handles(void **state)
 }
 
 /* A session that ends must find everything it has exactly once. */
-static void handles__next_and_pop_yield_every_item_once(void **state)
+CASE(handles__next_and_pop_yield_every_item_once)
 {
-    (void)state;
     struct srv_handles handles;
     uint32_t handle[40];
     srv_handles_init(&handles, 64, 0);
@@ -183,9 +172,8 @@ static void handles__next_and_pop_yield_every_item_once(void **state)
 }
 
 /* If it failed, what a daemon that died had could not be made again under its handles. */
-static void handles__wanted_ones_can_be_had(void **state)
+CASE(handles__wanted_ones_can_be_had)
 {
-    (void)state;
     struct srv_handles handles;
     uint32_t handle = 0;
     const uint32_t fifth = 3u << SRV_HANDLE_INDEX_BITS | 5u;
@@ -211,19 +199,4 @@ static void handles__wanted_ones_can_be_had(void **state)
     }
     assert_int_equal(handles.count, 7);
     free(srv_handles_deinit(&handles));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(handles__get_returns_what_was_added),
-        cmocka_unit_test(handles__unknown_handles_are_null),
-        cmocka_unit_test(handles__removed_handle_stays_stale_through_4094_reuses),
-        cmocka_unit_test(handles__free_indices_are_reused_in_turn),
-        cmocka_unit_test(handles__exhaustion_is_a_limit_and_passes),
-        cmocka_unit_test(handles__tables_with_other_salt_share_no_handles),
-        cmocka_unit_test(handles__wanted_ones_can_be_had),
-        cmocka_unit_test(handles__next_and_pop_yield_every_item_once),
-    };
-    return cmocka_run_group_tests_name("srv_handles", tests, NULL, NULL);
 }

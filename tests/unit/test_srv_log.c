@@ -1,17 +1,13 @@
 /* test_srv_log.c - what the daemon says about itself. */
+#include "cases.h"
+
 #include <fcntl.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "log.h"
 
@@ -21,13 +17,12 @@
 #define PIPE_READ (1u << 20)
 
 /* A daemon whose messages go to a program that has stopped reading would stop with it. */
-static void log__does_not_wait_for_a_reader(void **state)
+CASE(log__does_not_wait_for_a_reader)
 {
     static char text[PIPE_READ];
     size_t length = 0;
     int status = 0;
     int fds[2];
-    (void)state;
     assert_int_equal(pipe(fds), 0);
     pid_t child = fork();
     assert_true(child >= 0);
@@ -73,11 +68,10 @@ static unsigned count_lines(const char *text, const char *end)
 
 /* If it failed, whoever connects again and again could fill the disk with lines, or hide
  * what the daemon says of others. */
-static void log__of_a_kind_is_bounded(void **state)
+CASE(log__of_a_kind_is_bounded)
 {
     static char text[PIPE_READ];
     int fds[2];
-    (void)state;
     assert_int_equal(pipe(fds), 0);
     int kept = dup(STDERR_FILENO);
     assert_int_equal(dup2(fds[1], STDERR_FILENO), STDERR_FILENO);
@@ -143,19 +137,8 @@ static off_t bytes_of_lines(uint32_t own_bytes_max)
 
 /* If it failed, the log of a daemon that a program has started would fill the memory that
  * it lies in; or a log that somebody keeps would lose lines. */
-static void log__own_file_stays_short(void **state)
+CASE(log__own_file_stays_short)
 {
-    (void)state;
     assert_in_range(bytes_of_lines(4096), 100, 4096 + 200);
     assert_true(bytes_of_lines(0) > LINES * (off_t)sizeof TEXT);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(log__own_file_stays_short),
-        cmocka_unit_test(log__does_not_wait_for_a_reader),
-        cmocka_unit_test(log__of_a_kind_is_bounded),
-    };
-    return cmocka_run_group_tests_name("srv_log", tests, NULL, NULL);
 }

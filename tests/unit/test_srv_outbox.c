@@ -1,11 +1,7 @@
 /* test_srv_outbox.c - answers that go out together. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <string.h>
 
 #include "server.h"
 
@@ -25,10 +21,9 @@ static int setup(void **state)
 }
 
 /* If it failed: an answer would be lost, cut, or go to another client. */
-static void outbox__keeps_each_for_its_client(void **state)
+CASE_WITH(outbox__keeps_each_for_its_client, setup, NULL)
 {
     uint8_t message[SRV_OUTBOX_BYTES + 1];
-    (void)state;
     for (uint32_t i = 0; i < SRV_OUTBOX_ENTRIES; i++) {
         memset(message, (int)i, sizeof message);
         assert_true(srv_outbox_add(&outbox, conn(i), message, SRV_OUTBOX_BYTES - i));
@@ -43,10 +38,9 @@ static void outbox__keeps_each_for_its_client(void **state)
 }
 
 /* If it failed: what there is no place for would be written over something else. */
-static void outbox__refuses_what_has_no_place(void **state)
+CASE_WITH(outbox__refuses_what_has_no_place, setup, NULL)
 {
     static const uint8_t message[SRV_OUTBOX_BYTES + 1];
-    (void)state;
     assert_false(srv_outbox_add(&outbox, conn(0), message, SRV_OUTBOX_BYTES + 1));
     assert_int_equal(outbox.count, 0);
     for (uint32_t i = 0; i < SRV_OUTBOX_ENTRIES; i++) {
@@ -61,9 +55,8 @@ static void outbox__refuses_what_has_no_place(void **state)
 
 /* If it failed: an answer would wait for as long as others have something to say that is
  * not answered at once. */
-static void outbox__is_due_after_so_many_messages(void **state)
+CASE_WITH(outbox__is_due_after_so_many_messages, setup, NULL)
 {
-    (void)state;
     for (int turn = 0; turn < 2; turn++) {
         for (uint32_t i = 0; i < 3 * SRV_OUTBOX_ENTRIES; i++) {
             assert_false(srv_outbox_is_due(&outbox)); /* nothing waits */
@@ -75,14 +68,4 @@ static void outbox__is_due_after_so_many_messages(void **state)
         assert_true(srv_outbox_is_due(&outbox));
         srv_outbox_clear(&outbox);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(outbox__keeps_each_for_its_client, setup),
-        cmocka_unit_test_setup(outbox__refuses_what_has_no_place, setup),
-        cmocka_unit_test_setup(outbox__is_due_after_so_many_messages, setup),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,13 +1,9 @@
 /* test_srv_outlet.c - the way out of a socket that may be closed meanwhile. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "conn.h"
 #include "invariant.h"
@@ -36,10 +32,9 @@ static bool has_come(int fd)
 }
 
 /* If it failed: no answer would come from where it is computed. */
-static void outlet__sends_what_the_socket_takes(void **state)
+CASE_WITH(outlet__sends_what_the_socket_takes, setup, NULL)
 {
     int fds[2];
-    (void)state;
     open_pair(fds);
     struct srv_outlet *outlet = srv_outlet_new(fds[0]);
     assert_non_null(outlet);
@@ -60,11 +55,10 @@ static void outlet__sends_what_the_socket_takes(void **state)
 
 /* If it failed: a client could be sent the answer of the one whose socket had its number
  * before. */
-static void outlet__that_is_closed_sends_nothing(void **state)
+CASE_WITH(outlet__that_is_closed_sends_nothing, setup, NULL)
 {
     int fds[2];
     int others[2];
-    (void)state;
     open_pair(fds);
     struct srv_outlet *outlet = srv_outlet_new(fds[0]);
     assert_non_null(outlet);
@@ -82,10 +76,9 @@ static void outlet__that_is_closed_sends_nothing(void **state)
 }
 
 /* If it failed: an answer would overtake those that the loop has queued. */
-static void outlet__that_is_blocked_waits_its_turn(void **state)
+CASE_WITH(outlet__that_is_blocked_waits_its_turn, setup, NULL)
 {
     int fds[2];
-    (void)state;
     open_pair(fds);
     struct srv_outlet *outlet = srv_outlet_new(fds[0]);
     assert_non_null(outlet);
@@ -98,14 +91,4 @@ static void outlet__that_is_blocked_waits_its_turn(void **state)
     srv_outlet_close(outlet);
     close(fds[0]);
     close(fds[1]);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(outlet__sends_what_the_socket_takes, setup),
-        cmocka_unit_test_setup(outlet__that_is_closed_sends_nothing, setup),
-        cmocka_unit_test_setup(outlet__that_is_blocked_waits_its_turn, setup),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,7 @@
 /* test_srv_quota.c - quotas of a user. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <string.h>
 
 #include "quota.h"
 
@@ -17,9 +13,8 @@ static const uint64_t limits[SRV_QUOTA_COUNT] = {
 };
 
 /* A limit that is off by one, or that a huge amount can jump, is no limit. */
-static void quota__charge_stops_exactly_at_the_limit(void **state)
+CASE(quota__charge_stops_exactly_at_the_limit)
 {
-    (void)state;
     struct srv_quota quota;
     struct proto_error error = {0};
     srv_quota_init(&quota, limits);
@@ -39,9 +34,8 @@ static void quota__charge_stops_exactly_at_the_limit(void **state)
 }
 
 /* A refusal that does not name user, kind and limit leaves its reader guessing. */
-static void quota__refusal_names_user_kind_and_limit(void **state)
+CASE(quota__refusal_names_user_kind_and_limit)
 {
-    (void)state;
     struct srv_quota quota;
     struct proto_error error = {0};
     srv_quota_init(&quota, limits);
@@ -56,9 +50,8 @@ static void quota__refusal_names_user_kind_and_limit(void **state)
 }
 
 /* What is not given back would lock a user out after a day of normal use. */
-static void quota__refund_makes_room_again(void **state)
+CASE(quota__refund_makes_room_again)
 {
-    (void)state;
     struct srv_quota quota;
     struct proto_error error = {0};
     srv_quota_init(&quota, limits);
@@ -75,9 +68,8 @@ static void quota__refund_makes_room_again(void **state)
 }
 
 /* One user's use must not be another's refusal; the same user's connections share. */
-static void quota__users_are_apart_and_connections_of_one_share(void **state)
+CASE(quota__users_are_apart_and_connections_of_one_share)
 {
-    (void)state;
     struct srv_quota quota;
     struct proto_error error = {0};
     srv_quota_init(&quota, limits);
@@ -102,9 +94,8 @@ static void quota__users_are_apart_and_connections_of_one_share(void **state)
 }
 
 /* Kinds that shared a counter would refuse a mesh because of memory. */
-static void quota__kinds_are_apart(void **state)
+CASE(quota__kinds_are_apart)
 {
-    (void)state;
     struct srv_quota quota;
     struct proto_error error = {0};
     srv_quota_init(&quota, limits);
@@ -123,26 +114,12 @@ static void quota__kinds_are_apart(void **state)
 }
 
 /* A mesh of one triangle and two thousand million vertices must not be nearly free. */
-static void quota__vertices_count_as_thirds_of_triangles(void **state)
+CASE(quota__vertices_count_as_thirds_of_triangles)
 {
-    (void)state;
     assert_int_equal(srv_triangle_charge(3, 1), 1);
     assert_int_equal(srv_triangle_charge(4, 1), 2);
     assert_int_equal(srv_triangle_charge(300, 100), 100);
     assert_int_equal(srv_triangle_charge(50, 100), 100);
     assert_int_equal(srv_triangle_charge(2147483647u, 1), 715827883u);
     assert_int_equal(srv_triangle_charge(UINT32_MAX, 1), 1431655765u);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(quota__charge_stops_exactly_at_the_limit),
-        cmocka_unit_test(quota__refusal_names_user_kind_and_limit),
-        cmocka_unit_test(quota__refund_makes_room_again),
-        cmocka_unit_test(quota__users_are_apart_and_connections_of_one_share),
-        cmocka_unit_test(quota__kinds_are_apart),
-        cmocka_unit_test(quota__vertices_count_as_thirds_of_triangles),
-    };
-    return cmocka_run_group_tests_name("srv_quota", tests, NULL, NULL);
 }

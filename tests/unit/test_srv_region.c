@@ -1,10 +1,5 @@
 /* test_srv_region.c - pages of the result region. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cases.h"
 
 #include "pccd_types.h"
 #include "ringio.h"
@@ -20,9 +15,8 @@ static struct srv_page reserve(struct srv_region *region, uint64_t head,
 }
 
 /* Pages that overlap would let one answer overwrite another before it is read. */
-static void region__pages_follow_each_other(void **state)
+CASE(region__pages_follow_each_other)
 {
-    (void)state;
     struct srv_region region;
     srv_region_init(&region, CAPACITY);
     struct srv_page a = reserve(&region, 0, 20, 3);
@@ -36,9 +30,8 @@ static void region__pages_follow_each_other(void **state)
 }
 
 /* A full region that did not say so would hand out memory the client still reads. */
-static void region__full_region_gives_what_is_left_then_nothing(void **state)
+CASE(region__full_region_gives_what_is_left_then_nothing)
 {
-    (void)state;
     struct srv_region region;
     srv_region_init(&region, CAPACITY);
     struct srv_page a = reserve(&region, 0, 64, 60);
@@ -51,9 +44,8 @@ static void region__full_region_gives_what_is_left_then_nothing(void **state)
 }
 
 /* A page that wraps would make records straddle the end of the memory. */
-static void region__page_moves_to_the_start_rather_than_wrap(void **state)
+CASE(region__page_moves_to_the_start_rather_than_wrap)
 {
-    (void)state;
     struct srv_region region;
     srv_region_init(&region, CAPACITY);
     struct srv_page a = reserve(&region, 0, 64, 60);
@@ -65,9 +57,8 @@ static void region__page_moves_to_the_start_rather_than_wrap(void **state)
 }
 
 /* If only part fits in either stretch, the longer one saves round trips. */
-static void region__longer_stretch_is_taken_when_neither_holds_all(void **state)
+CASE(region__longer_stretch_is_taken_when_neither_holds_all)
 {
-    (void)state;
     struct srv_region region;
     srv_region_init(&region, CAPACITY);
     struct srv_page a = reserve(&region, 0, 64, 10);
@@ -83,9 +74,8 @@ static void region__longer_stretch_is_taken_when_neither_holds_all(void **state)
 
 /* An answer as large as the region could never be fetched if an empty region were cut in
  * two by where the last page ended. */
-static void region__empty_region_holds_a_page_of_its_whole_size(void **state)
+CASE(region__empty_region_holds_a_page_of_its_whole_size)
 {
-    (void)state;
     struct srv_region region;
     srv_region_init(&region, CAPACITY);
     uint64_t head = reserve(&region, 0, 64, 5).release;
@@ -98,9 +88,8 @@ static void region__empty_region_holds_a_page_of_its_whole_size(void **state)
 }
 
 /* A head that is believed when it lies would free pages that were never handed out. */
-static void region__impossible_heads_are_refused(void **state)
+CASE(region__impossible_heads_are_refused)
 {
-    (void)state;
     struct srv_region region;
     srv_region_init(&region, CAPACITY);
     struct srv_page page;
@@ -114,9 +103,8 @@ static void region__impossible_heads_are_refused(void **state)
 
 /* Over many turns no page may overlap one that has not been released, whatever the
  * sizes. */
-static void region__random_pages_never_overlap_unreleased_ones(void **state)
+CASE(region__random_pages_never_overlap_unreleased_ones)
 {
-    (void)state;
     enum { LIVE_MAX = 8, ROUNDS = 20000 };
     static const uint32_t sizes[] = {8, 20, 64};
     struct {
@@ -159,9 +147,8 @@ static void region__random_pages_never_overlap_unreleased_ones(void **state)
 
 /* Answers that are taken one by one would walk through the whole ring, and take all of
  * its memory, however small they are. */
-static void region__sparse_ring_stays_where_it_has_memory(void **state)
+CASE(region__sparse_ring_stays_where_it_has_memory)
 {
-    (void)state;
     struct srv_region region;
     struct srv_page page = {0};
     uint64_t head = 0;
@@ -184,9 +171,8 @@ static void region__sparse_ring_stays_where_it_has_memory(void **state)
 }
 
 /* Of answers that wait in a ring which has little memory yet, the later would be cut. */
-static void region__sparse_ring_holds_as_much_as_another(void **state)
+CASE(region__sparse_ring_holds_as_much_as_another)
 {
-    (void)state;
     struct srv_region region;
     srv_region_init_sparse(&region, CAPACITY, 1024);
     uint64_t head = reserve(&region, 0, 64, 10).release;
@@ -196,9 +182,8 @@ static void region__sparse_ring_holds_as_much_as_another(void **state)
 }
 
 /* A ring that is refused memory must go on with what it has, and lose nothing. */
-static void region__limited_ring_uses_what_it_has(void **state)
+CASE(region__limited_ring_uses_what_it_has)
 {
-    (void)state;
     struct srv_region region;
     srv_region_init_sparse(&region, CAPACITY, 1024);
     struct srv_page page = reserve(&region, 0, 64, 40); /* may take more */
@@ -213,9 +198,8 @@ static void region__limited_ring_uses_what_it_has(void **state)
 }
 
 /* What pages still stand in must not be given back, and the rest should be. */
-static void region__knows_how_far_it_is_used(void **state)
+CASE(region__knows_how_far_it_is_used)
 {
-    (void)state;
     struct srv_region region;
     srv_region_init_sparse(&region, CAPACITY, 1024);
     assert_int_equal(srv_region_used(&region, 0), 0);
@@ -232,22 +216,4 @@ static void region__knows_how_far_it_is_used(void **state)
     assert_int_equal(srv_region_used(&region, rest), 5 * 64);
     assert_int_equal(srv_region_used(&region, again), 0);
     assert_int_equal(srv_region_used(&region, 0), CAPACITY); /* it went backwards */
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(region__pages_follow_each_other),
-        cmocka_unit_test(region__full_region_gives_what_is_left_then_nothing),
-        cmocka_unit_test(region__page_moves_to_the_start_rather_than_wrap),
-        cmocka_unit_test(region__longer_stretch_is_taken_when_neither_holds_all),
-        cmocka_unit_test(region__empty_region_holds_a_page_of_its_whole_size),
-        cmocka_unit_test(region__impossible_heads_are_refused),
-        cmocka_unit_test(region__random_pages_never_overlap_unreleased_ones),
-        cmocka_unit_test(region__sparse_ring_stays_where_it_has_memory),
-        cmocka_unit_test(region__sparse_ring_holds_as_much_as_another),
-        cmocka_unit_test(region__limited_ring_uses_what_it_has),
-        cmocka_unit_test(region__knows_how_far_it_is_used),
-    };
-    return cmocka_run_group_tests_name("srv_region", tests, NULL, NULL);
 }

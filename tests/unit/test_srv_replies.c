@@ -1,12 +1,8 @@
 /* test_srv_replies.c - answers that may have to be sent once more. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "messages.h"
 #include "replies.h"
@@ -31,9 +27,8 @@ static int finds(const struct srv_replies *replies, uint32_t id)
 
 /* If it failed, an answer could be gone that its client has not received, or memory would
  * grow with every answer. */
-static void replies__keep_the_newest(void **state)
+CASE(replies__keep_the_newest)
 {
-    (void)state;
     struct srv_replies *replies = srv_replies_new();
     assert_non_null(replies);
     assert_false(finds(replies, 0));
@@ -49,9 +44,8 @@ static void replies__keep_the_newest(void **state)
 
 /* If it failed, a flood of pings would push out the answers that matter; or the answer to
  * shm.attach would come again without its descriptors. */
-static void replies__of_what_may_run_twice_are_not_kept(void **state)
+CASE(replies__of_what_may_run_twice_are_not_kept)
 {
-    (void)state;
     struct srv_replies *replies = srv_replies_new();
     assert_non_null(replies);
     keep(replies, 1, PROTO_METHOD_SCENE_CREATE);
@@ -67,9 +61,8 @@ static void replies__of_what_may_run_twice_are_not_kept(void **state)
 
 /* If it failed, the session of a client with many requests would take new ones for old
  * ones, or run old ones again, once its ids wrap. */
-static void replies__know_new_ids_across_the_wrap(void **state)
+CASE(replies__know_new_ids_across_the_wrap)
 {
-    (void)state;
     struct srv_replies *replies = srv_replies_new();
     assert_non_null(replies);
     assert_true(srv_replies_is_new(replies, 5));
@@ -82,14 +75,4 @@ static void replies__know_new_ids_across_the_wrap(void **state)
     assert_true(srv_replies_is_new(replies, 4));
     srv_replies_free(replies);
     srv_replies_free(NULL);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(replies__keep_the_newest),
-        cmocka_unit_test(replies__of_what_may_run_twice_are_not_kept),
-        cmocka_unit_test(replies__know_new_ids_across_the_wrap),
-    };
-    return cmocka_run_group_tests_name("replies", tests, NULL, NULL);
 }

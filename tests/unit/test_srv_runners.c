@@ -1,16 +1,8 @@
-/* test_srv_runners.c - several threads that compute from one queue.
- *
- * Who may run beside whom: beside long jobs only, as many as a user may have, and nobody
- * beside one that uses the same thing. What one thread does is test_srv_compute.c.
- */
-#include <semaphore.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <time.h>
+/* test_srv_runners.c - several threads that compute from one queue. */
+#include "cases.h"
 
-#include <cmocka.h>
+#include <semaphore.h>
+#include <time.h>
 
 #include "compute.h"
 #include "invariant.h"
@@ -145,9 +137,8 @@ static void end(struct gate *gate)
 
 /* If it failed, whoever asks for something would wait until a long job of another session
  * has ended; or two jobs of one session would run at once. */
-static void runners__one_begins_beside_a_long_job(void **state)
+CASE_WITH(runners__one_begins_beside_a_long_job, set_up, tear_down)
 {
-    (void)state;
     struct gate *first = push(0, 0, NULL);
     assert_true(await(&first->has_begun));
     struct gate *same = push(0, 0, NULL);
@@ -164,9 +155,8 @@ static void runners__one_begins_beside_a_long_job(void **state)
 
 /* If it failed, threads would fight for the processors where one after the other would
  * end sooner, or one that has nothing to do would be woken for each job. */
-static void runners__there_is_one_while_no_job_is_long(void **state)
+CASE_WITH(runners__there_is_one_while_no_job_is_long, set_up, tear_down)
 {
-    (void)state;
     for (int i = 0; i < 200; i++) {
         bool wants_runner = true;
         gate_count = 0;
@@ -187,9 +177,8 @@ static void runners__there_is_one_while_no_job_is_long(void **state)
 }
 
 /* If it failed, a user with enough long jobs would stop all others. */
-static void runners__a_user_leaves_some_for_others(void **state)
+CASE_WITH(runners__a_user_leaves_some_for_others, set_up, tear_down)
 {
-    (void)state;
     struct gate *mine[3];
     for (int i = 0; i < 2; i++) {
         mine[i] = push(0, i, NULL);
@@ -212,10 +201,9 @@ static void runners__a_user_leaves_some_for_others(void **state)
 
 /* If it failed, two threads would change a scene at once, or a session that must wait for
  * it would hold up others, or be forgotten. */
-static void runners__what_is_claimed_is_used_by_one(void **state)
+CASE_WITH(runners__what_is_claimed_is_used_by_one, set_up, tear_down)
 {
     struct srv_claim scene = {.is_taken = false};
-    (void)state;
     struct gate *first = push(0, 0, &scene);
     assert_true(await(&first->has_begun));
     struct gate *second = push(0, 1, &scene);
@@ -249,11 +237,10 @@ static void take_all_places(struct gate *jobs[PLACES])
 
 /* If it failed, users with long jobs would shut all others out for as long as these last;
  * or one with many would have more than the others. */
-static void runners__a_user_without_one_gets_one_whatever_others_have(void **state)
+CASE_WITH(runners__a_user_without_one_gets_one_whatever_others_have, set_up, tear_down)
 {
     struct gate *jobs[PLACES];
     struct gate *more[RUNNERS - PLACES];
-    (void)state;
     take_all_places(jobs);
     struct gate *second = push(0, 1, NULL);
     for (uint32_t i = 0; i < RUNNERS - PLACES; i++) {
@@ -279,12 +266,11 @@ static void runners__a_user_without_one_gets_one_whatever_others_have(void **sta
 }
 
 /* If it failed, many users who come at once would wait for each other, 10 ms each. */
-static void runners__many_who_wait_do_not_wait_long(void **state)
+CASE_WITH(runners__many_who_wait_do_not_wait_long, set_up, tear_down)
 {
     struct gate *jobs[PLACES];
     struct gate *more[3];
     bool wants_runner = false;
-    (void)state;
     for (int user = 0; user < 6; user++) {
         push(user, 0, NULL);
     }
@@ -307,18 +293,4 @@ static void runners__many_who_wait_do_not_wait_long(void **state)
     for (uint32_t i = 0; i < PLACES; i++) {
         end(jobs[i]);
     }
-}
-
-int main(void)
-{
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(runners__one_begins_beside_a_long_job),
-        TEST(runners__there_is_one_while_no_job_is_long),
-        TEST(runners__a_user_leaves_some_for_others),
-        TEST(runners__what_is_claimed_is_used_by_one),
-        TEST(runners__a_user_without_one_gets_one_whatever_others_have),
-        TEST(runners__many_who_wait_do_not_wait_long),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,15 +1,9 @@
 /* test_srv_sandbox.c - the calls of the sandbox on other processors. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "sandbox_calls.h"
-#include "skip.h"
 
 #ifdef HAVE_SECCOMP
 #include <seccomp.h>
@@ -56,9 +50,8 @@ static const uint32_t processors[] = {SCMP_ARCH_X86_64, SCMP_ARCH_AARCH64,
 #endif
 
 /* If one were missing, a daemon there would leave its socket behind, or not serve. */
-static void sandbox__allows_what_each_processor_calls(void **state)
+CASE(sandbox__allows_what_each_processor_calls)
 {
-    (void)state;
 #ifdef HAVE_SECCOMP
     for (size_t n = 0; n < sizeof processors / sizeof processors[0]; n++) {
         for (size_t i = 0; i < CALL_COUNT; i++) {
@@ -73,12 +66,4 @@ static void sandbox__allows_what_each_processor_calls(void **state)
 #else
     test_skip("built without libseccomp");
 #endif
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sandbox__allows_what_each_processor_calls),
-    };
-    return cmocka_run_group_tests_name("srv_sandbox", tests, NULL, NULL);
 }

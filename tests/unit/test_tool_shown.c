@@ -1,18 +1,14 @@
 /* test_tool_shown.c - names that others chose, on a terminal. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "printable.h"
 #include "shown.h"
 
 /* If it failed: a file's name could clear the screen, or answer for the user. */
-static void shown__lets_nothing_control_a_terminal(void **state)
+CASE(shown__lets_nothing_control_a_terminal)
 {
     static const struct {
         const char *text, *shown;
@@ -33,7 +29,6 @@ static void shown__lets_nothing_control_a_terminal(void **state)
          "cer.a",
          "\\xe2\\x80\\xaecer.a"},
     };
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         assert_string_equal(tool_shown(cases[i].text), cases[i].shown);
         assert_string_equal(tool_shown(tool_shown(cases[i].text)), cases[i].shown);
@@ -57,7 +52,7 @@ static void encode(uint32_t at, char text[5], char shown[17])
 
 /* If it failed: a name could look like another one, as what turns text, joins or hides it
  * is not seen itself; or names in other scripts would not be readable any more. */
-static void shown__has_no_character_that_is_not_seen(void **state)
+CASE(shown__has_no_character_that_is_not_seen)
 {
     static const uint32_t unseen[] = {
         0x80,    0x9f,    0xad,    0x600,   0x605,   0x61c,   0x6dd,   0x70f,   0x890,
@@ -70,7 +65,6 @@ static void shown__has_no_character_that_is_not_seen(void **state)
                                     0x2010, 0x2027, 0x202f, 0x205f,  0x2070,
                                     0x4e2d, 0xfefe, 0xfffc, 0x1f600, 0x10ffff};
     char text[5], shown[17];
-    (void)state;
     for (size_t i = 0; i < sizeof unseen / sizeof unseen[0]; i++) {
         encode(unseen[i], text, shown);
         assert_string_equal(tool_shown(text), shown);
@@ -82,10 +76,9 @@ static void shown__has_no_character_that_is_not_seen(void **state)
 }
 
 /* If it failed: half an \xNN or half a character would be shown, or memory overrun. */
-static void printable__cuts_between_characters(void **state)
+CASE(printable__cuts_between_characters)
 {
     char to[16];
-    (void)state;
     memset(to, 'z', sizeof to);
     assert_int_equal(proto_printable("ab\033c", 4, to, 6), 7);
     assert_string_equal(to, "ab");
@@ -100,9 +93,8 @@ static void printable__cuts_between_characters(void **state)
 }
 
 /* If it failed: a table's columns would not stand below each other. */
-static void shown__is_as_wide_as_its_column(void **state)
+CASE(shown__is_as_wide_as_its_column)
 {
-    (void)state;
     assert_string_equal(tool_shown_column("ab", 4), "ab  ");
     assert_string_equal(tool_shown_column("abcd", 4), "abcd");
     assert_string_equal(tool_shown_column("abcde", 4), "abc+");
@@ -111,22 +103,9 @@ static void shown__is_as_wide_as_its_column(void **state)
 }
 
 /* If it failed: one would be many. */
-static void plural__goes_with_the_number(void **state)
+CASE(plural__goes_with_the_number)
 {
-    (void)state;
     assert_string_equal(proto_plural(0, "vertex", "vertices"), "vertices");
     assert_string_equal(proto_plural(1, "vertex", "vertices"), "vertex");
     assert_string_equal(proto_plural(2, "vertex", "vertices"), "vertices");
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shown__lets_nothing_control_a_terminal),
-        cmocka_unit_test(shown__has_no_character_that_is_not_seen),
-        cmocka_unit_test(printable__cuts_between_characters),
-        cmocka_unit_test(shown__is_as_wide_as_its_column),
-        cmocka_unit_test(plural__goes_with_the_number),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

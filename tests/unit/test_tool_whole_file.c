@@ -1,16 +1,10 @@
-/* test_tool_whole_file.c - files that appear whole or not at all.
- *
- * Writes into a folder of its own, with limits, links and processes that are killed;
- * looks at what is there then.
- */
+/* test_tool_whole_file.c - files that appear whole or not at all. */
+#include "cases.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,9 +13,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
-#include "skip.h"
 #include "whole_file.h"
 
 #define LARGE 300000u
@@ -94,9 +85,8 @@ static int write_limited(const char *path, size_t bytes)
 }
 
 /* If it failed: half a picture would be taken for one, or a good file be lost to it. */
-static void file__appears_whole_or_not_at_all(void **state)
+CASE(file__appears_whole_or_not_at_all)
 {
-    (void)state;
     assert_int_equal(write_limited("new", LARGE), EFBIG);
     assert_int_equal(count_files(), 0);
     put("old", "good");
@@ -110,10 +100,9 @@ static void file__appears_whole_or_not_at_all(void **state)
 }
 
 /* If it failed: who looks while it is written would see a part of it. */
-static void file__is_what_it_was_until_it_is_finished(void **state)
+CASE(file__is_what_it_was_until_it_is_finished)
 {
     struct whole_file file;
-    (void)state;
     put("old", "good");
     assert_int_equal(whole_file_open(&file, "old"), 0);
     fputs("better", file.to);
@@ -128,10 +117,9 @@ static void file__is_what_it_was_until_it_is_finished(void **state)
 }
 
 /* If it failed: a program that was killed would leave parts of files about. */
-static void file__of_a_killed_program_is_gone(void **state)
+CASE(file__of_a_killed_program_is_gone)
 {
     int status, nameless = open(".", O_TMPFILE | O_WRONLY, 0600);
-    (void)state;
     if (nameless < 0) {
         test_skip("this file system makes no file without a name");
     }
@@ -152,11 +140,10 @@ static void file__of_a_killed_program_is_gone(void **state)
 }
 
 /* If it failed: a link would be replaced by a file, or a file's rights be changed. */
-static void file__keeps_links_and_rights(void **state)
+CASE(file__keeps_links_and_rights)
 {
     struct whole_file file;
     struct stat info;
-    (void)state;
     put("old", "good");
     assert_int_equal(chmod("old", 0640), 0);
     assert_int_equal(symlink("old", "link"), 0);
@@ -174,11 +161,10 @@ static void file__keeps_links_and_rights(void **state)
 }
 
 /* If it failed: a pipe or a device could not be written to, or be replaced by a file. */
-static void file__is_written_straight_where_it_is_none(void **state)
+CASE(file__is_written_straight_where_it_is_none)
 {
     struct whole_file file;
     struct stat info;
-    (void)state;
     assert_int_equal(whole_file_open(&file, "/dev/full"), 0);
     fputs("text", file.to);
     assert_int_equal(whole_file_finish(&file), ENOSPC);
@@ -189,14 +175,4 @@ static void file__is_written_straight_where_it_is_none(void **state)
     assert_int_equal(whole_file_open(&file, "."), EISDIR);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(file__appears_whole_or_not_at_all),
-        cmocka_unit_test(file__is_what_it_was_until_it_is_finished),
-        cmocka_unit_test(file__of_a_killed_program_is_gone),
-        cmocka_unit_test(file__keeps_links_and_rights),
-        cmocka_unit_test(file__is_written_straight_where_it_is_none),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+CASES_WITH(make_folder, remove_folder);

@@ -1,7 +1,4 @@
-/* keeper.h - an honest client that is measured while hostile ones attack the daemon.
- *
- * Threads: one.
- */
+/* keeper.h - an honest client that is measured while hostile ones attack the daemon. */
 #ifndef ZOO_KEEPER_H
 #define ZOO_KEEPER_H
 

@@ -4,23 +4,18 @@
  * whose memory the daemon has given back; the context switches of all threads of the
  * daemon are counted over some seconds. IDLE_CLIENTS, and IDLE_SECONDS.
  */
+#include "cases.h"
+
 #include <dirent.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "daemon.h"
 #include "grid.h"
 #include "raw.h"
-#include "skip.h"
 
 #define CLIENTS_MAX 20000u
 #define THREADS_MAX 4096
@@ -116,7 +111,7 @@ static struct pccd_client *have_large_answer(const char *url, struct test_grid *
 }
 
 /* If it failed, a machine with clients that do nothing would never come to rest. */
-static void idle__daemon_is_not_woken_by_silent_clients(void **state)
+CASE(idle__daemon_is_not_woken_by_silent_clients)
 {
     static const char *const options[] = {"--clients-max", "20000", "--connections-max",
                                           "20000", NULL};
@@ -130,7 +125,6 @@ static void idle__daemon_is_not_woken_by_silent_clients(void **state)
     uint64_t woken;
     int *sockets = calloc(count, sizeof *sockets);
 
-    (void)state;
     if (TEST_HAS_FOREIGN_THREAD) {
         free(sockets);
         test_skip("a sanitizer's thread wakes the daemon ten times a second");
@@ -159,13 +153,4 @@ static void idle__daemon_is_not_woken_by_silent_clients(void **state)
     test_grid_free(&grid);
     pccd_close(client);
     assert_true(test_daemon_finish(&daemon));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(idle__daemon_is_not_woken_by_silent_clients),
-    };
-
-    return cmocka_run_group_tests_name("idle", tests, NULL, NULL);
 }

@@ -1,0 +1,51 @@
+/* cases.h - a program of cases: what CASE defines is run, in the order of the file. */
+#ifndef TEST_CASES_H
+#define TEST_CASES_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "skip.h"
+
+struct test_case {
+    int line;
+    struct CMUnitTest unit;
+    struct test_case *next;
+};
+
+void test_case_add(struct test_case *added);
+
+/* What is done before the first case and after the last one; NULL: nothing. */
+void test_group_set(CMFixtureFunction set_up, CMFixtureFunction tear_down);
+
+/* The call succeeds: its status is 0. */
+#define assert_ok(call) assert_int_equal(call, 0)
+
+#define CASE(name) CASE_WITH(name, NULL, NULL)
+
+/* A case with something to be done before and after it; NULL: nothing. Both leave what
+ * they have in *state. */
+#define CASE_WITH(name, set_up, tear_down)                                               \
+    static void name(void **state);                                                      \
+    __attribute__((constructor)) static void add_##name(void)                            \
+    {                                                                                    \
+        static struct test_case added = {                                                \
+            __LINE__, {#name, name, set_up, tear_down, NULL}, NULL};                     \
+        test_case_add(&added);                                                           \
+    }                                                                                    \
+    static void name(__attribute__((unused)) void **state)
+
+/* For all cases of the program, once. */
+#define CASES_WITH(set_up, tear_down)                                                    \
+    __attribute__((constructor)) static void set_group(void)                             \
+    {                                                                                    \
+        test_group_set(set_up, tear_down);                                               \
+    }                                                                                    \
+    _Static_assert(true, "takes a semicolon")
+
+#endif
