@@ -1,6 +1,5 @@
-/* common.c - messages and numbers of the command line. */
+/* common.c - messages and options of every command. */
 #include <errno.h>
-#include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,110 +46,35 @@ enum ctl_exit ctl_exit_of(int status, bool is_right)
                                      : CTL_NEGATIVE;
 }
 
-uint64_t ctl_option_count(const struct argp_state *state, const char *name,
-                          const char *text, uint64_t low, uint64_t high)
-{
-    char *stop;
-    errno = 0;
-    /* strtoull takes a minus sign; only digits are meant here. */
-    unsigned long long value = strtoull(text, &stop, 10);
-    if (text[0] < '0' || text[0] > '9' || *stop != '\0' || errno != 0 || value < low ||
-        value > high) {
-        tool_misused(state,
-                     "--%s: \"%s\" is not a whole number from %" PRIu64 " to %" PRIu64,
-                     name, text, low, high);
-    }
-    return value;
-}
-
-double ctl_option_real(const struct argp_state *state, const char *name, const char *text,
-                       double low, double high)
-{
-    char *stop;
-    double value = strtod(text, &stop);
-    if (stop == text || *stop != '\0' || !(value >= low && value <= high)) {
-        tool_misused(state, "--%s: \"%s\" is not a number from %g to %g", name, text, low,
-                     high);
-    }
-    return value;
-}
-
-/* The place of `text`, or -1 with all names written to list[bytes]. */
-static int find_name(const char *text, const char *const *names, int count, char *list,
-                     size_t bytes)
-{
-    size_t used = 0;
-    for (int i = 0; i < count; i++) {
-        if (strcmp(text, names[i]) == 0) {
-            return i;
-        }
-        int more =
-            snprintf(list + used, bytes - used, "%s%s", i > 0 ? ", " : "", names[i]);
-        used = more > 0 && used + (size_t)more < bytes ? used + (size_t)more : used;
-    }
-    return -1;
-}
-
-int ctl_option_name(const struct argp_state *state, const char *name, const char *text,
-                    const char *const *names, int count)
-{
-    char list[256] = "";
-    int found = find_name(text, names, count, list, sizeof list);
-    if (found < 0) {
-        tool_misused(state, "--%s: \"%s\" is none of %s", name, text, list);
-    }
-    return found;
-}
-
-int ctl_argument_name(const struct argp_state *state, const char *text,
-                      const char *const *names, int count)
-{
-    char list[256] = "";
-    int found = find_name(text, names, count, list, sizeof list);
-    if (found < 0) {
-        tool_misused(state, "\"%s\" is none of %s", text, list);
-    }
-    return found;
-}
-
-uint32_t ctl_option_handle(const struct argp_state *state, const char *name,
-                           const char *text)
+void ctl_take_handle(struct argp_state *state, const struct option_row *row,
+                     const char *text, void *to)
 {
     char *stop;
     errno = 0;
     unsigned long long value = strtoull(text, &stop, 0);
     if (text[0] < '0' || text[0] > '9' || *stop != '\0' || errno != 0 || value == 0 ||
         value > UINT32_MAX) {
-        tool_misused(state, "--%s: \"%s\" is no handle; pccdctl list shows them", name,
-                     text);
+        option_misused(state, "--%s: \"%s\" is no handle; pccdctl list shows them",
+                       row->name, text);
     }
-    return (uint32_t)value;
+    *(uint32_t *)((char *)to + row->at) = (uint32_t)value;
 }
 
-/* ---- options of every command ------------------------------------------------------ */
-
-enum { OPTION_NO_COLOR = 256 + 32 };
-
-static const struct argp_option common_options[] = {
-    {"no-color", OPTION_NO_COLOR, NULL, 0,
-     "No colours on a terminal, as with NO_COLOR in the environment", 0},
-    {NULL, 'h', NULL, OPTION_HIDDEN, NULL, -1},
-    {0},
-};
-
-static error_t parse_common(int key, char *text, struct argp_state *state)
+static void take_no_color(struct argp_state *state, const struct option_row *row,
+                          const char *text, void *to)
 {
+    (void)state;
+    (void)row;
     (void)text;
-    switch (key) {
-    case OPTION_NO_COLOR:
-        terminal_forbid_colours();
-        return 0;
-    case 'h':
-        argp_state_help(state, stdout, ARGP_HELP_STD_HELP);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    (void)to;
+    terminal_forbid_colours();
 }
 
-const struct argp ctl_common_argp = {.options = common_options, .parser = parse_common};
+const struct option_table ctl_common_table = {
+    .name = "",
+    .rows = (const struct option_row[]){
+        CTL_OUTPUT,
+        {"no-color",
+         .help = "No colours on a terminal, as with NO_COLOR in the environment",
+         .type = OPTION_OWN, .take = take_no_color},
+        {0}}};

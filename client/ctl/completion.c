@@ -5,43 +5,27 @@
 #include <string.h>
 
 #include "ctl.h"
-#include "shown.h"
 
 /* ---- the walk ---------------------------------------------------------------------- */
 
-typedef void (*option_fn)(FILE *to, const struct completion *of,
-                          const struct completion_row *row,
-                          const struct argp_option *option);
+struct walk {
+    FILE *to;
+    const struct ctl_program *of;
+    const struct ctl_command *command;
+};
 
-/* Every option of a command, those of its children and of theirs. They nest as they are
- * written, a few deep. */
-static void each_option(FILE *to, const struct completion *of,
-                        const struct completion_row *row, const struct argp *argp,
-                        option_fn print)
+static void each_option(FILE *to, const struct ctl_program *of,
+                        const struct ctl_command *command, option_visit print)
 {
-    for (const struct argp_option *option = argp->options;
-         option != NULL &&
-         (option->name != NULL || option->key != 0 || option->doc != NULL);
-         option++) {
-        if (option->name != NULL) {
-            print(to, of, row, option);
-        }
-    }
-    for (const struct argp_child *child = argp->children;
-         child != NULL && child->argp != NULL; child++) {
-        each_option(to, of, row, child->argp, print);
-    }
+    struct walk walk = {to, of, command};
+    option_each(command->table, print, &walk);
 }
 
-static bool is_short(const struct argp_option *option)
-{
-    return option->key > ' ' && option->key < 127;
-}
-
-/* "a|b|c", also in brackets: the words that may stand there. */
+/* Whether words may stand there, "a|b|c", also in brackets. */
 static bool has_words(const char *argument)
 {
-    return argument != NULL && strchr(argument, '|') != NULL;
+    const char *words;
+    return option_words(argument, &words) > 0;
 }
 
 static bool is_file(const char *argument)
@@ -55,10 +39,9 @@ static bool is_file(const char *argument)
 /* The words of "[a|b|c] [NAME]", with blanks between them. */
 static void print_words(FILE *to, const char *argument)
 {
-    for (; *argument != '\0' && *argument != ' '; argument++) {
-        if (*argument != '[' && *argument != ']') {
-            putc(*argument == '|' ? ' ' : *argument, to);
-        }
+    const char *words;
+    for (size_t bytes = option_words(argument, &words); bytes > 0; bytes--, words++) {
+        putc(*words == '|' ? ' ' : *words, to);
     }
 }
 
@@ -96,29 +79,25 @@ static void print_text_zsh(FILE *to, const char *text)
 
 /* ---- bash -------------------------------------------------------------------------- */
 
-static void bash_name(FILE *to, const struct completion *of,
-                      const struct completion_row *row, const struct argp_option *option)
+static void bash_name(void *context, const struct option_row *option)
 {
-    (void)of;
-
-    (void)row;
+    FILE *to = ((const struct walk *)context)->to;
     fprintf(to, " --%s", option->name);
-    if (is_short(option)) {
-        fprintf(to, " -%c", option->key);
+    if (option->letter != 0) {
+        fprintf(to, " -%c", option->letter);
     }
 }
 
-static void bash_value(FILE *to, const struct completion *of,
-                       const struct completion_row *row, const struct argp_option *option)
+static void bash_value(void *context, const struct option_row *option)
 {
-    (void)of;
-
+    const struct walk *walk = context;
+    FILE *to = walk->to;
     if (option->arg == NULL) {
         return;
     }
-    fprintf(to, "    %s:--%s", row->name, option->name);
-    if (is_short(option)) {
-        fprintf(to, " | %s:-%c", row->name, option->key);
+    fprintf(to, "    %s:--%s", walk->command->name, option->name);
+    if (option->letter != 0) {
+        fprintf(to, " | %s:-%c", walk->command->name, option->letter);
     }
     if (has_words(option->arg)) {
         fputs(") words='", to);
@@ -129,10 +108,10 @@ static void bash_value(FILE *to, const struct completion *of,
     }
 }
 
-static void print_bash(FILE *to, const struct completion *of)
+static void print_bash(FILE *to, const struct ctl_program *of)
 {
     fprintf(to, "# %s: completion for bash, printed by %s completion bash.\n_%s()\n{\n",
-            of->program, of->program, of->program);
+            of->name, of->name, of->name);
     fputs("    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]}\n"
           "    local command=${COMP_WORDS[1]} words= files= nothing=\n"
           "    COMPREPLY=()\n"
@@ -142,31 +121,31 @@ static void print_bash(FILE *to, const struct completion *of)
           "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
           "        COMPREPLY=($(compgen -W 'help --help --version",
           to);
-    for (size_t i = 0; i < of->row_count; i++) {
-        fprintf(to, " %s", of->rows[i].name);
+    for (size_t i = 0; i < of->command_count; i++) {
+        fprintf(to, " %s", of->commands[i].name);
     }
     fputs("' -- \"$cur\"))\n        return\n    fi\n"
           "    case $command:$prev in\n",
           to);
-    for (size_t i = 0; i < of->row_count; i++) {
-        each_option(to, of, &of->rows[i], of->rows[i].argp, bash_value);
+    for (size_t i = 0; i < of->command_count; i++) {
+        each_option(to, of, &of->commands[i], bash_value);
     }
     fputs("    esac\n    if [ -n \"$nothing\" ]; then\n        return\n    fi\n"
           "    if [ -z \"$words$files\" ]; then\n        case $command in\n"
           "        help) words='",
           to);
-    for (size_t i = 0; i < of->row_count; i++) {
-        fprintf(to, " %s", of->rows[i].name);
+    for (size_t i = 0; i < of->command_count; i++) {
+        fprintf(to, " %s", of->commands[i].name);
     }
     fputs("' ;;\n", to);
-    for (size_t i = 0; i < of->row_count; i++) {
-        fprintf(to, "        %s) words='", of->rows[i].name);
-        if (has_words(of->rows[i].argp->args_doc)) {
-            print_words(to, of->rows[i].argp->args_doc);
+    for (size_t i = 0; i < of->command_count; i++) {
+        fprintf(to, "        %s) words='", of->commands[i].name);
+        if (has_words(of->commands[i].table->arguments)) {
+            print_words(to, of->commands[i].table->arguments);
         }
-        each_option(to, of, &of->rows[i], of->rows[i].argp, bash_name);
+        each_option(to, of, &of->commands[i], bash_name);
         fprintf(to, " --help'%s ;;\n",
-                is_file(of->rows[i].argp->args_doc) ? " files=1" : "");
+                is_file(of->commands[i].table->arguments) ? " files=1" : "");
     }
     fputs("        esac\n    fi\n"
           "    case $cur in\n    -*) files= ;;\n"
@@ -175,19 +154,16 @@ static void print_bash(FILE *to, const struct completion *of)
           "    esac\n"
           "    COMPREPLY=($(compgen -W \"$words\" -- \"$cur\"))\n}\n",
           to);
-    fprintf(to, "complete -o filenames -F _%s %s\n", of->program, of->program);
+    fprintf(to, "complete -o filenames -F _%s %s\n", of->name, of->name);
 }
 
 /* ---- zsh --------------------------------------------------------------------------- */
 
-static void zsh_option(FILE *to, const struct completion *of,
-                       const struct completion_row *row, const struct argp_option *option)
+static void zsh_option(void *context, const struct option_row *option)
 {
-    (void)of;
-
-    (void)row;
+    FILE *to = ((const struct walk *)context)->to;
     fprintf(to, "            '--%s%s[", option->name, option->arg != NULL ? "=" : "");
-    print_text_zsh(to, option->doc);
+    print_text_zsh(to, option->help);
     putc(']', to);
     if (has_words(option->arg)) {
         fprintf(to, ":%s:(", option->name);
@@ -199,15 +175,15 @@ static void zsh_option(FILE *to, const struct completion *of,
     fputs("' \\\n", to);
 }
 
-static void print_zsh(FILE *to, const struct completion *of)
+static void print_zsh(FILE *to, const struct ctl_program *of)
 {
     fprintf(to,
             "#compdef %s\n# %s: completion for zsh, printed by %s completion zsh.\n"
             "_%s() {\n    local -a commands\n    commands=(\n",
-            of->program, of->program, of->program, of->program);
-    for (size_t i = 0; i < of->row_count; i++) {
-        fprintf(to, "        '%s:", of->rows[i].name);
-        print_text_zsh(to, of->rows[i].text);
+            of->name, of->name, of->name, of->name);
+    for (size_t i = 0; i < of->command_count; i++) {
+        fprintf(to, "        '%s:", of->commands[i].name);
+        print_text_zsh(to, of->commands[i].text);
         fputs("'\n", to);
     }
     fputs("        'help:explain a command'\n    )\n"
@@ -216,10 +192,10 @@ static void print_zsh(FILE *to, const struct completion *of)
           "    local command=${words[2]}\n    shift words\n    (( CURRENT-- ))\n"
           "    case $command in\n    help) _describe command commands ;;\n",
           to);
-    for (size_t i = 0; i < of->row_count; i++) {
-        const char *arguments = of->rows[i].argp->args_doc;
-        fprintf(to, "    %s)\n        _arguments \\\n", of->rows[i].name);
-        each_option(to, of, &of->rows[i], of->rows[i].argp, zsh_option);
+    for (size_t i = 0; i < of->command_count; i++) {
+        const char *arguments = of->commands[i].table->arguments;
+        fprintf(to, "    %s)\n        _arguments \\\n", of->commands[i].name);
+        each_option(to, of, &of->commands[i], zsh_option);
         fputs("            '--help[tell how it is used]'", to);
         if (has_words(arguments)) {
             fputs(" \\\n            '1:what:(", to);
@@ -230,20 +206,19 @@ static void print_zsh(FILE *to, const struct completion *of)
         }
         fputs("\n        ;;\n", to);
     }
-    fprintf(to, "    esac\n}\n_%s \"$@\"\n", of->program);
+    fprintf(to, "    esac\n}\n_%s \"$@\"\n", of->name);
 }
 
 /* ---- fish -------------------------------------------------------------------------- */
 
-static void fish_option(FILE *to, const struct completion *of,
-                        const struct completion_row *row,
-                        const struct argp_option *option)
+static void fish_option(void *context, const struct option_row *option)
 {
-
-    fprintf(to, "complete -c %s -n '__fish_seen_subcommand_from %s' -l %s", of->program,
-            row->name, option->name);
-    if (is_short(option)) {
-        fprintf(to, " -s %c", option->key);
+    const struct walk *walk = context;
+    FILE *to = walk->to;
+    fprintf(to, "complete -c %s -n '__fish_seen_subcommand_from %s' -l %s",
+            walk->of->name, walk->command->name, option->name);
+    if (option->letter != 0) {
+        fprintf(to, " -s %c", option->letter);
     }
     if (has_words(option->arg)) {
         fputs(" -x -a '", to);
@@ -253,33 +228,33 @@ static void fish_option(FILE *to, const struct completion *of,
         fputs(is_file(option->arg) ? " -r -F" : " -x", to);
     }
     fputs(" -d '", to);
-    print_text_fish(to, option->doc);
+    print_text_fish(to, option->help);
     fputs("'\n", to);
 }
 
-static void print_fish(FILE *to, const struct completion *of)
+static void print_fish(FILE *to, const struct ctl_program *of)
 {
-    const char *name = of->program;
+    const char *name = of->name;
     fprintf(to,
             "# %s: completion for fish, printed by %s completion fish.\n"
             "complete -c %s -f\n"
             "complete -c %s -n __fish_use_subcommand -a help -d 'explain a command'\n",
             name, name, name, name);
     fprintf(to, "complete -c %s -n '__fish_seen_subcommand_from help' -a '", name);
-    for (size_t i = 0; i < of->row_count; i++) {
-        fprintf(to, "%s%s", i > 0 ? " " : "", of->rows[i].name);
+    for (size_t i = 0; i < of->command_count; i++) {
+        fprintf(to, "%s%s", i > 0 ? " " : "", of->commands[i].name);
     }
     fputs("'\n", to);
-    for (size_t i = 0; i < of->row_count; i++) {
-        const char *arguments = of->rows[i].argp->args_doc;
+    for (size_t i = 0; i < of->command_count; i++) {
+        const char *arguments = of->commands[i].table->arguments;
         fprintf(to, "complete -c %s -n __fish_use_subcommand -a %s -d '", name,
-                of->rows[i].name);
-        print_text_fish(to, of->rows[i].text);
+                of->commands[i].name);
+        print_text_fish(to, of->commands[i].text);
         fputs("'\n", to);
-        each_option(to, of, &of->rows[i], of->rows[i].argp, fish_option);
+        each_option(to, of, &of->commands[i], fish_option);
         if (has_words(arguments) || is_file(arguments)) {
             fprintf(to, "complete -c %s -n '__fish_seen_subcommand_from %s' ", name,
-                    of->rows[i].name);
+                    of->commands[i].name);
         }
         if (has_words(arguments)) {
             fputs("-a '", to);
@@ -291,37 +266,56 @@ static void print_fish(FILE *to, const struct completion *of)
     }
 }
 
-/* ---- the command ------------------------------------------------------------------- */
+/* ---- the synopsis of a manual page ------------------------------------------------- */
 
-static const char *const shell_names[] = {"bash", "zsh", "fish"};
-static void (*const printers[])(FILE *to, const struct completion *of) = {
-    print_bash, print_zsh, print_fish};
-
-error_t completion_parse(int key, char *text, struct argp_state *state)
+static void print_synopsis(FILE *to, const struct ctl_program *of)
 {
-    int *shell = state->input;
-    switch (key) {
-    case ARGP_KEY_ARG:
-        if (state->arg_num > 0) {
-            tool_misused(state, "one shell at a time");
-        }
-        *shell = ctl_argument_name(state, text, shell_names, 3);
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        tool_misused(state, "for which shell: bash, zsh or fish?");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    for (size_t i = 0; i < of->command_count; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "%s %s", of->name, of->commands[i].name);
+        option_synopsis(to, name, of->commands[i].table);
+        fputs(i + 1 < of->command_count ? "++\n" : "\n", to);
     }
 }
 
-int completion_command(const struct completion *of, const struct argp *argp, int argc,
-                       char **argv)
+/* ---- the command ------------------------------------------------------------------- */
+
+#define SHELLS "bash|zsh|fish"
+/* What can be printed: for these, and of them a word that no help names. */
+static void (*const printers[])(FILE *to, const struct ctl_program *of) = {
+    print_bash, print_zsh, print_fish, print_synopsis};
+
+static void check(struct argp_state *state, void *to)
 {
-    int shell = 0;
-    if (argp_parse(argp, argc, argv, 0, NULL, &shell) != 0) {
+    const struct option_arguments *arguments = to;
+    if (arguments->count > 1) {
+        option_misused(state, "one shell at a time");
+    }
+    if (strcmp(arguments->list[0], "synopsis") != 0) {
+        (void)option_word(state, NULL, arguments->list[0], strlen(arguments->list[0]),
+                          SHELLS);
+    }
+}
+
+const struct option_table completion_table = {
+    .rows = (const struct option_row[]){{.type = OPTION_ARGUMENTS,
+                                         .needed = "for which shell: bash, zsh or fish?"},
+                                        {0}},
+    .parts = (const struct option_part[]){{&ctl_common_table, 0}, {0}},
+    .check = check};
+
+int completion_command(const struct ctl_program *of, const struct option_table *table,
+                       int argc, char **argv)
+{
+    static const char *const names[] = {"bash", "zsh", "fish", "synopsis"};
+    struct option_arguments arguments = {.list = NULL};
+    if (option_parse(table, argc, argv, &arguments) != 0) {
         return CTL_USAGE;
     }
-    printers[shell](stdout, of);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if (strcmp(arguments.list[0], names[i]) == 0) {
+            printers[i](stdout, of);
+        }
+    }
     return CTL_DONE;
 }

@@ -5,9 +5,10 @@
 #ifndef CTL_H
 #define CTL_H
 
-#include <argp.h>
 #include <stdbool.h>
 #include <stdint.h>
+
+#include "option_table.h"
 
 struct ctl_error;
 
@@ -46,10 +47,10 @@ enum ctl_exit {
 };
 
 /* A command gets its own arguments; argv[0] is "pccdctl NAME". Returns an exit status.
- * Help and completion come from its table of options. */
+ * Help, completion and synopsis come from its table of options. */
 #define CTL_PROTOTYPE(name, text)                                                        \
     int ctl_cmd_##name(int argc, char **argv);                                           \
-    extern const struct argp ctl_argp_##name;
+    extern const struct option_table ctl_table_##name;
 CTL_COMMANDS(CTL_PROTOTYPE)
 #undef CTL_PROTOTYPE
 
@@ -65,24 +66,29 @@ void ctl_error_tell(const struct ctl_error *error);
  * right. */
 enum ctl_exit ctl_exit_of(int status, bool is_right);
 
-/* An option's number; ends the program with a usage message when it is none or out of
- * range. `name` is the option's, for the message. */
-uint64_t ctl_option_count(const struct argp_state *state, const char *name,
-                          const char *text, uint64_t low, uint64_t high);
-double ctl_option_real(const struct argp_state *state, const char *name, const char *text,
-                       double low, double high);
-
-/* One of `names`, as its place there; ends the program with a usage message otherwise. */
-int ctl_option_name(const struct argp_state *state, const char *name, const char *text,
-                    const char *const *names, int count);
-int ctl_argument_name(const struct argp_state *state, const char *text,
-                      const char *const *names, int count);
 /* A handle, decimal or 0x hexadecimal. */
-uint32_t ctl_option_handle(const struct argp_state *state, const char *name,
-                           const char *text);
+void ctl_take_handle(struct argp_state *state, const struct option_row *row,
+                     const char *text, void *to);
 
-/* Options that every command has: -h, --no-color. A child without input, which
- * ctl_link_argp has already. */
-extern const struct argp ctl_common_argp;
+/* The headings that the options of all commands stand under. */
+#define CTL_QUESTION                                                                     \
+    {                                                                                    \
+        .help = "Question:", .at = 1                                                     \
+    }
+#define CTL_OUTPUT                                                                       \
+    {                                                                                    \
+        .help = "Output:", .at = 2                                                       \
+    }
+#define CTL_ENGINE                                                                       \
+    {                                                                                    \
+        .help = "Engine:", .at = 3                                                       \
+    }
+#define CTL_DAEMON                                                                       \
+    {                                                                                    \
+        .help = "Daemon:", .at = 4                                                       \
+    }
+
+/* Options that every command has: --no-color. Its struct is none. */
+extern const struct option_table ctl_common_table;
 
 #endif

@@ -49,7 +49,7 @@ static int run_command(const struct ctl_program *program,
                        const struct ctl_command *command, int argc, char **argv)
 {
     char title[64];
-    snprintf(title, sizeof title, "%s", command->title);
+    snprintf(title, sizeof title, "%s %s", program->name, command->name);
     argv[0] = title;
     int status = command->run(argc, argv);
     bool has_failed = fflush(stdout) != 0 || ferror(stdout) != 0;

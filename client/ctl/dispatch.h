@@ -8,16 +8,18 @@
 #ifndef CTL_DISPATCH_H
 #define CTL_DISPATCH_H
 
-#include <argp.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
+#include "option_table.h"
+
 struct ctl_command {
     const char *name;
-    const char *title;                 /* for messages: "pccdctl NAME" */
-    int (*run)(int argc, char **argv); /* argv[0] is the title; returns an exit status */
     const char *text;
+    /* argv[0] is "pccdctl NAME", for messages; returns an exit status. */
+    int (*run)(int argc, char **argv);
+    const struct option_table *table;
 };
 
 struct ctl_program {
@@ -43,23 +45,11 @@ int ctl_dispatch(const struct ctl_program *program, const char *version, int arg
 
 /* ---- Completes the commands and options of a program in a shell. */
 
-/* A command: its name, what it does, and its options. */
-struct completion_row {
-    const char *name;
-    const char *text;
-    const struct argp *argp;
-};
-
-struct completion {
-    const char *program;
-    const struct completion_row *rows;
-    size_t row_count;
-};
-
-/* The command "completion" of a program, whose table of options has this parser, and
- * "bash|zsh|fish" as its argument. Returns an exit status. */
-error_t completion_parse(int key, char *text, struct argp_state *state);
-int completion_command(const struct completion *of, const struct argp *argp, int argc,
-                       char **argv);
+/* Of a struct option_arguments: "bash|zsh|fish", or the synopsis of a manual page. */
+extern const struct option_table completion_table;
+/* The command "completion" of a program, whose table has completion_table. Returns an
+ * exit status. */
+int completion_command(const struct ctl_program *program,
+                       const struct option_table *table, int argc, char **argv);
 
 #endif

@@ -6,35 +6,10 @@
 #include <string.h>
 
 #include "ctl.h"
-#include "shown.h"
 
-enum {
-    OPTION_URL = 256,
-    OPTION_SOCKET,
-    OPTION_PRIVATE,
-    OPTION_DAEMON,
-    OPTION_TIMEOUT,
-    OPTION_JSON
-};
-
-static const struct argp_option options[] = {
-    {"url", OPTION_URL, "URL", 0,
-     "Talk to the daemon at URL, which is unix:PATH; direct: computes in this process, "
-     "without a daemon",
-     0},
-    {"socket", OPTION_SOCKET, "PATH", 0, "The same as --url unix:PATH", 0},
-    {"private", OPTION_PRIVATE, NULL, 0,
-     "Start a daemon for this command alone; it goes away with it", 0},
-    {"daemon", OPTION_DAEMON, "PROGRAM", 0,
-     "The daemon to start (default: $PCCD_DAEMON, else the installed pccdd)", 0},
-    {"timeout", OPTION_TIMEOUT, "MS", 0,
-     "Give up waiting after MS milliseconds (default: 30000)", 0},
-    {0},
-};
-
-static void set_url(struct argp_state *state, const char *prefix, const char *rest)
+static void set_url(const struct argp_state *state, struct ctl_link *link,
+                    const char *prefix, const char *rest)
 {
-    struct ctl_link *link = state->input;
     char *url = NULL;
     if (asprintf(&url, "%s%s", prefix, rest) < 0) {
         argp_failure(state, CTL_FAILED, 0, "out of memory");
@@ -43,69 +18,65 @@ static void set_url(struct argp_state *state, const char *prefix, const char *re
     link->url = url;
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
+static void take_url(struct argp_state *state, const struct option_row *row,
+                     const char *text, void *to)
 {
-    struct ctl_link *link = state->input;
-    switch (key) {
-    case OPTION_URL:
-        set_url(state, "", text);
-        return 0;
-    case OPTION_SOCKET:
-        set_url(state, "unix:", text);
-        return 0;
-    case OPTION_PRIVATE:
-        link->is_private = true;
-        return 0;
-    case OPTION_DAEMON:
-        link->daemon = text;
-        return 0;
-    case OPTION_TIMEOUT:
-        link->timeout_ms = (int)ctl_option_count(state, "timeout", text, 1, 3600000);
-        return 0;
-    case ARGP_KEY_END:
-        if (link->is_private && link->url != NULL) {
-            tool_misused(state, "--private excludes --url and --socket");
-        }
-        if (link->url != NULL && strcmp(link->url, "direct:") != 0 &&
-            (strncmp(link->url, "unix:", 5) != 0 || link->url[5] == '\0')) {
-            tool_misused(state,
-                         "--url: \"%s\" is neither unix:PATH nor direct:", link->url);
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    (void)row;
+    set_url(state, to, "", text);
+}
+
+static void take_socket(struct argp_state *state, const struct option_row *row,
+                        const char *text, void *to)
+{
+    (void)row;
+    set_url(state, to, "unix:", text);
+}
+
+static void check(struct argp_state *state, void *to)
+{
+    const struct ctl_link *link = to;
+    if (link->is_private && link->url != NULL) {
+        option_misused(state, "--private excludes --url and --socket");
+    }
+    if (link->url != NULL && strcmp(link->url, "direct:") != 0 &&
+        (strncmp(link->url, "unix:", 5) != 0 || link->url[5] == '\0')) {
+        option_misused(state,
+                       "--url: \"%s\" is neither unix:PATH nor direct:", link->url);
     }
 }
 
-static const struct argp_child children[] = {{&ctl_common_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_link_argp = {
-    .options = options, .parser = parse, .children = children};
+#define AT(member) offsetof(struct ctl_link, member)
+const struct option_table ctl_link_table = {
+    .name = "DAEMON",
+    .rows =
+        (const struct option_row[]){
+            CTL_DAEMON,
+            {"url", 0, "URL",
+             "Talk to the daemon at URL, which is unix:PATH; direct: computes in this "
+             "process, without a daemon",
+             OPTION_OWN, .take = take_url},
+            {"socket", 0, "PATH", "The same as --url unix:PATH", OPTION_OWN,
+             .take = take_socket},
+            {"private", 0, NULL,
+             "Start a daemon for this command alone; it goes away with it", OPTION_FLAG,
+             .at = AT(is_private)},
+            {"daemon", 0, "PROGRAM",
+             "The daemon to start (default: $PCCD_DAEMON, else the installed pccdd)",
+             OPTION_TEXT, .at = AT(daemon)},
+            {"timeout", 0, "MS", "Give up waiting after MS milliseconds (default: 30000)",
+             OPTION_U32, .at = AT(timeout_ms), .min = 1, .max = 3600000},
+            {0}},
+    .parts = (const struct option_part[]){{&ctl_common_table, 0}, {0}},
+    .check = check};
 
-static const struct argp_option query_options[] = {
-    {"json", OPTION_JSON, NULL, 0, "JSON instead of text", 0},
-    {0},
-};
-
-static error_t parse_query(int key, char *text, struct argp_state *state)
-{
-    struct ctl_query *query = state->input;
-    (void)text;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &query->link;
-        return 0;
-    case OPTION_JSON:
-        query->is_json = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_child query_children[] = {{&ctl_link_argp, 0, "Daemon:", 10},
-                                                   {0}};
-const struct argp ctl_query_argp = {
-    .options = query_options, .parser = parse_query, .children = query_children};
+const struct option_table ctl_query_table = {
+    .rows =
+        (const struct option_row[]){CTL_OUTPUT,
+                                    {"json", 0, NULL, "JSON instead of text", OPTION_FLAG,
+                                     .at = offsetof(struct ctl_query, is_json)},
+                                    {0}},
+    .parts = (const struct option_part[]){
+        {&ctl_link_table, offsetof(struct ctl_query, link)}, {0}}};
 
 void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked)
 {

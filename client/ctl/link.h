@@ -5,10 +5,10 @@
 #ifndef CTL_LINK_H
 #define CTL_LINK_H
 
-#include <argp.h>
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "option_table.h"
 #include "pccd.h"
 
 /* What to do without --url and --socket. */
@@ -29,8 +29,8 @@ struct ctl_link {
     uint64_t result_bytes; /* 0 = the library's default */
 };
 
-/* For `children`, under the heading "Daemon:"; its input is a struct ctl_link. */
-extern const struct argp ctl_link_argp;
+/* Of a struct ctl_link. */
+extern const struct option_table ctl_link_table;
 
 /* What a command takes that looks at a daemon and tells: where it is, and --json. */
 struct ctl_query {
@@ -38,8 +38,8 @@ struct ctl_query {
     bool is_json;
 };
 
-/* For `children`, without a heading; its input is a struct ctl_query. */
-extern const struct argp ctl_query_argp;
+/* Of a struct ctl_query. */
+extern const struct option_table ctl_query_table;
 
 /* What to connect with, as it was asked for; `link` keeps the strings. */
 void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked);

@@ -24,7 +24,6 @@ libctl_la_SOURCES = \
     client/ctl/check/report.c client/ctl/check/report_json.c \
     client/ctl/check/report_line.c \
     client/ctl/commands/cmd_check.c \
-    client/ctl/commands/cmd_completion.c \
     client/ctl/commands/cmd_config.c \
     client/ctl/commands/cmd_demo.c \
     client/ctl/commands/cmd_doctor.c \

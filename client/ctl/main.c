@@ -5,24 +5,41 @@
 #include "rounding.h"
 
 static const struct ctl_command commands[] = {
-#define COMMAND(name, text) {#name, "pccdctl " #name, ctl_cmd_##name, text},
+#define COMMAND(name, text) {#name, text, ctl_cmd_##name, &ctl_table_##name},
     CTL_COMMANDS(COMMAND)
 #undef COMMAND
 };
 
+static const struct ctl_program program = {
+    .name = "pccdctl",
+    .usage = "Usage: pccdctl COMMAND [OPTION...]\n"
+             "Continuous collision detection of triangle meshes, by the daemon "
+             "pccdd.\n\n",
+    .ending = "\n\"pccdctl COMMAND --help\" explains a command.\n"
+              "Exit status: 0 when done; 1 when what was looked for is wrong; 2 after "
+              "wrong\n"
+              "usage; 3 without a daemon; 4 after any other error.\n",
+    .commands = commands,
+    .command_count = sizeof commands / sizeof commands[0]};
+
+const struct option_table ctl_table_completion = {
+    .parts = (const struct option_part[]){{&completion_table, 0}, {0}},
+    .arguments = "bash|zsh|fish",
+    .text = "Print what a shell needs to complete the commands and options of "
+            "pccdctl.",
+    .more = "make install puts it where the shells look. In a shell by hand:\n"
+            "  source <(pccdctl completion bash)",
+    .examples = "  pccdctl completion bash >/etc/bash_completion.d/pccdctl\n"
+                "  pccdctl completion zsh >~/.zfunc/_pccdctl\n",
+};
+
+int ctl_cmd_completion(int argc, char **argv)
+{
+    return completion_command(&program, &ctl_table_completion, argc, argv);
+}
+
 int main(int argc, char **argv)
 {
-    const struct ctl_program program = {
-        .name = "pccdctl",
-        .usage = "Usage: pccdctl COMMAND [OPTION...]\n"
-                 "Continuous collision detection of triangle meshes, by the daemon "
-                 "pccdd.\n\n",
-        .ending = "\n\"pccdctl COMMAND --help\" explains a command.\n"
-                  "Exit status: 0 when done; 1 when what was looked for is wrong; 2 "
-                  "after wrong\n"
-                  "usage; 3 without a daemon; 4 after any other error.\n",
-        .commands = commands,
-        .command_count = sizeof commands / sizeof commands[0]};
     COMMON_ROUNDING_HERE;
     return ctl_dispatch(&program, CTL_PROGRAM_VERSION("pccdctl"), argc, argv);
 }

@@ -31,6 +31,14 @@ SUFFIXES = .scd
 	$(AM_V_GEN)$(MKDIR_P) $(@D) && test -n '$(SCDOC)' && \
 	    SOURCE_DATE_EPOCH="$(dist_epoch)" $(SCDOC) <$< >$@.tmp && mv $@.tmp $@
 
+# The synopsis of pccdctl's page, anew from its tables of options.
+synopsis-doc: pccdctl$(EXEEXT)
+	$(AM_V_GEN)page=$(srcdir)/client/man/pccdctl.1.scd; \
+	    { sed '/^# SYNOPSIS/q' "$$page" && echo && ./pccdctl$(EXEEXT) completion synopsis && \
+	    echo && sed -n '/^# DESCRIPTION/,$$p' "$$page"; } >synopsis.new && \
+	    cat synopsis.new >"$$page" && rm synopsis.new
+.PHONY: synopsis-doc
+
 # The documents as pages for a browser, in build/site; open index.html. It needs mandoc and the
 # Python module markdown (python3-markdown), and nothing of the network.
 site: $(dist_man_MANS)

@@ -1,9 +1,7 @@
 /* shown.c - names that others chose, in what our programs print. */
 #include "shown.h"
 
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "printable.h"
@@ -72,14 +70,4 @@ const char *tool_shown_column(const char *text, uint32_t columns)
         shown[bytes] = '\0';
     }
     return shown;
-}
-
-void tool_misused(const struct argp_state *state, const char *format, ...)
-{
-    char text[PLACE_BYTES];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    argp_error(state, "%s", tool_shown(text));
 }

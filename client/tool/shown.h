@@ -5,7 +5,6 @@
 #ifndef TOOL_SHOWN_H
 #define TOOL_SHOWN_H
 
-#include <argp.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -18,9 +17,5 @@ const char *tool_shown_field(const char *text, size_t bytes);
 const char *tool_shown_cut(const char *text, uint32_t columns);
 /* The same, filled with blanks to that many columns, too. */
 const char *tool_shown_column(const char *text, uint32_t columns);
-
-/* End the program with what is wrong with an option or argument, in the same way. */
-void tool_misused(const struct argp_state *state, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
 
 #endif

@@ -1,281 +1,150 @@
 /* commandline.c - what the command line decides. */
 #include "commandline.h"
 
-#include <argp.h>
 #include <assert.h>
-#include <errno.h>
 #include <sched.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "allow.h"
+#include "option_table.h"
 #include "proto_limits.h"
 #include "seqpacket.h"
 #include "supervise.h"
 
+#define MIB (1u << 20)
+
 const char *argp_program_version = "pccdd " PACKAGE_VERSION;
 
-enum {
-    OPT_SOCKET = 's',
-    OPT_THREADS = 't',
-    OPT_LOG_LEVEL = 'l',
-    OPT_PRIVATE = 0x100,
-    OPT_IDLE_EXIT,
-    OPT_READY_FD,
-    OPT_GRACE,
-    OPT_CLIENTS,
-    OPT_CONNECTIONS,
-    OPT_SHM,
-    OPT_MESHES,
-    OPT_TRIANGLES,
-    OPT_MEMORY,
-    OPT_MEMORY_TOTAL,
-    OPT_ALLOW_UID,
-    OPT_ALLOW_GID,
-    OPT_STEP_MAX,
-    OPT_CONTACTS,
-    OPT_SCENES,
-    OPT_INFLIGHT,
-    OPT_QUEUE,
-    OPT_PIN,
-    OPT_SUPERVISE,
-    OPT_CRASHES,
-    OPT_SANDBOX,
-    OPT_LINGER
-};
+static void take_socket(struct argp_state *state, const struct option_row *row,
+                        const char *text, void *to)
+{
+    struct srv_options *options = to;
+    (void)row;
+    if (text[0] == '\0' || strlen(text) >= sizeof options->socket_path) {
+        option_misused(state, "--socket: a path has 1 to %u bytes, this one %zu",
+                       SRV_SOCKET_PATH_BYTES - 1, strlen(text));
+    }
+    strcpy(options->socket_path, text);
+}
 
-static const struct argp_option option_table[] = {
-    {NULL, 0, NULL, 0, "Where and how long:", 1},
-    {"socket", OPT_SOCKET, "PATH", 0,
+static void take_user(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
+{
+    struct srv_options *options = to;
+    (void)row;
+    if (!srv_allow_user(&options->allow, text)) {
+        option_misused(state, "--allow-uid: no user \"%s\", or more than %u", text,
+                       SRV_ALLOW_MAX);
+    }
+}
+
+static void take_group(struct argp_state *state, const struct option_row *row,
+                       const char *text, void *to)
+{
+    struct srv_options *options = to;
+    (void)row;
+    if (!srv_allow_group(&options->allow, text)) {
+        option_misused(state, "--allow-gid: no group \"%s\", or more than %u", text,
+                       SRV_ALLOW_MAX);
+    }
+}
+
+static_assert(SRV_PIN_AUTO == 0 && SRV_PIN_ON == 1 && SRV_PIN_OFF == 2 &&
+                  SRV_SANDBOX_AUTO == 0 && SRV_SANDBOX_ON == 1 && SRV_SANDBOX_OFF == 2,
+              "by place in auto|on|off");
+static_assert(SRV_LOG_ERROR == 0 && SRV_LOG_DEBUG == 3, "by place in error|..|debug");
+
+#define AT(member) offsetof(struct srv_options, member)
+static const struct option_row rows[] = {
+    {.help = "Where and how long:", .at = 1},
+    {"socket", 's', "PATH",
      "listen there (default: $XDG_RUNTIME_DIR/pccd/pccd.sock, or "
      "/tmp/pccd-UID/pccd.sock)",
-     1},
-    {"private", OPT_PRIVATE, NULL, 0,
-     "exit with the last client, or after 10 s if none comes", 1},
-    {"idle-exit", OPT_IDLE_EXIT, "SECONDS", 0,
-     "exit after so many seconds without a client; 0 = stay (default)", 1},
-    {"grace", OPT_GRACE, "SECONDS", 0,
-     "on SIGTERM, finish requests in flight for at most that long (default 10)", 1},
-    {"linger", OPT_LINGER, "SECONDS", 0,
+     OPTION_OWN, .take = take_socket},
+    {"private", 0, NULL, "exit with the last client, or after 10 s if none comes",
+     OPTION_FLAG, .at = AT(private_daemon)},
+    {"idle-exit", 0, "SECONDS",
+     "exit after so many seconds without a client; 0 = stay (default)", OPTION_U32,
+     .at = AT(idle_exit_s), .max = 1u << 30},
+    {"grace", 0, "SECONDS",
+     "on SIGTERM, finish requests in flight for at most that long (default 10)",
+     OPTION_U32, .at = AT(grace_s), .max = 86400},
+    {"linger", 0, "SECONDS",
      "let the session of a client whose connection is lost wait for it for that long "
      "(default 5; 0 = not at all)",
-     1},
-    {"supervise", OPT_SUPERVISE, NULL, 0,
-     "stay as a small parent that starts the daemon again when it crashes", 1},
-    {"crashes-max", OPT_CRASHES, "N", 0,
-     "supervise: give up after that many crashes within 10 s (default 5)", 1},
-    {"sandbox", OPT_SANDBOX, "WHEN", 0,
+     OPTION_U32, .at = AT(linger_s), .max = 3600},
+    {"supervise", 0, NULL,
+     "stay as a small parent that starts the daemon again when it crashes", OPTION_FLAG,
+     .at = AT(supervise)},
+    {"crashes-max", 0, "N",
+     "supervise: give up after that many crashes within 10 s (default 5)", OPTION_U32,
+     .at = AT(crashes_max), .min = 1, .max = SRV_CRASHES_LIMIT},
+    {"sandbox", 0, "auto|on|off",
      "allow only the system calls that serving needs: on, off, or auto (default: on "
      "where the system can do it)",
-     1},
-    {"ready-fd", OPT_READY_FD, "N", 0,
-     "write the byte 1 to this descriptor and close it when listening", 1},
-    {"log-level", OPT_LOG_LEVEL, "LEVEL", 0, "error, warn, info (default) or debug", 1},
-    {NULL, 0, NULL, 0, "Computing:", 2},
-    {"threads", OPT_THREADS, "N", 0, "threads of a step (default: the CPUs at hand)", 2},
-    {"pin", OPT_PIN, "WHEN", 0,
-     "bind each thread of a step to a processor of its own: on, off, or auto (default: "
-     "when --threads is the number of processors that may be used)",
-     2},
-    {"step-max-ms", OPT_STEP_MAX, "MS", 0,
-     "end a step that has computed for so many milliseconds, as if its deadline had "
-     "come; 0 = never (default)",
-     2},
-    {"contacts-max", OPT_CONTACTS, "N", 0,
-     "records kept for one answer (default 16777216)", 2},
-    {"scenes-max", OPT_SCENES, "N", 0, "scenes of one client (default 65536)", 2},
-    {"inflight-max", OPT_INFLIGHT, "N", 0,
-     "steps of one client at a time, 1..16 (default 16)", 2},
-    {"queue-max", OPT_QUEUE, "N", 0,
-     "requests of all clients that wait to be computed (default 32768)", 2},
-    {"allow-uid", OPT_ALLOW_UID, "USER", 0,
+     OPTION_WORD, .at = AT(sandbox)},
+    {"ready-fd", 0, "N",
+     "write the byte 1 to this descriptor and close it when listening", OPTION_U32,
+     .at = AT(ready_fd), .max = 1u << 20},
+    {"log-level", 'l', "error|warn|info|debug", "error, warn, info (default) or debug",
+     OPTION_WORD, .at = AT(log_level)},
+    {"allow-uid", 0, "USER",
      "let this user be a client, besides root and the daemon's own; may be repeated "
      "(default: whoever can reach the socket)",
-     1},
-    {"allow-gid", OPT_ALLOW_GID, "GROUP", 0,
-     "let the members of this group be clients, likewise; may be repeated", 1},
-    {NULL, 0, NULL, 0, "Quotas of one user:", 3},
-    {"clients-max", OPT_CLIENTS, "N", 0, "connections (default 64)", 3},
-    {"shm-max-mib", OPT_SHM, "MIB", 0,
-     "shared memory (default: 512, or an eighth of the machine's if that is more)", 3},
-    {"meshes-max", OPT_MESHES, "N", 0, "meshes (default 131072)", 3},
-    {"triangles-max", OPT_TRIANGLES, "N", 0, "triangles of meshes (default 256000000)",
-     3},
-    {"memory-max-mib", OPT_MEMORY, "MIB", 0,
+     OPTION_OWN, .take = take_user},
+    {"allow-gid", 0, "GROUP",
+     "let the members of this group be clients, likewise; may be repeated", OPTION_OWN,
+     .take = take_group},
+
+    {.help = "Computing:", .at = 2},
+    {"threads", 't', "N", "threads of a step (default: the CPUs at hand)", OPTION_U32,
+     .at = AT(threads_max), .min = 1, .max = 1024},
+    {"pin", 0, "auto|on|off",
+     "bind each thread of a step to a processor of its own: on, off, or auto (default: "
+     "when --threads is the number of processors that may be used)",
+     OPTION_WORD, .at = AT(pin)},
+    {"step-max-ms", 0, "MS",
+     "end a step that has computed for so many milliseconds, as if its deadline had "
+     "come; 0 = never (default)",
+     OPTION_U32, .at = AT(step_max_ms), .max = PROTO_STEP_MAX_MS},
+    {"contacts-max", 0, "N", "records kept for one answer (default 16777216)", OPTION_U64,
+     .at = AT(contacts_max), .min = 1, .max = 1ull << 32},
+    {"scenes-max", 0, "N", "scenes of one client (default 65536)", OPTION_U32,
+     .at = AT(scenes_max), .min = 1, .max = 1u << 20},
+    {"inflight-max", 0, "N", "steps of one client at a time, 1..16 (default 16)",
+     OPTION_U32, .at = AT(inflight_max), .min = 1, .max = PROTO_INFLIGHT_MAX},
+    {"queue-max", 0, "N",
+     "requests of all clients that wait to be computed (default 32768)", OPTION_U32,
+     .at = AT(queue_max), .min = 1, .max = 1u << 20},
+
+    {.help = "Quotas of one user:", .at = 3},
+    {"clients-max", 0, "N", "connections (default 64)", OPTION_U64,
+     .at = AT(quota[SRV_QUOTA_CLIENTS]), .min = 1, .max = 65536},
+    {"shm-max-mib", 0, "MIB",
+     "shared memory (default: 512, or an eighth of the machine's if that is more)",
+     OPTION_U64, .at = AT(quota[SRV_QUOTA_SHM_BYTES]), .min = 1, .max = 1u << 24,
+     .unit = MIB},
+    {"meshes-max", 0, "N", "meshes (default 131072)", OPTION_U64,
+     .at = AT(quota[SRV_QUOTA_MESHES]), .min = 1, .max = 1u << 20},
+    {"triangles-max", 0, "N", "triangles of meshes (default 256000000)", OPTION_U64,
+     .at = AT(quota[SRV_QUOTA_TRIANGLES]), .min = 1, .max = 1ull << 40},
+    {"memory-max-mib", 0, "MIB",
      "memory of meshes, objects, hierarchies and answers (default: half of the "
      "machine's)",
-     3},
-    {NULL, 0, NULL, 0, "Bounds of all users together:", 4},
-    {"memory-total-mib", OPT_MEMORY_TOTAL, "MIB", 0,
+     OPTION_U64, .at = AT(engine_bytes_max), .min = 1, .max = 1u << 24, .unit = MIB},
+
+    {.help = "Bounds of all users together:", .at = 4},
+    {"memory-total-mib", 0, "MIB",
      "shared memory, and memory of meshes, objects, hierarchies and answers (default: "
      "three quarters of the machine's)",
-     4},
-    {"connections-max", OPT_CONNECTIONS, "N", 0,
-     "connections; more are refused (default 1024)", 4},
-    {NULL, 0, NULL, 0, NULL, 0},
-};
-
-/* An option's argument as a number in [min, max]; ends the program otherwise. */
-static uint64_t number(const struct argp_state *state, const char *option,
-                       const char *text, uint64_t min, uint64_t max)
-{
-    char *end = NULL;
-    errno = 0;
-    unsigned long long value = strtoull(text, &end, 10);
-    if (text[0] < '0' || text[0] > '9' || *end != '\0' || errno != 0 || value < min ||
-        value > max) {
-        argp_error(state, "--%s: \"%s\" is not a number from %llu to %llu", option, text,
-                   (unsigned long long)min, (unsigned long long)max);
-    }
-    return value;
-}
-
-static void set_socket(struct srv_options *options, const struct argp_state *state,
-                       const char *path)
-{
-    if (path[0] == '\0' || strlen(path) >= sizeof options->socket_path) {
-        argp_error(state, "--socket: a path has 1 to %u bytes, this one %zu",
-                   SRV_SOCKET_PATH_BYTES - 1, strlen(path));
-    }
-    strcpy(options->socket_path, path);
-}
-
-static error_t parse_limit(int key, const char *text, const struct argp_state *state,
-                           struct srv_options *options)
-{
-    switch (key) {
-    case OPT_CLIENTS:
-        options->quota[SRV_QUOTA_CLIENTS] = number(state, "clients-max", text, 1, 65536);
-        return 0;
-    case OPT_CONNECTIONS:
-        options->connections_max =
-            (uint32_t)number(state, "connections-max", text, 1, 1u << 20);
-        return 0;
-    case OPT_SHM:
-        options->quota[SRV_QUOTA_SHM_BYTES] =
-            number(state, "shm-max-mib", text, 1, 1u << 24) << 20;
-        return 0;
-    case OPT_MESHES:
-        options->quota[SRV_QUOTA_MESHES] = number(state, "meshes-max", text, 1, 1u << 20);
-        return 0;
-    case OPT_TRIANGLES:
-        options->quota[SRV_QUOTA_TRIANGLES] =
-            number(state, "triangles-max", text, 1, 1ull << 40);
-        return 0;
-    case OPT_MEMORY:
-        options->engine_bytes_max = number(state, "memory-max-mib", text, 1, 1u << 24)
-                                    << 20;
-        return 0;
-    case OPT_MEMORY_TOTAL:
-        options->memory_total_max = number(state, "memory-total-mib", text, 1, 1u << 24)
-                                    << 20;
-        return 0;
-    case OPT_STEP_MAX:
-        options->step_max_ms =
-            (uint32_t)number(state, "step-max-ms", text, 0, PROTO_STEP_MAX_MS);
-        return 0;
-    case OPT_CONTACTS:
-        options->contacts_max = number(state, "contacts-max", text, 1, 1ull << 32);
-        return 0;
-    case OPT_SCENES:
-        options->scenes_max = (uint32_t)number(state, "scenes-max", text, 1, 1u << 20);
-        return 0;
-    case OPT_INFLIGHT:
-        options->inflight_max =
-            (uint32_t)number(state, "inflight-max", text, 1, PROTO_INFLIGHT_MAX);
-        return 0;
-    case OPT_QUEUE:
-        options->queue_max = (uint32_t)number(state, "queue-max", text, 1, 1u << 20);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-/* "auto", "on" or "off": the numbers of enum srv_pin and of enum srv_sandbox. */
-static int choice(const struct argp_state *state, const char *option, const char *text)
-{
-    static const char *const names[] = {
-        [SRV_PIN_AUTO] = "auto", [SRV_PIN_ON] = "on", [SRV_PIN_OFF] = "off"};
-    static_assert((int)SRV_SANDBOX_AUTO == SRV_PIN_AUTO &&
-                      (int)SRV_SANDBOX_ON == SRV_PIN_ON &&
-                      (int)SRV_SANDBOX_OFF == SRV_PIN_OFF,
-                  "one table");
-    for (int i = SRV_PIN_AUTO; i <= SRV_PIN_OFF; i++) {
-        if (strcmp(text, names[i]) == 0) {
-            return i;
-        }
-    }
-    argp_error(state, "--%s: \"%s\" is none of auto, on, off", option, text);
-    return SRV_PIN_AUTO;
-}
-
-static error_t parse_option(int key, char *text, struct argp_state *state)
-{
-    struct srv_options *options = state->input;
-    switch (key) {
-    case OPT_SOCKET:
-        set_socket(options, state, text);
-        return 0;
-    case OPT_PRIVATE:
-        options->private_daemon = true;
-        return 0;
-    case OPT_SUPERVISE:
-        options->supervise = true;
-        return 0;
-    case OPT_CRASHES:
-        options->crashes_max =
-            (uint32_t)number(state, "crashes-max", text, 1, SRV_CRASHES_LIMIT);
-        return 0;
-    case OPT_IDLE_EXIT:
-        options->idle_exit_s = (uint32_t)number(state, "idle-exit", text, 0, 1u << 30);
-        return 0;
-    case OPT_GRACE:
-        options->grace_s = (uint32_t)number(state, "grace", text, 0, 86400);
-        return 0;
-    case OPT_LINGER:
-        options->linger_s = (uint32_t)number(state, "linger", text, 0, 3600);
-        return 0;
-    case OPT_READY_FD:
-        options->ready_fd = (int)number(state, "ready-fd", text, 0, 1u << 20);
-        return 0;
-    case OPT_THREADS:
-        options->threads_max = (uint32_t)number(state, "threads", text, 1, 1024);
-        return 0;
-    case OPT_PIN:
-        options->pin = (enum srv_pin)choice(state, "pin", text);
-        return 0;
-    case OPT_SANDBOX:
-        options->sandbox = (enum srv_sandbox)choice(state, "sandbox", text);
-        return 0;
-    case OPT_ALLOW_UID:
-        if (!srv_allow_user(&options->allow, text)) {
-            argp_error(state, "--allow-uid: no user \"%s\", or more than %u", text,
-                       SRV_ALLOW_MAX);
-        }
-        return 0;
-    case OPT_ALLOW_GID:
-        if (!srv_allow_group(&options->allow, text)) {
-            argp_error(state, "--allow-gid: no group \"%s\", or more than %u", text,
-                       SRV_ALLOW_MAX);
-        }
-        return 0;
-    case OPT_LOG_LEVEL:
-        if (srv_log_level_by_name(text) < 0) {
-            argp_error(state, "--log-level: \"%s\" is none of error, warn, info, debug",
-                       text);
-        }
-        options->log_level = (enum srv_level)srv_log_level_by_name(text);
-        return 0;
-    case ARGP_KEY_ARG:
-        argp_error(state, "there are no arguments, only options: \"%s\"", text);
-        return 0;
-    default:
-        return parse_limit(key, text, state, options);
-    }
-}
+     OPTION_U64, .at = AT(memory_total_max), .min = 1, .max = 1u << 24, .unit = MIB},
+    {"connections-max", 0, "N", "connections; more are refused (default 1024)",
+     OPTION_U32, .at = AT(connections_max), .min = 1, .max = 1u << 20},
+    {0}};
 
 static uint32_t cpu_count(void)
 {
@@ -303,13 +172,13 @@ static uint64_t shared_memory(void)
 
 void srv_options_parse(struct srv_options *options, int argc, char **argv)
 {
-    static const struct argp argp = {
-        .options = option_table,
-        .parser = parse_option,
-        .doc =
+    static const struct option_table table = {
+        .rows = rows,
+        .text =
             "Continuous collision detection of deforming triangle meshes, as a service "
             "for the processes of this machine.",
-    };
+        .examples = "  pccdd --supervise\n"
+                    "  pccdd --socket /tmp/pccd.sock --threads 4 --log-level warn\n"};
     *options = (struct srv_options){
         .threads_max = cpu_count(),
         .connections_max = 1024,
@@ -330,7 +199,10 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
         .listen_fd = -1,
         .log_level = SRV_LOG_INFO,
     };
-    argp_parse(&argp, argc, argv, 0, NULL, options);
+    if (option_parse(&table, argc, argv, options) != 0) {
+        fputs("pccdd: out of memory\n", stderr);
+        exit(1);
+    }
     if (options->socket_path[0] == '\0' &&
         proto_default_socket_path(options->socket_path, sizeof options->socket_path) !=
             0) {

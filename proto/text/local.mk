@@ -2,6 +2,6 @@
 
 noinst_LTLIBRARIES += libtext.la
 libtext_la_SOURCES = \
-    proto/text/printable.c
+    proto/text/option_table.c proto/text/printable.c
 text_cppflags = -iquote $(top_srcdir)/proto/text
 libtext_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(text_cppflags) -iquote $(top_srcdir)/proto

@@ -10,21 +10,21 @@
 #ifndef CTL_ASK_OPTIONS_H
 #define CTL_ASK_OPTIONS_H
 
-#include <argp.h>
 #include <stdio.h>
 
 #include "error.h"
 #include "link.h"
 #include "meshframes.h"
+#include "option_table.h"
 
-/* Of all commands that read mesh files: argp children without a heading, whose input is a
- * struct ctl_frames_options: --weld, --animation and --rate. */
-extern const struct argp frames_options_argp;
-/* The same without --rate, for a command that has one of its own. */
-extern const struct argp frames_without_rate_argp;
+/* Of all commands that read mesh files, of a struct ctl_frames_options: --weld,
+ * --animation and --rate. */
+extern const struct option_table frames_table;
+/* The same without --rate, for a command that has one of its own, in this range. */
+extern const struct option_table frames_without_rate_table;
+#define FRAMES_RATE_MIN 1e-6 /* frames a second */
+#define FRAMES_RATE_MAX 1e6
 
-/* The value of --rate, for such a command. Wrong usage ends the program. */
-double frames_option_rate(const struct argp_state *state, const char *text);
 /* Whether anything was asked for; of a file that has no frames, nothing can be. */
 bool frames_options_are_given(const struct ctl_frames_options *options);
 
@@ -40,19 +40,12 @@ struct ask_options {
     bool has_repeats;
     uint32_t repeats;
     const char *csv; /* records go there, too; the command's option; NULL: nowhere */
-    char **paths;    /* ours */
-    uint32_t path_count;
+    struct option_arguments files;
 };
 
-/* An argp child without a heading; its input is a struct ask_options. It takes the
- * arguments. The options of `link` are ctl_link_argp's. */
-extern const struct argp ask_options_argp;
-
-/* Read a command line, into `input` of which `options` are a part. Returns an exit
- * status; wrong usage ends the program. */
-int ask_options_read(struct ask_options *options, const struct argp *argp, int argc,
-                     char **argv, void *input);
-void ask_options_deinit(struct ask_options *options);
+/* Of a struct ask_options, which takes the arguments. The options of `link` are
+ * ctl_link_table's. */
+extern const struct option_table ask_table;
 
 /* Set of an object what was asked for. Errors: as pccd_object_set, which says why. */
 int ask_set_object(const struct ask_options *options, struct pccd_client *client,

@@ -130,8 +130,8 @@ struct check_options {
     struct pccd_step_settings settings;
 };
 
-/* An argp child without a heading; its input is a struct check_options. */
-extern const struct argp check_options_argp;
+/* Of a struct check_options. */
+extern const struct option_table check_table;
 
 /* All that was said of a step. */
 struct pccd_step_settings check_step_settings(const struct check_options *options);

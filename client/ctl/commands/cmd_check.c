@@ -12,83 +12,58 @@
 #include "terminal.h"
 #include "trace_file.h"
 
-enum { OPTION_TRACE = 256 + 32, OPTION_MIN_US, OPTION_EVENTS };
-
 struct command {
     struct check_options check;
     struct trace_options trace;
 };
 
-static const struct argp_option option_list[] = {
-    {"trace", OPTION_TRACE, "FILE", 0,
-     "Write a trace of what the daemon's threads do, for Perfetto; see pccdctl trace", 0},
-    {"min-us", OPTION_MIN_US, "U", 0,
-     "With --trace: leave out tasks that took less than U microseconds (default: 0)", 0},
-    {"events", OPTION_EVENTS, "N", 0,
-     "With --trace: keep the newest N events of each thread (default: 65536, or what "
-     "fits)",
-     0},
-    {0},
-};
-
-static void check_usage(const struct argp_state *state, const struct trace_options *trace)
+static void check_usage(struct argp_state *state, void *to)
 {
+    const struct trace_options *trace = &((const struct command *)to)->trace;
     if (trace->path != NULL && strcmp(trace->path, "-") == 0) {
-        tool_misused(state, "--trace: the standard output is the report's");
+        option_misused(state, "--trace: the standard output is the report's");
     }
     if (trace->path == NULL && (trace->min_us > 0 || trace->events > 0)) {
-        tool_misused(state, "--min-us and --events are of the recording, which --trace "
-                            "asks for");
+        option_misused(state, "--min-us and --events are of the recording, which --trace "
+                              "asks for");
     }
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct command *command = state->input;
-    struct trace_options *trace = &command->trace;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &command->check;
-        state->child_inputs[1] = &command->check.ask.link;
-        break;
-    case OPTION_TRACE:
-        trace->path = text;
-        break;
-    case OPTION_MIN_US:
-        trace->min_us = ctl_option_count(state, "min-us", text, 0, TRACE_MIN_US_MAX);
-        break;
-    case OPTION_EVENTS:
-        trace->events =
-            (uint32_t)ctl_option_count(state, "events", text, 1, TRACE_EVENTS_MAX);
-        break;
-    case ARGP_KEY_END:
-        check_usage(state, trace);
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
-}
+#define AT(member) offsetof(struct command, member)
+static const struct option_row rows[] = {
+    CTL_OUTPUT,
+    {"trace", 0, "FILE",
+     "Write a trace of what the daemon's threads do, for Perfetto; see pccdctl trace",
+     OPTION_TEXT, .at = AT(trace.path)},
+    {"min-us", 0, "U",
+     "With --trace: leave out tasks that took less than U microseconds (default: 0)",
+     OPTION_U64, .at = AT(trace.min_us), .min = 0, .max = TRACE_MIN_US_MAX},
+    {"events", 0, "N",
+     "With --trace: keep the newest N events of each thread (default: 65536, or what "
+     "fits)",
+     OPTION_U32, .at = AT(trace.events), .min = 1, .max = TRACE_EVENTS_MAX},
+    {0}};
 
-static const struct argp_child children[] = {
-    {&check_options_argp, 0, NULL, 0}, {&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_check = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "MESH_T0 MESH_T1 [MESH_T2...]",
-    .doc =
-        "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, then "
-        "to MESH_T2 and so on. Files are PLY, OBJ, STL or glTF and have the same "
-        "faces; seq%d.obj names all that are numbered, and a point cache (.pc2, .mdd) "
-        "has the frames of the mesh file before it.\v"
-        "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
-        "kind,i0,i1,i2,i3,toi,toi_hi,proved, after a column step when there are more "
-        "than "
-        "two files. Exit status: 0 when nothing meets, 1 when something does, or in mode "
-        "pairs may, 2 after wrong usage, 3 without a daemon, 4 after any other error, "
-        "and when "
-        "nothing was found in an answer that is incomplete.",
-    .children = children};
+const struct option_table ctl_table_check = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&check_table, AT(check)},
+                                          {&ctl_link_table, AT(check.ask.link)},
+                                          {0}},
+    .check = check_usage,
+    .arguments = "MESH_T0 MESH_T1 [MESH_T2...]",
+    .text = "Find every contact of a mesh that moves linearly from MESH_T0 to "
+            "MESH_T1, then to MESH_T2 and so on. Files are PLY, OBJ, STL or glTF and "
+            "have the same faces; seq%d.obj names all that are numbered, and a point "
+            "cache (.pc2, .mdd) has the frames of the mesh file before it.",
+    .more = "Without --url, --socket and $PCCD_URL a private daemon is started. CSV "
+            "columns: kind,i0,i1,i2,i3,toi,toi_hi,proved, after a column step when "
+            "there are more than two files. Exit status: 0 when nothing meets, 1 "
+            "when something does, or in mode pairs may, 2 after wrong usage, 3 "
+            "without a daemon, 4 after any other error, and when nothing was found "
+            "in an answer that is incomplete.",
+    .examples = "  pccdctl check a.obj b.obj\n"
+                "  pccdctl check --mode first --json seq%d.obj\n",
+};
 
 /* Everything that lives while the frames are walked through. */
 struct check {
@@ -208,8 +183,8 @@ static int begin(struct check *check, struct ctl_error *error)
 static int check_all(struct check *check, struct ctl_error *error)
 {
     const struct ask_options *ask = &check->options->ask;
-    int status =
-        ctl_frames_open(&check->files, ask->paths, ask->path_count, &ask->frames, error);
+    int status = ctl_frames_open(&check->files, ask->files.list, ask->files.count,
+                                 &ask->frames, error);
     ctl_sequence_warn(&check->files.sequence);
     if (status == PCCD_OK && check->files.count < 2) {
         return ctl_error_set(error, PCCD_E_INVAL,
@@ -292,11 +267,11 @@ static int run_check(const struct command *command)
 int ctl_cmd_check(int argc, char **argv)
 {
     struct command command = {.check.settings = PCCD_STEP_SETTINGS_INIT};
-    struct ask_options *ask = &command.check.ask;
-    int status = ask_options_read(ask, &ctl_argp_check, argc, argv, &command);
-    if (status == CTL_DONE) {
+    int status = CTL_USAGE;
+    command.check.ask.link.policy = CTL_LINK_PRIVATE_UNLESS_ENV;
+    if (option_parse(&ctl_table_check, argc, argv, &command) == 0) {
         status = run_check(&command);
     }
-    ask_options_deinit(ask);
+    ctl_link_deinit(&command.check.ask.link);
     return status;
 }

@@ -10,63 +10,52 @@
 #include "shown.h"
 #include "terminal.h"
 
-enum { OPTION_JSON = 256 + 64 };
-
-enum what { LIST, GET, SET, WHAT_COUNT };
-static const char *const what_names[] = {"list", "get", "set"};
-static const unsigned argument_counts[] = {[LIST] = 1, [GET] = 2, [SET] = 3};
+enum what { LIST, GET, SET };
 
 struct config_options {
     struct ctl_link link;
+    struct option_arguments arguments;
     enum what what;
     const char *name, *value;
     bool is_json;
 };
 
-static const struct argp_option option_list[] = {
-    {"json", OPTION_JSON, NULL, 0, "JSON: an array (list), or an object (get, set)", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void check(struct argp_state *state, void *to)
 {
-    struct config_options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
-    case OPTION_JSON:
-        options->is_json = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (state->arg_num == 0) {
-            options->what =
-                (enum what)ctl_argument_name(state, text, what_names, WHAT_COUNT);
-        } else if (state->arg_num == 1) {
-            options->name = text;
-        } else {
-            options->value = text;
-        }
-        return 0;
-    case ARGP_KEY_END:
-        if (state->arg_num > 0 && state->arg_num != argument_counts[options->what]) {
-            tool_misused(state, "it is: list, get NAME, or set NAME VALUE");
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    struct config_options *options = to;
+    char **list = options->arguments.list;
+    uint32_t count = options->arguments.count;
+    if (count > 0) {
+        options->what =
+            (enum what)option_word(state, NULL, list[0], strlen(list[0]), "list|get|set");
+        options->name = count > 1 ? list[1] : NULL;
+        options->value = count > 2 ? list[2] : NULL;
+    }
+    if (count > 0 && count != 1 + (uint32_t)options->what) {
+        option_misused(state, "it is: list, get NAME, or set NAME VALUE");
     }
 }
 
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_config = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "[list|get|set] [NAME] [VALUE]",
-    .doc = "List the settings that may change while a daemon runs, print one, or change "
-           "one. Only root and the daemon's own user may change one. A change holds "
-           "until the daemon ends.",
-    .children = children};
+static const struct option_row rows[] = {
+    {.type = OPTION_ARGUMENTS, .at = offsetof(struct config_options, arguments)},
+    CTL_OUTPUT,
+    {"json", 0, NULL, "JSON: an array (list), or an object (get, set)", OPTION_FLAG,
+     .at = offsetof(struct config_options, is_json)},
+    {0}};
+
+const struct option_table ctl_table_config = {
+    .rows = rows,
+    .parts =
+        (const struct option_part[]){
+            {&ctl_link_table, offsetof(struct config_options, link)}, {0}},
+    .check = check,
+    .arguments = "[list|get|set] [NAME] [VALUE]",
+    .text = "List the settings that may change while a daemon runs, print one, or "
+            "change one. Only root and the daemon's own user may change one. A "
+            "change holds until the daemon ends.",
+    .examples = "  pccdctl config\n"
+                "  pccdctl config set threads 4\n",
+};
 
 static json_t *setting_json(const struct pccd_setting *setting)
 {
@@ -134,7 +123,7 @@ int ctl_cmd_config(int argc, char **argv)
     struct config_options options = {
         .link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_config, argc, argv, 0, NULL, &options) != 0) {
+    if (option_parse(&ctl_table_config, argc, argv, &options) != 0) {
         return CTL_USAGE;
     }
     int status = ctl_link_open(&options.link, &client);

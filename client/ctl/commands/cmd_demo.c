@@ -20,8 +20,6 @@
 #define STEPS_MAX      100000u
 #define OUTPUT_DEFAULT "./pccd-demo.png"
 
-enum { OPTION_STEPS = 256 + 64, OPTION_THREADS };
-
 struct demo_options {
     struct ctl_query query;
     uint32_t steps;
@@ -29,49 +27,32 @@ struct demo_options {
     const char *output;
 };
 
-static const struct argp_option option_list[] = {
-    {"steps", OPTION_STEPS, "N", 0, "Steps of a hundredth of a second (default: 300)", 0},
-    {"output", 'o', "FILE", 0,
-     "Where the picture goes, a PNG (default: " OUTPUT_DEFAULT ")", 0},
-    {"threads", OPTION_THREADS, "N", 0,
-     "Use at most N threads (default: the daemon decides)", 0},
-    {0},
+#define AT(member) offsetof(struct demo_options, member)
+static const struct option_row rows[] = {
+    CTL_QUESTION,
+    {"steps", 0, "N", "Steps of a hundredth of a second (default: 300)", OPTION_U32,
+     .at = AT(steps), .min = 1, .max = STEPS_MAX},
+    CTL_OUTPUT,
+    {"output", 'o', "FILE", "Where the picture goes, a PNG (default: " OUTPUT_DEFAULT ")",
+     OPTION_TEXT, .at = AT(output)},
+    CTL_ENGINE,
+    {"threads", 0, "N", "Use at most N threads (default: the daemon decides)", OPTION_U32,
+     .at = AT(threads), .min = 1, .max = 1024},
+    {0}};
+
+const struct option_table ctl_table_demo = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&ctl_query_table, AT(query)}, {0}},
+    .text = "Let a cloth fall over a turning ball. Before each step a daemon finds "
+            "what the cloth would collide with; the demo pushes that apart, and "
+            "never takes a step in which two surfaces pass through each other. Show "
+            "what was found, how long it took and where.",
+    .more = "Without --url and --socket a private daemon is started. The picture "
+            "shows the cloth after the last step, and where it had been about to "
+            "pass through the ball or itself.",
+    .examples = "  pccdctl demo\n"
+                "  pccdctl demo --steps 50 -o cloth.png\n",
 };
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct demo_options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->query;
-        return 0;
-    case OPTION_STEPS:
-        options->steps = (uint32_t)ctl_option_count(state, "steps", text, 1, STEPS_MAX);
-        return 0;
-    case 'o':
-        options->output = text;
-        return 0;
-    case OPTION_THREADS:
-        options->threads = (uint32_t)ctl_option_count(state, "threads", text, 1, 1024);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_demo = {
-    .options = option_list,
-    .parser = parse,
-    .doc =
-        "Let a cloth fall over a turning ball. Before each step a daemon finds what the "
-        "cloth would collide with; the demo pushes that apart, and never takes a step in "
-        "which two surfaces pass through each other. Show what was found, how long it "
-        "took and where.\v"
-        "Without --url and --socket a private daemon is started. The picture shows the "
-        "cloth after the last step, and where it had been about to pass through the ball "
-        "or itself.",
-    .children = children};
 
 struct demo {
     const struct demo_options *options;
@@ -313,7 +294,7 @@ int ctl_cmd_demo(int argc, char **argv)
     struct demo_options options = {.query = {.link = {.policy = CTL_LINK_PRIVATE}},
                                    .steps = STEPS_DEFAULT,
                                    .output = OUTPUT_DEFAULT};
-    if (argp_parse(&ctl_argp_demo, argc, argv, 0, NULL, &options) != 0) {
+    if (option_parse(&ctl_table_demo, argc, argv, &options) != 0) {
         return CTL_USAGE;
     }
     int status = run_demo(&options);

@@ -10,14 +10,15 @@
 #include "shown.h"
 #include "terminal.h"
 
-static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_doctor = {
-    .doc =
-        "Look for mistakes in a set-up: socket, rights, limits, versions, processors, "
-        "threads, the daemon itself.\v"
-        "Each line is ok, warn or FAIL, with what to do next. Exit status: 0 without a "
-        "FAIL, 1 with one.",
-    .children = children};
+const struct option_table ctl_table_doctor = {
+    .parts = (const struct option_part[]){{&ctl_query_table, 0}, {0}},
+    .text = "Look for mistakes in a set-up: socket, rights, limits, versions, "
+            "processors, threads, the daemon itself.",
+    .more = "Each line is ok, warn or FAIL, with what to do next. Exit status: 0 "
+            "without a FAIL, 1 with one.",
+    .examples = "  pccdctl doctor\n"
+                "  pccdctl doctor --json --socket /run/pccd/pccd.sock\n",
+};
 
 static const char *const verdict_names[] = {
     [DOCTOR_OK] = "ok", [DOCTOR_WARN] = "warn", [DOCTOR_FAIL] = "FAIL"};
@@ -57,7 +58,7 @@ int ctl_cmd_doctor(int argc, char **argv)
 {
     struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_doctor, argc, argv, 0, NULL, &query) != 0) {
+    if (option_parse(&ctl_table_doctor, argc, argv, &query) != 0) {
         return CTL_USAGE;
     }
     struct doctor *doctor = calloc(1, sizeof *doctor);

@@ -14,8 +14,6 @@
 #include "still.h"
 #include "whole_file.h"
 
-enum { OPTION_TIME = 256 + 64, OPTION_NEAR, OPTION_LIST, OPTION_OUTPUT = 'o' };
-
 struct export
 {
     struct play_options options;
@@ -25,73 +23,64 @@ struct export
     bool is_list;
 };
 
-static const struct argp_option option_list[] = {
-    {"output", OPTION_OUTPUT, "FILE", 0,
-     "Where it goes: FILE.glb is glTF 2.0, FILE.vtp VTK PolyData", 0},
-    {"time", OPTION_TIME, "T", 0, "Show the step at time T, 0 to 1 (default: 1, its end)",
-     0},
-    {"near", OPTION_NEAR, NULL, 0,
-     "Write the last answer about what is near instead of contacts: lines between "
-     "nearest points, and edges that cross",
-     0},
-    {"list", OPTION_LIST, NULL, 0,
-     "Write nothing, but print which steps were answered, each with what was recorded of "
-     "its answer; no daemon is asked",
-     0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void take_output(struct argp_state *state, const struct option_row *row,
+                        const char *text, void *to)
 {
-    struct export *export = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &export->options;
-        return 0;
-    case OPTION_OUTPUT:
-        if (!tool_ends_with(text, ".glb") && !tool_ends_with(text, ".vtp")) {
-            tool_misused(state, "-o: \"%s\" ends with neither .glb nor .vtp", text);
-        }
-        export->path = text;
-        return 0;
-    case OPTION_TIME:
-        export->t = ctl_option_real(state, "time", text, 0, 1);
-        return 0;
-    case OPTION_NEAR:
-        export->is_near = true;
-        return 0;
-    case OPTION_LIST:
-        export->is_list = true;
-        return 0;
-    case ARGP_KEY_END:
-        if (export->is_near && !isnan(export->t)) {
-            tool_misused(state, "--near is of one moment: no --time");
-        }
-        if (export->is_list &&
-            (export->is_near || !isnan(export->t) || export->path != NULL)) {
-            tool_misused(state, "--list writes nothing: no -o, --time, --near");
-        }
-        if (export->path == NULL && !export->is_list) {
-            tool_misused(state, "-o FILE.glb or -o FILE.vtp says what to write");
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    struct export *export = to;
+    (void)row;
+    if (!tool_ends_with(text, ".glb") && !tool_ends_with(text, ".vtp")) {
+        option_misused(state, "-o: \"%s\" ends with neither .glb nor .vtp", text);
+    }
+    export->path = text;
+}
+
+static void check(struct argp_state *state, void *to)
+{
+    const struct export *export = to;
+    if (export->is_near && !isnan(export->t)) {
+        option_misused(state, "--near is of one moment: no --time");
+    }
+    if (export->is_list &&
+        (export->is_near || !isnan(export->t) || export->path != NULL)) {
+        option_misused(state, "--list writes nothing: no -o, --time, --near");
+    }
+    if (export->path == NULL && !export->is_list) {
+        option_misused(state, "-o FILE.glb or -o FILE.vtp says what to write");
     }
 }
 
-static const struct argp_child children[] = {{&play_frames_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_export = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "FILE\nFRAME [FRAME...]",
-    .doc = "Write a step of a recording, or of the frames of a mesh, with its contacts, "
-           "for other programs.\vWithout "
-           "--steps it is the last step that was answered, with --steps the last of the "
-           "range; with --near it is the last answer about what is near instead. The "
-           "contacts are those of the recording, or of a daemon that repeats the "
-           "step.",
-    .children = children};
+#define AT(member) offsetof(struct export, member)
+static const struct option_row rows[] = {
+    CTL_QUESTION,
+    {"time", 0, "T", "Show the step at time T, 0 to 1 (default: 1, its end)", OPTION_REAL,
+     .at = AT(t), .min = 0, .max = 1},
+    {"near", 0, NULL,
+     "Write the last answer about what is near instead of contacts: lines between "
+     "nearest points, and edges that cross",
+     OPTION_FLAG, .at = AT(is_near)},
+    CTL_OUTPUT,
+    {"output", 'o', "FILE", "Where it goes: FILE.glb is glTF 2.0, FILE.vtp VTK PolyData",
+     OPTION_OWN, .take = take_output},
+    {"list", 0, NULL,
+     "Write nothing, but print which steps were answered, each with what was recorded of "
+     "its answer; no daemon is asked",
+     OPTION_FLAG, .at = AT(is_list)},
+    {0}};
+
+const struct option_table ctl_table_export = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&play_frames_table, AT(options)}, {0}},
+    .check = check,
+    .arguments = "FILE\nFRAME [FRAME...]",
+    .text = "Write a step of a recording, or of the frames of a mesh, with its "
+            "contacts, for other programs.",
+    .more = "Without --steps it is the last step that was answered, with --steps the "
+            "last of the range; with --near it is the last answer about what is near "
+            "instead. The contacts are those of the recording, or of a daemon that "
+            "repeats the step.",
+    .examples = "  pccdctl export -o step.glb --steps 7 run.rec\n"
+                "  pccdctl export --list --json run.rec\n",
+};
 
 static int write_still(const struct export *export, const struct still *still,
                        struct ctl_error *error)
@@ -185,10 +174,11 @@ int ctl_cmd_export(int argc, char **argv)
     struct play_summary summary;
     struct ctl_error error = {.text = ""};
     play_options_init(&export.options, "steps");
+    export.options.takes_frames = true;
     export.options.play.source = PLAY_RECORDS;
     export.options.play.needs_records = true;
     export.options.play.only_last = true;
-    if (argp_parse(&ctl_argp_export, argc, argv, 0, NULL, &export) != 0) {
+    if (option_parse(&ctl_table_export, argc, argv, &export) != 0) {
         return CTL_USAGE;
     }
     const struct still_at at = {.t = isnan(export.t) ? 1 : export.t};

@@ -18,94 +18,70 @@
 #define BOXES_DEFAULT    512u
 #define BOXES_MAX        (1u << 20)
 
-enum {
-    OPTION_EVERY = 256 + 64,
-    OPTION_MAX_SIZE,
-    OPTION_ROUND,
-    OPTION_BOXES,
-    OPTION_NO_LANES,
-    OPTION_OUTPUT = 'o'
-};
-
 struct command {
     struct play_options options;
     struct inspect_settings settings;
     const char *path;
 };
 
-static const struct argp_option option_list[] = {
-    {"output", OPTION_OUTPUT, "FILE", 0, "Where the page goes: FILE.html", 0},
-    {"every", OPTION_EVERY, "N", 0, "Show one in N steps (default: each)", 0},
-    {"max-size", OPTION_MAX_SIZE, "MIB", 0,
-     "Let the page have at most MIB mebibytes (default: 64). Steps that do not fit are "
-     "left out, and a line on standard error says so",
-     0},
-    {"round", OPTION_ROUND, NULL, 0,
-     "Store coordinates in 16 bits each, which halves the page; they are then rounded to "
-     "a 65535th of their object's size",
-     0},
-    {"boxes", OPTION_BOXES, "N", 0,
-     "Show the levels of the hierarchies that have at most N boxes (default: 512; 0: "
-     "none)",
-     0},
-    {"no-lanes", OPTION_NO_LANES, NULL, 0,
-     "Leave out what the daemon's threads do at each step", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void take_output(struct argp_state *state, const struct option_row *row,
+                        const char *text, void *to)
 {
-    struct command *command = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &command->options;
-        return 0;
-    case OPTION_OUTPUT:
-        if (!tool_ends_with(text, ".html")) {
-            tool_misused(state, "-o: \"%s\" does not end with .html", text);
-        }
-        command->path = text;
-        return 0;
-    case OPTION_EVERY:
-        command->settings.every = ctl_option_count(state, "every", text, 1, EVERY_MAX);
-        return 0;
-    case OPTION_MAX_SIZE:
-        command->settings.bytes_max =
-            ctl_option_count(state, "max-size", text, 1, SIZE_MAX_MIB) * MIB;
-        return 0;
-    case OPTION_ROUND:
-        command->settings.is_rounded = true;
-        return 0;
-    case OPTION_BOXES:
-        command->settings.boxes_max =
-            (uint32_t)ctl_option_count(state, "boxes", text, 0, BOXES_MAX);
-        return 0;
-    case OPTION_NO_LANES:
-        command->options.play.is_traced = false;
-        return 0;
-    case ARGP_KEY_END:
-        if (command->path == NULL) {
-            tool_misused(state, "-o FILE.html says where the page goes");
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    struct command *command = to;
+    (void)row;
+    if (!tool_ends_with(text, ".html")) {
+        option_misused(state, "-o: \"%s\" does not end with .html", text);
     }
+    command->path = text;
 }
 
-static const struct argp_child children[] = {{&play_frames_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_inspect = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "FILE\nFRAME [FRAME...]",
-    .doc =
-        "Repeat the steps of a recording, or of the frames of a mesh, with a daemon, and "
-        "write them as a page that "
-        "any browser opens: the objects in motion, the contacts by kind and time, the "
-        "boxes of the hierarchies, and what each phase and each thread took.\vThe page "
-        "is one file, which asks for nothing over a network. Without --url and --socket "
-        "a private daemon is started.",
-    .children = children};
+static void take_no_lanes(struct argp_state *state, const struct option_row *row,
+                          const char *text, void *to)
+{
+    struct command *command = to;
+    (void)state;
+    (void)row;
+    (void)text;
+    command->options.play.is_traced = false;
+}
+
+#define AT(member) offsetof(struct command, member)
+static const struct option_row rows[] = {
+    CTL_OUTPUT,
+    {"output", 'o', "FILE", "Where the page goes: FILE.html", OPTION_OWN, .at = AT(path),
+     .take = take_output, .needed = "-o FILE.html says where the page goes"},
+    {"every", 0, "N", "Show one in N steps (default: each)", OPTION_U64,
+     .at = AT(settings.every), .min = 1, .max = EVERY_MAX},
+    {"max-size", 0, "MIB",
+     "Let the page have at most MIB mebibytes (default: 64). Steps that do not fit are "
+     "left out, and a line on standard error says so",
+     OPTION_U64, .at = AT(settings.bytes_max), .min = 1, .max = SIZE_MAX_MIB,
+     .unit = MIB},
+    {"round", 0, NULL,
+     "Store coordinates in 16 bits each, which halves the page; they are then rounded to "
+     "a 65535th of their object's size",
+     OPTION_FLAG, .at = AT(settings.is_rounded)},
+    {"boxes", 0, "N",
+     "Show the levels of the hierarchies that have at most N boxes (default: 512; 0: "
+     "none)",
+     OPTION_U32, .at = AT(settings.boxes_max), .min = 0, .max = BOXES_MAX},
+    {"no-lanes", 0, NULL, "Leave out what the daemon's threads do at each step",
+     OPTION_OWN, .take = take_no_lanes},
+    {0}};
+
+const struct option_table ctl_table_inspect = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&play_frames_table, AT(options)}, {0}},
+    .arguments = "FILE\nFRAME [FRAME...]",
+    .text = "Repeat the steps of a recording, or of the frames of a mesh, with a "
+            "daemon, and write them as a page that any browser opens: the objects in "
+            "motion, the contacts by kind and time, the boxes of the hierarchies, "
+            "and what each phase and each thread took.",
+    .more = "The page is one file, which asks for nothing over a network. Without "
+            "--url and --socket a private daemon is started.",
+    .examples = "  pccdctl inspect -o run.html run.rec\n"
+                "  pccdctl inspect -o run.html --every 10 --round seq%d.obj\n",
+};
 
 /* ---- the page ---------------------------------------------------------------------- */
 
@@ -194,11 +170,12 @@ int ctl_cmd_inspect(int argc, char **argv)
     struct play_summary summary;
     size_t bytes;
     play_options_init(&command.options, "steps");
+    command.options.takes_frames = true;
     command.options.play.source = PLAY_DAEMON;
     command.options.play.needs_records = true;
     command.options.play.is_traced = true;
     command.options.play.show_near = inspect_near;
-    if (argp_parse(&ctl_argp_inspect, argc, argv, 0, NULL, &command) != 0) {
+    if (option_parse(&ctl_table_inspect, argc, argv, &command) != 0) {
         return CTL_USAGE;
     }
     int status = PCCD_OK;

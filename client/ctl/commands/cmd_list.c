@@ -14,58 +14,53 @@
 #include "shown.h"
 #include "terminal.h"
 
-enum { OPTION_SESSION = 256 + 64, OPTION_JSON };
-
-enum what { SESSIONS, SCENES, OBJECTS, PAIRS, MESHES, WHAT_COUNT };
-static const char *const what_names[] = {"sessions", "scenes", "objects", "pairs",
-                                         "meshes"};
+enum what { SESSIONS, SCENES, OBJECTS, PAIRS, MESHES };
 
 struct list_options {
     struct ctl_link link;
+    struct option_arguments arguments;
     enum what what;
     uint64_t session; /* 0: all */
     bool is_json;
 };
 
-static const struct argp_option option_list[] = {
-    {"session", OPTION_SESSION, "N", 0, "List only what belongs to session N", 0},
-    {"json", OPTION_JSON, NULL, 0, "A JSON array", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void check(struct argp_state *state, void *to)
 {
-    struct list_options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
-    case OPTION_SESSION:
-        options->session = ctl_option_count(state, "session", text, 1, INT64_MAX);
-        return 0;
-    case OPTION_JSON:
-        options->is_json = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (state->arg_num > 0) {
-            tool_misused(state, "one thing is listed at a time");
-        }
-        options->what = (enum what)ctl_argument_name(state, text, what_names, WHAT_COUNT);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    struct list_options *options = to;
+    const struct option_arguments *arguments = &options->arguments;
+    if (arguments->count > 1) {
+        option_misused(state, "one thing is listed at a time");
+    }
+    if (arguments->count > 0) {
+        options->what = (enum what)option_word(state, NULL, arguments->list[0],
+                                               strlen(arguments->list[0]),
+                                               "sessions|scenes|objects|pairs|meshes");
     }
 }
 
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_list = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "[sessions|scenes|objects|pairs|meshes]",
-    .doc = "List what a daemon has: sessions (the default), scenes, objects, pairs of "
-           "objects that ignore each other, or meshes, of this user, or of everybody for "
-           "the daemon's own user and root.",
-    .children = children};
+static const struct option_row rows[] = {
+    {.type = OPTION_ARGUMENTS, .at = offsetof(struct list_options, arguments)},
+    CTL_QUESTION,
+    {"session", 0, "N", "List only what belongs to session N", OPTION_U64,
+     .at = offsetof(struct list_options, session), .min = 1, .max = INT64_MAX},
+    CTL_OUTPUT,
+    {"json", 0, NULL, "A JSON array", OPTION_FLAG,
+     .at = offsetof(struct list_options, is_json)},
+    {0}};
+
+const struct option_table ctl_table_list = {
+    .rows = rows,
+    .parts =
+        (const struct option_part[]){
+            {&ctl_link_table, offsetof(struct list_options, link)}, {0}},
+    .check = check,
+    .arguments = "[sessions|scenes|objects|pairs|meshes]",
+    .text = "List what a daemon has: sessions (the default), scenes, objects, pairs "
+            "of objects that ignore each other, or meshes, of this user, or of "
+            "everybody for the daemon's own user and root.",
+    .examples = "  pccdctl list\n"
+                "  pccdctl list scenes --json\n",
+};
 
 /* One list being printed; session and scene say whose it is. */
 struct printer {
@@ -303,7 +298,7 @@ int ctl_cmd_list(int argc, char **argv)
 {
     struct list_options options = {.link = {.policy = CTL_LINK_EXISTING}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_list, argc, argv, 0, NULL, &options) != 0) {
+    if (option_parse(&ctl_table_list, argc, argv, &options) != 0) {
         return CTL_USAGE;
     }
     options.link.observes = options.what != PAIRS; /* these come through shared memory */

@@ -19,125 +19,82 @@
 #define STILL_MAX  64u
 #define HZ_MAX     100000.0
 
-enum {
-    OPTION_HZ = 256 + 64,
-    OPTION_TIMES,
-    OPTION_SECONDS,
-    OPTION_WITH,
-    OPTION_THREADS,
-    OPTION_SCENE,
-    OPTION_HOLD,
-    OPTION_JSON
-};
-
 struct load_options {
     struct ctl_link link;
     struct player_settings player;
-    char **frames; /* argv's */
+    struct option_arguments frames;
     char *still[STILL_MAX];
     bool is_json;
 };
 
-static const struct argp_option option_list[] = {
-    {"hz", OPTION_HZ, "N", 0,
+static void take_with(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
+{
+    struct load_options *options = to;
+    (void)row;
+    if (options->player.still_count == STILL_MAX) {
+        option_misused(state, "--with: at most %u meshes", STILL_MAX);
+    }
+    options->still[options->player.still_count++] = (char *)(uintptr_t)text;
+}
+
+static void check(struct argp_state *state, void *to)
+{
+    const struct load_options *options = to;
+    if (options->player.holds && options->player.scene == NULL) {
+        option_misused(state, "--hold: only in a shared scene, which --scene names");
+    }
+    if (options->frames.count > FRAMES_MAX) {
+        option_misused(state, "at most %u files", FRAMES_MAX);
+    }
+}
+
+#define AT(member) offsetof(struct load_options, member)
+static const struct option_row rows[] = {
+    {.type = OPTION_ARGUMENTS,
+     .at = AT(frames),
+     .needed = "a file at least: PLY, OBJ, STL or glTF"},
+    CTL_QUESTION,
+    {"hz", 0, "N",
      "Steps a second; those that come late are counted (default: as fast as they are "
      "answered)",
-     0},
-    {"times", OPTION_TIMES, "N", 0,
-     "Play the sequence N times, forwards and backwards by turns (default: 1)", 0},
-    {"seconds", OPTION_SECONDS, "S", 0, "Play for S seconds instead", 0},
-    {"with", OPTION_WITH, "FILE", 0,
-     "Add another mesh that stands still; may be repeated", 0},
-    {"threads", OPTION_THREADS, "N", 0,
-     "Use at most N threads (default: the daemon decides)", 0},
-    {"scene", OPTION_SCENE, "NAME", 0,
-     "Play in the shared scene of that name, which is made unless there is one", 0},
-    {"hold", OPTION_HOLD, NULL, 0,
+     OPTION_REAL, .at = AT(player.hz), .min = 0.001, .max = HZ_MAX},
+    {"times", 0, "N",
+     "Play the sequence N times, forwards and backwards by turns (default: 1)",
+     OPTION_U32, .at = AT(player.times), .min = 1, .max = TIMES_MAX},
+    {"seconds", 0, "S", "Play for S seconds instead", OPTION_REAL,
+     .at = AT(player.seconds), .min = 0.001, .max = 1e9},
+    {"with", 0, "FILE", "Add another mesh that stands still; may be repeated", OPTION_OWN,
+     .take = take_with},
+    {"scene", 0, "NAME",
+     "Play in the shared scene of that name, which is made unless there is one",
+     OPTION_TEXT, .at = AT(player.scene)},
+    {"hold", 0, NULL,
      "With --scene: hold each frame until another client submits a step, and go along "
      "with it",
-     0},
-    {"json", OPTION_JSON, NULL, 0, "One JSON object at the end", 0},
-    {0},
+     OPTION_FLAG, .at = AT(player.holds)},
+    CTL_OUTPUT,
+    {"json", 0, NULL, "One JSON object at the end", OPTION_FLAG, .at = AT(is_json)},
+    CTL_ENGINE,
+    {"threads", 0, "N", "Use at most N threads (default: the daemon decides)", OPTION_U32,
+     .at = AT(player.threads), .min = 1, .max = 1024},
+    {0}};
+
+const struct option_table ctl_table_load = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&frames_table, AT(player.frames)},
+                                          {&ctl_link_table, AT(link)},
+                                          {0}},
+    .check = check,
+    .arguments = "FRAME [FRAME...]",
+    .text = "Put a mesh, or the frames of one, into a new scene of a daemon, or into "
+            "one that is shared there, and play it; a single frame stands still.",
+    .more = "Without --url and --socket the user's own daemon gets it, and is "
+            "started if it does not run. All frames have the same faces. An "
+            "interrupt (Ctrl-C) ends it.",
+    .examples = "  pccdctl load --hz 60 --seconds 10 seq%d.obj\n"
+                "  pccdctl load --with floor.obj ball.glb\n",
 };
-
-static error_t parse_rest(int key, char *text, struct argp_state *state)
-{
-    struct load_options *options = state->input;
-    switch (key) {
-    case OPTION_JSON:
-        options->is_json = true;
-        return 0;
-    case ARGP_KEY_ARGS:
-        options->frames = state->argv + state->next;
-        options->player.file_count = (uint32_t)(state->argc - state->next);
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        tool_misused(state, "a file at least: PLY, OBJ, STL or glTF");
-        return 0;
-    case OPTION_SCENE:
-        options->player.scene = text;
-        return 0;
-    case OPTION_HOLD:
-        options->player.holds = true;
-        return 0;
-    case ARGP_KEY_END:
-        if (options->player.holds && options->player.scene == NULL) {
-            tool_misused(state, "--hold: only in a shared scene, which --scene names");
-        }
-        if (options->player.file_count > FRAMES_MAX) {
-            tool_misused(state, "at most %u files", FRAMES_MAX);
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct load_options *options = state->input;
-    struct player_settings *player = &options->player;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->player.frames;
-        state->child_inputs[1] = &options->link;
-        return 0;
-    case OPTION_HZ:
-        player->hz = ctl_option_real(state, "hz", text, 0.001, HZ_MAX);
-        return 0;
-    case OPTION_TIMES:
-        player->times = (uint32_t)ctl_option_count(state, "times", text, 1, TIMES_MAX);
-        return 0;
-    case OPTION_SECONDS:
-        player->seconds = ctl_option_real(state, "seconds", text, 0.001, 1e9);
-        return 0;
-    case OPTION_WITH:
-        if (player->still_count == STILL_MAX) {
-            tool_misused(state, "--with: at most %u meshes", STILL_MAX);
-        }
-        options->still[player->still_count++] = text;
-        return 0;
-    case OPTION_THREADS:
-        player->threads = (uint32_t)ctl_option_count(state, "threads", text, 1, 1024);
-        return 0;
-    default:
-        return parse_rest(key, text, state);
-    }
-}
-
-static const struct argp_child children[] = {
-    {&frames_options_argp, 0, NULL, 0}, {&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_load = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "FRAME [FRAME...]",
-    .doc =
-        "Put a mesh, or the frames of one, into a new scene of a daemon, or into one "
-        "that "
-        "is shared there, and play it; a single frame stands still.\v"
-        "Without --url and --socket the user's own daemon gets it, and is started if it "
-        "does not run. All frames have the same faces. An interrupt (Ctrl-C) ends it.",
-    .children = children};
 
 static void print(const struct player *player, bool is_json)
 {
@@ -178,10 +135,11 @@ int ctl_cmd_load(int argc, char **argv)
                                    .player = {.times = 1}};
     struct ctl_error error = {.text = ""};
     struct player player = {.client = NULL};
-    if (argp_parse(&ctl_argp_load, argc, argv, 0, NULL, &options) != 0) {
+    if (option_parse(&ctl_table_load, argc, argv, &options) != 0) {
         return CTL_USAGE;
     }
-    options.player.files = options.frames;
+    options.player.files = options.frames.list;
+    options.player.file_count = options.frames.count;
     options.player.still = options.still;
     int status = player_read(&player, &options.player, &error) == PCCD_OK
                      ? ctl_link_open(&options.link, &player.client)

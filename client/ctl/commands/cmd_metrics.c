@@ -9,23 +9,15 @@
 #include "link.h"
 #include "shown.h"
 
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    (void)text;
-    if (key != ARGP_KEY_INIT) {
-        return ARGP_ERR_UNKNOWN;
-    }
-    state->child_inputs[0] = state->input;
-    return 0;
-}
-
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_metrics = {
-    .parser = parse,
-    .doc = "Print all counters and latency histograms of a daemon as OpenMetrics text.\v"
-           "Prometheus takes it from its node exporter's textfile collector:\n"
-           "  pccdctl metrics >pccd.prom.new && mv pccd.prom.new pccd.prom",
-    .children = children};
+const struct option_table ctl_table_metrics = {
+    .parts = (const struct option_part[]){{&ctl_link_table, 0}, {0}},
+    .text = "Print all counters and latency histograms of a daemon as OpenMetrics "
+            "text.",
+    .more = "Prometheus takes it from its node exporter's textfile collector:\n"
+            "  pccdctl metrics >pccd.prom.new && mv pccd.prom.new pccd.prom",
+    .examples = "  pccdctl metrics\n"
+                "  pccdctl metrics --socket /run/pccd/pccd.sock\n",
+};
 
 #define NAME_BYTES 96
 
@@ -148,7 +140,7 @@ int ctl_cmd_metrics(int argc, char **argv)
 {
     struct ctl_link link = {.policy = CTL_LINK_EXISTING, .observes = true};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_metrics, argc, argv, 0, NULL, &link) != 0) {
+    if (option_parse(&ctl_table_metrics, argc, argv, &link) != 0) {
         return CTL_USAGE;
     }
     int status = ctl_link_open(&link, &client);

@@ -2,41 +2,31 @@
 #include "ctl.h"
 #include "near_run.h"
 
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct near_options *options = state->input;
-    (void)text;
-    if (key != ARGP_KEY_INIT) {
-        return ARGP_ERR_UNKNOWN;
-    }
-    state->child_inputs[0] = options;
-    state->child_inputs[1] = &options->ask.link;
-    return 0;
-}
-
-static const struct argp_child children[] = {
-    {&near_options_argp, 0, NULL, 0}, {&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_near = {
-    .parser = parse,
-    .args_doc = "MESH [MESH...]",
-    .doc =
-        "Tell what is near where meshes stand: pairs within a distance, the nearest pair "
-        "of each two, edges that pass through faces, or how deep one mesh is in another. "
-        "Each file, PLY, OBJ, STL or glTF, is an object of its own. Objects are compared "
-        "with each other, and each with itself except for features that share a vertex.\v"
-        "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
-        "kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz; of vertices "
-        "object,vertex,bound. "
-        "Exit status: 0 when done (the report says what was found, and whether the "
-        "answer "
-        "is complete), 2 after wrong usage, 3 without a daemon, 4 after any other error.",
-    .children = children};
+const struct option_table ctl_table_near = {
+    .parts = (const struct option_part[]){{&near_table, 0},
+                                          {&ctl_link_table,
+                                           offsetof(struct near_options, ask.link)},
+                                          {0}},
+    .arguments = "MESH [MESH...]",
+    .text = "Tell what is near where meshes stand: pairs within a distance, the "
+            "nearest pair of each two, edges that pass through faces, or how deep "
+            "one mesh is in another. Each file, PLY, OBJ, STL or glTF, is an object "
+            "of its own. Objects are compared with each other, and each with itself "
+            "except for features that share a vertex.",
+    .more = "Without --url, --socket and $PCCD_URL a private daemon is started. CSV "
+            "columns: kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz; of "
+            "vertices object,vertex,bound. Exit status: 0 when done (the report says "
+            "what was found, and whether the answer is complete), 2 after wrong "
+            "usage, 3 without a daemon, 4 after any other error.",
+    .examples = "  pccdctl near --distance 0.01 a.obj b.obj\n"
+                "  pccdctl near --what depth a.stl b.stl\n",
+};
 
 static int ask(struct near_run *near, const struct near_options *options,
                struct near_csv *csv, struct ctl_error *error)
 {
     const struct ask_options *asked = &options->ask;
-    int status = near_run_read(near, asked->paths, asked->path_count, error);
+    int status = near_run_read(near, asked->files.list, asked->files.count, error);
     if (status != PCCD_OK) {
         return status; /* before a daemon is asked for: a bad file costs nothing else */
     }
@@ -79,10 +69,11 @@ static int run_near(const struct near_options *options)
 int ctl_cmd_near(int argc, char **argv)
 {
     struct near_options options = {.settings = PCCD_NEAR_SETTINGS_INIT};
-    int status = ask_options_read(&options.ask, &ctl_argp_near, argc, argv, &options);
-    if (status == CTL_DONE) {
+    int status = CTL_USAGE;
+    options.ask.link.policy = CTL_LINK_PRIVATE_UNLESS_ENV;
+    if (option_parse(&ctl_table_near, argc, argv, &options) == 0) {
         status = run_near(&options);
     }
-    ask_options_deinit(&options.ask);
+    ctl_link_deinit(&options.ask.link);
     return status;
 }

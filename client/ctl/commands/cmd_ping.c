@@ -12,8 +12,6 @@
 #include "statistics.h"
 #include "terminal.h"
 
-enum { OPTION_JSON = 256 + 64 };
-
 #define PINGS_MAX          100000000u
 #define PINGS_DEFAULT      10u
 #define INTERVAL_DEFAULT_S 0.1
@@ -26,46 +24,36 @@ struct ping_options {
     bool is_json;
 };
 
-static const struct argp_option option_list[] = {
-    {"count", 'c', "N", 0, "Round trips (default: 10)", 0},
-    {"interval", 'i', "SECONDS", 0,
-     "Time between two round trips (default: 0.1; 0: none)", 0},
-    {"quiet", 'q', NULL, 0, "Print only the summary", 0},
-    {"json", OPTION_JSON, NULL, 0, "Print only the summary, as one JSON object", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void check(struct argp_state *state, void *to)
 {
-    struct ping_options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
-    case 'c':
-        options->count = (uint32_t)ctl_option_count(state, "count", text, 1, PINGS_MAX);
-        return 0;
-    case 'i':
-        options->interval_s = ctl_option_real(state, "interval", text, 0.0, 3600.0);
-        return 0;
-    case 'q':
-        options->is_quiet = true;
-        return 0;
-    case OPTION_JSON:
-        options->is_json = true;
-        options->is_quiet = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    struct ping_options *options = to;
+    (void)state;
+    options->is_quiet = options->is_quiet || options->is_json;
 }
 
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_ping = {
-    .options = option_list,
-    .parser = parse,
-    .doc = "Measure round trips through the daemon's loop, in microseconds.",
-    .children = children};
+static const struct option_row rows[] = {
+    CTL_QUESTION,
+    {"count", 'c', "N", "Round trips (default: 10)", OPTION_U32,
+     .at = offsetof(struct ping_options, count), .min = 1, .max = PINGS_MAX},
+    {"interval", 'i', "SECONDS", "Time between two round trips (default: 0.1; 0: none)",
+     OPTION_REAL, .at = offsetof(struct ping_options, interval_s), .min = 0, .max = 3600},
+    CTL_OUTPUT,
+    {"quiet", 'q', NULL, "Print only the summary", OPTION_FLAG,
+     .at = offsetof(struct ping_options, is_quiet)},
+    {"json", 0, NULL, "Print only the summary, as one JSON object", OPTION_FLAG,
+     .at = offsetof(struct ping_options, is_json)},
+    {0}};
+
+const struct option_table ctl_table_ping = {
+    .rows = rows,
+    .parts =
+        (const struct option_part[]){
+            {&ctl_link_table, offsetof(struct ping_options, link)}, {0}},
+    .check = check,
+    .text = "Measure round trips through the daemon's loop, in microseconds.",
+    .examples = "  pccdctl ping\n"
+                "  pccdctl ping -c 1000 -i 0 --json\n",
+};
 
 static void pause_for(double seconds)
 {
@@ -131,7 +119,7 @@ int ctl_cmd_ping(int argc, char **argv)
         .count = PINGS_DEFAULT,
         .interval_s = INTERVAL_DEFAULT_S};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_ping, argc, argv, 0, NULL, &options) != 0) {
+    if (option_parse(&ctl_table_ping, argc, argv, &options) != 0) {
         return CTL_USAGE;
     }
     double *times_us = malloc(options.count * sizeof *times_us);

@@ -21,102 +21,68 @@
 
 #define SEGMENTS_MAX  64u
 #define LEVEL_MAX     19u
+#define LEVEL_UNSET   UINT64_MAX
 #define MAX_BYTES_MAX (1ull << 62)
 #define FILES_MAX     999u /* that the library names: FILE, FILE-2, ... */
-
-enum {
-    OPTION_MAX_BYTES = 256 + 64,
-    OPTION_SEGMENTS,
-    OPTION_CONTACTS,
-    OPTION_LEVEL,
-    OPTION_FORCE,
-    OPTION_OUTPUT = 'o'
-};
 
 struct record_command {
     const char *path;
     uint64_t max_bytes, segments, level;
-    bool has_level, has_contacts, is_forced;
-    char **command; /* argv's own tail */
+    bool has_contacts, is_forced;
+    struct option_arguments program;
 };
 
-static const struct argp_option option_list[] = {
-    {"output", OPTION_OUTPUT, "FILE", 0,
-     "Where the recording goes; the second client of the program goes to FILE-2, and so "
-     "on",
-     0},
-    {"contacts", OPTION_CONTACTS, NULL, 0,
-     "Record the contacts of the answers, too, so that they can be seen without a daemon",
-     0},
-    {"max-bytes", OPTION_MAX_BYTES, "N", 0, "End the recording before it exceeds N bytes",
-     0},
-    {"segments", OPTION_SEGMENTS, "N", 0,
-     "Keep the newest part instead, in N files (FILE, FILE.1, ...) of together "
-     "--max-bytes; each can be read by itself",
-     0},
-    {"level", OPTION_LEVEL, "N", 0,
-     "Level of compression, 0 (none) to 19 (default: 1, the fastest)", 0},
-    {"force", OPTION_FORCE, NULL, 0,
-     "Remove FILE if it is there, and the recordings FILE-2, FILE.1, ... beside it", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void check(struct argp_state *state, void *to)
 {
-    struct record_command *command = state->input;
-    switch (key) {
-    case OPTION_OUTPUT:
-        command->path = text;
-        return 0;
-    case OPTION_CONTACTS:
-        command->has_contacts = true;
-        return 0;
-    case OPTION_MAX_BYTES:
-        command->max_bytes =
-            ctl_option_count(state, "max-bytes", text, 4096, MAX_BYTES_MAX);
-        return 0;
-    case OPTION_SEGMENTS:
-        command->segments = ctl_option_count(state, "segments", text, 2, SEGMENTS_MAX);
-        return 0;
-    case OPTION_LEVEL:
-        command->level = ctl_option_count(state, "level", text, 0, LEVEL_MAX);
-        command->has_level = true;
-        return 0;
-    case OPTION_FORCE:
-        command->is_forced = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        command->command = state->argv + state->next - 1;
-        state->next = state->argc; /* the rest is the command's own */
-        return 0;
-    case ARGP_KEY_END:
-        if (command->path == NULL) {
-            tool_misused(state, "-o FILE says where the recording goes");
-        }
-        if (command->command == NULL) {
-            tool_misused(state, "which program? pccdctl record -o FILE -- PROGRAM ...");
-        }
-        if (command->segments > 0 && command->max_bytes == 0) {
-            tool_misused(state, "--segments wants --max-bytes");
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    const struct record_command *command = to;
+    if (command->segments > 0 && command->max_bytes == 0) {
+        option_misused(state, "--segments wants --max-bytes");
     }
 }
 
-static const struct argp_child children[] = {{&ctl_common_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_record = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "-- PROGRAM [ARGUMENT...]",
-    .doc = "Run a program that uses libpccd, and record everything that it asks and is "
-           "answered.\vThe program needs no change: libpccd looks for $PCCD_RECORD. What "
-           "is in the file survives the end of the program and of the daemon, however "
-           "they end. Exit status: that of the program, 128 + N when signal N ended it; "
-           "4 when it ended with 0, and nothing was recorded or a file could not be "
-           "written to its end.",
-    .children = children};
+#define AT(member) offsetof(struct record_command, member)
+static const struct option_row rows[] = {
+    CTL_OUTPUT,
+    {"output", 'o', "FILE",
+     "Where the recording goes; the second client of the program goes to FILE-2, and so "
+     "on",
+     OPTION_TEXT, .at = AT(path), .needed = "-o FILE says where the recording goes"},
+    {"contacts", 0, NULL,
+     "Record the contacts of the answers, too, so that they can be seen without a daemon",
+     OPTION_FLAG, .at = AT(has_contacts)},
+    {"max-bytes", 0, "N", "End the recording before it exceeds N bytes", OPTION_U64,
+     .at = AT(max_bytes), .min = 4096, .max = MAX_BYTES_MAX},
+    {"segments", 0, "N",
+     "Keep the newest part instead, in N files (FILE, FILE.1, ...) of together "
+     "--max-bytes; each can be read by itself",
+     OPTION_U64, .at = AT(segments), .min = 2, .max = SEGMENTS_MAX},
+    {"level", 0, "N", "Level of compression, 0 (none) to 19 (default: 1, the fastest)",
+     OPTION_U64, .at = AT(level), .min = 0, .max = LEVEL_MAX},
+    {"force", 0, NULL,
+     "Remove FILE if it is there, and the recordings FILE-2, FILE.1, ... beside it",
+     OPTION_FLAG, .at = AT(is_forced)},
+    {.type = OPTION_ARGUMENTS,
+     .at = AT(program),
+     .needed = "which program? pccdctl record -o FILE -- PROGRAM ..."},
+    {0}};
+
+const struct option_table ctl_table_record = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&ctl_common_table, 0}, {0}},
+    .check = check,
+    .arguments = "-- PROGRAM [ARGUMENT...]",
+    .ends_options = true,
+    .text = "Run a program that uses libpccd, and record everything that it asks and "
+            "is answered.",
+    .more = "The program needs no change: libpccd looks for $PCCD_RECORD. What is in "
+            "the file survives the end of the program and of the daemon, however "
+            "they end. Exit status: that of the program, 128 + N when signal N ended "
+            "it; 4 when it ended with 0, and nothing was recorded or a file could "
+            "not be written to its end.",
+    .examples =
+        "  pccdctl record -o run.rec -- ./simulator\n"
+        "  pccdctl record -o run.rec --force --contacts -- ./simulator 100\n",
+};
 
 static int set_environment(const struct record_command *command)
 {
@@ -130,7 +96,7 @@ static int set_environment(const struct record_command *command)
         used += snprintf(text + used, sizeof text - (size_t)used, ",segments=%" PRIu64,
                          command->segments);
     }
-    if (command->has_level) {
+    if (command->level != LEVEL_UNSET) {
         snprintf(text + used, sizeof text - (size_t)used, ",level=%d",
                  command->level == 0 ? -1 : (int)command->level);
     }
@@ -347,8 +313,8 @@ static int report_all(const struct record_command *command,
 
 int ctl_cmd_record(int argc, char **argv)
 {
-    struct record_command command = {.path = NULL};
-    if (argp_parse(&ctl_argp_record, argc, argv, ARGP_IN_ORDER, NULL, &command) != 0) {
+    struct record_command command = {.level = LEVEL_UNSET};
+    if (option_parse(&ctl_table_record, argc, argv, &command) != 0) {
         return CTL_USAGE;
     }
     bool was_there[FILES_MAX + 1];
@@ -359,7 +325,7 @@ int ctl_cmd_record(int argc, char **argv)
     }
     if (status == CTL_DONE) {
         note_files(command.path, was_there);
-        status = run(command.command, &has_run);
+        status = run(command.program.list, &has_run);
     }
     if (has_run) {
         int recorded = report_all(&command, was_there);

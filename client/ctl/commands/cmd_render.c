@@ -21,62 +21,9 @@
 #define ZOOM_MAX 10000.0
 #define SIDE_MIN 64u
 
-enum {
-    OPTION_TIME = 256 + 64,
-    OPTION_VIEW,
-    OPTION_UP,
-    OPTION_ZOOM,
-    OPTION_SIZE,
-    OPTION_AT,
-    OPTION_NEAR,
-    OPTION_THICK,
-    OPTION_RATE,
-    OPTION_EVERY,
-    OPTION_FIRST_TRIES,
-    OPTION_OUTPUT = 'o'
-};
-
-static const struct argp_option option_list[] = {
-    {"output", OPTION_OUTPUT, "FILE", 0,
-     "Where the picture goes: FILE.png; FILE.svg with contacts and legend as shapes and "
-     "text; FILE.apng, a film of all steps, which browsers show",
-     0},
-    {"rate", OPTION_RATE, "N", 0,
-     "Steps a second of a film (default: 25), and frames of a file that moves by itself "
-     "(default: its keyframes)",
-     0},
-    {"every", OPTION_EVERY, "N", 0, "In a film, show every N-th step (default: 1)", 0},
-    {"first-tries", OPTION_FIRST_TRIES, NULL, 0,
-     "In a film, show steps at their beginning with what meets on their way, and leave "
-     "out one that begins where the last one did: another try of the same frame",
-     0},
-    {"time", OPTION_TIME, "T", 0, "Show the step at time T, 0 to 1 (default: 1, its end)",
-     0},
-    {"view", OPTION_VIEW, "A,E", 0,
-     "Look from azimuth A and elevation E, degrees (default: 25,16)", 0},
-    {"up", OPTION_UP, "x|y|z", 0, "The axis that points up: x, y (the default) or z", 0},
-    {"at", OPTION_AT, "all|contacts|contact N", 0,
-     "Show all (the default), the contacts, or contact N of the step, counted from 1 in "
-     "the order of the answer. One contact is shown close, at its time of impact, from a "
-     "side where nothing hides it, unless --time or --view say otherwise",
-     0},
-    {"near", OPTION_NEAR, NULL, 0,
-     "Draw the last answer about what is near instead of contacts: lines between nearest "
-     "points, coloured by distance, and edges that cross",
-     0},
-    {"thick", OPTION_THICK, NULL, 0,
-     "Draw triangles with their thickness, too, and half of the step's separation around "
-     "everything: what meets, touches. Without it rods and points alone have theirs",
-     0},
-    {"zoom", OPTION_ZOOM, "Z", 0, "Enlarge the picture's contents Z times", 0},
-    {"size", OPTION_SIZE, "WxH", 0, "Size of the picture in pixels (default: 1200x900)",
-     0},
-    {0},
-};
-
 /* "A,B" or "AxB" */
-static void parse_two(const struct argp_state *state, const char *name, const char *text,
-                      char between, double two[2])
+static void parse_two(const struct argp_state *state, const struct option_row *row,
+                      const char *text, char between, double two[2])
 {
     char *stop;
     two[0] = strtod(text, &stop);
@@ -87,53 +34,60 @@ static void parse_two(const struct argp_state *state, const char *name, const ch
     }
     if (!is_ok || stop == rest || *stop != '\0' || !isfinite(two[0]) ||
         !isfinite(two[1])) {
-        tool_misused(state, "--%s: \"%s\" is not two numbers with a %c between them",
-                     name, text, between);
+        option_misused(state, "--%s: \"%s\" is not two numbers with a %c between them",
+                       row->name, text, between);
     }
 }
 
-static void parse_size(const struct argp_state *state, const char *text,
-                       struct render *render)
+static void take_size(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
 {
+    struct render *render = to;
     double two[2] = {0, 0};
-    parse_two(state, "size", text, 'x', two);
+    parse_two(state, row, text, 'x', two);
     for (int i = 0; i < 2; i++) {
         if (!(two[i] >= SIDE_MIN && two[i] <= PICTURE_SIDE_MAX)) {
-            tool_misused(state, "--size: from %ux%u to %ux%u", SIDE_MIN, SIDE_MIN,
-                         PICTURE_SIDE_MAX, PICTURE_SIDE_MAX);
+            option_misused(state, "--size: from %ux%u to %ux%u", SIDE_MIN, SIDE_MIN,
+                           PICTURE_SIDE_MAX, PICTURE_SIDE_MAX);
         }
     }
     render->width = (uint32_t)two[0];
     render->height = (uint32_t)two[1];
 }
 
-static void parse_view(const struct argp_state *state, const char *text,
-                       struct render *render)
+static void take_view(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
 {
+    struct render *render = to;
     double two[2] = {0, 0};
-    parse_two(state, "view", text, ',', two);
+    parse_two(state, row, text, ',', two);
     if (fabs(two[1]) > 90) {
-        tool_misused(state, "--view: the elevation is from -90 to 90");
+        option_misused(state, "--view: the elevation is from -90 to 90");
     }
     render->azimuth = two[0];
     render->elevation = two[1];
 }
 
-static void parse_up(const struct argp_state *state, const char *text,
-                     struct render *render)
+static void take_up(struct argp_state *state, const struct option_row *row,
+                    const char *text, void *to)
 {
+    struct render *render = to;
+    (void)row;
     const char *const axes = "yzx";
     const char *at = text[0] != '\0' && text[1] == '\0' ? strchr(axes, text[0]) : NULL;
     if (at == NULL) {
-        tool_misused(state, "--up: \"%s\" is not x, y or z", text);
+        option_misused(state, "--up: \"%s\" is not x, y or z", text);
         return;
     }
     render->up = (enum picture_up)(at - axes);
 }
 
 /* all, contacts, or contact N, whose number is a word of its own or not. */
-static void parse_at(struct argp_state *state, const char *text, struct render *render)
+static void take_at(struct argp_state *state, const struct option_row *row,
+                    const char *text, void *to)
 {
+    struct render *render = to;
+    (void)row;
     bool is_one = strncmp(text, "contact", 7) == 0 && (text[7] == '\0' || text[7] == ' ');
     render->is_at_contacts = strcmp(text, "contacts") == 0;
     render->contact = 0;
@@ -141,109 +95,108 @@ static void parse_at(struct argp_state *state, const char *text, struct render *
         const char *number = text[7] == ' '              ? text + 8
                              : state->next < state->argc ? state->argv[state->next++]
                                                          : "";
-        render->contact = ctl_option_count(state, "at contact", number, 1, INT64_MAX);
+        const struct option_row one = {"at contact", .min = 1, .max = INT64_MAX};
+        render->contact = option_number(state, &one, number);
     } else if (!render->is_at_contacts && strcmp(text, "all") != 0) {
-        tool_misused(state, "--at: \"%s\" is not all, contacts or contact N", text);
+        option_misused(state, "--at: \"%s\" is not all, contacts or contact N", text);
     }
 }
 
-static void refuse_what_contradicts(const struct argp_state *state,
-                                    const struct render *render)
+static void take_output(struct argp_state *state, const struct option_row *row,
+                        const char *text, void *to)
 {
-    if (render->path == NULL) {
-        tool_misused(state, "-o FILE.png, .svg or .apng says what to draw");
+    struct render *render = to;
+    (void)row;
+    render->is_film = tool_ends_with(text, ".apng");
+    if (!render->is_film && !tool_ends_with(text, ".png") &&
+        !tool_ends_with(text, ".svg")) {
+        option_misused(state, "-o: \"%s\" ends with neither .png, .svg nor .apng", text);
     }
+    render->path = text;
+}
+
+static void check(struct argp_state *state, void *to)
+{
+    const struct render *render = to;
     bool has_rate = render->rate > 0 && !play_options_are_frames(&render->options);
     if ((has_rate || render->every > 0) && !render->is_film) {
-        tool_misused(state, "--%s is of a film: -o FILE.apng",
-                     has_rate ? "rate" : "every");
+        option_misused(state, "--%s is of a film: -o FILE.apng",
+                       has_rate ? "rate" : "every");
     }
     if (render->is_film && render->rate > 0 &&
         (render->rate > RATE_MAX || render->rate != floor(render->rate))) {
-        tool_misused(state, "--rate: of a film a whole number up to %u", RATE_MAX);
+        option_misused(state, "--rate: of a film a whole number up to %u", RATE_MAX);
     }
     if (render->is_film && (render->is_near || render->contact > 0)) {
-        tool_misused(state, "a film is of steps: neither --near nor --at contact N");
+        option_misused(state, "a film is of steps: neither --near nor --at contact N");
     }
     if (render->has_first_tries && (!render->is_film || !isnan(render->t))) {
-        tool_misused(state, "--first-tries is of a film, -o FILE.apng, that shows "
-                            "beginnings: no --time");
+        option_misused(state, "--first-tries is of a film, -o FILE.apng, that shows "
+                              "beginnings: no --time");
     }
     if (render->is_near && (!isnan(render->t) || render->contact > 0)) {
-        tool_misused(state, "--near is of one moment, and has no contacts: neither "
-                            "--time nor --at contact N");
+        option_misused(state, "--near is of one moment, and has no contacts: neither "
+                              "--time nor --at contact N");
     }
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct render *render = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &render->options;
-        return 0;
-    case OPTION_OUTPUT:
-        render->is_film = tool_ends_with(text, ".apng");
-        if (!render->is_film && !tool_ends_with(text, ".png") &&
-            !tool_ends_with(text, ".svg")) {
-            tool_misused(state, "-o: \"%s\" ends with neither .png, .svg nor .apng",
-                         text);
-        }
-        render->path = text;
-        return 0;
-    case OPTION_RATE:
-        render->rate = frames_option_rate(state, text);
-        return 0;
-    case OPTION_EVERY:
-        render->every = (uint32_t)ctl_option_count(state, "every", text, 1, UINT32_MAX);
-        return 0;
-    case OPTION_FIRST_TRIES:
-        render->has_first_tries = true;
-        return 0;
-    case OPTION_TIME:
-        render->t = ctl_option_real(state, "time", text, 0, 1);
-        return 0;
-    case OPTION_VIEW:
-        parse_view(state, text, render);
-        return 0;
-    case OPTION_UP:
-        parse_up(state, text, render);
-        return 0;
-    case OPTION_AT:
-        parse_at(state, text, render);
-        return 0;
-    case OPTION_NEAR:
-        render->is_near = true;
-        return 0;
-    case OPTION_THICK:
-        render->is_thick = true;
-        return 0;
-    case OPTION_ZOOM:
-        render->zoom = ctl_option_real(state, "zoom", text, 0.01, ZOOM_MAX);
-        return 0;
-    case OPTION_SIZE:
-        parse_size(state, text, render);
-        return 0;
-    case ARGP_KEY_END:
-        refuse_what_contradicts(state, render);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
+#define AT(member) offsetof(struct render, member)
+static const struct option_row rows[] = {
+    CTL_QUESTION,
+    {"time", 0, "T", "Show the step at time T, 0 to 1 (default: 1, its end)", OPTION_REAL,
+     .at = AT(t), .min = 0, .max = 1},
+    {"near", 0, NULL,
+     "Draw the last answer about what is near instead of contacts: lines between nearest "
+     "points, coloured by distance, and edges that cross",
+     OPTION_FLAG, .at = AT(is_near)},
+    CTL_OUTPUT,
+    {"output", 'o', "FILE",
+     "Where the picture goes: FILE.png; FILE.svg with contacts and legend as shapes and "
+     "text; FILE.apng, a film of all steps, which browsers show",
+     OPTION_OWN, .at = AT(path), .take = take_output,
+     .needed = "-o FILE.png, .svg or .apng says what to draw"},
+    {"rate", 0, "N",
+     "Steps a second of a film (default: 25), and frames of a file that moves by itself "
+     "(default: its keyframes)",
+     OPTION_REAL, .at = AT(rate), .min = FRAMES_RATE_MIN, .max = FRAMES_RATE_MAX},
+    {"every", 0, "N", "In a film, show every N-th step (default: 1)", OPTION_U32,
+     .at = AT(every), .min = 1, .max = UINT32_MAX},
+    {"first-tries", 0, NULL,
+     "In a film, show steps at their beginning with what meets on their way, and leave "
+     "out one that begins where the last one did: another try of the same frame",
+     OPTION_FLAG, .at = AT(has_first_tries)},
+    {"view", 0, "A,E", "Look from azimuth A and elevation E, degrees (default: 25,16)",
+     OPTION_OWN, .take = take_view},
+    {"up", 0, "x|y|z", "The axis that points up: x, y (the default) or z", OPTION_OWN,
+     .take = take_up},
+    {"at", 0, "all|contacts|contact N",
+     "Show all (the default), the contacts, or contact N of the step, counted from 1 in "
+     "the order of the answer. One contact is shown close, at its time of impact, from a "
+     "side where nothing hides it, unless --time or --view say otherwise",
+     OPTION_OWN, .take = take_at},
+    {"thick", 0, NULL,
+     "Draw triangles with their thickness, too, and half of the step's separation around "
+     "everything: what meets, touches. Without it rods and points alone have theirs",
+     OPTION_FLAG, .at = AT(is_thick)},
+    {"zoom", 0, "Z", "Enlarge the picture's contents Z times", OPTION_REAL,
+     .at = AT(zoom), .min = 0.01, .max = ZOOM_MAX},
+    {"size", 0, "WxH", "Size of the picture in pixels (default: 1200x900)", OPTION_OWN,
+     .take = take_size},
+    {0}};
 
-static const struct argp_child children[] = {{&play_film_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_render = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "FILE\nFRAME [FRAME...]",
-    .doc =
-        "Draw a step of a recording, or of the frames of a mesh: its objects, and its "
-        "contacts coloured by their time of impact.\vWithout --steps it is the last step "
-        "that was answered, with "
-        "--steps the last of the range. The contacts are those of the recording, or of a "
-        "daemon that repeats the step.",
-    .children = children};
+const struct option_table ctl_table_render = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&play_film_table, AT(options)}, {0}},
+    .check = check,
+    .arguments = "FILE\nFRAME [FRAME...]",
+    .text = "Draw a step of a recording, or of the frames of a mesh: its objects, "
+            "and its contacts coloured by their time of impact.",
+    .more = "Without --steps it is the last step that was answered, with --steps the "
+            "last of the range. The contacts are those of the recording, or of a "
+            "daemon that repeats the step.",
+    .examples = "  pccdctl render -o hit.png a.obj b.obj\n"
+                "  pccdctl render -o step.svg --steps 7 --at 'contact 1' run.rec\n",
+};
 
 static bool has_thickness(const struct still *still)
 {
@@ -431,10 +384,11 @@ int ctl_cmd_render(int argc, char **argv)
     struct ctl_error error = {.text = ""};
     struct whole_file file = {.to = NULL};
     play_options_init(&render.options, "steps");
+    render.options.takes_frames = true;
     render.options.play.source = PLAY_RECORDS;
     render.options.play.needs_records = true;
     render.options.play.only_last = true;
-    if (argp_parse(&ctl_argp_render, argc, argv, 0, NULL, &render) != 0) {
+    if (option_parse(&ctl_table_render, argc, argv, &render) != 0) {
         return CTL_USAGE;
     }
     render.options.how.wish.rate = render.rate;

@@ -6,55 +6,43 @@
 #include "replay.h"
 #include "shown.h"
 
-enum { OPTION_PACE = 256 + 64, OPTION_KEEP_GOING };
-
 struct replay {
     struct play_options options;
     bool goes_on; /* after a difference */
     struct replay_counts counts;
 };
 
-static const struct argp_option option_list[] = {
-    {"pace", OPTION_PACE, "fast|recorded", 0,
-     "fast (the default): submit one step after the other; recorded: at the times of the "
-     "recording",
-     0},
-    {"keep-going", OPTION_KEEP_GOING, NULL, 0,
-     "Go on after a difference, and count the differences", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void take_pace(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
 {
-    struct replay *replay = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &replay->options;
-        return 0;
-    case OPTION_PACE:
-        if (strcmp(text, "fast") != 0 && strcmp(text, "recorded") != 0) {
-            tool_misused(state, "--pace: \"%s\" is not fast or recorded", text);
-        }
-        replay->options.play.at_recorded_pace = strcmp(text, "recorded") == 0;
-        return 0;
-    case OPTION_KEEP_GOING:
-        replay->goes_on = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    struct replay *replay = to;
+    replay->options.play.at_recorded_pace =
+        option_word(state, row->name, text, strlen(text), row->arg) == 1;
 }
 
-static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_replay = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "FILE",
-    .doc = "Repeat the steps of a recording with a daemon, and compare every answer: its "
-           "hash, its counts, its earliest time.\vWithout --url and --socket a private "
-           "daemon is started. Exit status: 0 when all answers are the same, 1 when one "
-           "is not, 4 when there is none to compare.",
-    .children = children};
+static const struct option_row rows[] = {
+    CTL_QUESTION,
+    {"pace", 0, "fast|recorded",
+     "fast (the default): submit one step after the other; recorded: at the times of the "
+     "recording",
+     OPTION_OWN, .take = take_pace},
+    {"keep-going", 0, NULL, "Go on after a difference, and count the differences",
+     OPTION_FLAG, .at = offsetof(struct replay, goes_on)},
+    {0}};
+
+const struct option_table ctl_table_replay = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&play_table, offsetof(struct replay, options)},
+                                          {0}},
+    .arguments = "FILE",
+    .text = "Repeat the steps of a recording with a daemon, and compare every "
+            "answer: its hash, its counts, its earliest time.",
+    .more = "Without --url and --socket a private daemon is started. Exit status: 0 "
+            "when all answers are the same, 1 when one is not, 4 when there is none "
+            "to compare.",
+    .examples = "  pccdctl replay run.rec\n"
+                "  pccdctl replay --keep-going --steps 100.. run.rec\n",
+};
 
 static int tell(struct replay *replay, const struct replay_item *item)
 {
@@ -89,7 +77,7 @@ int ctl_cmd_replay(int argc, char **argv)
     play_options_init(&replay.options, "steps");
     replay.options.play.source = PLAY_DAEMON;
     replay.options.play.show_near = compare_near;
-    if (argp_parse(&ctl_argp_replay, argc, argv, 0, NULL, &replay) != 0) {
+    if (option_parse(&ctl_table_replay, argc, argv, &replay) != 0) {
         return CTL_USAGE;
     }
     status = play_options_open(&replay.options, &error);

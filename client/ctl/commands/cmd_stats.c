@@ -236,39 +236,24 @@ struct stats_options {
     bool of_threads;
 };
 
-enum { OPTION_JSON = 256 + 64, OPTION_THREADS };
+static const struct option_row rows[] = {
+    CTL_OUTPUT,
+    {"threads", 0, NULL,
+     "Show what each thread of the daemon's last step did, instead of the counters",
+     OPTION_FLAG, .at = offsetof(struct stats_options, of_threads)},
+    {"json", 0, NULL, "One JSON object with a member for each counter", OPTION_FLAG,
+     .at = offsetof(struct stats_options, is_json)},
+    {0}};
 
-static const struct argp_option option_list[] = {
-    {"json", OPTION_JSON, NULL, 0, "One JSON object with a member for each counter", 0},
-    {"threads", OPTION_THREADS, NULL, 0,
-     "Show what each thread of the daemon's last step did, instead of the counters", 0},
-    {0},
+const struct option_table ctl_table_stats = {
+    .rows = rows,
+    .parts =
+        (const struct option_part[]){
+            {&ctl_link_table, offsetof(struct stats_options, link)}, {0}},
+    .text = "List the daemon's counters.",
+    .examples = "  pccdctl stats\n"
+                "  pccdctl stats --threads\n",
 };
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct stats_options *options = state->input;
-    (void)text;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
-    case OPTION_JSON:
-        options->is_json = true;
-        return 0;
-    case OPTION_THREADS:
-        options->of_threads = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_stats = {.options = option_list,
-                                    .parser = parse,
-                                    .doc = "List the daemon's counters.",
-                                    .children = children};
 
 /* The library says no name's length beforehand, so the list is walked twice: once for the
  * widths, once to print. The second walk asks again; its values are the later ones. */
@@ -388,7 +373,7 @@ int ctl_cmd_stats(int argc, char **argv)
     struct stats_options options = {
         .link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_stats, argc, argv, 0, NULL, &options) != 0) {
+    if (option_parse(&ctl_table_stats, argc, argv, &options) != 0) {
         return CTL_USAGE;
     }
     int status = ctl_link_open(&options.link, &client);

@@ -15,10 +15,13 @@
 #include "shown.h"
 #include "terminal.h"
 
-static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_status = {
-    .doc = "Tell on one screen how a daemon is: its clients, its memory, its last step.",
-    .children = children};
+const struct option_table ctl_table_status = {
+    .parts = (const struct option_part[]){{&ctl_query_table, 0}, {0}},
+    .text = "Tell on one screen how a daemon is: its clients, its memory, its last "
+            "step.",
+    .examples = "  pccdctl status\n"
+                "  pccdctl status --json --socket /run/pccd/pccd.sock\n",
+};
 
 /* Everything that is told. */
 struct status {
@@ -231,7 +234,7 @@ int ctl_cmd_status(int argc, char **argv)
 {
     struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_status, argc, argv, 0, NULL, &query) != 0) {
+    if (option_parse(&ctl_table_status, argc, argv, &query) != 0) {
         return CTL_USAGE;
     }
     struct status *status = calloc(1, sizeof *status);

@@ -21,10 +21,7 @@
 #define ROWS_MAX         10000
 #define NAME_COLUMNS     16u
 
-enum { OPTION_ONCE = 256 + 64, OPTION_COUNT, OPTION_INTERVAL, OPTION_SORT, OPTION_JSON };
-
-enum sort { SORT_ms, SORT_steps, SORT_triangles, SORT_bytes, SORT_queue, SORT_COUNT };
-static const char *const sort_names[] = {"ms", "steps", "triangles", "bytes", "queue"};
+enum sort { SORT_ms, SORT_steps, SORT_triangles, SORT_bytes, SORT_queue };
 
 struct top_options {
     struct ctl_link link;
@@ -34,60 +31,43 @@ struct top_options {
     bool is_json;
 };
 
-static const struct argp_option option_list[] = {
-    {"once", OPTION_ONCE, NULL, 0, "The same as --count 1", 0},
-    {"count", OPTION_COUNT, "N", 0,
-     "End after N tables (default: on a terminal never, otherwise 1)", 0},
-    {"interval", OPTION_INTERVAL, "SECONDS", 0, "Time between two tables (default: 1)",
-     0},
-    {"sort", OPTION_SORT, "ms|steps|triangles|bytes|queue", 0,
-     "Put the busiest session first, by milliseconds of computing (the default), steps, "
-     "triangles, bytes in and out, or requests in flight",
-     0},
-    {"json", OPTION_JSON, NULL, 0,
-     "One JSON object instead of each table, on a line of its own", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void take_once(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
 {
-    struct top_options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
-    case OPTION_ONCE:
-        options->count = 1;
-        return 0;
-    case OPTION_COUNT:
-        options->count = ctl_option_count(state, "count", text, 1, COUNT_MAX);
-        return 0;
-    case OPTION_INTERVAL:
-        options->interval_s = ctl_option_real(state, "interval", text, 0.01, 3600.0);
-        return 0;
-    case OPTION_SORT:
-        options->sort =
-            (enum sort)ctl_option_name(state, "sort", text, sort_names, SORT_COUNT);
-        return 0;
-    case OPTION_JSON:
-        options->is_json = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    struct top_options *options = to;
+    (void)state;
+    (void)row;
+    (void)text;
+    options->count = 1;
 }
 
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_top = {
-    .options = option_list,
-    .parser = parse,
-    .doc =
-        "Show what the clients of a daemon do, again and again: those of this user, or "
-        "all of them for the daemon's own user and root.\v"
-        "A step's milliseconds are those of the compute thread. A terminal that is too "
-        "narrow for all columns shows the most important ones. An interrupt (Ctrl-C) "
-        "ends it.",
-    .children = children};
+#define AT(member) offsetof(struct top_options, member)
+static const struct option_row rows[] = {
+    CTL_OUTPUT,
+    {"once", 0, NULL, "The same as --count 1", OPTION_OWN, .take = take_once},
+    {"count", 0, "N", "End after N tables (default: on a terminal never, otherwise 1)",
+     OPTION_U64, .at = AT(count), .min = 1, .max = COUNT_MAX},
+    {"interval", 0, "SECONDS", "Time between two tables (default: 1)", OPTION_REAL,
+     .at = AT(interval_s), .min = 0.01, .max = 3600},
+    {"sort", 0, "ms|steps|triangles|bytes|queue",
+     "Put the busiest session first, by milliseconds of computing (the default), steps, "
+     "triangles, bytes in and out, or requests in flight",
+     OPTION_WORD, .at = AT(sort)},
+    {"json", 0, NULL, "One JSON object instead of each table, on a line of its own",
+     OPTION_FLAG, .at = AT(is_json)},
+    {0}};
+
+const struct option_table ctl_table_top = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&ctl_link_table, AT(link)}, {0}},
+    .text = "Show what the clients of a daemon do, again and again: those of this "
+            "user, or all of them for the daemon's own user and root.",
+    .more = "A step's milliseconds are those of the compute thread. A terminal that "
+            "is too narrow for all columns shows the most important ones. An "
+            "interrupt (Ctrl-C) ends it.",
+    .examples = "  pccdctl top\n"
+                "  pccdctl top --once --sort triangles\n",
+};
 
 /* ---- what is told ------------------------------------------------------------------ */
 
@@ -175,10 +155,10 @@ struct room {
 static struct room find_room(bool is_redrawn)
 {
     struct room room = {UINT32_MAX, ROWS_MAX};
-    uint32_t rows;
+    uint32_t lines;
     if (terminal_is_live()) {
-        terminal_size(STDOUT_FILENO, &room.columns, &rows);
-        room.sessions = !is_redrawn || rows < 6 ? ROWS_MAX : rows - 4u;
+        terminal_size(STDOUT_FILENO, &room.columns, &lines);
+        room.sessions = !is_redrawn || lines < 6 ? ROWS_MAX : lines - 4u;
     }
     return room;
 }
@@ -401,7 +381,7 @@ int ctl_cmd_top(int argc, char **argv)
     struct top_options options = {.link = {.policy = CTL_LINK_EXISTING, .observes = true},
                                   .interval_s = INTERVAL_DEFAULT};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_top, argc, argv, 0, NULL, &options) != 0) {
+    if (option_parse(&ctl_table_top, argc, argv, &options) != 0) {
         return CTL_USAGE;
     }
     if (options.count == 0 && !terminal_is_live() && !options.is_json) {

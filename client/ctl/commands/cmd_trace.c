@@ -16,14 +16,6 @@
 #define STEPS_MAX       1000000000u
 #define LOOK_NS         20000000 /* between two looks at the clock or at the counters */
 
-enum {
-    OPTION_SECONDS = 256 + 64,
-    OPTION_STEPS,
-    OPTION_MIN_US,
-    OPTION_EVENTS,
-    OPTION_OUTPUT = 'o'
-};
-
 struct trace_command {
     struct ctl_query query;
     struct trace_options trace;
@@ -31,65 +23,43 @@ struct trace_command {
     uint64_t steps; /* 0: until so many seconds */
 };
 
-static const struct argp_option option_list[] = {
-    {"output", OPTION_OUTPUT, "FILE", 0,
-     "Where the trace goes; - is the standard output. It opens in Perfetto "
-     "(ui.perfetto.dev) and in chrome://tracing",
-     0},
-    {"seconds", OPTION_SECONDS, "S", 0, "Trace for S seconds (default: 1)", 0},
-    {"steps", OPTION_STEPS, "N", 0, "Trace until N steps have been answered", 0},
-    {"min-us", OPTION_MIN_US, "U", 0,
-     "Leave out tasks that took less than U microseconds (default: 0)", 0},
-    {"events", OPTION_EVENTS, "N", 0,
-     "Keep the newest N events of each thread (default: 65536, or what fits)", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void check(struct argp_state *state, void *to)
 {
-    struct trace_command *command = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &command->query;
-        return 0;
-    case OPTION_OUTPUT:
-        command->trace.path = text;
-        return 0;
-    case OPTION_SECONDS:
-        command->seconds = ctl_option_real(state, "seconds", text, 0.001, SECONDS_MAX);
-        return 0;
-    case OPTION_STEPS:
-        command->steps = ctl_option_count(state, "steps", text, 1, STEPS_MAX);
-        return 0;
-    case OPTION_MIN_US:
-        command->trace.min_us =
-            ctl_option_count(state, "min-us", text, 0, TRACE_MIN_US_MAX);
-        return 0;
-    case OPTION_EVENTS:
-        command->trace.events =
-            (uint32_t)ctl_option_count(state, "events", text, 1, TRACE_EVENTS_MAX);
-        return 0;
-    case ARGP_KEY_END:
-        if (command->trace.path == NULL) {
-            tool_misused(state, "-o FILE says where the trace goes");
-        }
-        if (command->seconds > 0 && command->steps > 0) {
-            tool_misused(state, "--seconds and --steps exclude each other");
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    const struct trace_command *command = to;
+    if (command->seconds > 0 && command->steps > 0) {
+        option_misused(state, "--seconds and --steps exclude each other");
     }
 }
 
-static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_trace = {
-    .options = option_list,
-    .parser = parse,
-    .doc = "Write a trace: what the daemon's threads do, and every request of every "
-           "client.\v"
-           "An interrupt (Ctrl-C) ends the trace early and writes what there is.",
-    .children = children};
+#define AT(member) offsetof(struct trace_command, member)
+static const struct option_row rows[] = {
+    CTL_QUESTION,
+    {"seconds", 0, "S", "Trace for S seconds (default: 1)", OPTION_REAL,
+     .at = AT(seconds), .min = 0.001, .max = SECONDS_MAX},
+    {"steps", 0, "N", "Trace until N steps have been answered", OPTION_U64,
+     .at = AT(steps), .min = 1, .max = STEPS_MAX},
+    CTL_OUTPUT,
+    {"output", 'o', "FILE",
+     "Where the trace goes; - is the standard output. It opens in Perfetto "
+     "(ui.perfetto.dev) and in chrome://tracing",
+     OPTION_TEXT, .at = AT(trace.path), .needed = "-o FILE says where the trace goes"},
+    {"min-us", 0, "U", "Leave out tasks that took less than U microseconds (default: 0)",
+     OPTION_U64, .at = AT(trace.min_us), .min = 0, .max = TRACE_MIN_US_MAX},
+    {"events", 0, "N",
+     "Keep the newest N events of each thread (default: 65536, or what fits)", OPTION_U32,
+     .at = AT(trace.events), .min = 1, .max = TRACE_EVENTS_MAX},
+    {0}};
+
+const struct option_table ctl_table_trace = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&ctl_query_table, AT(query)}, {0}},
+    .check = check,
+    .text = "Write a trace: what the daemon's threads do, and every request of every "
+            "client.",
+    .more = "An interrupt (Ctrl-C) ends the trace early and writes what there is.",
+    .examples = "  pccdctl trace -o step.json --steps 1\n"
+                "  pccdctl trace -o slow.json --seconds 10 --min-us 20\n",
+};
 
 /* ---- waiting ----------------------------------------------------------------------- */
 
@@ -182,7 +152,7 @@ int ctl_cmd_trace(int argc, char **argv)
     struct ctl_error error = {.text = ""};
     struct pccd_client *client = NULL;
     struct sigaction action = {.sa_handler = on_interrupt};
-    if (argp_parse(&ctl_argp_trace, argc, argv, 0, NULL, &command) != 0) {
+    if (option_parse(&ctl_table_trace, argc, argv, &command) != 0) {
         return CTL_USAGE;
     }
     int status = ctl_link_open(&command.query.link, &client);

@@ -12,30 +12,22 @@ struct verification {
     int status;
 };
 
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct verification *verification = state->input;
-    (void)text;
-    if (key != ARGP_KEY_INIT) {
-        return ARGP_ERR_UNKNOWN;
-    }
-    state->child_inputs[0] = &verification->checks;
-    state->child_inputs[1] = &verification->options;
-    return 0;
-}
-
-static const struct argp_child children[] = {
-    {&verify_options_argp, 0, NULL, 0}, {&play_options_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_verify = {
-    .parser = parse,
-    .args_doc = "FILE",
-    .doc = "Check the answers of a recording by exact rational arithmetic, which shares "
-           "nothing with the engine: every contact, every number, and a sample of pairs "
-           "that are not among them.\vThe contacts are those of the recording, or a "
-           "daemon's that "
-           "repeats it (a private one, unless another is named). Exit status: 0 after "
-           "PASS, 1 after FAIL.",
-    .children = children};
+const struct option_table ctl_table_verify = {
+    .parts =
+        (const struct option_part[]){
+            {&verify_table, offsetof(struct verification, checks)},
+            {&play_table, offsetof(struct verification, options)},
+            {0}},
+    .arguments = "FILE",
+    .text = "Check the answers of a recording by exact rational arithmetic, which "
+            "shares nothing with the engine: every contact, every number, and a "
+            "sample of pairs that are not among them.",
+    .more = "The contacts are those of the recording, or a daemon's that repeats it "
+            "(a private one, unless another is named). Exit status: 0 after PASS, 1 "
+            "after FAIL.",
+    .examples = "  pccdctl verify run.rec\n"
+                "  pccdctl verify --steps 7 --sample 100000 run.rec\n",
+};
 
 static int add(struct verification *verification, int status, struct ctl_error *error)
 {
@@ -100,7 +92,7 @@ int ctl_cmd_verify(int argc, char **argv)
     verification.options.play.needs_records = true;
     verification.options.play.show_near = check_near;
     verification.options.play.show_skipped = skip;
-    if (argp_parse(&ctl_argp_verify, argc, argv, 0, NULL, &verification) != 0) {
+    if (option_parse(&ctl_table_verify, argc, argv, &verification) != 0) {
         return CTL_USAGE;
     }
     verification.options.play.source =

@@ -6,12 +6,15 @@
 #include "link.h"
 #include "output.h"
 
-static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
-const struct argp ctl_argp_version = {
-    .doc = "Tell the versions of this tool and of the library, and whether a daemon "
-           "answers.\vThe exit status is 0 without a daemon, too, unless an option asks "
-           "for one: --private, --url or --socket. Then it is 3.",
-    .children = children};
+const struct option_table ctl_table_version = {
+    .parts = (const struct option_part[]){{&ctl_query_table, 0}, {0}},
+    .text = "Tell the versions of this tool and of the library, and whether a daemon "
+            "answers.",
+    .more = "The exit status is 0 without a daemon, too, unless an option asks for "
+            "one: --private, --url or --socket. Then it is 3.",
+    .examples = "  pccdctl version\n"
+                "  pccdctl version --json --private\n",
+};
 
 static void print(struct pccd_client *client)
 {
@@ -45,7 +48,7 @@ int ctl_cmd_version(int argc, char **argv)
 {
     struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_version, argc, argv, 0, NULL, &query) != 0) {
+    if (option_parse(&ctl_table_version, argc, argv, &query) != 0) {
         return CTL_USAGE;
     }
     bool is_wanted = query.link.is_private || query.link.url != NULL;

@@ -13,14 +13,6 @@
 #define COUNT_MAX 1000000000000u
 #define SLICE_MS  200 /* between two looks for an interrupt */
 
-enum {
-    OPTION_SESSION = 256 + 64,
-    OPTION_SCENE,
-    OPTION_COUNT,
-    OPTION_SECONDS,
-    OPTION_JSON
-};
-
 struct watch_options {
     struct ctl_link link;
     uint64_t session; /* 0: all */
@@ -30,59 +22,41 @@ struct watch_options {
     bool is_json;
 };
 
-static const struct argp_option option_list[] = {
-    {"session", OPTION_SESSION, "N", 0,
-     "Only steps of this session (default: of all, for the daemon's own user and root)",
-     0},
-    {"scene", OPTION_SCENE, "HANDLE", 0, "Only steps of this scene of the session", 0},
-    {"count", OPTION_COUNT, "N", 0, "End after N steps", 0},
-    {"seconds", OPTION_SECONDS, "S", 0, "End after S seconds", 0},
-    {"json", OPTION_JSON, NULL, 0, "A JSON object a line", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void check(struct argp_state *state, void *to)
 {
-    struct watch_options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
-    case OPTION_SESSION:
-        options->session = ctl_option_count(state, "session", text, 1, INT64_MAX);
-        return 0;
-    case OPTION_SCENE:
-        options->scene = ctl_option_handle(state, "scene", text);
-        return 0;
-    case OPTION_COUNT:
-        options->count = ctl_option_count(state, "count", text, 1, COUNT_MAX);
-        return 0;
-    case OPTION_SECONDS:
-        options->seconds = ctl_option_real(state, "seconds", text, 0.001, 1e9);
-        return 0;
-    case OPTION_JSON:
-        options->is_json = true;
-        return 0;
-    case ARGP_KEY_END:
-        if (options->scene != 0 && options->session == 0) {
-            tool_misused(state, "--scene needs --session: handles are a session's own");
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    const struct watch_options *options = to;
+    if (options->scene != 0 && options->session == 0) {
+        option_misused(state, "--scene needs --session: handles are a session's own");
     }
 }
 
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ctl_argp_watch = {
-    .options = option_list,
-    .parser = parse,
-    .doc =
-        "Print a line for each step that the daemon answers: number, session, scene, "
-        "hash, contacts, milliseconds, threads.\v"
-        "Nothing waits for the lines to be read: steps that were missed are counted in "
-        "the next line. An interrupt (Ctrl-C) ends it.",
-    .children = children};
+#define AT(member) offsetof(struct watch_options, member)
+static const struct option_row rows[] = {
+    CTL_QUESTION,
+    {"session", 0, "N",
+     "Only steps of this session (default: of all, for the daemon's own user and root)",
+     OPTION_U64, .at = AT(session), .min = 1, .max = INT64_MAX},
+    {"scene", 0, "HANDLE", "Only steps of this scene of the session", OPTION_OWN,
+     .at = AT(scene), .take = ctl_take_handle},
+    {"count", 0, "N", "End after N steps", OPTION_U64, .at = AT(count), .min = 1,
+     .max = COUNT_MAX},
+    {"seconds", 0, "S", "End after S seconds", OPTION_REAL, .at = AT(seconds),
+     .min = 0.001, .max = 1e9},
+    CTL_OUTPUT,
+    {"json", 0, NULL, "A JSON object a line", OPTION_FLAG, .at = AT(is_json)},
+    {0}};
+
+const struct option_table ctl_table_watch = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&ctl_link_table, AT(link)}, {0}},
+    .check = check,
+    .text = "Print a line for each step that the daemon answers: number, session, "
+            "scene, hash, contacts, milliseconds, threads.",
+    .more = "Nothing waits for the lines to be read: steps that were missed are "
+            "counted in the next line. An interrupt (Ctrl-C) ends it.",
+    .examples = "  pccdctl watch --count 100\n"
+                "  pccdctl watch --session 3 --json\n",
+};
 
 static void print_json(const struct pccd_step_event *event)
 {
@@ -164,7 +138,7 @@ int ctl_cmd_watch(int argc, char **argv)
     struct watch_options options = {
         .link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
-    if (argp_parse(&ctl_argp_watch, argc, argv, 0, NULL, &options) != 0) {
+    if (option_parse(&ctl_table_watch, argc, argv, &options) != 0) {
         return CTL_USAGE;
     }
     int status = ctl_link_open(&options.link, &client);

@@ -24,8 +24,8 @@ struct near_options {
     bool has_distance, has_gap, has_self;
 };
 
-/* An argp child without a heading; its input is a struct near_options. */
-extern const struct argp near_options_argp;
+/* Of a struct near_options. */
+extern const struct option_table near_table;
 
 /* All that was said of the question. */
 struct pccd_near_settings near_options_settings(const struct near_options *options);

@@ -9,33 +9,17 @@
 #include "ask_options.h"
 #include "ctl.h"
 #include "meshfile.h"
-#include "names.h"
 #include "report.h"
-#include "shown.h"
 
 #define STEP_MAX    (1ull << 62)
 #define THREADS_MAX 1024u
 
-enum { OPTION_STEPS = 256 + 96, OPTION_METHOD, OPTION_THREADS, OPTION_JSON };
-
-static const struct argp_option option_list[] = {
-    {"steps", OPTION_STEPS, "A..B", 0,
-     "From step A to step B, as the recorded program numbered them; A.. and ..B and A "
-     "alone are ranges too. Steps before A are not repeated: the daemon is told where "
-     "everything was",
-     0},
-    {"method", OPTION_METHOD, "paper|wide", 0,
-     "Compute the steps by the method paper or wide (default: as recorded)", 0},
-    {"threads", OPTION_THREADS, "N", 0, "Use at most N threads (default: as recorded)",
-     0},
-    {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
-    {0},
-};
-
 /* A, A.., ..B or A..B */
-static void parse_steps(const struct argp_state *state, const char *text,
-                        struct play_settings *play)
+static void take_steps(struct argp_state *state, const struct option_row *row,
+                       const char *text, void *to)
 {
+    struct play_settings *play = &((struct play_options *)to)->play;
+    (void)row;
     char *stop;
     play->first = text[0] == '.' ? 1 : strtoull(text, &stop, 10);
     stop = text[0] == '.' ? (char *)text : stop;
@@ -50,97 +34,68 @@ static void parse_steps(const struct argp_state *state, const char *text,
         is_ok = false;
     }
     if (!is_ok || play->first == 0 || play->first > STEP_MAX || play->last > STEP_MAX) {
-        tool_misused(state, "--steps: \"%s\" is not A..B with 1 <= A <= B", text);
+        option_misused(state, "--steps: \"%s\" is not A..B with 1 <= A <= B", text);
     }
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
+static void check_files(struct argp_state *state, void *to)
 {
-    struct play_options *options = state->input;
-    switch (key) {
-    case OPTION_STEPS:
-        parse_steps(state, text, &options->play);
-        return 0;
-    case OPTION_METHOD:
-        for (uint32_t i = 0; i < PCCD_METHOD_COUNT; i++) {
-            if (strcmp(common_method_name((enum pccd_method)i), text) == 0) {
-                options->play.method = (enum pccd_method)i;
-                return 0;
-            }
-        }
-        tool_misused(state, "--method: \"%s\" is not paper or wide", text);
-        return EINVAL;
-    case OPTION_THREADS:
-        options->play.threads =
-            (uint32_t)ctl_option_count(state, "threads", text, 1, THREADS_MAX);
-        return 0;
-    case OPTION_JSON:
-        options->is_json = true;
-        return 0;
-    case ARGP_KEY_ARGS:
-        options->files = state->argv + state->next;
-        options->file_count = (uint32_t)(state->argc - state->next);
-        if (options->file_count > 1 && !options->takes_frames && !options->takes_files) {
-            tool_misused(state, "one recording at a time");
-        }
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        tool_misused(state, "which recording? pccdctl record makes one");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    const struct play_options *options = to;
+    if (options->files.count > 1 && !options->takes_frames && !options->takes_files) {
+        option_misused(state, "one recording at a time");
     }
 }
 
-const struct argp play_files_argp = {.options = option_list, .parser = parse};
-
-static error_t parse_all(int key, char *text, struct argp_state *state)
-{
-    struct play_options *options = state->input;
-    (void)text;
-    if (key != ARGP_KEY_INIT) {
-        return ARGP_ERR_UNKNOWN;
-    }
-    state->child_inputs[0] = options;
-    state->child_inputs[1] = &options->link;
-    return 0;
-}
-
-static const struct argp_child children[] = {
-    {&play_files_argp, 0, NULL, 0}, {&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp play_options_argp = {.parser = parse_all, .children = children};
+#define AT(member) offsetof(struct play_options, member)
+static const struct option_row rows[] = {
+    {.type = OPTION_ARGUMENTS,
+     .at = AT(files),
+     .needed = "which recording? pccdctl record makes one"},
+    CTL_QUESTION,
+    {"steps", 0, "A..B",
+     "From step A to step B, as the recorded program numbered them; A.. and ..B and A "
+     "alone are ranges too. Steps before A are not repeated: the daemon is told where "
+     "everything was",
+     OPTION_OWN, .take = take_steps},
+    CTL_OUTPUT,
+    {"json", 0, NULL, "One JSON object instead of text", OPTION_FLAG, .at = AT(is_json)},
+    CTL_ENGINE,
+    {"method", 0, "paper|wide",
+     "Compute the steps by the method paper or wide (default: as recorded)", OPTION_WORD,
+     .at = AT(play.method), .min = PCCD_METHOD_PAPER},
+    {"threads", 0, "N", "Use at most N threads (default: as recorded)", OPTION_U32,
+     .at = AT(play.threads), .min = 1, .max = THREADS_MAX},
+    {0}};
+const struct option_table play_files_table = {
+    .name = "REPLAY", .rows = rows, .check = check_files};
+const struct option_table play_table = {
+    .parts = (const struct option_part[]){
+        {&play_files_table, 0}, {&ctl_link_table, AT(link)}, {0}}};
 
 bool play_options_are_frames(const struct play_options *options)
 {
     return options->takes_frames &&
-           (options->file_count != 1 || ctl_mesh_is_named(options->files[0]));
+           (options->files.count != 1 || ctl_mesh_is_named(options->files.list[0]));
 }
 
-static error_t parse_frames(int key, char *text, struct argp_state *state)
+static void check_frames(struct argp_state *state, void *to)
 {
-    struct play_options *options = state->input;
-    (void)text;
-    if (key == ARGP_KEY_INIT) {
-        options->takes_frames = true;
-        state->child_inputs[0] = options;
-        state->child_inputs[1] = &options->how;
-        return 0;
+    const struct play_options *options = to;
+    if (!play_options_are_frames(options) && frames_options_are_given(&options->how)) {
+        option_misused(state, "--weld, --rate, --animation: %s is a recording",
+                       options->files.list[0]);
     }
-    if (key == ARGP_KEY_END && options->file_count > 0 &&
-        !play_options_are_frames(options) && frames_options_are_given(&options->how)) {
-        tool_misused(state, "--weld, --rate, --animation: %s is a recording",
-                     tool_shown(options->files[0]));
-    }
-    return key == ARGP_KEY_END ? 0 : ARGP_ERR_UNKNOWN;
 }
 
-static const struct argp_child frames_children[] = {
-    {&play_options_argp, 0, NULL, 0}, {&frames_options_argp, 0, NULL, 0}, {0}};
-const struct argp play_frames_argp = {.parser = parse_frames,
-                                      .children = frames_children};
-static const struct argp_child film_children[] = {
-    {&play_options_argp, 0, NULL, 0}, {&frames_without_rate_argp, 0, NULL, 0}, {0}};
-const struct argp play_film_argp = {.parser = parse_frames, .children = film_children};
+const struct option_table play_frames_table = {
+    .parts =
+        (const struct option_part[]){{&play_table, 0}, {&frames_table, AT(how)}, {0}},
+    .check = check_frames};
+const struct option_table play_film_table = {
+    .parts = (const struct option_part[]){{&play_table, 0},
+                                          {&frames_without_rate_table, AT(how)},
+                                          {0}},
+    .check = check_frames};
 
 void play_options_init(struct play_options *options, const char *label)
 {
@@ -153,13 +108,13 @@ void play_options_init(struct play_options *options, const char *label)
 
 int play_options_open(struct play_options *options, struct ctl_error *error)
 {
-    options->play.path = options->files[0];
+    options->play.path = options->files.list[0];
     if (!play_options_are_frames(options)) {
         return PCCD_OK;
     }
     options->play.path = options->frames.name;
     options->play.from = options->frames.from;
-    return frames_record(&options->frames, options->files, options->file_count,
+    return frames_record(&options->frames, options->files.list, options->files.count,
                          &options->how, &options->link, error);
 }
 

@@ -5,32 +5,30 @@
 #ifndef CTL_PLAY_OPTIONS_H
 #define CTL_PLAY_OPTIONS_H
 
-#include <argp.h>
-
 #include "frames.h"
 #include "link.h"
+#include "option_table.h"
 #include "play.h"
 
-/* An argp child; its input is a struct play_options. It takes the arguments: a recording,
- * or with takes_frames also the files of a mesh (play_frames_argp). */
+/* It takes the arguments: a recording, or with takes_frames also the files of a mesh
+ * (play_frames_table). */
 struct play_options {
     struct ctl_link link;
     struct play_settings play;
     bool is_json;
-    bool takes_frames;
-    bool takes_files; /* set before parsing: several recordings */
-    char **files;     /* argv's */
-    uint32_t file_count;
+    bool takes_frames; /* set before parsing */
+    bool takes_files;  /* set before parsing: several recordings */
+    struct option_arguments files;
     struct ctl_frames_options how; /* frames are read */
     struct frames_recording frames;
 };
-extern const struct argp play_options_argp;
+extern const struct option_table play_table;
 /* The same of a command that takes frames, with the options of ask_options.h. */
-extern const struct argp play_frames_argp;
+extern const struct option_table play_frames_table;
 /* The same, but --rate is the command's own. */
-extern const struct argp play_film_argp;
-/* As play_options_argp, without the daemon's options. */
-extern const struct argp play_files_argp;
+extern const struct option_table play_film_table;
+/* As play_table, without the daemon's options. */
+extern const struct option_table play_files_table;
 
 /* Before parsing, and after: a private daemon unless another one is named. */
 void play_options_init(struct play_options *options, const char *label);

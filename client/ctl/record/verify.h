@@ -10,11 +10,11 @@
 #ifndef CTL_VERIFY_H
 #define CTL_VERIFY_H
 
-#include <argp.h>
 #include <jansson.h>
 #include <stdbool.h>
 
 #include "answers.h"
+#include "option_table.h"
 #include "oracle.h"
 #include "play.h"
 
@@ -26,7 +26,6 @@ struct verify_settings {
     uint64_t sample;       /* pairs of a step that are near, and not in the answer */
 };
 
-/* An argp child; its input is a struct verify_options. */
 struct verify_options {
     struct verify_settings settings;
     bool repeats; /* the steps are computed again even if the contacts are recorded */
@@ -35,7 +34,7 @@ struct verify_options {
     {                                                                                    \
         .settings = {.seed = 1, .sample = 1000 }                                         \
     }
-extern const struct argp verify_options_argp;
+extern const struct option_table verify_table;
 
 struct verify_counts {
     uint64_t steps;

@@ -18,8 +18,6 @@
 #include "shown.h"
 #include "together.h"
 
-enum { OPTION_TIMEOUT = 256 + 24, OPTION_SHARES, OPTION_DEAL };
-
 struct mpi_options {
     struct check_options check;
     struct pccd_mpi_options world;
@@ -28,61 +26,45 @@ struct mpi_options {
     const char *results;
 };
 
-static const struct argp_option option_list[] = {
-    {"timeout", OPTION_TIMEOUT, "MS", 0,
-     "Give up waiting for another rank after MS milliseconds (default: 60000)", 0},
-    {"shares", OPTION_SHARES, NULL, 0,
-     "Tell on the standard error what each rank had in the last step", 0},
-    {"deal", OPTION_DEAL, NULL, 0,
-     "Have each step computed by one rank alone, many steps at a time", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
+static void check_usage(struct argp_state *state, void *to)
 {
-    struct mpi_options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->check;
-        state->child_inputs[1] = &options->results;
-        return 0;
-    case OPTION_TIMEOUT:
-        options->world.timeout_ms =
-            (int)ctl_option_count(state, "timeout", text, 1, 3600000);
-        return 0;
-    case OPTION_SHARES:
-        options->tells_shares = true;
-        return 0;
-    case OPTION_DEAL:
-        options->is_dealt = true;
-        return 0;
-    case ARGP_KEY_END:
-        if (!options->is_dealt && options->results != NULL) {
-            tool_misused(state, "--results wants --deal");
-        }
-        if (options->is_dealt &&
-            (options->tells_shares || options->check.ask.csv != NULL)) {
-            tool_misused(state, "--deal excludes --contacts and --shares");
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    const struct mpi_options *options = to;
+    if (!options->is_dealt && options->results != NULL) {
+        option_misused(state, "--results wants --deal");
+    }
+    if (options->is_dealt && (options->tells_shares || options->check.ask.csv != NULL)) {
+        option_misused(state, "--deal excludes --contacts and --shares");
     }
 }
 
-static const struct argp_child children[] = {{&check_options_argp, 0, NULL, 0},
-                                             {&items_argp, 0, NULL, 0},
-                                             {&ctl_common_argp, 0, NULL, 0},
-                                             {0}};
-const struct argp program_argp_check = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "MESH_T0 MESH_T1 [MESH_T2...]",
-    .doc = "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, "
-           "then to MESH_T2 and so on, by all ranks of an MPI program. Files, options, "
-           "output and exit status are those of pccdctl check; every rank has to be able "
-           "to read the files.",
-    .children = children};
+#define AT(member) offsetof(struct mpi_options, member)
+const struct option_table program_table_check = {
+    .rows =
+        (const struct option_row[]){
+            CTL_OUTPUT,
+            {"shares", 0, NULL,
+             "Tell on the standard error what each rank had in the last step",
+             OPTION_FLAG, .at = AT(tells_shares)},
+            CTL_ENGINE,
+            {"timeout", 0, "MS",
+             "Give up waiting for another rank after MS milliseconds (default: 60000)",
+             OPTION_U32, .at = AT(world.timeout_ms), .min = 1, .max = 3600000},
+            {"deal", 0, NULL,
+             "Have each step computed by one rank alone, many steps at a time",
+             OPTION_FLAG, .at = AT(is_dealt)},
+            {0}},
+    .parts = (const struct option_part[]){{&check_table, AT(check)},
+                                          {&items_table, AT(results)},
+                                          {&ctl_common_table, 0},
+                                          {0}},
+    .check = check_usage,
+    .arguments = "MESH_T0 MESH_T1 [MESH_T2...]",
+    .text = "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, "
+            "then to MESH_T2 and so on, by all ranks of an MPI program. Files, options, "
+            "output and exit status are those of pccdctl check; every rank has to be "
+            "able to read the files.",
+    .examples = "  mpirun -n 4 pccd-mpi check a.ply b.ply\n"
+                "  mpirun -n 4 pccd-mpi check --deal --results run.jsonl seq%d.ply\n"};
 
 /* Everything that lives while the frames are walked through. */
 struct check {
@@ -339,7 +321,8 @@ static int open_files(struct check *check, struct ctl_error *error)
         .names_features = ask->csv != NULL,
         .names_objects = !check->options->is_dealt &&
                          check->options->check.settings.mode != PCCD_MODE_ANY};
-    int status = part_open(&check->part, ask->paths, ask->path_count, &options, error);
+    int status =
+        part_open(&check->part, ask->files.list, ask->files.count, &options, error);
     if (together_is_root()) {
         ctl_sequence_warn(&files->sequence);
     }
@@ -451,18 +434,9 @@ int program_check(int argc, char **argv)
 {
     struct mpi_options options = {.check.settings = PCCD_STEP_SETTINGS_INIT,
                                   .world.struct_bytes = sizeof options.world};
-    struct ask_options *ask = &options.check.ask;
 #ifdef __GLIBC__ /* as the daemon does: what is freed goes back */
     (void)mallopt(M_MMAP_THRESHOLD, 256 << 10);
 #endif
-    ask->paths = malloc((size_t)argc * sizeof *ask->paths);
-    if (ask->paths == NULL) {
-        return CTL_FAILED;
-    }
-    int status = together_parse(&program_argp_check, argc, argv, &options);
-    if (status == CTL_DONE) {
-        status = run_check(&options);
-    }
-    ask_options_deinit(ask);
-    return status;
+    int status = together_parse(&program_table_check, argc, argv, &options);
+    return status == CTL_DONE ? run_check(&options) : status;
 }

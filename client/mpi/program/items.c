@@ -10,27 +10,14 @@
 #include "pccd.h"
 #include "together.h"
 
-enum { OPTION_RESULTS = 256 + 16 };
-
-static const struct argp_option option_list[] = {
-    {"results", OPTION_RESULTS, "FILE", 0,
-     "Write what comes of each step as a line of JSON to FILE when it is done, and go on "
-     "with what is there already",
-     0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    const char **path = state->input;
-    if (key != OPTION_RESULTS) {
-        return ARGP_ERR_UNKNOWN;
-    }
-    *path = text;
-    return 0;
-}
-
-const struct argp items_argp = {.options = option_list, .parser = parse};
+const struct option_table items_table = {
+    .rows = (const struct option_row[]){
+        CTL_OUTPUT,
+        {"results", 0, "FILE",
+         "Write what comes of each step as a line of JSON to FILE when it is done, and "
+         "go on with what is there already",
+         OPTION_TEXT, .at = 0},
+        {0}}};
 
 /* ---- results ----------------------------------------------------------------------- */
 

@@ -5,7 +5,6 @@
 #ifndef PROGRAM_ITEMS_H
 #define PROGRAM_ITEMS_H
 
-#include <argp.h>
 #include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,6 +12,7 @@
 
 #include "deal.h"
 #include "error.h"
+#include "option_table.h"
 
 /* ---- A file of results, a line each, with which a run that was ended goes on.
  *
@@ -80,7 +80,7 @@ const void *items_result(const struct items *items, uint64_t item);
 /* Also of one that is all zeros. */
 void items_deinit(struct items *items);
 
-/* An argp child with --results; its input is a const char *, NULL before. */
-extern const struct argp items_argp;
+/* The option --results, of a const char *, NULL before. */
+extern const struct option_table items_table;
 
 #endif

@@ -15,36 +15,37 @@
 #include "rounding.h"
 #include "together.h"
 
-/* ---- Pccd-mpi completion. */
-
-static const struct completion_row rows[] = {
-#define ROW(name, text) {#name, text, &program_argp_##name},
-    PROGRAM_COMMANDS(ROW)
-#undef ROW
-};
-
-static const struct argp_child children[] = {{&ctl_common_argp, 0, NULL, 0}, {0}};
-const struct argp program_argp_completion = {
-    .parser = completion_parse,
-    .args_doc = "bash|zsh|fish",
-    .doc = "Print what a shell needs to complete the commands and options of pccd-mpi.\v"
-           "make install puts it where the shells look. In a shell by hand:\n"
-           "  source <(pccd-mpi completion bash)",
-    .children = children};
-
-int program_completion(int argc, char **argv)
-{
-    const struct completion all = {
-        .program = "pccd-mpi", .rows = rows, .row_count = sizeof rows / sizeof rows[0]};
-    together_mute();
-    return completion_command(&all, &program_argp_completion, argc, argv);
-}
-
 static const struct ctl_command commands[] = {
-#define COMMAND(name, text) {#name, "pccd-mpi " #name, program_##name, text},
+#define COMMAND(name, text) {#name, text, program_##name, &program_table_##name},
     PROGRAM_COMMANDS(COMMAND)
 #undef COMMAND
 };
+
+static struct ctl_program program = {
+    .name = "pccd-mpi",
+    .usage = "Usage: mpirun -n RANKS pccd-mpi COMMAND [OPTION...]\n"
+             "Continuous collision detection by the ranks of an MPI program.\n\n",
+    .ending = "\n\"pccd-mpi COMMAND --help\" explains a command.\n"
+              "Exit status: 0 when done; 1 when something meets or is wrong; 2 "
+              "after wrong\n"
+              "usage; 4 after any other error.\n",
+    .commands = commands,
+    .command_count = sizeof commands / sizeof commands[0]};
+
+const struct option_table program_table_completion = {
+    .parts = (const struct option_part[]){{&completion_table, 0}, {0}},
+    .arguments = "bash|zsh|fish",
+    .text = "Print what a shell needs to complete the commands and options of pccd-mpi.",
+    .more = "make install puts it where the shells look. In a shell by hand:\n"
+            "  source <(pccd-mpi completion bash)",
+    .examples = "  pccd-mpi completion bash >/etc/bash_completion.d/pccd-mpi\n"
+                "  pccd-mpi completion zsh >~/.zfunc/_pccd-mpi\n"};
+
+int program_completion(int argc, char **argv)
+{
+    together_mute();
+    return completion_command(&program, &program_table_completion, argc, argv);
+}
 
 /* Also where argp ends the program after wrong usage. mpirun may end all ranks when one
  * of them ends with another status than 0, so what was said has to be on its way. */
@@ -76,16 +77,6 @@ int main(int argc, char **argv)
         (void)atexit(finish);
     }
     COMMON_ROUNDING_HERE; /* after MPI, which loads libraries */
-    const struct ctl_program program = {
-        .name = "pccd-mpi",
-        .usage = "Usage: mpirun -n RANKS pccd-mpi COMMAND [OPTION...]\n"
-                 "Continuous collision detection by the ranks of an MPI program.\n\n",
-        .ending = "\n\"pccd-mpi COMMAND --help\" explains a command.\n"
-                  "Exit status: 0 when done; 1 when something meets or is wrong; 2 "
-                  "after wrong\n"
-                  "usage; 4 after any other error.\n",
-        .commands = commands,
-        .command_count = sizeof commands / sizeof commands[0],
-        .is_mute = needs_mpi && !together_is_root()};
+    program.is_mute = needs_mpi && !together_is_root();
     return ctl_dispatch(&program, CTL_PROGRAM_VERSION("pccd-mpi"), argc, argv);
 }

@@ -9,45 +9,31 @@
 #include "shown.h"
 #include "together.h"
 
-enum { OPTION_TIMEOUT = 256 + 24 };
-
 struct mpi_near_options {
     struct near_options near;
     struct pccd_mpi_options world;
 };
 
-static const struct argp_option option_list[] = {
-    {"timeout", OPTION_TIMEOUT, "MS", 0,
-     "Give up waiting for another rank after MS milliseconds (default: 60000)", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct mpi_near_options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->near;
-        return 0;
-    case OPTION_TIMEOUT:
-        options->world.timeout_ms =
-            (int)ctl_option_count(state, "timeout", text, 1, 3600000);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_child children[] = {
-    {&near_options_argp, 0, NULL, 0}, {&ctl_common_argp, 0, NULL, 0}, {0}};
-const struct argp program_argp_near = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "MESH [MESH...]",
-    .doc = "Tell what is near where meshes stand, by all ranks of an MPI program. Files, "
-           "options, output and exit status are those of pccdctl near; every rank has to "
-           "be able to read the files.",
-    .children = children};
+const struct option_table program_table_near = {
+    .rows =
+        (const struct option_row[]){
+            CTL_ENGINE,
+            {"timeout", 0, "MS",
+             "Give up waiting for another rank after MS milliseconds (default: 60000)",
+             OPTION_U32, .at = offsetof(struct mpi_near_options, world.timeout_ms),
+             .min = 1, .max = 3600000},
+            {0}},
+    .parts = (const struct option_part[]){{&near_table,
+                                           offsetof(struct mpi_near_options, near)},
+                                          {&ctl_common_table, 0},
+                                          {0}},
+    .arguments = "MESH [MESH...]",
+    .text =
+        "Tell what is near where meshes stand, by all ranks of an MPI program. Files, "
+        "options, output and exit status are those of pccdctl near; every rank has "
+        "to be able to read the files.",
+    .examples = "  mpirun -n 4 pccd-mpi near --distance 0.01 a.obj b.obj\n"
+                "  mpirun -n 4 pccd-mpi near --what nearest --json a.ply b.ply\n"};
 
 struct asking {
     struct near_run near; /* its client stays NULL */
@@ -73,8 +59,8 @@ static int read_object(struct asking *asking, uint32_t i, struct ctl_error *erro
     struct near_object *object = &asking->near.objects[i];
     struct part *part = &asking->parts[i];
     options.frames.first_alone = true;
-    object->path = asked->paths[i];
-    int status = part_open(part, &asked->paths[i], 1, &options, error);
+    object->path = asked->files.list[i];
+    int status = part_open(part, &asked->files.list[i], 1, &options, error);
     if (status == PCCD_OK) {
         status = together_agree(part_read(part, 0, &object->mesh, error), error);
     }
@@ -85,7 +71,7 @@ static int read_object(struct asking *asking, uint32_t i, struct ctl_error *erro
 
 static int read_objects(struct asking *asking, struct ctl_error *error)
 {
-    const uint32_t count = asking->near.run.ask->path_count;
+    const uint32_t count = asking->near.run.ask->files.count;
     struct near_run *near = &asking->near;
     near->objects = calloc(count, sizeof *near->objects);
     asking->parts = calloc(count, sizeof *asking->parts);
@@ -255,15 +241,6 @@ int program_near(int argc, char **argv)
 {
     struct mpi_near_options options = {.near.settings = PCCD_NEAR_SETTINGS_INIT,
                                        .world.struct_bytes = sizeof options.world};
-    struct ask_options *asked = &options.near.ask;
-    asked->paths = malloc((size_t)argc * sizeof *asked->paths);
-    if (asked->paths == NULL) {
-        return CTL_FAILED;
-    }
-    int status = together_parse(&program_argp_near, argc, argv, &options);
-    if (status == CTL_DONE) {
-        status = run_near(&options);
-    }
-    ask_options_deinit(asked);
-    return status;
+    int status = together_parse(&program_table_near, argc, argv, &options);
+    return status == CTL_DONE ? run_near(&options) : status;
 }

@@ -16,23 +16,12 @@
 
 /* ---- options ----------------------------------------------------------------------- */
 
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct recordings_options *options = state->input;
-    (void)text;
-    if (key != ARGP_KEY_INIT) {
-        return ARGP_ERR_UNKNOWN;
-    }
-    state->child_inputs[0] = &options->play;
-    state->child_inputs[1] = &options->results;
-    return 0;
-}
-
-static const struct argp_child children[] = {{&play_files_argp, 0, NULL, 0},
-                                             {&items_argp, 0, NULL, 0},
-                                             {&ctl_common_argp, 0, NULL, 0},
-                                             {0}};
-const struct argp recordings_argp = {.parser = parse, .children = children};
+const struct option_table recordings_table = {
+    .parts = (const struct option_part[]){
+        {&play_files_table, offsetof(struct recordings_options, play)},
+        {&items_table, offsetof(struct recordings_options, results)},
+        {&ctl_common_table, 0},
+        {0}}};
 
 void recordings_options_init(struct recordings_options *options)
 {
@@ -155,7 +144,7 @@ static int open_files(struct recordings *all, struct ctl_error *error)
 {
     const struct play_options *options = &all->options->play;
     struct play_settings settings = options->play;
-    all->files = calloc(options->file_count, sizeof *all->files);
+    all->files = calloc(options->files.count, sizeof *all->files);
     if (all->files == NULL || options->link.url == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
     }
@@ -163,9 +152,9 @@ static int open_files(struct recordings *all, struct ctl_error *error)
     settings.next = next_place;
     settings.show_near = show_near;
     settings.threads = settings.threads > 0 ? settings.threads : all->threads;
-    for (uint32_t i = 0; i < options->file_count; i++) {
+    for (uint32_t i = 0; i < options->files.count; i++) {
         struct recording *file = &all->files[i];
-        settings.path = file->path = options->files[i];
+        settings.path = file->path = options->files.list[i];
         all->file_count++;
         int status = play_open(&settings, &file->summary, &file->playing, error);
         if (status != PCCD_OK) {
@@ -339,14 +328,14 @@ static int report(const struct recordings *all, bool *is_right, struct ctl_error
     return status;
 }
 
-int recordings_command(struct recordings_options *options, const struct argp *argp,
-                       int argc, char **argv, void *input,
-                       const struct recordings_work *work)
+int recordings_command(struct recordings_options *options,
+                       const struct option_table *table, int argc, char **argv,
+                       void *input, const struct recordings_work *work)
 {
     struct recordings all = {.file_count = 0};
     struct ctl_error error = {.text = ""};
     bool is_right = true;
-    int status = together_parse(argp, argc, argv, input);
+    int status = together_parse(table, argc, argv, input);
     if (status == CTL_DONE) {
         int result = run(&all, options, work, &error);
         if (result == PCCD_OK && together_is_root()) {

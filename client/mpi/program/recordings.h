@@ -49,7 +49,7 @@ struct recordings_options {
     struct play_options play; /* takes_files is set */
     const char *results;      /* NULL: no file */
 };
-extern const struct argp recordings_argp;
+extern const struct option_table recordings_table;
 void recordings_options_init(struct recordings_options *options);
 
 struct recording {
@@ -78,9 +78,9 @@ struct recordings {
 /* Collective: read the command line into `input`, of which `options` are a part; do all
  * items; report. Returns an exit status, the same on every rank. `options` are given
  * back. */
-int recordings_command(struct recordings_options *options, const struct argp *argp,
-                       int argc, char **argv, void *input,
-                       const struct recordings_work *work);
+int recordings_command(struct recordings_options *options,
+                       const struct option_table *table, int argc, char **argv,
+                       void *input, const struct recordings_work *work);
 /* On the root: the result of an item in a recording, from 0; NULL: it was not wanted. */
 const void *recordings_result(const struct recordings *recordings,
                               const struct recording *file, uint64_t place);

@@ -11,44 +11,28 @@
 #include "recordings.h"
 #include "together.h"
 
-enum { OPTION_KEEP_GOING = 256 + 64 };
-
 struct replay {
     struct recordings_options options;
     bool goes_on; /* after a difference */
 };
 
-static const struct argp_option option_list[] = {
-    {"keep-going", OPTION_KEEP_GOING, NULL, 0,
-     "Go on after a difference, and count the differences", 0},
-    {0},
-};
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct replay *replay = state->input;
-    (void)text;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &replay->options;
-        return 0;
-    case OPTION_KEEP_GOING:
-        replay->goes_on = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_child children[] = {{&recordings_argp, 0, NULL, 0}, {0}};
-const struct argp program_argp_replay = {
-    .options = option_list,
-    .parser = parse,
-    .args_doc = "FILE...",
-    .doc = "Repeat the steps of recordings, each by one of the ranks, and compare every "
-           "answer: its hash, its counts, its earliest time. Output and exit status are "
-           "those of pccdctl replay; every rank has to be able to read the files.",
-    .children = children};
+const struct option_table program_table_replay = {
+    .rows =
+        (const struct option_row[]){
+            CTL_QUESTION,
+            {"keep-going", 0, NULL, "Go on after a difference, and count the differences",
+             OPTION_FLAG, .at = offsetof(struct replay, goes_on)},
+            {0}},
+    .parts =
+        (const struct option_part[]){
+            {&recordings_table, offsetof(struct replay, options)}, {0}},
+    .arguments = "FILE...",
+    .text = "Repeat the steps of recordings, each by one of the ranks, and compare every "
+            "answer: its hash, its counts, its earliest time. Output and exit status are "
+            "those of pccdctl replay; every rank has to be able to read the files.",
+    .examples =
+        "  mpirun -n 4 pccd-mpi replay run.rec\n"
+        "  mpirun -n 4 pccd-mpi replay --keep-going --results run.jsonl a.rec b.rec\n"};
 
 /* ---- items ------------------------------------------------------------------------- */
 
@@ -215,6 +199,6 @@ int program_replay(int argc, char **argv)
                                          .report = report};
     recordings_options_init(&replay.options);
     replay.options.play.play.source = PLAY_DAEMON;
-    return recordings_command(&replay.options, &program_argp_replay, argc, argv, &replay,
+    return recordings_command(&replay.options, &program_table_replay, argc, argv, &replay,
                               &work);
 }

@@ -75,7 +75,7 @@ int together_agree(int status, struct ctl_error *error)
     return verdict;
 }
 
-/* Where the standard outputs of others than the root go while argp reads. */
+/* Where the standard outputs of others than the root go while options are read. */
 static void hush(int kept[2])
 {
     int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -95,13 +95,13 @@ static void speak(const int kept[2])
     }
 }
 
-int together_parse(const struct argp *argp, int argc, char **argv, void *input)
+int together_parse(const struct option_table *table, int argc, char **argv, void *to)
 {
     int kept[2] = {-1, -1};
     if (!together_is_root()) {
         hush(kept);
     }
-    error_t error = argp_parse(argp, argc, argv, 0, NULL, input);
+    int error = option_parse(table, argc, argv, to);
     if (!together_is_root()) {
         speak(kept);
     }

@@ -5,13 +5,13 @@
 #ifndef PROGRAM_TOGETHER_H
 #define PROGRAM_TOGETHER_H
 
-#include <argp.h>
 #include <mpi.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "error.h"
+#include "option_table.h"
 
 int together_rank(void);
 int together_size(void);
@@ -34,7 +34,7 @@ int together_agree(int status, struct ctl_error *error);
 
 /* Read a command line, as all ranks do; the root alone speaks. Returns an exit status;
  * wrong usage and --help end the program on every rank. */
-int together_parse(const struct argp *argp, int argc, char **argv, void *input);
+int together_parse(const struct option_table *table, int argc, char **argv, void *to);
 
 /* What is written from here on goes nowhere, but for the root's. MPI may not be there:
  * then this process is the root. */
@@ -55,7 +55,7 @@ void together_complain(const struct ctl_error *error);
 
 #define PROGRAM_PROTOTYPE(name, text)                                                    \
     int program_##name(int argc, char **argv);                                           \
-    extern const struct argp program_argp_##name;
+    extern const struct option_table program_table_##name;
 PROGRAM_COMMANDS(PROGRAM_PROTOTYPE)
 #undef PROGRAM_PROTOTYPE
 

@@ -14,35 +14,30 @@ struct verification {
     struct verify_options checks;
 };
 
-static error_t parse(int key, char *text, struct argp_state *state)
+static void choose_source(struct argp_state *state, void *to)
 {
-    struct verification *verification = state->input;
-    (void)text;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &verification->checks;
-        state->child_inputs[1] = &verification->options;
-        return 0;
-    case ARGP_KEY_END:
-        verification->options.play.play.source =
-            verification->checks.repeats ? PLAY_DAEMON : PLAY_RECORDS;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    struct verification *verification = to;
+    (void)state;
+    verification->options.play.play.source =
+        verification->checks.repeats ? PLAY_DAEMON : PLAY_RECORDS;
 }
 
-static const struct argp_child children[] = {
-    {&verify_options_argp, 0, NULL, 0}, {&recordings_argp, 0, NULL, 0}, {0}};
-const struct argp program_argp_verify = {
-    .parser = parse,
-    .args_doc = "FILE...",
-    .doc =
+const struct option_table program_table_verify = {
+    .parts =
+        (const struct option_part[]){
+            {&verify_table, offsetof(struct verification, checks)},
+            {&recordings_table, offsetof(struct verification, options)},
+            {0}},
+    .check = choose_source,
+    .arguments = "FILE...",
+    .text =
         "Check the answers of recordings by exact rational arithmetic, each step by one "
         "of the ranks: every contact, and a sample of pairs that are not among them. "
         "Output and exit status are those of pccdctl verify; every rank has to be able "
         "to read the files.",
-    .children = children};
+    .examples =
+        "  mpirun -n 4 pccd-mpi verify run.rec\n"
+        "  mpirun -n 4 pccd-mpi verify --sample 100000 --results run.jsonl run.rec\n"};
 
 /* ---- items ------------------------------------------------------------------------- */
 
@@ -173,6 +168,6 @@ int program_verify(int argc, char **argv)
                                          .report = report};
     recordings_options_init(&verification.options);
     verification.options.play.play.needs_records = true;
-    return recordings_command(&verification.options, &program_argp_verify, argc, argv,
+    return recordings_command(&verification.options, &program_table_verify, argc, argv,
                               &verification, &work);
 }
