@@ -86,8 +86,8 @@ static void load(const struct run *run, const struct pccd_contact *contact,
     bool is_face = contact->kind == PCCD_VF;
     uint32_t points[2] = {is_face ? 1 : 2, is_face ? 3 : 2};
     const struct peer_features *tables[2] = {
-        is_face ? &run->features->vertices : &run->features->edges,
-        is_face ? &run->features->faces : &run->features->edges};
+        &run->features->groups[is_face ? PEER_VERTICES : PEER_EDGES],
+        &run->features->groups[is_face ? PEER_FACES : PEER_EDGES]};
     uint32_t object[2] = {contact->object_a, contact->object_b};
     uint32_t feature[2] = {contact->feature_a, contact->feature_b};
     uint32_t n = 0;

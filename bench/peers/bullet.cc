@@ -59,12 +59,7 @@ struct group {
     }
 };
 
-struct trees {
-    const peer_input *input;
-    group groups[3]; /* vertices, edges, faces */
-};
-
-template <bool is_vf> struct collector : btDbvt::ICollide {
+template <peer_kind kind> struct collector : btDbvt::ICollide {
     const peer_input *input;
     peer_sink *sink;
 
@@ -74,52 +69,46 @@ template <bool is_vf> struct collector : btDbvt::ICollide {
 
     void Process(const btDbvtNode *first, const btDbvtNode *second) override
     {
-        peer_offer(input, is_vf ? PEER_VF : PEER_EE, sink,
-                   static_cast<uint32_t>(first->dataAsInt),
+        peer_offer(input, kind, sink, static_cast<uint32_t>(first->dataAsInt),
                    static_cast<uint32_t>(second->dataAsInt));
     }
 };
 
-void version(char *text, size_t capacity)
-{
-    std::snprintf(text, capacity, "Bullet %d.%02d", BT_BULLET_VERSION / 100,
-                  BT_BULLET_VERSION % 100);
-}
+struct bullet {
+    const peer_input *input;
+    group groups[PEER_GROUPS];
 
-void *open(const peer_input *input, uint32_t)
-{
-    auto *self = new trees;
-    self->input = input;
-    self->groups[0].build(&input->vertices);
-    self->groups[1].build(&input->edges);
-    self->groups[2].build(&input->faces);
-    return self;
-}
-
-void update(void *state)
-{
-    for (group &each : static_cast<trees *>(state)->groups) {
-        each.refit();
+    bullet(const peer_input *given, uint32_t) : input(given)
+    {
+        for (int i = 0; i < PEER_GROUPS; i++) {
+            groups[i].build(&given->groups[i]);
+        }
     }
-}
 
-void collide(void *state, peer_sink *sinks)
-{
-    auto *self = static_cast<trees *>(state);
-    group *groups = self->groups;
-    collector<true> vf(self->input, sinks);
-    collector<false> ee(self->input, sinks);
-    groups[0].tree.collideTTpersistentStack(groups[0].tree.m_root, groups[2].tree.m_root,
-                                            vf);
-    groups[1].tree.selfCollideTT(groups[1].tree.m_root, ee);
-}
+    static void version(char *text, size_t capacity)
+    {
+        std::snprintf(text, capacity, "Bullet %d.%02d", BT_BULLET_VERSION / 100,
+                      BT_BULLET_VERSION % 100);
+    }
 
-void close(void *state)
-{
-    delete static_cast<trees *>(state);
-}
+    void update()
+    {
+        for (group &each : groups) {
+            each.refit();
+        }
+    }
+
+    void collide(peer_sink *sinks)
+    {
+        collector<PEER_VF> vf(input, sinks);
+        collector<PEER_EE> ee(input, sinks);
+        group &edges = groups[PEER_EDGES];
+        groups[PEER_VERTICES].tree.collideTTpersistentStack(
+            groups[PEER_VERTICES].tree.m_root, groups[PEER_FACES].tree.m_root, vf);
+        edges.tree.selfCollideTT(edges.tree.m_root, ee);
+    }
+};
 
 } // namespace
 
-const peer peer_bullet = {"Bullet", false,   version, open,
-                          update,   collide, close,   nullptr};
+const peer peer_bullet = peer_of<bullet>("Bullet", false);

@@ -38,60 +38,54 @@ class box
 
 struct sequences {
     const peer_input *input;
-    std::vector<box> boxes[3]; /* vertices, edges, faces */
-};
+    std::vector<box> boxes[PEER_GROUPS];
 
-void fill(std::vector<box> &boxes, const peer_features &features, uint32_t first_id)
-{
-    boxes.clear();
-    for (uint32_t i = 0; i < features.count; i++) {
-        boxes.emplace_back(features.boxes[i].lo, features.boxes[i].hi, first_id + i);
+    sequences(const peer_input *given, uint32_t) : input(given)
+    {
+        update();
     }
-}
 
-void version(char *text, size_t capacity)
-{
-    std::snprintf(text, capacity, "CGAL %s", CGAL_VERSION_STR);
-}
+    static void version(char *text, size_t capacity)
+    {
+        std::snprintf(text, capacity, "CGAL %s", CGAL_VERSION_STR);
+    }
 
-void update(void *state)
-{
-    auto *self = static_cast<sequences *>(state);
-    fill(self->boxes[0], self->input->vertices, 0);
-    fill(self->boxes[1], self->input->edges, 0);
-    /* Two sequences must not share a name. */
-    fill(self->boxes[2], self->input->faces, self->input->vertices.count);
-}
+    /* Vertices and faces must not share a name. */
+    uint32_t first_of(int group) const
+    {
+        return group == PEER_FACES ? input->groups[PEER_VERTICES].count : 0;
+    }
 
-void *open(const peer_input *input, uint32_t)
-{
-    auto *self = new sequences;
-    self->input = input;
-    update(self);
-    return self;
-}
+    void update()
+    {
+        for (int i = 0; i < PEER_GROUPS; i++) {
+            const peer_features &features = input->groups[i];
+            boxes[i].clear();
+            for (uint32_t k = 0; k < features.count; k++) {
+                boxes[i].emplace_back(features.boxes[k].lo, features.boxes[k].hi,
+                                      first_of(i) + k);
+            }
+        }
+    }
 
-void collide(void *state, peer_sink *sinks)
-{
-    auto *self = static_cast<sequences *>(state);
-    const peer_input *input = self->input;
-    std::vector<box> *boxes = self->boxes;
-    auto vf = [input, sinks](const box &a, const box &b) {
-        peer_offer(input, PEER_VF, sinks, a.index, b.index - input->vertices.count);
-    };
-    auto ee = [input, sinks](const box &a, const box &b) {
-        peer_offer(input, PEER_EE, sinks, a.index, b.index);
-    };
-    CGAL::box_intersection_d(boxes[0].begin(), boxes[0].end(), boxes[2].begin(),
-                             boxes[2].end(), vf);
-    CGAL::box_self_intersection_d(boxes[1].begin(), boxes[1].end(), ee);
-}
-
-void close(void *state)
-{
-    delete static_cast<sequences *>(state);
-}
+    void collide(peer_sink *sinks)
+    {
+        std::vector<box> &vertices = boxes[PEER_VERTICES];
+        std::vector<box> &edges = boxes[PEER_EDGES];
+        std::vector<box> &faces = boxes[PEER_FACES];
+        uint32_t first_face = first_of(PEER_FACES);
+        auto vf = [this, sinks, first_face](const box &a, const box &b) {
+            peer_offer(input, PEER_VF, sinks, a.index, b.index - first_face);
+        };
+        auto ee = [this, sinks](const box &a, const box &b) {
+            peer_offer(input, PEER_EE, sinks, a.index, b.index);
+        };
+        CGAL::box_intersection_d(vertices.begin(), vertices.end(), faces.begin(),
+                                 faces.end(), vf);
+        CGAL::box_self_intersection_d(edges.begin(), edges.end(), ee);
+    }
+};
 
 } // namespace
 
-const peer peer_cgal = {"CGAL", false, version, open, update, collide, close, nullptr};
+const peer peer_cgal = peer_of<sequences>("CGAL", false);

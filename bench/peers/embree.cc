@@ -18,19 +18,11 @@
 namespace
 {
 
-struct embree {
-    RTCDevice device;
-    RTCScene scene[3];
-    RTCGeometry geometry[3];
-    const peer_input *input;
-    const peer_features *features[3]; /* vertices, edges, faces */
-    peer_sink *sinks;
-};
-
 std::atomic<unsigned> sinks_given;
 std::atomic<unsigned> run; /* a thread asks for a sink once a run */
 
-peer_sink *sink_of_this_thread(const embree *self)
+/* Of `sinks`, for this thread. */
+peer_sink *sink_of_this_thread(peer_sink *sinks)
 {
     static thread_local unsigned mine;
     static thread_local unsigned mine_run;
@@ -42,7 +34,7 @@ peer_sink *sink_of_this_thread(const embree *self)
             std::exit(2);
         }
     }
-    return &self->sinks[mine];
+    return &sinks[mine];
 }
 
 void on_error(void *, RTCError code, const char *text)
@@ -64,91 +56,86 @@ void bounds(const RTCBoundsFunctionArguments *arguments)
     out->upper_z = box.hi[2];
 }
 
-/* Pairs of leaves that meet; whether their primitives do is left to the caller. */
-template <bool is_vf> void on_pairs(void *user, RTCCollision *collisions, unsigned count)
-{
-    const auto *self = static_cast<const embree *>(user);
-    const peer_features &a = *self->features[is_vf ? 0 : 1];
-    const peer_features &b = *self->features[is_vf ? 2 : 1];
-    peer_sink *sink = sink_of_this_thread(self);
-    for (unsigned i = 0; i < count; i++) {
-        unsigned p = collisions[i].primID0;
-        unsigned q = collisions[i].primID1;
-        /* A scene against itself gives both orders of a pair. */
-        if ((is_vf || p < q) && peer_overlap(&a.boxes[p], &b.boxes[q])) {
-            peer_offer(self->input, is_vf ? PEER_VF : PEER_EE, sink, p, q);
+struct embree {
+    const peer_input *input;
+    RTCDevice device;
+    RTCScene scene[PEER_GROUPS];
+    RTCGeometry geometry[PEER_GROUPS];
+    peer_sink *sinks;
+
+    embree(const peer_input *given, uint32_t threads) : input(given)
+    {
+        std::string settings =
+            "threads=" + std::to_string(threads) + ",user_threads=0,set_affinity=0";
+        rtcSetDeviceErrorFunction(device = rtcNewDevice(settings.c_str()), on_error,
+                                  nullptr);
+        for (int i = 0; i < PEER_GROUPS; i++) {
+            auto *features = const_cast<peer_features *>(&given->groups[i]);
+            scene[i] = rtcNewScene(device);
+            rtcSetSceneFlags(scene[i], RTC_SCENE_FLAG_DYNAMIC);
+            rtcSetSceneBuildQuality(scene[i], RTC_BUILD_QUALITY_LOW);
+            geometry[i] = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+            rtcSetGeometryBuildQuality(geometry[i], RTC_BUILD_QUALITY_REFIT);
+            rtcSetGeometryUserPrimitiveCount(geometry[i], features->count);
+            rtcSetGeometryUserData(geometry[i], features);
+            rtcSetGeometryBoundsFunction(geometry[i], bounds, nullptr);
+            rtcCommitGeometry(geometry[i]);
+            rtcAttachGeometry(scene[i], geometry[i]);
+            rtcCommitScene(scene[i]);
         }
     }
-}
 
-void version(char *text, size_t capacity)
-{
-    std::snprintf(text, capacity, "Embree %s", RTC_VERSION_STRING);
-}
-
-void *open(const peer_input *input, uint32_t threads)
-{
-    auto *self = new embree{};
-    std::string settings =
-        "threads=" + std::to_string(threads) + ",user_threads=0,set_affinity=0";
-    self->device = rtcNewDevice(settings.c_str());
-    if (!self->device) {
-        std::fprintf(stderr, "embree: no device\n");
-        delete self;
-        return nullptr;
+    ~embree()
+    {
+        for (int i = 0; i < PEER_GROUPS; i++) {
+            rtcReleaseGeometry(geometry[i]);
+            rtcReleaseScene(scene[i]);
+        }
+        rtcReleaseDevice(device);
     }
-    rtcSetDeviceErrorFunction(self->device, on_error, nullptr);
-    self->input = input;
-    self->features[0] = &input->vertices;
-    self->features[1] = &input->edges;
-    self->features[2] = &input->faces;
-    for (int i = 0; i < 3; i++) {
-        self->scene[i] = rtcNewScene(self->device);
-        rtcSetSceneFlags(self->scene[i], RTC_SCENE_FLAG_DYNAMIC);
-        rtcSetSceneBuildQuality(self->scene[i], RTC_BUILD_QUALITY_LOW);
-        self->geometry[i] = rtcNewGeometry(self->device, RTC_GEOMETRY_TYPE_USER);
-        rtcSetGeometryBuildQuality(self->geometry[i], RTC_BUILD_QUALITY_REFIT);
-        rtcSetGeometryUserPrimitiveCount(self->geometry[i], self->features[i]->count);
-        rtcSetGeometryUserData(self->geometry[i],
-                               const_cast<peer_features *>(self->features[i]));
-        rtcSetGeometryBoundsFunction(self->geometry[i], bounds, nullptr);
-        rtcCommitGeometry(self->geometry[i]);
-        rtcAttachGeometry(self->scene[i], self->geometry[i]);
-        rtcCommitScene(self->scene[i]);
-    }
-    return self;
-}
 
-void update(void *state)
-{
-    auto *self = static_cast<embree *>(state);
-    for (int i = 0; i < 3; i++) {
-        rtcCommitGeometry(self->geometry[i]);
-        rtcCommitScene(self->scene[i]);
+    static void version(char *text, size_t capacity)
+    {
+        std::snprintf(text, capacity, "Embree %s", RTC_VERSION_STRING);
     }
-}
 
-void collide(void *state, peer_sink *sinks)
-{
-    auto *self = static_cast<embree *>(state);
-    self->sinks = sinks;
-    sinks_given = 0;
-    run++;
-    rtcCollide(self->scene[0], self->scene[2], on_pairs<true>, self);
-    rtcCollide(self->scene[1], self->scene[1], on_pairs<false>, self);
-}
-
-void close(void *state)
-{
-    auto *self = static_cast<embree *>(state);
-    for (int i = 0; i < 3; i++) {
-        rtcReleaseGeometry(self->geometry[i]);
-        rtcReleaseScene(self->scene[i]);
+    void update()
+    {
+        for (int i = 0; i < PEER_GROUPS; i++) {
+            rtcCommitGeometry(geometry[i]);
+            rtcCommitScene(scene[i]);
+        }
     }
-    rtcReleaseDevice(self->device);
-    delete self;
-}
+
+    /* Pairs of leaves that meet; whether their primitives do is left to the caller. */
+    template <peer_kind kind>
+    static void on_pairs(void *user, RTCCollision *collisions, unsigned count)
+    {
+        const auto *self = static_cast<const embree *>(user);
+        const peer_features *groups = self->input->groups;
+        const peer_box *a = groups[kind == PEER_VF ? PEER_VERTICES : PEER_EDGES].boxes;
+        const peer_box *b = groups[kind == PEER_VF ? PEER_FACES : PEER_EDGES].boxes;
+        peer_sink *sink = sink_of_this_thread(self->sinks);
+        for (unsigned i = 0; i < count; i++) {
+            unsigned p = collisions[i].primID0;
+            unsigned q = collisions[i].primID1;
+            /* A scene against itself gives both orders of a pair. */
+            if ((kind == PEER_VF || p < q) && peer_overlap(&a[p], &b[q])) {
+                peer_offer(self->input, kind, sink, p, q);
+            }
+        }
+    }
+
+    void collide(peer_sink *into)
+    {
+        sinks = into;
+        sinks_given = 0;
+        run++;
+        rtcCollide(scene[PEER_VERTICES], scene[PEER_FACES], on_pairs<PEER_VF>, this);
+        rtcCollide(scene[PEER_EDGES], scene[PEER_EDGES], on_pairs<PEER_EE>, this);
+    }
+};
 
 } // namespace
 
-const peer peer_embree = {"Embree", true, version, open, update, collide, close, nullptr};
+const peer peer_embree = peer_of<embree>("Embree", true);

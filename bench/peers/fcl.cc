@@ -14,11 +14,10 @@ namespace
 {
 
 typedef fcl::CollisionObject<float> object;
-typedef fcl::DynamicAABBTreeCollisionManager_Array<float> manager;
 
-class feature : public object
-{
-  public:
+struct feature : object {
+    uint32_t index;
+
     feature(const std::shared_ptr<fcl::CollisionGeometry<float>> &shape, uint32_t idx)
         : object(shape), index(idx)
     {
@@ -29,40 +28,11 @@ class feature : public object
         this->aabb.min_ = fcl::Vector3<float>(box.lo[0], box.lo[1], box.lo[2]);
         this->aabb.max_ = fcl::Vector3<float>(box.hi[0], box.hi[1], box.hi[2]);
     }
-
-    uint32_t index;
 };
 
 struct group {
-    const peer_features *features;
     std::vector<std::unique_ptr<feature>> members;
-    manager tree;
-
-    void place()
-    {
-        for (auto &member : members) {
-            member->place(features->boxes[member->index]);
-        }
-    }
-
-    void build(const peer_features *given)
-    {
-        auto shape = std::make_shared<fcl::Sphere<float>>(1.0f); /* never looked at */
-        std::vector<object *> list;
-        features = given;
-        for (uint32_t i = 0; i < given->count; i++) {
-            members.push_back(std::make_unique<feature>(shape, i));
-            list.push_back(members.back().get());
-        }
-        place();
-        tree.registerObjects(list);
-        tree.setup();
-    }
-};
-
-struct trees {
-    const peer_input *input;
-    group groups[3]; /* vertices, edges, faces */
+    fcl::DynamicAABBTreeCollisionManager_Array<float> tree;
 };
 
 struct context {
@@ -70,51 +40,62 @@ struct context {
     peer_sink *sink;
 };
 
-template <bool is_vf> bool on_pair(object *first, object *second, void *data)
+template <peer_kind kind> bool on_pair(object *first, object *second, void *data)
 {
     const auto *at = static_cast<const context *>(data);
-    peer_offer(at->input, is_vf ? PEER_VF : PEER_EE, at->sink,
-               static_cast<feature *>(first)->index,
+    peer_offer(at->input, kind, at->sink, static_cast<feature *>(first)->index,
                static_cast<feature *>(second)->index);
     return false; /* go on */
 }
 
-void version(char *text, size_t capacity)
-{
-    std::snprintf(text, capacity, "FCL %s", FCL_VERSION);
-}
+struct trees {
+    const peer_input *input;
+    group groups[PEER_GROUPS];
 
-void *open(const peer_input *input, uint32_t)
-{
-    auto *self = new trees;
-    self->input = input;
-    self->groups[0].build(&input->vertices);
-    self->groups[1].build(&input->edges);
-    self->groups[2].build(&input->faces);
-    return self;
-}
-
-void update(void *state)
-{
-    for (group &each : static_cast<trees *>(state)->groups) {
-        each.place();
-        each.tree.update();
+    trees(const peer_input *given, uint32_t) : input(given)
+    {
+        auto shape = std::make_shared<fcl::Sphere<float>>(1.0f); /* never looked at */
+        for (int i = 0; i < PEER_GROUPS; i++) {
+            std::vector<object *> list;
+            for (uint32_t k = 0; k < given->groups[i].count; k++) {
+                groups[i].members.push_back(std::make_unique<feature>(shape, k));
+                list.push_back(groups[i].members.back().get());
+            }
+            place(i);
+            groups[i].tree.registerObjects(list);
+            groups[i].tree.setup();
+        }
     }
-}
 
-void collide(void *state, peer_sink *sinks)
-{
-    auto *self = static_cast<trees *>(state);
-    context at = {self->input, sinks};
-    self->groups[0].tree.collide(&self->groups[2].tree, &at, on_pair<true>);
-    self->groups[1].tree.collide(&at, on_pair<false>);
-}
+    void place(int i)
+    {
+        for (auto &member : groups[i].members) {
+            member->place(input->groups[i].boxes[member->index]);
+        }
+    }
 
-void close(void *state)
-{
-    delete static_cast<trees *>(state);
-}
+    static void version(char *text, size_t capacity)
+    {
+        std::snprintf(text, capacity, "FCL %s", FCL_VERSION);
+    }
+
+    void update()
+    {
+        for (int i = 0; i < PEER_GROUPS; i++) {
+            place(i);
+            groups[i].tree.update();
+        }
+    }
+
+    void collide(peer_sink *sinks)
+    {
+        context at = {input, sinks};
+        groups[PEER_VERTICES].tree.collide(&groups[PEER_FACES].tree, &at,
+                                           on_pair<PEER_VF>);
+        groups[PEER_EDGES].tree.collide(&at, on_pair<PEER_EE>);
+    }
+};
 
 } // namespace
 
-const peer peer_fcl = {"FCL", false, version, open, update, collide, close, nullptr};
+const peer peer_fcl = peer_of<trees>("FCL", false);

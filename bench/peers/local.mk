@@ -53,7 +53,6 @@ bench_peers_peers_SOURCES = \
     bench/peers/swept.c \
     bench/peers/ours.c \
     bench/peers/peers.c \
-    bench/peers/steps.c \
     bench/peers/tests.c
 bench_peers_peers_CPPFLAGS = $(AM_CPPFLAGS) $(PEERS_CPPFLAGS)
 bench_peers_peers_CXXFLAGS = $(PEERS_CXXFLAGS)

@@ -19,14 +19,14 @@ void near_scene_init(struct near_scene *scene, const struct bench_scene *source)
     bench_world_init(&scene->world, &scene->frames, NULL);
     bench_world_step(&scene->world, &scene->frames, &settings, &result);
     peers_swept_init(&scene->features, &scene->world);
-    const struct peer_input *features = &scene->features;
+    const struct peer_features *groups = scene->features.groups;
     scene->input =
-        (struct near_input){.vertex_count = features->vertices.count,
-                            .edge_count = features->edges.count,
-                            .face_count = features->faces.count,
+        (struct near_input){.vertex_count = groups[PEER_VERTICES].count,
+                            .edge_count = groups[PEER_EDGES].count,
+                            .face_count = groups[PEER_FACES].count,
                             .x = (const double(*)[3])scene->frames.x[0],
-                            .edges = (const uint32_t(*)[3])features->edges.corners,
-                            .faces = (const uint32_t(*)[3])features->faces.corners};
+                            .edges = (const uint32_t(*)[3])groups[PEER_EDGES].corners,
+                            .faces = (const uint32_t(*)[3])groups[PEER_FACES].corners};
 }
 
 void near_scene_deinit(struct near_scene *scene)

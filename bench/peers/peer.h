@@ -32,10 +32,10 @@ struct peer_features {
     uint32_t (*corners)[3];
 };
 
+enum peer_group { PEER_VERTICES, PEER_EDGES, PEER_FACES, PEER_GROUPS };
+
 struct peer_input {
-    struct peer_features vertices;
-    struct peer_features edges;
-    struct peer_features faces;
+    struct peer_features groups[PEER_GROUPS];
 };
 
 enum peer_kind { PEER_VF = 0, PEER_EE = 1 };
@@ -96,9 +96,9 @@ static inline bool peer_edges_meet(const uint32_t a[3], const uint32_t b[3])
 static inline void peer_offer(const struct peer_input *input, enum peer_kind kind,
                               struct peer_sink *sink, uint32_t a, uint32_t b)
 {
-    if (kind == PEER_VF
-            ? !peer_face_has(input->faces.corners[b], a)
-            : !peer_edges_meet(input->edges.corners[a], input->edges.corners[b])) {
+    if (kind == PEER_VF ? !peer_face_has(input->groups[PEER_FACES].corners[b], a)
+                        : !peer_edges_meet(input->groups[PEER_EDGES].corners[a],
+                                           input->groups[PEER_EDGES].corners[b])) {
         peer_take(sink, kind, a, b);
     }
 }
@@ -132,6 +132,22 @@ extern const struct peer peer_bullet;
 extern const struct peer peer_cgal;
 
 #ifdef __cplusplus
+}
+
+/* The peer that a class is: made of the input and a number of threads; with `version`,
+ * `update` and `collide`. */
+template <class T> constexpr peer peer_of(const char *name, bool is_parallel)
+{
+    return {name,
+            is_parallel,
+            T::version,
+            [](const peer_input *input, uint32_t threads) -> void * {
+                return new T(input, threads);
+            },
+            [](void *self) { static_cast<T *>(self)->update(); },
+            [](void *self, peer_sink *sinks) { static_cast<T *>(self)->collide(sinks); },
+            [](void *self) { delete static_cast<T *>(self); },
+            nullptr};
 }
 #endif
 

@@ -1,8 +1,9 @@
-/* peers.c - candidate pairs: the libraries that are installed, in one run.
+/* peers.c - candidate pairs and whole steps by the libraries that are installed.
  *
  * Give every library, and the method `wide`, the same boxes, compare the sets of pairs
  * that come back, then time them by turns: refit or whatever the library has for boxes
- * that moved, and all pairs; and whole steps (steps.h).
+ * that moved, and all pairs. Of a whole step the pairs go to our elementary tests, and
+ * the engine's own step stands beside it; all must find as many contacts.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 
 #define REPEATS_MAX 25u
 #define THREADS_MAX 2u
+#define BUDGET_NS   4000000000u /* for one library; it has two repeats at least */
 
 static const struct peer *const installed[] = {
     &peers_ours, /* the others' ratios are to this one */
@@ -37,13 +39,25 @@ static const char *const usual[] = {"cloth",        "breaking",     "bodies",
                                     "cloth-ball",   "n-body",       "cloth-ball-fifth",
                                     "n-body-fifth", "cloth-funnel", NULL};
 
+enum { WHOLE, CPU, UPDATE, SIDES };
+
 struct contestant {
-    const struct peer *peer;
+    const struct peer *peer; /* NULL: the engine's own step */
     void *state;
-    struct bench_samples update_ms;
-    struct bench_samples whole_ms;
-    struct bench_samples cpu_ms; /* of all threads */
+    double ms[SIDES]; /* of its last turn; CPU: of all threads */
+    uint64_t contacts;
     uint64_t spent_ns;
+};
+
+struct run {
+    struct bench_world *world;
+    const struct bench_frames *frames;
+    struct peer_input input;
+    struct peers_tests *tests; /* NULL: pairs alone are asked for */
+    uint32_t threads;
+    struct contestant all[INSTALLED + 1]; /* ratios are to the first */
+    struct bench_side sides[INSTALLED + 1][SIDES];
+    unsigned count;
 };
 
 struct totals {
@@ -51,6 +65,7 @@ struct totals {
     uint64_t sum[2];
 };
 
+/* Pairs alone; `is_summed`: to be compared. */
 static struct totals collide(const struct contestant *one, bool is_summed)
 {
     static struct peer_sink sinks[PEER_SINK_MAX];
@@ -76,27 +91,51 @@ static uint64_t cpu_ns(void)
     return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
-static void take_turn(struct contestant *one, bool counts)
+/* Positions are staged, copied and checked within the engine's time. */
+static void step_engine(struct run *run, struct contestant *one)
 {
-    uint64_t cpu0 = cpu_ns();
-    uint64_t t0 = common_now_ns();
-    one->peer->update(one->state);
-    uint64_t t1 = common_now_ns();
-    collide(one, false);
-    uint64_t t2 = common_now_ns();
-    uint64_t update_ns =
-        one->peer->update_ns ? one->peer->update_ns(one->state) : t1 - t0;
-    uint64_t cpu1 = cpu_ns();
-    one->spent_ns += t2 - t0;
-    if (counts) {
-        bench_add(&one->update_ms, 1e-6 * (double)update_ns);
-        bench_add(&one->whole_ms, 1e-6 * (double)(t2 - t0));
-        bench_add(&one->cpu_ms, 1e-6 * (double)(cpu1 - cpu0));
+    struct eng_question settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_step_result result;
+    settings.method = PCCD_METHOD_WIDE;
+    settings.threads = run->threads;
+    bench_world_step(run->world, run->frames, &settings, &result);
+    one->contacts = result.count;
+}
+
+static void ask_library(struct run *run, struct contestant *one)
+{
+    static struct peer_sink sinks[PEER_SINK_MAX];
+    if (run->tests) {
+        peers_tests_begin(run->tests, sinks);
+        one->peer->collide(one->state, sinks);
+        one->contacts = peers_tests_end(run->tests, sinks);
+    } else {
+        collide(one, false);
     }
 }
 
+static void take_turn(struct run *run, struct contestant *one)
+{
+    uint64_t cpu0 = cpu_ns();
+    uint64_t t0 = common_now_ns();
+    uint64_t update_ns = 0;
+    if (one->peer) {
+        one->peer->update(one->state);
+        update_ns = common_now_ns() - t0;
+        ask_library(run, one);
+        update_ns = one->peer->update_ns ? one->peer->update_ns(one->state) : update_ns;
+    } else {
+        step_engine(run, one);
+    }
+    uint64_t ns = common_now_ns() - t0;
+    one->spent_ns += ns;
+    one->ms[WHOLE] = 1e-6 * (double)ns;
+    one->ms[CPU] = 1e-6 * (double)(cpu_ns() - cpu0);
+    one->ms[UPDATE] = 1e-6 * (double)update_ns;
+}
+
 /* All sets against the first one's. */
-static bool agree(const char *scene, const struct contestant *all, unsigned count)
+static bool pairs_agree(const char *scene, const struct contestant *all, unsigned count)
 {
     struct totals first = {{0, 0}, {0, 0}};
     bool good = true;
@@ -117,62 +156,100 @@ static bool agree(const char *scene, const struct contestant *all, unsigned coun
     return good;
 }
 
-static void print_row(const struct bench_row *like, const char *name, const char *of,
-                      const struct bench_samples *samples,
-                      const struct bench_samples *base)
+static bool contacts_agree(const struct run *run)
 {
-    char what[80];
-    struct bench_row row = *like;
-    snprintf(what, sizeof what, "%s%s, %u", name, of, like->threads);
-    row.what = what;
-    row.unit = "ms";
-    row.samples = samples;
-    row.base = base;
-    row.base_name = base ? like->base_name : NULL;
-    bench_row(&row);
-}
-
-static void print(const char *scene, const struct contestant *all, unsigned count,
-                  uint32_t threads)
-{
-    for (unsigned i = 0; i < count; i++) {
-        const char *name = all[i].peer->name;
-        struct bench_row row = {
-            .scene = scene, .threads = threads, .base_name = all[0].peer->name};
-        print_row(&row, name, "", &all[i].whole_ms, &all[0].whole_ms);
-        print_row(&row, name, " cpu", &all[i].cpu_ms, &all[0].cpu_ms);
-        print_row(&row, name, " update", &all[i].update_ms, NULL);
+    bool good = true;
+    for (unsigned i = 1; i < run->count; i++) {
+        char what[120];
+        snprintf(what, sizeof what, "with the pairs of %s there are other contacts",
+                 run->all[i].peer->name);
+        good = bench_check(run->all[i].contacts == run->all[0].contacts,
+                           run->world->source->name, what) &&
+               good;
     }
+    return good;
 }
 
-/* All that can use so many threads. */
-static void measure(const char *scene, const struct peer_input *input, uint32_t threads,
-                    unsigned repeats)
+/* The contestant that comes next, if it can use so many threads. */
+static void enter(struct run *run, const struct peer *peer)
 {
-    struct contestant all[INSTALLED] = {{0}};
-    unsigned count = 0;
-    for (unsigned i = 0; i < INSTALLED; i++) {
-        all[count].peer = installed[i];
-        if (threads == 1 || installed[i]->is_parallel) {
-            all[count].state = installed[i]->open(input, threads);
-            count += all[count].state != NULL;
+    static const char *const of[SIDES] = {"", " cpu", " update"};
+    struct contestant *one = &run->all[run->count];
+    bool is_whole = run->tests != NULL;
+    *one = (struct contestant){.peer = peer};
+    if (peer && run->threads > 1 && !peer->is_parallel) {
+        return;
+    }
+    if (peer && !(one->state = peer->open(&run->input, run->threads))) {
+        return;
+    }
+    for (unsigned k = 0; k < SIDES; k++) {
+        struct bench_side *side = &run->sides[run->count][k];
+        *side = (struct bench_side){.unit = "ms", .threads = run->threads};
+        side->base_name = k == UPDATE ? NULL : is_whole ? "ours, whole step" : "ours";
+        snprintf(side->what, sizeof side->what, "%s%s, %u", peer ? peer->name : "ours",
+                 is_whole ? ", whole step" : of[k], run->threads);
+    }
+    run->count++;
+}
+
+/* The sides of each, which are compared with the same sides of the first. */
+static void print(struct run *run, bool are_right)
+{
+    for (unsigned i = 0; i < run->count && are_right; i++) {
+        for (unsigned k = 0; k < (run->tests ? 1u : SIDES); k++) {
+            const struct bench_side *side = &run->sides[i][k];
+            bench_row(&(struct bench_row){.scene = run->world->source->name,
+                                          .what = side->what,
+                                          .unit = side->unit,
+                                          .samples = &side->samples,
+                                          .base_name = side->base_name,
+                                          .base = &run->sides[0][k].samples,
+                                          .threads = side->threads});
         }
     }
-    if (count > 0 && agree(scene, all, count)) {
-        for (unsigned r = 0; r <= repeats; r++) {
-            for (unsigned i = 0; i < count; i++) {
-                if (r <= 2 || all[i].spent_ns < PEERS_BUDGET_NS) {
-                    take_turn(&all[i], r > 0);
-                }
+    bench_sides_end("", run->sides[0], run->count * SIDES, false);
+}
+
+/* By turns; the first turn does not count. */
+static void take_turns(struct run *run, unsigned repeats)
+{
+    for (unsigned r = 0; r <= repeats; r++) {
+        for (unsigned i = 0; i < run->count; i++) {
+            if (r > 2 && run->all[i].spent_ns >= BUDGET_NS) {
+                continue;
+            }
+            take_turn(run, &run->all[i]);
+            for (unsigned k = 0; k < SIDES && r > 0; k++) {
+                bench_add(&run->sides[i][k].samples, run->all[i].ms[k]);
             }
         }
-        print(scene, all, count, threads);
     }
-    for (unsigned i = 0; i < count; i++) {
-        all[i].peer->close(all[i].state);
-        bench_free(&all[i].update_ms);
-        bench_free(&all[i].whole_ms);
-        bench_free(&all[i].cpu_ms);
+}
+
+static void measure(struct run *run, bool is_whole, unsigned repeats)
+{
+    run->count = 0;
+    run->tests = is_whole ? peers_tests_new(&run->input, run->world) : NULL;
+    if (is_whole) {
+        enter(run, NULL);
+    }
+    for (unsigned i = is_whole ? OURS : 0; i < INSTALLED; i++) {
+        enter(run, installed[i]);
+    }
+    bool are_right =
+        is_whole || pairs_agree(run->world->source->name, run->all, run->count);
+    if (are_right) {
+        take_turns(run, repeats);
+    }
+    print(run, are_right && (!is_whole || contacts_agree(run)));
+    for (unsigned i = 0; i < run->count; i++) {
+        if (run->all[i].peer) {
+            run->all[i].peer->close(run->all[i].state);
+        }
+    }
+    if (is_whole) {
+        peers_tests_free(run->tests);
     }
 }
 
@@ -183,22 +260,22 @@ static void measure_scene(const struct bench_scene *source,
     struct eng_step_result result;
     struct bench_frames frames;
     struct bench_world world;
-    struct peer_input input;
+    struct run run = {.world = &world, .frames = &frames};
+    unsigned repeats = options->smoke ? 2 : REPEATS_MAX;
+    uint32_t most =
+        options->number[BENCH_THREADS] ? options->number[BENCH_THREADS] : THREADS_MAX;
     bench_heading(source->name);
     bench_frames_init(&frames, source, source->hard_frame);
     bench_world_init(&world, &frames, NULL);
     bench_world_step(&world, &frames, &settings, &result);
-    peers_swept_init(&input, &world);
+    peers_swept_init(&run.input, &world);
     peers_ours_scene(&world);
-    uint32_t most =
-        options->number[BENCH_THREADS] ? options->number[BENCH_THREADS] : THREADS_MAX;
-    for (uint32_t threads = 1; threads <= most; threads *= 2) {
-        measure(source->name, &input, threads, options->smoke ? 2 : REPEATS_MAX);
-        peers_steps(installed + OURS, INSTALLED - OURS, &world, &frames, &input, threads,
-                    options->smoke ? 2 : REPEATS_MAX);
+    for (run.threads = 1; run.threads <= most; run.threads *= 2) {
+        measure(&run, false, repeats);
+        measure(&run, true, repeats);
     }
     bench_frames_deinit(&frames);
-    peers_swept_deinit(&input);
+    peers_swept_deinit(&run.input);
     bench_world_deinit(&world);
 }
 

@@ -1,11 +1,4 @@
-/* steps.h - swept boxes, candidate pairs and whole steps, ours beside another library's.
- *
- * Time in turn what a library takes for its refit, its pairs and the tests of these, and
- * what the method `wide` takes for a step of mode `all`; check that all find the same
- * number of contacts.
- *
- * Threads: one opens them; they have their own.
- */
+/* steps.h - what all compared libraries are asked for: boxes, pairs, tests of pairs. */
 #ifndef PEERS_STEPS_H
 #define PEERS_STEPS_H
 
@@ -52,12 +45,5 @@ void peers_tests_begin(struct peers_tests *tests, struct peer_sink sinks[PEER_SI
 /* After it: test what is left in the rings; returns the number of contacts. */
 uint64_t peers_tests_end(struct peers_tests *tests,
                          struct peer_sink sinks[PEER_SINK_MAX]);
-
-#define PEERS_BUDGET_NS 4000000000u /* for one library; it has two repeats at least */
-
-/* Of the step that `frames` holds, which the world has taken last. */
-void peers_steps(const struct peer *const *peers, unsigned peer_count,
-                 struct bench_world *world, const struct bench_frames *frames,
-                 const struct peer_input *input, uint32_t threads, unsigned repeats);
 
 #endif

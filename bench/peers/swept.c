@@ -9,13 +9,6 @@
 #include "trees.h"
 #include "world.h"
 
-static void list_init(struct peer_features *features, uint32_t count)
-{
-    features->count = count;
-    features->boxes = bench_alloc(count, sizeof *features->boxes);
-    features->corners = bench_alloc(count, sizeof *features->corners);
-}
-
 static void add_point(struct peer_box *box, const double x[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -42,46 +35,44 @@ static void place(struct peer_features *features, const struct eng_scene *scene)
 void peers_swept_init(struct peer_input *input, const struct bench_world *world)
 {
     const struct eng_scene *scene = world->scene;
-    uint32_t counts[3] = {0, 0, 0};
+    uint32_t counts[PEER_GROUPS] = {0};
     for (uint32_t i = 0; i < world->source->object_count; i++) {
         const struct eng_object *object = eng_scene_object(scene, world->object_idx[i]);
-        counts[0] += object->vertices.count;
-        counts[1] += eng_paper_object_of(object)->edges.count;
-        counts[2] += eng_paper_object_of(object)->triangles.count;
+        counts[PEER_VERTICES] += object->vertices.count;
+        counts[PEER_EDGES] += eng_paper_object_of(object)->edges.count;
+        counts[PEER_FACES] += eng_paper_object_of(object)->triangles.count;
     }
     /* Objects that only ever come lie one after the other. */
-    list_init(&input->vertices, counts[0]);
-    list_init(&input->edges, counts[1]);
-    list_init(&input->faces, counts[2]);
-    for (uint32_t i = 0; i < counts[0]; i++) {
-        uint32_t corners[3] = {i, i, i};
-        memcpy(input->vertices.corners[i], corners, sizeof corners);
+    struct peer_features *groups = input->groups;
+    for (int i = 0; i < PEER_GROUPS; i++) {
+        groups[i].count = counts[i];
+        groups[i].boxes = bench_alloc(counts[i], sizeof *groups[i].boxes);
+        groups[i].corners = bench_alloc(counts[i], sizeof *groups[i].corners);
     }
-    for (uint32_t i = 0; i < counts[1]; i++) {
+    for (uint32_t i = 0; i < counts[PEER_VERTICES]; i++) {
+        uint32_t corners[3] = {i, i, i};
+        memcpy(groups[PEER_VERTICES].corners[i], corners, sizeof corners);
+    }
+    for (uint32_t i = 0; i < counts[PEER_EDGES]; i++) {
         const struct eng_edge *edge = &eng_trees_of(scene)->edges[i];
         uint32_t corners[3] = {edge->a, edge->b, edge->b};
-        memcpy(input->edges.corners[i], corners, sizeof corners);
+        memcpy(groups[PEER_EDGES].corners[i], corners, sizeof corners);
     }
-    for (uint32_t i = 0; i < counts[2]; i++) {
-        memcpy(input->faces.corners[i], eng_trees_of(scene)->triangles[i].v,
+    for (uint32_t i = 0; i < counts[PEER_FACES]; i++) {
+        memcpy(groups[PEER_FACES].corners[i], eng_trees_of(scene)->triangles[i].v,
                3 * sizeof(uint32_t));
     }
-    place(&input->vertices, scene);
-    place(&input->edges, scene);
-    place(&input->faces, scene);
-}
-
-static void list_deinit(struct peer_features *features)
-{
-    free(features->boxes);
-    free(features->corners);
+    for (int i = 0; i < PEER_GROUPS; i++) {
+        place(&groups[i], scene);
+    }
 }
 
 void peers_swept_deinit(struct peer_input *input)
 {
-    list_deinit(&input->vertices);
-    list_deinit(&input->edges);
-    list_deinit(&input->faces);
+    for (int i = 0; i < PEER_GROUPS; i++) {
+        free(input->groups[i].boxes);
+        free(input->groups[i].corners);
+    }
 }
 
 uint32_t peers_index(const struct bench_world *world, uint32_t points, uint32_t object_id,

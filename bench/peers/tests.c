@@ -31,15 +31,15 @@ static void test(void *context, enum peer_kind kind, const uint32_t (*pairs)[2],
                  uint32_t count)
 {
     struct tester *tester = context;
-    const struct peer_input *input = tester->tests->input;
+    const struct peer_features *groups = tester->tests->input->groups;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t *quad = tester->quads[i];
         if (kind == PEER_VF) {
             quad[0] = pairs[i][0];
-            memcpy(quad + 1, input->faces.corners[pairs[i][1]], 3 * sizeof *quad);
+            memcpy(quad + 1, groups[PEER_FACES].corners[pairs[i][1]], 3 * sizeof *quad);
         } else {
-            memcpy(quad, input->edges.corners[pairs[i][0]], 2 * sizeof *quad);
-            memcpy(quad + 2, input->edges.corners[pairs[i][1]], 2 * sizeof *quad);
+            memcpy(quad, groups[PEER_EDGES].corners[pairs[i][0]], 2 * sizeof *quad);
+            memcpy(quad + 2, groups[PEER_EDGES].corners[pairs[i][1]], 2 * sizeof *quad);
         }
     }
     const struct eng_question question = ENG_QUESTION_DEFAULT; /* of TOLERANCE */
@@ -57,7 +57,7 @@ struct peers_tests *peers_tests_new(const struct peer_input *input,
 {
     struct peers_tests *tests = bench_alloc(1, sizeof *tests);
     const struct eng_scene *scene = world->scene;
-    size_t bytes = input->vertices.count * sizeof *tests->points;
+    size_t bytes = input->groups[PEER_VERTICES].count * sizeof *tests->points;
     memset(tests, 0, sizeof *tests);
     tests->input = input;
     tests->points = aligned_alloc(_Alignof(struct eng_point), bytes);
@@ -65,7 +65,7 @@ struct peers_tests *peers_tests_new(const struct peer_input *input,
         exit(2);
     }
     memset(tests->points, 0, bytes);
-    for (uint32_t i = 0; i < input->vertices.count; i++) {
+    for (uint32_t i = 0; i < input->groups[PEER_VERTICES].count; i++) {
         struct eng_point *point = &tests->points[i];
         memcpy(point->x0, scene->x[1 - scene->now][i], sizeof point->x0);
         memcpy(point->x1, scene->x[scene->now][i], sizeof point->x1);
