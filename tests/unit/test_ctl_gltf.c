@@ -64,11 +64,13 @@ static int add_entry(int view, int type, const char *kind, size_t count, const c
 #define ADD(type, kind, count, array)                                                    \
     add_entry(add_view(array, sizeof(array), ""), type, kind, count, "")
 
+static const char *maker = ""; /* of the next file; "": it does not say */
+
 /* The JSON with ' for ", in `text`: what was added, and `rest`. */
 static void describe(const char *rest, const char *uri, char *text)
 {
     text[0] = '\0';
-    append(text, "{'asset':{'version':'2.0'},'buffers':[{'byteLength':%zu%s}],",
+    append(text, "{'asset':{'version':'2.0'%s},'buffers':[{'byteLength':%zu%s}],", maker,
            making.bytes, uri);
     append(text, "'bufferViews':[%s],'accessors':[%s],%s}", making.views,
            making.accessors, rest);
@@ -610,6 +612,31 @@ CASE(morph__adds_targets_by_the_weights)
     refuse("'meshes':[{'primitives':[{'attributes':{'POSITION':0},"
            "'targets':[{'POSITION':3}]}]}]," ONE_NODE,
            PCCD_E_FORMAT, "accessor 3: a morph target of 2 vertices for 3 vertices");
+}
+
+/* If it failed: a step that pccdctl has exported would be read from other places than it
+ * was computed for. */
+CASE(morph__of_an_export_are_floats_again)
+{
+    static const float first[3][3] = {{0.1f, 0.2f, 0.3f}, {1, 2, 3}, {5, 6, 7}};
+    static const float last[3][3] = {{0.7f, 0.9f, 1.3f}, {0.1f, 0.3f, 0.7f}, {8, 6, 9}};
+    float motion_of[3][3];
+    double places[3][3];
+    (void)state;
+    for (int i = 0; i < 9; i++) {
+        motion_of[i / 3][i % 3] = last[i / 3][i % 3] - first[i / 3][i % 3];
+        places[i / 3][i % 3] = (double)(first[i / 3][i % 3] + motion_of[i / 3][i % 3]);
+    }
+    begin();
+    ADD(FLOAT, "VEC3", 3, first);
+    ADD(FLOAT, "VEC3", 3, motion_of);
+    maker = ",'generator':'pccdctl export'";
+    open_made("'meshes':[{'primitives':[{'attributes':{'POSITION':0},"
+              "'targets':[{'POSITION':1}]}],'weights':[1]}],"
+              "'nodes':[{'name':'object 1','mesh':0}]");
+    maker = "";
+    check_frame(0, (const double(*)[3])places, 3);
+    assert_int_equal(mesh.format, PCCD_FORMAT_F32);
 }
 
 /* ---- skins ------------------------------------------------------------------------- */
