@@ -23,6 +23,7 @@ libctl_la_SOURCES = \
     client/ctl/check/player.c \
     client/ctl/check/report.c client/ctl/check/report_json.c \
     client/ctl/check/report_line.c \
+    client/ctl/commands/cloth.c \
     client/ctl/commands/cmd_check.c \
     client/ctl/commands/cmd_config.c \
     client/ctl/commands/cmd_demo.c \
@@ -76,10 +77,7 @@ libctl_la_SOURCES = \
     client/ctl/observe/health.c \
     client/ctl/observe/sessions.c \
     client/ctl/observe/trace_file.c \
-    client/ctl/picture/cloth_hold.c \
-    client/ctl/picture/cloth_scene.c \
     client/ctl/picture/crease.c \
-    client/ctl/picture/demo_picture.c \
     client/ctl/picture/film.c \
     client/ctl/picture/picture.c \
     client/ctl/picture/picture_file.c \

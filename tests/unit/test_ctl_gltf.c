@@ -622,7 +622,6 @@ CASE(morph__of_an_export_are_floats_again)
     static const float last[3][3] = {{0.7f, 0.9f, 1.3f}, {0.1f, 0.3f, 0.7f}, {8, 6, 9}};
     float motion_of[3][3];
     double places[3][3];
-    (void)state;
     for (int i = 0; i < 9; i++) {
         motion_of[i / 3][i % 3] = last[i / 3][i % 3] - first[i / 3][i % 3];
         places[i / 3][i % 3] = (double)(first[i / 3][i % 3] + motion_of[i / 3][i % 3]);

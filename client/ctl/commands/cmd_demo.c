@@ -6,11 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloth_scene.h"
+#include "cloth.h"
 #include "ctl.h"
 #include "link.h"
 #include "output.h"
 #include "printable.h"
+#include "render.h"
 #include "report.h"
 #include "shown.h"
 #include "statistics.h"
@@ -56,10 +57,7 @@ const struct option_table ctl_table_demo = {
 
 struct demo {
     const struct demo_options *options;
-    struct cloth_hold hold;
-    float x[2][CLOTH_BALL_VERTICES > CLOTH_VERTICES ? CLOTH_BALL_VERTICES
-                                                    : CLOTH_VERTICES][3];
-    uint32_t taken;
+    struct cloth *cloth;
     uint64_t asked;
     double *step_ms; /* of each that was asked; ours */
     size_t capacity;
@@ -67,30 +65,27 @@ struct demo {
     uint64_t contacts, vf, ee, possible, incomplete;
     uint64_t left; /* contacts on the ways that were taken */
     uint32_t threads;
-    /* The last answer that had contacts. */
+    /* What was met first in the last frame that met anything. */
     struct pccd_contact *met;
-    struct demo_met last;
+    uint64_t met_count;
+    uint64_t met_frame; /* from 1; 0: none */
     uint64_t hash[2];
-    struct progress progress;
     bool has_memory;
 };
 
-/* Keep the records of the last answer that has any, for the picture. */
+/* Keep the records of an answer, for the picture. */
 static void keep_records(struct demo *demo, const struct pccd_answer *answer)
 {
-    struct pccd_contact *met =
-        realloc(demo->met, ((size_t)answer->count + 1) * sizeof *met);
+    size_t bytes = (size_t)answer->count * sizeof *demo->met;
+    struct pccd_contact *met = realloc(demo->met, bytes + 1);
     if (met == NULL) {
         demo->has_memory = false;
         return;
     }
-    memcpy(met, answer->contacts, (size_t)answer->count * sizeof *met);
+    memcpy(met, answer->contacts, bytes);
     demo->met = met;
-    demo->last = (struct demo_met){.contacts = met,
-                                   .count = answer->count,
-                                   .vf = answer->counts[PCCD_VF],
-                                   .ee = answer->counts[PCCD_EE],
-                                   .frame = demo->taken + 1u};
+    demo->met_count = answer->count;
+    demo->met_frame = demo->cloth->frame + 1u;
     memcpy(demo->hash, answer->hash, sizeof demo->hash);
 }
 
@@ -120,62 +115,68 @@ static void note_answer(void *context, const struct pccd_answer *answer, bool is
     demo->incomplete += answer->incomplete != PCCD_COMPLETE;
     demo->left += is_taken ? answer->total : 0;
     demo->threads = answer->threads;
-    /* What is met first in a frame is what holds the cloth. */
-    if (answer->total > 0 && demo->last.frame != demo->taken + 1u) {
+    if (answer->total > 0 && demo->met_frame != demo->cloth->frame + 1u) {
         keep_records(demo, answer);
     }
 }
 
-static int play(struct demo *demo, struct ctl_error *error)
+static int take_frames(struct demo *demo, struct ctl_error *error)
 {
     const uint32_t steps = demo->options->steps;
+    struct progress progress;
     int status = PCCD_OK;
-    progress_begin(&demo->progress, "steps", steps);
-    while (demo->taken < steps && status == PCCD_OK) {
-        status = cloth_hold_frame(&demo->hold, note_answer, demo, error);
+    progress_begin(&progress, "steps", steps);
+    for (uint32_t i = 0; i < steps && status == PCCD_OK; i++) {
+        status = cloth_frame(demo->cloth, note_answer, demo, error);
         if (status == PCCD_OK && !demo->has_memory) {
             status = ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
         }
-        demo->taken += status == PCCD_OK;
-        progress_update(&demo->progress, demo->taken);
+        progress_update(&progress, demo->cloth->frame);
     }
-    progress_clear(&demo->progress);
+    progress_clear(&progress);
     return status;
 }
 
-/* The meshes as they are now, and what is known of them. */
-static void place_last(struct demo *demo, struct demo_object objects[2])
+/* The meshes as they are now, and where they met, as pccdctl render draws a step. */
+static int draw(const struct demo *demo, FILE *file, struct ctl_error *error)
 {
-    const struct cloth_scene *cloth = demo->hold.cloth;
-    double pose[12];
-    cloth_scene_positions(cloth, 0, demo->x[0]);
-    cloth_scene_ball_pose(cloth, 0, pose);
-    for (uint32_t i = 0; i < CLOTH_BALL_VERTICES; i++) {
-        const float *x = cloth->ball_start[i];
-        for (uint32_t k = 0; k < 3; k++) {
-            const double *row = pose + (size_t)k * 4;
-            demo->x[1][i][k] = (float)(row[0] * (double)x[0] + row[1] * (double)x[1] +
-                                       row[2] * (double)x[2] + row[3]);
-        }
+    const struct render render = {
+        .path = demo->options->output, .t = NAN, .azimuth = NAN};
+    struct cloth *cloth = demo->cloth;
+    float x[CLOTH_MESHES][CLOTH_VERTICES][3];
+    struct still_object objects[CLOTH_MESHES];
+    struct still still = {.step = cloth->frame,
+                          .objects = objects,
+                          .object_count = CLOTH_MESHES,
+                          .contacts =
+                              calloc((size_t)demo->met_count + 1, sizeof *still.contacts),
+                          .contact_count = demo->met_count};
+    if (still.contacts == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", render.path);
     }
-    for (uint32_t i = 0; i < 2; i++) {
-        const struct cloth_object *object = &demo->hold.objects[i];
-        objects[i] = (struct demo_object){.object = object->object,
-                                          .vertex_count = object->vertex_count,
-                                          .triangle_count = object->triangle_count,
-                                          .x = (const float(*)[3])demo->x[i],
-                                          .triangles = object->triangles,
-                                          .edges = object->edges};
+    for (uint32_t i = 0; i < CLOTH_MESHES; i++) {
+        cloth_positions(cloth, (enum cloth_mesh)i, 0, x[i]);
+        objects[i] = (struct still_object){.x = x[i],
+                                           .triangles = cloth->triangles[i],
+                                           .vertex_count = cloth_counts[i].vertices,
+                                           .triangle_count = cloth_counts[i].triangles};
     }
+    for (uint64_t i = 0; i < demo->met_count; i++) {
+        cloth_locate(cloth, &demo->met[i], still.contacts[i].at);
+        still.contacts[i].toi = demo->met[i].toi;
+    }
+    int status = render_draw(&render, &still, file, NULL, NULL, error);
+    free(still.contacts);
+    return status;
 }
 
 static void print_table(const struct demo *demo)
 {
     double whole = demo->phase_ms[REPORT_step], other = 100.0;
-    printf("steps       %" PRIu32 " taken, %" PRIu64 " asked for", demo->taken,
+    printf("steps       %" PRIu64 " taken, %" PRIu64 " asked for", demo->cloth->frame,
            demo->asked);
-    if (demo->hold.cut > 0) {
-        printf("; %" PRIu64 " ended before their time", demo->hold.cut);
+    if (demo->cloth->cut > 0) {
+        printf("; %" PRIu64 " ended before their time", demo->cloth->cut);
     }
     printf("\ntriangles   %d: cloth %d, ball %d\n",
            CLOTH_TRIANGLES + CLOTH_BALL_TRIANGLES, CLOTH_TRIANGLES, CLOTH_BALL_TRIANGLES);
@@ -216,8 +217,8 @@ static void print_json(const struct demo *demo)
     json_t *object = json_pack(
         "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f, s:I, s:o, "
         "s:s, s:o}",
-        "steps", (json_int_t)demo->taken, "asked", (json_int_t)demo->asked, "cut",
-        (json_int_t)demo->hold.cut, "triangles",
+        "steps", (json_int_t)demo->cloth->frame, "asked", (json_int_t)demo->asked, "cut",
+        (json_int_t)demo->cloth->cut, "triangles",
         (json_int_t)(CLOTH_TRIANGLES + CLOTH_BALL_TRIANGLES), "contacts",
         (json_int_t)demo->contacts, "vf", (json_int_t)demo->vf, "ee",
         (json_int_t)demo->ee, "possible", (json_int_t)demo->possible, "left",
@@ -231,62 +232,47 @@ static void print_json(const struct demo *demo)
     json_decref(object);
 }
 
-static void tear_down(struct demo *demo)
+static int run_demo(const struct demo_options *options, struct ctl_error *error)
 {
-    pccd_close(demo->hold.client);
-    cloth_hold_deinit(&demo->hold);
-    free(demo->step_ms);
-    free(demo->met);
-    free(demo);
-}
-
-static int run_demo(const struct demo_options *options)
-{
-    struct ctl_error error = {.text = ""};
     struct whole_file file = {.to = NULL};
     struct pccd_client *client = NULL;
-    struct demo_object objects[2];
-    struct demo *demo = calloc(1, sizeof *demo);
-    if (demo == NULL) {
-        return ctl_complain("out of memory");
+    struct demo demo = {.options = options, .cloth = cloth_new(), .has_memory = true};
+    int status = demo.cloth != NULL ? PCCD_OK
+                                    : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+    if (status == PCCD_OK) {
+        demo.cloth->threads = options->threads;
+        status = output_open(&file, options->output, false, error);
     }
-    demo->options = options;
-    demo->has_memory = true;
-    int status = output_open(&file, options->output, false, &error);
     if (status == PCCD_OK && ctl_link_open(&options->query.link, &client) != CTL_DONE) {
         status = PCCD_E_NODAEMON; /* and has been told */
     }
     if (status == PCCD_OK) {
-        status = cloth_hold_init(&demo->hold, client, &error);
-        demo->hold.threads = options->threads;
+        status = cloth_register(demo.cloth, client, error);
     }
     if (status == PCCD_OK) {
-        status = play(demo, &error);
+        status = take_frames(&demo, error);
     }
     if (status == PCCD_OK) {
-        place_last(demo, objects);
-        statistics_sort(demo->step_ms, demo->asked);
+        statistics_sort(demo.step_ms, demo.asked);
         if (!options->query.is_json) {
-            print_table(demo);
+            print_table(&demo);
         }
-        status =
-            demo_picture_write(objects, &demo->last, file.to, options->output, &error);
+        status = draw(&demo, file.to, error);
     }
     if (status == PCCD_OK) {
-        status = output_finish(&file, options->output, &error);
+        status = output_finish(&file, options->output, error);
     }
     if (status == PCCD_OK && options->query.is_json) {
-        print_json(demo);
+        print_json(&demo);
     } else if (status == PCCD_OK) {
         printf("picture     %s\n", tool_shown(options->output));
     }
     whole_file_discard(&file);
-    if (status != PCCD_OK) {
-        ctl_error_tell(&error);
-    }
-    demo->hold.client = client;
-    tear_down(demo);
-    return (int)ctl_exit_of(status, true);
+    pccd_close(client);
+    free(demo.step_ms);
+    free(demo.met);
+    free(demo.cloth);
+    return status;
 }
 
 int ctl_cmd_demo(int argc, char **argv)
@@ -294,10 +280,14 @@ int ctl_cmd_demo(int argc, char **argv)
     struct demo_options options = {.query = {.link = {.policy = CTL_LINK_PRIVATE}},
                                    .steps = STEPS_DEFAULT,
                                    .output = OUTPUT_DEFAULT};
+    struct ctl_error error = {.text = ""};
     if (option_parse(&ctl_table_demo, argc, argv, &options) != 0) {
         return CTL_USAGE;
     }
-    int status = run_demo(&options);
+    int status = run_demo(&options, &error);
+    if (status != PCCD_OK) {
+        ctl_error_tell(&error);
+    }
     ctl_link_deinit(&options.query.link);
-    return status;
+    return (int)ctl_exit_of(status, true);
 }
