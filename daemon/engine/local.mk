@@ -30,11 +30,11 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/distance_rule.c \
     daemon/engine/elementary/divisor.c \
     daemon/engine/elementary/exact.c \
-    daemon/engine/elementary/exact_leap.c \
     daemon/engine/elementary/exact_memory.c \
     daemon/engine/elementary/exact_roots.c \
     daemon/engine/elementary/exact_signs.c \
     daemon/engine/elementary/exact_span.c \
+    daemon/engine/elementary/isolate.c \
     daemon/engine/elementary/motion.c \
     daemon/engine/elementary/number.c \
     daemon/engine/elementary/plane.c \

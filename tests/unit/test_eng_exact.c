@@ -436,10 +436,10 @@ CASE(exact__decisions_allocate_nothing)
         mpz_mul_2exp(longest->c[i], longest->c[i], 8 * ENG_EXACT_BITS);
         mpz_sub_ui(longest->c[i], longest->c[i], 1);
     }
-    mpz_set_ui(span->num, 1);
-    mpz_mul_2exp(span->num, span->num, ENG_EXACT_DEPTH);
-    mpz_sub_ui(span->num, span->num, 1);
-    eng_poly_zoom(&span->sign, longest, span->num, ENG_EXACT_DEPTH);
+    mpz_set_ui(span->roots.num, 1);
+    mpz_mul_2exp(span->roots.num, span->roots.num, ENG_EXACT_DEPTH);
+    mpz_sub_ui(span->roots.num, span->roots.num, 1);
+    eng_poly_zoom(&span->sign, longest, span->roots.num, ENG_EXACT_DEPTH);
     int sign;
     assert_int_equal(eng_poly_variations(&span->sign, &sign), 0);
     assert_int_equal(gmp_calls, 0);

@@ -9,7 +9,7 @@
 #ifndef ENG_EXACT_H
 #define ENG_EXACT_H
 
-#include "poly.h"
+#include "isolate.h"
 #include "query.h"
 #include "root_sign.h"
 
@@ -26,15 +26,6 @@
 /* No interval [num, num + 1] / 2^k is shorter than 2^-ENG_EXACT_DEPTH of its span: roots
  * are alone in theirs before (BOUNDS.md), and nobody asks for more. */
 #define ENG_EXACT_DEPTH 7296ul
-
-/* Intervals num / 2^k of a span, see exact_span.c. */
-struct eng_exact_chain {
-    mpz_t top;
-    mpz_t bottom;
-    unsigned long top_k;
-    unsigned long bottom_k;
-    int variations;
-};
 
 /* Whether anybody still waits for the decision at hand. Set by eng_batch_test. */
 struct eng_exact_watch {
@@ -88,13 +79,9 @@ struct eng_exact_span {
     struct eng_exact_known known;
     mpz_t l, width; /* the span, times 2^time_k */
     unsigned long time_k;
-    mpz_t num;      /* interval at hand: [num, num + 1] / 2^k of the span */
-    mpz_t end;      /* scratch */
-    mpz_t before;   /* num where a search for an earlier interval began */
-    mpz_t base_num; /* the interval of `base`: the last one that was refined */
-    unsigned long base_k;
-    struct eng_exact_chain chains[ENG_POLY_TERMS]; /* [chain_count] */
-    int chain_count;
+    struct eng_isolator roots; /* of det, or of an event, over the span */
+    mpz_t end;                 /* scratch */
+    mpz_t before;              /* num where a search for another interval began */
     bool wants_first;
     unsigned long depth_min; /* k of the interval around a first root, at least */
     double found[2];         /* the earliest begin and end, of the span */
@@ -105,7 +92,7 @@ struct eng_exact_span {
     bool has_value[ENG_EXACT_CONDITIONS]; /* `condition` is set */
     unsigned long value_k;
     mpz_t value_num;
-    struct eng_poly root, zoomed, base, sign, scratch;
+    struct eng_poly sign, scratch;
     struct eng_root_sign root_sign;
 };
 

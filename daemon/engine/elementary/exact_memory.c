@@ -60,9 +60,8 @@ static void place_polys(struct eng_exact_span *span, struct eng_limbs *limbs)
     place_all(span->values, ENG_EXACT_VALUES, limbs, SIZE(5, 4 * X + 32, 0, 0));
     place_events(span, limbs);
     eng_poly_place(&span->scratch, limbs, SIZE(5, 4 * P + 64, 2, 4 * P + 64));
-    eng_poly_place(&span->root, limbs, SIZE(4, 6 * P + 96, 4, 12 * P + 192));
-    eng_poly_place(&span->zoomed, limbs, SIZE(4, zoomed_bits, 4, zoomed_bits));
-    eng_poly_place(&span->base, limbs, SIZE(4, zoomed_bits, 0, 0));
+    eng_isolate_place(&span->roots, limbs, SIZE(4, 6 * P + 96, 4, 12 * P + 192),
+                      zoomed_bits, K);
     eng_poly_place(&span->sign, limbs, SIZE(5, sign_bits, 5, sign_bits));
     place_all(span->condition, ENG_EXACT_CONDITIONS, limbs,
               SIZE(5, 4 * P + 4 * K + 64, 0, 0));
@@ -79,14 +78,8 @@ static void place(struct eng_exact *exact, struct eng_limbs *limbs)
     }
     eng_limbs_give(limbs, span->l, T + 8);
     eng_limbs_give(limbs, span->width, T + 8);
-    mpz_ptr slots[] = {span->num, span->before, span->base_num, span->value_num};
-    for (int i = 0; i < 4; i++) {
-        eng_limbs_give(limbs, slots[i], K + 8);
-    }
-    for (int i = 0; i < ENG_POLY_TERMS; i++) {
-        eng_limbs_give(limbs, span->chains[i].top, K + 8);
-        eng_limbs_give(limbs, span->chains[i].bottom, K + 8);
-    }
+    eng_limbs_give(limbs, span->before, K + 8);
+    eng_limbs_give(limbs, span->value_num, K + 8);
     eng_limbs_give(limbs, span->end, 3 * P + 4 * K + 128);
     place_polys(span, limbs);
     eng_root_sign_place(&span->root_sign, limbs, P, K);

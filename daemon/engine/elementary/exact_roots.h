@@ -1,9 +1,7 @@
 /* exact_roots.h - finds, exactly, the first time at which a polynomial is zero while
  * others have given signs: the time of a contact.
  *
- * Threads: one thread for one scratch.
- *
- * An interval [num, num + 1] / 2^k of the span is named by span->num and k.
+ * Threads: one thread for one scratch. The interval at hand is that of span->roots.
  */
 #ifndef ENG_EXACT_ROOTS_H
 #define ENG_EXACT_ROOTS_H
@@ -26,28 +24,21 @@ struct eng_conditions {
     bool (*is_zero)(struct eng_exact_span *span, int i, const struct eng_root *root);
 };
 
-/* Do the conditions hold at the left end of interval `num` / 2^k? */
+/* Do the conditions hold at the left end of the interval at hand? */
 bool eng_roots_hold_at_left(struct eng_exact_span *span,
-                            const struct eng_conditions *conditions, unsigned long k);
+                            const struct eng_conditions *conditions);
 
-/* Do they hold at the only root in the interval at hand, of which span->zoomed is, and
- * which sides are 0 there? It is root number `number` to which this search comes. Whether
- * there is a contact is asked first and then, of the same span, where it is: what the one
- * search has computed the other knows. Uses span->base and span->before. */
+/* Do they hold at the only root in the interval at hand, and which sides are 0 there? It
+ * is root number `number` to which this search comes. Whether there is a contact is asked
+ * first and then, of the same span, where it is: what the one search has computed the
+ * other knows. Uses span->before. */
 bool eng_roots_hold_at(struct eng_exact_span *span,
                        const struct eng_conditions *conditions, int number,
-                       unsigned long k, bool is_zero[ENG_EXACT_CONDITIONS]);
+                       bool is_zero[ENG_EXACT_CONDITIONS]);
 
-/* Bits at a time, at most: numbers grow by some times as many with each. */
-#define ENG_STRIDE_MAX 256ul
-
-/* From the interval of span->base, which has some sign variations, `stride` bits down, to
- * one that has all of them. True: span->num and span->zoomed are of that. */
-bool eng_roots_leap(struct eng_exact_span *span, int variations, unsigned long stride);
-
-/* Something happens between num / 2^k and (num + `wide`) / 2^k. Rounded outward, and
- * merged with what was found before. */
-void eng_roots_found_at(struct eng_exact_span *span, unsigned long k, unsigned wide);
+/* Something happens between the left end of the interval at hand and `wide` intervals
+ * later. Rounded outward, and merged with what was found before. */
+void eng_roots_found_at(struct eng_exact_span *span, unsigned wide);
 
 /* Does some root in [0, 1] of `poly`, which is of degree 3 or less and not zero, satisfy
  * the conditions?

@@ -15,26 +15,25 @@
  * are so long that all bits are no dearer. */
 #define DEEP 4096ul
 
-static int sign_at_left(struct eng_exact_span *span, const struct eng_poly *poly,
-                        unsigned long k)
+static int sign_at_left(struct eng_exact_span *span, const struct eng_poly *poly)
 {
-    eng_poly_zoom(&span->sign, poly, span->num, k);
+    eng_poly_zoom(&span->sign, poly, span->roots.num, span->roots.k);
     return eng_poly_sign_at_0(&span->sign);
 }
 
 bool eng_roots_hold_at_left(struct eng_exact_span *span,
-                            const struct eng_conditions *conditions, unsigned long k)
+                            const struct eng_conditions *conditions)
 {
     int axis = 0;
     int n = 1;
     if (conditions->has_plane) {
-        n = sign_at_left(span, &span->form->n[0], k);
+        n = sign_at_left(span, &span->form->n[0]);
         while (n == 0 && axis < 2) {
-            n = sign_at_left(span, &span->form->n[++axis], k);
+            n = sign_at_left(span, &span->form->n[++axis]);
         }
     }
     for (int i = 0; n != 0 && i < conditions->count; i++) {
-        if (sign_at_left(span, &span->form->side[i][axis], k) * n < 0) {
+        if (sign_at_left(span, &span->form->side[i][axis]) * n < 0) {
             return false;
         }
     }
@@ -66,14 +65,14 @@ static enum answer answer_of(const struct eng_conditions *conditions,
 
 /* The signs that some coordinates have throughout the interval at hand. */
 static enum answer look(struct eng_exact_span *span,
-                        const struct eng_conditions *conditions, unsigned long k,
-                        struct signs *signs)
+                        const struct eng_conditions *conditions, struct signs *signs)
 {
     struct eng_poly *scratch = &span->sign;
+    struct eng_isolator *roots = &span->roots;
     int sign;
     for (int axis = 0; axis < 3 && conditions->has_plane; axis++) {
-        if (signs->n[axis] == 0 &&
-            eng_poly_is_plain(scratch, &span->form->n[axis], span->num, k, &sign)) {
+        if (signs->n[axis] == 0 && eng_poly_is_plain(scratch, &span->form->n[axis],
+                                                     roots->num, roots->k, &sign)) {
             signs->n[axis] = sign;
             signs->axis = sign != 0 ? axis : signs->axis;
         }
@@ -82,7 +81,7 @@ static enum answer look(struct eng_exact_span *span,
         const struct eng_poly *side = span->form->side[i];
         for (int axis = 0; axis < 3 && !signs->is_known[i]; axis++) {
             if (signs->n[axis] != 0 &&
-                eng_poly_is_plain(scratch, &side[axis], span->num, k, &sign)) {
+                eng_poly_is_plain(scratch, &side[axis], roots->num, roots->k, &sign)) {
                 signs->is_known[i] = true;
                 signs->side[i] = sign * signs->n[axis];
             }
@@ -138,77 +137,50 @@ static enum answer compute(struct eng_exact_span *span,
     return answer_of(conditions, signs);
 }
 
-/* From the interval at hand, in which one root is, to one within it. False: the root is
- * an end of that. */
-static bool deepen(struct eng_exact_span *span, unsigned long *k, unsigned long *stride)
-{
-    int sign;
-    unsigned long most = *stride < DEEP - *k ? *stride : DEEP - *k;
-    eng_poly_copy(&span->base, &span->zoomed);
-    eng_poly_shorten(&span->base);
-    if (most > 1 && eng_roots_leap(span, 1, most)) {
-        *k += most;
-        *stride = *stride < ENG_STRIDE_MAX ? *stride * 2 : ENG_STRIDE_MAX;
-        return true;
-    }
-    *stride = *stride / 8 > 2 ? *stride / 8 : 2;
-    mpz_mul_2exp(span->num, span->num, 1);
-    ++*k;
-    mpz_set_ui(span->end, 0);
-    eng_poly_zoom(&span->zoomed, &span->base, span->end, 1);
-    if (eng_poly_variations(&span->zoomed, &sign) == 1) {
-        return true;
-    }
-    mpz_set_ui(span->end, 1);
-    eng_poly_zoom(&span->zoomed, &span->base, span->end, 1);
-    mpz_add_ui(span->num, span->num, 1);
-    return eng_poly_sign_at_0(&span->zoomed) != 0;
-}
-
 /* Signs that show in shorter intervals around the root; the one at hand stays. Roots that
  * are 2^-1000 from each other take a few leaps, which all signs have in common. */
 static enum answer look_deeper(struct eng_exact_span *span,
-                               const struct eng_conditions *conditions, unsigned long k,
+                               const struct eng_conditions *conditions,
                                struct signs *signs)
 {
+    struct eng_isolator *roots = &span->roots;
     enum answer answer = UNKNOWN;
-    unsigned long deep_k = k;
-    unsigned long stride = 2;
+    const unsigned long k = roots->k;
     unsigned long next_k = k < 128 ? 256 : 2 * k;
-    mpz_set(span->before, span->num);
-    while (answer == UNKNOWN && deep_k < DEEP && deepen(span, &deep_k, &stride)) {
-        if (deep_k >= next_k) {
-            answer = look(span, conditions, deep_k, signs);
-            next_k = 2 * deep_k;
+    mpz_set(span->before, roots->num);
+    while (answer == UNKNOWN && roots->k < DEEP &&
+           eng_isolate_narrow(roots, DEEP - roots->k)) {
+        if (roots->k >= next_k) {
+            answer = look(span, conditions, signs);
+            next_k = 2 * roots->k;
         }
     }
-    mpz_set(span->num, span->before);
-    eng_poly_zoom(&span->zoomed, &span->root, span->num, k);
-    mpz_set_si(span->base_num, -1); /* it is of no interval that anybody knows */
+    eng_isolate_return(roots, span->before, k);
     return answer;
 }
 
 /* Do the conditions hold at the only root in the interval at hand? */
 static bool hold(struct eng_exact_span *span, const struct eng_conditions *conditions,
-                 unsigned long k, bool is_zero[ENG_EXACT_CONDITIONS])
+                 bool is_zero[ENG_EXACT_CONDITIONS])
 {
+    struct eng_isolator *roots = &span->roots;
     struct signs signs = {.axis = -1};
     int before = 0;
     for (int i = 0; before == 0; i++) {
-        before = mpz_sgn(span->zoomed.c[i]);
+        before = mpz_sgn(roots->zoomed.c[i]);
     }
     if (!conditions->has_plane) {
         signs.axis = 0;
         signs.n[0] = 1;
     }
-    const struct eng_root root = {&span->root, &span->num, k, before};
-    enum answer answer = look(span, conditions, k, &signs);
+    const struct eng_root root = {&roots->root, &roots->num, roots->k, before};
+    enum answer answer = look(span, conditions, &signs);
     if (answer == UNKNOWN) {
         /* For one sign alone, a shorter interval does not pay. */
         answer = compute(span, conditions, &root, conditions->count == 1, &signs);
     }
     if (answer == UNKNOWN) {
-        answer = look_deeper(span, conditions, k, &signs);
+        answer = look_deeper(span, conditions, &signs);
     }
     if (answer == UNKNOWN) {
         answer = compute(span, conditions, &root, true, &signs);
@@ -222,15 +194,15 @@ static bool hold(struct eng_exact_span *span, const struct eng_conditions *condi
 
 bool eng_roots_hold_at(struct eng_exact_span *span,
                        const struct eng_conditions *conditions, int number,
-                       unsigned long k, bool is_zero[ENG_EXACT_CONDITIONS])
+                       bool is_zero[ENG_EXACT_CONDITIONS])
 {
     struct eng_exact_known *known = &span->known;
     if (!conditions->has_plane) {
-        return hold(span, conditions, k, is_zero);
+        return hold(span, conditions, is_zero);
     }
     assert(number <= known->count && number < ENG_POLY_TERMS);
     if (number == known->count) {
-        known->holds[number] = hold(span, conditions, k, known->is_zero[number]);
+        known->holds[number] = hold(span, conditions, known->is_zero[number]);
         known->count++;
     }
     memcpy(is_zero, known->is_zero[number], sizeof known->is_zero[number]);

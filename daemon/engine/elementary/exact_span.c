@@ -74,6 +74,13 @@ static void set_part(struct eng_exact_span *span, struct eng_poly *out,
     eng_poly_narrow(out, a, span->l, span->width, span->time_k);
 }
 
+/* The time at hand is the begin of the span. */
+static void go_to_begin(struct eng_exact_span *span)
+{
+    mpz_set_ui(span->roots.num, 0);
+    span->roots.k = 0;
+}
+
 static void set_event_value(struct eng_exact_span *span,
                             const struct eng_conditions *conditions, int i)
 {
@@ -118,8 +125,8 @@ static bool event_occurs(struct eng_exact_span *span, const struct eng_exact_eve
     /* On one line all the time. */
     const struct eng_conditions none = {0, false, 0, NULL, NULL};
     if (eng_poly_sign_at_0(between) >= 0) {
-        mpz_set_ui(span->num, 0);
-        eng_roots_found_at(span, 0, 0);
+        go_to_begin(span);
+        eng_roots_found_at(span, 0);
         return true;
     }
     return eng_roots_satisfy(span, between, &none);
@@ -343,10 +350,10 @@ static bool meets(struct eng_exact *exact, const struct eng_query *query, double
     bool any = false;
     if (span->whole.det.degree < 0) {
         struct eng_conditions conditions = set_domain(span, query->kind);
-        mpz_set_ui(span->num, 0);
-        any = eng_roots_hold_at_left(span, &conditions, 0);
+        go_to_begin(span);
+        any = eng_roots_hold_at_left(span, &conditions);
         if (any) {
-            eng_roots_found_at(span, 0, 0);
+            eng_roots_found_at(span, 0);
             return true;
         }
     } else if (!keeps_its_sign(&span->form->det)) {

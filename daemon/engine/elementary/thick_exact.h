@@ -12,7 +12,7 @@
 
 #include <stdint.h>
 
-#include "poly.h"
+#include "isolate.h"
 #include "query.h"
 
 /* ---- roots (thick_roots.c) ------------------------------------------------------- */
@@ -33,26 +33,12 @@
 #define ENG_THICK_CELL_BITS   12
 #define ENG_THICK_CELL_OFFSET 1365
 
-/* An interval [num, num + 1] / 2^k with roots, or the root num / 2^k. */
-struct eng_thick_pending {
-    mpz_t num;
-    unsigned long k;
-    int variations; /* 0: it is a root itself */
-    unsigned alone; /* halvings since the last that had roots in both halves */
-    unsigned long stride;
-};
-
-/* Together they have no more variations than the degree. */
-#define ENG_THICK_PENDING 13
-
 struct eng_thick_roots {
-    struct eng_poly root;  /* the polynomial, each root once */
-    struct eng_poly slope; /* of the polynomial */
-    struct eng_poly zoomed, base, sign;
+    struct eng_isolator isolator; /* of the polynomial */
+    struct eng_poly slope;        /* of the polynomial */
+    struct eng_poly sign;         /* scratch */
     struct eng_divisor divisor;
-    struct eng_thick_pending pending[ENG_THICK_PENDING]; /* the earliest is on top */
-    int pending_count;
-    mpz_t num, at, part, cell;
+    mpz_t cell;
 };
 
 /* poly: of a degree of at most 6, and not zero; is used up. side[side_count]: of a degree
