@@ -50,7 +50,8 @@ static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER;
 static struct srv_options options;
 static struct srv_service *the_service; /* NULL: no client */
 static struct srv_conn *conns;          /* newest first */
-static uint64_t told_ns; /* when something is due, as the descriptors know; 0: never */
+static uint64_t
+    reported_ns; /* when something is due, as the descriptors know; 0: never */
 
 /* OpenMP's team does not survive a fork: a copy of the process must not compute. */
 static volatile bool is_forked;
@@ -274,8 +275,8 @@ static void do_due(void)
         work_off(the_service);
     }
     uint64_t at_ns = direct_timers_due_ns();
-    if (at_ns != told_ns) {
-        told_ns = at_ns;
+    if (at_ns != reported_ns) {
+        reported_ns = at_ns;
         for (struct srv_conn *conn = conns; conn != NULL; conn = conn->next) {
             srv_inbox_alarm(conn, at_ns);
         }
@@ -330,7 +331,7 @@ static int add_line(struct proto_direct_inbox *line, char text[PROTO_DIRECT_TEXT
         return refuse(text, PCCD_E_NOMEM, "no memory for a session");
     }
     link_conn(&line->conn);
-    srv_inbox_alarm(&line->conn, told_ns);
+    srv_inbox_alarm(&line->conn, reported_ns);
     return 0;
 }
 
@@ -487,8 +488,8 @@ static int lend_positions(struct srv_session *session, uint32_t handle, uint32_t
         eng_stage_unmap(scene->engine, placed->engine_idx);
         return 0;
     }
-    placed->lent = what == PROTO_DIRECT_HAS_X0X1 ? SRV_LENT_X0X1 : SRV_LENT_X1;
-    scene->has_lent = true;
+    placed->mapped = what == PROTO_DIRECT_HAS_X0X1 ? SRV_MAPPED_X0X1 : SRV_MAPPED_X1;
+    scene->has_mapped = true;
     return 0;
 }
 

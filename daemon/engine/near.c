@@ -371,7 +371,7 @@ static int reserve_objects(struct eng_team *team, const struct eng_question *que
                            struct eng_step_result *result)
 {
     struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
-    struct eng_near_open open;
+    struct eng_open_mesh_error open;
     int status = eng_near_objects_prepare(&memory->objects, team->scene, question,
                                           team->count, &open);
     if (status == PCCD_E_INVAL && open.object != 0) {

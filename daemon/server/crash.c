@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "crashnote.h"
+#include "crash_context.h"
 #include "invariant.h"
 
 #define FRAMES_MAX  64
@@ -65,7 +65,7 @@ static void report(const char *what)
 {
     struct line line = {.length = 0};
     void *frames[FRAMES_MAX];
-    const struct srv_crashnote *current = srv_crashnote_of_thread();
+    const struct srv_crash_context *current = srv_crash_context_of_thread();
     add_text(&line, "pccdd " PACKAGE_VERSION ": ");
     add_text(&line, what);
     add_text(&line, " in process ");

@@ -21,11 +21,11 @@ static void add_status(struct srv_heartbeat *heartbeat, char *lines, size_t byte
     uint32_t clients = heartbeat->service->client_count;
     uint64_t steps = heartbeat->service->metrics.counters.steps;
     size_t used = strlen(lines);
-    if (clients == heartbeat->told_clients && steps == heartbeat->told_steps) {
+    if (clients == heartbeat->reported_clients && steps == heartbeat->reported_steps) {
         return;
     }
-    heartbeat->told_clients = clients;
-    heartbeat->told_steps = steps;
+    heartbeat->reported_clients = clients;
+    heartbeat->reported_steps = steps;
     snprintf(lines + used, bytes - used, "%sSTATUS=%" PRIu32 " %s, %" PRIu64 " %s",
              used > 0 ? "\n" : "", clients, proto_plural(clients, "client", "clients"),
              steps, proto_plural(steps, "step", "steps"));

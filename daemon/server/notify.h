@@ -79,8 +79,8 @@ struct srv_heartbeat {
     uv_timer_t timer; /* to the next beat, or to the next word about clients */
     bool beats;       /* the manager has a watchdog: the timer never stops */
     bool is_stuck;    /* a thread that computes; said once */
-    uint32_t told_clients;
-    uint64_t told_steps;
+    uint32_t reported_clients;
+    uint64_t reported_steps;
 };
 
 /* Before anything else of it; the timer is closed with the reactor's. */

@@ -23,7 +23,7 @@
 #include "crash.h"
 #include "dispatch.h"
 #include "engine.h"
-#include "holding.h"
+#include "hold.h"
 #include "invariant.h"
 #include "lifeline.h"
 #include "linger.h"
@@ -84,7 +84,7 @@ static void close_if_open(uv_handle_t *handle)
 static void close_timers(struct srv_reactor *reactor)
 {
     srv_linger_deinit(&reactor->server.service);
-    srv_relief_deinit(&reactor->server.service.relief);
+    srv_spare_runner_deinit(&reactor->server.service.spare_runner);
     srv_reclaim_deinit(&reactor->server.service.reclaim);
     srv_stray_deinit(&reactor->server.service);
     srv_deadlines_deinit(&reactor->server.service.deadlines);
@@ -186,8 +186,7 @@ static void shut_down(struct srv_reactor *reactor, const char *why)
     srv_listener_close(&reactor->listener);
     uv_timer_stop(&reactor->idle);
     srv_linger_end_all(&reactor->server.service); /* nobody can come back any more */
-    srv_holding_end_all(
-        &reactor->server.service); /* nobody may submit what they wait for */
+    srv_hold_end_all(&reactor->server.service); /* nobody may submit what they wait for */
     srv_dispatch_goaway(&reactor->server.service, PCCD_E_SHUTDOWN,
                         "the daemon is shutting down");
     uv_timer_start(&reactor->grace, on_grace,
@@ -429,7 +428,7 @@ static int start_queues(struct srv_reactor *reactor)
                                             .context = reactor};
     int status = srv_compute_start(&service->compute, &settings);
     if (status == 0) {
-        srv_relief_begin(&service->relief);
+        srv_spare_runner_begin(&service->spare_runner);
         status = srv_reclaim_init(&service->reclaim, service);
     }
     if (status == 0) {

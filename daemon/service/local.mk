@@ -7,11 +7,11 @@ libservice_la_SOURCES = \
     daemon/service/base/log.c \
     daemon/service/base/metrics.c \
     daemon/service/queue/compute.c \
-    daemon/service/queue/crashnote.c \
+    daemon/service/queue/crash_context.c \
     daemon/service/queue/deadlines.c \
     daemon/service/queue/turns.c \
     daemon/service/queue/fairqueue.c \
-    daemon/service/queue/relief.c \
+    daemon/service/queue/runners.c \
     daemon/service/memory/enginemem.c \
     daemon/service/memory/quota.c \
     daemon/service/memory/reclaim.c \
@@ -48,7 +48,7 @@ libservice_la_SOURCES = \
     daemon/service/requests/srv_step.c \
     daemon/service/requests/handlers_scene.c \
     daemon/service/requests/handlers_watch.c \
-    daemon/service/requests/holding.c \
+    daemon/service/requests/hold.c \
     daemon/service/requests/request.c \
     daemon/service/requests/step_tell.c \
     daemon/service/setup.c

@@ -42,8 +42,8 @@ int srv_service_init(struct srv_service *service, const struct srv_options *opti
     }
     int status = srv_linger_init(service);
     if (status == 0) {
-        status = srv_relief_init(&service->relief, service, &service->compute,
-                                 service->workspaces);
+        status = srv_spare_runner_init(&service->spare_runner, service, &service->compute,
+                                       service->workspaces);
     }
     return status != 0
                ? status
@@ -54,7 +54,7 @@ void srv_service_deinit(struct srv_service *service)
 {
     PCCD_ASSERT(service->sessions == NULL);
     srv_linger_deinit(service);
-    srv_relief_deinit(&service->relief);
+    srv_spare_runner_deinit(&service->spare_runner);
     srv_reclaim_deinit(&service->reclaim);
     srv_stray_deinit(service);
     srv_deadlines_deinit(&service->deadlines);

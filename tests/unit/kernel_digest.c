@@ -554,8 +554,8 @@ static void run_decide(const struct eng_kernels *kernels, const struct ground *g
             memcpy(query.x[1][k], point->x1, sizeof point->x1);
         }
         enum eng_decision verdict = eng_decide(&query, 1e-6, i % 4 < 2 ? 1 : 0.375, &hit);
-        struct eng_bracketed out = {verdict == ENG_MEETS, verdict == ENG_OPEN, &index,
-                                    &hit, &unsure};
+        struct eng_bracketed out = {verdict == ENG_MEETS, verdict == ENG_UNDECIDED,
+                                    &index, &hit, &unsure};
         decide = digest_decided(decide, &out, 1);
     }
     say(kernels, "decide", decide);

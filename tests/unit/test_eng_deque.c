@@ -151,7 +151,7 @@ CASE(pool__blocks_are_handed_out_once_and_kept)
 #define SHARE_ITEMS 10007u
 
 struct sharers {
-    struct eng_share shares[SHARES];
+    struct eng_partition shares[SHARES];
     atomic_uint taken[SHARE_ITEMS];
     atomic_uint next_thread;
 };
@@ -162,7 +162,7 @@ static void *take_shares(void *data)
     uint32_t thread = atomic_fetch_add(&all->next_thread, 1);
     for (uint32_t i = 0; i < SHARES; i++) {
         uint32_t item;
-        while (eng_share_take(&all->shares[(thread + i) % SHARES], &item)) {
+        while (eng_partition_take(&all->shares[(thread + i) % SHARES], &item)) {
             atomic_fetch_add(&all->taken[item], 1);
         }
     }
@@ -178,7 +178,7 @@ CASE(share__every_item_is_taken_once)
         assert_non_null(all);
         memset(all, 0, sizeof *all);
         for (uint32_t i = 0; i < SHARES; i++) {
-            eng_share_init(&all->shares[i], SHARE_ITEMS, i, SHARES);
+            eng_partition_init(&all->shares[i], SHARE_ITEMS, i, SHARES);
         }
         pthread_t ids[SHARES];
         for (uint32_t i = 0; i < threads; i++) {

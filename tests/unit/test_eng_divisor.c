@@ -34,10 +34,10 @@ static struct eng_divisor *divisor_scratch(void)
 {
     static struct eng_divisor divisor;
     struct eng_limbs limbs = {NULL, 0};
-    eng_divisor_place(&divisor, &limbs);
+    eng_divisor_allocate(&divisor, &limbs);
     limbs = (struct eng_limbs){calloc(limbs.count, sizeof(mp_limb_t)), 0};
     assert_non_null(limbs.next);
-    eng_divisor_place(&divisor, &limbs);
+    eng_divisor_allocate(&divisor, &limbs);
     return &divisor;
 }
 

@@ -89,17 +89,17 @@ static void decide_thin(struct eng_batch *batch, const struct eng_pairs *pairs)
 /* A decision that was given up is left out. */
 static uint64_t search(struct eng_batch *batch, const struct eng_pairs *pairs, uint32_t i)
 {
-    struct eng_exact_watch *watch = &batch->contacts->span.watch;
+    struct eng_exact_interrupt *interrupt = &batch->contacts->span.interrupt;
     uint64_t before = batch->contacts->queries;
     struct eng_query query;
     load_query(pairs, batch->unsure[i], &query);
-    *watch = (struct eng_exact_watch){.should_stop = batch->should_stop,
-                                      .owner = batch->owner};
+    *interrupt = (struct eng_exact_interrupt){.should_stop = batch->should_stop,
+                                              .owner = batch->owner};
     bool hits =
         eng_solvers[pairs->kind].search(&query, batch->tolerance, batch->t_end,
                                         batch->contacts, &batch->hits[batch->found]);
-    batch->has_stopped = watch->has_stopped;
-    *watch = (struct eng_exact_watch){0};
+    batch->has_stopped = interrupt->has_stopped;
+    *interrupt = (struct eng_exact_interrupt){0};
     if (hits && !batch->has_stopped) {
         find(batch, batch->unsure[i]);
     }
@@ -145,7 +145,7 @@ static void decide_thick(struct eng_batch *batch, const struct eng_pairs *pairs)
                             &limits, batch->lanes->advance);
     for (uint32_t i = 0; i < left; i++) {
         batch->survivors -= batch->lanes->advance[i].now == ENG_ADVANCE_MISSES;
-        if (batch->lanes->advance[i].now == ENG_ADVANCE_OPEN) {
+        if (batch->lanes->advance[i].now == ENG_ADVANCE_UNDECIDED) {
             batch->unsure[batch->unsure_count++] = i;
         } else {
             finish(batch, i, NULL);
@@ -304,7 +304,7 @@ static void measure(struct eng_batch *batch, const struct eng_pairs *pairs)
     memcpy(batch->unsure + out.imprecise_count, batch->undecided,
            out.undecided_count * sizeof *batch->undecided);
     for (uint32_t i = 0; i < batch->found && out.wanted == ENG_DISTANCE_WHOLE; i++) {
-        eng_distance_place(kind, &batch->near[i]);
+        eng_distance_convert_params(kind, &batch->near[i]);
     }
 }
 

@@ -282,7 +282,7 @@ void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
                        struct eng_distance *distance)
 {
     find(distances, eng_distance_form(kind), x, rank, distance);
-    eng_distance_place(kind, distance);
+    eng_distance_convert_params(kind, distance);
 }
 
 bool eng_distance_crosses(struct eng_distances *distances, const double x[5][3])

@@ -48,7 +48,8 @@ void eng_distances_deinit(struct eng_distances *distances);
 
 /* What was found by the rule of a kind's form, as what the kind has: VE param[1] is where
  * on the edge, 0 at its first end; VV has none. */
-static inline void eng_distance_place(enum pccd_kind kind, struct eng_distance *distance)
+static inline void eng_distance_convert_params(enum pccd_kind kind,
+                                               struct eng_distance *distance)
 {
     if (kind == PCCD_VE || kind == PCCD_VV) {
         distance->param[1] =

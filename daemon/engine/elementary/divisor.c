@@ -18,13 +18,13 @@ static const unsigned long exponents[] = {521,   1279,  2281,  4423,  9689,
 #define BOUND_BITS   8ul /* of a coefficient of a divisor, more than of what it divides */
 #define PRODUCT_BITS (2 * LONGEST + 8)
 
-void eng_divisor_place(struct eng_divisor *divisor, struct eng_limbs *limbs)
+void eng_divisor_allocate(struct eng_divisor *divisor, struct eng_limbs *limbs)
 {
     const struct eng_poly_size common = {7, PRODUCT_BITS, 1, PRODUCT_BITS};
     const struct eng_poly_size residue = {7, PRODUCT_BITS, 2, LONGEST};
-    eng_poly_place(&divisor->common, limbs, &common);
-    eng_poly_place(&divisor->a, limbs, &residue);
-    eng_poly_place(&divisor->b, limbs, &residue);
+    eng_poly_allocate(&divisor->common, limbs, &common);
+    eng_poly_allocate(&divisor->a, limbs, &residue);
+    eng_poly_allocate(&divisor->b, limbs, &residue);
     eng_limbs_give(limbs, divisor->prime, LONGEST + 1);
     eng_limbs_give(limbs, divisor->factor, PRODUCT_BITS);
     eng_limbs_give(limbs, divisor->product, PRODUCT_BITS);

@@ -28,7 +28,7 @@
 #define ENG_EXACT_DEPTH 7296ul
 
 /* Whether anybody still waits for the decision at hand. Set by eng_batch_test. */
-struct eng_exact_watch {
+struct eng_exact_interrupt {
     bool (*should_stop)(void *owner); /* NULL: never. Asked every few intervals */
     void *owner;
     uint32_t looked_at; /* intervals */
@@ -62,7 +62,7 @@ struct eng_exact_known {
 
 /* A query and what is asked about it, see exact_span.c. */
 struct eng_exact_span {
-    struct eng_exact_watch watch;
+    struct eng_exact_interrupt interrupt;
     struct eng_query query;             /* that `whole` is of */
     bool is_loaded;                     /* it is of any */
     mpz_t x[2][4][3];                   /* points at t = 0 and 1, scaled to integers */

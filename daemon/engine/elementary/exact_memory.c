@@ -18,7 +18,7 @@ static void place_all(struct eng_poly *polys, int count, struct eng_limbs *limbs
                       const struct eng_poly_size *size)
 {
     for (int i = 0; i < count; i++) {
-        eng_poly_place(&polys[i], limbs, size);
+        eng_poly_allocate(&polys[i], limbs, size);
     }
 }
 
@@ -27,7 +27,7 @@ static void place_form(struct eng_exact_form *form, struct eng_limbs *limbs, siz
 {
     const struct eng_poly_size *quadratic =
         SIZE(3, 2 * bits + 24, scratch_count, 2 * bits + 24);
-    eng_poly_place(&form->det, limbs, SIZE(4, 3 * bits + 40, 4, 3 * bits + 40));
+    eng_poly_allocate(&form->det, limbs, SIZE(4, 3 * bits + 40, 4, 3 * bits + 40));
     place_all(form->n, 3, limbs, quadratic);
     place_all(form->side[0], 3 * ENG_EXACT_CONDITIONS, limbs, quadratic);
 }
@@ -38,15 +38,15 @@ static void place_events(struct eng_exact_span *span, struct eng_limbs *limbs)
     place_all(span->to_j, 3, limbs, difference);
     place_all(span->to_k, 3, limbs, difference);
     place_all(span->line, 3, limbs, SIZE(3, 5 * M + 16, 2, 5 * M + 16));
-    eng_poly_place(&span->common, limbs, SIZE(3, 5 * M + 16, 3, 5 * M + 16));
+    eng_poly_allocate(&span->common, limbs, SIZE(3, 5 * M + 16, 3, 5 * M + 16));
     for (int i = 0; i < ENG_EXACT_EVENTS; i++) {
-        eng_poly_place(&span->events[i].common, limbs,
-                       SIZE(3, 5 * M + 16, 3, 5 * M + 16));
-        eng_poly_place(&span->events[i].between, limbs, SIZE(3, M + 8, 0, 0));
+        eng_poly_allocate(&span->events[i].common, limbs,
+                          SIZE(3, 5 * M + 16, 3, 5 * M + 16));
+        eng_poly_allocate(&span->events[i].between, limbs, SIZE(3, M + 8, 0, 0));
     }
 }
 
-static void place_polys(struct eng_exact_span *span, struct eng_limbs *limbs)
+static void allocate_polys(struct eng_exact_span *span, struct eng_limbs *limbs)
 {
     const struct eng_poly_size *difference = SIZE(2, X + 8, 2, X + 8);
     const size_t zoomed_bits = 3 * P + 3 * K + 128;
@@ -59,10 +59,10 @@ static void place_polys(struct eng_exact_span *span, struct eng_limbs *limbs)
     place_all(span->products, ENG_EXACT_PRODUCTS, limbs, SIZE(3, M + 8, 0, 0));
     place_all(span->values, ENG_EXACT_VALUES, limbs, SIZE(5, 4 * X + 32, 0, 0));
     place_events(span, limbs);
-    eng_poly_place(&span->scratch, limbs, SIZE(5, 4 * P + 64, 2, 4 * P + 64));
-    eng_isolate_place(&span->roots, limbs, SIZE(4, 6 * P + 96, 4, 12 * P + 192),
-                      zoomed_bits, K);
-    eng_poly_place(&span->sign, limbs, SIZE(5, sign_bits, 5, sign_bits));
+    eng_poly_allocate(&span->scratch, limbs, SIZE(5, 4 * P + 64, 2, 4 * P + 64));
+    eng_isolate_allocate(&span->roots, limbs, SIZE(4, 6 * P + 96, 4, 12 * P + 192),
+                         zoomed_bits, K);
+    eng_poly_allocate(&span->sign, limbs, SIZE(5, sign_bits, 5, sign_bits));
     place_all(span->condition, ENG_EXACT_CONDITIONS, limbs,
               SIZE(5, 4 * P + 4 * K + 64, 0, 0));
 }
@@ -81,8 +81,8 @@ static void place(struct eng_exact *exact, struct eng_limbs *limbs)
     eng_limbs_give(limbs, span->before, K + 8);
     eng_limbs_give(limbs, span->value_num, K + 8);
     eng_limbs_give(limbs, span->end, 3 * P + 4 * K + 128);
-    place_polys(span, limbs);
-    eng_root_sign_place(&span->root_sign, limbs, P, K);
+    allocate_polys(span, limbs);
+    eng_root_sign_allocate(&span->root_sign, limbs, P, K);
 }
 
 static size_t limbs_of_all(void)

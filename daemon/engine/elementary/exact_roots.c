@@ -137,13 +137,13 @@ static void step_back(struct eng_exact_span *span,
 /* Intervals from a look at the clock to the next one, up to 30 us each. */
 #define INTERVALS_A_LOOK 8u
 
-static bool should_stop(struct eng_exact_watch *watch)
+static bool should_stop(struct eng_exact_interrupt *interrupt)
 {
-    if (watch->should_stop != NULL && !watch->has_stopped &&
-        ++watch->looked_at % INTERVALS_A_LOOK == 0) {
-        watch->has_stopped = watch->should_stop(watch->owner);
+    if (interrupt->should_stop != NULL && !interrupt->has_stopped &&
+        ++interrupt->looked_at % INTERVALS_A_LOOK == 0) {
+        interrupt->has_stopped = interrupt->should_stop(interrupt->owner);
     }
-    return watch->has_stopped;
+    return interrupt->has_stopped;
 }
 
 /* Each root once. */
@@ -165,7 +165,7 @@ static bool find_place(struct eng_exact_span *span,
     struct eng_isolator *roots = &span->roots;
     unsigned long undecided = 0; /* k of the last interval around it that was not plain */
     begin_values(span, conditions, plains);
-    while (!should_stop(&span->watch)) {
+    while (!should_stop(&span->interrupt)) {
         /* No farther at once than where bisection may stop. */
         unsigned long most = span->depth_min - roots->k;
         if (roots->k >= span->depth_min) {
@@ -203,7 +203,7 @@ bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,
     set_root(span, poly);
     eng_isolate_begin(roots);
     while (eng_isolate_next(roots)) {
-        if (should_stop(&span->watch)) {
+        if (should_stop(&span->interrupt)) {
             return false;
         }
         if (roots->variations > 1) {

@@ -339,7 +339,7 @@ static bool meets(struct eng_exact *exact, const struct eng_query *query, double
                   double r)
 {
     struct eng_exact_span *span = &exact->span;
-    if (span->watch.has_stopped) {
+    if (span->interrupt.has_stopped) {
         return false;
     }
     exact->queries++;

@@ -7,7 +7,7 @@
 #define ALONE_MIN  3u
 #define STRIDE_MIN 4ul
 
-void eng_isolate_place(struct eng_isolator *isolator, struct eng_limbs *limbs,
+void eng_isolate_allocate(struct eng_isolator *isolator, struct eng_limbs *limbs,
                        const struct eng_poly_size *root_size, size_t zoomed_bits,
                        unsigned long depth_max)
 {
@@ -15,9 +15,9 @@ void eng_isolate_place(struct eng_isolator *isolator, struct eng_limbs *limbs,
                                          zoomed_bits};
     const size_t num_bits = depth_max + 8;
     isolator->depth_max = depth_max;
-    eng_poly_place(&isolator->root, limbs, root_size);
-    eng_poly_place(&isolator->zoomed, limbs, &zoomed);
-    eng_poly_place(&isolator->base, limbs, &zoomed);
+    eng_poly_allocate(&isolator->root, limbs, root_size);
+    eng_poly_allocate(&isolator->zoomed, limbs, &zoomed);
+    eng_poly_allocate(&isolator->base, limbs, &zoomed);
     eng_limbs_give(limbs, isolator->num, num_bits);
     eng_limbs_give(limbs, isolator->at, num_bits);
     eng_limbs_give(limbs, isolator->part, zoomed_bits + ENG_ISOLATE_STRIDE_MAX);

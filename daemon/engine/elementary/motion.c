@@ -231,9 +231,9 @@ ENG_INLINE void find_closest(enum pccd_kind kind, const struct eng_pose *pose,
 {
     const struct eng_pose_lanes at = {vector_of(pose->p), vector_of(pose->b),
                                       vector_of(pose->c)};
-    struct eng_way way = eng_way_of(kind, &at);
-    *closest =
-        (struct eng_closest){way.beta, way.gamma, {way.gap.x, way.gap.y, way.gap.z}};
+    struct eng_nearest_gap nearest = eng_nearest_gap_of(kind, &at);
+    *closest = (struct eng_closest){
+        nearest.beta, nearest.gamma, {nearest.gap.x, nearest.gap.y, nearest.gap.z}};
 }
 
 void eng_closest_to_origin(enum pccd_kind kind, const struct eng_pose *pose,

@@ -7,8 +7,8 @@
 #include <assert.h>
 #include <limits.h>
 
-void eng_poly_place(struct eng_poly *poly, struct eng_limbs *limbs,
-                    const struct eng_poly_size *size)
+void eng_poly_allocate(struct eng_poly *poly, struct eng_limbs *limbs,
+                       const struct eng_poly_size *size)
 {
     poly->degree = -1;
     for (int i = 0; i < size->terms; i++) {

@@ -29,8 +29,8 @@ struct eng_poly_size {
     size_t scratch_bits; /* output, or counts its variations, says how many */
 };
 
-void eng_poly_place(struct eng_poly *poly, struct eng_limbs *limbs,
-                    const struct eng_poly_size *size);
+void eng_poly_allocate(struct eng_poly *poly, struct eng_limbs *limbs,
+                       const struct eng_poly_size *size);
 
 /* Outputs may not be the same object as inputs, except for `out` = `a` in add and sub. */
 void eng_poly_copy(struct eng_poly *out, const struct eng_poly *a);
@@ -145,7 +145,7 @@ struct eng_divisor {
     mpz_t prime, factor, product;
 };
 
-void eng_divisor_place(struct eng_divisor *divisor, struct eng_limbs *limbs);
+void eng_divisor_allocate(struct eng_divisor *divisor, struct eng_limbs *limbs);
 
 /* common = the greatest common divisor of a and b. Their degrees are 1 to 6 and add up to
  * 11 at most. */

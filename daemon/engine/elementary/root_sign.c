@@ -17,7 +17,7 @@
 #define ALL_BITS LONG_MAX /* nothing is rounded */
 
 /* `bits`: of the longest value that is ever in it. */
-static void ball_place(struct eng_ball *ball, struct eng_limbs *limbs, size_t bits)
+static void ball_allocate(struct eng_ball *ball, struct eng_limbs *limbs, size_t bits)
 {
     eng_limbs_give(limbs, ball->value, bits);
 }
@@ -126,23 +126,23 @@ static bool ball_sign(const struct eng_ball *ball, int *sign)
 /* ---- signs ----------------------------------------------------------------------- */
 
 /* BOUNDS.md, "How long numbers become". */
-void eng_root_sign_place(struct eng_root_sign *sign, struct eng_limbs *limbs, size_t bits,
-                         size_t depth)
+void eng_root_sign_allocate(struct eng_root_sign *sign, struct eng_limbs *limbs,
+                            size_t bits, size_t depth)
 {
     const size_t g_bits = 2 * bits + 24;
     const size_t zoomed_bits = 2 * bits + 3 * depth + 128;
     const size_t rest_bits = 16 * bits + depth + 256;
-    eng_poly_place(&sign->g, limbs, &(struct eng_poly_size){3, g_bits, 0, 0});
-    eng_poly_place(&sign->zoomed, limbs,
-                   &(struct eng_poly_size){3, zoomed_bits, 3, zoomed_bits});
+    eng_poly_allocate(&sign->g, limbs, &(struct eng_poly_size){3, g_bits, 0, 0});
+    eng_poly_allocate(&sign->zoomed, limbs,
+                      &(struct eng_poly_size){3, zoomed_bits, 3, zoomed_bits});
     for (int i = 0; i < 3; i++) {
-        ball_place(&sign->quadratic[i], limbs, g_bits);
+        ball_allocate(&sign->quadratic[i], limbs, g_bits);
     }
     for (int i = 0; i < 4; i++) {
-        ball_place(&sign->rest[i], limbs, rest_bits);
+        ball_allocate(&sign->rest[i], limbs, rest_bits);
     }
-    ball_place(&sign->at, limbs, rest_bits);
-    ball_place(&sign->product, limbs, rest_bits);
+    ball_allocate(&sign->at, limbs, rest_bits);
+    ball_allocate(&sign->product, limbs, rest_bits);
     eng_limbs_give(limbs, sign->x, g_bits + 1);
     eng_limbs_give(limbs, sign->y, g_bits + 1);
     mpz_ptr swapped[] = {sign->power, sign->value, sign->scratch};

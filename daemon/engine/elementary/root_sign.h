@@ -39,8 +39,8 @@ struct eng_root_sign {
 
 /* The root's polynomial has coefficients of up to 3 bits + 32 bits, the others of 2 bits
  * + 24; k is at most `depth`. */
-void eng_root_sign_place(struct eng_root_sign *sign, struct eng_limbs *limbs, size_t bits,
-                         size_t depth);
+void eng_root_sign_allocate(struct eng_root_sign *sign, struct eng_limbs *limbs,
+                            size_t bits, size_t depth);
 
 /* *sign: of `poly` (of degree 2 or less) at the root: -1, 0 or 1. False: with few bits
  * it is not sure; it is not 0, and in a short enough interval around the root `poly` has

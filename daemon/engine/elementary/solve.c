@@ -424,7 +424,7 @@ bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
         return false;
     case ENG_MEETS:
         return true;
-    case ENG_OPEN:
+    case ENG_UNDECIDED:
         break;
     }
     return !is_filtered(query) && eng_search(query, tolerance, t_end, exact, hit);

@@ -53,7 +53,7 @@ struct eng_solver {
     bool has_kernels;
     /* Decides any query, by exact arithmetic where rounding hides the answer. True: a
      * contact that begins before or at `t_end`, and *hit is set; [toi, toi_hi] is at most
-     * `tolerance` long. Where exact->span.watch has stopped, the answer means nothing.
+     * `tolerance` long. Where exact->span.interrupt has stopped it, the answer is void.
      * NULL: features of the kind only meet at a distance (thick.h). */
     bool (*search)(const struct eng_query *query, double tolerance, double t_end,
                    struct eng_exact *exact, struct eng_hit *hit);

@@ -94,7 +94,7 @@ bool eng_thick_decide(struct eng_thick *thick, const struct eng_thick_query *que
 {
     int depth = eng_thick_depth(tolerance);
     struct eng_hit found = {0};
-    thick->decided[ENG_THICK_BY_DOUBLES] += advance->now != ENG_ADVANCE_OPEN;
+    thick->decided[ENG_THICK_BY_DOUBLES] += advance->now != ENG_ADVANCE_UNDECIDED;
     switch ((enum eng_advanced)advance->now) {
     case ENG_ADVANCE_MISSES:
         return false;
@@ -105,7 +105,7 @@ bool eng_thick_decide(struct eng_thick *thick, const struct eng_thick_query *que
         set_cell(&found, (int64_t)advance->cell, depth);
         found.flags |= advance->is_inside ? PCCD_INSIDE : 0;
         break;
-    case ENG_ADVANCE_OPEN:
+    case ENG_ADVANCE_UNDECIDED:
         if (!decide_exactly(thick, query, depth, &found)) {
             return false;
         }
@@ -134,7 +134,7 @@ bool eng_thick_solve(struct eng_thick *thick, struct eng_exact *contacts,
     }
     advance_alone(query, eng_thick_depth(tolerance), t_end, &advance);
     if (thick->first == ENG_THICK_BY_INTEGERS) {
-        advance.now = ENG_ADVANCE_OPEN;
+        advance.now = ENG_ADVANCE_UNDECIDED;
     }
     if (!eng_thick_decide(thick, query, &advance, tolerance, t_end, &found)) {
         return false;

@@ -23,12 +23,12 @@
 static_assert(ENG_THICK_SIDE_BITS >= 4 * X + 64, "a side");
 static_assert(ENG_THICK_POLY_BITS >= 10 * X + 2400 + 16, "poly, its Bernstein form");
 
-static void place_polys(struct eng_poly *polys, int count, struct eng_limbs *limbs,
-                        int terms, size_t bits)
+static void allocate_polys(struct eng_poly *polys, int count, struct eng_limbs *limbs,
+                           int terms, size_t bits)
 {
     for (int i = 0; i < count; i++) {
         const struct eng_poly_size size = {terms, bits, terms, bits};
-        eng_poly_place(&polys[i], limbs, &size);
+        eng_poly_allocate(&polys[i], limbs, &size);
     }
 }
 
@@ -39,18 +39,18 @@ static void place(struct eng_thick_exact *exact, struct eng_limbs *limbs)
     for (int i = 0; i < 5; i++) {
         eng_limbs_give(limbs, numbers[i], 12 * X + 2400);
     }
-    place_polys(exact->x[0], 12, limbs, 2, X + 8);
-    place_polys(exact->p, 3, limbs, 2, X + 8);
-    place_polys(exact->b, 3, limbs, 2, X + 8);
-    place_polys(exact->c, 3, limbs, 2, X + 8);
-    place_polys(exact->n, 3, limbs, 3, 2 * X + 32);
-    place_polys(exact->cross, 3, limbs, 3, 2 * X + 32);
-    place_polys(&exact->term, 1, limbs, 7, 6 * X + 64);
-    place_polys(&exact->num, 1, limbs, 7, 6 * X + 64);
-    place_polys(&exact->den, 1, limbs, 5, 4 * X + 64);
-    place_polys(exact->side, ENG_THICK_SIDES, limbs, 5, ENG_THICK_SIDE_BITS);
-    place_polys(&exact->poly, 1, limbs, 7, ENG_THICK_POLY_BITS);
-    eng_thick_roots_place(&exact->roots, limbs);
+    allocate_polys(exact->x[0], 12, limbs, 2, X + 8);
+    allocate_polys(exact->p, 3, limbs, 2, X + 8);
+    allocate_polys(exact->b, 3, limbs, 2, X + 8);
+    allocate_polys(exact->c, 3, limbs, 2, X + 8);
+    allocate_polys(exact->n, 3, limbs, 3, 2 * X + 32);
+    allocate_polys(exact->cross, 3, limbs, 3, 2 * X + 32);
+    allocate_polys(&exact->term, 1, limbs, 7, 6 * X + 64);
+    allocate_polys(&exact->num, 1, limbs, 7, 6 * X + 64);
+    allocate_polys(&exact->den, 1, limbs, 5, 4 * X + 64);
+    allocate_polys(exact->side, ENG_THICK_SIDES, limbs, 5, ENG_THICK_SIDE_BITS);
+    allocate_polys(&exact->poly, 1, limbs, 7, ENG_THICK_POLY_BITS);
+    eng_thick_roots_allocate(&exact->roots, limbs);
 }
 
 static size_t limbs_of_all(void)

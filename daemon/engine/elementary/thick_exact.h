@@ -48,7 +48,7 @@ bool eng_thick_first_root(struct eng_thick_roots *roots, struct eng_poly *poly,
                           const struct eng_poly *side, int side_count, int depth,
                           int64_t *cell);
 
-void eng_thick_roots_place(struct eng_thick_roots *roots, struct eng_limbs *limbs);
+void eng_thick_roots_allocate(struct eng_thick_roots *roots, struct eng_limbs *limbs);
 
 /* The number of the cell of time t, 0 <= t <= 1, and where a cell begins, cut to
  * [0, 1]. `depth` is at most 40, so all of this is exact. */

@@ -22,16 +22,16 @@
 static void place(struct eng_poly *poly, struct eng_limbs *limbs, int terms, size_t bits)
 {
     const struct eng_poly_size size = {terms, bits, terms, bits};
-    eng_poly_place(poly, limbs, &size);
+    eng_poly_allocate(poly, limbs, &size);
 }
 
-void eng_thick_roots_place(struct eng_thick_roots *roots, struct eng_limbs *limbs)
+void eng_thick_roots_allocate(struct eng_thick_roots *roots, struct eng_limbs *limbs)
 {
     const struct eng_poly_size size = {7, ROOT_BITS, 7, ROOT_BITS};
-    eng_isolate_place(&roots->isolator, limbs, &size, ZOOMED_BITS, DEPTH_MAX);
+    eng_isolate_allocate(&roots->isolator, limbs, &size, ZOOMED_BITS, DEPTH_MAX);
     place(&roots->slope, limbs, 6, ROOT_BITS);
     place(&roots->sign, limbs, 7, ZOOMED_BITS);
-    eng_divisor_place(&roots->divisor, limbs);
+    eng_divisor_allocate(&roots->divisor, limbs);
     eng_limbs_give(limbs, roots->cell, DEPTH_MAX + 64);
 }
 

@@ -114,7 +114,7 @@ ENG_INLINE eng_d eng_thick_size(const struct eng_thick_motion *motion)
     eng_d size = {0};
 #pragma GCC unroll 4
     for (int k = 0; k < motion->count; k++) {
-        size = eng_d_max(size, eng_v_reach(motion->w[0][k], motion->w[1][k]));
+        size = eng_d_max(size, eng_v_size_of_two(motion->w[0][k], motion->w[1][k]));
     }
     return size;
 }
@@ -126,11 +126,11 @@ ENG_INLINE void eng_thick_scale(struct eng_thick_motion *motion, eng_d factor)
         struct eng_pose_lanes *pose = &motion->at[end];
 #pragma GCC unroll 4
         for (int k = 0; k < motion->count; k++) {
-            motion->w[end][k] = eng_v_times(factor, motion->w[end][k]);
+            motion->w[end][k] = eng_v_scale(factor, motion->w[end][k]);
         }
-        pose->p = eng_v_times(factor, pose->p);
-        pose->b = eng_v_times(factor, pose->b);
-        pose->c = eng_v_times(factor, pose->c);
+        pose->p = eng_v_scale(factor, pose->p);
+        pose->b = eng_v_scale(factor, pose->b);
+        pose->c = eng_v_scale(factor, pose->c);
     }
 }
 
@@ -176,15 +176,15 @@ ENG_INLINE struct eng_pose_lanes eng_thick_pose_at(const struct eng_thick_motion
 }
 
 /* About from the nearest point of feature b to that of feature a. */
-ENG_INLINE struct eng_way eng_thick_way_at(enum pccd_kind form,
-                                           const struct eng_thick_motion *motion, eng_d t)
+ENG_INLINE struct eng_nearest_gap
+eng_thick_estimate_at(enum pccd_kind form, const struct eng_thick_motion *motion, eng_d t)
 {
     struct eng_pose_lanes pose = eng_thick_pose_at(motion, t);
-    struct eng_way way = eng_way_of(form, &pose);
+    struct eng_nearest_gap nearest = eng_nearest_gap_of(form, &pose);
     if (form == PCCD_EE) {
-        way.gap = (struct eng_v){-way.gap.x, -way.gap.y, -way.gap.z};
+        nearest.gap = (struct eng_v){-nearest.gap.x, -nearest.gap.y, -nearest.gap.z};
     }
-    return way;
+    return nearest;
 }
 
 /* ---- advance --------------------------------------------------------------------- */
@@ -193,10 +193,11 @@ ENG_INLINE struct eng_way eng_thick_way_at(enum pccd_kind form,
 #define TURNS_MAX   48
 #define EARLY_TURNS 2
 
-/* BOUNDS.md derives them: of a projection, times the size of its direction; of the length
- * of a way; of a quotient and of other products. All differences are below 1. */
+/* Error bounds that BOUNDS.md derives: of a projection, times the size of its direction;
+ * of the length of a gap; of a quotient and of other products. All differences are below
+ * 1. */
 #define PROJECTED (8 * ENG_U)
-#define WAY       (96 * ENG_U)
+#define GAP_ERROR (96 * ENG_U)
 #define ROUNDED   (8 * ENG_U)
 #define HEIGHT    (512 * ENG_U) /* of a determinant; a third of three */
 #define ACROSS    (320 * ENG_U) /* of a length across, or of two in the middle */
@@ -385,10 +386,10 @@ struct direction {
     eng_d least;
 };
 
-ENG_INLINE struct direction direction_of(struct eng_way way, eng_d r, eng_d t)
+ENG_INLINE struct direction direction_of(struct eng_nearest_gap nearest, eng_d r, eng_d t)
 {
-    eng_d length = eng_d_sqrt(eng_v_dot(way.gap, way.gap));
-    struct eng_v g = eng_v_times(1 / length, way.gap);
+    eng_d length = eng_d_sqrt(eng_v_dot(nearest.gap, nearest.gap));
+    struct eng_v g = eng_v_scale(1 / length, nearest.gap);
     struct eng_v sizes = eng_v_abs(g);
     eng_d size = eng_d_sqrt(eng_v_dot(g, g)) * (1 + ROUNDED) + ENG_TINY;
     return (struct direction){
@@ -428,16 +429,16 @@ ENG_INLINE eng_d turning_until(const struct eng_thick_motion *motion,
 
 /* About when the nearest points of a time will be r apart; 1: they will not. */
 ENG_INLINE eng_d meeting_of(enum pccd_kind form, const struct eng_thick_motion *motion,
-                            const struct eng_way *way, eng_d r, eng_d t)
+                            const struct eng_nearest_gap *nearest, eng_d r, eng_d t)
 {
     const struct eng_pose_lanes *at = motion->at;
     const eng_d zero = {0};
     struct eng_v speed =
         eng_v_sub(eng_v_sub(eng_v_sub(at[1].p, at[0].p),
-                            eng_v_times(way->beta, eng_v_sub(at[1].b, at[0].b))),
-                  eng_v_times(way->gamma, eng_v_sub(at[1].c, at[0].c)));
-    eng_d gg = eng_v_dot(way->gap, way->gap);
-    eng_d fall = eng_v_dot(way->gap, speed); /* times |gap| */
+                            eng_v_scale(nearest->beta, eng_v_sub(at[1].b, at[0].b))),
+                  eng_v_scale(nearest->gamma, eng_v_sub(at[1].c, at[0].c)));
+    eng_d gg = eng_v_dot(nearest->gap, nearest->gap);
+    eng_d fall = eng_v_dot(nearest->gap, speed); /* times |gap| */
     if (form == PCCD_VF) {
         fall = -fall;
     }
@@ -501,15 +502,16 @@ ENG_INLINE void approach(const struct eng_thick_motion *motion, eng_dm is_inside
  * about at t to the one when they will about be r apart; or along that one. */
 ENG_INLINE eng_d turning(enum pccd_kind form, const struct eng_thick_motion *motion,
                          const struct eng_thick_cells *cells, eng_d r,
-                         const struct eng_way *way, eng_d t)
+                         const struct eng_nearest_gap *nearest, eng_d t)
 {
-    eng_d end = shortly_before(cells, meeting_of(form, motion, way, r, t), t);
-    struct eng_way then = eng_thick_way_at(form, motion, end);
-    struct direction from = direction_of(*way, r, t);
+    eng_d end = shortly_before(cells, meeting_of(form, motion, nearest, r, t), t);
+    struct eng_nearest_gap then = eng_thick_estimate_at(form, motion, end);
+    struct direction from = direction_of(*nearest, r, t);
     struct direction to = direction_of(then, r, end);
     eng_d until = turning_until(motion, &from, &to);
-    eng_d gg = eng_d_min(eng_v_dot(way->gap, way->gap), eng_v_dot(then.gap, then.gap));
-    eng_dm is_sure = eng_d_less(eng_d_all(WAY * WAY), gg);
+    eng_d gg =
+        eng_d_min(eng_v_dot(nearest->gap, nearest->gap), eng_v_dot(then.gap, then.gap));
+    eng_dm is_sure = eng_d_less(eng_d_all(GAP_ERROR * GAP_ERROR), gg);
     return eng_d_max(eng_d_select(is_sure, until, t),
                      apart_until(motion, then.gap, r, t));
 }
@@ -536,20 +538,21 @@ ENG_INLINE void turn(enum pccd_kind form, bool is_late,
     eng_dm is_new = eng_dm_and(has_begun, eng_d_less(known->looked, known->cell));
     eng_d look = eng_d_select(is_new, eng_thick_end(cells, known->cell), until);
     known->looked = eng_d_select(is_new, known->cell, known->looked);
-    struct eng_way way = eng_thick_way_at(form, motion, look);
-    eng_d most = eng_d_sqrt(eng_v_dot(way.gap, way.gap)) * (1 + ROUNDED) + WAY + ENG_TINY;
+    struct eng_nearest_gap nearest = eng_thick_estimate_at(form, motion, look);
+    eng_d most = eng_d_sqrt(eng_v_dot(nearest.gap, nearest.gap)) * (1 + ROUNDED) +
+                 GAP_ERROR + ENG_TINY;
     known->meets =
         eng_dm_and(eng_d_at_most(most, known->reach.lo), eng_dm_not(known->misses));
     eng_dm at_once = eng_dm_and(known->meets, eng_dm_not(has_begun));
     known->is_inside = eng_dm_or(known->is_inside, at_once);
     if (limits->approach > 0 && eng_dm_bits(at_once) != 0) {
-        approach(motion, at_once, limits->approach, way.gap, most, &known->reach);
+        approach(motion, at_once, limits->approach, nearest.gap, most, &known->reach);
         known->meets = eng_dm_and(known->meets, has_begun);
     }
-    eng_d next = apart_until(motion, way.gap, known->reach.hi, until);
+    eng_d next = apart_until(motion, nearest.gap, known->reach.hi, until);
     if (is_late) {
-        next =
-            eng_d_max(next, turning(form, motion, cells, known->reach.hi, &way, until));
+        next = eng_d_max(next,
+                         turning(form, motion, cells, known->reach.hi, &nearest, until));
     }
     until = eng_d_select(known->meets, until, next);
     known->misses = eng_dm_or(known->misses, eng_dm_and(eng_d_at_most(zero + 1, until),
@@ -608,7 +611,7 @@ ENG_INLINE void store_known(const struct known *known, uint32_t n,
         own[lane]->looked = x[4][lane];
         own[lane]->is_inside = inside >> lane & 1u;
         own[lane]->now = misses >> lane & 1u     ? ENG_ADVANCE_MISSES
-                         : !(meets >> lane & 1u) ? ENG_ADVANCE_OPEN
+                         : !(meets >> lane & 1u) ? ENG_ADVANCE_UNDECIDED
                          : x[0][lane] > 0        ? ENG_ADVANCE_MEETS
                                                  : ENG_ADVANCE_INITIALLY;
     }
@@ -647,7 +650,7 @@ ENG_INLINE void advance(enum pccd_kind form, const struct eng_point *points,
                 turn(form, true, &motion, limits, &cells, &known);
             }
             store_known(&known, n, own);
-            kept += eng_keep(live + kept, live + i, n, eng_dm_bits(known.goes_on));
+            kept += eng_compress(live + kept, live + i, n, eng_dm_bits(known.goes_on));
         }
         count = kept;
     }
@@ -682,14 +685,15 @@ ENG_INLINE void describe(enum pccd_kind form, bool is_ve, const struct eng_point
         for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
             at[lane] = hits[i + (lane < n ? lane : 0)].toi;
         }
-        struct eng_way way = eng_thick_way_at(form, &motion, eng_d_load(at));
-        eng_d length = eng_d_sqrt(eng_v_dot(way.gap, way.gap));
-        eng_dm is_sure = eng_d_less(eng_d_all(WAY), length);
-        eng_d_quantised(as[0], is_ve ? zero : way.beta);
-        eng_d_quantised(as[1], is_ve ? way.beta : way.gamma);
-        eng_d_quantised(as[2], eng_d_select(is_sure, way.gap.x / length, zero));
-        eng_d_quantised(as[3], eng_d_select(is_sure, way.gap.y / length, zero));
-        eng_d_quantised(as[4], eng_d_select(is_sure, way.gap.z / length, zero));
+        struct eng_nearest_gap nearest =
+            eng_thick_estimate_at(form, &motion, eng_d_load(at));
+        eng_d length = eng_d_sqrt(eng_v_dot(nearest.gap, nearest.gap));
+        eng_dm is_sure = eng_d_less(eng_d_all(GAP_ERROR), length);
+        eng_d_quantised(as[0], is_ve ? zero : nearest.beta);
+        eng_d_quantised(as[1], is_ve ? nearest.beta : nearest.gamma);
+        eng_d_quantised(as[2], eng_d_select(is_sure, nearest.gap.x / length, zero));
+        eng_d_quantised(as[3], eng_d_select(is_sure, nearest.gap.y / length, zero));
+        eng_d_quantised(as[4], eng_d_select(is_sure, nearest.gap.z / length, zero));
         for (uint32_t lane = 0; lane < n; lane++) {
             struct eng_hit *hit = &hits[i + lane];
             hit->param[0] = as[0][lane];

@@ -32,13 +32,13 @@
 
 /* Append the contacts of the lanes `bits` that begin in time. */
 ENG_INLINE void write_hits(enum pccd_kind kind, const struct lanes *lanes, uint32_t bits,
-                           eng_d x, eng_d y, const struct eng_spot *spot, double t_end,
-                           struct eng_bracketed *out)
+                           eng_d x, eng_d y, const struct eng_domain_test *domain,
+                           double t_end, struct eng_bracketed *out)
 {
     double at[2][ENG_D_LANES];
     float as[5][ENG_D_LANES];
     eng_d numbers[5];
-    describe(kind, lanes, spot, numbers);
+    describe(kind, lanes, domain, numbers);
     eng_d_store(at[0], x);
     eng_d_store(at[1], y);
 #pragma GCC unroll 5
@@ -71,7 +71,7 @@ ENG_INLINE eng_dm close(enum pccd_kind kind, enum look look, struct lanes *lanes
     struct bracket at = enclose(kind, look, lanes, limits);
     uint32_t hit = eng_dm_bits(at.meets) & lanes->wanted;
     if (hit != 0) {
-        write_hits(kind, lanes, hit, at.x, at.y, &at.spot, limits->t_end, out);
+        write_hits(kind, lanes, hit, at.x, at.y, &at.domain, limits->t_end, out);
         lanes->done |= hit;
     }
     return at.passed;
@@ -159,8 +159,8 @@ ENG_INLINE uint32_t look_at_all(enum pccd_kind kind, enum look look,
         look_at(kind, look, lanes, groups, limits, out);
         for (uint32_t g = 0; g < groups; g++) {
             uint32_t n = lanes[g].count;
-            left_count += eng_keep(left + left_count, lanes[g].pairs, n,
-                                   ((1u << n) - 1) & ~lanes[g].done);
+            left_count += eng_compress(left + left_count, lanes[g].pairs, n,
+                                       ((1u << n) - 1) & ~lanes[g].done);
         }
     }
     return left_count;

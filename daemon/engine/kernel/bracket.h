@@ -228,7 +228,7 @@ ENG_INLINE struct eng_motion_lanes eng_motion_of(enum pccd_kind kind,
     }
 #pragma GCC unroll 3
     for (int k = 0; k < 3; k++) {
-        motion.size[k] = eng_v_reach(motion.v[0][k], motion.v[1][k]);
+        motion.size[k] = eng_v_size_of_two(motion.v[0][k], motion.v[1][k]);
     }
     return motion;
 }
@@ -242,7 +242,7 @@ ENG_INLINE struct eng_motion_lanes eng_motion_load(enum pccd_kind kind,
 }
 
 /* Where the features are in a bracket. */
-struct eng_spot {
+struct eng_domain_test {
     eng_dm inside;  /* certainly in the domain at every time of it, b and c independent */
     eng_dm outside; /* certainly no contact at any time of it */
     struct eng_v n; /* b x c in its middle */
@@ -255,17 +255,18 @@ struct eng_spot {
  * parallel and faces nearly a line. */
 
 /* VF: the weights of the corners, (d_j x d_k) . n; none of d_j x d_k is longer than n. */
-ENG_INLINE struct eng_spot eng_spot_vf(const struct eng_v v[3], const eng_d size[3],
-                                       eng_d e, eng_d e_flat, bool closely)
+ENG_INLINE struct eng_domain_test eng_domain_test_vf(const struct eng_v v[3],
+                                                     const eng_d size[3], eng_d e,
+                                                     eng_d e_flat, bool closely)
 {
-    struct eng_spot spot;
+    struct eng_domain_test domain;
     struct eng_v m0 = eng_v_cross(v[1], v[2]);
     struct eng_v m1 = eng_v_cross(v[2], v[0]);
     struct eng_v m2 = eng_v_cross(v[0], v[1]);
-    spot.n = eng_v_add(eng_v_add(m0, m1), m2);
-    eng_d w0 = eng_v_dot(m0, spot.n);
-    eng_d w1 = eng_v_dot(m1, spot.n);
-    eng_d w2 = eng_v_dot(m2, spot.n);
+    domain.n = eng_v_add(eng_v_add(m0, m1), m2);
+    eng_d w0 = eng_v_dot(m0, domain.n);
+    eng_d w1 = eng_v_dot(m1, domain.n);
+    eng_d w2 = eng_v_dot(m2, domain.n);
     eng_d s0 = size[1] * size[2];
     eng_d s1 = size[2] * size[0];
     eng_d s2 = size[0] * size[1];
@@ -274,32 +275,35 @@ ENG_INLINE struct eng_spot eng_spot_vf(const struct eng_v v[3], const eng_d size
     eng_d e0 = e * s0;
     eng_d e1 = e * s1;
     eng_d e2 = e * s2;
-    spot.inside = eng_dm_and(eng_dm_and(eng_d_less(e0, w0), eng_d_less(e1, w1)),
-                             eng_d_less(e2, w2));
-    spot.outside = eng_dm_or(eng_dm_or(eng_d_less(w0, -e0), eng_d_less(w1, -e1)),
-                             eng_d_less(w2, -e2));
+    domain.inside = eng_dm_and(eng_dm_and(eng_d_less(e0, w0), eng_d_less(e1, w1)),
+                               eng_d_less(e2, w2));
+    domain.outside = eng_dm_or(eng_dm_or(eng_d_less(w0, -e0), eng_d_less(w1, -e1)),
+                               eng_d_less(w2, -e2));
     if (closely) {
-        eng_d longest = eng_d_max_abs(eng_v_reach(m0, m1), eng_v_reach(m2, m2));
-        eng_d n = eng_v_reach(spot.n, spot.n);
-        spot.outside = eng_dm_or(spot.outside, eng_d_less(n + 2 * e_flat * s, longest));
+        eng_d longest =
+            eng_d_max_abs(eng_v_size_of_two(m0, m1), eng_v_size_of_two(m2, m2));
+        eng_d n = eng_v_size_of_two(domain.n, domain.n);
+        domain.outside =
+            eng_dm_or(domain.outside, eng_d_less(n + 2 * e_flat * s, longest));
     }
-    spot.nn = w0 + w1 + w2;
-    spot.param[0] = w1;
-    spot.param[1] = w2;
-    return spot;
+    domain.nn = w0 + w1 + w2;
+    domain.param[0] = w1;
+    domain.param[1] = w2;
+    return domain;
 }
 
 /* EE: (p x c) . n and (b x p) . n against n . n, and neither longer than n. */
-ENG_INLINE struct eng_spot eng_spot_ee(const struct eng_v v[3], const eng_d size[3],
-                                       eng_d e, eng_d e_flat, bool closely)
+ENG_INLINE struct eng_domain_test eng_domain_test_ee(const struct eng_v v[3],
+                                                     const eng_d size[3], eng_d e,
+                                                     eng_d e_flat, bool closely)
 {
-    struct eng_spot spot;
-    spot.n = eng_v_cross(v[1], v[2]);
+    struct eng_domain_test domain;
+    domain.n = eng_v_cross(v[1], v[2]);
     struct eng_v m_beta = eng_v_cross(v[0], v[2]);
     struct eng_v m_gamma = eng_v_cross(v[1], v[0]);
-    eng_d nn = eng_v_dot(spot.n, spot.n);
-    eng_d beta = eng_v_dot(m_beta, spot.n);
-    eng_d gamma = eng_v_dot(m_gamma, spot.n);
+    eng_d nn = eng_v_dot(domain.n, domain.n);
+    eng_d beta = eng_v_dot(m_beta, domain.n);
+    eng_d gamma = eng_v_dot(m_gamma, domain.n);
     eng_d s = size[1] * size[2];
     eng_d s_beta = size[0] * size[2];
     eng_d s_gamma = size[0] * size[1];
@@ -311,28 +315,28 @@ ENG_INLINE struct eng_spot eng_spot_ee(const struct eng_v v[3], const eng_d size
     eng_d rest_gamma = nn - gamma;
     eng_d e_rest_beta = e_nn + e_beta;
     eng_d e_rest_gamma = e_nn + e_gamma;
-    spot.inside = eng_dm_and(
+    domain.inside = eng_dm_and(
         eng_dm_and(eng_d_less(e_beta, beta), eng_d_less(e_rest_beta, rest_beta)),
         eng_dm_and(eng_d_less(e_gamma, gamma), eng_d_less(e_rest_gamma, rest_gamma)));
-    spot.outside = eng_dm_or(
+    domain.outside = eng_dm_or(
         eng_dm_or(eng_d_less(beta, -e_beta), eng_d_less(rest_beta, -e_rest_beta)),
         eng_dm_or(eng_d_less(gamma, -e_gamma), eng_d_less(rest_gamma, -e_rest_gamma)));
     if (closely) {
-        eng_d longest = eng_v_reach(m_beta, m_gamma);
-        eng_d n = eng_v_reach(spot.n, spot.n);
+        eng_d longest = eng_v_size_of_two(m_beta, m_gamma);
+        eng_d n = eng_v_size_of_two(domain.n, domain.n);
         eng_d e_long = e_flat * (s + (s_beta + s_gamma));
-        spot.outside = eng_dm_or(spot.outside, eng_d_less(n + e_long, longest));
+        domain.outside = eng_dm_or(domain.outside, eng_d_less(n + e_long, longest));
     }
-    spot.nn = nn;
-    spot.param[0] = beta;
-    spot.param[1] = gamma;
-    return spot;
+    domain.nn = nn;
+    domain.param[0] = beta;
+    domain.param[1] = gamma;
+    return domain;
 }
 
 /* In the bracket [x, y], which is short. */
-ENG_INLINE struct eng_spot eng_spot_of(enum pccd_kind kind,
-                                       const struct eng_motion_lanes *motion, eng_d x,
-                                       eng_d y, bool closely)
+ENG_INLINE struct eng_domain_test
+eng_domain_test_of(enum pccd_kind kind, const struct eng_motion_lanes *motion, eng_d x,
+                   eng_d y, bool closely)
 {
     struct eng_v v[3];
     eng_d t = 0.5 * (x + y);
@@ -343,8 +347,8 @@ ENG_INLINE struct eng_spot eng_spot_of(enum pccd_kind kind,
     }
     eng_d e = 52 * (y - x) + 424 * ENG_U;
     eng_d e_flat = 5 * (y - x) + 40 * ENG_U;
-    return kind == PCCD_VF ? eng_spot_vf(v, motion->size, e, e_flat, closely)
-                           : eng_spot_ee(v, motion->size, e, e_flat, closely);
+    return kind == PCCD_VF ? eng_domain_test_vf(v, motion->size, e, e_flat, closely)
+                           : eng_domain_test_ee(v, motion->size, e, e_flat, closely);
 }
 
 /* ---- intervals ------------------------------------------------------------------- */
@@ -681,7 +685,7 @@ ENG_INLINE eng_dm encloses(enum look look, const struct lanes *lanes, eng_d x, e
 /* Brackets around the roots, and what is there. */
 struct bracket {
     eng_d x, y;
-    struct eng_spot spot;
+    struct eng_domain_test domain;
     eng_dm meets;  /* certainly, and it is as short as asked */
     eng_dm passed; /* certainly nothing meets there */
 };
@@ -703,29 +707,29 @@ ENG_INLINE struct bracket enclose(enum pccd_kind kind, enum look look,
     eng_dm enclosed = encloses(look, lanes, at.x, at.y);
     eng_dm is_quantised = eng_d_at_most(width, limits->width);
     eng_dm is_short = eng_d_at_most(width, zero + WIDTH_MISS_MAX);
-    at.spot = eng_spot_of(kind, &lanes->motion, at.x, at.y, look == LOOK_ALL);
-    at.meets = eng_dm_and(eng_dm_and(enclosed, is_quantised), at.spot.inside);
-    at.passed = eng_dm_and(eng_dm_and(enclosed, is_short), at.spot.outside);
+    at.domain = eng_domain_test_of(kind, &lanes->motion, at.x, at.y, look == LOOK_ALL);
+    at.meets = eng_dm_and(eng_dm_and(enclosed, is_quantised), at.domain.inside);
+    at.passed = eng_dm_and(eng_dm_and(enclosed, is_short), at.domain.outside);
     return at;
 }
 
 /* What a hit says of a contact: params and normal. */
 ENG_INLINE void describe(enum pccd_kind kind, const struct lanes *lanes,
-                         const struct eng_spot *spot, eng_d numbers[5])
+                         const struct eng_domain_test *domain, eng_d numbers[5])
 {
     const eng_d one = (eng_d){0} + 1;
-    eng_d scale = 1 / spot->nn;
-    eng_d beta = spot->param[0] * scale;
-    eng_d gamma = spot->param[1] * scale;
+    eng_d scale = 1 / domain->nn;
+    eng_d beta = domain->param[0] * scale;
+    eng_d gamma = domain->param[1] * scale;
     numbers[0] = kind == PCCD_EE ? eng_d_min(beta, one) : beta;
     numbers[1] = kind == PCCD_EE ? eng_d_min(gamma, one) : gamma;
     /* VF: from the face to the side of the vertex; EE: from b to a. */
     eng_d unit = eng_d_sqrt(scale);
     unit = kind == PCCD_VF ? eng_d_select(lanes->starts_below, -unit, unit)
                            : eng_d_select(lanes->starts_below, unit, -unit);
-    numbers[2] = spot->n.x * unit;
-    numbers[3] = spot->n.y * unit;
-    numbers[4] = spot->n.z * unit;
+    numbers[2] = domain->n.x * unit;
+    numbers[3] = domain->n.y * unit;
+    numbers[4] = domain->n.z * unit;
 }
 
 #endif

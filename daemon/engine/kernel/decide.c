@@ -51,10 +51,10 @@ ENG_INLINE enum eng_decision look_at_root(enum pccd_kind kind, enum look look,
     find_root(look, lanes);
     struct bracket at = enclose(kind, look, lanes, limits);
     if (!eng_dm_bits(at.meets)) {
-        return eng_dm_bits(at.passed) ? ENG_MISSES : ENG_OPEN;
+        return eng_dm_bits(at.passed) ? ENG_MISSES : ENG_UNDECIDED;
     }
     eng_d numbers[5];
-    describe(kind, lanes, &at.spot, numbers);
+    describe(kind, lanes, &at.domain, numbers);
     hit->flags = PCCD_PROVED;
     hit->toi = at.x;
     hit->toi_hi = at.y;
@@ -74,7 +74,7 @@ ENG_INLINE enum eng_decision look_again(enum pccd_kind kind, struct lanes *lanes
     eng_cubic_tighten(&lanes->cubic, lanes->motion.v); /* turned or not is the same */
     set_pieces(lanes, is_certain(lanes));
     if (lanes->done != 0 || lanes->wanted == 0) {
-        return lanes->done != 0 ? ENG_MISSES : ENG_OPEN;
+        return lanes->done != 0 ? ENG_MISSES : ENG_UNDECIDED;
     }
     for (int piece = 0; verdict == ENG_MISSES; piece++) {
         verdict = look_at_root(kind, LOOK_ALL, lanes, limits, hit);
@@ -117,7 +117,7 @@ ENG_INLINE enum eng_decision decide(enum pccd_kind kind, const struct eng_query 
     }
     if (lanes.wanted != 0) {
         enum eng_decision verdict = look_at_root(kind, LOOK_FALLING, &lanes, limits, hit);
-        if (verdict != ENG_OPEN) {
+        if (verdict != ENG_UNDECIDED) {
             return verdict;
         }
     }

@@ -292,10 +292,10 @@ ENG_INLINE void near_box(const struct eng_extents *box, float t_end,
     float reach = reach_of(t_end);
 #pragma GCC unroll 2
     for (int side = ENG_LOW0; side < ENG_SIDES; side += 2) {
-        eng_four end[2];
+        eng_float4 end[2];
         memcpy(end, box->side[side], sizeof end);
-        eng_four way = reach * (end[1] - end[0]);
-        end[0] += eng_four_max(way, (eng_four){0} + 0x1p-120f);
+        eng_float4 way = reach * (end[1] - end[0]);
+        end[0] += eng_float4_max(way, (eng_float4){0} + 0x1p-120f);
         memcpy(near->side[side], &end[0], sizeof end[0]);
     }
 }

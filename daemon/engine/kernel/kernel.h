@@ -106,7 +106,7 @@ struct eng_crossed {
 
 /* What `advance` says of a pair of thick features (elementary/thick.h). */
 enum eng_advanced {
-    ENG_ADVANCE_OPEN,      /* there is no contact before `until` */
+    ENG_ADVANCE_UNDECIDED, /* there is no contact before `until` */
     ENG_ADVANCE_MISSES,    /* no contact, or none that begins before or at t_end */
     ENG_ADVANCE_INITIALLY, /* d(0) <= r, and no approach is asked for */
     ENG_ADVANCE_MEETS      /* in `cell` */
@@ -282,7 +282,7 @@ struct eng_kernels {
 bool eng_query_separates(const struct eng_query *query);
 
 /* What `bracket` says of one pair, which is a chunk of its own. */
-enum eng_decision { ENG_MISSES, ENG_MEETS, ENG_OPEN };
+enum eng_decision { ENG_MISSES, ENG_MEETS, ENG_UNDECIDED };
 
 /* The same, bit for bit, in half the time: of the scalar set alone. ENG_MEETS: *hit is
  * set; a contact that begins after t_end is a miss. */

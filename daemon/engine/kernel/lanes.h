@@ -109,14 +109,15 @@ ENG_INLINE eng_f eng_f_all(float x)
 }
 
 /* A vector of four floats on every instruction set: one side of one box. */
-typedef float eng_four __attribute__((vector_size(16), may_alias));
-typedef int32_t eng_four_bits __attribute__((vector_size(16), may_alias));
+typedef float eng_float4 __attribute__((vector_size(16), may_alias));
+typedef int32_t eng_bits4 __attribute__((vector_size(16), may_alias));
 
 /* a > b ? a : b */
-static inline __attribute__((always_inline)) eng_four eng_four_max(eng_four a, eng_four b)
+static inline __attribute__((always_inline)) eng_float4 eng_float4_max(eng_float4 a,
+                                                                       eng_float4 b)
 {
-    eng_four_bits is_a = a > b;
-    return (eng_four)((is_a & (eng_four_bits)a) | (~is_a & (eng_four_bits)b));
+    eng_bits4 is_a = a > b;
+    return (eng_float4)((is_a & (eng_bits4)a) | (~is_a & (eng_bits4)b));
 }
 
 /* ---- AVX-512: a mask is a register of bits --------------------------------------- */
@@ -730,7 +731,7 @@ ENG_INLINE struct eng_v eng_v_select(eng_nm m, struct eng_v a, struct eng_v b)
 }
 
 /* s a */
-ENG_INLINE struct eng_v eng_v_times(eng_n s, struct eng_v a)
+ENG_INLINE struct eng_v eng_v_scale(eng_n s, struct eng_v a)
 {
     return (struct eng_v){s * a.x, s * a.y, s * a.z};
 }
@@ -742,7 +743,7 @@ ENG_INLINE eng_n eng_v_size(struct eng_v a)
 }
 
 /* Largest coordinate magnitude of two. */
-ENG_INLINE eng_n eng_v_reach(struct eng_v a, struct eng_v b)
+ENG_INLINE eng_n eng_v_size_of_two(struct eng_v a, struct eng_v b)
 {
     eng_n x = eng_n_max_abs(a.x, b.x);
     eng_n y = eng_n_max_abs(a.y, b.y);

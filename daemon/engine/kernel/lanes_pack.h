@@ -142,8 +142,9 @@ ENG_INLINE uint32_t eng_pack16(uint32_t *out, uint32_t bits, uint32_t base)
 /* Those of the ENG_F_LANES numbers from a_in and b_in on whose bit is set, to a_out and
  * b_out, which may be before them in the same array. ENG_F_LANES places are written to.
  * Returns how many bits are set. */
-ENG_INLINE uint32_t eng_keep_both(uint32_t *a_out, uint32_t *b_out, const uint32_t *a_in,
-                                  const uint32_t *b_in, uint32_t bits)
+ENG_INLINE uint32_t eng_compress_pairs(uint32_t *a_out, uint32_t *b_out,
+                                       const uint32_t *a_in, const uint32_t *b_in,
+                                       uint32_t bits)
 {
 #if ENG_VECTOR_BYTES == 64
     __m512i a = _mm512_loadu_si512(a_in);

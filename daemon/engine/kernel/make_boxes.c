@@ -70,9 +70,9 @@ ENG_INLINE void unite_ends(struct eng_extents *box)
 {
 #pragma GCC unroll 2
     for (int side = 0; side < ENG_SIDES; side += 2) {
-        eng_four end[2];
+        eng_float4 end[2];
         memcpy(end, box->side[side], sizeof end);
-        end[0] = end[1] = eng_four_max(end[0], end[1]);
+        end[0] = end[1] = eng_float4_max(end[0], end[1]);
         memcpy(box->side[side], end, sizeof end);
     }
 }
@@ -234,17 +234,17 @@ ENG_INLINE struct eng_extents larger(struct eng_extents a, struct eng_extents b)
 ENG_INLINE void turn(const struct eng_extents *boxes, int side, uint32_t lane,
                      struct eng_wide_block *block)
 {
-    eng_four x[4];
+    eng_float4 x[4];
     for (uint32_t i = 0; i < 4; i++) {
         memcpy(&x[i], boxes[lane + i].side[side], sizeof x[i]);
     }
-    eng_four xy01 = __builtin_shufflevector(x[0], x[1], 0, 4, 1, 5);
-    eng_four xy23 = __builtin_shufflevector(x[2], x[3], 0, 4, 1, 5);
-    eng_four zw01 = __builtin_shufflevector(x[0], x[1], 2, 6, 3, 7);
-    eng_four zw23 = __builtin_shufflevector(x[2], x[3], 2, 6, 3, 7);
-    eng_four out[3] = {__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5),
-                       __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7),
-                       __builtin_shufflevector(zw01, zw23, 0, 1, 4, 5)};
+    eng_float4 xy01 = __builtin_shufflevector(x[0], x[1], 0, 4, 1, 5);
+    eng_float4 xy23 = __builtin_shufflevector(x[2], x[3], 0, 4, 1, 5);
+    eng_float4 zw01 = __builtin_shufflevector(x[0], x[1], 2, 6, 3, 7);
+    eng_float4 zw23 = __builtin_shufflevector(x[2], x[3], 2, 6, 3, 7);
+    eng_float4 out[3] = {__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5),
+                         __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7),
+                         __builtin_shufflevector(zw01, zw23, 0, 1, 4, 5)};
     for (int k = 0; k < 3; k++) {
         memcpy(&block->row[side][k][lane], &out[k], sizeof out[k]);
     }

@@ -48,34 +48,35 @@ ENG_INLINE eng_fi quantised_block(const struct eng_wide_block *block,
 }
 
 /* Distances of one side and end, in cells. */
-ENG_INLINE eng_four cells_of(const float side[4], eng_four scale, const float origin[4])
+ENG_INLINE eng_float4 cells_of(const float side[4], eng_float4 scale,
+                               const float origin[4])
 {
-    eng_four x;
-    eng_four c;
+    eng_float4 x;
+    eng_float4 c;
     memcpy(&x, side, sizeof x);
     memcpy(&c, origin, sizeof c);
     return x * scale + c;
 }
 
-ENG_INLINE eng_four_bits whole_four(eng_four y)
+ENG_INLINE eng_bits4 whole_float4(eng_float4 y)
 {
-    return (eng_four_bits)(eng_four_max(y, (eng_four){0} - 0x1p15f) + WHOLE);
+    return (eng_bits4)(eng_float4_max(y, (eng_float4){0} - 0x1p15f) + WHOLE);
 }
 
 /* Returns the larger of `most` and the box's distances, in cells. */
-ENG_INLINE eng_four quantised_box(const struct eng_extents *box,
-                                  const struct eng_quantising *quantising, eng_four most,
-                                  struct eng_quantised_box *quantised)
+ENG_INLINE eng_float4 quantised_box(const struct eng_extents *box,
+                                    const struct eng_quantising *quantising,
+                                    eng_float4 most, struct eng_quantised_box *quantised)
 {
-    eng_four scale;
+    eng_float4 scale;
     memcpy(&scale, quantising->scale, sizeof scale);
 #pragma GCC unroll 2
     for (uint32_t end = 0; end < 2; end++) {
-        eng_four below = cells_of(box->side[ENG_LOW0 + end], scale, quantising->below);
-        eng_four above = cells_of(box->side[ENG_HIGH0 + end], scale, quantising->above);
-        eng_four_bits both = (whole_four(above) & 0xffff) | (whole_four(below) << 16);
+        eng_float4 below = cells_of(box->side[ENG_LOW0 + end], scale, quantising->below);
+        eng_float4 above = cells_of(box->side[ENG_HIGH0 + end], scale, quantising->above);
+        eng_bits4 both = (whole_float4(above) & 0xffff) | (whole_float4(below) << 16);
         memcpy(quantised->half[end], &both, sizeof both);
-        most = eng_four_max(most, eng_four_max(below, above));
+        most = eng_float4_max(most, eng_float4_max(below, above));
     }
     return most;
 }
@@ -87,7 +88,7 @@ bool ENG_KERNEL(quantised_blocks)(const struct eng_wide_block *blocks,
                                   struct eng_quantised_box *quantised_around,
                                   uint32_t *farthest)
 {
-    eng_four most = {0};
+    eng_float4 most = {0};
     eng_fi grown = {0};
     for (uint32_t i = 0; i < count; i++) {
         grown = quantised_block(&blocks[i], quantising, grown, &quantised[i]);

@@ -21,96 +21,99 @@
  * Edges that are parallel, feet that are at a corner: of such pairs lanes do not know
  * where they are nearest, and meshes at rest have many. Most are farther apart than d. */
 
-/* A way from the second feature to the first. */
-struct eng_rim_way {
+/* A vector from the second feature to the first. */
+struct eng_edge_gap {
     struct eng_v v;
     eng_d square;
 };
 
 /* From the point that is `from` the begin of edge e to its nearest point of the edge; or
  * what was shorter before. */
-ENG_INLINE void eng_shorten(struct eng_rim_way *way, struct eng_v from, struct eng_v e,
+ENG_INLINE void eng_shorten(struct eng_edge_gap *gap, struct eng_v from, struct eng_v e,
                             eng_d per_square, bool is_second)
 {
     const eng_d zero = {0};
     eng_d at = eng_d_min(eng_d_max(eng_v_dot(from, e) * per_square, zero), zero + 1);
-    struct eng_v v = is_second ? eng_v_sub(eng_v_times(at, e), from)
-                               : eng_v_sub(from, eng_v_times(at, e));
+    struct eng_v v = is_second ? eng_v_sub(eng_v_scale(at, e), from)
+                               : eng_v_sub(from, eng_v_scale(at, e));
     eng_d square = eng_v_dot(v, v);
-    eng_dm is_shorter = eng_d_less(square, way->square);
-    way->v = eng_v_select(is_shorter, v, way->v);
-    way->square = eng_d_select(is_shorter, square, way->square);
+    eng_dm is_shorter = eng_d_less(square, gap->square);
+    gap->v = eng_v_select(is_shorter, v, gap->v);
+    gap->square = eng_d_select(is_shorter, square, gap->square);
 }
 
 /* Bounds of the distance, compared with d. */
-struct eng_rims {
+struct eng_edge_distance {
     eng_dm near;   /* certainly within d */
     eng_dm beyond; /* certainly not */
 };
 
 /* between[count]: all differences of a corner of the first and one of the second. */
-ENG_INLINE struct eng_rims eng_compare_rims(const struct eng_rim_way *way,
-                                            const struct eng_v *between, int count,
-                                            eng_d d, eng_d square)
+ENG_INLINE struct eng_edge_distance
+eng_edge_distance_compare(const struct eng_edge_gap *gap, const struct eng_v *between,
+                          int count, eng_d d, eng_d square)
 {
     const eng_d zero = {0};
     eng_d size = zero;
-    eng_d least = eng_v_dot(way->v, between[0]);
+    eng_d least = eng_v_dot(gap->v, between[0]);
 #pragma GCC unroll 4
     for (int i = 0; i < count; i++) {
         size = eng_d_max(size, eng_v_size(between[i]));
-        least = eng_d_min(least, eng_v_dot(way->v, between[i]));
+        least = eng_d_min(least, eng_v_dot(gap->v, between[i]));
     }
     eng_d error = 32 * ENG_U * size;
-    eng_d apart = least - (error * eng_v_size(way->v) + ENG_LOST);
+    eng_d apart = least - (error * eng_v_size(gap->v) + ENG_LOST);
     eng_dm fits = eng_is_in_range(size);
-    return (struct eng_rims){
-        eng_dm_and(fits, eng_d_less(eng_d_sqrt(way->square) + error, d)),
+    return (struct eng_edge_distance){
+        eng_dm_and(fits, eng_d_less(eng_d_sqrt(gap->square) + error, d)),
         eng_dm_and(eng_dm_and(fits, eng_d_less(zero, apart)),
-                   eng_d_less(square * way->square + ENG_LOST, apart * apart))};
+                   eng_d_less(square * gap->square + ENG_LOST, apart * apart))};
 }
 
-ENG_INLINE struct eng_rims eng_rims_of_vf(const struct eng_v x[4], eng_d d, eng_d square)
+ENG_INLINE struct eng_edge_distance eng_edge_distance_vf(const struct eng_v x[4], eng_d d,
+                                                         eng_d square)
 {
     struct eng_v to[3];
-    struct eng_rim_way way = {.square = eng_d_all(INFINITY)};
+    struct eng_edge_gap gap = {.square = eng_d_all(INFINITY)};
 #pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         to[i] = eng_v_sub(x[0], x[1 + i]);
     }
-    way.v = to[0];
+    gap.v = to[0];
 #pragma GCC unroll 3
     for (int i = 0; i < 3; i++) {
         struct eng_v side = eng_v_sub(x[1 + (i + 1) % 3], x[1 + i]);
-        eng_shorten(&way, to[i], side, 1 / eng_v_dot(side, side), false);
+        eng_shorten(&gap, to[i], side, 1 / eng_v_dot(side, side), false);
     }
-    return eng_compare_rims(&way, to, 3, d, square);
+    return eng_edge_distance_compare(&gap, to, 3, d, square);
 }
 
-ENG_INLINE struct eng_rims eng_rims_of_ee(const struct eng_v x[4], eng_d d, eng_d square)
+ENG_INLINE struct eng_edge_distance eng_edge_distance_ee(const struct eng_v x[4], eng_d d,
+                                                         eng_d square)
 {
     struct eng_v between[4];
-    struct eng_rim_way way = {.square = eng_d_all(INFINITY)};
+    struct eng_edge_gap gap = {.square = eng_d_all(INFINITY)};
 #pragma GCC unroll 4
     for (int i = 0; i < 4; i++) {
         between[i] = eng_v_sub(x[i / 2], x[2 + i % 2]);
     }
-    way.v = between[0];
+    gap.v = between[0];
     struct eng_v first = eng_v_sub(x[1], x[0]);
     struct eng_v second = eng_v_sub(x[3], x[2]);
     eng_d per_first = 1 / eng_v_dot(first, first);
     eng_d per_second = 1 / eng_v_dot(second, second);
-    eng_shorten(&way, between[0], second, per_second, false);
-    eng_shorten(&way, between[2], second, per_second, false);
-    eng_shorten(&way, eng_v_sub(x[2], x[0]), first, per_first, true);
-    eng_shorten(&way, eng_v_sub(x[3], x[0]), first, per_first, true);
-    return eng_compare_rims(&way, between, 4, d, square);
+    eng_shorten(&gap, between[0], second, per_second, false);
+    eng_shorten(&gap, between[2], second, per_second, false);
+    eng_shorten(&gap, eng_v_sub(x[2], x[0]), first, per_first, true);
+    eng_shorten(&gap, eng_v_sub(x[3], x[0]), first, per_first, true);
+    return eng_edge_distance_compare(&gap, between, 4, d, square);
 }
 
-ENG_INLINE struct eng_rims eng_rims_of(enum pccd_kind kind, const struct eng_v x[4],
-                                       eng_d d, eng_d square)
+ENG_INLINE struct eng_edge_distance
+eng_edge_distance_of(enum pccd_kind kind, const struct eng_v x[4], eng_d d, eng_d square)
 {
-    return kind == PCCD_VF ? eng_rims_of_vf(x, d, square) : eng_rims_of_ee(x, d, square);
+    return kind == PCCD_VF ? eng_edge_distance_vf(x, d, square)
+                           : eng_edge_distance_ee(x, d, square);
 }
 
 /* ---- distances ------------------------------------------------------------------- */
@@ -170,7 +173,7 @@ ENG_INLINE void write_eight(const struct eng_distance_lanes *numbers,
         memcpy(&out->found[count], &row[lane], sizeof row[lane]);
         count += bits >> lane & 1;
     }
-    out->near_count += eng_keep(out->index + out->near_count, pairs, 8, bits);
+    out->near_count += eng_compress(out->index + out->near_count, pairs, 8, bits);
 }
 
 #endif
@@ -243,17 +246,18 @@ ENG_INLINE void measure(enum pccd_kind kind, enum eng_distance_wanted wanted,
         uint32_t sure = eng_dm_bits(known.sure) & all;
         uint32_t undecided = all & ~(near | eng_dm_bits(known.beyond));
         if (undecided != 0) {
-            struct eng_rims rims = eng_rims_of(kind, x, eng_d_all(d), square);
+            struct eng_edge_distance rims =
+                eng_edge_distance_of(kind, x, eng_d_all(d), square);
             near |= undecided & eng_dm_bits(rims.near);
             undecided &= ~(eng_dm_bits(rims.near) | eng_dm_bits(rims.beyond));
         }
         sure = wanted == ENG_DISTANCE_WITHIN ? near : sure;
         write_near(&numbers, pairs + i, n, sure, wanted, out);
         if ((undecided | (near & ~sure)) != 0) {
-            out->imprecise_count += eng_keep(out->imprecise + out->imprecise_count,
-                                             pairs + i, n, near & ~sure);
-            out->undecided_count +=
-                eng_keep(out->undecided + out->undecided_count, pairs + i, n, undecided);
+            out->imprecise_count += eng_compress(out->imprecise + out->imprecise_count,
+                                                 pairs + i, n, near & ~sure);
+            out->undecided_count += eng_compress(out->undecided + out->undecided_count,
+                                                 pairs + i, n, undecided);
         }
     }
 }
@@ -315,8 +319,8 @@ void ENG_KERNEL(cross_faces)(const struct eng_point *points, const uint32_t (*pa
         struct eng_sure crossing = eng_crossing_of(x);
         uint32_t yes = eng_dm_bits(crossing.yes) & all;
         uint32_t open = all & ~(yes | eng_dm_bits(crossing.no));
-        out->count += eng_keep(out->index + out->count, index, n, yes);
+        out->count += eng_compress(out->index + out->count, index, n, yes);
         out->undecided_count +=
-            eng_keep(out->undecided + out->undecided_count, index, n, open);
+            eng_compress(out->undecided + out->undecided_count, index, n, open);
     }
 }

@@ -37,16 +37,16 @@ ENG_INLINE eng_d eng_dot_error(eng_d size_a, eng_d size_b)
 }
 
 /* A cross product of two differences; each coordinate is off by `error` at most. */
-struct eng_across {
+struct eng_cross_product {
     struct eng_v v;
     eng_d size;
     eng_d error;
 };
 
-ENG_INLINE struct eng_across eng_across(struct eng_v a, eng_d size_a, struct eng_v b,
-                                        eng_d size_b)
+ENG_INLINE struct eng_cross_product eng_cross_product_of(struct eng_v a, eng_d size_a,
+                                                         struct eng_v b, eng_d size_b)
 {
-    struct eng_across out;
+    struct eng_cross_product out;
     out.v = eng_v_cross(a, b);
     out.size = eng_v_size(out.v);
     out.error = 8.5 * ENG_U * size_a * size_b + ENG_LOST;
@@ -54,14 +54,15 @@ ENG_INLINE struct eng_across eng_across(struct eng_v a, eng_d size_a, struct eng
 }
 
 /* Of the dot product of two cross products. */
-ENG_INLINE eng_d eng_across_error(const struct eng_across *a, const struct eng_across *b)
+ENG_INLINE eng_d eng_cross_product_error(const struct eng_cross_product *a,
+                                         const struct eng_cross_product *b)
 {
     return 3.1 * (a->size * b->error + b->size * a->error + a->error * b->error) +
            9.5 * ENG_U * a->size * b->size + ENG_LOST;
 }
 
 /* Of the dot product of a difference and a cross product. */
-ENG_INLINE eng_d eng_height_error(eng_d size, const struct eng_across *n)
+ENG_INLINE eng_d eng_height_error(eng_d size, const struct eng_cross_product *n)
 {
     return 3.1 * size * (n->error + 4.5 * ENG_U * n->size) + ENG_LOST;
 }
@@ -85,11 +86,11 @@ struct eng_nearest_points {
     eng_dm vertices;
     eng_dm foot;
     eng_dm inside;
-    struct eng_v w;      /* from the second to the first of the points that are chosen */
-    struct eng_v e;      /* foot: the edge, in one direction or the other */
-    struct eng_across n; /* inside: across both features */
-    eng_d nn;            /* n . n */
-    eng_d share[2];      /* inside: params times n . n */
+    struct eng_v w; /* from the second to the first of the points that are chosen */
+    struct eng_v e; /* foot: the edge, in one direction or the other */
+    struct eng_cross_product n; /* inside: across both features */
+    eng_d nn;                   /* n . n */
+    eng_d share[2];             /* inside: params times n . n */
     eng_d share_error[2];
     /* Else param[i] is 1 where `is_one` is set and 0 elsewhere; moved, where `moves` is
      * set, by how far along e the foot is. */
@@ -119,7 +120,7 @@ ENG_INLINE void eng_set_code(struct eng_nearest_points *at, eng_d points, uint32
 }
 
 /* Of (a x b) . n, whatever a and b are: `sizes` is the product of theirs. */
-ENG_INLINE eng_d eng_share_error(eng_d sizes, const struct eng_across *n)
+ENG_INLINE eng_d eng_share_error(eng_d sizes, const struct eng_cross_product *n)
 {
     return sizes * (7 * n->error + 52 * ENG_U * n->size) + ENG_LOST;
 }
@@ -207,7 +208,8 @@ ENG_INLINE struct eng_nearest_points eng_nearest_vf(const struct eng_v x[4])
     struct eng_face face;
     eng_dm fits = eng_set_face(x, &face);
     eng_set_feet(&face);
-    at.n = eng_across(face.side[2], face.size_side[2], face.side[0], face.size_side[0]);
+    at.n = eng_cross_product_of(face.side[2], face.size_side[2], face.side[0],
+                                face.size_side[0]);
     at.nn = eng_v_dot(at.n.v, at.n.v);
     /* Of the corner that side i has not; together they are n . n. */
     eng_d share[3];
@@ -220,7 +222,7 @@ ENG_INLINE struct eng_nearest_points eng_nearest_vf(const struct eng_v x[4])
         at.share_error[i == 0] = error[i];
     }
     share[1] = at.nn - share[0] - share[2];
-    error[1] = 2 * (error[0] + error[2] + eng_across_error(&at.n, &at.n));
+    error[1] = 2 * (error[0] + error[2] + eng_cross_product_error(&at.n, &at.n));
     eng_dm corner[3];
     eng_dm side[3];
     eng_dm is_next[3]; /* on side i the next corner is nearer */
@@ -256,9 +258,9 @@ ENG_INLINE struct eng_nearest_points eng_nearest_vf(const struct eng_v x[4])
 struct eng_edges {
     struct eng_v edge[2];
     eng_d size_edge[2];
-    struct eng_v way[2][2]; /* way[i][j]: from end 2 + j to end i */
-    eng_d size_first;       /* of way[0][0] */
-    eng_d size_way;         /* the largest */
+    struct eng_v between[2][2]; /* between[i][j]: from end 2 + j to end i */
+    eng_d size_first;           /* of between[0][0] */
+    eng_d size_most;            /* the largest */
     /* The foot of an end on the other edge: how far it is from each of its ends, times
      * the edge's length. */
     eng_d foot[4][2];
@@ -280,25 +282,25 @@ ENG_INLINE eng_dm eng_set_edges(const struct eng_v x[4], struct eng_edges *edges
     for (int n = 0; n < 4; n++) {
         int i = n / 2;
         int j = n % 2;
-        edges->way[i][j] = eng_v_sub(x[i], x[2 + j]);
-        size = eng_d_max(size, eng_v_size(edges->way[i][j]));
-        eng_d on_first = eng_v_dot(edges->way[i][j], edges->edge[0]);
-        eng_d on_second = eng_v_dot(edges->way[i][j], edges->edge[1]);
+        edges->between[i][j] = eng_v_sub(x[i], x[2 + j]);
+        size = eng_d_max(size, eng_v_size(edges->between[i][j]));
+        eng_d on_first = eng_v_dot(edges->between[i][j], edges->edge[0]);
+        eng_d on_second = eng_v_dot(edges->between[i][j], edges->edge[1]);
         edges->foot[i][j] = j == 0 ? on_second : -on_second;
         edges->foot[2 + j][i] = i == 0 ? -on_first : on_first;
     }
-    edges->size_first = eng_v_size(edges->way[0][0]);
-    edges->size_way = size;
+    edges->size_first = eng_v_size(edges->between[0][0]);
+    edges->size_most = size;
     size = eng_d_max(size, edges->size_edge[0]);
     return eng_is_in_range(eng_d_max(size, edges->size_edge[1]));
 }
 
 ENG_INLINE void eng_set_inward(struct eng_edges *edges, struct eng_nearest_points *at)
 {
-    eng_d nn_error = eng_across_error(&at->n, &at->n);
+    eng_d nn_error = eng_cross_product_error(&at->n, &at->n);
 #pragma GCC unroll 2
     for (int i = 0; i < 2; i++) {
-        struct eng_v m = eng_v_cross(edges->edge[i == 0], edges->way[0][0]);
+        struct eng_v m = eng_v_cross(edges->edge[i == 0], edges->between[0][0]);
         at->share[i] = eng_v_dot(m, at->n.v);
         at->share_error[i] =
             eng_share_error(edges->size_first * edges->size_edge[i == 0], &at->n);
@@ -331,8 +333,9 @@ ENG_INLINE void eng_choose_ends(struct eng_nearest_points *at,
 {
     eng_dm first = at->is_one[0];
     eng_dm second = at->is_one[1];
-    at->w = eng_v_select(first, eng_v_select(second, edges->way[1][1], edges->way[1][0]),
-                         eng_v_select(second, edges->way[0][1], edges->way[0][0]));
+    at->w = eng_v_select(
+        first, eng_v_select(second, edges->between[1][1], edges->between[1][0]),
+        eng_v_select(second, edges->between[0][1], edges->between[0][0]));
     at->e = eng_v_select(at->moves[1], edges->edge[1], edges->edge[0]);
     at->foot = eng_dm_or(at->moves[0], at->moves[1]);
     eng_d on_first = eng_d_select(first, eng_bits(2u << 2), eng_bits(1u << 2));
@@ -347,12 +350,12 @@ ENG_INLINE struct eng_nearest_points eng_nearest_ee(const struct eng_v x[4])
     struct eng_nearest_points at;
     struct eng_edges edges;
     eng_dm fits = eng_set_edges(x, &edges);
-    at.n =
-        eng_across(edges.edge[0], edges.size_edge[0], edges.edge[1], edges.size_edge[1]);
+    at.n = eng_cross_product_of(edges.edge[0], edges.size_edge[0], edges.edge[1],
+                                edges.size_edge[1]);
     at.nn = eng_v_dot(at.n.v, at.n.v);
     eng_set_inward(&edges, &at);
-    eng_d error[2] = {eng_dot_error(edges.size_way, edges.size_edge[0]),
-                      eng_dot_error(edges.size_way, edges.size_edge[1])};
+    eng_d error[2] = {eng_dot_error(edges.size_most, edges.size_edge[0]),
+                      eng_dot_error(edges.size_most, edges.size_edge[1])};
     eng_dm ends[2][2];
     eng_dm foot[4];    /* of that end */
     eng_dm is_next[4]; /* the other edge's second end is nearer to it */
@@ -399,11 +402,12 @@ struct eng_length {
 ENG_INLINE struct eng_length eng_length_of(struct eng_nearest_points *at)
 {
     const eng_d least = eng_d_all(ENG_SQUARE_MIN);
-    const struct eng_across *n = &at->n;
+    const struct eng_cross_product *n = &at->n;
     struct eng_length length;
     length.size_w = eng_v_size(at->w);
     length.size_e = eng_v_size(at->e);
-    struct eng_across m = eng_across(at->e, length.size_e, at->w, length.size_w);
+    struct eng_cross_product m =
+        eng_cross_product_of(at->e, length.size_e, at->w, length.size_w);
     eng_d square = eng_d_select(at->foot, eng_v_dot(m.v, m.v), eng_v_dot(at->w, at->w));
     eng_d below = eng_d_select(at->foot, eng_v_dot(at->e, at->e), at->nn);
     eng_d height = eng_v_dot(at->w, n->v);
@@ -415,7 +419,7 @@ ENG_INLINE struct eng_length eng_length_of(struct eng_nearest_points *at)
     at->inside = eng_dm_and(eng_dm_and(at->inside, is_long),
                             eng_dm_and(eng_d_at_most(n->error, 0x1p-30 * n->size),
                                        eng_d_less(height_error, eng_d_abs(height))));
-    length.nn_error = eng_across_error(n, n);
+    length.nn_error = eng_cross_product_error(n, n);
     length.inverse = 1 / below;
     length.per = eng_d_sqrt(below) * length.inverse;
     length.signed_per =
@@ -523,7 +527,7 @@ ENG_INLINE void eng_round_rest(const struct eng_nearest_points *at,
     eng_d along = eng_round_params(at, length, foot_error, out, sure);
     eng_d per_length = 1 / length->value;
     eng_d scale = eng_d_select(at->inside, length->signed_per, per_length);
-    struct eng_v back = eng_v_times(eng_d_select(at->foot, along, zero), at->e);
+    struct eng_v back = eng_v_scale(eng_d_select(at->foot, along, zero), at->e);
     struct eng_v g = eng_v_select(at->inside, at->n.v, eng_v_sub(at->w, back));
     eng_d turned = 1.1 *
                    (4 * ENG_U * length->size_w +
@@ -540,7 +544,7 @@ ENG_INLINE void eng_round_rest(const struct eng_nearest_points *at,
 
 /* ---- about where they are nearest ------------------------------------------------ */
 
-/* The way between the nearest points, with no bound of its error: it proposes directions
+/* The gap between the nearest points, with no bound of its error: it proposes directions
  * and describes contacts. advance.c asks it of many pairs, elementary/motion.c of one. */
 
 /* The difference vectors of query.h at one moment. */
@@ -548,7 +552,7 @@ struct eng_pose_lanes {
     struct eng_v p, b, c;
 };
 
-struct eng_way {
+struct eng_nearest_gap {
     eng_d beta, gamma; /* in the domain of the kind */
     struct eng_v gap;  /* p - beta b - gamma c */
 };
@@ -560,26 +564,27 @@ struct eng_way {
 
 /* The foot of p on the plane of b and c, where it falls into the domain. `is_sure`: there
  * is no nearer place. */
-ENG_INLINE eng_dm eng_way_inside(enum pccd_kind form, const struct eng_pose_lanes *pose,
-                                 struct eng_way *way, eng_dm *is_sure)
+ENG_INLINE eng_dm eng_nearest_gap_inside(enum pccd_kind form,
+                                         const struct eng_pose_lanes *pose,
+                                         struct eng_nearest_gap *nearest, eng_dm *is_sure)
 {
     const eng_d zero = {0};
     struct eng_v n = eng_v_cross(pose->b, pose->c);
     eng_d nn = eng_v_dot(n, n);
     eng_d size = eng_v_dot(pose->b, pose->b) * eng_v_dot(pose->c, pose->c);
-    way->beta = eng_v_dot(eng_v_cross(pose->p, pose->c), n) / nn;
-    way->gamma = eng_v_dot(eng_v_cross(pose->b, pose->p), n) / nn;
-    eng_d most = eng_d_max(way->beta, way->gamma);
+    nearest->beta = eng_v_dot(eng_v_cross(pose->p, pose->c), n) / nn;
+    nearest->gamma = eng_v_dot(eng_v_cross(pose->b, pose->p), n) / nn;
+    eng_d most = eng_d_max(nearest->beta, nearest->gamma);
     if (form == PCCD_VF) {
-        most = way->beta + way->gamma;
+        most = nearest->beta + nearest->gamma;
     }
-    eng_dm inside = eng_dm_and(
-        eng_d_less(ENG_SINE2 * size, nn),
-        eng_dm_and(eng_d_at_most(zero, way->beta), eng_d_at_most(zero, way->gamma)));
+    eng_dm inside = eng_dm_and(eng_d_less(ENG_SINE2 * size, nn),
+                               eng_dm_and(eng_d_at_most(zero, nearest->beta),
+                                          eng_d_at_most(zero, nearest->gamma)));
     inside = eng_dm_and(inside, eng_d_at_most(most, zero + 1));
     *is_sure = eng_dm_and(inside, eng_d_less(ENG_SURE_SINE2 * size, nn));
-    way->gap = eng_v_sub(eng_v_sub(pose->p, eng_v_times(way->beta, pose->b)),
-                         eng_v_times(way->gamma, pose->c));
+    nearest->gap = eng_v_sub(eng_v_sub(pose->p, eng_v_scale(nearest->beta, pose->b)),
+                             eng_v_scale(nearest->gamma, pose->c));
     return inside;
 }
 
@@ -592,32 +597,34 @@ struct eng_domain_side {
 };
 
 ENG_INLINE void eng_try_side(const struct eng_domain_side *side, eng_d *best,
-                             struct eng_way *way)
+                             struct eng_nearest_gap *nearest)
 {
     const eng_d zero = {0};
     eng_d aa = eng_v_dot(side->along, side->along);
     eng_d s = eng_v_dot(side->start, side->along) / aa;
     s = eng_d_select(eng_dm_and(eng_d_less(zero, aa), eng_d_less(zero, s)), s, zero);
     s = eng_d_min(s, zero + 1);
-    struct eng_v gap = eng_v_sub(side->start, eng_v_times(s, side->along));
+    struct eng_v gap = eng_v_sub(side->start, eng_v_scale(s, side->along));
     eng_d square = eng_v_dot(gap, gap);
     eng_dm is_better = eng_d_less(square, *best);
     *best = eng_d_select(is_better, square, *best);
-    way->beta = eng_d_select(is_better, side->from[0] + s * side->moves[0], way->beta);
-    way->gamma = eng_d_select(is_better, side->from[1] + s * side->moves[1], way->gamma);
-    way->gap = eng_v_select(is_better, gap, way->gap);
+    nearest->beta =
+        eng_d_select(is_better, side->from[0] + s * side->moves[0], nearest->beta);
+    nearest->gamma =
+        eng_d_select(is_better, side->from[1] + s * side->moves[1], nearest->gamma);
+    nearest->gap = eng_v_select(is_better, gap, nearest->gap);
 }
 
 /* What a lane gets does not depend on the others. */
-ENG_INLINE struct eng_way eng_way_of(enum pccd_kind form,
-                                     const struct eng_pose_lanes *pose)
+ENG_INLINE struct eng_nearest_gap eng_nearest_gap_of(enum pccd_kind form,
+                                                     const struct eng_pose_lanes *pose)
 {
     const eng_d zero = {0};
-    struct eng_way way;
+    struct eng_nearest_gap nearest;
     eng_dm is_sure;
-    eng_dm inside = eng_way_inside(form, pose, &way, &is_sure);
+    eng_dm inside = eng_nearest_gap_inside(form, pose, &nearest, &is_sure);
     if (eng_dm_bits(is_sure) == ENG_D_ALL) {
-        return way;
+        return nearest;
     }
     struct eng_v next = eng_v_sub(pose->p, pose->b);
     struct eng_domain_side last =
@@ -625,20 +632,20 @@ ENG_INLINE struct eng_way eng_way_of(enum pccd_kind form,
             ? (struct eng_domain_side){next, eng_v_sub(pose->c, pose->b), {1, 0}, {-1, 1}}
             : (struct eng_domain_side){next, pose->c, {1, 0}, {0, 1}};
     eng_d best =
-        eng_d_select(inside, eng_v_dot(way.gap, way.gap), zero + __builtin_inf());
+        eng_d_select(inside, eng_v_dot(nearest.gap, nearest.gap), zero + __builtin_inf());
     best = eng_d_select(is_sure, zero - 1, best);
     eng_try_side(&(struct eng_domain_side){pose->p, pose->b, {0, 0}, {1, 0}}, &best,
-                 &way);
+                 &nearest);
     eng_try_side(&(struct eng_domain_side){pose->p, pose->c, {0, 0}, {0, 1}}, &best,
-                 &way);
-    eng_try_side(&last, &best, &way);
+                 &nearest);
+    eng_try_side(&last, &best, &nearest);
     if (form == PCCD_EE) {
         eng_try_side(
             &(struct eng_domain_side){
                 eng_v_sub(pose->p, pose->c), pose->b, {0, 1}, {1, 0}},
-            &best, &way);
+            &best, &nearest);
     }
-    return way;
+    return nearest;
 }
 
 /* ---- an edge and a face ------------------------------------------------------------ */
@@ -651,7 +658,8 @@ struct eng_sure {
 /* Of e . (a x b), all three differences. */
 ENG_INLINE struct eng_sure eng_side_of(struct eng_v e, struct eng_v a, struct eng_v b)
 {
-    struct eng_across cross = eng_across(a, eng_v_size(a), b, eng_v_size(b));
+    struct eng_cross_product cross =
+        eng_cross_product_of(a, eng_v_size(a), b, eng_v_size(b));
     eng_d value = eng_v_dot(e, cross.v);
     eng_d error = eng_height_error(eng_v_size(e), &cross);
     return (struct eng_sure){eng_d_less(error, value), eng_d_less(value, -error)};

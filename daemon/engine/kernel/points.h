@@ -152,8 +152,8 @@ ENG_INLINE void eng_group_load_end(const struct eng_group *group, uint32_t end,
 
 /* Append those of pairs[0 .. n-1] whose bit is set to `kept`, which may be a part of
  * `pairs` at or before it; returns how many. */
-ENG_INLINE uint32_t eng_keep(uint32_t *kept, const uint32_t *pairs, uint32_t n,
-                             uint32_t bits)
+ENG_INLINE uint32_t eng_compress(uint32_t *kept, const uint32_t *pairs, uint32_t n,
+                                 uint32_t bits)
 {
     uint32_t count = 0;
 #if ENG_VECTOR_BYTES == 64

@@ -56,9 +56,9 @@ ENG_INLINE uint32_t planes_reject(enum pccd_kind kind, const struct pairs *pairs
         sides.u[end] = kind == PCCD_VF ? d[1] : pairs->along_a[end];
         sides.v[end] = kind == PCCD_VF ? d[2] : d[1];
     }
-    eng_d size = eng_v_reach(sides.w[0], sides.w[1]) *
-                 eng_v_reach(sides.u[0], sides.u[1]) *
-                 eng_v_reach(sides.v[0], sides.v[1]);
+    eng_d size = eng_v_size_of_two(sides.w[0], sides.w[1]) *
+                 eng_v_size_of_two(sides.u[0], sides.u[1]) *
+                 eng_v_size_of_two(sides.v[0], sides.v[1]);
     heights_of(&sides, n, f);
     return heights_miss(f, 64 * ENG_U * size + ENG_TINY);
 }
@@ -93,7 +93,7 @@ ENG_INLINE uint32_t filter(enum pccd_kind kind, bool by_diagonals,
         struct pairs loaded = load(kind, &group);
         uint32_t gone = by_diagonals ? diagonals_reject(kind, &loaded)
                                      : rejected(kind, &loaded, &cubic_first);
-        kept_count += eng_keep(kept + kept_count, pairs + i, n, ENG_D_ALL & ~gone);
+        kept_count += eng_compress(kept + kept_count, pairs + i, n, ENG_D_ALL & ~gone);
     }
     return kept_count;
 }
@@ -214,7 +214,7 @@ ENG_INLINE uint32_t reject_thick(enum pccd_kind kind, const struct eng_point *po
         struct eng_group group = eng_group_of(points, quads, pairs, n);
         struct pairs loaded = load(kind, &group);
         uint32_t gone = thick_rejected(kind, &loaded, eng_d_load(own) * ENG_SLACK);
-        kept_count += eng_keep(kept + kept_count, pairs, n, ENG_D_ALL & ~gone);
+        kept_count += eng_compress(kept + kept_count, pairs, n, ENG_D_ALL & ~gone);
     }
     return kept_count;
 }
@@ -236,9 +236,9 @@ ENG_INLINE eng_dm planes_at_end(enum pccd_kind kind, const struct eng_v x[4],
     struct eng_v w = eng_v_sub(x[0], is_vf ? x[1] : x[2]);
     struct eng_v u = eng_v_sub(is_vf ? x[2] : x[1], is_vf ? x[1] : x[0]);
     struct eng_v v = eng_v_sub(x[3], is_vf ? x[1] : x[2]);
-    struct eng_across n = eng_across(u, eng_v_size(u), v, eng_v_size(v));
+    struct eng_cross_product n = eng_cross_product_of(u, eng_v_size(u), v, eng_v_size(v));
     return plane_is_beyond(w, n.v, eng_height_error(eng_v_size(w), &n),
-                           eng_across_error(&n, &n), square);
+                           eng_cross_product_error(&n, &n), square);
 }
 
 ENG_INLINE uint32_t reject_at_end(enum pccd_kind kind, const struct eng_point *points,
@@ -262,7 +262,7 @@ ENG_INLINE uint32_t reject_at_end(enum pccd_kind kind, const struct eng_point *p
         eng_dm gone = eng_dm_or(boxes_are_beyond(kind, differences, eng_d_all(1), square),
                                 planes_at_end(kind, x, square));
         kept_count +=
-            eng_keep(kept + kept_count, pairs, n, ENG_D_ALL & ~eng_dm_bits(gone));
+            eng_compress(kept + kept_count, pairs, n, ENG_D_ALL & ~eng_dm_bits(gone));
     }
     return kept_count;
 }

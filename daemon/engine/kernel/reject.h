@@ -192,10 +192,10 @@ ENG_INLINE uint32_t are_beyond(enum pccd_kind kind, const difference_t d[2][DIFF
 /* The largest coordinate of all differences. */
 ENG_INLINE eng_d size_of_all(enum pccd_kind kind, const struct eng_v d[2][DIFFERENCES])
 {
-    eng_d size = eng_v_reach(d[0][0], d[1][0]);
+    eng_d size = eng_v_size_of_two(d[0][0], d[1][0]);
 #pragma GCC unroll 3
     for (int k = 1; k < differences_of(kind); k++) {
-        size = eng_d_max(size, eng_v_reach(d[0][k], d[1][k]));
+        size = eng_d_max(size, eng_v_size_of_two(d[0][k], d[1][k]));
     }
     return size;
 }

@@ -178,7 +178,8 @@ ENG_INLINE uint32_t pass_axes(enum pccd_kind kind, const struct eng_sieve *sieve
         for (i = 0; i < n; i += ENG_F_LANES) {
             uint32_t out = axes_between(axes.below + i, axes.above + i);
             uint32_t lanes = n - i < ENG_F_LANES ? (1u << (n - i)) - 1 : ENG_F_ALL;
-            kept += eng_keep_both(a + kept, b + kept, a_in + i, b_in + i, lanes & ~out);
+            kept +=
+                eng_compress_pairs(a + kept, b + kept, a_in + i, b_in + i, lanes & ~out);
         }
     }
     return kept;
@@ -245,9 +246,9 @@ ENG_INLINE uint32_t planes_reject(const struct question *question,
                                   const struct eng_g d[2][DIFFERENCES])
 {
     struct sides sides = sides_of(question, d);
-    eng_f a = eng_v_reach(sides.w[0], sides.w[1]) + OFF_GRID;
-    eng_f b = eng_v_reach(sides.u[0], sides.u[1]) + OFF_GRID;
-    eng_f c = eng_v_reach(sides.v[0], sides.v[1]) + OFF_GRID;
+    eng_f a = eng_v_size_of_two(sides.w[0], sides.w[1]) + OFF_GRID;
+    eng_f b = eng_v_size_of_two(sides.u[0], sides.u[1]) + OFF_GRID;
+    eng_f c = eng_v_size_of_two(sides.v[0], sides.v[1]) + OFF_GRID;
     eng_f volume = a * b * c;
     eng_f areas = 7 * (a * b + (a + b) * c);
     if (question->is_thick) {
@@ -296,7 +297,7 @@ ENG_INLINE uint32_t pass(const struct question *question, enum tests tests,
             out |= are_beyond(question->kind, d, AXES, DIRECTIONS,
                               DIAGONAL * question->reach);
         }
-        kept += eng_keep_both(a + kept, b + kept, a + i, b + i, lanes & ~out);
+        kept += eng_compress_pairs(a + kept, b + kept, a + i, b + i, lanes & ~out);
     }
     return kept;
 }

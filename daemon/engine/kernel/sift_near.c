@@ -89,7 +89,7 @@ ENG_INLINE void load_at(uint32_t kind, const struct eng_sieve *sieve, const uint
 
 ENG_INLINE struct eng_v smaller(struct eng_g g)
 {
-    return eng_v_times(eng_f_all(SMALLER), vector_of(g));
+    return eng_v_scale(eng_f_all(SMALLER), vector_of(g));
 }
 
 ENG_INLINE struct eng_g less(struct eng_g a, struct eng_g b)
@@ -159,7 +159,7 @@ ENG_INLINE void shorten(struct way *way, struct eng_v from, struct eng_v e,
 {
     const eng_f zero = {0};
     eng_f at = eng_f_min(eng_f_max(eng_v_dot(from, e) * per_square, zero), zero + 1);
-    struct eng_v foot = eng_v_times(at, e);
+    struct eng_v foot = eng_v_scale(at, e);
     struct eng_v v = turned ? eng_v_sub(foot, from) : eng_v_sub(from, foot);
     eng_f square = eng_v_dot(v, v);
     eng_fm is_shorter = eng_f_less(square, way->square);
@@ -192,7 +192,8 @@ ENG_INLINE struct eng_v way_of(enum pccd_kind kind, const struct eng_v p[3])
 }
 
 /* Are they along such a way? */
-ENG_INLINE eng_fm rims_beyond(enum pccd_kind kind, const struct eng_g d[3], eng_f square)
+ENG_INLINE eng_fm edges_are_beyond(enum pccd_kind kind, const struct eng_g d[3],
+                                   eng_f square)
 {
     const eng_f zero = {0};
     struct eng_v p[3];
@@ -239,7 +240,7 @@ ENG_INLINE uint32_t beyond(enum pccd_kind kind, enum look look, bool narrows,
     eng_f square = reach * reach * ENG_SLACK;
     return eng_fm_bits(
         look == LOOK_AT_RIMS
-            ? rims_beyond(kind, d, square)
+            ? edges_are_beyond(kind, d, square)
             : eng_fm_or(boxes_are_beyond(kind, d, eng_f_all(SMALLER), square),
                         planes_beyond(kind, d, square)));
 }
@@ -277,8 +278,8 @@ ENG_INLINE uint32_t pass_near(uint32_t kind, enum look look, bool narrows,
                            ? aside(sieve, a_in, b_in, end)
                            : beyond((enum pccd_kind)kind, look, narrows, sieve, a_in,
                                     b_in, end, eng_f_all(reach));
-        kept += eng_keep_both(a + kept, b + kept, a + i, b + i,
-                              ~out & ENG_F_ALL >> (ENG_F_LANES - n));
+        kept += eng_compress_pairs(a + kept, b + kept, a + i, b + i,
+                                   ~out & ENG_F_ALL >> (ENG_F_LANES - n));
     }
     return kept;
 }

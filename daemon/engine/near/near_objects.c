@@ -246,7 +246,7 @@ static int list_shares(struct eng_near_objects *objects)
 /* Searches go down the triangles of objects: none of those that are asked for may have
  * anything else. */
 static int check_triangles(const struct eng_near_objects *objects,
-                           struct eng_near_open *open)
+                           struct eng_open_mesh_error *open)
 {
     int status = PCCD_OK;
     for (uint32_t i = 0; i < objects->share_count; i++) {
@@ -264,7 +264,7 @@ static int check_triangles(const struct eng_near_objects *objects,
 
 /* The meshes of all that are listed, which are asked for. */
 static int check_closed(const struct eng_near_objects *objects,
-                        struct eng_near_open *open)
+                        struct eng_open_mesh_error *open)
 {
     int status = PCCD_OK;
     for (uint32_t i = 0; i < objects->share_count; i++) {
@@ -290,7 +290,7 @@ static int check_closed(const struct eng_near_objects *objects,
 int eng_near_objects_prepare(struct eng_near_objects *objects,
                              const struct eng_scene *scene,
                              const struct eng_question *ask, uint32_t threads,
-                             struct eng_near_open *open)
+                             struct eng_open_mesh_error *open)
 {
     assert(threads >= 1 && threads <= ENG_THREADS_MAX);
     assert(ask->verb == PCCD_NEAR_NEAREST || ask->verb == PCCD_NEAR_DEPTH);

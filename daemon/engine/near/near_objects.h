@@ -8,7 +8,7 @@
 #include "topology.h"
 
 /* A mesh that is not closed: of the object of that id. */
-struct eng_near_open {
+struct eng_open_mesh_error {
     uint32_t object;
     bool has_free; /* it has free edges or points; else `edge` is open */
     struct eng_open_edge edge;
@@ -55,7 +55,7 @@ uint64_t eng_near_objects_bytes(const struct eng_near_objects *objects);
 int eng_near_objects_prepare(struct eng_near_objects *objects,
                              const struct eng_scene *scene,
                              const struct eng_question *ask, uint32_t threads,
-                             struct eng_near_open *open);
+                             struct eng_open_mesh_error *open);
 
 /* The positions have moved on. [compute] */
 void eng_near_objects_begin(struct eng_near_objects *objects);

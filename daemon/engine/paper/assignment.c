@@ -89,40 +89,40 @@ static bool somebody_has_work(struct eng_assignment *assignment)
 
 void eng_idle_sleep(struct eng_assignment *assignment)
 {
-    struct eng_idle_list *lounge = &assignment->idle;
-    pthread_mutex_lock(&lounge->lock);
-    uint32_t sleepers = atomic_load_explicit(&lounge->sleepers, memory_order_relaxed);
-    atomic_store_explicit(&lounge->sleepers, sleepers + 1, memory_order_relaxed);
+    struct eng_idle_list *idle = &assignment->idle;
+    pthread_mutex_lock(&idle->lock);
+    uint32_t sleepers = atomic_load_explicit(&idle->sleepers, memory_order_relaxed);
+    atomic_store_explicit(&idle->sleepers, sleepers + 1, memory_order_relaxed);
     /* The last one to leave takes the lock after its decrement: it is seen here, or wakes
      * us. */
-    while (lounge->calls == 0 && somebody_has_work(assignment)) {
-        pthread_cond_wait(&lounge->wake, &lounge->lock);
+    while (idle->calls == 0 && somebody_has_work(assignment)) {
+        pthread_cond_wait(&idle->wake, &idle->lock);
     }
-    if (lounge->calls > 0) {
-        lounge->calls--;
+    if (idle->calls > 0) {
+        idle->calls--;
     } else {
-        sleepers = atomic_load_explicit(&lounge->sleepers, memory_order_relaxed);
-        atomic_store_explicit(&lounge->sleepers, sleepers - 1, memory_order_relaxed);
+        sleepers = atomic_load_explicit(&idle->sleepers, memory_order_relaxed);
+        atomic_store_explicit(&idle->sleepers, sleepers - 1, memory_order_relaxed);
     }
-    pthread_mutex_unlock(&lounge->lock);
+    pthread_mutex_unlock(&idle->lock);
 }
 
 void eng_idle_wake(struct eng_assignment *assignment, uint32_t nodes)
 {
-    struct eng_idle_list *lounge = &assignment->idle;
+    struct eng_idle_list *idle = &assignment->idle;
     /* Relaxed: a hint; the lock decides. */
-    if (atomic_load_explicit(&lounge->sleepers, memory_order_relaxed) == 0) {
+    if (atomic_load_explicit(&idle->sleepers, memory_order_relaxed) == 0) {
         return;
     }
-    pthread_mutex_lock(&lounge->lock);
-    uint32_t sleepers = atomic_load_explicit(&lounge->sleepers, memory_order_relaxed);
+    pthread_mutex_lock(&idle->lock);
+    uint32_t sleepers = atomic_load_explicit(&idle->sleepers, memory_order_relaxed);
     uint32_t called = nodes < sleepers ? nodes : sleepers;
-    lounge->calls += called;
-    atomic_store_explicit(&lounge->sleepers, sleepers - called, memory_order_relaxed);
+    idle->calls += called;
+    atomic_store_explicit(&idle->sleepers, sleepers - called, memory_order_relaxed);
     for (uint32_t i = 0; i < called; i++) {
-        pthread_cond_signal(&lounge->wake);
+        pthread_cond_signal(&idle->wake);
     }
-    pthread_mutex_unlock(&lounge->lock);
+    pthread_mutex_unlock(&idle->lock);
 }
 
 void eng_assignment_enter(struct eng_assignment *assignment, uint32_t seat_count,

@@ -104,7 +104,7 @@ void eng_ids_add(struct eng_ids *ids, uint32_t id, uint32_t object)
 {
     uint32_t place = place_of(ids, id);
     assert(ids->table[place].object == ENG_NO_OBJECT && object != ENG_NO_OBJECT);
-    ids->table[place] = (struct eng_ids_place){id, object};
+    ids->table[place] = (struct eng_ids_entry){id, object};
 }
 
 void eng_ids_remove(struct eng_ids *ids, uint32_t id)

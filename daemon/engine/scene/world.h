@@ -49,14 +49,14 @@ void eng_ranges_give(struct eng_ranges *ranges, uint32_t first, uint32_t count);
 
 #define ENG_NO_OBJECT UINT32_MAX
 
-struct eng_ids_place {
+struct eng_ids_entry {
     uint32_t id;
     uint32_t object; /* index; ENG_NO_OBJECT: a free place */
 };
 
 /* Zeroed: there is none. */
 struct eng_ids {
-    struct eng_ids_place *table; /* [size], a power of two; at least half is free */
+    struct eng_ids_entry *table; /* [size], a power of two; at least half is free */
     uint32_t size;
 };
 

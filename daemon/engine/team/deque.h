@@ -51,33 +51,33 @@ bool eng_deque_steal(struct eng_deque *deque, uint64_t *task);
 /* Items 0 .. count - 1 in one run for each thread of a team. A thread takes its own run
  * first, then what others have left. So it finds in its cache what it wrote a step
  * before, and threads compete for a counter only at the end. */
-struct eng_share {
+struct eng_partition {
     _Alignas(128) atomic_uint next; /* that nobody has taken */
     uint32_t end;
 };
 
 /* Where the run of thread `i` of `threads` begins; i = threads: where all end. */
-static inline uint32_t eng_share_begin(uint32_t count, uint32_t i, uint32_t threads)
+static inline uint32_t eng_partition_begin(uint32_t count, uint32_t i, uint32_t threads)
 {
     return (uint32_t)((uint64_t)count * i / threads);
 }
 
 /* Whose run item `i` is in, give or take one. */
-static inline uint32_t eng_share_of(uint32_t count, uint32_t i, uint32_t threads)
+static inline uint32_t eng_partition_of(uint32_t count, uint32_t i, uint32_t threads)
 {
     return (uint32_t)((uint64_t)i * threads / count);
 }
 
 /* Before the region. [compute] */
-static inline void eng_share_init(struct eng_share *share, uint32_t count, uint32_t i,
-                                  uint32_t threads)
+static inline void eng_partition_init(struct eng_partition *share, uint32_t count,
+                                      uint32_t i, uint32_t threads)
 {
-    atomic_init(&share->next, eng_share_begin(count, i, threads));
-    share->end = eng_share_begin(count, i + 1, threads);
+    atomic_init(&share->next, eng_partition_begin(count, i, threads));
+    share->end = eng_partition_begin(count, i + 1, threads);
 }
 
 /* False: nothing is left. Relaxed: what is taken was made before the region. [team] */
-static inline bool eng_share_take(struct eng_share *share, uint32_t *item)
+static inline bool eng_partition_take(struct eng_partition *share, uint32_t *item)
 {
     if (atomic_load_explicit(&share->next, memory_order_relaxed) >= share->end) {
         return false;

@@ -109,7 +109,7 @@ static void deal_kind(struct eng_team *team, struct eng_worker *worker,
         uint32_t a = below->a[i];
         uint32_t b = below->b[i];
         assert(a < tree->block_count[level]);
-        uint32_t owner = eng_share_of(tree->block_count[level], a, team->count);
+        uint32_t owner = eng_partition_of(tree->block_count[level], a, team->count);
         eng_deque_push(&team->workers[owner]->deque, task_of(kind, level, a, b));
     }
     below->count = 0;
@@ -285,8 +285,8 @@ static void start(struct eng_team *team, const struct eng_question *question)
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t chunks = eng_wide_refit_chunks(eng_wide_of(team->scene), kind);
         for (uint32_t i = 0; i < team->count; i++) {
-            eng_share_init(&eng_wide_work_of(team->workers[i])->shares[kind], chunks, i,
-                           team->count);
+            eng_partition_init(&eng_wide_work_of(team->workers[i])->shares[kind], chunks,
+                               i, team->count);
         }
     }
     team->shares = team->count;

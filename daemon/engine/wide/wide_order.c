@@ -141,9 +141,9 @@ uint32_t eng_wide_order_slots(const struct eng_wide_order *order, enum pccd_tree
     return order->piece_of ? (size + ENG_WIDE - 1) / ENG_WIDE * ENG_WIDE : size;
 }
 
-void eng_wide_order_place(const struct eng_wide_order *order, enum pccd_tree kind,
-                          const struct eng_split_item *pieces,
-                          struct eng_split_item *items, uint32_t *next)
+void eng_wide_order_assign_slots(const struct eng_wide_order *order, enum pccd_tree kind,
+                                 const struct eng_split_item *pieces,
+                                 struct eng_split_item *items, uint32_t *next)
 {
     uint32_t slot = 0;
     for (uint32_t i = 0; i < order->piece_count; i++) {
@@ -359,7 +359,7 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
     uint32_t parts = 0;
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         struct eng_split_item *items = making.items + first;
-        eng_wide_order_place(made, kind, making.pieces, items, making.next);
+        eng_wide_order_assign_slots(made, kind, making.pieces, items, making.next);
         for (uint32_t i = 0; i < made->piece_count; i++) {
             making.parts[parts++] = (struct eng_wide_range){
                 first + making.next[i], making.next[i], made->piece_size[kind][i]};

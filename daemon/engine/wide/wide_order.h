@@ -82,9 +82,9 @@ uint32_t eng_wide_order_slots(const struct eng_wide_order *order, enum pccd_tree
 
 /*   In this sequence: next[piece] is the slot of the first feature of a piece; of
  *   items[count], which are in slots, those behind a piece are no features. */
-void eng_wide_order_place(const struct eng_wide_order *order, enum pccd_tree kind,
-                          const struct eng_split_item *pieces,
-                          struct eng_split_item *items, uint32_t *next);
+void eng_wide_order_assign_slots(const struct eng_wide_order *order, enum pccd_tree kind,
+                                 const struct eng_split_item *pieces,
+                                 struct eng_split_item *items, uint32_t *next);
 
 /*   The features of one tree that edges or triangles first .. first + count - 1 own, to
  *   the next slots of their pieces, which go on: item ids are local

@@ -253,8 +253,8 @@ static void list_more(struct eng_wide_resort *resort, const struct eng_object *o
     struct eng_split_item *items = resort->items + resort->first;
     uint32_t count = left < PIECE_SOURCES ? left : PIECE_SOURCES;
     if (resort->sources == 0) {
-        eng_wide_order_place(eng_wide_order_of(object), resort->kind, resort->pieces,
-                             items, resort->next);
+        eng_wide_order_assign_slots(eng_wide_order_of(object), resort->kind,
+                                    resort->pieces, items, resort->next);
     }
     eng_wide_order_list(eng_wide_order_of(object), object->mesh, positions, resort->kind,
                         resort->sources, count, items, resort->next);

@@ -21,8 +21,8 @@ static uint32_t make_chunks(struct eng_team *team, struct eng_worker *worker,
     for (uint32_t i = 0; i < team->shares; i++) {
         uint32_t owner = (worker->thread + i) % team->shares;
         uint32_t chunk;
-        while (eng_share_take(&eng_wide_work_of(team->workers[owner])->shares[kind],
-                              &chunk)) {
+        while (eng_partition_take(&eng_wide_work_of(team->workers[owner])->shares[kind],
+                                  &chunk)) {
             if (!eng_worker_should_stop(worker)) {
                 eng_wide_refit_chunk(eng_wide_of(team->scene), team->scene, kind, chunk);
             }

@@ -19,7 +19,7 @@ struct eng_wide_filters {
 };
 
 struct eng_wide_work {
-    struct eng_share shares[ENG_WIDE_TREES]; /* chunks of the refit */
+    struct eng_partition shares[ENG_WIDE_TREES]; /* chunks of the refit */
     struct eng_wide_join join;
     struct eng_wide_times times[COMMON_KIND_COUNT];
     struct eng_wide_filters filters[COMMON_KIND_COUNT];

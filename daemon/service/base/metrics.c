@@ -60,18 +60,18 @@ void srv_metrics_add_step(struct srv_metrics *metrics, const struct proto_answer
     counters->steps_crowded += answer->crowded;
 }
 
-void srv_told_add_step(struct proto_LIST_SESSION_result *told,
-                       const struct proto_answer *answer)
+void srv_stats_add_step(struct proto_LIST_SESSION_result *stats,
+                        const struct proto_answer *answer)
 {
-    told->steps++;
-    told->steps_incomplete += answer->incomplete != PCCD_COMPLETE;
-    told->contacts += answer->mode == PCCD_MODE_PAIRS ? 0 : answer->total;
-    told->ns_ingest += answer->ns_ingest;
-    told->ns_refit += answer->ns_refit;
-    told->ns_traversal += answer->ns_traversal;
-    told->ns_tests += answer->ns_tests;
-    told->ns_merge += answer->ns_merge;
-    told->ns_step += answer->ns_step;
+    stats->steps++;
+    stats->steps_incomplete += answer->incomplete != PCCD_COMPLETE;
+    stats->contacts += answer->mode == PCCD_MODE_PAIRS ? 0 : answer->total;
+    stats->ns_ingest += answer->ns_ingest;
+    stats->ns_refit += answer->ns_refit;
+    stats->ns_traversal += answer->ns_traversal;
+    stats->ns_tests += answer->ns_tests;
+    stats->ns_merge += answer->ns_merge;
+    stats->ns_step += answer->ns_step;
 }
 
 /* Add the members of a result, all of them u64. */
@@ -103,10 +103,10 @@ void srv_metrics_add_all(struct srv_metrics *metrics, const struct srv_metrics *
     }
 }
 
-void srv_told_add_all(struct proto_LIST_SESSION_result *told,
-                      const struct proto_LIST_SESSION_result *more)
+void srv_stats_add_all(struct proto_LIST_SESSION_result *stats,
+                       const struct proto_LIST_SESSION_result *more)
 {
-    add_members(PROTO_METHOD_LIST_SESSION, told, more);
+    add_members(PROTO_METHOD_LIST_SESSION, stats, more);
 }
 
 void srv_metrics_add_near(struct srv_metrics *metrics, const struct proto_answer *answer)

@@ -24,10 +24,10 @@ void srv_metrics_add_step(struct srv_metrics *metrics, const struct proto_answer
 void srv_metrics_add_all(struct srv_metrics *metrics, const struct srv_metrics *more);
 
 /* The same of what list.session tells of a session. */
-void srv_told_add_step(struct proto_LIST_SESSION_result *told,
-                       const struct proto_answer *answer);
-void srv_told_add_all(struct proto_LIST_SESSION_result *told,
-                      const struct proto_LIST_SESSION_result *more);
+void srv_stats_add_step(struct proto_LIST_SESSION_result *stats,
+                        const struct proto_answer *answer);
+void srv_stats_add_all(struct proto_LIST_SESSION_result *stats,
+                       const struct proto_LIST_SESSION_result *more);
 
 /* Add an answer about what is near. */
 void srv_metrics_add_near(struct srv_metrics *metrics, const struct proto_answer *answer);

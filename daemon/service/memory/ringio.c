@@ -536,7 +536,7 @@ int srv_ring_look(struct srv_ring *ring, struct proto_error *error)
     return was_stray ? status : 0;
 }
 
-void srv_ring_rest(struct srv_ring *ring, struct srv_reclaim *reclaim)
+void srv_ring_trim_if_idle(struct srv_ring *ring, struct srv_reclaim *reclaim)
 {
     uint64_t taken = atomic_load_explicit(&ring->result_taken, memory_order_relaxed);
     if (taken > taken_first(ring->result_bytes)) {

@@ -187,7 +187,7 @@ void srv_ring_give_back(struct srv_ring *ring);
  * back, and refunds, what the result region has taken beyond what it began with and
  * behind all pages that the client has not released, and the slots that the client says
  * are free, but for the last slot that has memory. [loop] */
-void srv_ring_rest(struct srv_ring *ring, struct srv_reclaim *reclaim);
+void srv_ring_trim_if_idle(struct srv_ring *ring, struct srv_reclaim *reclaim);
 
 /* What both memories hold beyond what was given: a client can write to slots that it has
  * not taken, and read where no record is yet. It is charged to the owner's user until the

@@ -22,12 +22,12 @@ struct srv_runner {
     struct srv_job *job;         /* that it runs; NULL: none */
     uint64_t begin_ns;           /* since when */
     bool is_long;                /* it has run for so long that others run beside it */
-    struct srv_stuck_look {
+    struct srv_progress {
         uint64_t begin_ns; /* of the job that ran at the last look; 0: none did */
         uint64_t cpu_ns;   /* that the thread had had */
         uint32_t idle;     /* looks since it had any */
         uint32_t late;     /* looks since the job was to end */
-    } seen;                /* [loop] by the watchdog (stuck.h) */
+    } seen;                /* [loop] by the watchdog */
 };
 
 static void lock(struct srv_compute *compute)
@@ -564,7 +564,7 @@ bool srv_compute_is_stuck(struct srv_compute *compute)
     pthread_mutex_lock(&compute->mutex);
     for (uint32_t i = 0; i < compute->runner_count; i++) {
         struct srv_runner *runner = &compute->runners[i];
-        struct srv_stuck_look *seen = &runner->seen;
+        struct srv_progress *seen = &runner->seen;
         uint64_t begin_ns = runner->job != NULL ? runner->begin_ns : 0;
         uint64_t cpu_ns = time_of(runner->thread);
         bool is_same = begin_ns != 0 && begin_ns == seen->begin_ns;

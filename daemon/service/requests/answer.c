@@ -47,7 +47,7 @@ static void send_answer(struct srv_session *session, const struct srv_question *
         return;
     }
     srv_metrics_add_error(&service->metrics, error->code);
-    session->told.errors++;
+    session->stats.errors++;
     srv_log(SRV_LOG_DEBUG, session->id, "%s: %s: %s",
             method >= 0 && method < PROTO_MESSAGE_COUNT ? proto_messages[method].name
                                                         : "?",

@@ -3,7 +3,7 @@
 
 #include "answer.h"
 #include "call.h"
-#include "crashnote.h"
+#include "crash_context.h"
 #include "host.h"
 #include "invariant.h"
 #include "linger.h"
@@ -96,12 +96,11 @@ int srv_dispatch_refuse_quota(struct srv_session *session, struct proto_error *e
                         "--connections-max)",
                         service->options->connections_max);
     } else {
-        proto_error_set(error, PCCD_E_QUOTA,
-                        "user %u has %llu %s already, the quota is %llu",
-                        (unsigned)user->uid,
-                        (unsigned long long)user->used[SRV_QUOTA_CLIENTS],
-                        proto_plural(user->used[SRV_QUOTA_CLIENTS], "client", "clients"),
-                        (unsigned long long)service->quota.limit[SRV_QUOTA_CLIENTS]);
+        proto_error_set(
+            error, PCCD_E_QUOTA, "user %u has %llu %s already, the quota is %llu",
+            (unsigned)user->uid, (unsigned long long)user->used[SRV_QUOTA_CLIENTS],
+            proto_plural(user->used[SRV_QUOTA_CLIENTS], "client", "clients"),
+            (unsigned long long)service->quota.limit[SRV_QUOTA_CLIENTS]);
     }
     error->fatal = true;
     srv_log(SRV_LOG_WARN, session->id, "refused: %s", error->text);
@@ -303,10 +302,10 @@ void srv_dispatch(struct srv_session *session, const void *message, size_t bytes
     if (call.method < 0) {
         call.error = envelope.error;
     }
-    srv_crash_note(call.method < 0 ? "?" : proto_messages[call.method].name, session->id,
-                   call.id);
+    srv_crash_context_set(call.method < 0 ? "?" : proto_messages[call.method].name,
+                          session->id, call.id);
     status = handle_in_turn(&call, &envelope, message, bytes);
-    srv_crash_note(NULL, 0, 0);
+    srv_crash_context_set(NULL, 0, 0);
     session = call.session; /* hello may have found an older one */
     const struct srv_question question = {call.arrival_ns, call.id, call.method};
     if (status == 0) {

@@ -60,7 +60,7 @@ static int open_session(struct srv_call *call, uint32_t version)
         srv_linger_enable(session);
     }
     srv_session_open(session, version);
-    strcpy(session->told.client, request->client); /* as long at most */
+    strcpy(session->stats.client, request->client); /* as long at most */
     srv_log(SRV_LOG_INFO, session->id, "opened by \"%s\", user %u", request->client,
             (unsigned)session->owner.user->uid);
     return 0;

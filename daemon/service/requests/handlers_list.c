@@ -37,7 +37,7 @@ int srv_on_LIST_SESSION(struct srv_call *call)
         return 0; /* number 0: none */
     }
     struct proto_LIST_SESSION_result *result = &call->result.LIST_SESSION;
-    *result = at->told;
+    *result = at->stats;
     result->session = at->id;
     result->uid = (uint32_t)at->owner.user->uid;
     result->pid = (uint32_t)at->pid;
@@ -80,12 +80,12 @@ int srv_on_LIST_SCENE(struct srv_call *call)
     struct srv_scene *scene = next_item(&owner->scenes, &cursor, &handle);
     if (scene != NULL) {
         struct proto_LIST_SCENE_result *result = &call->result.LIST_SCENE;
-        *result = scene->told;
+        *result = scene->stats;
         result->scene = handle;
         result->next = cursor;
         result->objects = scene->objects.count;
         result->ignored =
-            atomic_load_explicit(&scene->ignored_told, memory_order_relaxed);
+            atomic_load_explicit(&scene->ignored_pairs, memory_order_relaxed);
         srv_shared_tell(scene, owner, result);
     }
     return 0;

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "holding.h"
+#include "hold.h"
 #include "invariant.h"
 #include "names.h"
 #include "now.h"
@@ -215,8 +215,7 @@ static int start_one(struct srv_call *call, const struct srv_step_params *params
         .can_be_brief = params->is_near || params->holds ? NULL : can_be_brief,
         .replies = !params->holds && scene->shared == NULL,
         .deadline_ns = srv_step_deadline(params->deadline_ns, call->arrival_ns)};
-    return params->holds ? srv_holding_start(call, &plan)
-                         : srv_request_start(call, &plan);
+    return params->holds ? srv_hold_start(call, &plan) : srv_request_start(call, &plan);
 }
 
 /* A step of each of many scenes. */

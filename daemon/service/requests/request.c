@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "answer.h"
-#include "crashnote.h"
+#include "crash_context.h"
 #include "enginemem.h"
 #include "host.h"
 #include "invariant.h"
@@ -180,15 +180,15 @@ static void run(struct srv_job *job)
 {
     struct srv_request *request = (struct srv_request *)job;
     srv_assert_compute();
-    srv_crash_note(proto_messages[request->method].name, request->session->id,
-                   request->id);
+    srv_crash_context_set(proto_messages[request->method].name, request->session->id,
+                          request->id);
     struct srv_enginemem memory;
     const struct srv_scene *scene = request->plan.scene; /* may be another user's */
     srv_enginemem_begin(&memory, scene != NULL ? scene->resource.owner->user
                                                : request->session->owner.user);
     request->status =
         srv_enginemem_explain(&memory, request->plan.work(request), &request->error);
-    srv_crash_note(NULL, 0, 0);
+    srv_crash_context_set(NULL, 0, 0);
     PCCD_ASSERT(request->status == 0 || request->error.code == request->status);
     PCCD_ASSERT(request->status == 0 || !job->goes_on);
     if (!job->goes_on) {
@@ -349,7 +349,7 @@ void srv_request_conclude(struct srv_request *request)
     }
     drop_copy(request);
     if (request->plan.ring != NULL) {
-        srv_ring_rest(request->plan.ring, &session->service->reclaim);
+        srv_ring_trim_if_idle(request->plan.ring, &session->service->reclaim);
         srv_stray_use(session->service);
     }
     release(&request->plan);

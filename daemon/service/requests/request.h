@@ -31,7 +31,7 @@
 #include "srv_scene.h"
 
 struct srv_batch;
-struct srv_held;
+struct srv_held_frame;
 struct srv_laststep;
 struct srv_member;
 struct srv_outlet;
@@ -44,15 +44,15 @@ struct srv_tracing;
 struct srv_item {
     struct srv_scene *scene; /* NULL: `status` says why there is none */
     struct srv_member
-        *member;            /* with which the session takes part; NULL: it is its own */
-    int32_t status;         /* of the table of a batch, then [compute] of the step */
-    uint32_t segments;      /* of a batch: that are its own, */
-    uint32_t first;         /* and where they begin in the table of all */
-    bool has_stepped;       /* [compute] then [loop], as all that follows */
-    struct srv_held *taken; /* held frames that went along */
+        *member;       /* with which the session takes part; NULL: it is its own */
+    int32_t status;    /* of the table of a batch, then [compute] of the step */
+    uint32_t segments; /* of a batch: that are its own, */
+    uint32_t first;    /* and where they begin in the table of all */
+    bool has_stepped;  /* [compute] then [loop], as all that follows */
+    struct srv_held_frame *taken; /* held frames that went along */
     struct proto_answer
         *answer; /* what others who take part are told; NULL: nobody does */
-    struct proto_STEP_request told; /* what those who watch are told of how it went */
+    struct proto_STEP_request event; /* what those who watch are told of how it went */
 };
 
 /* What a handler asks for. References are taken for as long as the request lives. */
@@ -111,7 +111,7 @@ enum srv_request_state {
     SRV_REQUEST_OWED = 5,    /* has run; the loop is to answer it */
     SRV_REQUEST_TRIED = 6,   /* likewise, as the thread that computed it could not */
     SRV_REQUEST_REPLIED = 7, /* has run, and that thread has answered it */
-    SRV_REQUEST_WAITING = 8, /* has run; its frame waits for a step (holding.h) */
+    SRV_REQUEST_WAITING = 8, /* has run; its frame waits for a step (hold.h) */
     SRV_REQUEST_OVER = 9,    /* everything is given back */
     SRV_REQUEST_STATES = 10
 };
@@ -144,9 +144,9 @@ struct srv_request {
     struct srv_outlet *outlet; /* [loop] may answer by it on [compute]; NULL: on [loop] */
     uint64_t replied_ns;       /* REPLIED: when */
     struct srv_kept_reply
-        reply;             /* REPLIED: for a client that comes back; 0 bytes: none */
-    struct srv_held *held; /* that it has brought; NULL: none, or it was answered */
-    struct srv_item item;  /* plan.scene; those of a batch are its own (srv_batch.h) */
+        reply; /* REPLIED: for a client that comes back; 0 bytes: none */
+    struct srv_held_frame *held; /* that it has brought; NULL: none, or it was answered */
+    struct srv_item item; /* plan.scene; those of a batch are its own (srv_batch.h) */
 };
 
 /* Whether a method is one of those that move scenes: it counts among the steps in flight,

@@ -60,7 +60,7 @@ static uint64_t read_table(struct srv_batch *batch, const struct srv_session *se
         __asm__ volatile("" : : : "memory");
         *item = (struct srv_item){.first = (uint32_t)first,
                                   .segments = entry.segments,
-                                  .told = {.scene = entry.scene}};
+                                  .event = {.scene = entry.scene}};
         first += entry.segments;
         item->status = find(session, entry.scene, number, &item->scene, &item->member);
         if (item->scene == NULL) {
@@ -221,7 +221,7 @@ static void note(struct srv_item *item, struct pccd_scene_answer *answer,
     describe(from, answer);
     srv_step_note(item, from);
     srv_metrics_add_step(&lane->metrics, from);
-    srv_told_add_step(&lane->told, from);
+    srv_stats_add_step(&lane->stats, from);
     if (item->answer != NULL) {
         *item->answer = *from;
     }
@@ -378,7 +378,7 @@ static uint32_t work_scenes(struct work *work)
     uint64_t rest_ns = 0;
     for (uint32_t i = 0; i < batch->count; i++) {
         const struct srv_item *item = &batch->items[i];
-        work->answers[i] = (struct pccd_scene_answer){.scene = item->told.scene};
+        work->answers[i] = (struct pccd_scene_answer){.scene = item->event.scene};
         if (item->scene == NULL) {
             refuse(item, why_not(item->status), &work->answers[i], &batch->lanes[0]);
             atomic_fetch_add_explicit(&batch->done, 1, memory_order_relaxed);
@@ -395,7 +395,7 @@ static uint32_t work_scenes(struct work *work)
                                                       .item = work_item,
                                                       .context = work});
     for (uint32_t i = 0; i < batch->count; i++) {
-        uint32_t own = batch->items[i].told.threads;
+        uint32_t own = batch->items[i].event.threads;
         threads = own > threads ? own : threads;
     }
     return threads;
@@ -448,7 +448,7 @@ static int write_records(struct srv_request *request, struct work *work,
                count * record_bytes);
         used += units < page.count - used ? units : page.count - used;
         result->total += total;
-        if (count < total && item->told.incomplete == PCCD_COMPLETE) {
+        if (count < total && item->event.incomplete == PCCD_COMPLETE) {
             answer->incomplete = PCCD_INCOMPLETE_RESULT_FULL;
             result->incomplete++;
         }
@@ -469,11 +469,11 @@ static void add_up(struct srv_request *request, const struct work *work,
         result->failed += lanes[i].failed;
         if (i > 0) {
             srv_metrics_add_all(&lanes[0].metrics, &lanes[i].metrics);
-            srv_told_add_all(&lanes[0].told, &lanes[i].told);
+            srv_stats_add_all(&lanes[0].stats, &lanes[i].stats);
         }
     }
-    result->incomplete += (uint32_t)lanes[0].told.steps_incomplete;
-    result->ns_steps = lanes[0].told.ns_step;
+    result->incomplete += (uint32_t)lanes[0].stats.steps_incomplete;
+    result->ns_steps = lanes[0].stats.ns_step;
 }
 
 /* The table of segments, which lies behind that of the scenes. */

@@ -14,11 +14,11 @@
 
 /* What a thread of the batch has for itself. [compute] */
 struct srv_batch_lane {
-    struct srv_metrics metrics;            /* of its scenes */
-    struct proto_LIST_SESSION_result told; /* likewise */
-    struct eng_thread_record record;       /* likewise */
-    uint64_t scenes;                       /* that it had a part in */
-    struct proto_error error;              /* of the scene at hand */
+    struct srv_metrics metrics;             /* of its scenes */
+    struct proto_LIST_SESSION_result stats; /* likewise */
+    struct eng_thread_record record;        /* likewise */
+    uint64_t scenes;                        /* that it had a part in */
+    struct proto_error error;               /* of the scene at hand */
     uint64_t upload_bytes;
     uint32_t failed;
 };

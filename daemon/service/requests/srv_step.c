@@ -168,14 +168,14 @@ void srv_step_nothing(const struct srv_request *request, enum pccd_incomplete wh
 
 void srv_step_note(struct srv_item *item, const struct proto_answer *answer)
 {
-    struct proto_STEP_request *told = &item->told;
-    told->incomplete = answer->incomplete;
-    told->verdict = answer->verdict;
-    told->threads = answer->threads;
-    told->total = answer->total;
-    told->hash_hi = answer->hash_hi;
-    told->hash_lo = answer->hash_lo;
-    told->ns_step = answer->ns_step;
+    struct proto_STEP_request *event = &item->event;
+    event->incomplete = answer->incomplete;
+    event->verdict = answer->verdict;
+    event->threads = answer->threads;
+    event->total = answer->total;
+    event->hash_hi = answer->hash_hi;
+    event->hash_lo = answer->hash_lo;
+    event->ns_step = answer->ns_step;
 }
 
 /* ---- one scene --------------------------------------------------------------------- */
@@ -227,16 +227,16 @@ static int check_near(const struct srv_step_run *run)
 }
 
 /* What the engine has already (proto_direct.h); nothing of it if something went wrong. */
-static int stage_lent(struct srv_scene *scene, int status, struct proto_error *error)
+static int stage_mapped(struct srv_scene *scene, int status, struct proto_error *error)
 {
     for (uint32_t i = 0; i < scene->placed_count; i++) {
         struct srv_placed *placed = &scene->placed[i];
-        if (placed->handle == 0 || placed->lent == SRV_LENT_NOTHING) {
+        if (placed->handle == 0 || placed->mapped == SRV_MAPPED_NOTHING) {
             continue;
         }
         if (status == 0) {
             status = eng_stage_mapped(scene->engine, placed->engine_idx,
-                                      placed->lent == SRV_LENT_X0X1);
+                                      placed->mapped == SRV_MAPPED_X0X1);
             status = status == 0
                          ? 0
                          : proto_error_set(error, status, "object 0x%x: %s",
@@ -244,9 +244,9 @@ static int stage_lent(struct srv_scene *scene, int status, struct proto_error *e
         } else {
             eng_stage_unmap(scene->engine, placed->engine_idx);
         }
-        placed->lent = SRV_LENT_NOTHING;
+        placed->mapped = SRV_MAPPED_NOTHING;
     }
-    scene->has_lent = false;
+    scene->has_mapped = false;
     return status;
 }
 
@@ -259,16 +259,16 @@ static int stage(struct srv_step_run *run)
     bool takes_held =
         item->member != NULL && !run->params->is_near && !run->params->places;
     if (takes_held) {
-        srv_held_check(scene, &item->taken);
+        srv_held_frame_check(scene, &item->taken);
     }
-    if (scene->diaries != NULL) {
+    if (scene->journals != NULL) {
         srv_journal_open(scene, run->staging.slot.segments);
     }
     eng_stage_begin(scene->engine);
     if (question->threads > 1 && !question->brief) {
         eng_stage_share(scene->engine, question->threads, question->affinity);
     }
-    int status = takes_held ? srv_held_stage(scene, run->staging.error) : 0;
+    int status = takes_held ? srv_held_frame_stage(scene, run->staging.error) : 0;
     if (status == 0 && moves(run)) {
         run->staging.scene = scene;
         run->staging.member = item->member;
@@ -277,8 +277,8 @@ static int stage(struct srv_step_run *run)
     if (run->request->plan.batch == NULL) { /* a batch has one slot for all scenes */
         srv_request_return_slot(run->request);
     }
-    return scene->has_lent && !run->params->is_near
-               ? stage_lent(scene, status, run->staging.error)
+    return scene->has_mapped && !run->params->is_near
+               ? stage_mapped(scene, status, run->staging.error)
                : status;
 }
 
@@ -353,7 +353,7 @@ static void note(const struct srv_step_run *run)
     } else if (params->scenes == 0) {
         srv_journal_step(scene, &sent->FRAME_SUBMIT, member, run->item->taken);
     } else {
-        struct proto_FRAME_SUBMIT_request frame = {.scene = run->item->told.scene,
+        struct proto_FRAME_SUBMIT_request frame = {.scene = run->item->event.scene,
                                                    .step = run->step,
                                                    .mode = params->mode,
                                                    .method = params->method,
@@ -383,9 +383,9 @@ static void remember(struct srv_step_run *run)
         item->has_stepped = true;
     }
     if (item->member != NULL && !params->is_near && !params->places) {
-        srv_held_take(scene, &item->taken);
+        srv_held_frame_take(scene, &item->taken);
     }
-    if (scene->diaries != NULL) {
+    if (scene->journals != NULL) {
         note(run);
     }
 }

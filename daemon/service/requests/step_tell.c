@@ -1,5 +1,5 @@
 /* step_tell.c - what is counted and told of a step, or a question, that is over. */
-#include "holding.h"
+#include "hold.h"
 #include "invariant.h"
 #include "service.h"
 #include "session.h"
@@ -14,25 +14,25 @@ static void count(const struct srv_request *request)
     const struct srv_batch *batch = request->plan.batch;
     const struct proto_answer *answer = &request->result.answer;
     struct srv_metrics *metrics = &request->session->service->metrics;
-    struct proto_LIST_SESSION_result *told = &request->session->told;
-    told->upload_bytes += request->upload_bytes;
+    struct proto_LIST_SESSION_result *stats = &request->session->stats;
+    stats->upload_bytes += request->upload_bytes;
     if (batch != NULL) {
         srv_metrics_add_all(metrics, &batch->lanes[0].metrics);
-        srv_told_add_all(told, &batch->lanes[0].told);
-        told->ns_queue += request->result.BATCH_SUBMIT.ns_queue;
-        told->result_bytes += batch->count * sizeof(struct pccd_scene_answer);
+        srv_stats_add_all(stats, &batch->lanes[0].stats);
+        stats->ns_queue += request->result.BATCH_SUBMIT.ns_queue;
+        stats->result_bytes += batch->count * sizeof(struct pccd_scene_answer);
         return;
     }
     if (request->method == PROTO_METHOD_FRAME_SUBMIT) {
         srv_metrics_add_step(metrics, answer);
-        srv_told_add_step(told, answer);
-        told->ns_queue += answer->ns_queue;
+        srv_stats_add_step(stats, answer);
+        stats->ns_queue += answer->ns_queue;
     } else if (srv_request_state(request) == SRV_REQUEST_EARLY) {
         return; /* it was counted when it was answered */
     } else {
         srv_metrics_add_near(metrics, answer);
     }
-    told->result_bytes += answer->count * answer->record_bytes;
+    stats->result_bytes += answer->count * answer->record_bytes;
 }
 
 /* One scene: those whose frames went along, those who take part, list.scene. Returns the
@@ -40,11 +40,11 @@ static void count(const struct srv_request *request)
 static uint64_t tell_scene(const struct srv_request *request, struct srv_item *item)
 {
     struct srv_service *service = request->session->service;
-    const struct proto_STEP_request *how = &item->told;
+    const struct proto_STEP_request *event = &item->event;
     bool places = request->method == PROTO_METHOD_FRAME_SUBMIT &&
                   request->params.FRAME_SUBMIT.place;
     if (item->member != NULL) {
-        srv_holding_answer(item->taken, item->answer);
+        srv_hold_answer(item->taken, item->answer);
         item->taken = NULL;
     }
     if (!item->has_stepped) {
@@ -55,13 +55,13 @@ static uint64_t tell_scene(const struct srv_request *request, struct srv_item *i
     }
     uint64_t number = ++service->step_last;
     if (request->status == 0) {
-        struct proto_LIST_SCENE_result *scene = &item->scene->told;
+        struct proto_LIST_SCENE_result *scene = &item->scene->stats;
         scene->steps++;
         scene->number = number;
-        scene->total = how->total;
-        scene->hash_hi = how->hash_hi;
-        scene->hash_lo = how->hash_lo;
-        scene->ns_step = how->ns_step;
+        scene->total = event->total;
+        scene->hash_hi = event->hash_hi;
+        scene->hash_lo = event->hash_lo;
+        scene->ns_step = event->ns_step;
     }
     return number;
 }
@@ -72,23 +72,23 @@ static void tell_watchers(const struct srv_request *request,
                           uint64_t number)
 {
     const struct srv_batch *batch = request->plan.batch;
-    struct proto_STEP_request *told = &item->told;
+    struct proto_STEP_request *event = &item->event;
     int status = request->status != 0 ? request->status : item->status;
     if (batch == NULL) {
-        told->scene = params->scene;
+        event->scene = params->scene;
     }
     if (status != 0) {
-        *told =
-            (struct proto_STEP_request){.scene = told->scene, .code = (uint32_t)-status};
+        *event =
+            (struct proto_STEP_request){.scene = event->scene, .code = (uint32_t)-status};
     } else {
-        told->number = number;
-        told->ns_queue = batch != NULL ? request->result.BATCH_SUBMIT.ns_queue
-                                       : request->result.answer.ns_queue;
+        event->number = number;
+        event->ns_queue = batch != NULL ? request->result.BATCH_SUBMIT.ns_queue
+                                        : request->result.answer.ns_queue;
     }
-    told->session = request->session->id;
-    told->step = params->step + (batch != NULL ? (uint64_t)(item - batch->items) : 0);
-    told->mode = params->mode;
-    srv_watcher_step(request->session->service, told);
+    event->session = request->session->id;
+    event->step = params->step + (batch != NULL ? (uint64_t)(item - batch->items) : 0);
+    event->mode = params->mode;
+    srv_watcher_step(request->session->service, event);
 }
 
 /* For stats.thread. */
@@ -125,7 +125,7 @@ void srv_step_finish(struct srv_request *request)
     struct srv_batch *batch = request->plan.batch;
     struct srv_item *items = batch != NULL ? batch->items : &request->item;
     uint32_t item_count = batch != NULL ? batch->count : 1;
-    bool are_watched = request->session->service->monitors != NULL && !params.is_near;
+    bool are_watched = request->session->service->watchers != NULL && !params.is_near;
     if (request->status == 0) {
         count(request);
     }

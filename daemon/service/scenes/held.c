@@ -8,7 +8,8 @@
 #include "session.h"
 #include "staging.h"
 
-int srv_held_charge(struct srv_member *member, uint64_t bytes, struct proto_error *error)
+int srv_held_frame_charge(struct srv_member *member, uint64_t bytes,
+                          struct proto_error *error)
 {
     srv_assert_loop();
     PCCD_ASSERT(!member->holds);
@@ -18,7 +19,7 @@ int srv_held_charge(struct srv_member *member, uint64_t bytes, struct proto_erro
     return status;
 }
 
-void srv_held_refund(struct srv_member *member, uint64_t bytes)
+void srv_held_frame_refund(struct srv_member *member, uint64_t bytes)
 {
     srv_assert_loop();
     srv_quota_refund(member->session->owner.user, SRV_QUOTA_SHM_BYTES, bytes);
@@ -26,7 +27,7 @@ void srv_held_refund(struct srv_member *member, uint64_t bytes)
 }
 
 /* Stage it in the staging that is open. */
-static int stage(const struct srv_held *held, struct srv_scene *scene,
+static int stage(const struct srv_held_frame *held, struct srv_scene *scene,
                  struct proto_error *error)
 {
     struct srv_staging staging = {
@@ -42,7 +43,8 @@ static int stage(const struct srv_held *held, struct srv_scene *scene,
 }
 
 /* Whether the scene takes it as it is now; nothing moves. */
-static int try(struct srv_held *held, struct srv_scene *scene, struct proto_error *error)
+static int try(struct srv_held_frame *held, struct srv_scene *scene,
+               struct proto_error *error)
 {
     struct eng_scene *engine = NULL;
     int status = srv_scene_engine(scene, &engine);
@@ -61,15 +63,15 @@ static int try(struct srv_held *held, struct srv_scene *scene, struct proto_erro
     return status;
 }
 
-int srv_held_add(struct srv_held *held, struct srv_scene *scene,
-                 struct proto_error *error)
+int srv_held_frame_add(struct srv_held_frame *held, struct srv_scene *scene,
+                       struct proto_error *error)
 {
     srv_assert_compute();
     int status = try(held, scene, error);
     if (status != 0) {
         return status;
     }
-    struct srv_held **end = &scene->held;
+    struct srv_held_frame **end = &scene->held;
     while (*end != NULL) {
         end = &(*end)->next;
     }
@@ -78,19 +80,19 @@ int srv_held_add(struct srv_held *held, struct srv_scene *scene,
 }
 
 /* Move the entry at *at to *taken. */
-static void take(struct srv_held **at, struct srv_held **taken)
+static void take(struct srv_held_frame **at, struct srv_held_frame **taken)
 {
-    struct srv_held *held = *at;
+    struct srv_held_frame *held = *at;
     *at = held->next;
     held->next = *taken;
     *taken = held;
 }
 
-void srv_held_check(struct srv_scene *scene, struct srv_held **taken)
+void srv_held_frame_check(struct srv_scene *scene, struct srv_held_frame **taken)
 {
     srv_assert_compute();
-    for (struct srv_held **at = &scene->held; *at != NULL;) {
-        struct srv_held *held = *at;
+    for (struct srv_held_frame **at = &scene->held; *at != NULL;) {
+        struct srv_held_frame *held = *at;
         if (held->changes != scene->changes && try(held, scene, &held->error) != 0) {
             take(at, taken);
         } else {
@@ -99,18 +101,18 @@ void srv_held_check(struct srv_scene *scene, struct srv_held **taken)
     }
 }
 
-int srv_held_stage(struct srv_scene *scene, struct proto_error *error)
+int srv_held_frame_stage(struct srv_scene *scene, struct proto_error *error)
 {
     srv_assert_compute();
     int status = 0;
-    for (const struct srv_held *held = scene->held; held != NULL && status == 0;
+    for (const struct srv_held_frame *held = scene->held; held != NULL && status == 0;
          held = held->next) {
         status = stage(held, scene, error);
     }
     return status;
 }
 
-void srv_held_take(struct srv_scene *scene, struct srv_held **taken)
+void srv_held_frame_take(struct srv_scene *scene, struct srv_held_frame **taken)
 {
     srv_assert_compute();
     while (scene->held != NULL) {
@@ -118,11 +120,12 @@ void srv_held_take(struct srv_scene *scene, struct srv_held **taken)
     }
 }
 
-struct srv_held *srv_held_remove(struct srv_scene *scene, const struct srv_member *member)
+struct srv_held_frame *srv_held_frame_remove(struct srv_scene *scene,
+                                             const struct srv_member *member)
 {
     srv_assert_compute();
-    struct srv_held *removed = NULL;
-    for (struct srv_held **at = &scene->held; *at != NULL;) {
+    struct srv_held_frame *removed = NULL;
+    for (struct srv_held_frame **at = &scene->held; *at != NULL;) {
         if ((*at)->member == member) {
             take(at, &removed);
         } else {
@@ -132,15 +135,15 @@ struct srv_held *srv_held_remove(struct srv_scene *scene, const struct srv_membe
     return removed;
 }
 
-void srv_held_free(struct srv_held *list)
+void srv_held_frame_free(struct srv_held_frame *list)
 {
     srv_assert_loop();
     while (list != NULL) {
-        struct srv_held *next = list->next;
+        struct srv_held_frame *next = list->next;
         if (list->request != NULL) { /* its session leaves the scene */
             list->left(list->request);
         }
-        srv_held_refund(list->member, list->charge);
+        srv_held_frame_refund(list->member, list->charge);
         free(list->copy);
         free(list);
         list = next;

@@ -13,8 +13,8 @@
 
 struct srv_request;
 
-struct srv_held {
-    struct srv_held *next;       /* [compute] of the scene, the oldest first */
+struct srv_held_frame {
+    struct srv_held_frame *next; /* [compute] of the scene, the oldest first */
     struct srv_request *request; /* [loop] that waits for it; NULL: it was answered */
     /* [loop] the scene is left before a step: answer the request */
     void (*left)(struct srv_request *request);
@@ -29,26 +29,27 @@ struct srv_held {
 
 /* Charge the session of a member for its one frame, and refund it. 0 or PCCD_E_QUOTA with
  * *error set. [loop] */
-int srv_held_charge(struct srv_member *member, uint64_t bytes, struct proto_error *error);
-void srv_held_refund(struct srv_member *member, uint64_t bytes);
+int srv_held_frame_charge(struct srv_member *member, uint64_t bytes,
+                          struct proto_error *error);
+void srv_held_frame_refund(struct srv_member *member, uint64_t bytes);
 
 /* Put a frame behind those that wait, if the scene takes it as it is now; nothing moves.
  * Else a status with *error set. [compute] */
-int srv_held_add(struct srv_held *held, struct srv_scene *scene,
-                 struct proto_error *error);
+int srv_held_frame_add(struct srv_held_frame *held, struct srv_scene *scene,
+                       struct proto_error *error);
 
 /* Check anew what waits, where the scene has changed since: what cannot be moved any more
  * goes to *taken. [compute] */
-void srv_held_check(struct srv_scene *scene, struct srv_held **taken);
+void srv_held_frame_check(struct srv_scene *scene, struct srv_held_frame **taken);
 /* Stage what waits, in the staging that is open. [compute] */
-int srv_held_stage(struct srv_scene *scene, struct proto_error *error);
+int srv_held_frame_stage(struct srv_scene *scene, struct proto_error *error);
 /* A step has run: what was staged goes to *taken. [compute] */
-void srv_held_take(struct srv_scene *scene, struct srv_held **taken);
+void srv_held_frame_take(struct srv_scene *scene, struct srv_held_frame **taken);
 /* Take what was held with the member out of the scene. [compute] */
-struct srv_held *srv_held_remove(struct srv_scene *scene,
-                                 const struct srv_member *member);
+struct srv_held_frame *srv_held_frame_remove(struct srv_scene *scene,
+                                             const struct srv_member *member);
 
 /* Refund and free frames that no scene has any more. [loop] */
-void srv_held_free(struct srv_held *list);
+void srv_held_frame_free(struct srv_held_frame *list);
 
 #endif

@@ -11,7 +11,7 @@
 #include "codec.h"
 #include "compute.h"
 
-struct srv_held;
+struct srv_held_frame;
 struct srv_journal;
 struct srv_session;
 struct srv_shared;
@@ -26,10 +26,10 @@ struct srv_member {
     struct srv_session *session;
     struct proto_error owed; /* [compute] of a step of its own that was answered before
                               * its turn; code 0: none */
-    struct srv_held *left;   /* [compute] then [loop]: frames that it had held */
-    uint32_t cursor;         /* [compute] objects before it have been taken out */
-    uint32_t aside;          /* place of the next object of srv_shared_aside */
-    uint32_t handle;         /* of the scene, in the session's table */
+    struct srv_held_frame *left; /* [compute] then [loop]: frames that it had held */
+    uint32_t cursor;             /* [compute] objects before it have been taken out */
+    uint32_t aside;              /* place of the next object of srv_shared_aside */
+    uint32_t handle;             /* of the scene, in the session's table */
     struct srv_journal *journal; /* [compute] of the scene; NULL: none */
     uint64_t journal_bytes;      /* SRV_QUOTA_SHM_BYTES, for its journal; 0: none */
     bool is_writer;

@@ -43,7 +43,8 @@ struct srv_object {
     const struct srv_member
         *member; /* with which it did (shared.h); NULL: its own scene */
     struct common_attributes attributes; /* as was answered last */
-    struct srv_shape *lent;  /* in a scene of another user: kept for as long as the
+    struct srv_shape
+        *borrowed_shape;     /* in a scene of another user: kept for as long as the
                               * object, so that each frees what is charged to it; and its
                               * triangles are charged to the owner's user */
     struct srv_mesh *mesh;   /* it is made of; NULL: mesh or scene was destroyed since */

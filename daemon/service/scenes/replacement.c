@@ -15,7 +15,7 @@ int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
     PCCD_ASSERT(mesh->next != NULL && !mesh->is_busy);
     for (const struct srv_object *object = mesh->objects; object != NULL;
          object = object->next) {
-        if (object->lent != NULL) {
+        if (object->borrowed_shape != NULL) {
             return proto_error_set(error, PCCD_E_STATE,
                                    "object 0x%x is in a scene of another user; the mesh "
                                    "cannot be replaced",
@@ -121,7 +121,7 @@ static void tell_objects(struct srv_session *session, struct srv_mesh *mesh)
     uint64_t triangles = srv_shape_charge(&mesh->next->counts);
     for (struct srv_object *object = mesh->objects; object != NULL;
          object = object->next) {
-        session->told.triangles += triangles - object->triangles; /* modulo 2^64 */
+        session->stats.triangles += triangles - object->triangles; /* modulo 2^64 */
         object->triangles = triangles;
     }
 }

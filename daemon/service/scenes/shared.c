@@ -185,7 +185,7 @@ static void run_leave(struct srv_job *job)
     struct srv_enginemem memory;
     srv_enginemem_begin(&memory, host->owner.user);
     if (member->cursor == 0) { /* what it moves goes now */
-        member->left = srv_held_remove(scene, member);
+        member->left = srv_held_frame_remove(scene, member);
         srv_journal_end(scene, member);
         srv_shared_hide(scene);
         hide(member);
@@ -210,7 +210,7 @@ static void done_leaving(struct srv_job *job)
     struct srv_shared *shared = member->shared;
     struct srv_session *session = member->session;
     srv_scene_forget_of(shared->scene, member);
-    srv_held_free(member->left);
+    srv_held_frame_free(member->left);
     srv_shared_refund_journal(member);
     srv_resource_drop(&shared->scene->resource); /* the table's */
     free(member);

@@ -9,7 +9,7 @@
 #include "held.h"
 #include "invariant.h"
 #include "member.h"
-#include "relief.h"
+#include "runners.h"
 #include "service.h"
 #include "session.h"
 #include "staging.h"
@@ -136,7 +136,7 @@ void srv_journal_end(struct srv_scene *scene, struct srv_member *member)
 {
     srv_assert_compute();
     struct srv_journal *journal = member->journal;
-    struct srv_journal **at = &scene->diaries;
+    struct srv_journal **at = &scene->journals;
     if (journal == NULL) {
         return;
     }
@@ -147,7 +147,7 @@ void srv_journal_end(struct srv_scene *scene, struct srv_member *member)
     member->journal = NULL;
     srv_journal_forget(journal, UINT64_MAX);
     free(journal);
-    if (scene->diaries == NULL) {
+    if (scene->journals == NULL) {
         srv_sent_end(&scene->sent);
     }
 }
@@ -200,7 +200,7 @@ static void note_object(struct srv_journal *journal, const struct srv_scene *sce
 void srv_journal_add(struct srv_scene *scene, const struct srv_placed *placed)
 {
     srv_assert_compute();
-    for (struct srv_journal *journal = scene->diaries; journal != NULL;
+    for (struct srv_journal *journal = scene->journals; journal != NULL;
          journal = journal->next) {
         note_object(journal, scene, placed);
     }
@@ -215,7 +215,7 @@ void srv_journal_gone(struct srv_scene *scene, uint32_t object)
 void srv_journal_note(struct srv_scene *scene, int method, const void *request)
 {
     srv_assert_compute();
-    for (struct srv_journal *journal = scene->diaries; journal != NULL;
+    for (struct srv_journal *journal = scene->journals; journal != NULL;
          journal = journal->next) {
         (void)add_request(journal, method, request, 0);
     }
@@ -228,22 +228,23 @@ void srv_journal_open(struct srv_scene *scene, uint32_t segments)
     srv_assert_compute();
     uint64_t segments_max = segments;
     uint64_t bytes_max = 0;
-    for (const struct srv_held *held = scene->held; held != NULL; held = held->next) {
+    for (const struct srv_held_frame *held = scene->held; held != NULL;
+         held = held->next) {
         segments_max += held->submit.segments;
     }
-    for (const struct srv_journal *journal = scene->diaries; journal != NULL;
+    for (const struct srv_journal *journal = scene->journals; journal != NULL;
          journal = journal->next) {
         uint64_t left =
             journal->status == 0 ? journal->bytes_max - kept_bytes(journal) : 0;
         bytes_max = left > bytes_max ? left : bytes_max;
     }
-    if (scene->diaries != NULL) {
+    if (scene->journals != NULL) {
         srv_sent_begin(&scene->sent, segments_max, bytes_max);
     }
 }
 
 /* The number that the frame has to this session, which has held it; 0: it has none. */
-static uint64_t number_of_held(const struct srv_held *held,
+static uint64_t number_of_held(const struct srv_held_frame *held,
                                const struct srv_member *member)
 {
     while (held != NULL && held->member != member) {
@@ -254,19 +255,19 @@ static uint64_t number_of_held(const struct srv_held *held,
 
 void srv_journal_step(struct srv_scene *scene,
                       const struct proto_FRAME_SUBMIT_request *submit,
-                      const struct srv_member *member, const struct srv_held *taken)
+                      const struct srv_member *member, const struct srv_held_frame *taken)
 {
     srv_assert_compute();
-    struct proto_FRAME_SUBMIT_request told = *submit;
-    told.slot = 0; /* the payload has it all */
-    told.seq = 0;
-    told.segments = scene->sent.segments;
-    for (struct srv_journal *journal = scene->diaries; journal != NULL;
+    struct proto_FRAME_SUBMIT_request copy = *submit;
+    copy.slot = 0; /* the payload has it all */
+    copy.seq = 0;
+    copy.segments = scene->sent.segments;
+    for (struct srv_journal *journal = scene->journals; journal != NULL;
          journal = journal->next) {
-        told.step = submit->place               ? 0
+        copy.step = submit->place               ? 0
                     : journal->member == member ? submit->step
                                                 : number_of_held(taken, journal->member);
-        add_motion(journal, PROTO_METHOD_FRAME_SUBMIT, &told, &scene->sent);
+        add_motion(journal, PROTO_METHOD_FRAME_SUBMIT, &copy, &scene->sent);
     }
     srv_sent_end(&scene->sent);
 }
@@ -276,18 +277,18 @@ void srv_journal_near(struct srv_scene *scene,
                       const struct srv_member *member)
 {
     srv_assert_compute();
-    struct proto_SCENE_NEAR_request told = *near;
+    struct proto_SCENE_NEAR_request copy = *near;
     if (near->segments == 0) { /* no staging was opened */
         srv_sent_end(&scene->sent);
     }
-    told.slot = 0;
-    told.seq = 0;
-    told.segments = scene->sent.segments;
-    const struct proto_FRAME_SUBMIT_request moved = {.segments = told.segments};
-    for (struct srv_journal *journal = scene->diaries; journal != NULL;
+    copy.slot = 0;
+    copy.seq = 0;
+    copy.segments = scene->sent.segments;
+    const struct proto_FRAME_SUBMIT_request moved = {.segments = copy.segments};
+    for (struct srv_journal *journal = scene->journals; journal != NULL;
          journal = journal->next) {
         if (journal->member == member) {
-            add_motion(journal, PROTO_METHOD_SCENE_NEAR, &told, &scene->sent);
+            add_motion(journal, PROTO_METHOD_SCENE_NEAR, &copy, &scene->sent);
         } else if (near->segments > 0) {
             add_motion(journal, PROTO_METHOD_FRAME_SUBMIT, &moved, &scene->sent);
         }
@@ -381,8 +382,8 @@ int srv_journal_begin(struct srv_scene *scene, struct srv_member *member,
         return PCCD_E_NOMEM;
     }
     *journal = (struct srv_journal){
-        .next = scene->diaries, .member = member, .bytes_max = bytes_max};
-    scene->diaries = journal;
+        .next = scene->journals, .member = member, .bytes_max = bytes_max};
+    scene->journals = journal;
     member->journal = journal;
     note_scene(journal, scene);
     int status = journal->status;

@@ -15,7 +15,7 @@
 
 #include "srv_scene.h"
 
-struct srv_held;
+struct srv_held_frame;
 
 /* A session's journal of a scene, while it takes part with that member. Positions count
  * bytes from its beginning. */
@@ -54,7 +54,8 @@ void srv_journal_open(struct srv_scene *scene, uint32_t segments);
  * held. */
 void srv_journal_step(struct srv_scene *scene,
                       const struct proto_FRAME_SUBMIT_request *submit,
-                      const struct srv_member *member, const struct srv_held *taken);
+                      const struct srv_member *member,
+                      const struct srv_held_frame *taken);
 /* A session has asked with that member what is near, and has moved what it moves. */
 void srv_journal_near(struct srv_scene *scene,
                       const struct proto_SCENE_NEAR_request *near,

@@ -36,13 +36,13 @@ static void object_free(struct srv_object *object)
     struct srv_session *owner = object->owner;
     struct srv_service *service = owner->service;
     srv_object_unlink(object);
-    if (object->lent != NULL) {
+    if (object->borrowed_shape != NULL) {
         srv_quota_refund(owner->owner.user, SRV_QUOTA_TRIANGLES, object->triangles);
-        srv_resource_drop(&object->lent->resource);
+        srv_resource_drop(&object->borrowed_shape->resource);
     }
     service->metrics.counters.objects_now--;
-    owner->told.objects--;
-    owner->told.triangles -= object->triangles;
+    owner->stats.objects--;
+    owner->stats.triangles -= object->triangles;
     srv_enginemem_delete(owner->owner.user, object);
 }
 
@@ -145,7 +145,7 @@ struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle)
 void srv_scene_count_ignored(struct srv_scene *scene)
 {
     srv_assert_compute();
-    atomic_store_explicit(&scene->ignored_told, eng_scene_ignored_count(scene->engine),
+    atomic_store_explicit(&scene->ignored_pairs, eng_scene_ignored_count(scene->engine),
                           memory_order_relaxed); /* nothing is read because of it */
 }
 
@@ -175,16 +175,17 @@ static struct srv_object *object_new(const struct srv_scene *scene,
                                      struct proto_error *error)
 {
     struct srv_quota_user *user = session->owner.user;
-    bool is_lent = scene->resource.owner->user != user;
+    bool is_borrowed = scene->resource.owner->user != user;
     uint64_t triangles = srv_shape_charge(&mesh->current->counts);
     if (srv_enginemem_refuse_tight(scene->resource.owner->user, triangles, error) != 0 ||
-        (is_lent && srv_quota_charge(user, SRV_QUOTA_TRIANGLES, triangles, error) != 0)) {
+        (is_borrowed &&
+         srv_quota_charge(user, SRV_QUOTA_TRIANGLES, triangles, error) != 0)) {
         return NULL;
     }
     struct srv_object *object =
         srv_enginemem_new(user, sizeof *object, "an object", error);
     if (object == NULL) {
-        if (is_lent) {
+        if (is_borrowed) {
             srv_quota_refund(user, SRV_QUOTA_TRIANGLES, triangles);
         }
         return NULL;
@@ -193,13 +194,13 @@ static struct srv_object *object_new(const struct srv_scene *scene,
                                   .owner = session,
                                   .member = member,
                                   .attributes = COMMON_ATTRIBUTES_AT_FIRST};
-    if (is_lent) {
-        object->lent = mesh->current;
-        srv_resource_acquire(&object->lent->resource);
+    if (is_borrowed) {
+        object->borrowed_shape = mesh->current;
+        srv_resource_acquire(&object->borrowed_shape->resource);
     }
     session->service->metrics.counters.objects_now++;
-    session->told.objects++;
-    session->told.triangles += triangles;
+    session->stats.objects++;
+    session->stats.triangles += triangles;
     return object;
 }
 

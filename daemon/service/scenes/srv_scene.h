@@ -15,14 +15,14 @@
 #include "resource.h"
 
 struct srv_journal;
-struct srv_held;
+struct srv_held_frame;
 struct srv_session;
 struct srv_shared;
 
 /* An object (meshes.h) as the compute thread sees it. */
 /* What the engine has of an object's next step before that is submitted: proto_direct.h.
  */
-enum srv_lent { SRV_LENT_NOTHING, SRV_LENT_X1, SRV_LENT_X0X1 };
+enum srv_mapped { SRV_MAPPED_NOTHING, SRV_MAPPED_X1, SRV_MAPPED_X0X1 };
 
 struct srv_placed {
     uint32_t handle; /* 0: none here */
@@ -32,7 +32,7 @@ struct srv_placed {
     uint64_t mesh_number;
     const struct srv_member *member; /* as the loop's */
     struct common_attributes attributes;
-    enum srv_lent lent;
+    enum srv_mapped mapped;
 };
 
 /* An answer, whose records the engine keeps until the next one to such a request. */
@@ -57,28 +57,28 @@ struct srv_sent {
 
 struct srv_scene {
     struct srv_resource resource;
-    struct srv_handles objects;          /* [loop] of struct srv_object */
-    uint32_t freed;                      /* [loop] where in `objects` freeing them is */
-    struct eng_scene_settings settings;  /* does not change */
-    struct proto_LIST_SCENE_result told; /* [loop] its steps, and the last of them */
-    struct srv_shared *shared;           /* likewise; NULL: its session's alone */
-    uint64_t batch;                      /* [loop] number of the last one that named it */
-    struct srv_claim claim;        /* the compute queue's: one job uses it at a time */
-    _Atomic uint32_t ignored_told; /* pairs; stored on [compute], told on [loop] */
+    struct srv_handles objects;           /* [loop] of struct srv_object */
+    uint32_t freed;                       /* [loop] where in `objects` freeing them is */
+    struct eng_scene_settings settings;   /* does not change */
+    struct proto_LIST_SCENE_result stats; /* [loop] its steps, and the last of them */
+    struct srv_shared *shared;            /* likewise; NULL: its session's alone */
+    uint64_t batch;                 /* [loop] number of the last one that named it */
+    struct srv_claim claim;         /* the compute queue's: one job uses it at a time */
+    _Atomic uint32_t ignored_pairs; /* stored on [compute], read on [loop] */
     /* [compute], by who has claimed it */
     struct eng_scene *engine;  /* NULL until the first object or step */
     struct srv_placed *placed; /* by index of the object's handle */
     uint32_t placed_count;
-    bool has_lent;           /* some of these are */
+    bool has_mapped;         /* some of these are */
     struct proto_error owed; /* of a step that was answered before; code 0: none. A member
                               * has its own */
-    struct srv_held *held;   /* frames for its next step (held.h), oldest first */
-    struct srv_journal *diaries; /* of what is done to it (srv_journal.h) */
-    struct srv_sent sent;        /* what the staging that is open moves, for these */
-    uint64_t changes;            /* objects that went, or got another shape */
-    uint64_t number;             /* of its last step */
-    struct srv_kept stepped;     /* its last step's */
-    struct srv_kept near;        /* its last scene.near's */
+    struct srv_held_frame *held;  /* frames for its next step (held.h), oldest first */
+    struct srv_journal *journals; /* of what is done to it (srv_journal.h) */
+    struct srv_sent sent;         /* what the staging that is open moves, for these */
+    uint64_t changes;             /* objects that went, or got another shape */
+    uint64_t number;              /* of its last step */
+    struct srv_kept stepped;      /* its last step's */
+    struct srv_kept near;         /* its last scene.near's */
     uint64_t expected; /* records of the next step: as many, or what its client said */
     bool is_placed; /* its last step only brought objects back: where the one began that
                      * had brought them there is not known */

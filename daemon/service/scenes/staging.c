@@ -137,7 +137,7 @@ static int copy_segment(const struct srv_staging *staging,
                                staging->payload + segment->offset1};
     enum pccd_format format = (enum pccd_format)segment->format;
     uint32_t idx = object->engine_idx;
-    if (staging->scene->diaries != NULL) {
+    if (staging->scene->journals != NULL) {
         srv_sent_add(&staging->scene->sent, segment, bytes, parts);
     }
     switch ((enum proto_segment_kind)segment->kind) {

@@ -15,8 +15,8 @@
 #include "metrics.h"
 #include "options.h"
 #include "quota.h"
-#include "relief.h"
 #include "ringio.h"
+#include "runners.h"
 
 struct proto_decoder;
 struct proto_encoder;
@@ -44,7 +44,7 @@ struct srv_service {
     struct srv_compute pages; /* makes and frees rings: 2 us a page */
     struct srv_workspace
         workspaces[SRV_RUNNERS_MAX]; /* of the threads that compute, by number */
-    struct srv_relief relief;
+    struct srv_spare_runner spare_runner;
     struct srv_reclaim reclaim;
     bool does_brief;        /* what is brief is done on [loop]; constant */
     uint64_t brief_from_ns; /* not before */
@@ -72,7 +72,7 @@ struct srv_service {
     struct proto_encoder *encoder;       /* and one encoded */
     atomic_uint_least64_t replies_tried; /* [compute] answers that it has tried to send */
     uint64_t replies_done;               /* of these, concluded */
-    struct srv_watcher *monitors;        /* of the sessions that watch; NULL: none does */
+    struct srv_watcher *watchers;        /* of the sessions that watch; NULL: none does */
     struct srv_session *sessions;        /* newest first, closed ones included */
     struct srv_shared *shared;           /* scenes that sessions share, newest first */
     uint32_t client_count;               /* open sessions */

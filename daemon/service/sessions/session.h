@@ -64,9 +64,9 @@ struct srv_session {
     struct srv_laststep *last_step; /* NULL: none yet */
     struct srv_watcher *watcher;    /* NULL: it does not watch */
     uint64_t open_ns;               /* when hello was answered */
-    struct proto_LIST_SESSION_result told; /* what is counted of it, and its name */
-    struct srv_request *requests;          /* in flight, newest first */
-    struct srv_request *spare_requests;    /* their memory, for the next ones */
+    struct proto_LIST_SESSION_result stats; /* what is counted of it, and its name */
+    struct srv_request *requests;           /* in flight, newest first */
+    struct srv_request *spare_requests;     /* their memory, for the next ones */
     uint32_t spare_count;
     uint32_t request_count;
     uint32_t overdue_count; /* of these, steps that were answered before their turn */

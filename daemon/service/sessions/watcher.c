@@ -18,8 +18,8 @@ int srv_watcher_start(struct srv_session *session, uint64_t of_session, uint32_t
             return PCCD_E_NOMEM;
         }
         watcher->session = session;
-        watcher->next = session->service->monitors;
-        session->service->monitors = watcher;
+        watcher->next = session->service->watchers;
+        session->service->watchers = watcher;
         session->watcher = watcher;
     }
     watcher->of_session = of_session;
@@ -37,7 +37,7 @@ uint64_t srv_watcher_stop(struct srv_session *session)
     if (watcher == NULL) {
         return 0;
     }
-    struct srv_watcher **link = &session->service->monitors;
+    struct srv_watcher **link = &session->service->watchers;
     while (*link != watcher) {
         link = &(*link)->next;
     }
@@ -72,7 +72,7 @@ void srv_watcher_step(const struct srv_service *service,
                       const struct proto_STEP_request *step)
 {
     srv_assert_loop();
-    for (struct srv_watcher *at = service->monitors; at != NULL; at = at->next) {
+    for (struct srv_watcher *at = service->watchers; at != NULL; at = at->next) {
         if ((at->of_session != 0 && at->of_session != step->session) ||
             (at->of_scene != 0 && at->of_scene != step->scene)) {
             continue;

@@ -1,6 +1,6 @@
-/* relief.h - the threads that compute: their scratch memory, and one more in need. */
-#ifndef SRV_RELIEF_H
-#define SRV_RELIEF_H
+/* runners.h - the threads that compute: their scratch memory, and one more in need. */
+#ifndef SRV_RUNNERS_H
+#define SRV_RUNNERS_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -37,8 +37,8 @@ struct srv_workspace;
 struct srv_service;
 struct srv_timer;
 
-/* Begun with srv_relief_init; zeroed before. */
-struct srv_relief {
+/* Begun with srv_spare_runner_init; zeroed before. */
+struct srv_spare_runner {
     struct srv_service *service;      /* whom the host starts a runner for */
     struct srv_compute *compute;      /* the queue that is helped */
     struct srv_workspace *workspaces; /* of its runners */
@@ -48,12 +48,12 @@ struct srv_relief {
 };
 
 /* Returns 0 or PCCD_E_NOMEM. */
-int srv_relief_init(struct srv_relief *relief, struct srv_service *service,
-                    struct srv_compute *compute, struct srv_workspace *workspaces);
+int srv_spare_runner_init(struct srv_spare_runner *spare, struct srv_service *service,
+                          struct srv_compute *compute, struct srv_workspace *workspaces);
 /* A second time is nothing. */
-void srv_relief_deinit(struct srv_relief *relief);
+void srv_spare_runner_deinit(struct srv_spare_runner *spare);
 
 /* The queue of what is computed has been started: help it from now on. */
-void srv_relief_begin(struct srv_relief *relief);
+void srv_spare_runner_begin(struct srv_spare_runner *spare);
 
 #endif

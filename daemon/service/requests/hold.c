@@ -1,5 +1,5 @@
-/* holding.c - requests that wait for the step of another session. */
-#include "holding.h"
+/* hold.c - requests that wait for the step of another session. */
+#include "hold.h"
 
 #include <stdlib.h>
 
@@ -82,10 +82,10 @@ static void cancel(struct srv_request *request)
     stop_waiting(request, PCCD_INCOMPLETE_CANCELLED);
 }
 
-void srv_holding_answer(struct srv_held *taken, const struct proto_answer *step)
+void srv_hold_answer(struct srv_held_frame *taken, const struct proto_answer *step)
 {
     srv_assert_loop();
-    for (struct srv_held *held = taken; held != NULL; held = held->next) {
+    for (struct srv_held_frame *held = taken; held != NULL; held = held->next) {
         struct srv_request *waiting = held->request;
         if (waiting == NULL) {
             continue;
@@ -99,10 +99,10 @@ void srv_holding_answer(struct srv_held *taken, const struct proto_answer *step)
         part(waiting);
         srv_request_conclude(waiting);
     }
-    srv_held_free(taken);
+    srv_held_frame_free(taken);
 }
 
-void srv_holding_end_all(struct srv_service *service)
+void srv_hold_end_all(struct srv_service *service)
 {
     srv_assert_loop();
     for (struct srv_session *session = service->sessions; session != NULL;
@@ -143,7 +143,7 @@ static int admit(struct srv_call *call, struct srv_plan *plan)
         return proto_error_set(&call->error, PCCD_E_BUSY,
                                "the frame held before waits for a step of the scene");
     }
-    int status = srv_held_charge(plan->member, bytes, &call->error);
+    int status = srv_held_frame_charge(plan->member, bytes, &call->error);
     if (status == 0) {
         plan->held_bytes = bytes;
     }
@@ -154,21 +154,21 @@ static int admit(struct srv_call *call, struct srv_plan *plan)
 static int work_hold(struct srv_request *request)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
-    struct srv_held *held = calloc(1, sizeof *held);
+    struct srv_held_frame *held = calloc(1, sizeof *held);
     if (held == NULL) {
         return proto_error_set(&request->error, PCCD_E_NOMEM, "no memory to hold it");
     }
-    *held = (struct srv_held){.request = request,
-                              .left = cancel,
-                              .member = request->plan.member,
-                              .submit = *submit,
-                              .charge = request->plan.held_bytes};
+    *held = (struct srv_held_frame){.request = request,
+                                    .left = cancel,
+                                    .member = request->plan.member,
+                                    .submit = *submit,
+                                    .charge = request->plan.held_bytes};
     int status = srv_stage_keep(request->plan.ring, &SRV_SLOT_OF(submit),
                                 request->plan.ring->slot_stride, &held->copy,
                                 &held->bytes, &request->error);
     srv_request_return_slot(request);
     if (status == 0) {
-        status = srv_held_add(held, request->plan.scene, &request->error);
+        status = srv_held_frame_add(held, request->plan.scene, &request->error);
     }
     if (status != 0) {
         free(held->copy);
@@ -184,11 +184,11 @@ static int work_hold(struct srv_request *request)
 static void finish_hold(struct srv_request *request)
 {
     if (request->plan.held_bytes > 0) {
-        srv_held_refund(request->plan.member, request->plan.held_bytes);
+        srv_held_frame_refund(request->plan.member, request->plan.held_bytes);
     }
 }
 
-int srv_holding_start(struct srv_call *call, struct srv_plan *plan)
+int srv_hold_start(struct srv_call *call, struct srv_plan *plan)
 {
     srv_assert_loop();
     plan->work = work_hold;
@@ -202,7 +202,7 @@ int srv_holding_start(struct srv_call *call, struct srv_plan *plan)
     }
     status = srv_request_start(call, plan);
     if (status < 0) {
-        srv_held_refund(plan->member, plan->held_bytes);
+        srv_held_frame_refund(plan->member, plan->held_bytes);
     }
     return status;
 }

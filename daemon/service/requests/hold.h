@@ -1,10 +1,10 @@
-/* holding.h - frames that a client of a shared scene submits with `hold`: they wait for
+/* hold.h - frames that a client of a shared scene submits with `hold`: they wait for
  * the next step of any client.
  *
  * Threads: [loop], but for the work.
  */
-#ifndef SRV_HOLDING_H
-#define SRV_HOLDING_H
+#ifndef SRV_HOLD_H
+#define SRV_HOLD_H
 
 #include "request.h"
 
@@ -14,13 +14,13 @@ struct srv_service;
  * checked against the scene, and waits. Besides what that returns: PCCD_E_INVAL (the
  * scene is not shared, or nothing moves, or it is to be placed), PCCD_E_BUSY (another one
  * waits) or PCCD_E_QUOTA with call->error set. */
-int srv_holding_start(struct srv_call *call, struct srv_plan *plan);
+int srv_hold_start(struct srv_call *call, struct srv_plan *plan);
 
 /* A step was answered with `step`: so are those whose frames it has taken along; free the
  * frames. */
-void srv_holding_answer(struct srv_held *taken, const struct proto_answer *step);
+void srv_hold_answer(struct srv_held_frame *taken, const struct proto_answer *step);
 
 /* The daemon ends: what waits is answered as cancelled, and nothing begins to. */
-void srv_holding_end_all(struct srv_service *service);
+void srv_hold_end_all(struct srv_service *service);
 
 #endif

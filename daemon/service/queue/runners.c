@@ -1,5 +1,5 @@
-/* relief.c - the threads that compute: their scratch memory, and one more. */
-#include "relief.h"
+/* runners.c - the threads that compute: their scratch memory, and one more. */
+#include "runners.h"
 
 #include <stdlib.h>
 
@@ -52,15 +52,15 @@ void srv_workspace_deinit(struct srv_workspace workspaces[SRV_RUNNERS_MAX])
 /* Threads or memory may be there again then. */
 #define RETRY_NS 1000000000u
 
-static bool start_runner(struct srv_relief *relief)
+static bool start_runner(struct srv_spare_runner *spare)
 {
-    uint32_t number = relief->compute->runner_count;
-    int status = srv_workspace_init(relief->workspaces, number);
+    uint32_t number = spare->compute->runner_count;
+    int status = srv_workspace_init(spare->workspaces, number);
     if (status == 0) {
-        status = srv_host_start_runner(relief->service);
+        status = srv_host_start_runner(spare->service);
     }
     if (status != 0) {
-        relief->retry_ns = common_now_ns() + RETRY_NS;
+        spare->retry_ns = common_now_ns() + RETRY_NS;
         srv_log(SRV_LOG_WARN, 0,
                 "no threads to compute beside %u requests that take long; others wait",
                 number);
@@ -71,17 +71,17 @@ static bool start_runner(struct srv_relief *relief)
     return true;
 }
 
-static void look(struct srv_relief *relief)
+static void look(struct srv_spare_runner *spare)
 {
     bool wants_runner = false;
-    uint64_t after_ns = srv_compute_look(relief->compute, &wants_runner);
+    uint64_t after_ns = srv_compute_look(spare->compute, &wants_runner);
     if (wants_runner) {
-        bool can_try = common_now_ns() >= relief->retry_ns;
-        after_ns = can_try && start_runner(relief) ? SRV_SOON_NS : RETRY_NS;
+        bool can_try = common_now_ns() >= spare->retry_ns;
+        after_ns = can_try && start_runner(spare) ? SRV_SOON_NS : RETRY_NS;
     }
-    relief->is_set = after_ns > 0;
-    if (relief->is_set) {
-        srv_timer_start(relief->timer, (after_ns + NS_PER_MS - 1) / NS_PER_MS, 0);
+    spare->is_set = after_ns > 0;
+    if (spare->is_set) {
+        srv_timer_start(spare->timer, (after_ns + NS_PER_MS - 1) / NS_PER_MS, 0);
     }
 }
 
@@ -93,30 +93,30 @@ static void on_timer(void *context)
 /* A job waits. While the timer is set it will be seen to. */
 static void on_crowded(void *context)
 {
-    struct srv_relief *relief = context;
+    struct srv_spare_runner *spare = context;
     srv_assert_loop();
-    if (!relief->is_set && relief->timer != NULL) {
-        look(relief);
+    if (!spare->is_set && spare->timer != NULL) {
+        look(spare);
     }
 }
 
-int srv_relief_init(struct srv_relief *relief, struct srv_service *service,
-                    struct srv_compute *compute, struct srv_workspace *workspaces)
+int srv_spare_runner_init(struct srv_spare_runner *spare, struct srv_service *service,
+                          struct srv_compute *compute, struct srv_workspace *workspaces)
 {
-    *relief = (struct srv_relief){
+    *spare = (struct srv_spare_runner){
         .service = service, .compute = compute, .workspaces = workspaces};
-    relief->timer = srv_timer_new(service, on_timer, relief);
-    return relief->timer != NULL ? 0 : PCCD_E_NOMEM;
+    spare->timer = srv_timer_new(service, on_timer, spare);
+    return spare->timer != NULL ? 0 : PCCD_E_NOMEM;
 }
 
-void srv_relief_deinit(struct srv_relief *relief)
+void srv_spare_runner_deinit(struct srv_spare_runner *spare)
 {
-    srv_timer_free(relief->timer);
-    relief->timer = NULL;
+    srv_timer_free(spare->timer);
+    spare->timer = NULL;
 }
 
-void srv_relief_begin(struct srv_relief *relief)
+void srv_spare_runner_begin(struct srv_spare_runner *spare)
 {
-    relief->compute->crowded = on_crowded;
-    relief->compute->crowded_context = relief;
+    spare->compute->crowded = on_crowded;
+    spare->compute->crowded_context = spare;
 }
