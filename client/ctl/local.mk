@@ -77,14 +77,11 @@ libctl_la_SOURCES = \
     client/ctl/observe/health.c \
     client/ctl/observe/sessions.c \
     client/ctl/observe/trace_file.c \
-    client/ctl/picture/crease.c \
     client/ctl/picture/film.c \
     client/ctl/picture/picture.c \
     client/ctl/picture/picture_file.c \
-    client/ctl/picture/picture_svg.c \
     client/ctl/picture/raster.c \
     client/ctl/picture/thick.c \
-    client/ctl/picture/viewpoint.c \
     client/ctl/record/answers.c \
     client/ctl/record/drive.c \
     client/ctl/record/drive_frame.c \

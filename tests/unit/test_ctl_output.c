@@ -182,26 +182,22 @@ CASE(json__sums_a_sequence)
     json_decref(object);
 }
 
-static const float corner_x[4][3] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
-static const uint32_t corner_triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
+static float corner_x[4][3] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+static uint32_t corner_triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
 
 /* Draw the square seen from `from_z` with one mark in the middle; read the PNG back. */
 static uint8_t *drawn_square(float from_z, const char *path)
 {
-    const struct picture_mesh square = {.x = corner_x,
-                                        .triangles = corner_triangles,
-                                        .vertex_count = 4,
-                                        .triangle_count = 2,
-                                        .front = {0, 0, 1},
-                                        .back = {0, 1, 0}};
-    const struct picture_mark mark = {.at = {0.5f, 0.25f, 0}};
-    const struct picture_group group = {"mark", {1, 0, 0}};
-    struct picture picture = {.meshes = &square,
+    struct still_object square = {.x = corner_x,
+                                  .triangles = corner_triangles,
+                                  .vertex_count = 4,
+                                  .triangle_count = 2};
+    const struct still still = {.objects = &square, .object_count = 1};
+    const struct picture_mark mark = {.at = {0.5f, 0.25f, 0},
+                                      .colour = PICTURE_COLOURS - 1};
+    struct picture picture = {.still = &still,
                               .marks = &mark,
-                              .groups = &group,
-                              .mesh_count = 1,
                               .mark_count = 1,
-                              .group_count = 1,
                               .from = {0, 0, from_z},
                               .title = "square"};
     struct ctl_error error = {.text = ""};
@@ -239,36 +235,36 @@ CASE(picture__shows_sides_and_marks_where_they_are)
     const uint32_t middle_x = PICTURE_WIDTH / 2, middle_y = PICTURE_HEIGHT / 2;
     /* The square's side is the picture's height without the margins of 12 %. */
     const uint32_t half = (uint32_t)(PICTURE_HEIGHT / 2 / 1.12);
-    const uint8_t *blue = pixel(front, middle_x - 40, middle_y - 20);
-    const uint8_t *green = pixel(back, middle_x + 40, middle_y - 20);
-    const uint8_t *red = pixel(front, middle_x + half / 2, middle_y - half / 4);
-    assert_in_range(blue[2], blue[0] + 60, 255);
-    assert_in_range(green[1], green[0] + 60, 255);
-    assert_in_range(red[0], red[2] + 100, 255);
+    const uint8_t *light = pixel(front, middle_x - 40, middle_y - 20);
+    const uint8_t *dark = pixel(back, middle_x + 40, middle_y - 20);
+    const uint8_t *yellow = pixel(front, middle_x + half / 2, middle_y - half / 4);
+    assert_in_range(light[2], light[0] + 30, 255); /* the first object is blue */
+    assert_in_range(dark[2], dark[0] + 30, light[2] - 30);
+    assert_in_range(yellow[0], yellow[2] + 100, 255);
     /* From behind the mark is on the other side, and shines through nothing. */
-    red = pixel(back, middle_x - half / 2, middle_y - half / 4);
-    assert_in_range(red[0], red[2] + 100, 255);
+    yellow = pixel(back, middle_x - half / 2, middle_y - half / 4);
+    assert_in_range(yellow[0], yellow[2] + 100, 255);
     free(front);
     free(back);
     unlink(path);
 }
 
 /* A cube of side 2 around the origin; two triangles a side. */
-static const float cube_x[8][3] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
-                                   {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
-static const uint32_t cube_triangles[12][3] = {
-    {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+static float cube_x[8][3] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
+                             {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
+static uint32_t cube_triangles[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
+                                         {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
+                                         {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
 
 /* If it failed: the sides of a box would be shaded like cushions. */
 CASE(picture__shades_the_sides_of_a_box_flat)
 {
-    const struct picture_mesh cube = {.x = cube_x,
+    const struct still_object cube = {.x = cube_x,
                                       .triangles = cube_triangles,
                                       .vertex_count = 8,
                                       .triangle_count = 12};
     float normals[36][3];
-    assert_true(crease_normals(&cube, 0, normals));
+    assert_true(picture_normals(&cube, 0, normals));
     for (uint32_t i = 0; i < 36; i++) {
         uint32_t side = i / 6; /* -z, z, -y, y, -x, x */
         for (uint32_t k = 0; k < 3; k++) {
@@ -285,15 +281,14 @@ CASE(picture__smooths_what_is_nearly_flat)
 {
     /* A ridge of 20 degrees along the y axis; the second time its last triangle is wound
      * otherwise. */
-    static const float x[6][3] = {{-1, 0, 0}, {0, 0, 0.176f}, {1, 0, 0},
-                                  {-1, 1, 0}, {0, 1, 0.176f}, {1, 1, 0}};
-    static const uint32_t ridges[2][4][3] = {
-        {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}},
-        {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 4, 5}}};
-    struct picture_mesh ridge = {
+    static float x[6][3] = {{-1, 0, 0}, {0, 0, 0.176f}, {1, 0, 0},
+                            {-1, 1, 0}, {0, 1, 0.176f}, {1, 1, 0}};
+    static uint32_t ridges[2][4][3] = {{{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}},
+                                       {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 4, 5}}};
+    struct still_object ridge = {
         .x = x, .triangles = ridges[0], .vertex_count = 6, .triangle_count = 4};
     float normals[12][3];
-    assert_true(crease_normals(&ridge, 0, normals));
+    assert_true(picture_normals(&ridge, 0, normals));
     assert_memory_equal(normals[1], normals[6], sizeof normals[1]); /* of vertex 1 */
     assert_memory_equal(normals[1], normals[9], sizeof normals[1]);
     assert_memory_equal(normals[2], normals[4], sizeof normals[2]); /* of vertex 4 */
@@ -301,7 +296,7 @@ CASE(picture__smooths_what_is_nearly_flat)
     assert_true(normals[1][0] > 0.0f && normals[1][0] < 0.17f); /* two of three lean so */
     assert_true(normals[0][0] < -0.17f);                        /* and all of vertex 0 */
     ridge.triangles = ridges[1];
-    assert_true(crease_normals(&ridge, 0, normals));
+    assert_true(picture_normals(&ridge, 0, normals));
     assert_true(normals[2][2] > 0.9f && normals[9][2] < -0.9f);
 }
 

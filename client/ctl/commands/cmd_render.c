@@ -326,9 +326,7 @@ static int make_film(const struct render *render, struct whole_file *file,
             ctl_error_set(error, PCCD_E_STATE, "%s has changed meanwhile", settings.path);
     }
     if (status == PCCD_OK) {
-        status = film_end(&shooting.film, error);
-    }
-    if (status == PCCD_OK) {
+        film_end(&shooting.film);
         status = output_finish(file, render->path, error);
     }
     if (status == PCCD_OK) {

@@ -4,17 +4,120 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "export.h"
 #include "picture.h"
 #include "printable.h"
 #include "render.h"
 
-#define GROUPS      64u /* colours of times */
 #define DEGREE      0.017453292519943295
 #define AZIMUTH     25.0
 #define ELEVATION   16.0
 #define PLACE_ROOM  1.6f /* around the features of a contact */
 #define PLACE_LEAST 0.01 /* of the scene, where they have no size */
+#define TURNS       16u  /* directions around the normal */
+#define NEAR        1e-3 /* of the contact's radius: what it lies on is not in front of it */
+#define STEEP       0.3 /* what a steeper view costs, beside how far it is turned away */
+
+/* ---- from where a contact can be seen ------------------------------------------------ */
+
+/* Sines of angles to the plane in which the surfaces touch. */
+static const double tilts[] = {0.3, -0.3, 0.8, -0.8};
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* False for a vector without length. */
+static bool normalize(double x[3])
+{
+    double length = sqrt(dot(x, x));
+    for (int k = 0; k < 3; k++) {
+        x[k] /= length > 0 ? length : 1;
+    }
+    return length > 0;
+}
+
+/* Whether the ray meets the triangle farther than `near` away. */
+static bool meets(const double at[3], const double way[3], double near,
+                  const float (*x)[3], const uint32_t v[3])
+{
+    double a[3], b[3], from[3], p[3], q[3];
+    for (int k = 0; k < 3; k++) {
+        a[k] = (double)x[v[1]][k] - (double)x[v[0]][k];
+        b[k] = (double)x[v[2]][k] - (double)x[v[0]][k];
+        from[k] = at[k] - (double)x[v[0]][k];
+    }
+    cross(way, b, p);
+    double area = dot(a, p);
+    if (area == 0) {
+        return false;
+    }
+    cross(from, a, q);
+    double u = dot(from, p) / area, w = dot(way, q) / area;
+    return u >= 0 && w >= 0 && u + w <= 1 && dot(b, q) / area > near;
+}
+
+static bool is_free(const struct still *still, const double at[3], const double way[3],
+                    double near)
+{
+    for (uint32_t o = 0; o < still->object_count; o++) {
+        const struct still_object *object = &still->objects[o];
+        for (uint32_t i = 0; i < object->triangle_count; i++) {
+            if (meets(at, way, near, (const float(*)[3])object->x,
+                      object->triangles[i])) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* `from`, unit, is the wanted direction from contact still->chosen to the eye, and becomes
+ * the one of those with a free view that is least turned away from it; it stays where none
+ * of them has a free view. */
+static void choose_viewpoint(const struct still *still, float from[3])
+{
+    const struct still_contact *contact = &still->contacts[still->chosen];
+    const double wanted[3] = {from[0], from[1], from[2]};
+    double at[3], normal[3], side[3], other[3], least = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        at[k] = contact->at[k];
+        normal[k] = contact->normal[k];
+    }
+    if (!normalize(normal)) {
+        return;
+    }
+    cross(normal, wanted, side);
+    if (!normalize(side)) { /* seen along the normal: any side will do */
+        const double axes[2][3] = {{1, 0, 0}, {0, 1, 0}};
+        cross(normal, axes[fabs(normal[0]) > 0.9], side);
+        normalize(side);
+    }
+    cross(side, normal, other); /* of the plane, towards the eye that is wanted */
+    for (uint32_t i = 0; i < TURNS * sizeof tilts / sizeof tilts[0]; i++) {
+        double tilt = tilts[i / TURNS], flat = sqrt(1 - tilt * tilt);
+        double turn = 2 * M_PI * (i % TURNS) / TURNS;
+        double way[3];
+        for (int k = 0; k < 3; k++) {
+            way[k] =
+                flat * (cos(turn) * other[k] + sin(turn) * side[k]) + tilt * normal[k];
+        }
+        double cost = 1 - dot(way, wanted) + STEEP * fabs(tilt);
+        if (cost < least && is_free(still, at, way, NEAR * (double)contact->radius)) {
+            least = cost;
+            for (int k = 0; k < 3; k++) {
+                from[k] = (float)way[k];
+            }
+        }
+    }
+}
 
 /* The direction to the eye: azimuth 0 looks along the axis after the one that is up. */
 static void find_eye(const struct render *render, float from[3])
@@ -71,7 +174,7 @@ static void mark_lines(const struct still *still, double greatest,
         memcpy(marks[i].at, still->lines[i].ends[0], sizeof marks[i].at);
         memcpy(marks[i].to, still->lines[i].ends[1], sizeof marks[i].to);
         marks[i].is_line = true;
-        marks[i].group = (uint32_t)(share * (GROUPS - 1));
+        marks[i].colour = (uint32_t)(share * (PICTURE_COLOURS - 1));
     }
 }
 
@@ -80,8 +183,9 @@ static void mark_lines(const struct still *still, double greatest,
 static uint32_t mark_contact(const struct still_contact *contact, bool is_thick,
                              struct picture_mark *marks, uint32_t count)
 {
-    uint32_t group = contact->toi > 0 ? (uint32_t)(contact->toi * GROUPS) : 0;
-    struct picture_mark mark = {.group = group < GROUPS ? group : GROUPS - 1};
+    uint32_t colour = contact->toi > 0 ? (uint32_t)(contact->toi * PICTURE_COLOURS) : 0;
+    struct picture_mark mark = {.colour = colour < PICTURE_COLOURS ? colour
+                                                                   : PICTURE_COLOURS - 1};
     const float *reach = contact->reach;
     memcpy(mark.at, contact->at, sizeof mark.at);
     if (reach[0] != 0 || reach[1] != 0 || reach[2] != 0) {
@@ -117,24 +221,6 @@ static uint32_t mark_contacts(const struct render *render, const struct still *s
     return count;
 }
 
-static void make_meshes(const struct still *still, struct picture_mesh *meshes)
-{
-    for (uint32_t i = 0; i < still->object_count; i++) {
-        const struct still_object *object = &still->objects[i];
-        meshes[i] =
-            (struct picture_mesh){.x = (const float(*)[3])object->x,
-                                  .triangles = (const uint32_t(*)[3])object->triangles,
-                                  .edges = (const uint32_t(*)[2])object->edges,
-                                  .points = object->points,
-                                  .radii = object->radii,
-                                  .vertex_count = object->vertex_count,
-                                  .triangle_count = object->triangle_count,
-                                  .edge_count = object->edge_count,
-                                  .point_count = object->point_count};
-        colour_of_object(i, meshes[i].front, meshes[i].back);
-    }
-}
-
 /* The next picture of a film. */
 static int add_picture(const struct picture *picture, struct film *film,
                        struct ctl_error *error)
@@ -152,19 +238,14 @@ static int add_picture(const struct picture *picture, struct film *film,
 int render_draw(const struct render *render, const struct still *still, FILE *file,
                 struct film *film, const float (*bounds)[3], struct ctl_error *error)
 {
-    struct picture_mesh *meshes = calloc(still->object_count + 1, sizeof *meshes);
     struct picture_mark *marks =
         calloc(2 * still->contact_count + still->line_count + 1, sizeof *marks);
     double greatest = still_greatest(still);
-    struct picture_group groups[GROUPS];
     struct picture_scale scale = {.title = "time of impact", .low = "0", .high = "1"};
     char title[128];
-    if (meshes == NULL || marks == NULL) {
-        free(meshes);
-        free(marks);
+    if (marks == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", render->path);
     }
-    make_meshes(still, meshes);
     uint32_t mark_count = still->lines != NULL ? (uint32_t)still->line_count
                                                : mark_contacts(render, still, marks);
     if (still->lines != NULL) {
@@ -172,18 +253,11 @@ int render_draw(const struct render *render, const struct still *still, FILE *fi
         snprintf(scale.title, sizeof scale.title, "distance");
         snprintf(scale.high, sizeof scale.high, "%.4g", greatest);
     }
-    for (uint32_t i = 0; i < GROUPS; i++) {
-        groups[i].label[0] = '\0';
-        colour_of_time(((double)i + 0.5) / GROUPS, groups[i].colour);
-    }
     name_step(render, still, title, sizeof title);
     struct picture_place place = place_of(render, still);
-    struct picture picture = {.meshes = meshes,
+    struct picture picture = {.still = still,
                               .marks = marks,
-                              .groups = groups,
-                              .mesh_count = still->object_count,
                               .mark_count = mark_count,
-                              .group_count = GROUPS,
                               .up = render->up,
                               .width = render->width,
                               .height = render->height,
@@ -191,18 +265,16 @@ int render_draw(const struct render *render, const struct still *still, FILE *fi
                               .is_at_marks = render->is_at_contacts,
                               .bounds = bounds,
                               .is_thick = render->is_thick,
-                              .gap = (float)(still->separation / 2),
                               .place = render->contact > 0 ? &place : NULL,
                               .title = title,
                               .scale =
                                   still->lines == NULL || greatest > 0 ? &scale : NULL};
     find_eye(render, picture.from);
     if (render->contact > 0 && isnan(render->azimuth)) {
-        viewpoint_choose(still, picture.from);
+        choose_viewpoint(still, picture.from);
     }
     int status = film != NULL ? add_picture(&picture, film, error)
                               : picture_write(&picture, file, render->path, error);
-    free(meshes);
     free(marks);
     return status;
 }

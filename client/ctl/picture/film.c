@@ -46,9 +46,8 @@ static bool next_chunk(const unsigned char *png, size_t bytes, size_t *at,
 }
 
 /* A chunk of `lead` and `data`, one behind the other. */
-static int write_chunk(struct film *film, const char *type, const unsigned char *lead,
-                       uint32_t lead_bytes, const unsigned char *data, uint32_t bytes,
-                       struct ctl_error *error)
+static void write_chunk(struct film *film, const char *type, const unsigned char *lead,
+                        uint32_t lead_bytes, const unsigned char *data, uint32_t bytes)
 {
     unsigned char head[8], tail[4];
     put_number(head, lead_bytes + bytes, 4);
@@ -57,14 +56,10 @@ static int write_chunk(struct film *film, const char *type, const unsigned char 
     sum = lead_bytes > 0 ? crc32(sum, lead, lead_bytes) : sum;
     sum = bytes > 0 ? crc32(sum, data, bytes) : sum;
     put_number(tail, (uint32_t)sum, 4);
-    if (fwrite(head, sizeof head, 1, film->to) != 1 ||
-        (lead_bytes > 0 && fwrite(lead, lead_bytes, 1, film->to) != 1) ||
-        (bytes > 0 && fwrite(data, bytes, 1, film->to) != 1) ||
-        fwrite(tail, sizeof tail, 1, film->to) != 1) {
-        return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", film->path,
-                             strerror(errno));
-    }
-    return PCCD_OK;
+    fwrite(head, sizeof head, 1, film->to);
+    fwrite(lead, 1, lead_bytes, film->to);
+    fwrite(data, 1, bytes, film->to);
+    fwrite(tail, sizeof tail, 1, film->to);
 }
 
 void film_begin(struct film *film, FILE *to, const char *path, uint32_t frame_count,
@@ -77,61 +72,44 @@ void film_begin(struct film *film, FILE *to, const char *path, uint32_t frame_co
                           .frames_a_second = frames_a_second};
 }
 
-/* How many pictures there are, and that they begin again without end. */
-static int write_count(struct film *film, struct ctl_error *error)
-{
-    unsigned char data[8] = {0};
-    put_number(data, film->frame_count, 4);
-    return write_chunk(film, "acTL", NULL, 0, data, sizeof data, error);
-}
-
 /* The next picture takes the place of the last one, all of it. */
-static int write_frame(struct film *film, struct ctl_error *error)
+static void write_frame(struct film *film)
 {
     unsigned char data[26] = {0};
     put_number(data, film->sequence++, 4);
     memcpy(data + 4, film->head, 8); /* width, height; no offset */
     put_number(data + 20, 1, 2);
     put_number(data + 22, film->frames_a_second, 2);
-    return write_chunk(film, "fcTL", NULL, 0, data, sizeof data, error);
+    write_chunk(film, "fcTL", NULL, 0, data, sizeof data);
 }
 
-static int write_pixels(struct film *film, const struct chunk *chunk,
-                        struct ctl_error *error)
+static void write_pixels(struct film *film, const struct chunk *chunk)
 {
     unsigned char number[4];
     if (film->written == 0) {
-        return write_chunk(film, "IDAT", NULL, 0, chunk->data, chunk->bytes, error);
+        write_chunk(film, "IDAT", NULL, 0, chunk->data, chunk->bytes);
+    } else {
+        put_number(number, film->sequence++, 4);
+        write_chunk(film, "fdAT", number, sizeof number, chunk->data, chunk->bytes);
     }
-    put_number(number, film->sequence++, 4);
-    return write_chunk(film, "fdAT", number, sizeof number, chunk->data, chunk->bytes,
-                       error);
 }
 
-/* Of the first picture all but pixels and end; of the others nothing but that they are
- * like it. */
-static int take_head(struct film *film, const unsigned char *png,
-                     const struct chunk *chunk, struct ctl_error *error)
+/* Of the first picture all but pixels and end; behind its head how many pictures there
+ * are, and that they begin again without end. */
+static void write_head(struct film *film, const unsigned char *png,
+                       const struct chunk *chunk)
 {
+    unsigned char count[8] = {0};
     bool is_head = strcmp(chunk->type, "IHDR") == 0;
-    int status = PCCD_OK;
-    if (film->written > 0) {
-        return is_head && (chunk->bytes != sizeof film->head ||
-                           memcmp(chunk->data, film->head, sizeof film->head) != 0)
-                   ? ctl_error_set(error, PCCD_E_INVAL,
-                                   "%s: picture %u has another size than the first",
-                                   film->path, film->written + 1)
-                   : PCCD_OK;
-    }
-    if (is_head && chunk->bytes == sizeof film->head) {
+    if (is_head) {
         memcpy(film->head, chunk->data, sizeof film->head);
-        if (fwrite(png, SIGNATURE_BYTES, 1, film->to) != 1) {
-            return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", film->path,
-                                 strerror(errno));
-        }
+        fwrite(png, SIGNATURE_BYTES, 1, film->to);
     }
-    status = write_chunk(film, chunk->type, NULL, 0, chunk->data, chunk->bytes, error);
-    return status == PCCD_OK && is_head ? write_count(film, error) : status;
+    write_chunk(film, chunk->type, NULL, 0, chunk->data, chunk->bytes);
+    if (is_head) {
+        put_number(count, film->frame_count, 4);
+        write_chunk(film, "acTL", NULL, 0, count, sizeof count);
+    }
 }
 
 int film_add(struct film *film, const void *png, size_t bytes, struct ctl_error *error)
@@ -139,25 +117,27 @@ int film_add(struct film *film, const void *png, size_t bytes, struct ctl_error 
     struct chunk chunk;
     size_t at = SIGNATURE_BYTES;
     bool has_pixels = false;
-    int status = PCCD_OK;
-    while (status == PCCD_OK && bytes >= at && next_chunk(png, bytes, &at, &chunk)) {
-        bool is_pixels = strcmp(chunk.type, "IDAT") == 0;
-        if (is_pixels && !has_pixels) {
-            status = write_frame(film, error);
+    while (next_chunk(png, bytes, &at, &chunk)) {
+        if (strcmp(chunk.type, "IDAT") == 0) {
+            if (!has_pixels) {
+                write_frame(film);
+            }
+            write_pixels(film, &chunk);
+            has_pixels = true;
+        } else if (strcmp(chunk.type, "IEND") != 0 && film->written == 0) {
+            write_head(film, png, &chunk);
         }
-        if (status == PCCD_OK && is_pixels) {
-            status = write_pixels(film, &chunk, error);
-        } else if (status == PCCD_OK && strcmp(chunk.type, "IEND") != 0) {
-            status = take_head(film, png, &chunk, error);
-        }
-        has_pixels = has_pixels || is_pixels;
     }
-    film->written += status == PCCD_OK;
-    return status;
+    film->written++;
+    /* A full disk ends a film at once; how else it went is told at its end. */
+    return ferror(film->to) == 0
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", film->path,
+                               strerror(errno));
 }
 
-int film_end(struct film *film, struct ctl_error *error)
+void film_end(struct film *film)
 {
     assert(film->written == film->frame_count);
-    return write_chunk(film, "IEND", NULL, 0, NULL, 0, error);
+    write_chunk(film, "IEND", NULL, 0, NULL, 0);
 }

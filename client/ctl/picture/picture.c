@@ -1,4 +1,7 @@
-/* picture.c - meshes and contacts, drawn. */
+/* picture.c - the objects of a step, as they are seen from somewhere.
+ *
+ * Source: union-find with path halving (Tarjan and van Leeuwen 1984).
+ */
 #include "picture.h"
 
 #include <float.h>
@@ -6,23 +9,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "export.h"
 #include "pccd_types.h"
 
-#define HALF_VIEW   0.34f /* tangent of half the vertical angle of view */
-#define MARGIN      1.12f /* room around the scene */
-#define ZOOM_LEAST  0.01f /* of the view, that marks take at least */
-#define PLACE_LEAST 1e-5f /* of the view, that a place takes at least */
-#define LINE_WIDTH  0.35f /* picture pixels */
-#define ROD_LEAST   1.1f  /* radius of a rod, picture pixels */
-#define POINT_LEAST 2.0f  /* of a point */
-#define SMALL       640u  /* a picture is, if it has fewer pixels from side to side */
+#define HALF_VIEW   0.34f  /* tangent of half the vertical angle of view */
+#define MARGIN      1.12f  /* room around the scene */
+#define ZOOM_LEAST  0.01f  /* of the view, that marks take at least */
+#define PLACE_LEAST 1e-5f  /* of the view, that a place takes at least */
+#define FLAT_COSINE 0.643f /* 50 degrees between the normals of two triangles */
+#define LINE_WIDTH  0.35f  /* picture pixels */
+#define ROD_LEAST   1.1f   /* radius of a rod, picture pixels */
+#define POINT_LEAST 2.0f   /* of a point */
 /* Pixels that balls and capsules take together, a minute: as many as if each of 10^5
  * triangles took the fourth part of a hundredth of the picture. */
 #define PIXELS_MAX 10000000000u
 
 static const float sky_top[3] = {0.97f, 0.98f, 0.99f};
 static const float sky_bottom[3] = {0.78f, 0.82f, 0.87f};
-const float picture_ink[3] = {0.13f, 0.16f, 0.21f};
 
 static float dot(const float a[3], const float b[3])
 {
@@ -44,19 +47,133 @@ static void normalize(float x[3])
     }
 }
 
+/* ---- normals ------------------------------------------------------------------------ */
+
+/* An edge of a triangle, and the corners at its ends: those of its lower vertex first. */
+struct side {
+    uint32_t low, high; /* vertices */
+    uint32_t corners[2];
+};
+
+static int by_vertices(const void *left, const void *right)
+{
+    const struct side *a = left, *b = right;
+    if (a->low != b->low) {
+        return a->low < b->low ? -1 : 1;
+    }
+    if (a->high != b->high) {
+        return a->high < b->high ? -1 : 1;
+    }
+    return a->corners[0] < b->corners[0] ? -1 : a->corners[0] > b->corners[0];
+}
+
+static uint32_t root_of(uint32_t *above, uint32_t corner)
+{
+    while (above[corner] != corner) {
+        above[corner] = above[above[corner]];
+        corner = above[corner];
+    }
+    return corner;
+}
+
+static void join(uint32_t *above, uint32_t a, uint32_t b)
+{
+    uint32_t root_a = root_of(above, a), root_b = root_of(above, b);
+    above[root_a > root_b ? root_a : root_b] = root_a > root_b ? root_b : root_a;
+}
+
+/* Of a triangle, as long as its area; in units of 2^octave. */
+static void area_normal(const struct still_object *mesh, uint32_t t, int octave,
+                        float normal[3])
+{
+    const uint32_t *v = mesh->triangles[t];
+    float a[3], b[3];
+    for (uint32_t k = 0; k < 3; k++) {
+        a[k] = ldexpf(mesh->x[v[1]][k] - mesh->x[v[0]][k], -octave);
+        b[k] = ldexpf(mesh->x[v[2]][k] - mesh->x[v[0]][k], -octave);
+    }
+    normal[0] = a[1] * b[2] - a[2] * b[1];
+    normal[1] = a[2] * b[0] - a[0] * b[2];
+    normal[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Join the corners of triangles that share an edge and are nearly flat there. */
+static void join_flat(struct side *sides, uint32_t count, const float (*faces)[3],
+                      uint32_t *above)
+{
+    qsort(sides, count, sizeof *sides, by_vertices);
+    for (uint32_t i = 1; i < count; i++) {
+        const struct side *a = &sides[i - 1], *b = &sides[i];
+        const float *face_a = faces[a->corners[0] / 3],
+                    *face_b = faces[b->corners[0] / 3];
+        float lengths = sqrtf(dot(face_a, face_a)) * sqrtf(dot(face_b, face_b));
+        /* A triangle without area has no direction of its own, and parts nothing. */
+        if (a->low == b->low && a->high == b->high &&
+            dot(face_a, face_b) >= FLAT_COSINE * lengths) {
+            join(above, a->corners[0], b->corners[0]);
+            join(above, a->corners[1], b->corners[1]);
+        }
+    }
+}
+
+bool picture_normals(const struct still_object *mesh, int octave, float (*normals)[3])
+{
+    const uint32_t count = 3 * mesh->triangle_count;
+    struct side *sides = malloc((count + 1) * sizeof *sides);
+    float(*faces)[3] = malloc((mesh->triangle_count + 1) * sizeof *faces);
+    uint32_t *above = malloc((count + 1) * sizeof *above);
+    bool has_memory = sides != NULL && faces != NULL && above != NULL;
+    for (uint32_t i = 0; has_memory && i < count; i++) {
+        const uint32_t *v = mesh->triangles[i / 3];
+        uint32_t next = i % 3 == 2 ? i - 2 : i + 1;
+        bool is_up = v[i % 3] < v[next % 3];
+        sides[i] = (struct side){.low = is_up ? v[i % 3] : v[next % 3],
+                                 .high = is_up ? v[next % 3] : v[i % 3],
+                                 .corners = {is_up ? i : next, is_up ? next : i}};
+        above[i] = i;
+        if (i % 3 == 0) {
+            area_normal(mesh, i / 3, octave, faces[i / 3]);
+        }
+    }
+    if (has_memory) {
+        join_flat(sides, count, (const float(*)[3])faces, above);
+        memset(normals, 0, count * sizeof *normals);
+    }
+    for (uint32_t i = 0; has_memory && i < count; i++) {
+        uint32_t root = root_of(above, i);
+        for (uint32_t k = 0; k < 3; k++) {
+            normals[root][k] += faces[i / 3][k];
+        }
+    }
+    for (uint32_t i = 0; has_memory && i < count; i++) {
+        uint32_t root = root_of(above, i); /* not after i: it has its length already */
+        if (root == i) {
+            normalize(normals[i]);
+        } else {
+            memcpy(normals[i], normals[root], sizeof normals[i]);
+        }
+    }
+    free(sides);
+    free(faces);
+    free(above);
+    return has_memory;
+}
+
+/* ---- camera ------------------------------------------------------------------------ */
+
 /* Of the feature that has these vertices, as it is drawn. */
-static float radius_of(const struct picture *picture, const struct picture_mesh *mesh,
+static float radius_of(const struct picture *picture, const struct still_object *mesh,
                        const uint32_t *vertices, uint32_t count)
 {
     float most = 0;
     for (uint32_t i = 0; i < count && mesh->radii != NULL; i++) {
         most = fmaxf(most, mesh->radii[vertices[i]]);
     }
-    return picture->is_thick ? most + picture->gap : most;
+    return picture->is_thick ? most + (float)(picture->still->separation / 2) : most;
 }
 
 /* Room that is needed around a vertex. */
-static float room_of(const struct picture *picture, const struct picture_mesh *mesh,
+static float room_of(const struct picture *picture, const struct still_object *mesh,
                      uint32_t vertex)
 {
     bool has_round = picture->is_thick || mesh->edge_count > 0 || mesh->point_count > 0;
@@ -76,8 +193,9 @@ static void find_centre(const struct picture *picture, float centre[3])
     for (uint32_t k = 0; k < 3; k++) {
         float low = has_bounds ? picture->bounds[0][k] : INFINITY;
         float high = has_bounds ? picture->bounds[1][k] : -INFINITY;
-        for (uint32_t m = 0; m < picture->mesh_count && !at_marks && !has_bounds; m++) {
-            const struct picture_mesh *mesh = &picture->meshes[m];
+        for (uint32_t m = 0; m < picture->still->object_count && !at_marks && !has_bounds;
+             m++) {
+            const struct still_object *mesh = &picture->still->objects[m];
             for (uint32_t i = 0; i < mesh->vertex_count; i++) {
                 float room = room_of(picture, mesh, i);
                 low = fminf(low, mesh->x[i][k] - room);
@@ -167,8 +285,9 @@ static void place_camera(const struct picture *picture, struct picture_canvas *c
         }
         step_back(canvas, corner, 0);
     }
-    for (uint32_t m = 0; m < picture->mesh_count && picture->bounds == NULL; m++) {
-        const struct picture_mesh *mesh = &picture->meshes[m];
+    for (uint32_t m = 0; m < picture->still->object_count && picture->bounds == NULL;
+         m++) {
+        const struct still_object *mesh = &picture->still->objects[m];
         for (uint32_t i = 0; i < mesh->vertex_count; i++) {
             step_back(canvas, mesh->x[i], room_of(picture, mesh, i));
         }
@@ -197,11 +316,10 @@ void picture_project(const struct picture_canvas *canvas, const float x[3],
 
 /* The light stands to the upper left behind the eye. */
 static struct raster_surface surface_of(const struct picture_canvas *canvas,
-                                        const struct picture_mesh *mesh)
+                                        uint32_t place)
 {
     struct raster_surface surface = {.line_width = LINE_WIDTH * PICTURE_OVERSAMPLING};
-    memcpy(surface.front, mesh->front, sizeof surface.front);
-    memcpy(surface.back, mesh->back, sizeof surface.back);
+    colour_of_object(place, surface.front, surface.back);
     for (uint32_t k = 0; k < 3; k++) {
         surface.eye[k] = -canvas->axes[2][k];
         surface.light[k] =
@@ -212,7 +330,7 @@ static struct raster_surface surface_of(const struct picture_canvas *canvas,
 }
 
 /* Edges of rods, then points. */
-static uint64_t free_count(const struct picture_mesh *mesh)
+static uint64_t free_count(const struct still_object *mesh)
 {
     return (uint64_t)mesh->edge_count + mesh->point_count;
 }
@@ -220,7 +338,7 @@ static uint64_t free_count(const struct picture_mesh *mesh)
 /* The ends of the i-th of these, and its radius: never so thin that nobody sees it. */
 static double find_free(const struct picture *picture,
                         const struct picture_canvas *canvas,
-                        const struct picture_mesh *mesh, uint64_t i, const float *ends[2])
+                        const struct still_object *mesh, uint64_t i, const float *ends[2])
 {
     bool is_edge = i < mesh->edge_count;
     const uint32_t *v = is_edge ? mesh->edges[i] : &mesh->points[i - mesh->edge_count];
@@ -235,13 +353,13 @@ static double find_free(const struct picture *picture,
 }
 
 static void draw_free(const struct picture *picture, struct picture_canvas *canvas,
-                      const struct picture_mesh *mesh)
+                      const struct still_object *mesh,
+                      const struct raster_surface *surface)
 {
-    const struct raster_surface surface = surface_of(canvas, mesh);
     for (uint64_t i = 0; i < free_count(mesh); i++) {
         const float *ends[2];
         double radius = find_free(picture, canvas, mesh, i, ends);
-        thick_segment(canvas, ends[0], ends[1], radius, &surface);
+        thick_segment(canvas, ends[0], ends[1], radius, surface);
     }
 }
 
@@ -250,8 +368,8 @@ static uint64_t count_pixels(const struct picture *picture,
                              const struct picture_canvas *canvas)
 {
     uint64_t pixels = 0;
-    for (uint32_t m = 0; m < picture->mesh_count; m++) {
-        const struct picture_mesh *mesh = &picture->meshes[m];
+    for (uint32_t m = 0; m < picture->still->object_count; m++) {
+        const struct still_object *mesh = &picture->still->objects[m];
         for (uint64_t i = 0; i < free_count(mesh); i++) {
             const float *ends[2];
             double radius = find_free(picture, canvas, mesh, i, ends);
@@ -270,14 +388,14 @@ static uint64_t count_pixels(const struct picture *picture,
 }
 
 static bool draw_triangles(const struct picture *picture, struct picture_canvas *canvas,
-                           const struct picture_mesh *mesh)
+                           const struct still_object *mesh,
+                           const struct raster_surface *surface)
 {
     struct raster_corner *corners = calloc(mesh->vertex_count + 1, sizeof *corners);
     float(*normals)[3] = malloc((3 * (size_t)mesh->triangle_count + 1) * sizeof *normals);
-    const struct raster_surface surface = surface_of(canvas, mesh);
     int octave;
     (void)frexpf(fmaxf(canvas->distance, FLT_MIN), &octave);
-    if (corners == NULL || normals == NULL || !crease_normals(mesh, octave, normals)) {
+    if (corners == NULL || normals == NULL || !picture_normals(mesh, octave, normals)) {
         free(corners);
         free(normals);
         return false;
@@ -291,14 +409,14 @@ static bool draw_triangles(const struct picture *picture, struct picture_canvas 
         if (radius > 0) {
             thick_triangle(
                 canvas, (const float *[]){mesh->x[v[0]], mesh->x[v[1]], mesh->x[v[2]]},
-                (const float(*)[3])normals + 3 * (size_t)t, (double)radius, &surface);
+                (const float(*)[3])normals + 3 * (size_t)t, (double)radius, surface);
             continue;
         }
         struct raster_corner three[3] = {corners[v[0]], corners[v[1]], corners[v[2]]};
         for (uint32_t k = 0; k < 3; k++) {
             memcpy(three[k].normal, normals[3 * t + k], sizeof three[k].normal);
         }
-        raster_triangle(&canvas->raster, three, &surface);
+        raster_triangle(&canvas->raster, three, surface);
     }
     free(corners);
     free(normals);
@@ -318,106 +436,15 @@ int picture_draw(const struct picture *picture, struct picture_canvas *canvas)
     if (count_pixels(picture, canvas) > PIXELS_MAX) {
         return PCCD_E_LIMIT;
     }
-    for (uint32_t m = 0; m < picture->mesh_count; m++) {
-        if (!draw_triangles(picture, canvas, &picture->meshes[m])) {
+    for (uint32_t m = 0; m < picture->still->object_count; m++) {
+        const struct still_object *mesh = &picture->still->objects[m];
+        const struct raster_surface surface = surface_of(canvas, m);
+        if (!draw_triangles(picture, canvas, mesh, &surface)) {
             return PCCD_E_NOMEM;
         }
-        draw_free(picture, canvas, &picture->meshes[m]);
+        draw_free(picture, canvas, mesh, &surface);
     }
     return PCCD_OK;
-}
-
-void picture_place_mark(const struct picture *picture,
-                        const struct picture_canvas *canvas,
-                        const struct picture_mark *mark, struct raster_corner *corner)
-{
-    picture_project(canvas, mark->at, corner);
-    if (picture->is_thick && mark->is_chosen) {
-        corner->nearness = INFINITY; /* between two that touch it would be hidden */
-    }
-}
-
-float picture_mark_radius(const struct picture_mark *mark)
-{
-    return mark->is_chosen ? 3 * PICTURE_DOT_RADIUS : PICTURE_DOT_RADIUS;
-}
-
-/* Its ends are larger, or it would not be seen where it is short. */
-static void draw_line(const struct picture *picture, struct picture_canvas *canvas,
-                      const struct picture_mark *mark)
-{
-    const float *colour = picture->groups[mark->group].colour;
-    struct raster_corner ends[2] = {{.x = 0}, {.x = 0}};
-    picture_project(canvas, mark->at, &ends[0]);
-    picture_project(canvas, mark->to, &ends[1]);
-    raster_line(&canvas->raster, ends, PICTURE_LINE_RADIUS * PICTURE_OVERSAMPLING, colour,
-                PICTURE_DOT_HIDDEN);
-    for (uint32_t i = 0; i < 2; i++) {
-        raster_dot(&canvas->raster, &ends[i], PICTURE_DOT_RADIUS * PICTURE_OVERSAMPLING,
-                   colour, PICTURE_DOT_HIDDEN);
-    }
-}
-
-void picture_draw_marks(const struct picture *picture, struct picture_canvas *canvas)
-{
-    for (uint32_t i = 0; i < picture->mark_count; i++) {
-        const struct picture_mark *mark = &picture->marks[i];
-        struct raster_corner corner = {0};
-        if (mark->is_line) {
-            draw_line(picture, canvas, mark);
-            continue;
-        }
-        picture_place_mark(picture, canvas, mark, &corner);
-        raster_dot(&canvas->raster, &corner,
-                   picture_mark_radius(mark) * PICTURE_OVERSAMPLING,
-                   picture->groups[mark->group].colour, PICTURE_DOT_HIDDEN);
-    }
-}
-
-/* A bar of the groups' colours below `y`, with what its ends mean. A letter is 10 units
- * wide. */
-static void draw_scale(const struct picture *picture, struct raster *raster, uint32_t y,
-                       uint32_t unit)
-{
-    const uint32_t left = 28 * unit, wide = 200 * unit, high = 12 * unit;
-    raster_text(raster, left, y, 2 * unit, picture_ink, picture->scale->title);
-    y += 22 * unit;
-    for (uint32_t i = 0; i < wide; i++) {
-        uint32_t group = i * picture->group_count / wide;
-        raster_box(raster, left + i, y, 1, high, picture->groups[group].colour);
-    }
-    y += high + 6 * unit;
-    raster_text(raster, left, y, 2 * unit, picture_ink, picture->scale->low);
-    uint32_t text_wide = (uint32_t)strlen(picture->scale->high) * 12 * unit;
-    raster_text(raster, left + wide - (text_wide < wide ? text_wide : wide), y, 2 * unit,
-                picture_ink, picture->scale->high);
-}
-
-void picture_draw_legend(const struct picture *picture, struct picture_canvas *canvas)
-{
-    /* In a small picture the words would hide what it is of. */
-    const uint32_t unit =
-        canvas->width < SMALL ? PICTURE_OVERSAMPLING / 2 : PICTURE_OVERSAMPLING;
-    const uint32_t scale = 2 * unit, left = 28 * unit;
-    uint32_t y = 26 * unit;
-    raster_text(&canvas->raster, left, y, scale, picture_ink, picture->title);
-    for (uint32_t i = 0; i < picture->group_count; i++) {
-        if (picture->groups[i].label[0] == '\0') {
-            continue;
-        }
-        y += 26 * unit;
-        /* Nearer than anything, so that the sample is never hidden. */
-        struct raster_corner sample = {.x = (float)(left + 3 * scale),
-                                       .y = (float)y + 3.5f * (float)scale,
-                                       .nearness = INFINITY};
-        raster_dot(&canvas->raster, &sample, 6.0f * (float)unit,
-                   picture->groups[i].colour, 1.0f);
-        raster_text(&canvas->raster, left + 9 * scale, y, scale, picture_ink,
-                    picture->groups[i].label);
-    }
-    if (picture->scale != NULL && picture->group_count > 0) {
-        draw_scale(picture, &canvas->raster, y + 30 * unit, unit);
-    }
 }
 
 void picture_halve(struct picture_canvas *canvas)

@@ -20,25 +20,15 @@
 #define PICTURE_WIDTH    1200
 #define PICTURE_HEIGHT   900
 #define PICTURE_SIDE_MAX 8192
+#define PICTURE_COLOURS  64u
 
-struct picture_mesh {
-    const float (*x)[3];
-    const uint32_t (*triangles)[3];
-    const uint32_t (*edges)[2]; /* of rods */
-    const uint32_t *points;     /* of clouds: vertices */
-    const float *radii; /* of the vertices; a feature has the greatest of them; NULL: 0 */
-    uint32_t vertex_count;
-    uint32_t triangle_count, edge_count, point_count;
-    float front[3], back[3]; /* colours of the sides, 0 .. 1 */
-};
-
-/* A contact: where, and which of the groups it belongs to; or a line. */
+/* A contact, or a line. */
 struct picture_mark {
     float at[3];
     float to[3]; /* of a line */
     bool is_line;
-    uint32_t group;
-    bool is_chosen; /* drawn larger */
+    uint32_t colour; /* below PICTURE_COLOURS: those of times, from 0 to 1 */
+    bool is_chosen;  /* drawn larger */
 };
 
 /* What is to be seen: a ball that fills the picture's height. */
@@ -47,12 +37,7 @@ struct picture_place {
     float radius;
 };
 
-struct picture_group {
-    char label[48]; /* "": not in the legend */
-    float colour[3];
-};
-
-/* A run of colours in the legend: those of the groups, from the first to the last. */
+/* What the first and the last colour mean, for the legend. */
 struct picture_scale {
     char title[48];
     char low[16], high[16];
@@ -61,27 +46,28 @@ struct picture_scale {
 enum picture_up { PICTURE_UP_Y = 0, PICTURE_UP_Z, PICTURE_UP_X };
 
 struct picture {
-    const struct picture_mesh *meshes;
+    const struct still *still; /* whose objects are drawn */
     const struct picture_mark *marks;
-    const struct picture_group *groups;
-    uint32_t mesh_count, mark_count, group_count;
+    uint32_t mark_count;
     float from[3]; /* direction from the middle of the scene to the eye */
     enum picture_up up;
     uint32_t width, height; /* 0: PICTURE_WIDTH and PICTURE_HEIGHT */
     float zoom;             /* 0: everything is seen, just so; 2: twice as large */
     bool is_at_marks;       /* the marks are what is to be seen */
     /* Low and high corner of the box that is to be seen, so that several pictures are
-     * from one place; NULL: that of the meshes. */
+     * from one place; NULL: that of the objects. */
     const float (*bounds)[3];
-    bool is_thick;          /* triangles have their radii; rods and points always have */
-    float gap;              /* with is_thick: added to every radius */
+    /* Triangles have their radii, and everything half of the separation; rods and points
+     * always have their radii. */
+    bool is_thick;
     const struct picture_place *place; /* this is, and not the marks; NULL: no place */
     const char *title;
     const struct picture_scale *scale; /* NULL: none */
 };
 
 /* Render to `file`, whose name is `path`: a PNG, or, where `path` ends with .svg, that
- * with marks and legend as shapes and text. Errors: E_SYSTEM, E_NOMEM;
+ * with marks and legend as shapes and text. Whether all was written, output_finish tells.
+ * Errors: E_NOMEM;
  * E_LIMIT: what is thick would take more than a minute. */
 int picture_write(const struct picture *picture, FILE *file, const char *path,
                   struct ctl_error *error);
@@ -95,14 +81,7 @@ int picture_encode(const struct picture *picture, const char *path, void **png,
 /* normals[3 * triangle_count]: unit, one for each corner of each triangle. Lengths are
  * taken in units of 2^octave, as squares of squares have no room in a float. False
  * without memory. */
-bool crease_normals(const struct picture_mesh *mesh, int octave, float (*normals)[3]);
-
-/* ---- Chooses a camera direction from which a contact is visible. */
-
-/* `from`, unit, is the wanted direction from contact still->chosen to the eye, and
- * becomes the one of those with a free view that is least turned away from it; it
- * stays where none of them has a free view. */
-void viewpoint_choose(const struct still *still, float from[3]);
+bool picture_normals(const struct still_object *object, int octave, float (*normals)[3]);
 
 /* ---- Pictures one after the other, as an animated PNG. */
 
@@ -122,18 +101,15 @@ struct film {
  * end. */
 void film_begin(struct film *film, FILE *to, const char *path, uint32_t frame_count,
                 uint32_t frames_a_second);
-/* The next picture: a PNG file in memory. Errors: E_SYSTEM, E_INVAL (it has another size
- * or format than the first). */
+/* The next picture: what picture_encode has made, all of them of one size. E_SYSTEM: it
+ * cannot be written. */
 int film_add(struct film *film, const void *png, size_t bytes, struct ctl_error *error);
 /* After the last picture. */
-int film_end(struct film *film, struct ctl_error *error);
+void film_end(struct film *film);
 
 /* ---- A picture while it is drawn: camera, canvas and measures. */
 
-#define PICTURE_OVERSAMPLING 2     /* canvas pixels of one picture pixel, each way */
-#define PICTURE_DOT_RADIUS   2.1f  /* picture pixels */
-#define PICTURE_LINE_RADIUS  1.1f  /* likewise */
-#define PICTURE_DOT_HIDDEN   0.30f /* opacity of marks behind a surface */
+#define PICTURE_OVERSAMPLING 2 /* canvas pixels of one picture pixel, each way */
 
 struct picture_canvas {
     uint32_t width, height; /* picture pixels */
@@ -144,30 +120,14 @@ struct picture_canvas {
     float focus;      /* canvas pixels per unit at distance 1 */
 };
 
-/* The meshes, without marks and legend. PCCD_OK, PCCD_E_NOMEM; PCCD_E_LIMIT: so much is
+/* The objects, without marks and legend. PCCD_OK, PCCD_E_NOMEM; PCCD_E_LIMIT: so much is
  * so thick that it would take long. */
 int picture_draw(const struct picture *picture, struct picture_canvas *canvas);
 /* Where a point is on the canvas. */
 void picture_project(const struct picture_canvas *canvas, const float x[3],
                      struct raster_corner *corner);
-/* The same of a mark. */
-void picture_place_mark(const struct picture *picture,
-                        const struct picture_canvas *canvas,
-                        const struct picture_mark *mark, struct raster_corner *corner);
-/* Picture pixels. */
-float picture_mark_radius(const struct picture_mark *mark);
-/* Marks and legend onto the canvas. */
-void picture_draw_marks(const struct picture *picture, struct picture_canvas *canvas);
-void picture_draw_legend(const struct picture *picture, struct picture_canvas *canvas);
 /* Average its pixels, in place: rgb[height][width][3] of the picture's size. */
 void picture_halve(struct picture_canvas *canvas);
-
-/* picture_svg.c: the same as shapes; `png` is the picture of the meshes. False when the
- * file cannot be written. */
-bool picture_write_svg(const struct picture *picture, const struct picture_canvas *canvas,
-                       const void *png, size_t png_bytes, FILE *file);
-
-extern const float picture_ink[3];
 
 /* ---- Draws what has a thickness: all that is within a radius of a point, an edge
  * or a triangle. */

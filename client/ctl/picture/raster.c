@@ -117,7 +117,7 @@ void raster_deinit(struct raster *raster)
     raster->nearness = NULL;
 }
 
-static uint8_t byte_of(float share)
+uint8_t raster_byte(float share)
 {
     float value = share * 255.0f + 0.5f;
     return (uint8_t)(value < 0.0f ? 0.0f : value > 255.0f ? 255.0f : value);
@@ -126,7 +126,7 @@ static uint8_t byte_of(float share)
 static void put(struct raster *raster, size_t pixel, const float colour[3])
 {
     for (uint32_t k = 0; k < 3; k++) {
-        raster->rgb[pixel * 3 + k] = byte_of(colour[k]);
+        raster->rgb[pixel * 3 + k] = raster_byte(colour[k]);
     }
 }
 
@@ -134,7 +134,7 @@ static void mix(struct raster *raster, size_t pixel, const float colour[3], floa
 {
     for (uint32_t k = 0; k < 3; k++) {
         float old = (float)raster->rgb[pixel * 3 + k] / 255.0f;
-        raster->rgb[pixel * 3 + k] = byte_of(old + (colour[k] - old) * share);
+        raster->rgb[pixel * 3 + k] = raster_byte(old + (colour[k] - old) * share);
     }
 }
 

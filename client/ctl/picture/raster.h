@@ -31,6 +31,8 @@ struct raster_surface {
     float line_width;        /* of the triangles' borders, canvas pixels; 0 = none */
 };
 
+/* Of a share of a colour, 0 .. 255. */
+uint8_t raster_byte(float share);
 /* False without memory. */
 bool raster_init(struct raster *raster, uint32_t width, uint32_t height);
 void raster_deinit(struct raster *raster);
