@@ -1,7 +1,5 @@
 /* asker.h - the client with which the benchmarks ask a private daemon: ping, an empty
  * step, a large step.
- *
- * Threads: one.
  */
 #ifndef BENCH_ASKER_H
 #define BENCH_ASKER_H

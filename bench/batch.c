@@ -211,8 +211,9 @@ static void measure(const char *scene, uint32_t count, uint32_t side, uint32_t t
     free(x);
 }
 
-int section_batch(const struct bench_options *options)
+int section_batch(const struct section_options *section)
 {
+    const struct bench_options *options = &section->bench;
     static const struct {
         const char *name;
         uint32_t count, side;

@@ -230,8 +230,9 @@ static void first_step(uint32_t side)
     row("first step", "first, of a second", "times", &ratio, 3);
 }
 
-int section_connect(const struct bench_options *options)
+int section_connect(const struct section_options *section)
 {
+    const struct bench_options *options = &section->bench;
     char url[320];
     repeats = options->smoke ? 2 : 50;
     must(test_daemon_start(&daemon_, NULL), "no daemon");

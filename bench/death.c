@@ -499,12 +499,21 @@ static void measure(unsigned clients, unsigned kills, unsigned scenes)
     (void)munmap(shared, bytes);
 }
 
-int section_death(const struct bench_options *options)
+const struct option_row section_death_rows[] = {
+    {"clients", 0, "N", "that wait for an answer (default 1)", OPTION_U32,
+     .at = offsetof(struct section_options, clients), .min = 1, .max = CLIENTS_MAX},
+    {"kills", 0, "N", "of the daemon (default 20)", OPTION_U32,
+     .at = offsetof(struct section_options, kills), .min = 1, .max = 1000},
+    {"meshes", 0, "N", "of each client, an even number (default 2)", OPTION_U32,
+     .at = offsetof(struct section_options, meshes), .min = 2, .max = 2 * SCENES_MAX},
+    {0}};
+
+int section_death(const struct section_options *section)
 {
-    const uint32_t *number = options->number;
-    unsigned clients = number[BENCH_CLIENTS] ? number[BENCH_CLIENTS] : 1;
-    unsigned kills = number[BENCH_KILLS] ? number[BENCH_KILLS] : options->smoke ? 2 : 20;
-    unsigned meshes = number[BENCH_MESHES] ? number[BENCH_MESHES] : 2;
+    const struct bench_options *options = &section->bench;
+    unsigned clients = section->clients ? section->clients : 1;
+    unsigned kills = section->kills ? section->kills : options->smoke ? 2 : 20;
+    unsigned meshes = section->meshes ? section->meshes : 2;
     bench_heading("death");
     measure(clients, kills, 0);
     measure(clients, kills, meshes / 2);

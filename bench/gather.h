@@ -1,7 +1,4 @@
-/* gather.h - collects the work of a real step for benchmarks of single parts.
- *
- * Threads: one.
- */
+/* gather.h - collects the work of a real step for benchmarks of single parts. */
 #ifndef BENCH_GATHER_H
 #define BENCH_GATHER_H
 

@@ -481,8 +481,9 @@ static void measure_scene(const struct bench_scene *scene, bool smoke)
     bench_work_deinit(&work);
 }
 
-int section_kernels(const struct bench_options *options)
+int section_kernels(const struct section_options *section)
 {
+    const struct bench_options *options = &section->bench;
     static const struct {
         const char *name;
         uint32_t count;

@@ -287,8 +287,9 @@ static void run_thick(const struct thick_family *thick_family, uint32_t pairs,
     row_us(thick_family->name, "a pair", &us);
 }
 
-int section_exact(const struct bench_options *options)
+int section_exact(const struct section_options *section)
 {
+    const struct bench_options *options = &section->bench;
     struct eng_exact exact;
     struct eng_thick thick;
     struct pair pair = {.exact = &exact, .thick = &thick};
@@ -426,8 +427,9 @@ static void run_chunks(enum pccd_kind kind, double d, uint32_t rounds,
     bench_sides_end(scene, sides, 2, good);
 }
 
-int section_distances(const struct bench_options *options)
+int section_distances(const struct section_options *section)
 {
+    const struct bench_options *options = &section->bench;
     struct eng_distances distances;
     struct pair pair = {.distances = &distances};
     if (eng_distances_init(&distances) != PCCD_OK) {

@@ -52,79 +52,44 @@ void bench_name(const char *program)
     report.program = program;
 }
 
-static const struct {
-    const char *name;
-    uint32_t least, most;
-} numbers[BENCH_NUMBERS] = {[BENCH_THREADS] = {"--threads", 2, 256},
-                            [BENCH_SECONDS] = {"--seconds", 1, 86400},
-                            [BENCH_CLIENTS] = {"--clients", 1, 4096},
-                            [BENCH_KILLS] = {"--kills", 1, 1000},
-                            [BENCH_MESHES] = {"--meshes", 2, 128}};
-
-static void usage(const char *program, unsigned takes, bool is_wrong)
+static void take_wanted(struct argp_state *state, void *to)
 {
-    FILE *to = is_wrong ? stderr : stdout;
-    fprintf(to, "usage: %s [--json] [--smoke]", program);
-    for (unsigned i = 0; i < BENCH_NUMBERS; i++) {
-        if (takes >> i & 1) {
-            fprintf(to, " [%s N]", numbers[i].name);
-        }
+    struct bench_options *options = to;
+    if (options->arguments.count > 1) {
+        option_misused(state, "one name at a time: \"%s\" or \"%s\"",
+                       options->arguments.list[0], options->arguments.list[1]);
     }
-    fprintf(to, " [SCENE]\n");
+    options->wanted = options->arguments.count > 0 ? options->arguments.list[0] : NULL;
 }
 
-/* NULL: none of the numbers that are taken. */
-static uint32_t *number_named(const char *text, unsigned takes,
-                              struct bench_options *options)
-{
-    for (unsigned i = 0; i < BENCH_NUMBERS; i++) {
-        if ((takes >> i & 1) && strcmp(text, numbers[i].name) == 0) {
-            return &options->number[i];
-        }
-    }
-    return NULL;
-}
+static const struct option_row rows[] = {
+    {.type = OPTION_ARGUMENTS, .at = offsetof(struct bench_options, arguments)},
+    {"json", 0, NULL, "a JSON object a row, on a line", OPTION_FLAG,
+     .at = offsetof(struct bench_options, json)},
+    {"smoke", 0, NULL, "tiny scenes, a few repeats: does it still run?", OPTION_FLAG,
+     .at = offsetof(struct bench_options, smoke)},
+    {0}};
 
-static bool read_options(unsigned takes, int argc, char **argv,
-                         struct bench_options *options)
+void bench_begin(const char *program, const struct option_row *more, int argc,
+                 char **argv, struct bench_options *options)
 {
-    for (int i = 1; i < argc; i++) {
-        uint32_t *number = number_named(argv[i], takes, options);
-        if (number && i + 1 < argc) {
-            unsigned which = (unsigned)(number - options->number);
-            *number = (uint32_t)strtoul(argv[++i], NULL, 10);
-            if (*number < numbers[which].least || *number > numbers[which].most) {
-                return false;
-            }
-        } else if (strcmp(argv[i], "--smoke") == 0) {
-            options->smoke = true;
-        } else if (strcmp(argv[i], "--json") == 0) {
-            options->json = true;
-        } else if (argv[i][0] != '-' && !options->wanted) {
-            options->wanted = argv[i];
-        } else {
-            return false;
-        }
-    }
-    return true;
-}
-
-bool bench_begin(const char *program, unsigned takes, int argc, char **argv,
-                 struct bench_options *options, int *exit_status)
-{
-    memset(options, 0, sizeof *options);
+    const struct option_table added = {.rows = more};
+    const struct option_part parts[] = {{more ? &added : NULL, 0}, {0}};
+    const struct option_table table = {.rows = rows,
+                                       .parts = parts,
+                                       .check = take_wanted,
+                                       .arguments = "[NAME]",
+                                       .text = "Measure what has NAME in its name; all "
+                                               "by default."};
     bench_name(program);
-    bool wants_help = argc == 2 && strcmp(argv[1], "--help") == 0;
-    if (wants_help || !read_options(takes, argc, argv, options)) {
-        *exit_status = wants_help ? 0 : 2;
-        usage(program, takes, !wants_help);
-        return false;
+    argp_err_exit_status = 2;
+    if (option_parse(&table, argc, argv, options) != 0) {
+        exit(2);
     }
     report.json = options->json;
     if (!report.json) {
         printf("%s: %s; %s; %s\n", program, COMPILER, BENCH_FLAGS, bench_cpu());
     }
-    return true;
 }
 
 int bench_end(void)

@@ -1,7 +1,4 @@
-/* report.h - collects measured samples and prints them as a table or as JSON.
- *
- * Threads: one.
- */
+/* report.h - collects measured samples and prints them as a table or as JSON. */
 #ifndef BENCH_REPORT_H
 #define BENCH_REPORT_H
 
@@ -11,22 +8,13 @@
 #include <time.h>
 
 #include "clock.h"
-
-/* Numbers that some measurements take as options; at least 1. */
-enum bench_number {
-    BENCH_THREADS, /* at least 2 */
-    BENCH_SECONDS,
-    BENCH_CLIENTS,
-    BENCH_KILLS,
-    BENCH_MESHES,
-    BENCH_NUMBERS
-};
+#include "option_table.h"
 
 struct bench_options {
-    bool smoke;                     /* tiny scenes, a few repeats: does it still run? */
-    bool json;                      /* one JSON line a row instead of the table */
-    const char *wanted;             /* only scenes whose name contains this; NULL: all */
-    uint32_t number[BENCH_NUMBERS]; /* 0: not given */
+    bool smoke;         /* tiny scenes, a few repeats: does it still run? */
+    bool json;          /* one JSON line a row instead of the table */
+    const char *wanted; /* only scenes whose name contains this; NULL: all */
+    struct option_arguments arguments; /* at most `wanted` */
 };
 
 /* Values of one quantity in the order they came; memory grows, never shrinks. */
@@ -60,10 +48,10 @@ struct bench_side {
     struct bench_samples samples;
 };
 
-/* False: the program is to end with *exit_status. Read the options, of numbers those
- * whose bit is set in `takes`, and set up the report of `program`. */
-bool bench_begin(const char *program, unsigned takes, int argc, char **argv,
-                 struct bench_options *options, int *exit_status);
+/* Read the options, with those of `more` (NULL: none), which lie in the struct that
+ * `options` begins, and set up the report of `program`. */
+void bench_begin(const char *program, const struct option_row *more, int argc,
+                 char **argv, struct bench_options *options);
 /* For a program with options of its own: whose checks they are. */
 void bench_name(const char *program);
 /* The exit status: 1 when a check failed. */

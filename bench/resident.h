@@ -1,7 +1,4 @@
-/* resident.h - puts a benchmark scene into the engine.
- *
- * Threads: one.
- */
+/* resident.h - puts a benchmark scene into the engine. */
 #ifndef BENCH_RESIDENT_H
 #define BENCH_RESIDENT_H
 

@@ -710,8 +710,9 @@ static void measure_scene(const struct bench_scene *source, unsigned repeats)
     bench_world_deinit(&world);
 }
 
-int section_roofline(const struct bench_options *options)
+int section_roofline(const struct section_options *section)
 {
+    const struct bench_options *options = &section->bench;
     struct bench_scene scene;
     for (unsigned i = 0; bench_next_scene(options, NULL, &i, &scene);) {
         measure_scene(&scene, options->smoke ? 2 : REPEATS);

@@ -4,21 +4,30 @@
 
 #include "report.h"
 
+/* With the numbers that some parts take, 0 where they are not given. */
+struct section_options {
+    struct bench_options bench;
+    uint32_t seconds;
+    uint32_t clients, kills, meshes;
+};
+
 /* Each prints its rows, and returns 0, or 77 where what it needs is not installed. */
 
 /* kernel */
-int section_kernels(const struct bench_options *options);
-int section_roofline(const struct bench_options *options);
+int section_kernels(const struct section_options *options);
+int section_roofline(const struct section_options *options);
 
 /* pair */
-int section_exact(const struct bench_options *options);
-int section_distances(const struct bench_options *options);
-int section_slowest(const struct bench_options *options);
+int section_exact(const struct section_options *options);
+int section_distances(const struct section_options *options);
+int section_slowest(const struct section_options *options);
+extern const struct option_row section_slowest_rows[];
 
 /* client */
-int section_batch(const struct bench_options *options);
-int section_connect(const struct bench_options *options);
-int section_death(const struct bench_options *options);
-int section_ipc(const struct bench_options *options);
+int section_batch(const struct section_options *options);
+int section_connect(const struct section_options *options);
+int section_death(const struct section_options *options);
+extern const struct option_row section_death_rows[];
+int section_ipc(const struct section_options *options);
 
 #endif

@@ -338,12 +338,16 @@ static void run(const struct question *question, const struct bench_options *opt
     bench_free(&longest_us);
 }
 
-int section_slowest(const struct bench_options *options)
+const struct option_row section_slowest_rows[] = {
+    {"seconds", 0, "N", "search so long for each question (default 20)", OPTION_U32,
+     .at = offsetof(struct section_options, seconds), .min = 1, .max = 86400},
+    {0}};
+
+int section_slowest(const struct section_options *section)
 {
+    const struct bench_options *options = &section->bench;
     static struct scratch scratch;
-    uint64_t seconds = options->number[BENCH_SECONDS] ? options->number[BENCH_SECONDS]
-                       : options->smoke               ? 0
-                                                      : SECONDS;
+    uint64_t seconds = section->seconds ? section->seconds : options->smoke ? 0 : SECONDS;
     if (eng_exact_init(&scratch.exact) != PCCD_OK ||
         eng_distances_init(&scratch.distances) != PCCD_OK ||
         eng_distance_order_init(&scratch.order) != PCCD_OK) {

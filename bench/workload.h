@@ -1,7 +1,4 @@
-/* workload.h - the list of benchmark scenes.
- *
- * Threads: one.
- */
+/* workload.h - the list of benchmark scenes. */
 #ifndef BENCH_WORKLOAD_H
 #define BENCH_WORKLOAD_H
 

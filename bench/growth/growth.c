@@ -4,7 +4,6 @@
  * and ask what is near where they stand; step two sheets of one size of which more and
  * more passes through the other. A line of CSV each: size.csv and contacts.csv.
  */
-#include <argp.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +14,7 @@
 #include "affinity.h"
 #include "families.h"
 #include "memory.h"
+#include "report.h"
 #include "resident.h"
 #include "step_memory.h"
 #include "world.h"
@@ -29,8 +29,8 @@
 #define CROSSING     361u /* vertices on a side: 518 400 triangles in two sheets */
 
 struct options {
+    struct bench_options bench;
     const char *into;
-    bool smoke;
     uint32_t threads;
     double only; /* triangles: this size alone, nothing of contacts; 0: all */
 };
@@ -131,7 +131,7 @@ static struct growth measure(const struct bench_scene *scene, enum pccd_method m
     struct eng_step_result result;
     struct bench_frames frames;
     struct bench_world world;
-    uint32_t steps = options->smoke ? 2 : STEPS;
+    uint32_t steps = options->bench.smoke ? 2 : STEPS;
     settings.method = method;
     settings.threads = options->threads;
     settings.affinity = &affinity;
@@ -225,7 +225,7 @@ static void close_csv(FILE *csv)
 static void grow_size(const struct options *options)
 {
     FILE *csv = begin(options, "size.csv");
-    for (int i = 0; i <= (options->smoke ? 2 : HALF_DECADES); i++) {
+    for (int i = 0; i <= (options->bench.smoke ? 2 : HALF_DECADES); i++) {
         double triangles = options->only > 0 ? options->only : 1000 * pow(10, 0.5 * i);
         struct bench_scene scene;
         memset(&scene, 0, sizeof scene);
@@ -250,7 +250,7 @@ static void grow_size(const struct options *options)
 
 static void grow_contacts(const struct options *options)
 {
-    uint32_t side = options->smoke ? 13 : CROSSING;
+    uint32_t side = options->bench.smoke ? 13 : CROSSING;
     uint32_t all = side * side;
     FILE *csv = begin(options, "contacts.csv");
     for (int i = -1; i <= 20; i++) {
@@ -273,43 +273,20 @@ static void grow_contacts(const struct options *options)
 
 /* ---- options ----------------------------------------------------------------------- */
 
-static error_t parse(int key, char *value, struct argp_state *state)
-{
-    struct options *options = state->input;
-    if (key == 's') {
-        options->smoke = true;
-    } else if (key == 't') {
-        options->threads = (uint32_t)strtoul(value, NULL, 10);
-        if (options->threads < 1 || options->threads > 256) {
-            argp_error(state, "--threads: %s is not 1 to 256", value);
-        }
-    } else if (key == 'i') {
-        options->into = value;
-    } else if (key == 'n') {
-        options->only = strtod(value, NULL);
-        if (!(options->only >= 1000 && options->only <= 2e7)) {
-            argp_error(state, "--triangles: %s is not 1000 to 2e7", value);
-        }
-    } else {
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
-}
+static const struct option_row option_rows[] = {
+    {"into", 'i', "FOLDER", "where size.csv and contacts.csv go (default: .)",
+     OPTION_TEXT, .at = offsetof(struct options, into)},
+    {"threads", 't', "N", "at most N threads a step (default: 1)", OPTION_U32,
+     .at = offsetof(struct options, threads), .min = 1, .max = 256},
+    {"triangles", 'n', "N", "this size alone, for a profiler", OPTION_REAL,
+     .at = offsetof(struct options, only), .min = 1000, .max = 2e7},
+    {0}};
 
 int main(int argc, char **argv)
 {
-    static const struct argp_option list[] = {
-        {"into", 'i', "FOLDER", 0, "Where size.csv and contacts.csv go (default: .)", 0},
-        {"smoke", 's', NULL, 0, "Tiny scenes: does it still run?", 0},
-        {"threads", 't', "N", 0, "At most N threads a step (default: 1)", 0},
-        {"triangles", 'n', "N", 0, "This size alone, for a profiler", 0},
-        {NULL, 0, NULL, 0, NULL, 0}};
-    static const struct argp argp = {
-        list, parse, NULL, "Time and memory against triangles and contacts.",
-        NULL, NULL,  NULL};
     struct options options = {.into = ".", .threads = 1};
     bench_team_environment(argv);
-    argp_parse(&argp, argc, argv, 0, NULL, &options);
+    bench_begin("growth", option_rows, argc, argv, &options.bench);
     grow_size(&options);
     if (options.only <= 0) {
         grow_contacts(&options);

@@ -41,7 +41,7 @@ clean-bench-model:
 if HAVE_MPI
 check_PROGRAMS += bench/model/ranks
 # By the shared library, as libpccd-mpi is.
-bench_model_ranks_LDADD = libbench.la libtests.la libpccd-mpi.la libpccd.la $(MPI_LIBS) $(GMP_LIBS) \
+bench_model_ranks_LDADD = libbench.la libtests.la libtext.la libpccd-mpi.la libpccd.la $(MPI_LIBS) $(GMP_LIBS) \
     $(LIBM)
 endif
 .PHONY: bench-ranks

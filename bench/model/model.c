@@ -4,7 +4,6 @@
  * replay the schedulers of the method paper and that of wide for 1 to 64 threads, check
  * the replay against itself and against steps measured here, write CSV for the figures.
  */
-#include <argp.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,12 +18,11 @@
 #define PASSES 5 /* of recordings */
 
 struct options {
-    bool is_smoke;
-    bool has_sequences; /* `sequences`, whose steps are the paper's as they are */
-    bool is_wide_only;  /* not the method paper, which takes most of the time */
-    const char *wanted; /* part of a scene's name; NULL: all of `modelled` */
-    const char *folder; /* where the CSV files go */
-    uint32_t validate;  /* threads that are measured beside one */
+    struct bench_options bench; /* with a name: part of a scene's, of `modelled` */
+    bool has_sequences;         /* `sequences`, whose steps are the paper's as they are */
+    bool is_wide_only;          /* not the method paper, which takes most of the time */
+    const char *folder;         /* where the CSV files go */
+    uint32_t validate;          /* threads that are measured beside one */
 };
 
 static const char *const modelled[] = {"cloth-ball", "breaking", "n-body", "cloth-funnel",
@@ -255,12 +253,12 @@ static void model_method(struct run *run, const struct bench_frames *frames,
     }
     bench_world_init(&world, frames, NULL);
     bench_check(model_measure(frames, &world, &run->affinity, run->ways,
-                              run->measured_count, options->is_smoke ? 3 : TURNS,
+                              run->measured_count, options->bench.smoke ? 3 : TURNS,
                               run->measured),
                 run->name, "all ways give the same answer");
     run->record = (struct model_record){.scene = world.scene,
                                         .method = method,
-                                        .passes = options->is_smoke ? 3 : PASSES,
+                                        .passes = options->bench.smoke ? 3 : PASSES,
                                         .clock_ns = run->costs.clock};
     model_record_init(&run->record);
     bench_check(run->record.is_consistent, run->name, "every pass meets the same tasks");
@@ -284,12 +282,12 @@ static void take_fifth(struct bench_frames *frames)
 static bool is_modelled(const struct options *options, const char *name)
 {
     const char *const *names = options->has_sequences ? sequences : modelled;
-    if (options->is_smoke) {
+    if (options->bench.smoke) {
         return strcmp(name, "cloth-20k") == 0;
     }
     for (size_t i = 0; names[i]; i++) {
         if (strcmp(names[i], name) == 0) {
-            return !options->wanted || strstr(name, options->wanted);
+            return !options->bench.wanted || strstr(name, options->bench.wanted);
         }
     }
     return false;
@@ -301,7 +299,7 @@ static void model_scene(struct run *run, unsigned index, bool is_fifth)
     const char *name = bench_scene_name(index);
     struct bench_scene scene;
     struct bench_frames frames;
-    if (!bench_scene_make(index, options->is_smoke, &scene)) {
+    if (!bench_scene_make(index, options->bench.smoke, &scene)) {
         bench_skip(name, "no frames in $PCCD_DATA");
         return;
     }
@@ -321,7 +319,7 @@ static void model_scene(struct run *run, unsigned index, bool is_fifth)
 static void model_all(struct run *run)
 {
     const struct options *options = &run->options;
-    bool has_fifth = !options->is_smoke && !options->has_sequences;
+    bool has_fifth = !options->bench.smoke && !options->has_sequences;
     for (unsigned i = 0; i < bench_scene_total(); i++) {
         if (is_modelled(options, bench_scene_name(i))) {
             model_scene(run, i, false);
@@ -346,66 +344,24 @@ static FILE *create(const char *folder, const char *name)
     return file;
 }
 
-static uint32_t number(struct argp_state *state, const char *text, unsigned long least,
-                       unsigned long most)
-{
-    char *end;
-    unsigned long value = strtoul(text, &end, 10);
-    if (*text < '0' || *text > '9' || *end || value < least || value > most) {
-        argp_error(state, "%s: not a number from %lu to %lu", text, least, most);
-    }
-    return (uint32_t)value;
-}
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct options *options = state->input;
-    switch (key) {
-    case 's':
-        options->is_smoke = true;
-        return 0;
-    case 'q':
-        options->has_sequences = true;
-        return 0;
-    case 'w':
-        options->is_wide_only = true;
-        return 0;
-    case 'i':
-        options->folder = text;
-        return 0;
-    case 'v':
-        options->validate = number(state, text, 2, MODEL_THREADS_MAX);
-        return 0;
-    case ARGP_KEY_ARG:
-        if (options->wanted) {
-            argp_error(state, "%s: one scene at a time", text);
-        }
-        options->wanted = text;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
+static const struct option_row option_rows[] = {
+    {"sequences", 'q', NULL, "the sequences that tell the paper's scenes", OPTION_FLAG,
+     .at = offsetof(struct options, has_sequences)},
+    {"wide", 'w', NULL, "only the method wide: seconds", OPTION_FLAG,
+     .at = offsetof(struct options, is_wide_only)},
+    {"into", 'i', "FOLDER", "where the CSV files go (default: .)", OPTION_TEXT,
+     .at = offsetof(struct options, folder)},
+    {"validate-threads", 'v', "N", "threads of the steps to compare with (default 2)",
+     OPTION_U32, .at = offsetof(struct options, validate), .min = 2,
+     .max = MODEL_THREADS_MAX},
+    {0}};
 
 int main(int argc, char **argv)
 {
-    static const struct argp_option known[] = {
-        {"smoke", 's', NULL, 0, "A tiny scene, to see that all works", 0},
-        {"sequences", 'q', NULL, 0, "The sequences that tell the paper's scenes", 0},
-        {"wide", 'w', NULL, 0, "Only the method wide: seconds", 0},
-        {"into", 'i', "FOLDER", 0, "Where the CSV files go", 0},
-        {"validate-threads", 'v', "N", 0, "Threads of the steps to compare with", 0},
-        {0}};
-    const struct argp arguments = {known, parse, "[SCENE]", NULL, NULL, NULL, NULL};
     static struct run run;
-    struct bench_options none;
-    int exit_status;
     bench_team_environment(argv);
     run.options = (struct options){.folder = ".", .validate = 2};
-    argp_parse(&arguments, argc, argv, 0, NULL, &run.options);
-    if (!bench_begin("model", 0, 1, argv, &none, &exit_status)) {
-        return exit_status;
-    }
+    bench_begin("model", option_rows, argc, argv, &run.options.bench);
     eng_affinity_init(&run.affinity);
     model_costs_measure(&run.costs, &run.affinity);
     model_costs_print(&run.costs, stdout);

@@ -246,12 +246,9 @@ static void measure_scene(const struct bench_scene *source, double r,
 
 int main(int argc, char **argv)
 {
-    struct bench_options options;
-    int exit_status;
+    struct bench_options options = {.smoke = false};
     bench_team_environment(argv);
-    if (!bench_begin("allowed", 0, argc, argv, &options, &exit_status)) {
-        return exit_status;
-    }
+    bench_begin("allowed", NULL, argc, argv, &options);
     if (!has_peer) {
         bench_skip("ipc-toolkit", "configure was not told where it is");
     }

@@ -360,12 +360,9 @@ static void measure_passing(const struct bench_options *options)
 
 int main(int argc, char **argv)
 {
-    struct bench_options options;
-    int exit_status;
+    struct bench_options options = {.smoke = false};
     bench_team_environment(argv);
-    if (!bench_begin("near", 0, argc, argv, &options, &exit_status)) {
-        return exit_status;
-    }
+    bench_begin("near", NULL, argc, argv, &options);
     if (!peer) {
         bench_skip("ipc-toolkit", "configure was not told where it is");
     }

@@ -4,8 +4,6 @@
  * face, and of two edges, that are nearer than a distance and share no vertex; the
  * closest features of these; a bound for each vertex; how much of a step leaves all of
  * them farther apart than a distance.
- *
- * Threads: one.
  */
 #ifndef NEAR_PEER_H
 #define NEAR_PEER_H

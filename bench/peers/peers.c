@@ -39,6 +39,11 @@ static const char *const usual[] = {"cloth",        "breaking",     "bodies",
                                     "cloth-ball",   "n-body",       "cloth-ball-fifth",
                                     "n-body-fifth", "cloth-funnel", NULL};
 
+struct options {
+    struct bench_options bench;
+    uint32_t threads;
+};
+
 enum { WHOLE, CPU, UPDATE, SIDES };
 
 struct contestant {
@@ -253,24 +258,21 @@ static void measure(struct run *run, bool is_whole, unsigned repeats)
     }
 }
 
-static void measure_scene(const struct bench_scene *source,
-                          const struct bench_options *options)
+static void measure_scene(const struct bench_scene *source, const struct options *options)
 {
     struct eng_question settings = bench_step_settings(PCCD_MODE_ANY);
     struct eng_step_result result;
     struct bench_frames frames;
     struct bench_world world;
     struct run run = {.world = &world, .frames = &frames};
-    unsigned repeats = options->smoke ? 2 : REPEATS_MAX;
-    uint32_t most =
-        options->number[BENCH_THREADS] ? options->number[BENCH_THREADS] : THREADS_MAX;
+    unsigned repeats = options->bench.smoke ? 2 : REPEATS_MAX;
     bench_heading(source->name);
     bench_frames_init(&frames, source, source->hard_frame);
     bench_world_init(&world, &frames, NULL);
     bench_world_step(&world, &frames, &settings, &result);
     peers_swept_init(&run.input, &world);
     peers_ours_scene(&world);
-    for (run.threads = 1; run.threads <= most; run.threads *= 2) {
+    for (run.threads = 1; run.threads <= options->threads; run.threads *= 2) {
         measure(&run, false, repeats);
         measure(&run, true, repeats);
     }
@@ -281,20 +283,21 @@ static void measure_scene(const struct bench_scene *source,
 
 int main(int argc, char **argv)
 {
-    struct bench_options options;
-    int exit_status;
+    static const struct option_row rows[] = {
+        {"threads", 0, "N", "at most so many (default 2)", OPTION_U32,
+         .at = offsetof(struct options, threads), .min = 2, .max = PEER_SINK_MAX},
+        {0}};
+    struct options options = {.threads = THREADS_MAX};
     bench_team_environment(argv);
-    if (!bench_begin("peers", 1u << BENCH_THREADS, argc, argv, &options, &exit_status)) {
-        return exit_status;
-    }
+    bench_begin("peers", rows, argc, argv, &options.bench);
     for (unsigned i = 1; i < INSTALLED; i++) {
         char text[80];
         installed[i]->version(text, sizeof text);
         fprintf(stderr, "peers: %s\n", text);
     }
     struct bench_scene scene;
-    for (unsigned i = 0;
-         bench_next_scene(&options, options.wanted ? NULL : usual, &i, &scene);) {
+    for (unsigned i = 0; bench_next_scene(
+             &options.bench, options.bench.wanted ? NULL : usual, &i, &scene);) {
         measure_scene(&scene, &options);
         bench_scene_free(&scene);
     }

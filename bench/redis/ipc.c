@@ -65,8 +65,9 @@ void pairs_print(const struct pairs_row *row, struct pairs *pairs)
 
 /* ---- all of it --------------------------------------------------------------------- */
 
-int section_ipc(const struct bench_options *options)
+int section_ipc(const struct section_options *section)
 {
+    const struct bench_options *options = &section->bench;
     static const struct {
         const char *name;
         void (*measure)(const struct rows *rows);

@@ -1,7 +1,4 @@
-/* rows.h - the rows of the comparison with Redis: whom they ask, how two compare.
- *
- * Threads: one.
- */
+/* rows.h - the rows of the comparison with Redis: whom they ask, how two compare. */
 #ifndef BENCH_REDIS_ROWS_H
 #define BENCH_REDIS_ROWS_H
 

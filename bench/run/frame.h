@@ -1,7 +1,4 @@
-/* frame.h - the times and counts of one measured step.
- *
- * Threads: any.
- */
+/* frame.h - the times and counts of one measured step. */
 #ifndef RUN_FRAME_H
 #define RUN_FRAME_H
 

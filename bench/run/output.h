@@ -1,7 +1,4 @@
-/* output.h - writes the measurements of pccd-bench, and their conditions.
- *
- * Threads: one.
- */
+/* output.h - writes the measurements of pccd-bench, and their conditions. */
 #ifndef RUN_OUTPUT_H
 #define RUN_OUTPUT_H
 

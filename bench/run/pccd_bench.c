@@ -97,29 +97,25 @@ static int run(struct run_settings *settings, struct bench_scene *scene)
 static const struct part {
     const char *section;
     const char *name;
-    int (*measure)(const struct bench_options *options);
-    unsigned takes; /* bits of enum bench_number */
+    int (*measure)(const struct section_options *options);
+    const struct option_row *options; /* of its own; NULL: none */
 } parts[] = {
-    {"kernel", "kernels", section_kernels, 0},
-    {"kernel", "roofline", section_roofline, 0},
-    {"pair", "exact", section_exact, 0},
-    {"pair", "distances", section_distances, 0},
-    {"pair", "slowest", section_slowest, 1u << BENCH_SECONDS},
-    {"client", "batch", section_batch, 0},
-    {"client", "connect", section_connect, 0},
-    {"client", "death", section_death,
-     1u << BENCH_CLIENTS | 1u << BENCH_KILLS | 1u << BENCH_MESHES},
-    {"client", "ipc", section_ipc, 0},
+    {"kernel", "kernels", section_kernels, NULL},
+    {"kernel", "roofline", section_roofline, NULL},
+    {"pair", "exact", section_exact, NULL},
+    {"pair", "distances", section_distances, NULL},
+    {"pair", "slowest", section_slowest, section_slowest_rows},
+    {"client", "batch", section_batch, NULL},
+    {"client", "connect", section_connect, NULL},
+    {"client", "death", section_death, section_death_rows},
+    {"client", "ipc", section_ipc, NULL},
 };
 
 static int measure_part(const struct part *part, int argc, char **argv)
 {
-    struct bench_options options;
-    int status;
-    if (!bench_begin(part->name, part->takes, argc, argv, &options, &status)) {
-        return status;
-    }
-    status = part->measure(&options);
+    struct section_options options = {.seconds = 0};
+    bench_begin(part->name, part->options, argc, argv, &options.bench);
+    int status = part->measure(&options);
     return bench_end() != 0 ? EXIT_DIFFERENT : status;
 }
 

@@ -1,7 +1,4 @@
-/* play.h - the ways to have a step computed, and a run of timed steps by one of them.
- *
- * Threads: one.
- */
+/* play.h - the ways to have a step computed, and a run of timed steps by one of them. */
 #ifndef RUN_PLAY_H
 #define RUN_PLAY_H
 

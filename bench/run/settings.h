@@ -1,7 +1,4 @@
-/* settings.h - the command line of pccd-bench.
- *
- * Threads: one.
- */
+/* settings.h - the command line of pccd-bench. */
 #ifndef RUN_SETTINGS_H
 #define RUN_SETTINGS_H
 

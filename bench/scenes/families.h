@@ -1,7 +1,4 @@
-/* families.h - the functions that make the benchmark scenes, a file for each family.
- *
- * Threads: one.
- */
+/* families.h - the functions that make the benchmark scenes, a file for each family. */
 #ifndef BENCH_FAMILIES_H
 #define BENCH_FAMILIES_H
 

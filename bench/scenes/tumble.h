@@ -1,7 +1,4 @@
-/* tumble.h - simulations that become scenes: bodies tumble, a cloth drapes.
- *
- * Threads: one.
- */
+/* tumble.h - simulations that become scenes: bodies tumble, a cloth drapes. */
 #ifndef BENCH_TUMBLE_H
 #define BENCH_TUMBLE_H
 

@@ -45,11 +45,11 @@ client/examples     client/lib+
 client/mpi/example  client/lib+ client/mpi+ client/examples
 bench/scenes        tests/support
 bench               proto proto/text daemon/engine client/lib+ tests/support bench/scenes
-bench/model         bench daemon/engine bench/scenes client/lib+ client/mpi+
-bench/growth        bench daemon/engine bench/scenes
+bench/model         bench proto/text daemon/engine bench/scenes client/lib+ client/mpi+
+bench/growth        bench proto/text daemon/engine bench/scenes
 bench/paper         bench daemon/engine bench/scenes
-bench/peers         bench daemon/engine bench/scenes client/oracle
-bench/redis         bench proto client/lib+
+bench/peers         bench proto/text daemon/engine bench/scenes client/oracle
+bench/redis         bench proto proto/text client/lib+
 bench/run           bench daemon/engine client/lib+ bench/scenes proto/text
 tests/proto         proto tests/support
 tests/abi           proto client/lib+ tests/support/cases.h
