@@ -71,7 +71,7 @@ libctl_la_SOURCES = \
     client/ctl/near/near_options.c \
     client/ctl/near/near_report.c \
     client/ctl/near/near_run.c \
-    client/ctl/observe/columns.c \
+    client/ctl/columns.c \
     client/ctl/observe/counters.c \
     client/ctl/observe/doctor.c client/ctl/observe/doctor_machine.c \
     client/ctl/observe/health.c \

@@ -25,3 +25,11 @@ int output_finish(struct whole_file *file, const char *path, struct ctl_error *e
     int cause = whole_file_finish(file);
     return cause == 0 ? PCCD_OK : fail(path, cause, error);
 }
+
+bool output_json(json_t *value, bool ok, FILE *to)
+{
+    ok = ok && value != NULL && json_dumpf(value, to, JSON_TEXT_FLAGS) == 0;
+    ok = ok && fputc('\n', to) != EOF;
+    json_decref(value);
+    return ok;
+}

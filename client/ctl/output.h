@@ -6,6 +6,9 @@
 #define CTL_OUTPUT_H
 
 #include <jansson.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
 
 #include "error.h"
 #include "shown.h"
@@ -18,16 +21,44 @@ int output_open(struct whole_file *file, const char *path, bool takes_stdout,
 /* Give it its name; after an error there is none. Errors: E_SYSTEM. */
 int output_finish(struct whole_file *file, const char *path, struct ctl_error *error);
 
-/* ---- Makes a JSON string of any bytes, such as a file name that is not UTF-8. */
+/* ---- Makes JSON, and prints it. */
 
-/* How commands print JSON for people and programs: in ASCII, so that no terminal takes a
- * part of a string for a command. */
-#define JSON_TEXT_FLAGS (JSON_INDENT(2) | JSON_ENSURE_ASCII)
-
+/* A string of any bytes, such as a file name that is not UTF-8. */
 static inline json_t *json_text(const char *text)
 {
     json_t *value = json_string(text);
     return value != NULL ? value : json_string(tool_shown(text));
 }
+
+/* Set a member to a value that is ours to give. jansson takes the value also where it
+ * fails, and fails on a NULL value, so `ok` is all that has to be looked at. */
+static inline void json_set(json_t *object, const char *key, json_t *value, bool *ok)
+{
+    if (json_object_set_new(object, key, value) != 0) {
+        *ok = false;
+    }
+}
+
+static inline void json_set_count(json_t *object, const char *key, uint64_t value,
+                                  bool *ok)
+{
+    json_set(object, key, json_integer((json_int_t)value), ok);
+}
+
+/* Append likewise. */
+static inline void json_append(json_t *array, json_t *value, bool *ok)
+{
+    if (json_array_append_new(array, value) != 0) {
+        *ok = false;
+    }
+}
+
+/* How commands print JSON for people and programs: in ASCII, so that no terminal takes a
+ * part of a string for a command. */
+#define JSON_TEXT_FLAGS (JSON_INDENT(2) | JSON_ENSURE_ASCII)
+
+/* Print an object or array that is ours to give back, and a newline. NULL or !ok: there
+ * was no memory for all of it. False if it was not printed. */
+bool output_json(json_t *value, bool ok, FILE *to);
 
 #endif

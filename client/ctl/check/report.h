@@ -103,10 +103,6 @@ void report_json_sharing(json_t *object, const struct pccd_answer *answer, bool 
 void report_json_rest(json_t *object, double build_ms, const struct report_step *step,
                       bool *ok);
 
-/* Print an object that is ours to give back; NULL or !ok: there was no memory for it.
- * False if it was not printed. */
-bool report_json_end(json_t *object, bool ok, FILE *to);
-
 /* What an answer has counted, as an object. NULL, or *ok false, without memory. */
 json_t *report_counters(const struct pccd_answer *answer, bool *ok);
 

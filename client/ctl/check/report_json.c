@@ -9,23 +9,9 @@
 #include "printable.h"
 #include "report.h"
 
-/* jansson's *_set_new and *_append_new take the value also when they fail, and fail on a
- * NULL value, so `ok` is all that has to be looked at. */
-static void set(json_t *object, const char *key, json_t *value, bool *ok)
-{
-    if (json_object_set_new(object, key, value) != 0) {
-        *ok = false;
-    }
-}
-
-static void set_count(json_t *object, const char *key, uint64_t value, bool *ok)
-{
-    set(object, key, json_integer((json_int_t)value), ok);
-}
-
 static void set_toi(json_t *object, double toi, bool *ok)
 {
-    set(object, "toi_first", toi <= 1.0 ? json_real(toi) : json_null(), ok);
+    json_set(object, "toi_first", toi <= 1.0 ? json_real(toi) : json_null(), ok);
 }
 
 static json_t *mode_text(const char *name)
@@ -36,14 +22,14 @@ static json_t *mode_text(const char *name)
 static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
 {
     const struct pccd_mesh_info *info = &mesh->info;
-    set_count(object, "vertices", info->vertex_count, ok);
-    set_count(object, "edges", info->edge_count, ok);
-    set_count(object, "triangles", info->triangle_count, ok);
-    set_count(object, "duplicate_triangles", info->duplicate_count, ok);
-    set_count(object, "degenerate_triangles", info->degenerate_count, ok);
-    set_count(object, "unused_vertices", info->isolated_count, ok);
-    set_count(object, "free_edges", info->free_edge_count, ok);
-    set_count(object, "free_points", info->free_point_count, ok);
+    json_set_count(object, "vertices", info->vertex_count, ok);
+    json_set_count(object, "edges", info->edge_count, ok);
+    json_set_count(object, "triangles", info->triangle_count, ok);
+    json_set_count(object, "duplicate_triangles", info->duplicate_count, ok);
+    json_set_count(object, "degenerate_triangles", info->degenerate_count, ok);
+    json_set_count(object, "unused_vertices", info->isolated_count, ok);
+    json_set_count(object, "free_edges", info->free_edge_count, ok);
+    json_set_count(object, "free_points", info->free_point_count, ok);
     report_welded(object, &mesh->welded, ok);
 }
 
@@ -60,51 +46,48 @@ static void add_sources(json_t *object, const struct ctl_frames *files, bool *ok
         json_t *element = json_object();
         source->motion.name(&source->motion, 0, first, sizeof first);
         source->motion.name(&source->motion, source->frame_count - 1, last, sizeof last);
-        set(element, "file", json_text(source->path), ok);
-        set_count(element, "frames", source->frame_count, ok);
-        set(element, "first", json_text(first), ok);
-        set(element, "last", json_text(last), ok);
-        set(element, "faces", json_text(files->mesh.path), ok);
-        if (json_array_append_new(array, element) != 0) {
-            *ok = false;
-        }
+        json_set(element, "file", json_text(source->path), ok);
+        json_set_count(element, "frames", source->frame_count, ok);
+        json_set(element, "first", json_text(first), ok);
+        json_set(element, "last", json_text(last), ok);
+        json_set(element, "faces", json_text(files->mesh.path), ok);
+        json_append(array, element, ok);
     }
-    set(object, "sources", array, ok);
+    json_set(object, "sources", array, ok);
     array = json_array();
-    if (files != NULL && files->sequence.warning != NULL &&
-        json_array_append_new(array, json_text(files->sequence.warning)) != 0) {
-        *ok = false;
+    if (files != NULL && files->sequence.warning != NULL) {
+        json_append(array, json_text(files->sequence.warning), ok);
     }
-    set(object, "warnings", array, ok);
+    json_set(object, "warnings", array, ok);
 }
 
 void report_welded(json_t *object, const struct ctl_welded *welded, bool *ok)
 {
-    set_count(object, "welded", welded->joined, ok);
-    set_count(object, "welded_between", welded->between, ok);
-    set_count(object, "welded_apart", welded->apart, ok);
-    set_count(object, "welded_flat", welded->flat, ok);
-    set_count(object, "weldable", welded->more, ok);
-    set(object, "weldable_distance",
-        welded->more > 0 ? json_real(welded->distance) : json_null(), ok);
+    json_set_count(object, "welded", welded->joined, ok);
+    json_set_count(object, "welded_between", welded->between, ok);
+    json_set_count(object, "welded_apart", welded->apart, ok);
+    json_set_count(object, "welded_flat", welded->flat, ok);
+    json_set_count(object, "weldable", welded->more, ok);
+    json_set(object, "weldable_distance",
+             welded->more > 0 ? json_real(welded->distance) : json_null(), ok);
 }
 
 static json_t *times_object(double build_ms, const struct report_step *step, bool *ok)
 {
     json_t *object = json_object();
-    set(object, "build", json_real(build_ms), ok);
+    json_set(object, "build", json_real(build_ms), ok);
     for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++) {
-        set(object, report_phase_names[phase], json_real(step->ms[phase]), ok);
+        json_set(object, report_phase_names[phase], json_real(step->ms[phase]), ok);
     }
-    set(object, "first_step", json_real(step->first_ms), ok);
-    set(object, "round_trip", json_real(step->round_trip_ms), ok);
+    json_set(object, "first_step", json_real(step->first_ms), ok);
+    json_set(object, "round_trip", json_real(step->round_trip_ms), ok);
     return object;
 }
 
 void report_kinds(json_t *object, const uint64_t counts[PCCD_KINDS_MAX], bool *ok)
 {
     for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
-        set_count(object, common_kinds[kind].name, counts[kind], ok);
+        json_set_count(object, common_kinds[kind].name, counts[kind], ok);
     }
 }
 
@@ -112,7 +95,7 @@ json_t *report_counters(const struct pccd_answer *answer, bool *ok)
 {
     json_t *object = json_object();
 #define SET(unused, type, name, of_step, of_near, member, meaning)                       \
-    set_count(object, #name, answer->member, ok);
+    json_set_count(object, #name, answer->member, ok);
     COMMON_COUNTERS(SET, )
 #undef SET
     return object;
@@ -120,10 +103,10 @@ json_t *report_counters(const struct pccd_answer *answer, bool *ok)
 
 void report_json_sharing(json_t *object, const struct pccd_answer *answer, bool *ok)
 {
-    set(object, "method", mode_text(common_method_name(answer->method)), ok);
-    set_count(object, "threads", answer->threads, ok);
-    set(object, "tuning",
-        answer->tuning[0] != '\0' ? json_text(answer->tuning) : json_null(), ok);
+    json_set(object, "method", mode_text(common_method_name(answer->method)), ok);
+    json_set_count(object, "threads", answer->threads, ok);
+    json_set(object, "tuning",
+             answer->tuning[0] != '\0' ? json_text(answer->tuning) : json_null(), ok);
 }
 
 void report_json_rest(json_t *object, double build_ms, const struct report_step *step,
@@ -132,20 +115,13 @@ void report_json_rest(json_t *object, double build_ms, const struct report_step 
     const struct pccd_answer *answer = &step->answer;
     char hash[PROTO_HASH_BYTES];
     proto_hash_text(PCCD_HASH_VERSION, answer->hash, hash);
-    set(object, "complete", json_boolean(step->is_complete), ok);
-    set(object, "hash",
-        (answer->hash[0] | answer->hash[1]) != 0 ? json_string(hash) : json_null(), ok);
-    set_count(object, "repeat", step->repeats, ok);
-    set(object, "ms", times_object(build_ms, step, ok), ok);
-    set(object, "counters", report_counters(answer, ok), ok);
-}
-
-bool report_json_end(json_t *object, bool ok, FILE *to)
-{
-    ok = ok && object != NULL && json_dumpf(object, to, JSON_TEXT_FLAGS) == 0;
-    ok = ok && fputc('\n', to) != EOF;
-    json_decref(object);
-    return ok;
+    json_set(object, "complete", json_boolean(step->is_complete), ok);
+    json_set(object, "hash",
+             (answer->hash[0] | answer->hash[1]) != 0 ? json_string(hash) : json_null(),
+             ok);
+    json_set_count(object, "repeat", step->repeats, ok);
+    json_set(object, "ms", times_object(build_ms, step, ok), ok);
+    json_set(object, "counters", report_counters(answer, ok), ok);
 }
 
 /* Of the objects that meet, both names and how often. */
@@ -157,12 +133,10 @@ static json_t *pairs_array(const struct report_mesh *mesh, const struct report_s
         const struct report_pair *pair = &step->pairs[i];
         const struct ctl_mesh *shape = &mesh->files->mesh;
         json_t *element = json_object();
-        set(element, "a", json_text(report_object(shape, pair->a)), ok);
-        set(element, "b", json_text(report_object(shape, pair->b)), ok);
-        set_count(element, "contacts", pair->count, ok);
-        if (json_array_append_new(array, element) != 0) {
-            *ok = false;
-        }
+        json_set(element, "a", json_text(report_object(shape, pair->a)), ok);
+        json_set(element, "b", json_text(report_object(shape, pair->b)), ok);
+        json_set_count(element, "contacts", pair->count, ok);
+        json_append(array, element, ok);
     }
     return array;
 }
@@ -173,25 +147,26 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
     static const char *const verdicts[] = {"no", "possible", "yes", "none"};
     const struct pccd_answer *answer = &step->answer;
     uint32_t verdict = (uint32_t)answer->verdict;
-    set(object, "from", json_text(step->from), ok);
-    set(object, "to", json_text(step->to), ok);
-    set(object, "mode", mode_text(common_mode_name(answer->mode)), ok);
+    json_set(object, "from", json_text(step->from), ok);
+    json_set(object, "to", json_text(step->to), ok);
+    json_set(object, "mode", mode_text(common_mode_name(answer->mode)), ok);
     report_json_sharing(object, answer, ok);
-    set_count(object, "contacts", answer->total, ok);
+    json_set_count(object, "contacts", answer->total, ok);
     report_kinds(object, answer->counts, ok);
-    set_count(object, "possible", answer->possible, ok);
-    set_count(object, "initial", answer->initial, ok);
+    json_set_count(object, "possible", answer->possible, ok);
+    json_set_count(object, "initial", answer->initial, ok);
     if (answer->mode == PCCD_MODE_ANY) {
-        set(object, "verdict", mode_text(verdict < 4 ? verdicts[verdict] : NULL), ok);
+        json_set(object, "verdict", mode_text(verdict < 4 ? verdicts[verdict] : NULL),
+                 ok);
     }
     set_toi(object, answer->toi_first, ok);
-    set(object, "safe_step", json_real(answer->safe_step), ok);
-    set_count(object, "inside", answer->inside, ok);
-    set(object, "crowded", json_boolean(answer->crowded), ok);
-    set_count(object, "coincident", answer->coincident, ok);
-    set_count(object, "crossings", answer->crossings, ok);
-    set_count(object, "start_inside", answer->start_inside, ok);
-    set(object, "objects", pairs_array(mesh, step, ok), ok);
+    json_set(object, "safe_step", json_real(answer->safe_step), ok);
+    json_set_count(object, "inside", answer->inside, ok);
+    json_set(object, "crowded", json_boolean(answer->crowded), ok);
+    json_set_count(object, "coincident", answer->coincident, ok);
+    json_set_count(object, "crossings", answer->crossings, ok);
+    json_set_count(object, "start_inside", answer->start_inside, ok);
+    json_set(object, "objects", pairs_array(mesh, step, ok), ok);
     report_json_rest(object, mesh->build_ms, step, ok);
 }
 
@@ -205,9 +180,7 @@ static void add_steps(json_t *object, const struct report_mesh *mesh,
     for (uint32_t i = 0; i < step_count; i++) {
         json_t *element = json_object();
         add_step(element, mesh, &steps[i], ok);
-        if (json_array_append_new(array, element) != 0) {
-            *ok = false;
-        }
+        json_append(array, element, ok);
         contacts += steps[i].answer.total;
         for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
             counts[kind] += steps[i].answer.counts[kind];
@@ -218,14 +191,14 @@ static void add_steps(json_t *object, const struct report_mesh *mesh,
         start_inside += steps[i].answer.start_inside;
         is_complete = is_complete && steps[i].is_complete;
     }
-    set_count(object, "contacts", contacts, ok);
+    json_set_count(object, "contacts", contacts, ok);
     report_kinds(object, counts, ok);
-    set_count(object, "possible", possible, ok);
-    set_count(object, "initial", initial, ok);
-    set_count(object, "crossings", crossings, ok);
-    set_count(object, "start_inside", start_inside, ok);
-    set(object, "complete", json_boolean(is_complete), ok);
-    set(object, "steps", array, ok);
+    json_set_count(object, "possible", possible, ok);
+    json_set_count(object, "initial", initial, ok);
+    json_set_count(object, "crossings", crossings, ok);
+    json_set_count(object, "start_inside", start_inside, ok);
+    json_set(object, "complete", json_boolean(is_complete), ok);
+    json_set(object, "steps", array, ok);
 }
 
 bool report_json(FILE *to, const struct report_mesh *mesh,
@@ -240,5 +213,5 @@ bool report_json(FILE *to, const struct report_mesh *mesh,
     } else {
         add_steps(object, mesh, steps, step_count, &ok);
     }
-    return report_json_end(object, ok, to);
+    return output_json(object, ok, to);
 }

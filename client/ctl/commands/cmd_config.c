@@ -81,9 +81,7 @@ static void print_value(void *context, const struct pccd_setting *setting)
     const struct config_options *options = context;
     if (options->is_json) {
         json_t *object = setting_json(setting);
-        json_dumpf(object, stdout, JSON_TEXT_FLAGS);
-        json_decref(object);
-        putchar('\n');
+        (void)output_json(object, true, stdout);
     } else {
         puts(tool_shown(setting->value));
     }
@@ -102,11 +100,7 @@ static int run(struct pccd_client *client, struct config_options *options)
     } else if (options->is_json) {
         json_t *array = json_array();
         status = pccd_config_get(client, NULL, add_setting, array);
-        if (status == PCCD_OK) {
-            json_dumpf(array, stdout, JSON_TEXT_FLAGS);
-            putchar('\n');
-        }
-        json_decref(array);
+        (void)output_json(array, status == PCCD_OK, stdout);
     } else {
         status = pccd_config_get(client, NULL, print_setting, NULL);
     }

@@ -227,9 +227,7 @@ static void print_json(const struct demo *demo)
         statistics_quantile(demo->step_ms, demo->asked, 0.99), "max_ms",
         demo->step_ms[demo->asked - 1], "threads", (json_int_t)demo->threads, "mean_ms",
         phases, "hash", hash, "picture", json_text(demo->options->output));
-    json_dumpf(object, stdout, JSON_TEXT_FLAGS);
-    putchar('\n');
-    json_decref(object);
+    (void)output_json(object, true, stdout);
 }
 
 static int run_demo(const struct demo_options *options, struct ctl_error *error)

@@ -49,9 +49,7 @@ static void print_json(const struct doctor *doctor)
                                                finding->what, "text", finding->text,
                                                "advice", finding->advice));
     }
-    json_dumpf(array, stdout, JSON_TEXT_FLAGS);
-    putchar('\n');
-    json_decref(array);
+    (void)output_json(array, true, stdout);
 }
 
 int ctl_cmd_doctor(int argc, char **argv)

@@ -157,11 +157,8 @@ static int list_steps(const struct play_options *options, struct ctl_error *erro
         ctl_error_set(error, status, "%s: %s", play->path, reader.text);
     } else if (!is_ok) {
         status = ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", play->path);
-    } else if (options->is_json) {
-        json_dumpf(steps, stdout, JSON_TEXT_FLAGS);
-        putchar('\n');
     }
-    json_decref(steps);
+    (void)output_json(steps, status == PCCD_OK, stdout);
     answers_deinit(&answers);
     record_reader_deinit(&reader);
     return status;

@@ -94,9 +94,7 @@ static void print_done(const struct command *command, const struct inspect *insp
             "steps", (json_int_t)inspect->kept, "first", (json_int_t)inspect->first,
             "last", (json_int_t)inspect->last, "bytes", (json_int_t)bytes, "differ",
             (json_int_t)inspect->differ, "full", inspect->is_full);
-        json_dumpf(object, stdout, JSON_TEXT_FLAGS);
-        putchar('\n');
-        json_decref(object);
+        (void)output_json(object, true, stdout);
     } else {
         printf("%s: %" PRIu64 " %s, %" PRIu64 " to %" PRIu64 ", %.1f MiB\n",
                tool_shown(command->path), inspect->kept,

@@ -70,151 +70,197 @@ struct printer {
     uint32_t scene;
 };
 
-static void print_session(struct printer *printer, const struct session_row *row)
+static void print_row(struct printer *printer, const struct column *columns,
+                      const void *row)
 {
-    const struct pccd_session_info *info = &row->info;
-    const char *state = sessions_state(info);
-    if (!printer->is_json) {
-        printf("%7" PRIu64 " %7" PRIu32 " %s %s %6" PRIu32 " %7" PRIu32 " %6" PRIu32
-               " %9s %9s %10" PRIu64 " %10s%s%s\n",
-               info->session, info->pid, tool_shown_column(format_user(info->uid), 10),
-               tool_shown_column(row->name, 20), info->scenes, info->objects,
-               info->meshes, format_count((double)info->triangles),
-               format_bytes((double)info->shm_bytes), info->steps,
-               format_span(info->ns_open), state[0] != '\0' ? " " : "", state);
-        return;
+    if (printer->is_json) {
+        json_array_append_new(printer->array, columns_json(columns, row));
+    } else {
+        columns_print(columns, row, "", "");
     }
-    json_array_append_new(
-        printer->array,
-        json_pack(
-            "{s:I, s:I, s:I, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, "
-            "s:b, s:I, s:I}",
-            "session", (json_int_t)info->session, "pid", (json_int_t)info->pid, "uid",
-            (json_int_t)info->uid, "client", row->name, "scenes",
-            (json_int_t)info->scenes, "objects", (json_int_t)info->objects, "meshes",
-            (json_int_t)info->meshes, "triangles", (json_int_t)info->triangles,
-            "shm_bytes", (json_int_t)info->shm_bytes, "steps", (json_int_t)info->steps,
-            "contacts", (json_int_t)info->contacts, "errors", (json_int_t)info->errors,
-            "requests", (json_int_t)info->requests, "ns_open", (json_int_t)info->ns_open,
-            "waiting", info->waiting, "batch", (json_int_t)info->batch, "batch_done",
-            (json_int_t)info->batch_done));
 }
 
+#define OF(member) COLUMN_OF(struct session_row, member)
+static const struct column session_columns[] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(info.session), .width = 7},
+    {"pid", "PID", COLUMN_NUMBER, OF(info.pid), .width = 7},
+    {"uid", "USER", COLUMN_USER, OF(info.uid), .is_left = true, .width = 10, .cut = 10},
+    {"client", "CLIENT", COLUMN_CHARS, OF(name), .is_left = true, .width = 20, .cut = 20},
+    {"scenes", "SCENES", COLUMN_NUMBER, OF(info.scenes), .width = 6},
+    {"objects", "OBJECTS", COLUMN_NUMBER, OF(info.objects), .width = 7},
+    {"meshes", "MESHES", COLUMN_NUMBER, OF(info.meshes), .width = 6},
+    {"triangles", "TRIANGLES", COLUMN_COUNT, OF(info.triangles), .width = 9},
+    {"shm_bytes", "SHARED", COLUMN_BYTES, OF(info.shm_bytes), .width = 9},
+    {"steps", "STEPS", COLUMN_NUMBER, OF(info.steps), .width = 10},
+    {"contacts", .type = COLUMN_NUMBER, OF(info.contacts)},
+    {"errors", .type = COLUMN_NUMBER, OF(info.errors)},
+    {"requests", .type = COLUMN_NUMBER, OF(info.requests)},
+    {"ns_open", "OPEN FOR", COLUMN_SPAN, OF(info.ns_open), .width = 10},
+    {NULL, "", COLUMN_CHARS, OF(state)},
+    {"waiting", .type = COLUMN_FLAG, OF(info.waiting)},
+    {"batch", .type = COLUMN_NUMBER, OF(info.batch)},
+    {"batch_done", .type = COLUMN_NUMBER, OF(info.batch_done)},
+    {0}};
+#undef OF
+
+/* ---- scenes ------------------------------------------------------------------------ */
+
+struct scene_line {
+    uint64_t session;
+    struct scene_row row;
+    char hash[PROTO_HASH_BYTES];
+    const char *last_hash; /* "-": it has no step yet */
+    char sharing[400];
+};
+
+#define OF(member) COLUMN_OF(struct scene_line, member)
+static const struct column scene_columns[] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(session), .width = 7},
+    {"scene", "SCENE", COLUMN_HANDLE, OF(row.info.scene), .width = 10},
+    {"objects", "OBJECTS", COLUMN_NUMBER, OF(row.info.objects), .width = 7},
+    {"steps", "STEPS", COLUMN_NUMBER, OF(row.info.steps), .width = 10},
+    {"last_number", .type = COLUMN_NUMBER, OF(row.info.number)},
+    {"last_total", "CONTACTS", COLUMN_NUMBER, OF(row.info.total), .width = 10},
+    {"last_hash", .type = COLUMN_CHARS, OF(hash)},
+    {"last_ms", "LAST STEP", COLUMN_NS, OF(row.info.ns_step), .width = 10},
+    {"ignored_pairs", "IGNORED", COLUMN_NUMBER, OF(row.info.ignored), .width = 7},
+    {NULL, "HASH OF THE LAST ANSWER", COLUMN_TEXT, OF(last_hash), .is_left = true,
+     .width = 34},
+    {"name", .type = COLUMN_CHARS, OF(row.name)},
+    {NULL, "SHARED", COLUMN_CHARS, OF(sharing)},
+    {"uid", .type = COLUMN_NUMBER, OF(row.info.uid)},
+    {"rights", .type = COLUMN_NUMBER, OF(row.info.rights)},
+    {"members", .type = COLUMN_NUMBER, OF(row.info.members)},
+    {"held", .type = COLUMN_NUMBER, OF(row.info.held)},
+    {"writable", .type = COLUMN_FLAG, OF(row.info.writable)},
+    {0}};
+#undef OF
+
 /* "cloth" rw-r-----, 2 take part; "" for a scene that is not shared. */
-static const char *sharing(const struct scene_row *row)
+static void describe_sharing(struct scene_line *line)
 {
-    static char text[400];
-    const struct pccd_scene_info *info = &row->info;
+    const struct pccd_scene_info *info = &line->row.info;
     char rights[10] = "---------";
     for (uint32_t i = 0; i < 9; i++) {
         if ((info->rights >> (8 - i) & 1u) != 0) {
             rights[i] = "rwx"[i % 3];
         }
     }
-    if (row->name[0] == '\0') {
-        return "";
+    if (line->row.name[0] != '\0') {
+        snprintf(line->sharing, sizeof line->sharing,
+                 "\"%s\" of %s %s, %" PRIu32 " %s part, %" PRIu32 " held%s",
+                 line->row.name, format_user(info->uid), rights, info->members,
+                 proto_plural(info->members, "takes", "take"), info->held,
+                 info->writable ? "" : ", reads");
     }
-    snprintf(text, sizeof text,
-             " \"%s\" of %s %s, %" PRIu32 " %s part, %" PRIu32 " held%s",
-             tool_shown(row->name), tool_shown(format_user(info->uid)), rights,
-             info->members, proto_plural(info->members, "takes", "take"), info->held,
-             info->writable ? "" : ", reads");
-    return text;
 }
 
 static void print_scene(struct printer *printer, const struct scene_row *row)
 {
-    const struct pccd_scene_info *info = &row->info;
-    char hash[PROTO_HASH_BYTES];
-    proto_hash_text(PCCD_HASH_VERSION, info->hash, hash);
-    if (!printer->is_json) {
-        printf("%7" PRIu64 " %#10" PRIx32 " %7" PRIu32 " %10" PRIu64 " %10" PRIu64
-               " %10s %7" PRIu32 " %-34s%s\n",
-               printer->session, info->scene, info->objects, info->steps, info->total,
-               format_ms((double)info->ns_step / 1e6), info->ignored,
-               info->steps > 0 ? hash : "-", sharing(row));
-        return;
-    }
-    json_array_append_new(
-        printer->array,
-        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:s, s:f, s:I, s:s, s:I, s:I, s:I, "
-                  "s:I, s:b}",
-                  "session", (json_int_t)printer->session, "scene",
-                  (json_int_t)info->scene, "objects", (json_int_t)info->objects, "steps",
-                  (json_int_t)info->steps, "last_number", (json_int_t)info->number,
-                  "last_total", (json_int_t)info->total, "last_hash", hash, "last_ms",
-                  (double)info->ns_step / 1e6, "ignored_pairs", (json_int_t)info->ignored,
-                  "name", row->name, "uid", (json_int_t)info->uid, "rights",
-                  (json_int_t)info->rights, "members", (json_int_t)info->members, "held",
-                  (json_int_t)info->held, "writable", info->writable));
+    struct scene_line line = {.session = printer->session, .row = *row};
+    proto_hash_text(PCCD_HASH_VERSION, row->info.hash, line.hash);
+    line.last_hash = row->info.steps > 0 ? line.hash : "-";
+    describe_sharing(&line);
+    print_row(printer, scene_columns, &line);
 }
+
+/* ---- objects, pairs, meshes -------------------------------------------------------- */
+
+struct object_line {
+    uint64_t session;
+    uint32_t scene;
+    struct pccd_object_info info;
+    char group[20], mask[20]; /* JSON has no numbers of 64 bits */
+    const char *self;
+};
+
+#define OF(member) COLUMN_OF(struct object_line, member)
+static const struct column object_columns[] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(session), .width = 7},
+    {"scene", "SCENE", COLUMN_HANDLE, OF(scene), .width = 10},
+    {"object", "OBJECT", COLUMN_HANDLE, OF(info.object), .width = 10},
+    {"mesh", "MESH", COLUMN_HANDLE, OF(info.mesh), .width = 10},
+    {"triangles", "TRIANGLES", COLUMN_NUMBER, OF(info.triangles), .width = 10},
+    {"owner", "OWNER", COLUMN_NUMBER, OF(info.owner), .width = 7},
+    {"group", .type = COLUMN_CHARS, OF(group)},
+    {"mask", .type = COLUMN_CHARS, OF(mask)},
+    {NULL, "GROUP", COLUMN_CHARS, OF(group[2]), .width = 18}, /* without its 0x */
+    {NULL, "MASK", COLUMN_CHARS, OF(mask[2]), .width = 18},
+    {NULL, "MEETS", COLUMN_TEXT, OF(self), .is_left = true},
+    {"self_collision", .type = COLUMN_FLAG, OF(info.self_collision)},
+    {"radius", "RADIUS", COLUMN_REAL, OF(info.radius), .width = 10},
+    {"rest_distance", "REST", COLUMN_REAL, OF(info.rest_distance), .width = 10},
+    {"rest_rings", "RINGS", COLUMN_NUMBER, OF(info.rest_rings), .width = 5},
+    {0}};
+#undef OF
 
 static void print_object(void *context, const struct pccd_object_info *info)
 {
     struct printer *printer = context;
-    char group[20], mask[20]; /* JSON has no numbers of 64 bits */
-    snprintf(group, sizeof group, "0x%" PRIx64, info->group);
-    snprintf(mask, sizeof mask, "0x%" PRIx64, info->mask);
-    if (!printer->is_json) {
-        printf("%7" PRIu64 " %#10" PRIx32 " %#10" PRIx32 " %#10" PRIx32 " %10" PRIu64
-               " %7" PRIu64 " %18" PRIx64 " %18" PRIx64 " %s %10g %10g %5" PRIu32 "\n",
-               printer->session, printer->scene, info->object, info->mesh,
-               info->triangles, info->owner, info->group, info->mask,
-               info->self_collision ? "self" : "-   ", info->radius, info->rest_distance,
-               info->rest_rings);
-        return;
-    }
-    json_array_append_new(
-        printer->array,
-        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:s, s:s, s:b, s:f, s:f, s:I}",
-                  "session", (json_int_t)printer->session, "scene",
-                  (json_int_t)printer->scene, "object", (json_int_t)info->object, "mesh",
-                  (json_int_t)info->mesh, "triangles", (json_int_t)info->triangles,
-                  "owner", (json_int_t)info->owner, "group", group, "mask", mask,
-                  "self_collision", info->self_collision, "radius", info->radius,
-                  "rest_distance", info->rest_distance, "rest_rings",
-                  (json_int_t)info->rest_rings));
+    struct object_line line = {.session = printer->session,
+                               .scene = printer->scene,
+                               .info = *info,
+                               .self = info->self_collision ? "self" : "-"};
+    snprintf(line.group, sizeof line.group, "0x%" PRIx64, info->group);
+    snprintf(line.mask, sizeof line.mask, "0x%" PRIx64, info->mask);
+    print_row(printer, object_columns, &line);
 }
+
+struct pair_line {
+    uint64_t session;
+    uint32_t scene;
+    struct pccd_ignored_pair pair;
+};
+
+#define OF(member) COLUMN_OF(struct pair_line, member)
+static const struct column pair_columns[] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(session), .width = 7},
+    {"scene", "SCENE", COLUMN_HANDLE, OF(scene), .width = 10},
+    {"object_a", "OBJECT A", COLUMN_HANDLE, OF(pair.object_a), .width = 10},
+    {"object_b", "OBJECT B", COLUMN_HANDLE, OF(pair.object_b), .width = 10},
+    {0}};
+#undef OF
 
 static void print_pair(void *context, const struct pccd_ignored_pair *pair)
 {
     struct printer *printer = context;
-    if (!printer->is_json) {
-        printf("%7" PRIu64 " %#10" PRIx32 " %#10" PRIx32 " %#10" PRIx32 "\n",
-               printer->session, printer->scene, pair->object_a, pair->object_b);
-        return;
-    }
-    json_array_append_new(
-        printer->array,
-        json_pack("{s:I, s:I, s:I, s:I}", "session", (json_int_t)printer->session,
-                  "scene", (json_int_t)printer->scene, "object_a",
-                  (json_int_t)pair->object_a, "object_b", (json_int_t)pair->object_b));
+    const struct pair_line line = {printer->session, printer->scene, *pair};
+    print_row(printer, pair_columns, &line);
 }
+
+struct mesh_line {
+    uint64_t session;
+    struct pccd_registered_mesh info;
+    const char *state;
+};
+
+#define OF(member) COLUMN_OF(struct mesh_line, member)
+static const struct column mesh_columns[] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(session), .width = 7},
+    {"mesh", "MESH", COLUMN_HANDLE, OF(info.mesh), .width = 10},
+    {"vertices", "VERTICES", COLUMN_NUMBER, OF(info.vertex_count), .width = 10},
+    {"triangles", "TRIANGLES", COLUMN_NUMBER, OF(info.triangle_count), .width = 10},
+    {"named_edges", .type = COLUMN_NUMBER, OF(info.edge_count)},
+    {"named_points", .type = COLUMN_NUMBER, OF(info.point_count)},
+    {"objects", "OBJECTS", COLUMN_NUMBER, OF(info.objects), .width = 7},
+    {"generation", "GENERATION", COLUMN_NUMBER, OF(info.generation), .width = 10},
+    {NULL, "STATE", COLUMN_TEXT, OF(state), .is_left = true},
+    {"committed", .type = COLUMN_FLAG, OF(info.committed)},
+    {"replacing", .type = COLUMN_FLAG, OF(info.replacing)},
+    {0}};
+#undef OF
 
 static void print_mesh(void *context, const struct pccd_registered_mesh *info)
 {
     struct printer *printer = context;
-    if (!printer->is_json) {
-        printf("%7" PRIu64 " %#10" PRIx32 " %10" PRIu32 " %10" PRIu32 " %7" PRIu64
-               " %10" PRIu32 " %s\n",
-               printer->session, info->mesh, info->vertex_count, info->triangle_count,
-               info->objects, info->generation,
-               !info->committed  ? "being filled"
-               : info->replacing ? "being replaced"
-                                 : "committed");
-        return;
-    }
-    json_array_append_new(
-        printer->array,
-        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, s:b}", "session",
-                  (json_int_t)printer->session, "mesh", (json_int_t)info->mesh,
-                  "vertices", (json_int_t)info->vertex_count, "triangles",
-                  (json_int_t)info->triangle_count, "named_edges",
-                  (json_int_t)info->edge_count, "named_points",
-                  (json_int_t)info->point_count, "objects", (json_int_t)info->objects,
-                  "generation", (json_int_t)info->generation, "committed",
-                  info->committed, "replacing", info->replacing));
+    const struct mesh_line line = {printer->session, *info,
+                                   !info->committed  ? "being filled"
+                                   : info->replacing ? "being replaced"
+                                                     : "committed"};
+    print_row(printer, mesh_columns, &line);
 }
+
+/* ---- the walk ---------------------------------------------------------------------- */
 
 /* Of one session. What has gone since the list was read is not there. */
 static int print_of(struct pccd_client *client, enum what what, struct printer *printer,
@@ -224,7 +270,7 @@ static int print_of(struct pccd_client *client, enum what what, struct printer *
     int status = PCCD_OK;
     printer->session = row->info.session;
     if (what == SESSIONS) {
-        print_session(printer, row);
+        print_row(printer, session_columns, row);
     } else if (what == MESHES) {
         status = pccd_list_meshes(client, printer->session, print_mesh, printer);
     } else {
@@ -246,21 +292,11 @@ static int print_of(struct pccd_client *client, enum what what, struct printer *
     return status == PCCD_E_HANDLE ? PCCD_OK : status;
 }
 
-static void print_head(enum what what)
-{
-    static const char *const heads[] = {
-        [SESSIONS] =
-            "SESSION     PID USER       CLIENT               SCENES OBJECTS MESHES "
-            "TRIANGLES    SHARED      STEPS   OPEN FOR",
-        [SCENES] =
-            "SESSION      SCENE OBJECTS      STEPS   CONTACTS  LAST STEP IGNORED HASH OF "
-            "THE LAST ANSWER            SHARED",
-        [OBJECTS] = "SESSION      SCENE     OBJECT       MESH  TRIANGLES   OWNER     "
-                    "         GROUP               MASK MEETS     RADIUS       REST RINGS",
-        [PAIRS] = "SESSION      SCENE   OBJECT A   OBJECT B",
-        [MESHES] = "SESSION       MESH   VERTICES  TRIANGLES OBJECTS GENERATION STATE"};
-    printf("%s%s%s\n", terminal_begin(TERMINAL_BOLD), heads[what], terminal_end());
-}
+static const struct column *const columns_of[] = {[SESSIONS] = session_columns,
+                                                  [SCENES] = scene_columns,
+                                                  [OBJECTS] = object_columns,
+                                                  [PAIRS] = pair_columns,
+                                                  [MESHES] = mesh_columns};
 
 static int list(struct pccd_client *client, const struct list_options *options)
 {
@@ -276,7 +312,8 @@ static int list(struct pccd_client *client, const struct list_options *options)
                             options->session);
     }
     if (status == PCCD_OK && !options->is_json) {
-        print_head(options->what);
+        columns_print(columns_of[options->what], NULL, terminal_begin(TERMINAL_BOLD),
+                      terminal_end());
     }
     for (uint32_t i = 0; i < sessions.count && status == PCCD_OK; i++) {
         const struct session_row *row = &sessions.rows[i];
@@ -284,12 +321,8 @@ static int list(struct pccd_client *client, const struct list_options *options)
             status = print_of(client, options->what, &printer, row);
         }
     }
-    if (status == PCCD_OK && options->is_json) {
-        json_dumpf(printer.array, stdout, JSON_TEXT_FLAGS);
-        putchar('\n');
-    }
+    (void)output_json(printer.array, status == PCCD_OK && options->is_json, stdout);
     sessions_deinit(&sessions);
-    json_decref(printer.array);
     return status == PCCD_OK ? CTL_DONE
                              : ctl_complain("list: %s", pccd_error_text(client));
 }

@@ -112,9 +112,7 @@ static void print(const struct player *player, bool is_json)
             "incomplete", (json_int_t)player->incomplete, "late",
             (json_int_t)player->late, "seconds", player->seconds, "p50_ms", p50, "p99_ms",
             p99, "max_ms", most);
-        json_dumpf(object, stdout, JSON_TEXT_FLAGS);
-        putchar('\n');
-        json_decref(object);
+        (void)output_json(object, true, stdout);
         return;
     }
     printf("steps       %" PRIu64 " in %.2f s, %.1f a second\n", player->steps,

@@ -99,9 +99,7 @@ static int ping_all(struct pccd_client *client, const struct ping_options *optio
             statistics_median(times_us, options->count), "p99_us",
             statistics_quantile(times_us, options->count, 0.99), "max_us",
             times_us[options->count - 1]);
-        json_dumpf(object, stdout, JSON_TEXT_FLAGS);
-        putchar('\n');
-        json_decref(object);
+        (void)output_json(object, true, stdout);
         return CTL_DONE;
     }
     printf("%" PRIu32

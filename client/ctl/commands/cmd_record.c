@@ -79,9 +79,8 @@ const struct option_table ctl_table_record = {
             "they end. Exit status: that of the program, 128 + N when signal N ended "
             "it; 4 when it ended with 0, and nothing was recorded or a file could "
             "not be written to its end.",
-    .examples =
-        "  pccdctl record -o run.rec -- ./simulator\n"
-        "  pccdctl record -o run.rec --force --contacts -- ./simulator 100\n",
+    .examples = "  pccdctl record -o run.rec -- ./simulator\n"
+                "  pccdctl record -o run.rec --force --contacts -- ./simulator 100\n",
 };
 
 static int set_environment(const struct record_command *command)

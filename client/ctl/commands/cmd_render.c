@@ -285,9 +285,7 @@ static void report_film(const struct render *render, uint32_t frame_count)
     if (render->options.is_json) {
         json_t *object = json_pack("{s:o, s:I}", "file", json_text(render->path), "steps",
                                    (json_int_t)frame_count);
-        json_dumpf(object, stdout, JSON_TEXT_FLAGS);
-        putchar('\n');
-        json_decref(object);
+        (void)output_json(object, true, stdout);
     } else {
         printf("%s: %" PRIu32 " %s\n", tool_shown(render->path), frame_count,
                proto_plural(frame_count, "step", "steps"));

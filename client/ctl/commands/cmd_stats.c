@@ -202,10 +202,8 @@ static int print_threads_json(FILE *to, const struct table *table)
         }
         json_array_append_new(array, element);
     }
-    bool ok = json_object_set_new(object, "thread_records", array) == 0 &&
-              json_dumpf(object, to, JSON_TEXT_FLAGS) == 0 && fputc('\n', to) != EOF;
-    json_decref(object);
-    return ok ? PCCD_OK : PCCD_E_NOMEM;
+    bool ok = json_object_set_new(object, "thread_records", array) == 0;
+    return output_json(object, ok, to) ? PCCD_OK : PCCD_E_NOMEM;
 }
 
 /* Print what each thread of the daemon did in its last step. Returns a status;
@@ -332,10 +330,10 @@ static int print_json(struct pccd_client *client)
         json_object_set_new(members.object, "exact_share",
                             json_real(share(&members.shares)));
         json_object_set_new(members.object, "cpu", json_string(pccd_daemon_cpu(client)));
-        json_dumpf(members.object, stdout, JSON_TEXT_FLAGS);
-        putchar('\n');
+        (void)output_json(members.object, true, stdout);
+    } else {
+        json_decref(members.object);
     }
-    json_decref(members.object);
     return status;
 }
 

@@ -225,9 +225,7 @@ static void print_json(const struct status *status)
         json_object_set_new(object, "steps", quantiles(&status->steps));
         json_object_set_new(object, "requests", quantiles(&status->requests));
     }
-    json_dumpf(object, stdout, JSON_TEXT_FLAGS);
-    putchar('\n');
-    json_decref(object);
+    (void)output_json(object, true, stdout);
 }
 
 int ctl_cmd_status(int argc, char **argv)

@@ -1,7 +1,6 @@
 /* cmd_top.c - pccdctl top. */
 #include <inttypes.h>
 #include <jansson.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -72,16 +71,15 @@ const struct option_table ctl_table_top = {
 /* ---- what is told ------------------------------------------------------------------ */
 
 enum phase { INGEST, REFIT, TRAVERSAL, TESTS, MERGE, PHASE_COUNT };
-static const char *const phase_names[] = {"ingest", "refit", "traversal", "tests",
-                                          "merge"};
 
 /* What a session has done between two looks. */
 struct rate {
-    const struct session_row *row; /* of the later one */
+    struct session_row row; /* of the later one */
     double steps_per_s, in_per_s, out_per_s;
     double ms_per_s; /* of computing */
     double ms_step;  /* a step; 0 without any */
     double ms_phase[PHASE_COUNT];
+    json_t *phases; /* the same, while it is printed as JSON */
 };
 
 static void read_phases(const struct pccd_session_info *info, uint64_t ns[PHASE_COUNT])
@@ -101,7 +99,7 @@ static struct rate rate_of(const struct session_row *now, const struct session_r
     const struct pccd_session_info *b = &now->info;
     uint64_t before[PHASE_COUNT], after[PHASE_COUNT];
     double steps = (double)(b->steps - a->steps);
-    struct rate rate = {.row = now,
+    struct rate rate = {.row = *now,
                         .steps_per_s = steps / seconds,
                         .in_per_s = (double)(b->upload_bytes - a->upload_bytes) / seconds,
                         .out_per_s =
@@ -122,11 +120,11 @@ static double key_of(const struct rate *rate, enum sort sort)
     case SORT_steps:
         return rate->steps_per_s;
     case SORT_triangles:
-        return (double)rate->row->info.triangles;
+        return (double)rate->row.info.triangles;
     case SORT_bytes:
         return rate->in_per_s + rate->out_per_s;
     case SORT_queue:
-        return rate->row->info.requests;
+        return rate->row.info.requests;
     default:
         return rate->ms_per_s;
     }
@@ -140,7 +138,7 @@ static int compare(const void *a, const void *b, void *context)
     if (ka != kb) {
         return ka > kb ? -1 : 1;
     }
-    uint64_t ia = ra->row->info.session, ib = rb->row->info.session;
+    uint64_t ia = ra->row.info.session, ib = rb->row.info.session;
     return ia < ib ? -1 : ia > ib;
 }
 
@@ -163,61 +161,43 @@ static struct room find_room(bool is_redrawn)
     return room;
 }
 
-/* X(name, head, rank, is on the left): narrow terminals show those of the first ranks. */
-#define TABLE(X)                                                                         \
-    X(SESSION, "SESSION", 1, false)                                                      \
-    X(PID, "PID", 7, false)                                                              \
-    X(USER, "USER", 9, true)                                                             \
-    X(CLIENT, "CLIENT", 2, true)                                                         \
-    X(SCENES, "SCENES", 12, false)                                                       \
-    X(TRIANGLES, "TRIANG", 5, false)                                                     \
-    X(STEPS, "STEPS/S", 4, false)                                                        \
-    X(MS, "MS/STEP", 3, false)                                                           \
-    X(MS_INGEST, "INGEST", 16, false)                                                    \
-    X(MS_REFIT, "REFIT", 15, false)                                                      \
-    X(MS_TRAVERSAL, "TRAVERS", 14, false)                                                \
-    X(MS_TESTS, "TESTS", 13, false)                                                      \
-    X(MS_MERGE, "MERGE", 17, false)                                                      \
-    X(QUEUE, "QUEUE", 8, false)                                                          \
-    X(IN, "IN/S", 10, false)                                                             \
-    X(OUT, "OUT/S", 11, false)                                                           \
-    X(STATE, "", 6, true)
+#define OF(member) COLUMN_OF(struct rate, member)
+static const struct column phase_columns[] = {
+    {"ingest", .type = COLUMN_REAL, OF(ms_phase[INGEST])},
+    {"refit", .type = COLUMN_REAL, OF(ms_phase[REFIT])},
+    {"traversal", .type = COLUMN_REAL, OF(ms_phase[TRAVERSAL])},
+    {"tests", .type = COLUMN_REAL, OF(ms_phase[TESTS])},
+    {"merge", .type = COLUMN_REAL, OF(ms_phase[MERGE])},
+    {0}};
 
-#define CELL_OF(name, head, rank, is_left) CELL_##name,
-enum cell { TABLE(CELL_OF) CELL_COUNT };
-#undef CELL_OF
-
-static void fill(char *cell, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-static void fill(char *cell, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(cell, COLUMNS_CELL_BYTES, format, arguments);
-    va_end(arguments);
-}
-
-static void fill_row(const struct rate *rate, char (*cells)[COLUMNS_CELL_BYTES])
-{
-    const struct pccd_session_info *info = &rate->row->info;
-    fill(cells[CELL_SESSION], "%" PRIu64, info->session);
-    fill(cells[CELL_PID], "%" PRIu32, info->pid);
-    fill(cells[CELL_USER], "%s", tool_shown(format_user(info->uid)));
-    fill(cells[CELL_CLIENT], "%s", tool_shown_cut(rate->row->name, NAME_COLUMNS));
-    fill(cells[CELL_SCENES], "%" PRIu32, info->scenes);
-    fill(cells[CELL_TRIANGLES], "%s", format_count((double)info->triangles));
-    fill(cells[CELL_STEPS], "%.1f", rate->steps_per_s);
-    fill(cells[CELL_MS], "%.3f", rate->ms_step);
-    fill(cells[CELL_MS_INGEST], "%.3f", rate->ms_phase[INGEST]);
-    fill(cells[CELL_MS_REFIT], "%.3f", rate->ms_phase[REFIT]);
-    fill(cells[CELL_MS_TRAVERSAL], "%.3f", rate->ms_phase[TRAVERSAL]);
-    fill(cells[CELL_MS_TESTS], "%.3f", rate->ms_phase[TESTS]);
-    fill(cells[CELL_MS_MERGE], "%.3f", rate->ms_phase[MERGE]);
-    fill(cells[CELL_QUEUE], "%" PRIu32, info->requests);
-    fill(cells[CELL_IN], "%s", format_bytes(rate->in_per_s));
-    fill(cells[CELL_OUT], "%s", format_bytes(rate->out_per_s));
-    fill(cells[CELL_STATE], "%s", sessions_state(info));
-}
+/* Narrow terminals show those of the first ranks. */
+static const struct column session_columns[] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(row.info.session), .rank = 1},
+    {"pid", "PID", COLUMN_NUMBER, OF(row.info.pid), .rank = 7},
+    {"uid", "USER", COLUMN_USER, OF(row.info.uid), .is_left = true, .rank = 9},
+    {"client", "CLIENT", COLUMN_CHARS, OF(row.name), .is_left = true, .cut = NAME_COLUMNS,
+     .rank = 2},
+    {"scenes", "SCENES", COLUMN_NUMBER, OF(row.info.scenes), .rank = 12},
+    {"objects", .type = COLUMN_NUMBER, OF(row.info.objects)},
+    {"triangles", "TRIANG", COLUMN_COUNT, OF(row.info.triangles), .rank = 5},
+    {"steps", .type = COLUMN_NUMBER, OF(row.info.steps)},
+    {"steps_per_s", "STEPS/S", COLUMN_REAL_1, OF(steps_per_s), .rank = 4},
+    {"ms_step", "MS/STEP", COLUMN_REAL_3, OF(ms_step), .rank = 3},
+    {NULL, "INGEST", COLUMN_REAL_3, OF(ms_phase[INGEST]), .rank = 16},
+    {NULL, "REFIT", COLUMN_REAL_3, OF(ms_phase[REFIT]), .rank = 15},
+    {NULL, "TRAVERS", COLUMN_REAL_3, OF(ms_phase[TRAVERSAL]), .rank = 14},
+    {NULL, "TESTS", COLUMN_REAL_3, OF(ms_phase[TESTS]), .rank = 13},
+    {NULL, "MERGE", COLUMN_REAL_3, OF(ms_phase[MERGE]), .rank = 17},
+    {"ms", .type = COLUMN_JSON, OF(phases)},
+    {"requests", "QUEUE", COLUMN_NUMBER, OF(row.info.requests), .rank = 8},
+    {"in_per_s", "IN/S", COLUMN_RATE, OF(in_per_s), .rank = 10},
+    {"out_per_s", "OUT/S", COLUMN_RATE, OF(out_per_s), .rank = 11},
+    {NULL, "", COLUMN_CHARS, OF(row.state), .is_left = true, .rank = 6},
+    {"waiting", .type = COLUMN_FLAG, OF(row.info.waiting)},
+    {"batch", .type = COLUMN_NUMBER, OF(row.info.batch)},
+    {"batch_done", .type = COLUMN_NUMBER, OF(row.info.batch_done)},
+    {0}};
+#undef OF
 
 /* What the daemon has in all: as many of the figures as fit. */
 static void print_sums(uint32_t sessions, const struct counters *counters,
@@ -245,62 +225,30 @@ static void print_sums(uint32_t sessions, const struct counters *counters,
     putchar('\n');
 }
 
-static bool print_table(const struct rate *rates, uint32_t count,
+static void print_table(const struct rate *rates, uint32_t count,
                         const struct counters *counters, const struct room *room)
 {
-#define COLUMN_OF(name, head, rank, is_left) {head, rank, is_left, 0, false},
-    struct column columns[CELL_COUNT] = {TABLE(COLUMN_OF)};
-#undef COLUMN_OF
+    struct column columns[sizeof session_columns / sizeof session_columns[0]];
     uint32_t shown = count < room->sessions ? count : room->sessions;
-    char(*cells)[COLUMNS_CELL_BYTES] =
-        calloc(((size_t)shown + 1) * CELL_COUNT, sizeof *cells);
-    if (cells == NULL) {
-        return false;
-    }
-    for (uint32_t i = 0; i < shown; i++) {
-        fill_row(&rates[i], cells + (size_t)i * CELL_COUNT);
-    }
-    const char(*filled)[COLUMNS_CELL_BYTES] = (const char(*)[COLUMNS_CELL_BYTES])cells;
-    columns_fit(columns, CELL_COUNT, filled, shown, room->columns);
+    memcpy(columns, session_columns, sizeof columns);
+    columns_fit(columns, rates, sizeof *rates, shown, room->columns);
     print_sums(count, counters, room);
-    columns_print(columns, CELL_COUNT, NULL, terminal_begin(TERMINAL_BOLD),
-                  terminal_end());
+    columns_print(columns, NULL, terminal_begin(TERMINAL_BOLD), terminal_end());
     for (uint32_t i = 0; i < shown; i++) {
-        columns_print(columns, CELL_COUNT, filled + (size_t)i * CELL_COUNT, "", "");
+        columns_print(columns, &rates[i], "", "");
     }
     if (shown < count) {
         printf("and %" PRIu32 " more\n", count - shown);
     }
-    free(cells);
-    return true;
 }
 
-static json_t *session_json(const struct rate *rate)
-{
-    const struct pccd_session_info *info = &rate->row->info;
-    json_t *phases = json_object();
-    for (int i = 0; i < PHASE_COUNT; i++) {
-        json_object_set_new(phases, phase_names[i], json_real(rate->ms_phase[i]));
-    }
-    return json_pack("{s:I, s:I, s:I, s:s, s:I, s:I, s:I, s:I, s:f, s:f, s:o, s:I, "
-                     "s:f, s:f, s:b, s:I, s:I}",
-                     "session", (json_int_t)info->session, "pid", (json_int_t)info->pid,
-                     "uid", (json_int_t)info->uid, "client", rate->row->name, "scenes",
-                     (json_int_t)info->scenes, "objects", (json_int_t)info->objects,
-                     "triangles", (json_int_t)info->triangles, "steps",
-                     (json_int_t)info->steps, "steps_per_s", rate->steps_per_s, "ms_step",
-                     rate->ms_step, "ms", phases, "requests", (json_int_t)info->requests,
-                     "in_per_s", rate->in_per_s, "out_per_s", rate->out_per_s, "waiting",
-                     info->waiting, "batch", (json_int_t)info->batch, "batch_done",
-                     (json_int_t)info->batch_done);
-}
-
-static void print_json(const struct rate *rates, uint32_t count,
+static void print_json(struct rate *rates, uint32_t count,
                        const struct counters *counters)
 {
     json_t *sessions = json_array();
     for (uint32_t i = 0; i < count; i++) {
-        json_array_append_new(sessions, session_json(&rates[i]));
+        rates[i].phases = columns_json(phase_columns, &rates[i]);
+        json_array_append_new(sessions, columns_json(session_columns, &rates[i]));
     }
     json_t *object = json_pack(
         "{s:I, s:I, s:I, s:o}", "jobs_queued",
@@ -318,7 +266,6 @@ static bool print(const struct sessions *now, const struct sessions *then, doubl
                   const struct counters *counters, const struct top_options *options)
 {
     enum sort sort = options->sort;
-    bool has_memory = true;
     struct rate *rates = calloc(now->count + 1u, sizeof *rates);
     if (rates == NULL) {
         return false;
@@ -336,11 +283,11 @@ static bool print(const struct sessions *now, const struct sessions *then, doubl
         if (is_redrawn) {
             terminal_redraw();
         }
-        has_memory = print_table(rates, now->count, counters, &room);
+        print_table(rates, now->count, counters, &room);
     }
     fflush(stdout);
     free(rates);
-    return has_memory && ferror(stdout) == 0;
+    return ferror(stdout) == 0;
 }
 
 static int run(struct pccd_client *client, const struct top_options *options)

@@ -39,9 +39,7 @@ static void print_json(struct pccd_client *client)
                                       (json_int_t)daemon.pid, "cpu", daemon.cpu,
                                       "protocol", (json_int_t)daemon.version));
     }
-    json_dumpf(object, stdout, JSON_TEXT_FLAGS);
-    putchar('\n');
-    json_decref(object);
+    (void)output_json(object, true, stdout);
 }
 
 int ctl_cmd_version(int argc, char **argv)

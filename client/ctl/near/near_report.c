@@ -119,14 +119,6 @@ void near_report_print(FILE *to, const struct near_run *near)
 
 /* ---- JSON -------------------------------------------------------------------------- */
 
-/* As report_json.c's: fails on a NULL value, so `ok` is all that has to be looked at. */
-static void set(json_t *object, const char *key, json_t *value, bool *ok)
-{
-    if (json_object_set_new(object, key, value) != 0) {
-        *ok = false;
-    }
-}
-
 static json_t *real_or_null(double value, bool is_there)
 {
     return is_there ? json_real(value) : json_null();
@@ -142,11 +134,9 @@ static void add_objects(json_t *all, const struct near_run *near, bool *ok)
             (json_int_t)info->vertex_count, "edges", (json_int_t)info->edge_count,
             "triangles", (json_int_t)info->triangle_count);
         report_welded(object, &near->objects[i].welded, ok);
-        if (json_array_append_new(array, object) != 0) {
-            *ok = false;
-        }
+        json_append(array, object, ok);
     }
-    set(all, "objects", array, ok);
+    json_set(all, "objects", array, ok);
 }
 
 bool near_report_json(FILE *to, const struct near_run *near)
@@ -156,28 +146,28 @@ bool near_report_json(FILE *to, const struct near_run *near)
     json_t *all = json_object();
     bool ok = all != NULL;
     add_objects(all, near, &ok);
-    set(all, "what", json_string(common_near_name(settings->what)), &ok);
-    set(all, "distance",
-        real_or_null(settings->distance, common_near_has_distance(settings->what) &&
-                                             !isinf(settings->distance)),
-        &ok);
-    set(all, "gap", real_or_null(settings->gap, settings->what == PCCD_NEAR_NEAREST),
-        &ok);
+    json_set(all, "what", json_string(common_near_name(settings->what)), &ok);
+    json_set(all, "distance",
+             real_or_null(settings->distance, common_near_has_distance(settings->what) &&
+                                                  !isinf(settings->distance)),
+             &ok);
+    json_set(all, "gap", real_or_null(settings->gap, settings->what == PCCD_NEAR_NEAREST),
+             &ok);
     report_json_sharing(all, answer, &ok);
-    set(all, "total", json_integer((json_int_t)answer->total), &ok);
+    json_set_count(all, "total", answer->total, &ok);
     for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
-        set(all, common_kinds[kind].name, json_integer((json_int_t)answer->counts[kind]),
-            &ok);
+        json_set_count(all, common_kinds[kind].name, answer->counts[kind], &ok);
     }
-    set(all, "distance_min", real_or_null(answer->distance_min, has_distance(answer)),
-        &ok);
-    set(all, "distance_max", real_or_null(answer->distance_max, has_distance(answer)),
-        &ok);
-    set(all, "crossings",
-        settings->what == PCCD_NEAR_NEAREST ? json_null()
-                                            : json_integer((json_int_t)answer->crossings),
-        &ok);
-    set(all, "verdict", json_string(verdict_name(answer)), &ok);
+    json_set(all, "distance_min",
+             real_or_null(answer->distance_min, has_distance(answer)), &ok);
+    json_set(all, "distance_max",
+             real_or_null(answer->distance_max, has_distance(answer)), &ok);
+    json_set(all, "crossings",
+             settings->what == PCCD_NEAR_NEAREST
+                 ? json_null()
+                 : json_integer((json_int_t)answer->crossings),
+             &ok);
+    json_set(all, "verdict", json_string(verdict_name(answer)), &ok);
     report_json_rest(all, near->run.mesh.build_ms, &near->step, &ok);
-    return report_json_end(all, ok, to);
+    return output_json(all, ok, to);
 }

@@ -22,6 +22,13 @@ static void take_session(void *context, const struct pccd_session_info *info)
     row->info = *info;
     row->info.client = NULL; /* it moves; `name` is to be used */
     snprintf(row->name, sizeof row->name, "%s", info->client);
+    row->state[0] = '\0';
+    if (info->waiting) {
+        snprintf(row->state, sizeof row->state, "waits");
+    } else if (info->batch > 0) {
+        snprintf(row->state, sizeof row->state, "batch %" PRIu32 " of %" PRIu32,
+                 info->batch_done, info->batch);
+    }
 }
 
 int sessions_read(struct pccd_client *client, struct sessions *sessions)
@@ -36,17 +43,6 @@ void sessions_deinit(struct sessions *sessions)
 {
     free(sessions->rows);
     *sessions = (struct sessions){.rows = NULL};
-}
-
-const char *sessions_state(const struct pccd_session_info *info)
-{
-    static char text[48];
-    if (info->waiting) {
-        return "waits";
-    }
-    snprintf(text, sizeof text, "batch %" PRIu32 " of %" PRIu32, info->batch_done,
-             info->batch);
-    return info->batch > 0 ? text : "";
 }
 
 const struct session_row *sessions_find(const struct sessions *sessions, uint64_t number)

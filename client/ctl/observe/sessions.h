@@ -17,6 +17,7 @@
 struct session_row {
     struct pccd_session_info info;
     char name[SESSION_NAME_BYTES]; /* in the place of info.client */
+    char state[48]; /* what is not usual: "waits", "batch 412 of 1000", or "" */
 };
 
 /* All zero: nothing. The arrays are ours. */
@@ -30,9 +31,6 @@ struct sessions {
 /* Read anew; returns the library's status, or PCCD_E_NOMEM. */
 int sessions_read(struct pccd_client *client, struct sessions *sessions);
 void sessions_deinit(struct sessions *sessions);
-/* What it is doing that is not usual: "waits", "batch 412 of 1000", or "". Until the next
- * call. */
-const char *sessions_state(const struct pccd_session_info *info);
 /* NULL: there is none of that number. */
 const struct session_row *sessions_find(const struct sessions *sessions, uint64_t number);
 

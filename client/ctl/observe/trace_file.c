@@ -257,9 +257,7 @@ void trace_file_report(const struct trace_file *trace, FILE *to, bool is_json)
         json_t *object = json_pack("{s:o, s:I, s:I}", "file", json_text(trace->path),
                                    "events", (json_int_t)trace->info.events, "lost",
                                    (json_int_t)trace->info.lost);
-        json_dumpf(object, to, JSON_TEXT_FLAGS);
-        fputc('\n', to);
-        json_decref(object);
+        (void)output_json(object, true, to);
         return;
     }
     fprintf(to, "trace      %s: %" PRIu64 " %s\n", tool_shown(trace->path),

@@ -274,7 +274,5 @@ bool replay_print_json(const struct replay_counts *counts,
                                  side_json(first, &first->got));
         ok = json_object_set_new(all, "first_difference", told) == 0;
     }
-    ok = ok && json_dumpf(all, stdout, JSON_TEXT_FLAGS) == 0 && putchar('\n') == '\n';
-    json_decref(all);
-    return ok;
+    return output_json(all, ok, stdout);
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "array.h"
+#include "columns.h"
 #include "kinds.h"
 #include "output.h"
 #include "printable.h"
@@ -57,17 +58,6 @@ static void print_witness(const struct verify_witness *witness)
     }
 }
 
-/* X(key, member) of struct verify_counts. */
-#define COUNTS(X)                                                                        \
-    X(steps)                                                                             \
-    X(contacts)                                                                          \
-    X(possible)                                                                          \
-    X(non_contacts)                                                                      \
-    X(unchecked)                                                                         \
-    X(nears)                                                                             \
-    X(near_records)                                                                      \
-    X(nears_unchecked)
-
 /* ---- all of it --------------------------------------------------------------------- */
 
 static int leave(struct verify_report *report, uint64_t step, bool is_near,
@@ -86,9 +76,15 @@ static int leave(struct verify_report *report, uint64_t step, bool is_near,
 int verify_report_add(struct verify_report *report, const struct verify_result *result,
                       struct ctl_error *error)
 {
-#define ADD(name) report->counts.name += result->counts.name;
-    COUNTS(ADD)
-#undef ADD
+    const struct verify_counts *more = &result->counts;
+    report->counts.steps += more->steps;
+    report->counts.contacts += more->contacts;
+    report->counts.possible += more->possible;
+    report->counts.non_contacts += more->non_contacts;
+    report->counts.unchecked += more->unchecked;
+    report->counts.nears += more->nears;
+    report->counts.near_records += more->near_records;
+    report->counts.nears_unchecked += more->nears_unchecked;
     if (result->is_wrong) {
         report->witness = &result->witness;
         return PCCD_OK;
@@ -188,35 +184,44 @@ void verify_print_text(const struct verify_report *report)
     putchar('\n');
 }
 
-static bool set_count(json_t *object, const char *key, uint64_t value)
-{
-    return json_object_set_new(object, key, json_integer((json_int_t)value)) == 0;
-}
-
-static bool get_count(const json_t *object, const char *key, uint64_t *value)
-{
-    const json_t *got = json_object_get(object, key);
-    *value = (uint64_t)json_integer_value(got);
-    return json_is_integer(got);
-}
+#define OF(member) COLUMN_OF(struct verify_counts, member)
+static const struct column count_columns[] = {
+    {"steps", .type = COLUMN_NUMBER, OF(steps)},
+    {"contacts", .type = COLUMN_NUMBER, OF(contacts)},
+    {"possible", .type = COLUMN_NUMBER, OF(possible)},
+    {"non_contacts", .type = COLUMN_NUMBER, OF(non_contacts)},
+    {"unchecked", .type = COLUMN_NUMBER, OF(unchecked)},
+    {"nears", .type = COLUMN_NUMBER, OF(nears)},
+    {"near_records", .type = COLUMN_NUMBER, OF(near_records)},
+    {"nears_unchecked", .type = COLUMN_NUMBER, OF(nears_unchecked)},
+    {0}};
+#undef OF
 
 bool verify_counts_json(json_t *object, const struct verify_counts *counts)
 {
-    bool ok = true;
-#define SET(name) ok = ok && set_count(object, #name, counts->name);
-    COUNTS(SET)
-#undef SET
-    return ok;
+    return columns_add(object, count_columns, counts);
 }
 
 bool verify_counts_read(const json_t *object, struct verify_counts *counts)
 {
-    bool ok = true;
-#define GET(name) ok = ok && get_count(object, #name, &counts->name);
-    COUNTS(GET)
-#undef GET
-    return ok;
+    return columns_read(object, count_columns, counts);
 }
+
+#define OF(member) COLUMN_OF(struct verify_witness, member)
+static const struct column witness_columns[] = {
+    {"step", .type = COLUMN_NUMBER, OF(step)},
+    {"what", .type = COLUMN_CHARS, OF(what)},
+    {"has_pair", .type = COLUMN_FLAG, OF(has_pair)},
+    {"kind", .type = COLUMN_NUMBER, OF(pair.kind)},
+    {"object_a", .type = COLUMN_NUMBER, OF(pair.object_a)},
+    {"feature_a", .type = COLUMN_NUMBER, OF(pair.feature_a)},
+    {"object_b", .type = COLUMN_NUMBER, OF(pair.object_b)},
+    {"feature_b", .type = COLUMN_NUMBER, OF(pair.feature_b)},
+    {"has_contact", .type = COLUMN_FLAG, OF(has_contact)},
+    {"contact_lo", .type = COLUMN_REAL, OF(lo)},
+    {"contact_hi", .type = COLUMN_REAL, OF(hi)},
+    {0}};
+#undef OF
 
 /* Doubles as "%a", which is exact. */
 static json_t *reals_json(const double *values, size_t count)
@@ -246,51 +251,32 @@ static bool reals_read(const json_t *array, double *values, size_t count)
 json_t *verify_witness_json(const struct verify_witness *witness)
 {
     const double claimed[2] = {witness->toi, witness->toi_hi};
-    return json_pack("{s:I, s:s, s:b, s:I, s:I, s:I, s:I, s:I, s:b, s:f, s:f, s:o, s:o}",
-                     "step", (json_int_t)witness->step, "what", witness->what, "has_pair",
-                     witness->has_pair, "kind", (json_int_t)witness->pair.kind,
-                     "object_a", (json_int_t)witness->pair.object_a, "feature_a",
-                     (json_int_t)witness->pair.feature_a, "object_b",
-                     (json_int_t)witness->pair.object_b, "feature_b",
-                     (json_int_t)witness->pair.feature_b, "has_contact",
-                     witness->has_contact, "contact_lo", witness->lo, "contact_hi",
-                     witness->hi, "points", reals_json(&witness->p[0][0], 24), "claimed",
-                     reals_json(claimed, witness->has_claim ? 2 : 0));
+    json_t *object = columns_json(witness_columns, witness);
+    bool ok =
+        json_object_set_new(object, "points", reals_json(&witness->p[0][0], 24)) == 0;
+    ok = json_object_set_new(object, "claimed",
+                             reals_json(claimed, witness->has_claim ? 2 : 0)) == 0 &&
+         ok;
+    if (!ok) {
+        json_decref(object);
+        return NULL;
+    }
+    return object;
 }
 
 bool verify_witness_read(const json_t *object, struct verify_witness *witness)
 {
-    uint64_t numbers[6] = {0};
-    const char *const keys[6] = {"step",      "kind",     "object_a",
-                                 "feature_a", "object_b", "feature_b"};
-    const char *what = json_string_value(json_object_get(object, "what"));
     const json_t *claimed = json_object_get(object, "claimed");
     double claim[2] = {0, 0};
-    bool ok = what != NULL;
-    for (uint32_t i = 0; i < 6; i++) {
-        ok = ok && get_count(object, keys[i], &numbers[i]) &&
-             (i == 0 || numbers[i] <= UINT32_MAX);
-    }
     memset(witness, 0, sizeof *witness);
     witness->has_claim = json_array_size(claimed) == 2;
-    ok = ok && numbers[1] < PCCD_KIND_COUNT &&
-         reals_read(json_object_get(object, "points"), &witness->p[0][0], 24) &&
-         reals_read(claimed, claim, witness->has_claim ? 2 : 0);
-    if (!ok) {
-        return false;
-    }
-    witness->step = numbers[0];
-    (void)snprintf(witness->what, sizeof witness->what, "%s", what);
-    witness->has_pair = json_is_true(json_object_get(object, "has_pair"));
-    witness->pair = (struct pccd_pair){(uint32_t)numbers[1], (uint32_t)numbers[2],
-                                       (uint32_t)numbers[3], (uint32_t)numbers[4],
-                                       (uint32_t)numbers[5]};
-    witness->has_contact = json_is_true(json_object_get(object, "has_contact"));
-    witness->lo = json_real_value(json_object_get(object, "contact_lo"));
-    witness->hi = json_real_value(json_object_get(object, "contact_hi"));
+    bool ok = columns_read(object, witness_columns, witness) &&
+              witness->pair.kind < PCCD_KIND_COUNT &&
+              reals_read(json_object_get(object, "points"), &witness->p[0][0], 24) &&
+              reals_read(claimed, claim, witness->has_claim ? 2 : 0);
     witness->toi = claim[0];
     witness->toi_hi = claim[1];
-    return true;
+    return ok;
 }
 
 static json_t *unchecked_json(const struct verify_report *report)
@@ -318,7 +304,5 @@ bool verify_print_json(const struct verify_report *report)
         ok = json_object_set_new(all, "witness", verify_witness_json(report->witness)) ==
              0;
     }
-    ok = ok && json_dumpf(all, stdout, JSON_TEXT_FLAGS) == 0 && putchar('\n') == '\n';
-    json_decref(all);
-    return ok;
+    return output_json(all, ok, stdout);
 }
