@@ -10,6 +10,7 @@
 #include <stdint.h>
 #include <string.h>
 #include <sys/types.h>
+#include <time.h>
 
 #include "clock.h"
 #include "shape.h"
@@ -42,20 +43,20 @@ struct load_settings {
     uint32_t stall_ms;  /* .. for so long */
     struct load_sizes sizes;
     enum load_scene scene;
-    uint32_t kinds;         /* which, a bit each; clients take them by turns */
-    uint32_t batch;         /* scenes of a client of kind batch */
-    int mode;               /* enum pccd_mode of all steps; -1: by kind */
-    bool near;              /* every second request asks what is near where it leads */
-    uint32_t minutes;       /* at least; 0: as long as the requests take */
-    uint32_t seconds;       /* the same, in addition */
-    uint32_t victims;       /* clients at a time that are there to be killed */
-    uint64_t kills;         /* of clients */
-    uint64_t crashes;       /* kills of the daemon's worker */
-    uint32_t pause_ms;      /* between two of these, half as long to half again */
-    bool flat;              /* the daemon's memory must not grow */
-    bool json;              /* the report is one JSON object */
-    const char *csv, *plot; /* files to write; NULL: none */
-    const char *daemon;     /* program to start; NULL: `url` is the daemon's */
+    uint32_t kinds;    /* which, a bit each; clients take them by turns */
+    uint32_t batch;    /* scenes of a client of kind batch */
+    int mode;          /* enum pccd_mode of all steps; -1: by kind */
+    bool near;         /* every second request asks what is near where it leads */
+    uint32_t minutes;  /* at least; 0: as long as the requests take */
+    uint32_t seconds;  /* the same, in addition */
+    uint32_t victims;  /* clients at a time that are there to be killed */
+    uint64_t kills;    /* of clients */
+    uint64_t crashes;  /* kills of the daemon's worker */
+    uint32_t pause_ms; /* between two of these, half as long to half again */
+    bool flat;         /* the daemon's memory must not grow */
+    bool json;         /* the report is one JSON object */
+    const char *csv, *percentiles; /* files to write; NULL: none */
+    const char *daemon;            /* program to start; NULL: `url` is the daemon's */
     const char *url;
     char *const *daemon_options; /* NULL-terminated */
 };
@@ -89,7 +90,7 @@ struct load {
     struct load_settings settings;
     char url[128]; /* of the daemon */
     struct load_shared *shared;
-    struct whole_file csv, plot; /* of settings.csv and settings.plot */
+    struct whole_file csv, percentiles; /* of the settings */
 };
 
 static inline uint64_t load_truth_count(const struct load_settings *settings)
@@ -123,7 +124,11 @@ static inline bool load_is_direct(const struct load *load)
     return strncmp(load->url, "direct:", 7) == 0;
 }
 
-void load_sleep_ms(uint32_t ms);
+static inline void load_sleep_ms(uint32_t ms)
+{
+    struct timespec pause = {ms / 1000, ms % 1000 * 1000000L};
+    nanosleep(&pause, NULL);
+}
 
 /* To stderr, one line. */
 void load_say(const char *format, ...) __attribute__((format(printf, 1, 2)));

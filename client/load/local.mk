@@ -1,6 +1,7 @@
 # client/load/local.mk - pccd-load, the load harness.
 
 bin_PROGRAMS += pccd-load
+dist_doc_DATA += client/load/pccd-load.gp
 noinst_LTLIBRARIES += libload.la
 
 # Everything but main, so that tests can link what they test.
@@ -8,15 +9,11 @@ libload_la_SOURCES = \
     client/load/actor.c \
     client/load/couple.c \
     client/load/assault.c \
-    client/load/common.c \
     client/load/crowd.c \
     client/load/findings.c \
     client/load/flock.c \
-    client/load/json.c \
     client/load/judge.c \
     client/load/options.c \
-    client/load/pace.c \
-    client/load/plot.c \
     client/load/report.c \
     client/load/series.c \
     client/load/shape.c \

@@ -11,7 +11,6 @@
 #include "pccd.h"
 #include "report.h"
 #include "rounding.h"
-#include "series.h"
 #include "target.h"
 #include "watch.h"
 
@@ -164,11 +163,12 @@ static enum load_exit report(struct load *load, const struct load_outcome *outco
     }
     load_find(findings, load, outcome, &overseer->assault, &overseer->watch);
     bool is_good = findings->is_good;
-    bool is_written = !load->settings.plot ||
-                      load_plot(load, &overseer->series, &findings->crowd.latency);
+    if (load->percentiles.to) {
+        load_write_percentiles(load->percentiles.to, &findings->crowd.latency);
+    }
     load_series_end(&overseer->series);
-    is_written = finish(&load->csv, load->settings.csv) && is_written;
-    is_written = is_written && finish(&load->plot, load->settings.plot);
+    bool is_written = finish(&load->csv, load->settings.csv);
+    is_written = finish(&load->percentiles, load->settings.percentiles) && is_written;
     if (load->settings.json) {
         load_report_json(findings);
     } else {
@@ -235,12 +235,11 @@ int main(int argc, char **argv)
     COMMON_ROUNDING_HERE;
     load_options_parse(argc, argv, &load.settings);
     enum load_exit result = LOAD_FAILED;
-    if ((!load.settings.plot || load_plot_can()) &&
-        open_file(&load.plot, load.settings.plot) &&
+    if (open_file(&load.percentiles, load.settings.percentiles) &&
         open_file(&load.csv, load.settings.csv) && share_memory(&load)) {
         result = find_target(&load, &target) ? run(&load, &target) : LOAD_NO_DAEMON;
     }
-    whole_file_discard(&load.plot);
+    whole_file_discard(&load.percentiles);
     whole_file_discard(&load.csv);
     return (int)result;
 }

@@ -1,10 +1,48 @@
-/* report.c - what a run has shown, a line for each figure. */
+/* report.c - what a run has shown, a line for each figure or as one JSON object. */
 #include "report.h"
 
 #include <inttypes.h>
-#include <stdio.h>
+#include <stdarg.h>
 
 #include "printable.h"
+#include "shown.h"
+
+/* What one process may say of its clients: after that it only counts. */
+#define LINES_MAX 20u
+
+static const struct {
+    const char *name;
+    double share;
+} quantiles[] = {
+    {"p50", 0.5}, {"p90", 0.9}, {"p99", 0.99}, {"p99.9", 0.999}, {"p99.99", 0.9999}};
+#define QUANTILES (sizeof quantiles / sizeof quantiles[0])
+
+static double quantile_us(const struct load_hist *hist, size_t i)
+{
+    return 1e-3 * (double)load_hist_quantile(hist, quantiles[i].share);
+}
+
+static double rate_of(const struct load_findings *f)
+{
+    return f->measured_s > 0 ? (double)f->crowd.measured / f->measured_s : 0;
+}
+
+void load_say(const char *format, ...)
+{
+    static unsigned said; /* of this process */
+    char line[1024];
+    if (++said > LINES_MAX) {
+        return;
+    }
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "pccd-load: %s%s\n", tool_shown(line),
+            said == LINES_MAX ? " (and so on)" : "");
+}
+
+/* ---- text -------------------------------------------------------------------------- */
 
 static void print_counts(const struct load_findings *f)
 {
@@ -19,17 +57,9 @@ static void print_counts(const struct load_findings *f)
 
 static void print_histogram(const char *name, const struct load_hist *hist)
 {
-    static const struct {
-        const char *name;
-        double share;
-    } shares[] = {{"p50, us", 0.5},
-                  {"p90", 0.9},
-                  {"p99", 0.99},
-                  {"p99.9", 0.999},
-                  {"p99.99", 0.9999}};
-    for (size_t i = 0; i < sizeof shares / sizeof shares[0]; i++) {
-        printf("%-20s %12.1f  %s\n", i == 0 ? name : "",
-               1e-3 * (double)load_hist_quantile(hist, shares[i].share), shares[i].name);
+    for (size_t i = 0; i < QUANTILES; i++) {
+        printf("%-20s %12.1f  %s%s\n", i == 0 ? name : "", quantile_us(hist, i),
+               quantiles[i].name, i == 0 ? ", us" : "");
     }
     printf("%-20s %12.1f  longest\n", "", 1e-3 * (double)hist->longest_ns);
 }
@@ -39,8 +69,7 @@ static void print_histogram(const char *name, const struct load_hist *hist)
 static void print_times(const struct load_findings *f)
 {
     const struct load_settings *settings = &f->load->settings;
-    printf("%-20s %12.0f  answers a second\n", "rate",
-           f->measured_s > 0 ? (double)f->crowd.measured / f->measured_s : 0);
+    printf("%-20s %12.0f  answers a second\n", "rate", rate_of(f));
     if (settings->hz > 0) {
         printf("%-20s %12.0f  due a second, %.3f ms the deadline\n", "",
                settings->hz * settings->clients, settings->deadline_ms);
@@ -97,4 +126,66 @@ void load_report_text(const struct load_findings *f)
         print_memory(f);
     }
     printf("%-20s %12s\n", "all as it must be", f->is_good ? "yes" : "NO");
+}
+
+/* ---- JSON -------------------------------------------------------------------------- */
+
+static const char *truth(bool value)
+{
+    return value ? "true" : "false";
+}
+
+static void write_settings(const struct load_settings *settings)
+{
+    printf("\"settings\":{\"clients\":%u,\"processes\":%u,\"depth\":%u,\"seed\":%" PRIu64
+           ",\"loop\":\"%s\",\"hz\":%g,\"arrivals\":\"%s\",\"think_ms\":%u,"
+           "\"ramp_s\":%g,\"warm_up_s\":%g,\"deadline_ms\":%g,\"stall_share\":%g,"
+           "\"stall_ms\":%u,\"triangles_max\":%u},",
+           settings->clients, settings->processes, settings->depth, settings->seed,
+           settings->hz > 0 ? "open" : "closed", settings->hz,
+           settings->poisson ? "poisson" : "fixed", settings->think_ms, settings->ramp_s,
+           settings->warm_up_s, settings->deadline_ms, settings->stall_share,
+           settings->stall_ms, load_sizes_largest(&settings->sizes));
+}
+
+static void write_tally(const char *name, const struct load_tally *tally)
+{
+    const char *comma = "";
+    printf("\"%s\":{", name);
+#define WRITE_COUNT(name, text)                                                          \
+    printf("%s\"" #name "\":%" PRIu64, comma, tally->name);                              \
+    comma = ",";
+    LOAD_COUNTS(WRITE_COUNT)
+#undef WRITE_COUNT
+    printf(",\"records\":%" PRIu64 "},", tally->records);
+}
+
+static void write_histogram(const char *name, const struct load_hist *hist)
+{
+    printf("\"%s\":{\"count\":%" PRIu64, name, hist->count);
+    for (size_t i = 0; i < QUANTILES; i++) {
+        printf(",\"%s\":%.3f", quantiles[i].name, quantile_us(hist, i));
+    }
+    printf(",\"max\":%.3f},", 1e-3 * (double)hist->longest_ns);
+}
+
+void load_report_json(const struct load_findings *f)
+{
+    printf("{");
+    write_settings(&f->load->settings);
+    printf("\"seconds\":%.3f,\"measured_s\":%.3f,\"killed_clients\":%" PRIu64
+           ",\"killed_workers\":%" PRIu64 ",",
+           f->outcome->seconds, f->measured_s, f->assault->kills, f->assault->crashes);
+    write_tally("clients", &f->crowd);
+    write_tally("victims", &f->victims);
+    printf("\"rate\":%.3f,", rate_of(f));
+    write_histogram("latency_us", &f->crowd.latency);
+    write_histogram("inside_us", &f->crowd.inside);
+    printf("\"checksum\":\"%016" PRIx64 "\",\"idle_before_kib\":%" PRId64
+           ",\"idle_after_kib\":%" PRId64 ",",
+           f->checksum, f->outcome->idle_before_kib, f->outcome->idle_after_kib);
+    printf("\"adds_up\":%s,\"is_right\":%s,\"is_back\":%s,\"is_flat\":%s,\"is_quick\":%s,"
+           "\"ok\":%s}\n",
+           truth(f->adds_up), truth(f->is_right), truth(f->is_back), truth(f->is_flat),
+           truth(f->is_quick), truth(f->is_good));
 }

@@ -5,6 +5,8 @@
 #ifndef LOAD_REPORT_H
 #define LOAD_REPORT_H
 
+#include <stdio.h>
+
 #include "target.h"
 #include "watch.h"
 
@@ -48,5 +50,24 @@ void load_report_text(const struct load_findings *findings);
 void load_report_json(const struct load_findings *findings);
 
 bool load_holdings_equal(const struct load_holdings *a, const struct load_holdings *b);
+
+/* ---- Latencies, second by second and by percentile; the processes go on meanwhile. */
+
+struct load_series {
+    uint64_t begin_ns, last_ns;
+    uint64_t answers; /* until last_ns */
+    struct load_hist *sum, *last, *since;
+    bool is_live;
+};
+
+/* False: there is no memory; that is said. */
+bool load_series_begin(struct load_series *series, const struct load *load);
+/* A second if it is over, or, at the end, what is left of it: to load->csv, and to a
+ * terminal. */
+void load_series_turn(struct load_series *series, const struct load *load, bool at_end);
+void load_series_end(struct load_series *series);
+
+/* As CSV, as far as so many latencies tell. */
+void load_write_percentiles(FILE *to, const struct load_hist *latency);
 
 #endif

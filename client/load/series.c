@@ -1,10 +1,14 @@
 /* series.c - a run, second by second. */
-#include "series.h"
+#include "report.h"
 
+#include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-#define SECOND_NS 1000000000u
+#define SECOND_NS  1000000000u
+#define NINE_PARTS 20 /* of the percentiles: 0.9 is one nine, 0.99 two .. */
+#define NINES_MAX  5.0
 
 bool load_series_begin(struct load_series *series, const struct load *load)
 {
@@ -18,10 +22,9 @@ bool load_series_begin(struct load_series *series, const struct load *load)
         load_say("no memory");
         return false;
     }
-    series->csv = load->csv.to;
-    if (series->csv) {
-        fprintf(series->csv, "second,answers_per_s,missed,p50_ms,p90_ms,p99_ms,p99.9_ms,"
-                             "longest_ms\n");
+    if (load->csv.to) {
+        fprintf(load->csv.to, "second,answers_per_s,missed,p50_ms,p90_ms,p99_ms,p99.9_ms,"
+                              "longest_ms\n");
     }
     return true;
 }
@@ -49,54 +52,31 @@ static double quantile_ms(const struct load_hist *hist, double share)
     return 1e-6 * (double)load_hist_quantile(hist, share);
 }
 
-static struct load_second second_of(const struct load_hist *since, double deadline_ms)
+/* The seconds since the last one, until at_s. */
+static void show(const struct load_series *series, const struct load *load, double at_s,
+                 double answers_per_s)
 {
-    struct load_second second = {.measured = since->count,
-                                 .p50_ms = quantile_ms(since, 0.5),
-                                 .p90_ms = quantile_ms(since, 0.9),
-                                 .p99_ms = quantile_ms(since, 0.99),
-                                 .p999_ms = quantile_ms(since, 0.999),
-                                 .longest_ms = 1e-6 * (double)since->longest_ns};
-    if (deadline_ms > 0) {
-        second.missed = load_hist_above(since, (uint64_t)(1e6 * deadline_ms));
+    const struct load_hist *since = series->since;
+    double deadline_ms = load->settings.deadline_ms;
+    uint64_t missed =
+        deadline_ms > 0 ? load_hist_above(since, (uint64_t)(1e6 * deadline_ms)) : 0;
+    double p50_ms = quantile_ms(since, 0.5), p99_ms = quantile_ms(since, 0.99);
+    double longest_ms = 1e-6 * (double)since->longest_ns;
+    if (load->csv.to) {
+        fprintf(load->csv.to, "%.3f,%.1f,%" PRIu64 ",", at_s, answers_per_s, missed);
     }
-    return second;
-}
-
-static void show(const struct load_series *series, const struct load_second *s)
-{
-    if (series->csv) {
-        fprintf(series->csv, "%.3f,%.1f,%llu,", s->at_s, (double)s->answers / s->length_s,
-                (unsigned long long)s->missed);
-        if (s->measured > 0) {
-            fprintf(series->csv, "%.4f,%.4f,%.4f,%.4f,%.4f\n", s->p50_ms, s->p90_ms,
-                    s->p99_ms, s->p999_ms, s->longest_ms);
-        } else {
-            fputs(",,,,\n", series->csv); /* no latency is not one of 0 */
-        }
+    if (load->csv.to && since->count > 0) {
+        fprintf(load->csv.to, "%.4f,%.4f,%.4f,%.4f,%.4f\n", p50_ms,
+                quantile_ms(since, 0.9), p99_ms, quantile_ms(since, 0.999), longest_ms);
+    } else if (load->csv.to) {
+        fputs(",,,,\n", load->csv.to); /* no latency is not one of 0 */
     }
     if (series->is_live) {
         fprintf(stderr,
                 "\r%6.0f s %9.0f answers a second   p50 %.2f   p99 %.2f   longest %.2f ms"
-                "   missed %llu \033[K",
-                s->at_s, (double)s->answers / s->length_s, s->p50_ms, s->p99_ms,
-                s->longest_ms, (unsigned long long)s->missed);
+                "   missed %" PRIu64 " \033[K",
+                at_s, answers_per_s, p50_ms, p99_ms, longest_ms, missed);
     }
-}
-
-static void keep(struct load_series *series, const struct load_second *second)
-{
-    if (series->count == series->capacity) {
-        size_t capacity = 2 * series->capacity + 64;
-        struct load_second *seconds =
-            realloc(series->seconds, capacity * sizeof *series->seconds);
-        if (!seconds) {
-            return; /* the plot has less of it */
-        }
-        series->seconds = seconds;
-        series->capacity = capacity;
-    }
-    series->seconds[series->count++] = *second;
 }
 
 void load_series_turn(struct load_series *series, const struct load *load, bool at_end)
@@ -109,18 +89,14 @@ void load_series_turn(struct load_series *series, const struct load *load, bool 
     memset(series->sum, 0, sizeof *series->sum);
     load_series_sum(load, series->sum);
     load_hist_since(series->sum, series->last, series->since);
-    struct load_second second = second_of(series->since, load->settings.deadline_ms);
     uint64_t answers = count_answers(load);
-    second.answers = answers - series->answers;
+    show(series, load, 1e-9 * (double)(now_ns - series->begin_ns),
+         (double)(answers - series->answers) / length_s);
     series->answers = answers;
-    second.at_s = 1e-9 * (double)(now_ns - series->begin_ns);
-    second.length_s = length_s;
     struct load_hist *spare = series->last;
     series->last = series->sum;
     series->sum = spare;
     series->last_ns = now_ns;
-    show(series, &second);
-    keep(series, &second);
 }
 
 void load_series_end(struct load_series *series)
@@ -131,6 +107,16 @@ void load_series_end(struct load_series *series)
     free(series->sum);
     free(series->last);
     free(series->since);
-    free(series->seconds);
     *series = (struct load_series){0};
+}
+
+void load_write_percentiles(FILE *to, const struct load_hist *latency)
+{
+    double most = fmin(ceil(log10((double)latency->count + 1)), NINES_MAX);
+    fputs("nines,percentile,latency_ms\n", to);
+    for (int i = 0; i <= most * NINE_PARTS; i++) {
+        double nines = (double)i / NINE_PARTS;
+        double share = 1 - pow(10, -nines);
+        fprintf(to, "%.3f,%.5f,%.4f\n", nines, 100 * share, quantile_ms(latency, share));
+    }
 }

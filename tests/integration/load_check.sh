@@ -151,7 +151,7 @@ tap_result $? load__tells_that_there_is_no_library "$work/missing"
 
 # If it failed, a long run would end without what was to be written.
 status=0
-for options in "--csv $work/no/file" "--plot $work/no/file.png"; do
+for options in "--csv $work/no/file" "--percentiles $work/no/file"; do
     # shellcheck disable=SC2086 # words
     load unwritten --clients 4 --requests 5 $options
     [ $? -eq 4 ] && ! grep -q '^submitted' "$work/unwritten" || status=1
@@ -159,14 +159,20 @@ done
 [ $status -eq 0 ]
 tap_result $? load__looks_where_it_is_to_write_first "$work/unwritten"
 
-# If it failed, the picture would be missing, or gnuplot's absence be no error.
-if command -v gnuplot >/dev/null; then
-    load plot --clients 4 --requests 50 --plot "$work/plot.png" &&
-        head -c 4 "$work/plot.png" | grep -q PNG
+# If it failed, the picture would be missing, or percentiles be those of something else.
+load plot --clients 4 --requests 50 --csv "$work/s.csv" --percentiles "$work/p.csv" --json &&
+    awk -F, -v us="$(value "$work/plot" latency_us p99)" '
+        $1 == "2.000" { exit !($2 == 99 && $3 == sprintf("%.4f", us / 1000)) }' "$work/p.csv" &&
+    awk -F, 'NR > 2 && $3 < last { exit 1 } { last = $3 }' "$work/p.csv"
+status=$?
+if [ $status -eq 0 ] && ! command -v gnuplot >/dev/null; then
+    tap_skip load__draws_a_picture 'no gnuplot (apt install gnuplot-nox)'
 else
-    load plot --clients 4 --requests 50 --plot "$work/plot.png"
-    [ $? -eq 4 ] && grep -q 'needs gnuplot' "$work/plot"
+    [ $status -eq 0 ] &&
+        gnuplot -e "csv='$work/s.csv'; percentiles='$work/p.csv'; png='$work/plot.png'" \
+            "$top_srcdir/client/load/pccd-load.gp" 2>>"$work/plot" &&
+        head -c 4 "$work/plot.png" | grep -q PNG
+    tap_result $? load__draws_a_picture "$work/plot"
 fi
-tap_result $? load__draws_a_picture "$work/plot"
 
 tap_end

@@ -14,10 +14,10 @@
 #define PLACE_ROOM  1.6f /* around the features of a contact */
 #define PLACE_LEAST 0.01 /* of the scene, where they have no size */
 #define TURNS       16u  /* directions around the normal */
-#define NEAR        1e-3 /* of the contact's radius: what it lies on is not in front of it */
-#define STEEP       0.3 /* what a steeper view costs, beside how far it is turned away */
+#define NEAR        1e-3 /* of the contact's radius: what it lies on hides nothing */
+#define STEEP       0.3  /* what a steeper view costs, beside how far it is turned away */
 
-/* ---- from where a contact can be seen ------------------------------------------------ */
+/* ---- from where a contact can be seen ---------------------------------------------- */
 
 /* Sines of angles to the plane in which the surfaces touch. */
 static const double tilts[] = {0.3, -0.3, 0.8, -0.8};
@@ -79,9 +79,9 @@ static bool is_free(const struct still *still, const double at[3], const double 
     return true;
 }
 
-/* `from`, unit, is the wanted direction from contact still->chosen to the eye, and becomes
- * the one of those with a free view that is least turned away from it; it stays where none
- * of them has a free view. */
+/* `from`, unit, is the wanted direction from contact still->chosen to the eye, and
+ * becomes the one of those with a free view that is least turned away from it; it stays
+ * where none of them has a free view. */
 static void choose_viewpoint(const struct still *still, float from[3])
 {
     const struct still_contact *contact = &still->contacts[still->chosen];

@@ -47,7 +47,7 @@ static void normalize(float x[3])
     }
 }
 
-/* ---- normals ------------------------------------------------------------------------ */
+/* ---- normals ----------------------------------------------------------------------- */
 
 /* An edge of a triangle, and the corners at its ends: those of its lower vertex first. */
 struct side {
