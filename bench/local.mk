@@ -24,12 +24,9 @@ libbench_la_SOURCES = \
     bench/scenes/exploding.c \
     bench/scenes/game.c \
     bench/scenes/layers.c \
-    bench/scenes/needles.c \
-    bench/scenes/over_box.c \
+    bench/scenes/near.c \
     bench/scenes/overlap.c \
     bench/scenes/partial.c \
-    bench/scenes/passing.c \
-    bench/scenes/recorded.c \
     bench/scenes/shards.c \
     bench/scenes/sheets.c \
     bench/scenes/surface.c \

@@ -8,7 +8,6 @@
 check_PROGRAMS += bench/model/model
 
 bench_model_model_SOURCES = \
-    bench/model/costs.c \
     bench/model/measure.c \
     bench/model/model.c \
     bench/model/record.c \

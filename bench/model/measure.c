@@ -1,9 +1,139 @@
-/* measure.c - real steps, to take the serial parts from and to compare with. */
-#include "measure.h"
+/* measure.c - what it costs here that threads meet, and real steps. */
+#include "model.h"
 
+#include <omp.h>
+#include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
+#include "clock.h"
+#include "deque.h"
+#include "parallel.h"
 #include "report.h"
+#include "wait.h"
+
+#define REPEATS  101
+#define LOOPS    1000
+#define SLEEPERS 8
+
+static double median_of(struct bench_samples *samples)
+{
+    double p50 = bench_summarise(samples).p50;
+    bench_free(samples);
+    *samples = (struct bench_samples){0};
+    return p50;
+}
+
+static double per(uint64_t begin_ns, uint32_t count)
+{
+    return (double)(common_now_ns() - begin_ns) / count;
+}
+
+/* ---- alone ----------------------------------------------------------------------- */
+
+static void measure_alone(struct model_costs *costs)
+{
+    static struct eng_deque deque;
+    struct bench_samples clock = {0};
+    struct bench_samples take = {0};
+    eng_deque_init(&deque);
+    for (int repeat = 0; repeat < REPEATS; repeat++) {
+        uint64_t task;
+        uint64_t begin_ns = common_now_ns();
+        for (uint32_t i = 0; i < LOOPS; i++) {
+            (void)common_now_ns();
+        }
+        bench_add(&clock, per(begin_ns, LOOPS));
+        begin_ns = common_now_ns();
+        for (uint32_t i = 0; i < LOOPS; i++) {
+            eng_deque_push(&deque, i);
+            eng_deque_pop(&deque, &task);
+        }
+        bench_add(&take, per(begin_ns, LOOPS));
+    }
+    costs->clock = median_of(&clock);
+    costs->take = median_of(&take);
+}
+
+/* ---- the team -------------------------------------------------------------------- */
+
+/* Start a region of sleepers: the starter's time, and when the second thread runs. */
+static double start_region(int threads, double *second)
+{
+    uint64_t second_ns = 0;
+    uint64_t starter_ns = 0;
+    nanosleep(&(struct timespec){0, 1000000}, NULL); /* the team falls asleep */
+    uint64_t begin_ns = common_now_ns();
+#pragma omp parallel num_threads(threads)
+    {
+        if (omp_get_thread_num() == 0) {
+            starter_ns = common_now_ns();
+        } else if (omp_get_thread_num() == 1) {
+            second_ns = common_now_ns();
+        }
+    }
+    *second = second_ns > begin_ns ? (double)(second_ns - begin_ns) : 0;
+    return (double)(starter_ns - begin_ns);
+}
+
+static double time_barrier(void)
+{
+    double ns = 0;
+#pragma omp parallel num_threads(2)
+    {
+#pragma omp barrier
+        uint64_t begin_ns = common_now_ns();
+        for (int i = 0; i < LOOPS; i++) {
+#pragma omp barrier
+        }
+        if (omp_get_thread_num() == 0) {
+            ns = per(begin_ns, LOOPS);
+        }
+    }
+    return ns;
+}
+
+static void measure_team(struct model_costs *costs)
+{
+    struct bench_samples barrier = {0};
+    struct bench_samples wake = {0};
+    struct bench_samples two = {0};
+    struct bench_samples many = {0};
+    double second;
+    for (int repeat = 0; repeat < REPEATS; repeat++) {
+        bench_add(&two, start_region(2, &second));
+        bench_add(&wake, second);
+        bench_add(&barrier, time_barrier());
+    }
+    for (int repeat = 0; repeat < REPEATS; repeat++) {
+        bench_add(&many, start_region(SLEEPERS + 2, &second));
+    }
+    costs->barrier = median_of(&barrier);
+    costs->wake = median_of(&wake);
+    /* Minima: those that were woken compete with the starter for the processors. */
+    double each = (bench_summarise(&many).min - bench_summarise(&two).min) / SLEEPERS;
+    costs->wake_each = each > 0 ? each : 0;
+    bench_free(&two);
+    bench_free(&many);
+}
+
+void model_costs_measure(struct model_costs *costs, const struct eng_affinity *affinity)
+{
+    eng_affinity_warm_up(affinity, 2);
+    measure_alone(costs);
+    measure_team(costs);
+}
+
+void model_costs_print(const struct model_costs *costs, FILE *out)
+{
+    fprintf(out,
+            "cost,ns\nreading of the clock,%.1f\ntask of one's own,%.1f\n"
+            "barrier of two,%.1f\nregion to second thread,%.1f\n"
+            "each thread that is woken,%.1f\n",
+            costs->clock, costs->take, costs->barrier, costs->wake, costs->wake_each);
+}
+
+/* ---- steps ----------------------------------------------------------------------- */
 
 enum { STEP, RATIO, SERIAL, REFIT, DETECTION, MERGE, QUANTITIES };
 

@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "measure.h"
-#include "record.h"
+#include "model.h"
 #include "report.h"
 #include "world.h"
 

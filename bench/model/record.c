@@ -1,5 +1,5 @@
 /* record.c - every task of a step, timed. */
-#include "record.h"
+#include "model.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* schedule.c - a list scheduler. */
-#include "schedule.h"
+#include "model.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -13,27 +13,14 @@
 #include "families.h"
 #include "near_ours.h"
 #include "oracle_thick.h"
-#include "report.h"
 
 #define REPEATS_MAX 9u
 #define BUDGET_NS   3000000000u /* for one quantity; it has one repeat at least */
 
-static const bool has_peer =
-#ifdef PEERS_IPC_TOOLKIT
-    true;
-#else
-    false;
-#endif
 static const char *const way_names[NEAR_WAYS] = {"additive", "tight inclusion"};
 static const char *const usual[] = {"cloth-20k", "cloth-ball", "cloth-funnel", "n-body",
                                     NULL};
 #define SHARE 1e-2 /* of the median edge: one r, unless a scene has its own */
-
-struct quantity {
-    struct bench_samples ms;
-    uint64_t spent_ns;
-    double allowed;
-};
 
 struct run {
     char name[80]; /* of the scene, with r */
@@ -43,17 +30,10 @@ struct run {
     double r;
     void *theirs; /* NULL: there is no other library */
     struct eng_step_result found;
-    struct quantity ours;
-    struct quantity others[NEAR_WAYS];
+    struct near_quantity ours;
+    struct near_quantity others[NEAR_WAYS];
+    double allowed[NEAR_WAYS]; /* by the others */
 };
-
-static void keep(struct quantity *quantity, uint64_t begin_ns, double allowed)
-{
-    uint64_t ns = common_now_ns() - begin_ns;
-    quantity->spent_ns += ns;
-    quantity->allowed = allowed;
-    bench_add(&quantity->ms, 1e-6 * (double)ns);
-}
 
 static void ask_ours(struct run *run)
 {
@@ -62,19 +42,18 @@ static void ask_ours(struct run *run)
     settings.distance = run->r;
     uint64_t begin_ns = common_now_ns();
     bench_world_step(run->world, run->frames, &settings, &run->found);
-    keep(&run->ours, begin_ns, run->found.safe_step);
+    near_keep(&run->ours, begin_ns, true);
     bench_check(run->found.incomplete == PCCD_COMPLETE, run->name, "incomplete");
 }
 
 static void ask_other(struct run *run, enum near_way way)
 {
     uint64_t begin_ns = common_now_ns();
-    double allowed = 0;
 #ifdef PEERS_IPC_TOOLKIT
-    allowed = near_ipc_toolkit_allowed(run->theirs, (const double(*)[3])run->frames->x[1],
-                                       run->r, way);
+    run->allowed[way] = near_ipc_toolkit_allowed(
+        run->theirs, (const double(*)[3])run->frames->x[1], run->r, way);
 #endif
-    keep(&run->others[way], begin_ns, allowed);
+    near_keep(&run->others[way], begin_ns, true);
 }
 
 /* ---- the true share ---------------------------------------------------------------- */
@@ -130,32 +109,32 @@ static bool judge(const struct run *run, double *latest)
     load(run, contact, &thick, p);
     struct oracle_first *first = oracle_thick_first_new(&thick);
     *latest = contact->toi_hi;
-    bool is_right =
-        first != NULL && oracle_first_compare(first, contact->toi_hi) <= 0 &&
-        (run->ours.allowed == 0 || oracle_first_compare(first, run->ours.allowed) > 0);
+    bool is_right = first != NULL && oracle_first_compare(first, contact->toi_hi) <= 0 &&
+                    (run->found.safe_step == 0 ||
+                     oracle_first_compare(first, run->found.safe_step) > 0);
     oracle_first_free(first);
     return bench_check(is_right, run->name, "the first pair is not where it is said");
 }
 
 /* ---- the report -------------------------------------------------------------------- */
 
-static void print_share(const struct run *run, const char *who,
-                        const struct quantity *quantity, double latest)
+static void print_share(const struct run *run, const char *who, double allowed,
+                        double latest)
 {
     char text[80];
     snprintf(text, sizeof text, "%s: allowed", who);
-    bench_number(run->name, text, "", quantity->allowed);
+    bench_number(run->name, text, "", allowed);
     snprintf(text, sizeof text, "%s: below the true one", who);
-    bench_number(run->name, text, "", latest - quantity->allowed);
+    bench_number(run->name, text, "", latest - allowed);
 }
 
 static void print(const struct run *run, double latest)
 {
     bench_number(run->name, "r", "", run->r);
     bench_number(run->name, "begin within r", "", (double)run->found.initial);
-    print_share(run, "ours", &run->ours, latest);
+    print_share(run, "ours", run->found.safe_step, latest);
     for (unsigned i = 0; i < NEAR_WAYS && run->theirs != NULL; i++) {
-        print_share(run, way_names[i], &run->others[i], latest);
+        print_share(run, way_names[i], run->allowed[i], latest);
     }
     bench_row(&(struct bench_row){
         .scene = run->name, .what = "ours", .unit = "ms", .samples = &run->ours.ms});
@@ -244,25 +223,18 @@ static void measure_scene(const struct bench_scene *source, double r,
     near_scene_deinit(&scene);
 }
 
-int main(int argc, char **argv)
+void near_allowed(const struct bench_options *options)
 {
-    struct bench_options options = {.smoke = false};
-    bench_team_environment(argv);
-    bench_begin("allowed", NULL, argc, argv, &options);
-    if (!has_peer) {
-        bench_skip("ipc-toolkit", "configure was not told where it is");
-    }
     struct bench_scene scene;
     for (unsigned i = 0;
-         bench_next_scene(&options, options.wanted ? NULL : usual, &i, &scene);) {
-        measure_scene(&scene, 0, &options);
+         bench_next_scene(options, options->wanted ? NULL : usual, &i, &scene);) {
+        measure_scene(&scene, 0, options);
         bench_scene_free(&scene);
     }
-    if (bench_is_wanted(&options, "over-box")) {
+    if (bench_is_wanted(options, "over-box")) {
         scene = (struct bench_scene){.name = "over-box"};
         bench_make_over_box(&scene);
-        measure_scene(&scene, 1e-3, &options);
+        measure_scene(&scene, 1e-3, options);
         bench_scene_free(&scene);
     }
-    return bench_end();
 }

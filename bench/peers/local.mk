@@ -11,29 +11,21 @@
 
 PEERS_CXXFLAGS = -std=c++17 -Wall -Wextra -Wshadow
 
-# What is near: ours is measured by itself where there is no ipc-toolkit.
-near_sources = \
+# What is near, and how much of a step is safe: ours is measured by itself where there is no
+# ipc-toolkit.
+check_PROGRAMS += bench/peers/near
+bench_peers_near_SOURCES = \
+    bench/peers/allowed.c \
+    bench/peers/near.c \
+    bench/peers/near_judge.c \
     bench/peers/near_ours.c \
     bench/peers/swept.c
-if HAVE_IPC_TOOLKIT
-near_sources += bench/peers/ipc_toolkit.cc
-endif
-check_PROGRAMS += bench/peers/near
-bench_peers_near_SOURCES = bench/peers/near.c bench/peers/near_judge.c $(near_sources)
 bench_peers_near_CPPFLAGS = $(AM_CPPFLAGS)
 bench_peers_near_CXXFLAGS = $(PEERS_CXXFLAGS) $(IPC_TOOLKIT_CXXFLAGS)
 bench_peers_near_LINK = $(LINK) $(OPENMP_CFLAGS)
 bench_peers_near_LDADD = $(LDADD)
-
-# How much of a step is safe at a distance.
-check_PROGRAMS += bench/peers/allowed
-bench_peers_allowed_SOURCES = bench/peers/allowed.c $(near_sources)
-bench_peers_allowed_CPPFLAGS = $(bench_peers_near_CPPFLAGS)
-bench_peers_allowed_CXXFLAGS = $(bench_peers_near_CXXFLAGS)
-bench_peers_allowed_LINK = $(bench_peers_near_LINK)
-bench_peers_allowed_LDADD = $(bench_peers_near_LDADD)
-
 if HAVE_IPC_TOOLKIT
+bench_peers_near_SOURCES += bench/peers/ipc_toolkit.cc
 bench_peers_near_CPPFLAGS += -DPEERS_IPC_TOOLKIT
 bench_peers_near_LDADD += $(IPC_TOOLKIT_LIBS) -lstdc++
 endif
@@ -43,8 +35,8 @@ bench-near: bench/peers/near$(EXEEXT)
 	@$(AM_TESTS_ENVIRONMENT) bench/peers/near $(BENCH_ARGS)
 
 .PHONY: bench-allowed
-bench-allowed: bench/peers/allowed$(EXEEXT)
-	@$(AM_TESTS_ENVIRONMENT) bench/peers/allowed $(BENCH_ARGS)
+bench-allowed: bench/peers/near$(EXEEXT)
+	@$(AM_TESTS_ENVIRONMENT) bench/peers/near allowed $(BENCH_ARGS)
 
 if HAVE_PEERS
 check_PROGRAMS += bench/peers/peers

@@ -11,7 +11,6 @@
 
 #include "families.h"
 #include "near_ours.h"
-#include "report.h"
 
 #define REPEATS_MAX 15u
 #define THREADS_MAX 2u
@@ -45,11 +44,6 @@ enum { THEIR_PAIRS, THEIR_FEATURES, THEIR_VERTICES, THEIRS };
 static const char *const their_name[THEIRS] = {"pairs", "features", "vertices"};
 static const unsigned beside[THEIRS] = {0, 1, 3};
 
-struct quantity {
-    struct bench_samples ms;
-    uint64_t spent_ns;
-};
-
 struct run {
     const char *name; /* of the scene, with the distance */
     struct bench_world *world;
@@ -57,9 +51,9 @@ struct run {
     const struct near_input *input;
     double d;
     void *theirs; /* NULL: there is no other library */
-    struct quantity step[THREADS_MAX];
-    struct quantity ours[THREADS_MAX][ASKED];
-    struct quantity others[THEIRS];
+    struct near_quantity step[THREADS_MAX];
+    struct near_quantity ours[THREADS_MAX][ASKED];
+    struct near_quantity others[THEIRS];
 };
 
 /* ---- sets -------------------------------------------------------------------------- */
@@ -130,15 +124,6 @@ static bool judge(struct run *run)
 
 /* ---- times ------------------------------------------------------------------------- */
 
-static void keep(struct quantity *quantity, uint64_t begin_ns, bool counts)
-{
-    uint64_t ns = common_now_ns() - begin_ns;
-    quantity->spent_ns += ns;
-    if (counts) {
-        bench_add(&quantity->ms, 1e-6 * (double)ns);
-    }
-}
-
 /* A step to the end of the frames, so that a question that moves goes back from there. */
 static void take_step(struct run *run, uint32_t threads, bool counts)
 {
@@ -148,7 +133,7 @@ static void take_step(struct run *run, uint32_t threads, bool counts)
     settings.threads = threads;
     uint64_t begin_ns = common_now_ns();
     bench_world_step(run->world, run->frames, &settings, &result);
-    keep(&run->step[threads - 1], begin_ns, counts);
+    near_keep(&run->step[threads - 1], begin_ns, counts);
 }
 
 static void ask_ours(struct run *run, uint32_t threads, unsigned i, bool counts)
@@ -160,7 +145,7 @@ static void ask_ours(struct run *run, uint32_t threads, unsigned i, bool counts)
     }
     uint64_t begin_ns = common_now_ns();
     bench_world_near(run->world, run->frames, asked[i].moves, &settings, &result);
-    keep(&run->ours[threads - 1][i], begin_ns, counts);
+    near_keep(&run->ours[threads - 1][i], begin_ns, counts);
     bench_check(result.incomplete == PCCD_COMPLETE, run->name, "incomplete");
 }
 
@@ -174,10 +159,10 @@ static void ask_other(struct run *run, unsigned i, double *bounds, bool counts)
     } else {
         peer->vertices(run->theirs, run->d, bounds);
     }
-    keep(&run->others[i], begin_ns, counts);
+    near_keep(&run->others[i], begin_ns, counts);
 }
 
-static bool has_turn(const struct quantity *quantity, unsigned r)
+static bool has_turn(const struct near_quantity *quantity, unsigned r)
 {
     return r <= 2 || quantity->spent_ns < BUDGET_NS;
 }
@@ -203,8 +188,8 @@ static void take_turns(struct run *run, uint32_t most, unsigned repeats)
 }
 
 static void print_row(const struct run *run, const char *who, const char *what,
-                      uint32_t threads, const struct quantity *quantity,
-                      const char *base_name, const struct quantity *base)
+                      uint32_t threads, const struct near_quantity *quantity,
+                      const char *base_name, const struct near_quantity *base)
 {
     char text[100];
     snprintf(text, sizeof text, "%s, %s, %u", who, what, threads);
@@ -220,7 +205,7 @@ static void print_row(const struct run *run, const char *who, const char *what,
 static void print(const struct run *run, uint32_t most)
 {
     for (uint32_t threads = 1; threads <= most; threads++) {
-        const struct quantity *step = &run->step[threads - 1];
+        const struct near_quantity *step = &run->step[threads - 1];
         print_row(run, "ours", "contact step", threads, step, NULL, NULL);
         for (unsigned i = 0; i < ASKED; i++) {
             print_row(run, "ours", asked[i].name, threads, &run->ours[threads - 1][i],
@@ -313,14 +298,14 @@ static const struct {
 enum { OF_TWO = sizeof of_two / sizeof of_two[0] };
 
 static void ask_of_two(struct bench_world *world, const struct bench_frames *frames,
-                       enum pccd_near_what what, struct quantity *quantity)
+                       enum pccd_near_what what, struct near_quantity *quantity)
 {
     struct eng_question settings = near_ours_settings(what, 0, 1);
     struct eng_step_result result;
     settings.distance = what == PCCD_NEAR_NEAREST ? INFINITY : 0;
     uint64_t begin_ns = common_now_ns();
     bench_world_near(world, frames, false, &settings, &result);
-    keep(quantity, begin_ns, true);
+    near_keep(quantity, begin_ns, true);
     bench_check(result.incomplete == PCCD_COMPLETE, "passing", "incomplete");
 }
 
@@ -329,8 +314,8 @@ static void measure_passing(const struct bench_options *options)
     struct bench_scene scene = {.name = "passing"};
     struct bench_frames frames;
     struct bench_world world;
-    struct quantity step = {0};
-    struct quantity asked_of[OF_TWO] = {0};
+    struct near_quantity step = {0};
+    struct near_quantity asked_of[OF_TWO] = {0};
     bench_make_passing(&scene, options->smoke);
     bench_frames_init(&frames, &scene, 0);
     bench_world_init(&world, &frames, NULL);
@@ -341,7 +326,7 @@ static void measure_passing(const struct bench_options *options)
         bench_frames_seek(&frames, i);
         uint64_t begin_ns = common_now_ns();
         bench_world_step(&world, &frames, &settings, &result);
-        keep(&step, begin_ns, true);
+        near_keep(&step, begin_ns, true);
         for (unsigned k = 0; k < OF_TWO; k++) {
             ask_of_two(&world, &frames, of_two[k].what, &asked_of[k]);
         }
@@ -358,29 +343,36 @@ static void measure_passing(const struct bench_options *options)
     bench_scene_free(&scene);
 }
 
+static void measure_near(const struct bench_options *options)
+{
+    struct bench_scene scene;
+    for (unsigned i = 0;
+         bench_next_scene(options, options->wanted ? NULL : usual, &i, &scene);) {
+        measure_scene(&scene, 0, options);
+        bench_scene_free(&scene);
+    }
+    if (bench_is_wanted(options, "needles")) {
+        scene = (struct bench_scene){.name = "needles"};
+        bench_make_needles(&scene, options->smoke);
+        measure_scene(&scene, 2, options);
+        bench_scene_free(&scene);
+    }
+    if (bench_is_wanted(options, "passing")) {
+        measure_passing(options);
+    }
+}
+
+/* With "allowed" as the first argument: how much of a step is safe. */
 int main(int argc, char **argv)
 {
     struct bench_options options = {.smoke = false};
     bench_team_environment(argv);
-    bench_begin("near", NULL, argc, argv, &options);
+    bool is_allowed = argc > 1 && strcmp(argv[1], "allowed") == 0;
+    bench_begin(is_allowed ? "allowed" : "near", NULL, argc - is_allowed,
+                argv + is_allowed, &options);
     if (!peer) {
         bench_skip("ipc-toolkit", "configure was not told where it is");
     }
-    struct bench_scene scene;
-    for (unsigned i = 0;
-         bench_next_scene(&options, options.wanted ? NULL : usual, &i, &scene);) {
-        measure_scene(&scene, 0, &options);
-        bench_scene_free(&scene);
-    }
-    if (bench_is_wanted(&options, "needles")) {
-        memset(&scene, 0, sizeof scene);
-        scene.name = "needles";
-        bench_make_needles(&scene, options.smoke);
-        measure_scene(&scene, 2, &options);
-        bench_scene_free(&scene);
-    }
-    if (bench_is_wanted(&options, "passing")) {
-        measure_passing(&options);
-    }
+    (is_allowed ? near_allowed : measure_near)(&options);
     return bench_end();
 }

@@ -4,12 +4,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report.h"
 #include "steps.h"
 
 _Static_assert(NEAR_VF == (int)PCCD_VF && NEAR_EE == (int)PCCD_EE &&
                    NEAR_VE == (int)PCCD_VE && NEAR_VV == (int)PCCD_VV,
                "kinds");
+
+void near_keep(struct near_quantity *quantity, uint64_t begin_ns, bool counts)
+{
+    uint64_t ns = common_now_ns() - begin_ns;
+    quantity->spent_ns += ns;
+    if (counts) {
+        bench_add(&quantity->ms, 1e-6 * (double)ns);
+    }
+}
 
 void near_scene_init(struct near_scene *scene, const struct bench_scene *source)
 {

@@ -7,6 +7,7 @@
 
 #include "near_peer.h"
 #include "pccd_types.h"
+#include "report.h"
 #include "steps.h"
 
 /* ---- Who is right about what is near: exact integers decide.
@@ -50,6 +51,18 @@ struct near_verdict {
 void near_judge(const struct near_input *input, double d, const struct near_answers *ours,
                 const struct near_bracket *brackets, struct near_answers *theirs,
                 struct near_verdict *of_ours, struct near_verdict *of_theirs);
+
+/* What is measured of one question. */
+struct near_quantity {
+    struct bench_samples ms;
+    uint64_t spent_ns;
+};
+
+/* What has begun at begin_ns has ended; `counts`: it is a sample. */
+void near_keep(struct near_quantity *quantity, uint64_t begin_ns, bool counts);
+
+/* How much of a step is safe (allowed.c), of all scenes that are wanted. */
+void near_allowed(const struct bench_options *options);
 
 /* A scene at its hard frame, which has made a step to the end of that by the method
  * `paper`; and its start, as other libraries take it. */

@@ -35,7 +35,7 @@ else
 fi
 
 # If this failed, a step that is said to be safe would be compared with a wrong one.
-"$top_builddir"/bench/peers/allowed --smoke over-box >"$log" 2>&1 &&
+"$near" allowed --smoke over-box >"$log" 2>&1 &&
     grep -q 'ours: allowed' "$log"
 tap_result $? bench_allowed__is_just_before_the_true_share "$log"
 

@@ -93,4 +93,9 @@ struct bench_object *bench_scene_add_mesh(struct bench_scene *scene,
  * will copy. For small scenes. */
 double (*bench_scene_store(struct bench_scene *scene, uint32_t frame_count))[3];
 
+/* From one frame of $PCCD_DATA to another with the same faces, in `steps` of equal
+ * length. False: they are not there. */
+bool bench_read_recorded(struct bench_scene *scene, const char *const names[2],
+                         uint32_t steps);
+
 #endif

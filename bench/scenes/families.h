@@ -21,7 +21,7 @@ void bench_make_all_overlap(struct bench_scene *scene, bool small);
 void bench_make_soup(struct bench_scene *scene, uint32_t count);
 void bench_make_one_triangle(struct bench_scene *scene, bool small);
 
-/* needles.c: pairs of triangles of length 1 and width 1e-8; those of a pair are nearer
+/* near.c: pairs of triangles of length 1 and width 1e-8; those of a pair are nearer
  * than 2, all else farther apart. */
 void bench_make_needles(struct bench_scene *scene, bool small);
 
@@ -33,10 +33,10 @@ void bench_make_points(struct bench_scene *scene, bool small);
 void bench_make_points_self(struct bench_scene *scene, bool small);
 void bench_make_hair(struct bench_scene *scene, bool small);
 
-/* passing.c: two bodies of 9800 triangles, apart at first, one in the other at last. */
+/* Two bodies of 9800 triangles, apart at first, one in the other at last. */
 void bench_make_passing(struct bench_scene *scene, bool small);
 
-/* over_box.c: a cloth of 392 triangles comes down on a box of 12. */
+/* A cloth of 392 triangles comes down on a box of 12. */
 void bench_make_over_box(struct bench_scene *scene);
 
 /* breaking.c: a body (object 0) hits another (object 1), which breaks into pieces that
@@ -78,10 +78,5 @@ struct bench_moving {
  * else stands where it is at `frame`; for any number of frames. */
 void bench_make_partial(struct bench_scene *scene, const struct bench_scene *told,
                         uint32_t frame, struct bench_moving moving);
-
-/* recorded.c: from one frame of $PCCD_DATA to another with the same faces, in `steps` of
- * equal length. False: they are not there. */
-bool bench_read_recorded(struct bench_scene *scene, const char *const names[2],
-                         uint32_t steps);
 
 #endif
