@@ -31,9 +31,8 @@ libtests_la_SOURCES = \
     tests/unit/eng_case.c \
     tests/unit/eng_crew.c \
     tests/unit/eng_filters.c \
-    tests/unit/eng_fresh.c \
     tests/unit/eng_kit.c \
-    tests/unit/eng_near.c \
+    tests/unit/eng_answer.c \
     tests/unit/eng_player.c \
     tests/unit/eng_stir.c \
     tests/unit/eng_way.c \

@@ -5,7 +5,6 @@
  * layout.
  */
 #include "cases.h"
-
 #include "codec.h"
 #include "messages.h"
 #include "pccd.h"

@@ -1,10 +1,6 @@
 /* test_eng_anew.c - whatever makes boxes or records old has them made anew. */
 #include "cases.h"
-
-#include <stdlib.h>
-#include <string.h>
-
-#include "eng_fresh.h"
+#include "eng_answer.h"
 #include "eng_way.h"
 #include "play_actor.h"
 #include "wide_state.h"
@@ -98,11 +94,11 @@ static void lift(struct world *world, uint32_t id, uint32_t first, uint32_t coun
 /* The step that is staged must be answered as by a fresh scene. */
 static void check_step(struct world *world)
 {
-    struct fresh_answer fresh;
+    struct answer fresh;
     int status = player_step(&world->player, &world->settings, &world->result);
     assert_ok(status);
-    fresh_find(&world->player, &world->settings, &fresh);
-    const char *difference = fresh_difference(&fresh, &world->result);
+    answer_find_fresh(&world->player, &world->settings, &fresh);
+    const char *difference = answer_difference(&fresh, &world->result);
     if (difference) {
         char way[WAY_TEXT_MAX];
         way_tell(&world->settings, way);
@@ -110,7 +106,7 @@ static void check_step(struct world *world)
                  way);
     }
     assert_true(way_tree_is_sound(world->player.scene, &world->result));
-    fresh_free(&fresh);
+    answer_free(&fresh);
 }
 
 /* A few vertices of the cloth go up or down through the floor and the tile; all else
@@ -460,11 +456,11 @@ static void give_up(struct world *world)
     check_step(world); /* the scene goes on from its end; nothing moves */
     lift(world, BODY, 0, object_of(world, BODY)->vertex_count, -1.5);
     assert_int_equal(player_step(&world->player, &settings, &result), PCCD_E_AGAIN);
-    struct fresh_answer fresh;
-    fresh_find(&world->player, &world->settings, &fresh);
+    struct answer fresh;
+    answer_find_fresh(&world->player, &world->settings, &fresh);
     result = kit_step(world->player.scene, &world->settings);
-    assert_null(fresh_difference(&fresh, &result)); /* what is owed */
-    fresh_free(&fresh);
+    assert_null(answer_difference(&fresh, &result)); /* what is owed */
+    answer_free(&fresh);
 }
 
 /* If this failed, a step that was given up would count as one that was answered. */

@@ -1,11 +1,7 @@
 /* test_eng_fuzz.c - whatever a scene has been through, it answers as one made anew. */
 #include "cases.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "clock.h"
-#include "eng_fresh.h"
+#include "eng_answer.h"
 #include "eng_way.h"
 #include "trace.h"
 
@@ -64,12 +60,11 @@ static struct eng_question some_settings(struct fuzz *fuzz, enum pccd_mode mode)
 }
 
 /* What a fresh scene, one thread and default settings answer. */
-static void find_reference(struct fuzz *fuzz, enum pccd_mode mode,
-                           struct fresh_answer *answer)
+static void find_reference(struct fuzz *fuzz, enum pccd_mode mode, struct answer *answer)
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
-    fresh_find(&fuzz->player, &settings, answer);
+    answer_find_fresh(&fuzz->player, &settings, answer);
     CHECK(fuzz, answer->result.incomplete == PCCD_COMPLETE);
 }
 
@@ -84,13 +79,13 @@ static void tally(const struct eng_step_result *result)
 }
 
 static void take_whole_step(struct fuzz *fuzz, enum pccd_mode mode,
-                            const struct fresh_answer *want)
+                            const struct answer *want)
 {
     struct eng_question settings = some_settings(fuzz, mode);
     struct eng_step_result result;
     CHECK(fuzz, player_step(&fuzz->player, &settings, &result) == PCCD_OK);
     tally(&result);
-    const char *difference = fresh_difference(want, &result);
+    const char *difference = answer_difference(want, &result);
     if (difference) {
         fail_msg("PCCD_SEED=%llu, step %u: not the same: %s",
                  (unsigned long long)fuzz->seed, fuzz->step, difference);
@@ -187,7 +182,7 @@ static void fuzz_step(struct fuzz *fuzz)
     static const enum pccd_mode modes[] = {PCCD_MODE_ALL, PCCD_MODE_FIRST, PCCD_MODE_ANY,
                                            PCCD_MODE_PAIRS};
     enum pccd_mode mode = modes[draw(fuzz, 4)];
-    struct fresh_answer want;
+    struct answer want;
     if (draw(fuzz, 4) == 0) {
         player_draw_filters(&fuzz->player, &fuzz->prng);
     }
@@ -208,7 +203,7 @@ static void fuzz_step(struct fuzz *fuzz)
         player_stage_copies(&fuzz->player);
         take_whole_step(fuzz, mode, &want);
     }
-    fresh_free(&want);
+    answer_free(&want);
     fuzz->step++;
 }
 

@@ -1,9 +1,5 @@
 /* test_eng_golden.c - the bytes of an answer, written down. */
 #include "cases.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "eng_player.h"
 #include "eng_way.h"
 #include "golden.h"

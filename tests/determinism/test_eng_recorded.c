@@ -1,6 +1,5 @@
 /* test_eng_recorded.c - recorded scenes have the same bytes whoever computes them. */
 #include "cases.h"
-
 #include "data.h"
 #include "kernel.h"
 #include "ply.h"

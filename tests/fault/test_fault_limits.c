@@ -1,8 +1,6 @@
 /* test_fault_limits.c - a daemon that the system gives nothing more. */
 #include "cases.h"
 
-#include <stdio.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 

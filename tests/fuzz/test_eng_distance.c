@@ -1,11 +1,6 @@
 /* test_eng_distance.c - exact distances of the engine against the oracle, for a moment.
  */
 #include "cases.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fuzz_distance.h"
 #include "fuzz_lanes.h"
 #include "oracle_distance.h"

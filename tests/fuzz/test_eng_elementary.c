@@ -1,10 +1,5 @@
 /* test_eng_elementary.c - the elementary tests against exact arithmetic, for a moment. */
 #include "cases.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fuzz_run.h"
 
 #define TOLERANCE 1e-6

@@ -1,6 +1,5 @@
 /* test_eng_thick_fuzz.c - thick features of hard families against exact arithmetic. */
 #include "cases.h"
-
 #include "fuzz_thick_lanes.h"
 
 /* If it failed, a pair would come within r unseen, be said to when it does not, or be

@@ -1,11 +1,6 @@
 /* judge.c - a scene of the engine, and what an independent observer knows about it. */
 #include "judge.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 
 typedef const double (*points_t)[3];

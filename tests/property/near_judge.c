@@ -1,19 +1,9 @@
 /* near_judge.c - the laws of an answer about what is near. */
 #include "near_judge.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "names.h"
 #include "oracle_near.h"
-
-/* The player's scene at one end of its last step, objects by increasing id. */
-struct moment {
-    struct near_objects objects;
-    struct oracle_moment oracle;
-};
 
 /* What is true of it. */
 struct truth {
@@ -59,21 +49,6 @@ void near_objects_list(const struct player *player, struct near_objects *objects
     }
 }
 
-static void moment_init(struct moment *moment, const struct player *player,
-                        const struct eng_question *settings)
-{
-    near_objects_list(player, &moment->objects);
-    for (uint32_t i = 0; i < player->object_count; i++) {
-        struct oracle_object *object = &moment->objects.items[i];
-        object->x0 = object->x1 = settings->end == 0 ? object->x0 : object->x1;
-    }
-    moment->oracle = (struct oracle_moment){.objects = moment->objects.items,
-                                            .object_count = player->object_count,
-                                            .may_meet = near_may_meet,
-                                            .context = player};
-    oracle_moment_thicken(&moment->oracle, settings->verb);
-}
-
 /* What crosses counts, too, as the question is or says. */
 static bool has_crossings(const struct eng_question *settings)
 {
@@ -82,29 +57,30 @@ static bool has_crossings(const struct eng_question *settings)
 }
 
 /* false: it would take too long. */
-static bool find_truth(const struct moment *moment, const struct eng_question *settings,
-                       uint64_t queries_max, struct truth *truth)
+static bool find_truth(const struct oracle_moment *moment,
+                       const struct eng_question *settings, uint64_t queries_max,
+                       struct truth *truth)
 {
     bool crosses = settings->verb == PCCD_NEAR_CROSSINGS;
     memset(truth, 0, sizeof *truth);
     if (settings->verb == PCCD_NEAR_NEAREST) {
-        return oracle_objects_nearest(&moment->oracle, settings->objects,
-                                      settings->distance, queries_max, &truth->objects);
+        return oracle_objects_nearest(moment, settings->objects, settings->distance,
+                                      queries_max, &truth->objects);
     }
     if (settings->verb == PCCD_NEAR_DEPTH) {
-        return oracle_objects_depth(&moment->oracle, settings->objects, queries_max,
+        return oracle_objects_depth(moment, settings->objects, queries_max,
                                     &truth->objects, &truth->through);
     }
     if (has_crossings(settings) &&
-        !oracle_near_crossings(&moment->oracle, queries_max, &truth->crossings)) {
+        !oracle_near_crossings(moment, queries_max, &truth->crossings)) {
         return false;
     }
-    if (!oracle_near_pairs(&moment->oracle, crosses ? 0 : settings->distance, queries_max,
+    if (!oracle_near_pairs(moment, crosses ? 0 : settings->distance, queries_max,
                            &truth->pairs)) {
         return false;
     }
     if (settings->verb == PCCD_NEAR_FEATURES) {
-        oracle_near_features(&moment->oracle, &truth->pairs, &truth->features);
+        oracle_near_features(moment, &truth->pairs, &truth->features);
     }
     return true;
 }
@@ -202,7 +178,7 @@ static const char *check_numbers(const struct eng_step_result *result)
     if (result->distance_min != least || result->distance_max != greatest) {
         return "the least or the greatest distance";
     }
-    near_hash(records, result->count, sizeof *records, hash);
+    answer_hash(records, result->count, sizeof *records, hash);
     return memcmp(hash, result->hash, sizeof hash) != 0 ? "the hash" : NULL;
 }
 
@@ -274,10 +250,11 @@ static const char *check_gap(const struct oracle_moment *moment,
                : NULL;
 }
 
-const char *near_judge_gaps(const struct oracle_moment *moment,
-                            const struct eng_question *settings,
-                            const struct oracle_nears *nearest,
-                            const struct eng_step_result *result, struct near_sums *sums)
+static const char *check_gaps(const struct oracle_moment *moment,
+                              const struct eng_question *settings,
+                              const struct oracle_nears *nearest,
+                              const struct eng_step_result *result,
+                              struct near_sums *sums)
 {
     const struct pccd_near *records = result->records;
     if (result->incomplete == PCCD_COMPLETE && result->count != nearest->count) {
@@ -297,7 +274,8 @@ const char *near_judge_gaps(const struct oracle_moment *moment,
     return NULL;
 }
 
-static const char *check_objects(const struct moment *moment, const struct truth *truth,
+static const char *check_objects(const struct oracle_moment *moment,
+                                 const struct truth *truth,
                                  const struct eng_question *settings,
                                  const struct eng_step_result *result,
                                  struct near_sums *sums)
@@ -311,9 +289,8 @@ static const char *check_objects(const struct moment *moment, const struct truth
     if (is_depth && is_whole && result->crossings != truth->through) {
         return "how many edges pass through";
     }
-    return settings->gap > 0
-               ? near_judge_gaps(&moment->oracle, settings, &truth->objects, result, sums)
-               : check_records(&truth->objects, is_limited, result);
+    return settings->gap > 0 ? check_gaps(moment, settings, &truth->objects, result, sums)
+                             : check_records(&truth->objects, is_limited, result);
 }
 
 /* ---- bounds ------------------------------------------------------------------------ */
@@ -331,20 +308,21 @@ static const char *compare_bounds(const struct eng_vertex_bound *want, uint64_t 
             return "a bound";
         }
     }
-    near_hash(want, count, sizeof *want, hash);
+    answer_hash(want, count, sizeof *want, hash);
     return memcmp(hash, result->hash, sizeof hash) != 0 ? "the hash of the bounds" : NULL;
 }
 
 /* The least and the greatest that any vertex of the scene has of a pair. */
-static const char *check_extremes(const struct moment *moment, const struct truth *truth,
+static const char *check_extremes(const struct oracle_moment *moment,
+                                  const struct truth *truth,
                                   const struct eng_step_result *result)
 {
     double least = 2e18;
     double greatest = 0;
-    for (uint32_t i = 0; i < moment->oracle.object_count; i++) {
-        uint32_t count = moment->objects.items[i].vertex_count;
+    for (uint32_t i = 0; i < moment->object_count; i++) {
+        uint32_t count = moment->objects[i].vertex_count;
         double *bounds = oracle_grow(NULL, (count + 1) * sizeof *bounds);
-        oracle_near_bounds(&moment->oracle, &truth->pairs, i, INFINITY, bounds);
+        oracle_near_bounds(moment, &truth->pairs, i, INFINITY, bounds);
         for (uint32_t v = 0; v < count; v++) {
             least = fmin(least, bounds[v]);
             greatest = bounds[v] < INFINITY ? fmax(greatest, bounds[v]) : greatest;
@@ -356,22 +334,23 @@ static const char *check_extremes(const struct moment *moment, const struct trut
                : NULL;
 }
 
-static const char *check_bounds(const struct moment *moment, const struct truth *truth,
+static const char *check_bounds(const struct oracle_moment *moment,
+                                const struct truth *truth,
                                 const struct eng_question *settings,
                                 const struct eng_step_result *result,
                                 struct near_sums *sums)
 {
     struct eng_vertex_bound *want = NULL;
     uint64_t all = 0;
-    for (uint32_t i = 0; i < moment->oracle.object_count; i++) {
-        uint32_t id = moment->objects.items[i].object_id;
-        uint32_t count = moment->objects.items[i].vertex_count;
+    for (uint32_t i = 0; i < moment->object_count; i++) {
+        uint32_t id = moment->objects[i].object_id;
+        uint32_t count = moment->objects[i].vertex_count;
         if (settings->objects[0] != 0 && settings->objects[0] != id) {
             continue;
         }
         double *bounds = oracle_grow(NULL, (count + 1) * sizeof *bounds);
         want = oracle_grow(want, (all + count + 1) * sizeof *want);
-        oracle_near_bounds(&moment->oracle, &truth->pairs, i, settings->distance, bounds);
+        oracle_near_bounds(moment, &truth->pairs, i, settings->distance, bounds);
         for (uint32_t v = 0; v < count; v++) {
             want[all++] = (struct eng_vertex_bound){id, v, bounds[v]};
             sums->bounds += bounds[v] < settings->distance;
@@ -417,12 +396,23 @@ static void sum_up(const struct truth *truth, const struct eng_question *setting
         truth->pairs.queries + truth->crossings.queries + truth->objects.queries;
     sums->pairs += truth->pairs.count;
     sums->features += truth->features.count;
+    for (size_t i = 0; i < truth->features.count; i++) {
+        sums->merged += truth->features.items[i].record.count - 1;
+    }
     sums->crossings += truth->crossings.count;
     sums->beside +=
         common_near_has_all_pairs(settings->verb) ? truth->crossings.count : 0;
     sums->parts += result->incomplete != PCCD_COMPLETE ? result->count : 0;
     sums->free += settings->verb == PCCD_NEAR_CROSSINGS && truth->crossings.count == 0 &&
                   truth->pairs.count == 0;
+    sums->ties += truth->objects.ties;
+    for (size_t i = 0; i < truth->objects.count; i++) {
+        const struct pccd_near *record = &truth->objects.items[i].record;
+        bool is_nearest = settings->verb == PCCD_NEAR_NEAREST;
+        sums->touching_objects += record->d_hi == 0;
+        sums->crossed += record->kind == PCCD_EF;
+        sums->thick += is_nearest && record->d_lo > settings->distance;
+    }
     for (size_t i = 0; i < truth->pairs.count; i++) {
         const struct pccd_near *record = &truth->pairs.items[i].record;
         sums->types[PCCD_NEAR_TYPE(record->flags)]++;
@@ -460,14 +450,15 @@ static const char *check_counters(const struct truth *truth,
                                                   : NULL;
 }
 
-const char *near_judge(const struct player *player, const struct eng_question *settings,
+const char *near_judge(const struct oracle_moment *asked,
+                       const struct eng_question *settings,
                        const struct eng_step_result *result, uint64_t queries_max,
                        struct near_sums *sums)
 {
-    struct moment moment;
+    struct oracle_moment moment = *asked;
     struct truth truth;
     const char *wrong = NULL;
-    moment_init(&moment, player, settings);
+    oracle_moment_thicken(&moment, settings->verb);
     if (!find_truth(&moment, settings, queries_max, &truth)) {
         truth_deinit(&truth);
         return NULL;
@@ -499,4 +490,22 @@ const char *near_judge(const struct player *player, const struct eng_question *s
     sum_up(&truth, settings, result, sums);
     truth_deinit(&truth);
     return wrong;
+}
+
+const char *near_judge_player(const struct player *player,
+                              const struct eng_question *settings,
+                              const struct eng_step_result *result, uint64_t queries_max,
+                              struct near_sums *sums)
+{
+    struct near_objects objects;
+    near_objects_list(player, &objects);
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        struct oracle_object *object = &objects.items[i];
+        object->x0 = object->x1 = settings->end == 0 ? object->x0 : object->x1;
+    }
+    const struct oracle_moment moment = {.objects = objects.items,
+                                         .object_count = player->object_count,
+                                         .may_meet = near_may_meet,
+                                         .context = player};
+    return near_judge(&moment, settings, result, queries_max, sums);
 }

@@ -7,10 +7,6 @@
  */
 #include "cases.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "judge.h"

@@ -6,18 +6,11 @@
  * computed once more from the definition. A second scene that is asked nothing has to
  * take the same steps.
  */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "clock.h"
 #include "eng_kit.h"
-#include "eng_near.h"
 #include "eng_way.h"
-#include "oracle_near.h"
-#include "prng.h"
-#include "step.h"
+#include "near_judge.h"
+#include "sequences.h"
 
 #define SEQUENCES   60
 #define STEPS       5u
@@ -52,9 +45,7 @@ struct sequence {
     struct eng_question settings;
 };
 
-static struct {
-    uint64_t sequences, questions, records, bounds, crossings, free, merged, types[4];
-} sums;
+static struct near_sums judged;
 
 static uint32_t draw(struct sequence *s, uint32_t bound)
 {
@@ -216,15 +207,6 @@ static void arrive(struct sequence *s)
     }
 }
 
-/* ---- what is due ------------------------------------------------------------------- */
-
-struct due {
-    struct oracle_object objects[OBJECTS_MAX];
-    struct oracle_moment moment;
-    struct oracle_nears pairs; /* within the distance; CROSSINGS: that touch */
-    struct oracle_nears records;
-};
-
 static bool may_meet(const void *context, uint32_t id_a, uint32_t id_b)
 {
     const struct sequence *s = context;
@@ -237,97 +219,21 @@ static bool may_meet(const void *context, uint32_t id_a, uint32_t id_b)
     return a == b ? s->objects[a].self : !(s->ignores && a < 2 && b < 2);
 }
 
-static void find_due(const struct sequence *s, struct due *due)
+static void check_answer(const struct sequence *s, const struct eng_step_result *result)
 {
-    bool crosses = s->settings.verb == PCCD_NEAR_CROSSINGS;
-    memset(due, 0, sizeof *due);
+    struct oracle_object objects[OBJECTS_MAX];
     for (uint32_t i = 0; i < s->object_count; i++) {
-        due->objects[i] = view(&s->objects[i]);
-        due->objects[i].x0 = s->objects[i].x[s->settings.end];
-        due->objects[i].x1 = due->objects[i].x0;
+        const struct object *object =
+            &s->objects[s->object_count - 1 - i]; /* ids go down */
+        objects[i] = view(object);
+        objects[i].x0 = objects[i].x1 = object->x[s->settings.end];
     }
-    due->moment = (struct oracle_moment){.objects = due->objects,
+    const struct oracle_moment moment = {.objects = objects,
                                          .object_count = s->object_count,
                                          .may_meet = may_meet,
                                          .context = s};
-    oracle_near_pairs(&due->moment, crosses ? 0 : s->settings.distance, UINT64_MAX,
-                      &due->pairs);
-    if (crosses) {
-        oracle_near_crossings(&due->moment, UINT64_MAX, &due->records);
-    } else if (s->settings.verb == PCCD_NEAR_FEATURES) {
-        oracle_near_features(&due->moment, &due->pairs, &due->records);
-    }
-}
-
-static void forget_due(struct due *due)
-{
-    oracle_nears_deinit(&due->pairs);
-    oracle_nears_deinit(&due->records);
-}
-
-/* ---- what is answered -------------------------------------------------------------- */
-
-static void check_bounds(const struct sequence *s, const struct due *due,
-                         const struct eng_step_result *result)
-{
-    const double *bound = result->records;
-    for (uint32_t i = s->object_count; i-- > 0;) { /* ids go down */
-        double want[VERTICES];
-        if (s->settings.objects[0] != 0 && s->objects[i].id != s->settings.objects[0]) {
-            continue;
-        }
-        oracle_near_bounds(&due->moment, &due->pairs, i, s->settings.distance, want);
-        for (uint32_t v = 0; v < s->objects[i].vertex_count; v++) {
-            must(s, *bound++ == want[v], "the bound of a vertex");
-            sums.bounds++;
-        }
-    }
-    must(s, (uint64_t)(bound - (const double *)result->records) == result->count,
-         "how many bounds there are");
-}
-
-static void check_records(const struct sequence *s, const struct oracle_nears *due,
-                          const struct eng_step_result *result)
-{
-    const struct pccd_near *records = result->records;
-    uint64_t hash[2];
-    must(s, result->count == due->count, "how many records there are");
-    for (size_t i = 0; i < due->count; i++) {
-        const struct pccd_near *want = &due->items[i].record;
-        must(s, memcmp(&records[i], want, sizeof *records) == 0, "a record");
-        sums.merged += want->count - 1;
-        sums.types[PCCD_NEAR_TYPE(want->flags)]++;
-    }
-    near_hash(records, result->count, sizeof *records, hash);
-    must(s, memcmp(hash, result->hash, sizeof hash) == 0, "the hash");
-    sums.records += due->count;
-}
-
-static void check_answer(const struct sequence *s, const struct eng_step_result *result)
-{
-    struct due due;
-    find_due(s, &due);
-    switch (s->settings.verb) {
-    case PCCD_NEAR_VERTICES:
-        check_bounds(s, &due, result);
-        break;
-    case PCCD_NEAR_PAIRS:
-        check_records(s, &due.pairs, result);
-        break;
-    case PCCD_NEAR_CROSSINGS: {
-        bool is_free = due.records.count == 0 && due.pairs.count == 0;
-        check_records(s, &due.records, result);
-        must(s, result->crossings == due.records.count, "how many crossings there are");
-        must(s, result->verdict == (is_free ? PCCD_VERDICT_NO : PCCD_VERDICT_YES),
-             "whether the state is free of intersections");
-        sums.crossings += due.records.count;
-        sums.free += is_free;
-        break;
-    }
-    default:
-        check_records(s, &due.records, result);
-    }
-    forget_due(&due);
+    const char *wrong = near_judge(&moment, &s->settings, result, UINT64_MAX, &judged);
+    must(s, !wrong, wrong);
 }
 
 /* How far two vertices are apart along an axis, or by their places: often a distance that
@@ -371,7 +277,6 @@ static void ask(struct sequence *s, bool moves)
     }
     must(s, eng_near(s->scene, &s->settings, &result) == PCCD_OK, "it is answered");
     must(s, result.incomplete == PCCD_COMPLETE, "it is complete");
-    sums.questions++;
     check_answer(s, &result);
 }
 
@@ -412,32 +317,25 @@ static void play(uint64_t seed)
     ask(&s, true);
     ask(&s, false);
     end(&s);
-    sums.sequences++;
 }
 
 /* If it failed: somebody would be told of a distance, a crossing or a safe bound that is
  * not so, or not be told; or asking would change what the next step answers. */
 CASE(near__is_what_the_oracle_finds)
 {
-    const char *seconds = getenv("PCCD_PROPERTY_SECONDS");
-    uint64_t until_ns =
-        seconds ? common_now_ns() + strtoull(seconds, NULL, 0) * 1000000000 : 0;
-    uint64_t seed = prng_seed();
-    for (uint64_t i = 0; until_ns ? common_now_ns() < until_ns : i < SEQUENCES; i++) {
-        play(seed + i);
-    }
-    print_message("# %llu sequences, %llu questions, %llu records, %llu merged, "
-                  "%llu bounds, %llu crossings, %llu free; vf %llu ee %llu ve %llu vv "
-                  "%llu\n",
-                  (unsigned long long)sums.sequences, (unsigned long long)sums.questions,
-                  (unsigned long long)sums.records, (unsigned long long)sums.merged,
-                  (unsigned long long)sums.bounds, (unsigned long long)sums.crossings,
-                  (unsigned long long)sums.free, (unsigned long long)sums.types[PCCD_VF],
-                  (unsigned long long)sums.types[PCCD_EE],
-                  (unsigned long long)sums.types[PCCD_VE],
-                  (unsigned long long)sums.types[PCCD_VV]);
-    assert_true(sums.records > 0 && sums.merged > 0 && sums.crossings > 0);
+    sequences_live(play, SEQUENCES, NULL);
+    print_message(
+        "# %llu questions, %llu pairs, %llu features, %llu merged, %llu bounds, "
+        "%llu crossings, %llu free; vf %llu ee %llu ve %llu vv %llu\n",
+        (unsigned long long)judged.judged, (unsigned long long)judged.pairs,
+        (unsigned long long)judged.features, (unsigned long long)judged.merged,
+        (unsigned long long)judged.bounds, (unsigned long long)judged.crossings,
+        (unsigned long long)judged.free, (unsigned long long)judged.types[PCCD_VF],
+        (unsigned long long)judged.types[PCCD_EE],
+        (unsigned long long)judged.types[PCCD_VE],
+        (unsigned long long)judged.types[PCCD_VV]);
+    assert_true(judged.pairs > 0 && judged.merged > 0 && judged.crossings > 0);
     if (!getenv("PCCD_SEED")) {
-        assert_true(sums.free > 0);
+        assert_true(judged.free > 0);
     }
 }

@@ -10,14 +10,10 @@
  * same two objects. Two objects have a nearest pair exactly if there is any pair of
  * theirs.
  */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "eng_kit.h"
 #include "eng_way.h"
 #include "near_judge.h"
-#include "oracle_near.h"
 #include "sequences.h"
 
 #define SCENES      250
@@ -27,23 +23,10 @@
 #define OBJECTS_MAX 4u
 #define POINTS_MAX  12u
 
-static struct {
-    uint64_t scenes;
-    uint64_t nearest; /* records */
-    uint64_t ties;    /* pairs as near as the one that was reported */
-    uint64_t touching;
-    uint64_t through; /* of these, edges that pass through faces */
-    uint64_t inside;
-    uint64_t outside; /* vertices */
-    uint64_t crossings;
-    uint64_t thick; /* records that are farther than asked, but not than with radii */
-    uint64_t questions;
-    uint64_t named;  /* two objects that were named and may not meet */
-    uint64_t pairs;  /* records of what is not by objects */
-    uint64_t bounds; /* less than the distance */
-} sums;
-
-static struct near_sums judged; /* those with a gap */
+static struct near_sums judged;
+static uint64_t scenes;
+static uint64_t outside; /* vertices in no other object */
+static uint64_t named;   /* two objects that were named and may not meet */
 
 struct shape {
     struct eng_mesh *mesh;
@@ -191,26 +174,30 @@ static void move(struct scene *scene)
 
 /* ---- the truth ------------------------------------------------------------------ */
 
-struct truth {
-    struct oracle_object objects[OBJECTS_MAX];
-    struct oracle_moment moment;
-    struct oracle_nears nears;
-};
-
 static bool may_meet(const void *context, uint32_t id_a, uint32_t id_b)
 {
     const struct scene *scene = context;
     return !scene->is_apart[id_a - 1][id_b - 1];
 }
 
+/* ---- questions ------------------------------------------------------------------ */
+
 /* The scene as the oracle takes it. Ids of objects are their places + 1 (eng_kit.h). */
-static void begin_truth(const struct scene *scene, enum pccd_near_what what,
-                        struct truth *truth)
+static const char *judge(const struct scene *scene, const struct eng_question *settings,
+                         const struct eng_step_result *result)
 {
+    struct oracle_object objects[OBJECTS_MAX];
+    const struct oracle_moment moment = {.objects = objects,
+                                         .object_count = kit.count,
+                                         .may_meet = may_meet,
+                                         .context = scene};
+    bool is_of_objects =
+        settings->verb == PCCD_NEAR_NEAREST || /* it takes few decisions */
+        settings->verb == PCCD_NEAR_DEPTH;
     for (uint32_t i = 0; i < kit.count; i++) {
         const struct shape *shape = &scene->shapes[i];
         const double(*x)[3] = (const double(*)[3])shape->x[scene->end];
-        truth->objects[i] =
+        objects[i] =
             (struct oracle_object){.object_id = i + 1,
                                    .vertex_count = shape->points,
                                    .triangle_count = shape->face_count,
@@ -222,36 +209,9 @@ static void begin_truth(const struct scene *scene, enum pccd_near_what what,
                                    .rest_distance = shape->thickness.rest_distance,
                                    .rest_rings = shape->thickness.rest_rings};
     }
-    truth->moment = (struct oracle_moment){.objects = truth->objects,
-                                           .object_count = kit.count,
-                                           .may_meet = may_meet,
-                                           .context = scene};
-    oracle_moment_thicken(&truth->moment, what);
+    return near_judge(&moment, settings, result, is_of_objects ? UINT64_MAX : QUERIES_MAX,
+                      &judged);
 }
-
-/* All of it, and nothing else. */
-static void compare(const struct scene *scene, double distance,
-                    const struct eng_step_result *result, struct truth *truth)
-{
-    for (uint64_t i = 0; i < result->count && i < truth->nears.count; i++) {
-        const struct pccd_near *is = kit_record(result, i);
-        const struct pccd_near *must_be = &truth->nears.items[i].record;
-        must(scene,
-             is->kind == must_be->kind && is->object_a == must_be->object_a &&
-                 is->feature_a == must_be->feature_a &&
-                 is->object_b == must_be->object_b && is->feature_b == must_be->feature_b,
-             "another pair is nearer, or a vertex is not inside");
-        must(scene, memcmp(is, must_be, sizeof *is) == 0, "a number is wrong");
-        sums.touching += is->d_hi == 0;
-        sums.through += is->kind == PCCD_EF;
-        sums.thick += is->d_lo > distance;
-    }
-    must(scene, result->count == truth->nears.count, "there are too many or too few");
-    sums.ties += truth->nears.ties;
-    oracle_nears_deinit(&truth->nears);
-}
-
-/* ---- questions ------------------------------------------------------------------ */
 
 static struct eng_step_result ask(struct scene *scene, struct eng_question settings)
 {
@@ -260,7 +220,15 @@ static struct eng_step_result ask(struct scene *scene, struct eng_question setti
     settings.end = scene->end;
     struct eng_step_result result = kit_near(kit.scene, &settings);
     must(scene, result.incomplete == PCCD_COMPLETE, "it is not complete");
-    sums.questions++;
+    return result;
+}
+
+static struct eng_step_result check(struct scene *scene, struct eng_question settings)
+{
+    struct eng_step_result result = ask(scene, settings);
+    settings.end = scene->end;
+    const char *wrong = judge(scene, &settings, &result);
+    must(scene, !wrong, wrong);
     return result;
 }
 
@@ -305,7 +273,6 @@ static void check_rule(struct scene *scene, const struct eng_question *nearest,
 static void check_nearest(struct scene *scene)
 {
     struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
-    struct truth truth;
     bool twos[OBJECTS_MAX][OBJECTS_MAX] = {{false}};
     if (draw(scene, 3) > 0) {
         settings.distance = scene->scale * (double)draw(scene, 9) * 0.125;
@@ -319,40 +286,13 @@ static void check_nearest(struct scene *scene)
     if (settings.objects[0] == settings.objects[1]) {
         settings.objects[0] = 0;
     }
-    sums.named += settings.objects[0] != 0 && settings.objects[1] != 0 &&
-                  scene->is_apart[settings.objects[0] - 1][settings.objects[1] - 1];
-    struct eng_step_result result = ask(scene, settings);
-    begin_truth(scene, PCCD_NEAR_NEAREST, &truth);
-    assert_true(oracle_objects_nearest(&truth.moment, settings.objects, settings.distance,
-                                       UINT64_MAX, &truth.nears));
-    if (settings.gap > 0) {
-        const char *wrong =
-            near_judge_gaps(&truth.moment, &settings, &truth.nears, &result, &judged);
-        must(scene, !wrong, wrong);
-        oracle_nears_deinit(&truth.nears);
-    } else {
-        compare(scene, settings.distance, &result, &truth);
-    }
-    sums.nearest += result.count;
+    named += settings.objects[0] != 0 && settings.objects[1] != 0 &&
+             scene->is_apart[settings.objects[0] - 1][settings.objects[1] - 1];
+    struct eng_step_result result = check(scene, settings);
     add_twos(&result, twos);
     if (isfinite(settings.distance)) {
         check_rule(scene, &settings, twos);
     }
-}
-
-static void check_bounds(struct scene *scene, const struct eng_question *settings,
-                         const struct eng_step_result *result, struct truth *truth)
-{
-    const double *given = result->records;
-    for (uint32_t i = 0; i < kit.count; i++) {
-        double bounds[POINTS_MAX];
-        oracle_near_bounds(&truth->moment, &truth->nears, i, settings->distance, bounds);
-        for (uint32_t v = 0; v < scene->shapes[i].points; v++) {
-            must(scene, *given++ == bounds[v], "a bound is wrong");
-            sums.bounds += bounds[v] < settings->distance;
-        }
-    }
-    oracle_nears_deinit(&truth->nears);
 }
 
 static void check_pairs(struct scene *scene)
@@ -360,46 +300,19 @@ static void check_pairs(struct scene *scene)
     static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
                                                 PCCD_NEAR_VERTICES};
     struct eng_question settings = kit_question(whats[draw(scene, 3)]);
-    struct oracle_nears features;
-    struct truth truth;
     settings.distance = scene->scale * (double)draw(scene, 6) * 0.125;
-    struct eng_step_result result = ask(scene, settings);
-    begin_truth(scene, settings.verb, &truth);
-    if (!oracle_near_pairs(&truth.moment, settings.distance, QUERIES_MAX, &truth.nears)) {
-        return;
-    }
-    sums.pairs += truth.nears.count;
-    if (settings.verb == PCCD_NEAR_VERTICES) {
-        check_bounds(scene, &settings, &result, &truth);
-        return;
-    }
-    if (settings.verb == PCCD_NEAR_FEATURES) {
-        oracle_near_features(&truth.moment, &truth.nears, &features);
-        oracle_nears_deinit(&truth.nears);
-        truth.nears = features;
-    }
-    compare(scene, settings.distance, &result, &truth);
+    check(scene, settings);
 }
 
 static void check_depth(struct scene *scene)
 {
-    static const uint32_t all[2] = {0, 0};
-    struct eng_step_result result = ask(scene, kit_question(PCCD_NEAR_DEPTH));
-    struct truth truth;
-    uint64_t crossings;
-    begin_truth(scene, PCCD_NEAR_DEPTH, &truth);
-    assert_true(
-        oracle_objects_depth(&truth.moment, all, UINT64_MAX, &truth.nears, &crossings));
-    compare(scene, INFINITY, &result, &truth);
-    must(scene, result.crossings == crossings, "other edges pass through");
-    sums.crossings += crossings;
-    sums.inside += result.count;
+    struct eng_step_result result = check(scene, kit_question(PCCD_NEAR_DEPTH));
     for (uint32_t i = 0; i < kit.count * kit.count; i++) {
         uint32_t a = i / kit.count;
         uint32_t b = i % kit.count;
-        sums.outside += a != b && !scene->is_apart[a][b] ? scene->shapes[a].points : 0;
+        outside += a != b && !scene->is_apart[a][b] ? scene->shapes[a].points : 0;
     }
-    sums.outside -= result.count;
+    outside -= result.count;
 }
 
 static void live(uint64_t seed)
@@ -438,7 +351,7 @@ static void live(uint64_t seed)
             check_nearest(&scene);
         }
     }
-    sums.scenes++;
+    scenes++;
 }
 
 /* If this failed, a body would be taken for farther away than it is, or for outside of
@@ -449,21 +362,20 @@ CASE(objects__are_as_near_and_as_deep_as_the_oracle_says)
     print_message("# %llu scenes, %llu questions: %llu nearest, %llu ties, %llu "
                   "touching, %llu of them edges through faces; %llu with a gap, %llu "
                   "farther; %llu named in vain; %llu inside, %llu not, %llu crossings; "
-                  "%llu pairs, %llu bounds; %llu by "
-                  "their radii\n",
-                  (unsigned long long)sums.scenes, (unsigned long long)sums.questions,
-                  (unsigned long long)sums.nearest, (unsigned long long)sums.ties,
-                  (unsigned long long)sums.touching, (unsigned long long)sums.through,
-                  (unsigned long long)judged.gaps, (unsigned long long)judged.others,
-                  (unsigned long long)sums.named, (unsigned long long)sums.inside,
-                  (unsigned long long)sums.outside, (unsigned long long)sums.crossings,
-                  (unsigned long long)sums.pairs, (unsigned long long)sums.bounds,
-                  (unsigned long long)sums.thick);
-    if (!getenv("PCCD_SEED") && sums.scenes >= SCENES) {
-        assert_true(sums.nearest > 0 && sums.ties > 0 && sums.touching > 0 &&
-                    sums.inside > 0 && sums.outside > 0 && sums.crossings > 0 &&
-                    sums.thick > 0 && sums.through > 0 && judged.gaps > 0 &&
-                    judged.others > 0 && sums.named > 0 && sums.pairs > 0 &&
-                    sums.bounds > 0);
+                  "%llu pairs, %llu bounds; %llu by their radii\n",
+                  (unsigned long long)scenes, (unsigned long long)judged.judged,
+                  (unsigned long long)judged.nearest, (unsigned long long)judged.ties,
+                  (unsigned long long)judged.touching_objects,
+                  (unsigned long long)judged.crossed, (unsigned long long)judged.gaps,
+                  (unsigned long long)judged.others, (unsigned long long)named,
+                  (unsigned long long)judged.inside, (unsigned long long)outside,
+                  (unsigned long long)judged.through, (unsigned long long)judged.pairs,
+                  (unsigned long long)judged.bounds, (unsigned long long)judged.thick);
+    if (!getenv("PCCD_SEED") && scenes >= SCENES) {
+        assert_true(judged.nearest > 0 && judged.ties > 0 &&
+                    judged.touching_objects > 0 && judged.inside > 0 && outside > 0 &&
+                    judged.through > 0 && judged.thick > 0 && judged.crossed > 0 &&
+                    judged.gaps > 0 && judged.others > 0 && named > 0 &&
+                    judged.pairs > 0 && judged.bounds > 0);
     }
 }

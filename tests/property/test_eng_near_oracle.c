@@ -9,15 +9,10 @@
  * on all pairs. No step is answered otherwise because of a question, or changes
  * thereafter. More than 600 lines: one life of a scene, and all that is asked in it.
  */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "clock.h"
-#include "eng_fresh.h"
+#include "eng_answer.h"
 #include "eng_kit.h"
-#include "eng_near.h"
 #include "eng_stir.h"
 #include "eng_way.h"
 #include "near_judge.h"
@@ -234,13 +229,13 @@ static void judge_step(struct sequence *sequence, const struct eng_question *set
 static void check_step(struct sequence *sequence, const struct eng_question *settings,
                        const struct eng_step_result *result)
 {
-    struct fresh_answer fresh;
-    fresh_find(&sequence->stir.player, settings, &fresh);
-    const char *difference = fresh_difference(&fresh, result);
+    struct answer fresh;
+    answer_find_fresh(&sequence->stir.player, settings, &fresh);
+    const char *difference = answer_difference(&fresh, result);
     must(sequence, difference == NULL, difference);
     must(sequence, way_tree_is_sound(sequence->stir.player.scene, result),
          "the tree is not sound");
-    fresh_free(&fresh);
+    answer_free(&fresh);
     if (result->incomplete == PCCD_COMPLETE) {
         judge_step(sequence, settings, result);
     }
@@ -442,17 +437,17 @@ static void check_answer(struct sequence *sequence, const struct eng_step_result
     const struct player *player = &sequence->stir.player;
     const struct eng_question *question = &sequence->question;
     bool is_limited = result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT;
-    const char *wrong = near_judge(player, question, result, QUERIES_MAX, &judged);
+    const char *wrong = near_judge_player(player, question, result, QUERIES_MAX, &judged);
     must(sequence, !wrong, wrong);
     if (result->incomplete == PCCD_COMPLETE || is_limited) {
-        struct near_answer fresh;
-        near_find_fresh(player, question, &fresh);
+        struct answer fresh;
+        answer_find_fresh(player, question, &fresh);
         if (question->gap == 0) {
-            wrong = near_difference(&fresh, result);
+            wrong = answer_difference(&fresh, result);
         } else if (!is_limited && fresh.result.count != result->count) {
             wrong = "two objects have a pair by one method alone";
         }
-        near_free(&fresh);
+        answer_free(&fresh);
         must(sequence, !wrong, wrong);
         sums.records += result->count;
     }

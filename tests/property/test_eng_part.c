@@ -3,13 +3,7 @@
  * Threads: one; the engine's steps by one to four, by every method and instruction set.
  */
 #include "cases.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "eng_near.h"
+#include "eng_answer.h"
 #include "judge.h"
 
 #define SPANS_MAX 8

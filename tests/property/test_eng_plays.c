@@ -7,8 +7,6 @@
  */
 #include "cases.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <time.h>
 
 #include "eng_way.h"

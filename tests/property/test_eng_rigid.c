@@ -8,13 +8,7 @@
  * exact arithmetic, too.
  */
 #include "cases.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "eng_fresh.h"
+#include "eng_answer.h"
 #include "eng_way.h"
 #include "judge.h"
 #include "sequences.h"
@@ -354,7 +348,7 @@ static bool all_are_small(const struct player *player)
 static void take_step(struct sequence *sequence)
 {
     struct eng_step_result result;
-    struct fresh_answer fresh;
+    struct answer fresh;
     way_draw(&sequence->prng, THREADS_MAX, &sequence->settings);
     sequence->settings.mode = draw(sequence, 3) > 0
                                   ? PCCD_MODE_ALL
@@ -365,11 +359,11 @@ static void take_step(struct sequence *sequence)
          "the step failed");
     must(sequence, result.mode != PCCD_MODE_PAIRS || result.counters.rigid_objects == 0,
          "pairs of boxes are left out");
-    fresh_find(&sequence->player, &sequence->settings, &fresh);
+    answer_find_fresh(&sequence->player, &sequence->settings, &fresh);
     must(sequence, fresh.result.counters.rigid_objects == 0, "positions are no poses");
-    const char *difference = fresh_difference(&fresh, &result);
+    const char *difference = answer_difference(&fresh, &result);
     must(sequence, difference == NULL, difference);
-    fresh_free(&fresh);
+    answer_free(&fresh);
     count(&result);
     if (result.mode == PCCD_MODE_ALL && all_are_small(&sequence->player)) {
         check_by_oracle(sequence, &result);

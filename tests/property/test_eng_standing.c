@@ -7,12 +7,8 @@
  * scenes against brute force in exact arithmetic, too.
  */
 #include "cases.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-
 #include "clock.h"
-#include "eng_fresh.h"
+#include "eng_answer.h"
 #include "eng_stir.h"
 #include "eng_way.h"
 #include "judge.h"
@@ -98,13 +94,13 @@ static void check_by_oracle(struct sequence *sequence, struct eng_step_result *r
 static void check(struct sequence *sequence, const struct eng_question *settings,
                   struct eng_step_result *result)
 {
-    struct fresh_answer fresh;
-    fresh_find(&sequence->stir.player, settings, &fresh);
-    const char *difference = fresh_difference(&fresh, result);
+    struct answer fresh;
+    answer_find_fresh(&sequence->stir.player, settings, &fresh);
+    const char *difference = answer_difference(&fresh, result);
     must(sequence, difference == NULL, difference);
     must(sequence, way_tree_is_sound(sequence->stir.player.scene, result),
          "the tree is not sound");
-    fresh_free(&fresh);
+    answer_free(&fresh);
     if (sequence->is_tiny && result->mode == PCCD_MODE_ALL &&
         result->incomplete == PCCD_COMPLETE) {
         check_by_oracle(sequence, result);

@@ -7,12 +7,6 @@
  */
 #include "eng_kit.h"
 #include "eng_way.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "near.h"
 #include "thick_judge.h"
 

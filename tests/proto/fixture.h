@@ -2,9 +2,6 @@
 #ifndef TEST_PROTO_FIXTURE_H
 #define TEST_PROTO_FIXTURE_H
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "bytes.h"
 #include "cases.h"
 #include "codec.h"

@@ -2,9 +2,6 @@
 #include "cases.h"
 
 #include <float.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #include "codec.h"
 #include "prng.h"

@@ -2,7 +2,6 @@
 #include "cases.h"
 
 #include <errno.h> /* program_invocation_short_name */
-#include <stdlib.h>
 
 static struct test_case *first; /* by their lines: constructors run in any order */
 static size_t count;

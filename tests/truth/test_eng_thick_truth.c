@@ -1,16 +1,10 @@
 /* test_eng_thick_truth.c - public scenes and queries with a thickness, against exact
  * arithmetic.
  */
-#include "truth_engine.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "eng_way.h"
 #include "oracle_root.h"
 #include "thick_trial.h"
+#include "truth_engine.h"
 
 #define LARGE 0.1  /* r of that size, beside .. */
 #define FEW   150u /* triangles of a scene of which r is a large part */

@@ -1,10 +1,5 @@
 /* test_eng_truth.c - the engine finds every contact of the published truth. */
 #include "cases.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "eng_way.h"
 #include "truth_engine.h"
 

@@ -1,11 +1,5 @@
 /* test_oracle_truth.c - the exact oracle agrees with the published truth. */
 #include "cases.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "truth_kit.h"
 
 struct tally {

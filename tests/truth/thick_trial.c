@@ -1,10 +1,6 @@
 /* thick_trial.c - judges an answer about a public scene with a thickness. */
 #include "thick_trial.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cases.h"
 #include "oracle_root.h"
 #include "truth_kit.h"

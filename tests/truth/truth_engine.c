@@ -1,8 +1,6 @@
 /* truth_engine.c - steps of the engine on public scenes and queries. */
 #include "truth_engine.h"
 
-#include <string.h>
-
 #include "eng_way.h"
 
 uint32_t truth_way_count(void)

@@ -5,9 +5,6 @@
 #include "ctl_kit.h"
 
 #include <dirent.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 char kit_folder[] = "/tmp/pccd-meshfile-XXXXXX";

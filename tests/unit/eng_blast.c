@@ -1,8 +1,6 @@
 /* eng_blast.c - a sheet that flies to pieces, again and again. */
 #include "eng_blast.h"
 
-#include <string.h>
-
 #include "trees.h"
 
 /* Corners of the two triangles of a square. */

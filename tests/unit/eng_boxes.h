@@ -2,8 +2,6 @@
 #ifndef TEST_ENG_BOXES_H
 #define TEST_ENG_BOXES_H
 
-#include <math.h>
-
 #include "eng_kit.h"
 #include "kernel.h"
 

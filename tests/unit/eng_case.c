@@ -1,9 +1,6 @@
 /* eng_case.c - elementary tests with known answers, from many sides. */
 #include "eng_case.h"
 
-#include <math.h>
-#include <string.h>
-
 struct eng_exact *case_exact(void)
 {
     static struct eng_exact exact;

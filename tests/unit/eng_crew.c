@@ -1,8 +1,6 @@
 /* eng_crew.c - a scene for more than one thread, and the teams to try on it. */
 #include "eng_crew.h"
 
-#include <stdlib.h>
-
 #include "trees.h"
 
 #define SHEET_SIDE 30u

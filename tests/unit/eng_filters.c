@@ -1,8 +1,6 @@
 /* eng_filters.c - which objects may meet, kept beside a scene. */
 #include "eng_filters.h"
 
-#include <string.h>
-
 static uint32_t find_object(const struct filters *filters, uint32_t id)
 {
     uint32_t at = 0;

@@ -1,10 +1,6 @@
 /* eng_kit.c - what the engine's unit tests share. */
 #include "eng_kit.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "eng_way.h"
 #include "topology.h"
 

@@ -1,9 +1,6 @@
 /* eng_player.c - performs a play on a scene, and knows where everything is. */
 #include "eng_player.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "play_actor.h"
 
 static void *copy_of(const void *block, size_t count, size_t bytes)

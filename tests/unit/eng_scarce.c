@@ -2,8 +2,6 @@
 #include "eng_scarce.h"
 
 #include <pthread.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define HEADER 128u /* alignment, and room for the size */
 

@@ -7,8 +7,6 @@
 
 #include "eng_kit.h"
 
-#include <stdbool.h>
-
 #include "memory.h"
 
 struct scarce {

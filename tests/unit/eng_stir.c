@@ -1,10 +1,6 @@
 /* eng_stir.c - scenes of which little moves. */
 #include "eng_stir.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "play_actor.h"
 
 #define CELL     (PLAY_ONE / 8) /* of a sheet */

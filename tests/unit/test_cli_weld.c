@@ -1,11 +1,7 @@
 /* test_cli_weld.c - vertices at one place. */
 #include "cases.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include <fenv.h>
-#include <math.h>
 #include <time.h>
 
 #include "pccd.h"

@@ -1,10 +1,6 @@
 /* test_ctl_cloth.c - the demo's scene. */
 #include "cases.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cloth.h"
 #include "pccd.h"
 

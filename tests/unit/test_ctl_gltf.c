@@ -1,7 +1,4 @@
 /* test_ctl_gltf.c - the reader of glTF, on files of known content. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "ctl_kit.h"

@@ -1,9 +1,6 @@
 /* test_ctl_inspect.c - recordings as pages, without a browser. */
 #include "cases.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include <jansson.h>
 
 #include "inspect.h"

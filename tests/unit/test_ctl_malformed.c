@@ -1,6 +1,4 @@
 /* test_ctl_malformed.c - the readers of PLY and OBJ, and broken files. */
-#include <stdio.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 

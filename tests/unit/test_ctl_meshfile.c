@@ -1,7 +1,4 @@
 /* test_ctl_meshfile.c - the readers of PLY and OBJ, and whole files. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "ctl_kit.h"

@@ -1,9 +1,6 @@
 /* test_ctl_output.c - what pccdctl writes: figures, CSV, JSON and pictures. */
 #include "cases.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include <jansson.h>

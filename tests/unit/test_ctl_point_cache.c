@@ -1,8 +1,5 @@
 /* test_ctl_point_cache.c - the readers of PC2 and MDD. */
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>

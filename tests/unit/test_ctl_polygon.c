@@ -1,7 +1,4 @@
 /* test_ctl_polygon.c - polygons of mesh files, and how they are cut. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "ctl_kit.h"
 #include "meshfile.h"

@@ -1,6 +1,4 @@
 /* test_ctl_stl_glb.c - the readers of STL and of binary glTF. */
-#include <stdio.h>
-#include <string.h>
 
 #include "ctl_kit.h"
 #include "meshfile.h"

@@ -1,9 +1,6 @@
 /* test_ctl_trace.c - recordings as files for Perfetto. */
 #include "cases.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include <jansson.h>
 
 #include "trace_file.h"

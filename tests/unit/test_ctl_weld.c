@@ -1,7 +1,4 @@
 /* test_ctl_weld.c - vertices at one place, in the frames of files. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>

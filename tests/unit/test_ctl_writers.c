@@ -1,9 +1,6 @@
 /* test_ctl_writers.c - what programs write into mesh files beside what the formats' first
  * examples have.
  */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "ctl_kit.h"
 #include "meshfile.h"

@@ -1,10 +1,6 @@
 /* test_eng_aabb.c - moving boxes. */
-#include "eng_kit.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "aabb.h"
+#include "eng_kit.h"
 
 /* Largest float <= x, by the book. */
 static float reference_down(double x)

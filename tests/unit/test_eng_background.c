@@ -2,11 +2,8 @@
  *
  * Source: daemon/engine/paper/background.h; paper sections 6.2 and 7.1.
  */
-#include "eng_blast.h"
-
-#include <string.h>
-
 #include "background.h"
+#include "eng_blast.h"
 #include "paper.h"
 #include "step_memory.h"
 #include "trees.h"

@@ -1,10 +1,6 @@
 /* test_eng_batch.c - elementary tests of many pairs at once. */
-#include "eng_case.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "batch.h"
+#include "eng_case.h"
 #include "kinds.h"
 #include "solve.h"
 

@@ -1,10 +1,6 @@
 /* test_eng_boxes.c - the box kernels of every instruction set. */
-#include "eng_boxes.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "aabb.h"
+#include "eng_boxes.h"
 
 #define ROUNDS  40u
 #define NOT_SET 0xdeadbeefu

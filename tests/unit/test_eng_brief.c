@@ -1,8 +1,5 @@
 /* test_eng_brief.c - steps that are certain to end soon. */
 #include "eng_kit.h"
-
-#include <string.h>
-
 #include "step.h"
 #include "step_memory.h"
 #include "wide_test.h"

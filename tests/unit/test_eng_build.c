@@ -4,8 +4,6 @@
  */
 #include "eng_kit.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "kernel.h"

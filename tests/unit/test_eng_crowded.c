@@ -1,10 +1,5 @@
 /* test_eng_crowded.c - which features of a mesh are crowded. */
 #include "eng_kit.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "memory.h"
 #include "step.h"
 #include "topology.h"

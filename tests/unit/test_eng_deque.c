@@ -2,8 +2,6 @@
 #include "eng_kit.h"
 
 #include <pthread.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "deque.h"
 #include "memory.h"

@@ -1,9 +1,6 @@
 /* test_eng_divisor.c - greatest common divisors by primes. */
-#include "poly.h"
-
-#include <stdlib.h>
-
 #include "eng_kit.h"
+#include "poly.h"
 
 static void poly_init(struct eng_poly *poly)
 {

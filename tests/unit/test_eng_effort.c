@@ -1,6 +1,5 @@
 /* test_eng_effort.c - does a team pay for a step? */
 #include "eng_kit.h"
-
 #include "step.h"
 #include "step_memory.h"
 

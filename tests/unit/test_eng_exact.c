@@ -1,10 +1,6 @@
 /* test_eng_exact.c - exact answers about a moment and about a span. */
 #include "eng_case.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define ULP 0x1p-52
 
 /* The configuration x at one end, in every order of its points, at several scales and at

@@ -1,9 +1,5 @@
 /* test_eng_fault.c - the engine when memory runs out. */
 #include "eng_scarce.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "paper.h"
 #include "step.h"
 #include "step_memory.h"

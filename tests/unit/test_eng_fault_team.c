@@ -1,6 +1,5 @@
 /* test_eng_fault_team.c - a step by several threads when memory runs out. */
 #include "eng_scarce.h"
-
 #include "step.h"
 #include "world.h"
 

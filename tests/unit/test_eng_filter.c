@@ -3,10 +3,6 @@
  * Source: daemon/engine/kernel/, BOUNDS.md.
  */
 #include "eng_kit.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "kernel.h"
 
 /* The answer for one query. */

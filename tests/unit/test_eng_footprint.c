@@ -3,9 +3,6 @@
 #include "eng_way.h"
 
 #include <malloc.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "memory.h"

@@ -1,10 +1,5 @@
 /* test_eng_foreign.c - pairs whose first feature is foreign. */
 #include "eng_kit.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "kinds.h"
 #include "near.h"
 #include "step.h"

@@ -1,11 +1,6 @@
 /* test_eng_frames.c - scenes far from the origin, tiny ones, and objects far apart. */
 #include "aabb.h"
 #include "eng_kit.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "eng_way.h"
 #include "step.h"
 #include "topology.h"

@@ -1,15 +1,9 @@
 /* test_eng_free.c - edges and points of meshes that no triangle has. */
-#include "eng_way.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "distance.h"
 #include "eng_kit.h"
+#include "eng_way.h"
 #include "kinds.h"
 #include "near.h"
-#include "eng_kit.h"
 #include "thick.h"
 #include "topology.h"
 

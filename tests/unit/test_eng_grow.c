@@ -3,10 +3,6 @@
  * Source: daemon/engine/paper/grow.h.
  */
 #include "eng_kit.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "grow.h"
 
 #define ITEMS_MAX 5000u

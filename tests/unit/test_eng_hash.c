@@ -3,10 +3,6 @@
  * Source: proto/PROTOCOL.md, "The hash of an answer".
  */
 #include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "order.h"
 #include "record_hash.h"
 

@@ -1,8 +1,5 @@
 /* test_eng_ids.c - which object of a scene has an id. */
 #include "eng_kit.h"
-
-#include <stdlib.h>
-
 #include "pccd_types.h"
 #include "world.h"
 

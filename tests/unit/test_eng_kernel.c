@@ -1,9 +1,5 @@
 /* test_eng_kernel.c - the kernels of every instruction set. */
 #include "eng_kit.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "kernel.h"
 
 #define COUNT_MAX 67u /* more than eight vectors of the widest set */

@@ -4,7 +4,6 @@
 #include "eng_kit.h"
 
 #include <stdatomic.h>
-#include <string.h>
 
 #include "memory.h"
 #include "parallel.h"

@@ -1,10 +1,6 @@
 /* test_eng_masks.c - objects that may not meet are left out, and only they. */
-#include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "eng_filters.h"
+#include "eng_kit.h"
 #include "eng_way.h"
 #include "memory.h"
 #include "topology.h"

@@ -3,8 +3,6 @@
 
 #include <malloc.h>
 #include <pthread.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "memory.h"
 

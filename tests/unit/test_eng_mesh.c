@@ -3,11 +3,6 @@
  * Source: daemon/engine/scene/mesh.h; paper section 3.1.
  */
 #include "eng_kit.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "memory.h"
 #include "topology.h"
 

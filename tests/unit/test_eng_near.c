@@ -2,11 +2,6 @@
  * construction; limits, errors, and what a question leaves as it was.
  */
 #include "eng_kit.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "eng_way.h"
 #include "step.h"
 

@@ -1,8 +1,6 @@
 /* test_eng_near_depth.c - vertices inside closed meshes are found, with their distance
  * to the surface.
  */
-#include <math.h>
-#include <string.h>
 
 #include "eng_kit.h"
 

@@ -1,8 +1,6 @@
 /* test_eng_near_nearest.c - of each two objects the nearest pair of features is found,
  * and no other.
  */
-#include <math.h>
-#include <string.h>
 
 #include "eng_kit.h"
 

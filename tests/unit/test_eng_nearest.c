@@ -1,9 +1,5 @@
 /* test_eng_nearest.c - distances of two features, worked out by hand. */
 #include "cases.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "distance.h"
 
 static struct eng_distances distances;

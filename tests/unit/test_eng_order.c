@@ -1,9 +1,5 @@
 /* test_eng_order.c - the order in which features are stored. */
 #include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "memory.h"
 #include "topology.h"
 #include "wide_order.h"

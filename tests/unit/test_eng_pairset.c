@@ -1,9 +1,5 @@
 /* test_eng_pairset.c - a set of unordered pairs. */
 #include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "masks.h"
 #include "memory.h"
 

@@ -1,8 +1,5 @@
 /* test_eng_plane.c - contacts within the plane of two axes. */
 #include "eng_case.h"
-
-#include <math.h>
-
 #include "solve.h"
 
 /* Points `first` to 3 but `odd` (4: none) get the coordinate of the others along a random

@@ -1,9 +1,5 @@
 /* test_eng_radix.c - a stable radix sort. */
 #include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "sort.h"
 
 #define ITEMS_MAX 3000u

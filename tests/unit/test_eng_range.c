@@ -1,8 +1,5 @@
 /* test_eng_range.c - ranges of consecutive indices. */
 #include "eng_kit.h"
-
-#include <string.h>
-
 #include "memory.h"
 #include "world.h"
 

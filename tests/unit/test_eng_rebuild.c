@@ -4,8 +4,6 @@
  */
 #include "eng_blast.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "rebuild.h"

@@ -1,8 +1,6 @@
 /* test_eng_record.c - what each thread of a step did. */
 #include "eng_crew.h"
 
-#include <string.h>
-
 static struct eng_thread_record sum_of(const struct eng_step_result *result)
 {
     struct eng_thread_record sum;

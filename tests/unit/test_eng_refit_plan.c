@@ -3,10 +3,6 @@
  * Source: daemon/engine/paper/refit.h; paper section 6.1.
  */
 #include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "refit.h"
 #include "step.h"
 #include "trees.h"

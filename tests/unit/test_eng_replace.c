@@ -1,9 +1,5 @@
 /* test_eng_replace.c - objects that change their topology between steps. */
 #include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "memory.h"
 #include "step.h"
 #include "trees.h"

@@ -1,9 +1,5 @@
 /* test_eng_resort.c - features that have left their neighbours are put in order again. */
 #include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "memory.h"
 #include "step.h"
 #include "wide_state.h"

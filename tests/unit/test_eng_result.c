@@ -1,9 +1,5 @@
 /* test_eng_result.c - the records of a step: kept, merged by one thread. */
 #include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "memory.h"
 #include "merge.h"
 

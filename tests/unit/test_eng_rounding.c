@@ -6,8 +6,6 @@
 #include "eng_kit.h"
 
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 #include "coordinates.h"
 #include "rigid.h"

@@ -1,6 +1,4 @@
 /* test_eng_rounds.c - joins of many pairs of blocks at a time. */
-#include <stdlib.h>
-#include <string.h>
 
 #include "eng_boxes.h"
 #include "wide_cells.h"

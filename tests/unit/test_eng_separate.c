@@ -1,6 +1,5 @@
 /* test_eng_separate.c - fixed directions between two features. */
 #include "eng_kit.h"
-
 #include "kernel.h"
 
 #define DIRECTIONS 9

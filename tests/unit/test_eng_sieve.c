@@ -3,10 +3,6 @@
  * Source: daemon/engine/kernel/, BOUNDS.md.
  */
 #include "eng_case.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "kernel.h"
 
 #define PAIR_MAX  203u /* more than twelve vectors of the widest set */

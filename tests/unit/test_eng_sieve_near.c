@@ -2,12 +2,8 @@
  *
  * Source: BOUNDS.md, "The sieve: what is near".
  */
-#include "eng_case.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "distance.h"
+#include "eng_case.h"
 #include "kernel.h"
 #include "kinds.h"
 

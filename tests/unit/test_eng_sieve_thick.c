@@ -2,12 +2,8 @@
  *
  * Source: BOUNDS.md, "The sieve: thick features".
  */
-#include "eng_case.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "distance.h"
+#include "eng_case.h"
 #include "kernel.h"
 #include "thick.h"
 

@@ -1,9 +1,5 @@
 /* test_eng_solve.c - the certified solver, by cases derived by hand. */
 #include "eng_case.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "vec.h"
 
 #define ULP 0x1p-52

@@ -1,9 +1,5 @@
 /* test_eng_stage.c - the positions of a step. */
 #include "eng_kit.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "step.h"
 #include "world.h"
 

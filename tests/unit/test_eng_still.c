@@ -1,8 +1,5 @@
 /* test_eng_still.c - when what stands still is looked for. */
 #include "eng_kit.h"
-
-#include <string.h>
-
 #include "step.h"
 #include "world.h"
 

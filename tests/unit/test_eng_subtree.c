@@ -3,7 +3,6 @@
  * Source: daemon/engine/paper/trees.h; paper section 4.1.
  */
 #include "eng_crew.h"
-
 #include "trees.h"
 
 /* Parents of all nodes; the root's is ENG_NO_NODE. */

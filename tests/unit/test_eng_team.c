@@ -1,9 +1,5 @@
 /* test_eng_team.c - the same step by any number of threads. */
 #include "eng_crew.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "memory.h"
 #include "paper_work.h"
 #include "record_hash.h"

@@ -1,8 +1,5 @@
 /* test_eng_teleport.c - a step's memory does not depend on how far things go. */
 #include "eng_kit.h"
-
-#include <string.h>
-
 #include "eng_way.h"
 #include "memory.h"
 #include "topology.h"

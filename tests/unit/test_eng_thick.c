@@ -1,10 +1,5 @@
 /* test_eng_thick.c - the elementary test of thick features. */
 #include "eng_case.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "memory.h"
 #include "thick.h"
 #include "thick_cases.h"

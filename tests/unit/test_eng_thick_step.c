@@ -1,10 +1,6 @@
 /* test_eng_thick_step.c - steps of thick objects that were made by hand. */
-#include "eng_way.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "eng_kit.h"
+#include "eng_way.h"
 
 static struct eng_question way(uint32_t i, enum pccd_mode mode, double separation)
 {

@@ -1,9 +1,5 @@
 /* test_eng_trace.c - the trace of a step. */
 #include "eng_crew.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "trace.h"
 #include "trees.h"
 

@@ -1,9 +1,5 @@
 /* test_eng_warm.c - a warm step allocates nothing. */
 #include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "exact.h"
 #include "memory.h"
 #include "step.h"

@@ -1,10 +1,6 @@
 /* test_eng_wide.c - the trees of the method wide. */
-#include "eng_kit.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "aabb.h"
+#include "eng_kit.h"
 #include "memory.h"
 #include "step.h"
 #include "wide.h"

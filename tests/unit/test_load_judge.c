@@ -1,10 +1,6 @@
 /* test_load_judge.c - whether the load harness would notice. */
-#include "cases.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "actor.h"
+#include "cases.h"
 #include "watch.h"
 
 #define CLIENTS 5u

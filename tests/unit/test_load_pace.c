@@ -1,11 +1,6 @@
 /* test_load_pace.c - whether the load harness asks and counts as it says. */
-#include "cases.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "actor.h"
+#include "cases.h"
 #include "tally.h"
 
 #define VALUES 20000u

@@ -1,10 +1,5 @@
 /* test_oracle.c - the exact oracle on cases that were worked out by hand. */
 #include "cases.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "oracle_scene.h"
 #include "prng.h"
 

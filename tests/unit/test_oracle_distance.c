@@ -1,9 +1,6 @@
 /* test_oracle_distance.c - the oracle's distances, on cases that were worked out by hand.
  */
 #include "cases.h"
-
-#include <math.h>
-
 #include "oracle_distance.h"
 
 typedef const double (*points_t)[3];

@@ -1,9 +1,5 @@
 /* test_oracle_thick.c - the oracle of thick features. */
 #include "cases.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "oracle_distance.h"
 #include "oracle_thick.h"
 #include "prng.h"

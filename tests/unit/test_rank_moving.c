@@ -1,8 +1,5 @@
 /* test_rank_moving.c - boxes that go on as vertices go. */
 #include "cases.h"
-
-#include <string.h>
-
 #include "moving.h"
 #include "prng.h"
 

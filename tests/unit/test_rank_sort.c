@@ -1,6 +1,5 @@
 /* test_rank_sort.c - numbers sorted with what is attached. */
 #include "cases.h"
-
 #include "prng.h"
 #include "rank_sort.h"
 #include "recent.h"

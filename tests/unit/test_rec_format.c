@@ -5,9 +5,6 @@
  */
 #include "cases.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "object_attributes.h"

@@ -1,6 +1,5 @@
 /* test_reg_map.c - what belongs to a handle, among many. */
 #include "cases.h"
-
 #include "prng.h"
 #include "registry.h"
 

@@ -1,8 +1,5 @@
 /* test_reg_pairs.c - pairs that ignore each other, as the registry keeps them. */
 #include "cases.h"
-
-#include <string.h>
-
 #include "prng.h"
 #include "registry.h"
 

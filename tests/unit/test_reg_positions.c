@@ -1,8 +1,5 @@
 /* test_reg_positions.c - where the objects of a registry are. */
 #include "cases.h"
-
-#include <string.h>
-
 #include "pccd_types.h"
 #include "prng.h"
 #include "registry.h"

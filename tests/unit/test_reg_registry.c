@@ -1,8 +1,5 @@
 /* test_reg_registry.c - what a client has told a daemon. */
 #include "cases.h"
-
-#include <string.h>
-
 #include "pccd_types.h"
 #include "registry.h"
 

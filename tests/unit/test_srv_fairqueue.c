@@ -1,6 +1,5 @@
 /* test_srv_fairqueue.c - shares, waits and the order of the queue. */
 #include "cases.h"
-
 #include "prng.h"
 #include "turns.h"
 

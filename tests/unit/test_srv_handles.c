@@ -1,8 +1,5 @@
 /* test_srv_handles.c - handles with generations. */
 #include "cases.h"
-
-#include <stdlib.h>
-
 #include "handles.h"
 #include "pccd_types.h"
 

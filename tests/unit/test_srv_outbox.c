@@ -1,8 +1,5 @@
 /* test_srv_outbox.c - answers that go out together. */
 #include "cases.h"
-
-#include <string.h>
-
 #include "server.h"
 
 static struct srv_outbox outbox;

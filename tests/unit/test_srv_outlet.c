@@ -1,7 +1,6 @@
 /* test_srv_outlet.c - the way out of a socket that may be closed meanwhile. */
 #include "cases.h"
 
-#include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
 

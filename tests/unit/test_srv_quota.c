@@ -1,8 +1,5 @@
 /* test_srv_quota.c - quotas of a user. */
 #include "cases.h"
-
-#include <string.h>
-
 #include "quota.h"
 
 static const uint64_t limits[SRV_QUOTA_COUNT] = {

@@ -1,6 +1,5 @@
 /* test_srv_region.c - pages of the result region. */
 #include "cases.h"
-
 #include "pccd_types.h"
 #include "ringio.h"
 

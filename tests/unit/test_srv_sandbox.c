@@ -1,8 +1,5 @@
 /* test_srv_sandbox.c - the calls of the sandbox on other processors. */
 #include "cases.h"
-
-#include <string.h>
-
 #include "sandbox_calls.h"
 
 #ifdef HAVE_SECCOMP

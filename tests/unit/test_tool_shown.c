@@ -1,9 +1,5 @@
 /* test_tool_shown.c - names that others chose, on a terminal. */
 #include "cases.h"
-
-#include <stdio.h>
-#include <string.h>
-
 #include "printable.h"
 #include "shown.h"
 
