@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "fuzz_jobs.h"
 #include "fuzz_run.h"
 
 #define ROUND    100000u
@@ -137,7 +138,7 @@ static int work_in_processes(uint64_t seed, uint64_t count, int job_count)
         pid_t pid = waitpid(-1, &status, WNOHANG);
         if (pid > 0) {
             running--;
-            failed |= status != 0;
+            failed |= fuzz_jobs_failed(status);
         } else if (now_s() - told >= REPORT_S) {
             told = now_s();
             print_all(runs, started, false);

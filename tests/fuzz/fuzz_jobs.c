@@ -2,8 +2,18 @@
 #include "fuzz_jobs.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+bool fuzz_jobs_failed(int status)
+{
+    if (WIFSIGNALED(status)) {
+        printf("a process was ended by a signal: %s\n", strsignal(WTERMSIG(status)));
+        fflush(stdout);
+    }
+    return status != 0;
+}
 
 int fuzz_jobs_run(fuzz_work_fn work, uint64_t seed, uint64_t count, long jobs)
 {
@@ -24,7 +34,7 @@ int fuzz_jobs_run(fuzz_work_fn work, uint64_t seed, uint64_t count, long jobs)
     }
     for (; started > 0; started--) {
         int status;
-        failed |= wait(&status) < 0 || status != 0;
+        failed |= wait(&status) < 0 || fuzz_jobs_failed(status);
     }
     return failed;
 }

@@ -184,20 +184,27 @@ static bool is_bracketed(const struct eng_query *query, const struct eng_hit *hi
            (hit->toi == 0 || is_clear(query, hit->toi));
 }
 
-/* Small ones times a power of two, exactly: ranges are made for numbers about 1. The
- * extent is at least a unit in the last place of any coordinate, so that none becomes
- * larger than 2^54. */
+/* Small ones times a power of two, exactly: ranges are made for numbers about 1. No
+ * coordinate becomes larger than 2^60; one that all points share may be far larger than
+ * their extent. */
 static void enlarge(struct eng_query *query)
 {
+    double *x = &query->x[0][0][0];
+    double most = 0;
     int exponent;
+    int most_exponent;
     double size = extent(query);
+    for (int i = 0; i < 24; i++) {
+        most = fmax(most, fabs(x[i]));
+    }
     frexp(size, &exponent);
-    if (size == 0 || exponent >= -8) {
+    frexp(most, &most_exponent);
+    int by = -exponent < 60 - most_exponent ? -exponent : 60 - most_exponent;
+    if (size == 0 || exponent >= -8 || by <= 0) {
         return;
     }
     for (int i = 0; i < 24; i++) {
-        double *x = &query->x[i / 12][i / 3 % 4][i % 3];
-        *x = ldexp(*x, -exponent);
+        x[i] = ldexp(x[i], by);
     }
 }
 

@@ -54,6 +54,27 @@ CASE(judge__finds_wrong_answers)
     assert_in_range(misses, 1000, 3000);
 }
 
+/* If this failed, a search would end where it comes to such a pair, and say nothing of it:
+ * along y the points have no extent and are far from the origin, along x they are
+ * denormal. */
+CASE(judge__takes_points_far_from_their_extent)
+{
+    const double far = -1879048192;
+    const struct eng_query query = {.kind = PCCD_EE,
+                                    .x = {{{-0x1p-1061, far, 0},
+                                           {0x1p-1061, far, 0},
+                                           {0x1p-1063, far, 0},
+                                           {0x3p-1063, far, 0}},
+                                          {{-0x3p-1063, far, 0},
+                                           {-0x1p-1063, far, 0},
+                                           {0x1p-1062, far, 0},
+                                           {0x1p-1062, far, 0}}}};
+    struct eng_hit hit;
+    assert_true(eng_solve(&query, TOLERANCE, 1, &exact, &hit));
+    assert_int_equal(judge(&query, &hit), FUZZ_RIGHT);
+    assert_int_equal(judge(&query, NULL), FUZZ_MISSED);
+}
+
 /* If this failed, a contact could have no place, no direction, or a bracket as long as it
  * likes. */
 CASE(judge__finds_misformed_answers)
