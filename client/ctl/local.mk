@@ -83,13 +83,12 @@ libctl_la_SOURCES = \
     client/ctl/picture/raster.c \
     client/ctl/picture/thick.c \
     client/ctl/record/answers.c \
-    client/ctl/record/drive.c \
-    client/ctl/record/drive_frame.c \
     client/ctl/record/frames.c \
-    client/ctl/record/play_open.c \
+    client/ctl/record/play.c \
     client/ctl/record/play_options.c \
-    client/ctl/record/playing.c \
+    client/ctl/record/recorded_state.c \
     client/ctl/record/replay.c \
+    client/ctl/record/replayer.c \
     client/ctl/record/step_trace.c \
     client/ctl/record/still.c \
     client/ctl/record/verify.c \
@@ -98,8 +97,7 @@ libctl_la_SOURCES = \
     client/ctl/record/verify_near.c client/ctl/record/verify_numbers.c \
     client/ctl/record/verify_options.c \
     client/ctl/record/verify_place.c \
-    client/ctl/record/verify_report.c \
-    client/ctl/record/world.c
+    client/ctl/record/verify_report.c
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
     -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/near -iquote $(top_srcdir)/client/ctl/observe \

@@ -284,6 +284,7 @@ struct registry_object *registry_put_guest(struct registry *registry,
     } else {
         empty_object(registry, object);
         object->placing = REGISTRY_AS_REGISTERED;
+        object->is_told = false;
         object->mesh = copy;
         copy->object_count = 1;
     }
@@ -351,6 +352,7 @@ int registry_put_mesh(struct registry *registry, uint32_t handle,
     mesh->edges = NULL;
     mesh->is_free_edge = NULL;
     mesh->is_free_vertex = NULL;
+    mesh->is_told = false;
     free(copy);
     return reset_objects(registry, mesh, step);
 }
@@ -361,6 +363,7 @@ void registry_set_object(struct registry_object *object, uint32_t what,
                          const struct common_attributes *given)
 {
     object->what |= what;
+    object->is_told = false;
     common_attributes_set(&object->attributes, what, given);
 }
 
@@ -400,7 +403,5 @@ void registry_deinit(struct registry *registry)
     free(registry->next_radii);
     free(registry->next_free);
     registry->next_radii = NULL;
-    registry->next_radii_count = 0;
     registry->next_free = NULL;
-    registry->next_free_count = 0;
 }

@@ -83,6 +83,7 @@ struct registry_mesh {
     uint32_t made_handle;  /* the one that another daemon gave it, for whoever tells it */
     uint32_t object_count; /* made of it */
     bool is_destroyed;     /* but objects are left */
+    bool is_told;          /* that daemon knows its contents, and that it is destroyed */
     uint32_t format;       /* enum pccd_format */
     uint32_t vertex_count;
     uint32_t triangle_count;
@@ -119,6 +120,8 @@ struct registry_object {
     uint64_t since; /* what steps before this one said of its place counts no more */
     uint32_t what;  /* enum pccd_object_what: that was ever set, of the next */
     struct common_attributes attributes;
+    bool is_made; /* another daemon has one of that handle, and knows of what it is */
+    bool is_told; /* ... and its attributes, for whoever tells it */
 };
 
 /* Of a scene, as when it was made. */
@@ -138,6 +141,10 @@ struct registry_scene {
     uint32_t object_count;
     uint32_t object_room;
     struct registry_pairs ignored;
+    bool is_made;   /* another daemon has it, for whoever tells it */
+    bool is_told;   /* ... and all its objects */
+    bool is_placed; /* ... and knows where they are */
+    bool has_begin; /* ... and where the last step began */
 };
 
 /* All zero: nothing was told. */
@@ -146,13 +153,9 @@ struct registry {
     struct registry_scene *scenes;
     struct registry_scene *last_scene; /* of these; NULL: there are none */
     struct registry_map scene_map;     /* of pointers to them, by handle */
-    /* Recordings: what the mesh that comes next has, if it has so many vertices. */
-    double *next_radii;
-    uint32_t next_radii_count;
-    uint32_t *next_free; /* the ends of its named edges, then its named points */
-    uint32_t next_free_count;
-    uint32_t next_edge_count;
-    uint32_t next_point_count;
+    /* Recordings: payloads of RADII and FREE, of the mesh that comes next; NULL: none. */
+    void *next_radii;
+    void *next_free;
 };
 
 /* A copy of a mesh, which no registry has yet; NULL: no memory. */

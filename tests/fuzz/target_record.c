@@ -6,7 +6,7 @@
 #include <xxhash.h>
 
 #include "fuzz_target.h"
-#include "world.h"
+#include "recorded_state.h"
 
 #define FILE_BYTES (1u << 18)
 
@@ -41,25 +41,26 @@ static size_t compose(struct fuzz_input *input, uint8_t *file)
     return at;
 }
 
-static int follow(struct registry *world, const struct record_view *view)
+static int follow(struct registry *state, struct recorded_item *item,
+                  const struct record_view *view)
 {
-    const uint8_t *slot = (const uint8_t *)view->payload + sizeof(struct record_frame);
     struct ctl_error error = {.text = ""};
-    struct record_frame frame;
+    int status;
 
-    if (view->kind != RECORD_FRAME) {
-        return world_follow(world, view, &error);
+    if (!recorded_item_take(item, view)) {
+        return recorded_state_follow(state, view, &error);
     }
-    memcpy(&frame, view->payload, sizeof frame);
-    return world_step(world, &frame, slot, &error);
+    status = recorded_state_move(state, item, &error);
+    *item = (struct recorded_item){.number = 0};
+    return status;
 }
 
 /* The sum of all positions: memory that is not there would be noticed. */
-static double sum_of(const struct registry *world)
+static double sum_of(const struct registry *state)
 {
     double sum = 0;
 
-    for (const struct registry_scene *scene = world->scenes; scene != NULL;
+    for (const struct registry_scene *scene = state->scenes; scene != NULL;
          scene = scene->next) {
         for (uint32_t i = 0; i < scene->object_count; i++) {
             const struct registry_object *object = &scene->objects[i];
@@ -79,7 +80,8 @@ void fuzz_record(const uint8_t *data, size_t bytes)
     struct fuzz_input input = {data, bytes};
     struct record_reader reader;
     struct record_view view;
-    struct registry world = {.meshes = NULL};
+    struct registry state = {.meshes = NULL};
+    struct recorded_item item = {.number = 0};
     bool is_raw = fuzz_take_u8(&input) % 2 == 1;
     size_t file_bytes = input.left;
     volatile double sum = 0;
@@ -93,11 +95,11 @@ void fuzz_record(const uint8_t *data, size_t bytes)
     status = record_reader_open_memory(&reader, file, file_bytes);
     while (status == 0 && record_reader_next(&reader, &view) == 1) {
         FUZZ_CHECK(view.payload != NULL && view.offset < file_bytes);
-        status = follow(&world, &view);
-        sum = sum + sum_of(&world);
+        status = follow(&state, &item, &view);
+        sum = sum + sum_of(&state);
     }
     FUZZ_CHECK(status <= 0);
     FUZZ_CHECK(status != PCCD_E_FORMAT || reader.ending != RECORD_ENDING_WHOLE);
-    registry_deinit(&world);
+    registry_deinit(&state);
     record_reader_deinit(&reader);
 }

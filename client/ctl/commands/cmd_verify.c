@@ -66,10 +66,10 @@ static void skip(void *context, uint64_t step, bool is_near)
 static int run(struct verification *verification, struct play_summary *summary,
                struct ctl_error *error)
 {
-    struct playing *playing = NULL;
-    int status = play_open(&verification->options.play, summary, &playing, error);
+    struct play_reader *reader = NULL;
+    int status = play_open(&verification->options.play, summary, &reader, error);
     if (status == PCCD_OK) {
-        status = play_run(playing, check, verification, error);
+        status = play_run(reader, check, verification, error);
     }
     if (status == PCCD_OK && verification->status != PCCD_OK) {
         *error = verification->error;
@@ -77,9 +77,9 @@ static int run(struct verification *verification, struct play_summary *summary,
     }
     if (status == PCCD_OK && verification->report.witness == NULL) {
         status =
-            verify_report_strays(&verification->report, play_answers(playing), error);
+            verify_report_strays(&verification->report, play_answers(reader), error);
     }
-    play_close(playing);
+    play_close(reader);
     return status;
 }
 

@@ -251,7 +251,7 @@ static int find_edges(const struct registry_scene *scene, struct ctl_error *erro
 {
     int status = PCCD_OK;
     for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
-        status = world_edges(scene->objects[i].mesh, error);
+        status = recorded_edges(scene->objects[i].mesh, error);
     }
     return status;
 }

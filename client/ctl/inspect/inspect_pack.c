@@ -8,7 +8,7 @@
 
 #include "array.h"
 #include "inspect.h"
-#include "world.h"
+#include "recorded_state.h"
 
 /* ---- A growing array of bytes, divided into sections. */
 
@@ -75,17 +75,17 @@ static json_t *counted(const struct inspect *inspect, size_t offset, uint64_t co
                      (json_int_t)count);
 }
 
-/* Its edges are known (world_edges). */
+/* Its edges are known (recorded_edges). */
 static json_t *pack_rods(struct inspect *inspect, const struct registry_mesh *mesh)
 {
     uint32_t count = 0;
     size_t offset = 0;
     for (uint32_t i = 0; i < mesh->edge_count; i++) {
-        count += world_is_free(mesh, 2, i);
+        count += recorded_is_free(mesh, 2, i);
     }
     uint32_t(*to)[2] = bytes_section(&inspect->data, count * sizeof *to, &offset);
     for (uint32_t i = 0; to != NULL && i < mesh->edge_count; i++) {
-        if (world_is_free(mesh, 2, i)) {
+        if (recorded_is_free(mesh, 2, i)) {
             memcpy(to++, mesh->edges[i], sizeof *to);
         }
     }
@@ -97,11 +97,11 @@ static json_t *pack_points(struct inspect *inspect, const struct registry_mesh *
     uint32_t count = 0;
     size_t offset = 0;
     for (uint32_t i = 0; i < mesh->named_point_count; i++) {
-        count += world_is_free(mesh, 1, mesh->named_points[i]);
+        count += recorded_is_free(mesh, 1, mesh->named_points[i]);
     }
     uint32_t *to = bytes_section(&inspect->data, count * sizeof *to, &offset);
     for (uint32_t i = 0; to != NULL && i < mesh->named_point_count; i++) {
-        if (world_is_free(mesh, 1, mesh->named_points[i])) {
+        if (recorded_is_free(mesh, 1, mesh->named_points[i])) {
             *to++ = mesh->named_points[i];
         }
     }
@@ -362,7 +362,7 @@ json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near
     struct inspect_line *to = bytes_section(&inspect->data, count * sizeof *to, &offset);
     for (uint64_t i = 0; to != NULL && i < count; i++) {
         double ends[2][3];
-        if (!near_line(near->scene, &near->records[i], near->asked->end, ends)) {
+        if (!recorded_near_line(near->scene, &near->records[i], near->asked->end, ends)) {
             continue; /* a record that makes no sense: see still.c */
         }
         for (uint32_t k = 0; k < 6; k++) {

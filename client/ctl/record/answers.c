@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "array.h"
+#include "recorded_state.h"
 
 struct answers_page {
     uint64_t step, first, count;
@@ -21,16 +22,13 @@ static int no_memory(struct ctl_error *error)
     return ctl_error_set(error, PCCD_E_NOMEM, "no memory for what was answered");
 }
 
-static int compare_answers(const void *a, const void *b)
+/* Both kinds of answers begin with the number of their step. */
+static int compare_steps(const void *a, const void *b)
 {
-    const struct record_answer *x = a, *y = b;
-    return (x->step > y->step) - (x->step < y->step);
-}
-
-static int compare_nears(const void *a, const void *b)
-{
-    const struct record_near_answer *x = a, *y = b;
-    return (x->step > y->step) - (x->step < y->step);
+    uint64_t x, y;
+    memcpy(&x, a, sizeof x);
+    memcpy(&y, b, sizeof y);
+    return (x > y) - (x < y);
 }
 
 static int compare_pages(const void *a, const void *b)
@@ -40,17 +38,24 @@ static int compare_pages(const void *a, const void *b)
                               : (x->first > y->first) - (x->first < y->first);
 }
 
+/* One more at the end of *items. False: no memory. */
+static bool append(void **items, size_t *count, size_t *room, const void *item,
+                   size_t bytes)
+{
+    if (!array_reserve(items, *count, room, bytes)) {
+        return false;
+    }
+    memcpy((uint8_t *)*items + (*count)++ * bytes, item, bytes);
+    return true;
+}
+
 static bool take_page(struct answers *answers, const struct record_view *view)
 {
     struct record_records head;
-    if (!array_reserve((void **)&answers->pages, answers->page_count, &answers->page_room,
-                       sizeof *answers->pages)) {
-        return false;
-    }
     memcpy(&head, view->payload, sizeof head);
-    answers->pages[answers->page_count++] =
-        (struct answers_page){head.step, head.first, head.count, view->offset};
-    return true;
+    const struct answers_page page = {head.step, head.first, head.count, view->offset};
+    return append((void **)&answers->pages, &answers->page_count, &answers->page_room,
+                  &page, sizeof page);
 }
 
 /* One that moves nothing has 0; two that move the same vertices have the same. */
@@ -67,39 +72,19 @@ static uint64_t sum_moves(uint32_t scene, uint32_t count, const uint8_t *slot)
     return count > 0 ? sum | 1 : 0;
 }
 
-static bool take_asked(struct answers *answers, const struct answers_asked *asked)
+static bool take_asked(struct answers *answers, const struct record_view *view)
 {
-    if (!array_reserve((void **)&answers->asked, answers->asked_count,
-                       &answers->asked_room, sizeof *answers->asked)) {
-        return false;
-    }
-    answers->asked[answers->asked_count++] = *asked;
-    answers->last_step = asked->step;
-    return true;
-}
-
-static bool take_frame(struct answers *answers, const struct record_view *view)
-{
-    struct record_frame frame;
-    memcpy(&frame, view->payload, sizeof frame);
-    const uint8_t *slot = (const uint8_t *)view->payload + sizeof frame;
+    struct recorded_item item = {.number = 0};
+    (void)recorded_item_take(&item, view);
     const struct answers_asked asked = {
-        .step = frame.step, .moves = sum_moves(frame.scene, frame.segment_count, slot)};
-    answers->frames++;
-    return take_asked(answers, &asked);
-}
-
-static bool take_near(struct answers *answers, const struct record_view *view)
-{
-    struct record_near near;
-    memcpy(&near, view->payload, sizeof near);
-    const uint8_t *slot = (const uint8_t *)view->payload + sizeof near;
-    const struct answers_asked asked = {
-        .step = near.step,
-        .moves = sum_moves(near.scene, near.segment_count, slot),
-        .is_near = true};
-    answers->questions++;
-    return take_asked(answers, &asked);
+        .step = item.number,
+        .moves = sum_moves(item.scene, item.segment_count, item.slot),
+        .is_near = item.is_near};
+    answers->frames += !item.is_near;
+    answers->questions += item.is_near;
+    answers->last_step = item.number;
+    return append((void **)&answers->asked, &answers->asked_count, &answers->asked_room,
+                  &asked, sizeof asked);
 }
 
 static bool take(struct answers *answers, const struct record_view *view)
@@ -109,29 +94,27 @@ static bool take(struct answers *answers, const struct record_view *view)
         memcpy(&answers->begin, view->payload, sizeof answers->begin);
         return true;
     case RECORD_FRAME:
-        return take_frame(answers, view);
     case RECORD_NEAR:
-        return take_near(answers, view);
+        return take_asked(answers, view);
     case RECORD_ANSWER:
-        if (!array_reserve((void **)&answers->items, answers->count, &answers->room,
-                           sizeof *answers->items)) {
-            return false;
-        }
-        memcpy(&answers->items[answers->count++], view->payload, sizeof *answers->items);
-        return true;
+        return append((void **)&answers->items, &answers->count, &answers->room,
+                      view->payload, sizeof *answers->items);
     case RECORD_NEAR_ANSWER:
-        if (!array_reserve((void **)&answers->nears, answers->near_count,
-                           &answers->near_room, sizeof *answers->nears)) {
-            return false;
-        }
-        memcpy(&answers->nears[answers->near_count++], view->payload,
-               sizeof *answers->nears);
-        return true;
+        return append((void **)&answers->nears, &answers->near_count, &answers->near_room,
+                      view->payload, sizeof *answers->nears);
     case RECORD_RECORDS:
     case RECORD_NEAR_RECORDS:
         return take_page(answers, view);
     default:
         return true;
+    }
+}
+
+static void sort(void *items, size_t count, size_t bytes,
+                 int (*compare)(const void *a, const void *b))
+{
+    if (count > 0) {
+        qsort(items, count, bytes, compare);
     }
 }
 
@@ -150,15 +133,9 @@ int answers_read(struct answers *answers, struct record_reader *reader,
             return no_memory(error);
         }
     }
-    if (answers->count > 0) {
-        qsort(answers->items, answers->count, sizeof *answers->items, compare_answers);
-    }
-    if (answers->near_count > 0) {
-        qsort(answers->nears, answers->near_count, sizeof *answers->nears, compare_nears);
-    }
-    if (answers->page_count > 0) {
-        qsort(answers->pages, answers->page_count, sizeof *answers->pages, compare_pages);
-    }
+    sort(answers->items, answers->count, sizeof *answers->items, compare_steps);
+    sort(answers->nears, answers->near_count, sizeof *answers->nears, compare_steps);
+    sort(answers->pages, answers->page_count, sizeof *answers->pages, compare_pages);
     return got == 0 ? PCCD_OK : ctl_error_set(error, got, "%s", reader->text);
 }
 
@@ -172,21 +149,33 @@ void answers_deinit(struct answers *answers)
     memset(answers, 0, sizeof *answers);
 }
 
+/* The item of a number among items that are sorted by it; NULL: there is none. */
+static const void *find(const void *items, size_t count, size_t bytes, uint64_t number)
+{
+    return count == 0 ? NULL : bsearch(&number, items, count, bytes, compare_steps);
+}
+
 const struct record_answer *answers_find(const struct answers *answers, uint64_t step)
 {
-    const struct record_answer key = {.step = step};
-    return answers->count == 0 ? NULL
-                               : bsearch(&key, answers->items, answers->count,
-                                         sizeof *answers->items, compare_answers);
+    return find(answers->items, answers->count, sizeof *answers->items, step);
 }
 
 const struct record_near_answer *answers_find_near(const struct answers *answers,
                                                    uint64_t step)
 {
-    const struct record_near_answer key = {.step = step};
-    return answers->near_count == 0 ? NULL
-                                    : bsearch(&key, answers->nears, answers->near_count,
-                                              sizeof *answers->nears, compare_nears);
+    return find(answers->nears, answers->near_count, sizeof *answers->nears, step);
+}
+
+bool answers_status(const struct answers *answers, bool is_near, uint64_t step,
+                    int32_t *status)
+{
+    const struct record_answer *answer = is_near ? NULL : answers_find(answers, step);
+    const struct record_near_answer *near =
+        is_near ? answers_find_near(answers, step) : NULL;
+    if (answer != NULL || near != NULL) {
+        *status = answer != NULL ? answer->status : near->status;
+    }
+    return answer != NULL || near != NULL;
 }
 
 /* The first page of a step, or where it would be. */
@@ -205,9 +194,9 @@ static size_t first_page(const struct answers *answers, uint64_t step)
 }
 
 /* A page's records: what is there already is to be the same, the rest is appended. */
-static int append(struct record_reader *reader, const struct answers_page *page,
-                  size_t record_bytes, struct answers_found *found,
-                  struct ctl_error *error)
+static int take_records(struct record_reader *reader, const struct answers_page *page,
+                        size_t record_bytes, struct answers_found *found,
+                        struct ctl_error *error)
 {
     struct record_view view;
     struct record_records head;
@@ -271,7 +260,7 @@ int answers_records(const struct answers *answers, struct record_reader *reader,
         }
         /* Pages may have been fetched again, or from anywhere on. */
         if (page->first <= found->count && page->count > 0) {
-            status = append(reader, page, each, found, error);
+            status = take_records(reader, page, each, found, error);
         }
     }
     found->is_whole = (answer != NULL || near != NULL) && found->count == total;
@@ -280,18 +269,11 @@ int answers_records(const struct answers *answers, struct record_reader *reader,
 
 /* ---- what belongs to nothing ------------------------------------------------------- */
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const uint64_t *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
 /* Whether a step or question of that number was asked. */
 static bool was_asked(const struct answers *answers, uint64_t number)
 {
-    return answers->asked_count > 0 &&
-           bsearch(&number, answers->numbers, answers->asked_count,
-                   sizeof *answers->numbers, compare_numbers) != NULL;
+    return find(answers->numbers, answers->asked_count, sizeof *answers->numbers,
+                number) != NULL;
 }
 
 uint64_t answers_stray(struct answers *answers, uint64_t after)
@@ -305,8 +287,8 @@ uint64_t answers_stray(struct answers *answers, uint64_t after)
         if (answers->numbers == NULL) {
             return 0; /* nothing is said of them then */
         }
-        qsort(answers->numbers, answers->asked_count, sizeof *answers->numbers,
-              compare_numbers);
+        sort(answers->numbers, answers->asked_count, sizeof *answers->numbers,
+             compare_steps);
     }
 #define LOOK(items, item_count)                                                          \
     for (size_t i = 0; i < (item_count); i++) {                                          \

@@ -8,7 +8,7 @@
 
 #include "link.h"
 #include "pccd.h"
-#include "world.h"
+#include "recorded_state.h"
 
 /* ---- Traces what a daemon's threads do during one step. */
 
@@ -131,16 +131,16 @@ int play(const struct play_settings *settings, play_fn show, void *context,
 
 /* The same in parts: open the file and read all answers; go through the steps, once;
  * close, also after an error. `summary` is the caller's until then. */
-struct playing;
+struct play_reader;
 int play_open(const struct play_settings *settings, struct play_summary *summary,
-              struct playing **playing, struct ctl_error *error);
-int play_run(struct playing *playing, play_fn show, void *context,
+              struct play_reader **reader, struct ctl_error *error);
+int play_run(struct play_reader *reader, play_fn show, void *context,
              struct ctl_error *error);
-void play_close(struct playing *playing);
+void play_close(struct play_reader *reader);
 /* What was asked and answered. */
-struct answers *play_answers(struct playing *playing);
+struct answers *play_answers(struct play_reader *reader);
 /* PCCD_OK, or why reading the answers did not come to the end of the file. */
-int play_damage(const struct playing *playing, struct ctl_error *error);
+int play_damage(const struct play_reader *reader, struct ctl_error *error);
 /* Whether a step is of the range that the settings name. */
 bool play_is_within(const struct play_settings *settings, uint64_t step);
 

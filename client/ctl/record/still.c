@@ -11,8 +11,8 @@
 #include "kinds.h"
 #include "output.h"
 #include "printable.h"
+#include "recorded_state.h"
 #include "shown.h"
-#include "world.h"
 
 #define ORIGIN_RATIO 1024.0 /* how much farther off than large a scene is */
 
@@ -59,13 +59,13 @@ static void choose_origin(const struct registry_scene *scene, double t,
 static void take_free(const struct registry_mesh *mesh, struct still_object *object)
 {
     for (uint32_t i = 0; i < mesh->edge_count; i++) {
-        if (world_is_free(mesh, 2, i)) {
+        if (recorded_is_free(mesh, 2, i)) {
             memcpy(object->edges[object->edge_count++], mesh->edges[i],
                    sizeof *object->edges);
         }
     }
     for (uint32_t i = 0; i < mesh->named_point_count; i++) {
-        if (world_is_free(mesh, 1, mesh->named_points[i])) {
+        if (recorded_is_free(mesh, 1, mesh->named_points[i])) {
             object->points[object->point_count++] = mesh->named_points[i];
         }
     }
@@ -75,7 +75,7 @@ static void take_radii(const struct registry_object *from, struct still_object *
 {
     bool is_thick = false;
     for (uint32_t i = 0; i < object->vertex_count; i++) {
-        double radius = world_radius(from, &i, 1);
+        double radius = recorded_radius(from, &i, 1);
         object->radii[i] = (float)radius;
         is_thick = is_thick || radius > 0;
     }
@@ -85,7 +85,7 @@ static void take_radii(const struct registry_object *from, struct still_object *
     }
 }
 
-/* Its mesh has its edges (world_edges). */
+/* Its mesh has its edges (recorded_edges). */
 static bool take_object(const struct registry_object *from, double t,
                         const double origin[3], struct still_object *object)
 {
@@ -165,8 +165,9 @@ static void find_reach(double separation, const struct registry_object *const ob
                        const double w[2][3], struct still_contact *contact)
 {
     double at[2][3];
-    double own = world_radius(objects[1], corners[1], counts[1]) + separation / 2;
-    double both = own + world_radius(objects[0], corners[0], counts[0]) + separation / 2;
+    double own = recorded_radius(objects[1], corners[1], counts[1]) + separation / 2;
+    double both =
+        own + recorded_radius(objects[0], corners[0], counts[0]) + separation / 2;
     if (!(both > 0)) {
         return;
     }
@@ -195,8 +196,8 @@ static bool place_contact(const struct still *still, const struct registry_scene
         return false;
     }
     const uint32_t *points = common_kinds[from->kind].points;
-    const uint32_t *of_a = world_feature(known_a->mesh, points[0], &from->feature_a);
-    const uint32_t *of_b = world_feature(known_b->mesh, points[1], &from->feature_b);
+    const uint32_t *of_a = recorded_feature(known_a->mesh, points[0], &from->feature_a);
+    const uint32_t *of_b = recorded_feature(known_b->mesh, points[1], &from->feature_b);
     if (of_a == NULL || of_b == NULL) {
         return false;
     }
@@ -270,7 +271,7 @@ static int take_objects(struct still *still, const struct registry_scene *scene,
     choose_origin(scene, still->t, still);
     for (uint32_t i = 0; i < scene->object_count; i++) {
         still->object_count++;
-        if (world_edges(scene->objects[i].mesh, error) != PCCD_OK ||
+        if (recorded_edges(scene->objects[i].mesh, error) != PCCD_OK ||
             !take_object(&scene->objects[i], still->t, still->origin,
                          &still->objects[i])) {
             return no_memory(error);
@@ -371,7 +372,7 @@ static bool place_line(const struct still *still, const struct registry_scene *s
                        const struct pccd_near *from, uint32_t end, struct still_line *to)
 {
     double ends[2][3];
-    if (!near_line(scene, from, end, ends)) {
+    if (!recorded_near_line(scene, from, end, ends)) {
         return false;
     }
     *to = (struct still_line){.distance = from->d_lo, .kind = from->kind};

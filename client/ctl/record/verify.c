@@ -108,14 +108,14 @@ static const char *misnamed(const struct registry_scene *scene,
     }
     const uint32_t count_a = common_kinds[pair->kind].points[0];
     const uint32_t count_b = common_kinds[pair->kind].points[1];
-    const uint32_t *va = world_feature(a->mesh, count_a, &pair->feature_a);
-    const uint32_t *vb = world_feature(b->mesh, count_b, &pair->feature_b);
+    const uint32_t *va = recorded_feature(a->mesh, count_a, &pair->feature_a);
+    const uint32_t *vb = recorded_feature(b->mesh, count_b, &pair->feature_b);
     if (va == NULL || vb == NULL) {
         return "the record names a feature that there is not";
     }
     if ((pair->kind == PCCD_VE || pair->kind == PCCD_VV) &&
-        !(world_is_free(a->mesh, count_a, pair->feature_a) &&
-          world_is_free(b->mesh, count_b, pair->feature_b))) {
+        !(recorded_is_free(a->mesh, count_a, pair->feature_a) &&
+          recorded_is_free(b->mesh, count_b, pair->feature_b))) {
         return "the record names a vertex or an edge that is not free";
     }
     if (count_a == count_b && (pair->object_a > pair->object_b ||
@@ -384,7 +384,7 @@ int verify_step(const struct play_step *step, const struct verify_settings *sett
         return PCCD_OK;
     }
     for (uint32_t i = 0; i < step->scene->object_count && status == PCCD_OK; i++) {
-        status = world_edges(step->scene->objects[i].mesh, error);
+        status = recorded_edges(step->scene->objects[i].mesh, error);
     }
     leave_open(step, result);
     is_right = status == PCCD_OK && check_records(step, settings, result) &&

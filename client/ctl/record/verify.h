@@ -144,7 +144,7 @@ struct verify_meeting {
  * fewer repeats the last. */
 void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
                    double p[8][3]);
-/* The mesh of either object has its edges (world_edges). */
+/* The mesh of either object has its edges (recorded_edges). */
 void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                  struct verify_meeting *meeting);
 /* Whether mode pairs has the pair: no axis separates it, by the given coordinates, and

@@ -39,9 +39,9 @@ static int compare_swept(const void *a, const void *b)
 static void sweep_feature(const struct sweep *sweep, const struct registry_object *object,
                           uint32_t points, uint32_t feature, struct swept *swept)
 {
-    const uint32_t *v = world_feature(object->mesh, points, &feature);
+    const uint32_t *v = recorded_feature(object->mesh, points, &feature);
     double reach =
-        world_radius(object, v, points) + sweep->step->separation.separation / 2;
+        recorded_radius(object, v, points) + sweep->step->separation.separation / 2;
     *swept = (struct swept){.object = object, .feature = feature};
     for (uint32_t k = 0; k < 3; k++) {
         double lo = INFINITY, hi = -INFINITY;
@@ -74,7 +74,7 @@ static bool is_tested(const struct sweep *sweep, const struct registry_mesh *mes
                       uint32_t points, uint32_t feature, const uint8_t *is_named)
 {
     bool is_of_free = sweep->kind == PCCD_VE || sweep->kind == PCCD_VV;
-    return is_of_free    ? world_is_free(mesh, points, feature)
+    return is_of_free    ? recorded_is_free(mesh, points, feature)
            : points == 1 ? is_named[feature] != 0
                          : true;
 }
@@ -86,7 +86,7 @@ static bool list_side(struct sweep *sweep, int side)
     uint32_t points = common_kinds[sweep->kind].points[side];
     size_t room = 1;
     for (uint32_t i = 0; i < scene->object_count; i++) {
-        room += world_feature_count(scene->objects[i].mesh, points);
+        room += recorded_feature_count(scene->objects[i].mesh, points);
     }
     sweep->sides[side] = malloc(room * sizeof *sweep->sides[side]);
     bool has_memory = sweep->sides[side] != NULL;
@@ -97,7 +97,7 @@ static bool list_side(struct sweep *sweep, int side)
         if (has_memory) {
             mark_named(object->mesh, is_named);
         }
-        uint32_t count = world_feature_count(object->mesh, points);
+        uint32_t count = recorded_feature_count(object->mesh, points);
         for (uint32_t f = 0; f < count && has_memory; f++) {
             if (is_tested(sweep, object->mesh, points, f, is_named)) {
                 sweep_feature(sweep, object, points, f,
@@ -116,8 +116,8 @@ static bool list_side(struct sweep *sweep, int side)
 static bool shares(const struct swept *a, uint32_t points_a, const struct swept *b,
                    uint32_t points_b)
 {
-    const uint32_t *va = world_feature(a->object->mesh, points_a, &a->feature);
-    const uint32_t *vb = world_feature(b->object->mesh, points_b, &b->feature);
+    const uint32_t *va = recorded_feature(a->object->mesh, points_a, &a->feature);
+    const uint32_t *vb = recorded_feature(b->object->mesh, points_b, &b->feature);
     for (uint32_t i = 0; a->object == b->object && i < points_a * points_b; i++) {
         if (va[i / points_b] == vb[i % points_b]) {
             return true;

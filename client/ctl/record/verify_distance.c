@@ -52,7 +52,7 @@ static bool add_thickness(const struct registry_object *object, struct oracle_ob
     to->rest_distance = object->attributes.rest_distance;
     to->rest_rings = object->attributes.rest_rings;
     for (uint32_t v = 0; radii != NULL && registered != NULL && v < count; v++) {
-        radii[v] = world_radius(object, &v, 1);
+        radii[v] = recorded_radius(object, &v, 1);
         registry_registered(object->mesh, v, registered[v]);
     }
     return radii != NULL && registered != NULL;

@@ -17,7 +17,7 @@ void verify_points(const struct registry_scene *scene, const struct pccd_pair *p
     uint32_t at = 0;
     for (int side = 0; side < 2; side++) {
         const struct registry_object *object = registry_object(scene, handles[side]);
-        const uint32_t *v = world_feature(object->mesh, points[side], &features[side]);
+        const uint32_t *v = recorded_feature(object->mesh, points[side], &features[side]);
         for (uint32_t i = 0; i < points[side]; i++, at++) {
             memcpy(p[at], object->x0[v[i]], sizeof p[at]);
             memcpy(p[4 + at], object->x1[v[i]], sizeof p[4 + at]);
@@ -37,7 +37,7 @@ static void registered(const struct registry_mesh *mesh, const struct pccd_pair 
     const uint32_t features[2] = {pair->feature_a, pair->feature_b};
     uint32_t at = 0;
     for (int side = 0; side < 2; side++) {
-        const uint32_t *v = world_feature(mesh, points[side], &features[side]);
+        const uint32_t *v = recorded_feature(mesh, points[side], &features[side]);
         for (uint32_t i = 0; i < points[side]; i++, at++) {
             registry_registered(mesh, v[i], p[at]);
         }
@@ -64,8 +64,8 @@ static bool are_joined(const struct registry_mesh *mesh, const struct pccd_pair 
     const uint32_t *points = common_kinds[pair->kind].points;
     return oracle_are_joined(
         (const uint32_t(*)[2])mesh->edges, mesh->edge_count, mesh->vertex_count,
-        world_feature(mesh, points[0], &pair->feature_a), points[0],
-        world_feature(mesh, points[1], &pair->feature_b), points[1], rings);
+        recorded_feature(mesh, points[0], &pair->feature_a), points[0],
+        recorded_feature(mesh, points[1], &pair->feature_b), points[1], rings);
 }
 
 static bool is_excluded(const struct registry_object *object,
@@ -84,10 +84,10 @@ static bool find_radii(const struct play_step *step, const struct pccd_pair *pai
     const struct registry_object *a = registry_object(step->scene, pair->object_a);
     const struct registry_object *b = registry_object(step->scene, pair->object_b);
     const uint32_t *points = common_kinds[pair->kind].points;
-    radius[0] =
-        world_radius(a, world_feature(a->mesh, points[0], &pair->feature_a), points[0]);
-    radius[1] =
-        world_radius(b, world_feature(b->mesh, points[1], &pair->feature_b), points[1]);
+    radius[0] = recorded_radius(a, recorded_feature(a->mesh, points[0], &pair->feature_a),
+                                points[0]);
+    radius[1] = recorded_radius(b, recorded_feature(b->mesh, points[1], &pair->feature_b),
+                                points[1]);
     radius[2] = step->separation.separation;
     bool is_thick =
         radius[0] + radius[1] + radius[2] > 0 && (a != b || !is_excluded(a, pair));

@@ -133,7 +133,8 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
 static bool is_of_kind(enum pccd_kind kind, const struct registry_mesh *mesh,
                        uint32_t points, uint32_t feature)
 {
-    return (kind != PCCD_VE && kind != PCCD_VV) || world_is_free(mesh, points, feature);
+    return (kind != PCCD_VE && kind != PCCD_VV) ||
+           recorded_is_free(mesh, points, feature);
 }
 
 /* All pairs of a kind that a feature may make with features near it, as the first or,
@@ -143,18 +144,18 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
 {
     const struct registry_scene *scene = draw->step->scene;
     const uint32_t *points = common_kinds[kind].points;
-    const uint32_t *own = world_feature(object->mesh, points[0], &feature);
+    const uint32_t *own = recorded_feature(object->mesh, points[0], &feature);
     const struct box tight = box_of(object, own, points[0]);
     double near_by =
-        world_radius(object, own, points[0]) + draw->step->separation.separation;
+        recorded_radius(object, own, points[0]) + draw->step->separation.separation;
     for (uint32_t i = 0; i < scene->object_count; i++) {
         const struct registry_object *other = &scene->objects[i];
-        uint32_t count = world_feature_count(other->mesh, points[1]);
+        uint32_t count = recorded_feature_count(other->mesh, points[1]);
         for (uint32_t f = 0; registry_may_meet(scene, object, other) && f < count; f++) {
-            const uint32_t *v = world_feature(other->mesh, points[1], &f);
+            const uint32_t *v = recorded_feature(other->mesh, points[1], &f);
             struct box near = box_of(other, v, points[1]);
             struct box box = tight;
-            widen(&box, near_by + world_radius(other, v, points[1]));
+            widen(&box, near_by + recorded_radius(other, v, points[1]));
             if (!meet(&box, &near) || !is_of_kind(kind, other->mesh, points[1], f) ||
                 (other == object && share(own, points[0], v, points[1]))) {
                 continue;

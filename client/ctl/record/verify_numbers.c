@@ -10,8 +10,8 @@
 
 #include "answer_hash.h"
 #include "kinds.h"
+#include "recorded_state.h"
 #include "verify.h"
-#include "world.h"
 
 /* The numbers that records have. */
 struct numbers {
@@ -39,7 +39,7 @@ static bool has_thickness(const struct play_step *step)
         const struct registry_object *object = &step->scene->objects[i];
         const uint32_t vertices = object->mesh->radii ? object->mesh->vertex_count : 1;
         for (uint32_t v = 0; v < vertices && !is_thick; v++) {
-            is_thick = world_radius(object, &v, 1) > 0;
+            is_thick = recorded_radius(object, &v, 1) > 0;
         }
     }
     return is_thick;

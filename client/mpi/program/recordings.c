@@ -49,7 +49,7 @@ static uint64_t next_place(void *context)
     if (all->is_begun) {
         unsigned char result[DEAL_RESULT_BYTES] = {0};
         all->work->skip(all->work->context,
-                        &play_answers(now->playing)->asked[all->held - now->first],
+                        &play_answers(now->reader)->asked[all->held - now->first],
                         result);
         put(all, result);
     }
@@ -93,7 +93,7 @@ static int compute(void *context, struct deal *deal, struct ctl_error *error)
     all->held = DEAL_NONE;
     for (uint32_t i = 0; i < all->file_count && status == PCCD_OK; i++) {
         all->now = &all->files[i];
-        status = play_run(all->now->playing, show_step, all, error);
+        status = play_run(all->now->reader, show_step, all, error);
         if (status == PCCD_OK && all->is_begun) {
             status = ctl_error_set(error, PCCD_E_FORMAT, "%s: it has become shorter",
                                    all->now->path);
@@ -116,7 +116,7 @@ static const struct recording *file_of(const struct recordings *all, uint64_t it
 static const struct answers_asked *asked_of(const struct recordings *all, uint64_t item)
 {
     const struct recording *file = file_of(all, item);
-    return &play_answers(file->playing)->asked[item - file->first];
+    return &play_answers(file->reader)->asked[item - file->first];
 }
 
 static bool is_wanted(void *context, uint64_t item)
@@ -156,12 +156,12 @@ static int open_files(struct recordings *all, struct ctl_error *error)
         struct recording *file = &all->files[i];
         settings.path = file->path = options->files.list[i];
         all->file_count++;
-        int status = play_open(&settings, &file->summary, &file->playing, error);
+        int status = play_open(&settings, &file->summary, &file->reader, error);
         if (status != PCCD_OK) {
             return status;
         }
         file->first = all->count;
-        file->count = play_answers(file->playing)->asked_count;
+        file->count = play_answers(file->reader)->asked_count;
         all->count += file->count;
     }
     return PCCD_OK;
@@ -172,7 +172,7 @@ static int compare_files(const struct recordings *all, struct ctl_error *error)
 {
     for (uint32_t i = 0; i < all->file_count; i++) {
         const struct recording *file = &all->files[i];
-        uint64_t mine[2] = {play_answers(file->playing)->sum, file->count}, its[2];
+        uint64_t mine[2] = {play_answers(file->reader)->sum, file->count}, its[2];
         memcpy(its, mine, sizeof its);
         together_tell(its, sizeof its);
         bool is_same = memcmp(its, mine, sizeof its) == 0;
@@ -213,7 +213,7 @@ static json_t *depends(void *context)
     bool ok = files != NULL;
     for (uint32_t i = 0; i < all->file_count && ok; i++) {
         const struct recording *file = &all->files[i];
-        (void)snprintf(sum, sizeof sum, "%016" PRIx64, play_answers(file->playing)->sum);
+        (void)snprintf(sum, sizeof sum, "%016" PRIx64, play_answers(file->reader)->sum);
         ok = json_array_append_new(files,
                                    json_pack("{s:I, s:s}", "items",
                                              (json_int_t)file->count, "sum", sum)) == 0;
@@ -283,7 +283,7 @@ const void *recordings_result(const struct recordings *recordings,
 static void close_all(struct recordings *recordings)
 {
     for (uint32_t i = 0; i < recordings->file_count; i++) {
-        play_close(recordings->files[i].playing);
+        play_close(recordings->files[i].reader);
     }
     items_deinit(&recordings->items);
     free(recordings->files);
@@ -318,7 +318,7 @@ static int report(const struct recordings *all, bool *is_right, struct ctl_error
             printf("%s\n", tool_shown(file->path));
         }
         settings.path = file->path;
-        if (play_damage(file->playing, &(struct ctl_error){.text = ""}) == PCCD_OK) {
+        if (play_damage(file->reader, &(struct ctl_error){.text = ""}) == PCCD_OK) {
             play_options_warn(&settings, &file->summary);
         }
         status = all->work->report(all->work->context, all, file, &is_file_right, error);

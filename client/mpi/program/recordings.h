@@ -54,7 +54,7 @@ void recordings_options_init(struct recordings_options *options);
 
 struct recording {
     const char *path;
-    struct playing *playing;
+    struct play_reader *reader;
     struct play_summary summary;
     uint64_t first, count; /* items */
 };

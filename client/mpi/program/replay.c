@@ -177,7 +177,7 @@ static int report(void *context, const struct recordings *recordings,
         return ctl_error_set(error, PCCD_E_SYSTEM, "the report cannot be written");
     }
     int status =
-        *is_right || replay->goes_on ? play_damage(file->playing, error) : PCCD_OK;
+        *is_right || replay->goes_on ? play_damage(file->reader, error) : PCCD_OK;
     return status == PCCD_OK
                ? replay_judge_counts(&counts, &file->summary, file->path, error)
                : status;

@@ -134,9 +134,9 @@ static int report(void *context, const struct recordings *recordings,
     }
     *is_right = all.witness == NULL;
     if (*is_right) {
-        status = status == PCCD_OK ? play_damage(file->playing, error) : status;
+        status = status == PCCD_OK ? play_damage(file->reader, error) : status;
         status = status == PCCD_OK
-                     ? verify_report_strays(&all, play_answers(file->playing), error)
+                     ? verify_report_strays(&all, play_answers(file->reader), error)
                      : status;
     }
     if (status == PCCD_OK) {

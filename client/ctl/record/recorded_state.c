@@ -1,5 +1,5 @@
-/* world.c - a recording, as what its client had told the daemon. */
-#include "world.h"
+/* recorded_state.c - a recording, as what its client had told the daemon. */
+#include "recorded_state.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -10,7 +10,6 @@
 #include "kinds.h"
 #include "oracle_scene.h"
 #include "payload.h"
-#include "registry.h"
 
 static int no_memory(struct ctl_error *error)
 {
@@ -30,88 +29,85 @@ static int twice(struct ctl_error *error, const char *what, uint32_t handle)
                          what, handle);
 }
 
+static int find_scene(const struct registry *state, uint32_t handle,
+                      struct registry_scene **scene, struct ctl_error *error)
+{
+    *scene = registry_scene(state, handle);
+    return *scene != NULL ? PCCD_OK : unknown(error, "scene", handle);
+}
+
+static int find_object(const struct registry *state, uint32_t in, uint32_t handle,
+                       struct registry_scene **scene, struct registry_object **object,
+                       struct ctl_error *error)
+{
+    int status = find_scene(state, in, scene, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    *object = registry_object(*scene, handle);
+    return *object != NULL ? PCCD_OK : unknown(error, "object", handle);
+}
+
 /* ---- meshes, scenes, objects ------------------------------------------------------- */
 
 /* The mesh of a MESH or GUEST, whose positions are at x and its triangles behind them,
  * with what chunks before it have said of it: radii, edges, points. */
-static struct registry_shape shape_of(const struct registry *world, uint32_t format,
+static struct registry_shape shape_of(const struct registry *state, uint32_t format,
                                       uint32_t vertex_count, uint32_t triangle_count,
                                       const uint8_t *x)
 {
     size_t x_bytes = vertex_count * common_vertex_bytes(format);
-    bool has_radii = world->next_radii_count == vertex_count;
-    bool has_free = world->next_free != NULL && world->next_free_count == vertex_count;
     struct registry_shape shape = {.format = format,
                                    .vertex_count = vertex_count,
                                    .triangle_count = triangle_count,
                                    .x = x,
-                                   .triangles = x + (x_bytes + 7) / 8 * 8,
-                                   .radii = has_radii ? world->next_radii : NULL};
-    if (has_free) {
-        shape.edge_count = world->next_edge_count;
-        shape.point_count = world->next_point_count;
-        shape.edges = world->next_free;
-        shape.points = world->next_free + 2 * (size_t)world->next_edge_count;
+                                   .triangles = x + (x_bytes + 7) / 8 * 8};
+    const struct record_radii *radii = state->next_radii;
+    const struct record_free *named = state->next_free;
+    if (radii != NULL && radii->vertex_count == vertex_count) {
+        shape.radii = radii + 1;
+    }
+    if (named != NULL && named->vertex_count == vertex_count) {
+        shape.edge_count = named->edge_count;
+        shape.point_count = named->point_count;
+        shape.edges = named + 1;
+        shape.points =
+            (const uint8_t *)shape.edges + named->edge_count * sizeof(uint32_t[2]);
     }
     return shape;
 }
 
-static void forget_next(struct registry *world)
+static void forget_next(struct registry *state)
 {
-    free(world->next_radii);
-    free(world->next_free);
-    world->next_radii = NULL;
-    world->next_radii_count = 0;
-    world->next_free = NULL;
-    world->next_free_count = 0;
+    free(state->next_radii);
+    free(state->next_free);
+    state->next_radii = NULL;
+    state->next_free = NULL;
 }
 
-static int follow_radii(struct registry *world, const struct record_view *view,
-                        struct ctl_error *error)
+/* Keep a copy of a payload until the mesh comes that it is of. */
+static int keep_next(void **next, const struct record_view *view, struct ctl_error *error)
 {
-    struct record_radii head;
-    memcpy(&head, view->payload, sizeof head);
-    free(world->next_radii);
-    world->next_radii = malloc((head.vertex_count + 1) * sizeof *world->next_radii);
-    if (world->next_radii == NULL) {
+    free(*next);
+    *next = malloc(view->bytes);
+    if (*next == NULL) {
         return no_memory(error);
     }
-    memcpy(world->next_radii, (const uint8_t *)view->payload + sizeof head,
-           head.vertex_count * sizeof *world->next_radii);
-    world->next_radii_count = head.vertex_count;
+    memcpy(*next, view->payload, view->bytes);
     return PCCD_OK;
 }
 
-static int follow_free(struct registry *world, const struct record_view *view,
-                       struct ctl_error *error)
-{
-    struct record_free head;
-    memcpy(&head, view->payload, sizeof head);
-    size_t words = 2 * (size_t)head.edge_count + head.point_count;
-    free(world->next_free);
-    world->next_free = malloc((words + 1) * sizeof *world->next_free);
-    if (world->next_free == NULL) {
-        return no_memory(error);
-    }
-    memcpy(world->next_free, (const uint8_t *)view->payload + sizeof head,
-           words * sizeof *world->next_free);
-    world->next_free_count = head.vertex_count;
-    world->next_edge_count = head.edge_count;
-    world->next_point_count = head.point_count;
-    return PCCD_OK;
-}
-
-static int follow_mesh(struct registry *world, const struct record_view *view,
+static int follow_mesh(struct registry *state, const struct record_view *view,
                        struct ctl_error *error)
 {
     const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_mesh);
     struct record_mesh head;
     memcpy(&head, view->payload, sizeof head);
     const struct registry_shape shape =
-        shape_of(world, head.format, head.vertex_count, head.triangle_count, x);
+        shape_of(state, head.format, head.vertex_count, head.triangle_count, x);
     struct registry_mesh *copy = registry_mesh_copy(&shape);
-    forget_next(world);
-    return copy != NULL && registry_put_mesh(world, head.mesh, copy, 0) == 0
+    forget_next(state);
+    return copy != NULL && registry_put_mesh(state, head.mesh, copy, 0) == 0
                ? PCCD_OK
                : no_memory(error);
 }
@@ -142,7 +138,7 @@ static void mark_free(struct registry_mesh *mesh, const uint32_t (*sides)[2],
     }
 }
 
-int world_edges(struct registry_mesh *mesh, struct ctl_error *error)
+int recorded_edges(struct registry_mesh *mesh, struct ctl_error *error)
 {
     struct oracle_object object = {.vertex_count = mesh->vertex_count,
                                    .triangle_count = mesh->triangle_count,
@@ -172,17 +168,17 @@ int world_edges(struct registry_mesh *mesh, struct ctl_error *error)
     return PCCD_OK;
 }
 
-uint32_t world_feature_count(const struct registry_mesh *mesh, uint32_t points)
+uint32_t recorded_feature_count(const struct registry_mesh *mesh, uint32_t points)
 {
     return points == 1   ? mesh->vertex_count
            : points == 2 ? mesh->edge_count
                          : mesh->triangle_count;
 }
 
-const uint32_t *world_feature(const struct registry_mesh *mesh, uint32_t points,
-                              const uint32_t *feature)
+const uint32_t *recorded_feature(const struct registry_mesh *mesh, uint32_t points,
+                                 const uint32_t *feature)
 {
-    if (*feature >= world_feature_count(mesh, points)) {
+    if (*feature >= recorded_feature_count(mesh, points)) {
         return NULL;
     }
     return points == 1   ? feature
@@ -190,13 +186,13 @@ const uint32_t *world_feature(const struct registry_mesh *mesh, uint32_t points,
                          : mesh->triangles[*feature];
 }
 
-bool world_is_free(const struct registry_mesh *mesh, uint32_t points, uint32_t feature)
+bool recorded_is_free(const struct registry_mesh *mesh, uint32_t points, uint32_t feature)
 {
     return points == 1 ? mesh->is_free_vertex[feature] : mesh->is_free_edge[feature];
 }
 
-double world_radius(const struct registry_object *object, const uint32_t *v,
-                    uint32_t count)
+double recorded_radius(const struct registry_object *object, const uint32_t *v,
+                       uint32_t count)
 {
     double most = 0;
     if (object->attributes.radius > 0 || object->mesh->radii == NULL) {
@@ -208,41 +204,43 @@ double world_radius(const struct registry_object *object, const uint32_t *v,
     return most;
 }
 
-static int follow_scene(struct registry *world, const struct record_view *view,
+static int follow_scene(struct registry *state, const struct record_view *view,
                         struct ctl_error *error)
 {
     struct record_scene head;
     memcpy(&head, view->payload, sizeof head);
     const struct registry_settings settings = {.name = ""};
-    if (registry_scene(world, head.scene) != NULL) {
+    if (registry_scene(state, head.scene) != NULL) {
         return twice(error, "makes scene", head.scene);
     }
-    return registry_add_scene(world, head.scene, &settings) != NULL ? PCCD_OK
+    return registry_add_scene(state, head.scene, &settings) != NULL ? PCCD_OK
                                                                     : no_memory(error);
 }
 
 /* From here on both ends of its steps are wanted; it goes again where there is no memory
  * for them. */
-static int follow_ends(struct registry *world, struct registry_scene *scene,
+static int follow_ends(struct registry *state, struct registry_scene *scene,
                        struct registry_object *object, struct ctl_error *error)
 {
+    scene->is_told = false;
     if (registry_follow(object) == 0) {
         return PCCD_OK;
     }
-    registry_remove_object(world, scene, object);
+    registry_remove_object(state, scene, object);
     return no_memory(error);
 }
 
-static int follow_object(struct registry *world, const struct record_view *view,
+static int follow_object(struct registry *state, const struct record_view *view,
                          struct ctl_error *error)
 {
     struct record_object head;
+    struct registry_scene *scene;
     memcpy(&head, view->payload, sizeof head);
-    struct registry_scene *scene = registry_scene(world, head.scene);
-    struct registry_mesh *mesh = registry_mesh(world, head.mesh);
-    if (scene == NULL) {
-        return unknown(error, "scene", head.scene);
+    int status = find_scene(state, head.scene, &scene, error);
+    if (status != PCCD_OK) {
+        return status;
     }
+    struct registry_mesh *mesh = registry_mesh(state, head.mesh);
     if (mesh == NULL) {
         return unknown(error, "mesh", head.mesh);
     }
@@ -250,31 +248,32 @@ static int follow_object(struct registry *world, const struct record_view *view,
         return twice(error, "adds object", head.object);
     }
     struct registry_object *object = registry_add_object(scene, mesh, head.object, 0);
-    return object != NULL ? follow_ends(world, scene, object, error) : no_memory(error);
+    return object != NULL ? follow_ends(state, scene, object, error) : no_memory(error);
 }
 
 /* An object with a mesh that nobody else has. */
-static int follow_guest(struct registry *world, const struct record_view *view,
+static int follow_guest(struct registry *state, const struct record_view *view,
                         struct ctl_error *error)
 {
     const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_guest);
     struct record_guest head;
+    struct registry_scene *scene;
     memcpy(&head, view->payload, sizeof head);
-    struct registry_scene *scene = registry_scene(world, head.scene);
-    if (scene == NULL) {
-        return unknown(error, "scene", head.scene);
+    int status = find_scene(state, head.scene, &scene, error);
+    if (status != PCCD_OK) {
+        return status;
     }
     const struct registry_shape shape =
-        shape_of(world, PCCD_FORMAT_F64, head.vertex_count, head.triangle_count, x);
+        shape_of(state, PCCD_FORMAT_F64, head.vertex_count, head.triangle_count, x);
     struct registry_mesh *copy = registry_mesh_copy(&shape);
-    forget_next(world);
+    forget_next(state);
     struct registry_object *object =
-        copy != NULL ? registry_put_guest(world, scene, head.object, copy) : NULL;
+        copy != NULL ? registry_put_guest(state, scene, head.object, copy) : NULL;
     if (object == NULL) {
         registry_mesh_free(copy);
         return no_memory(error);
     }
-    return follow_ends(world, scene, object, error);
+    return follow_ends(state, scene, object, error);
 }
 
 static int judge_motion(const struct registry_object *object,
@@ -289,18 +288,17 @@ static int judge_motion(const struct registry_object *object,
                                stray, object->handle);
 }
 
-static int follow_place(struct registry *world, const struct record_view *view,
+static int follow_place(struct registry *state, const struct record_view *view,
                         struct ctl_error *error)
 {
     struct record_place place;
     memcpy(&place, view->payload, sizeof place);
     const void *at = (const uint8_t *)view->payload + sizeof place;
-    struct registry_scene *scene = registry_scene(world, place.scene);
-    struct registry_object *object =
-        scene != NULL ? registry_object(scene, place.object) : NULL;
-    int status = PCCD_OK;
-    if (object == NULL) {
-        return unknown(error, "object", place.object);
+    struct registry_scene *scene;
+    struct registry_object *object;
+    int status = find_object(state, place.scene, place.object, &scene, &object, error);
+    if (status != PCCD_OK) {
+        return status;
     }
     const uint32_t vertex_count = object->mesh->vertex_count;
     const struct registry_motion motion = {.is_rigid =
@@ -319,120 +317,166 @@ static int follow_place(struct registry *world, const struct record_view *view,
     status = judge_motion(object, &motion, error);
     if (status == PCCD_OK) {
         registry_move(object, &motion);
+        scene->is_placed = false;
     }
     return status;
 }
 
 /* ---- what may meet --------------------------------------------------------------- */
 
-static int follow_filter(struct registry *world, const struct record_view *view,
+static int follow_filter(struct registry *state, const struct record_view *view,
                          struct ctl_error *error)
 {
     struct record_filter filter;
     struct common_attributes given;
     record_filter_read(view->payload, view->bytes, &filter, &given);
-    struct registry_scene *scene = registry_scene(world, filter.scene);
-    struct registry_object *object =
-        scene != NULL ? registry_object(scene, filter.object) : NULL;
-    if (object == NULL) {
-        return unknown(error, "object", filter.object);
+    struct registry_scene *scene;
+    struct registry_object *object;
+    int status = find_object(state, filter.scene, filter.object, &scene, &object, error);
+    if (status == PCCD_OK) {
+        registry_set_object(object, filter.what, &given);
+        scene->is_told = false;
     }
-    registry_set_object(object, filter.what, &given);
-    return PCCD_OK;
+    return status;
 }
 
-static int follow_pairs(struct registry *world, const struct record_view *view,
+static int follow_pairs(struct registry *state, const struct record_view *view,
                         struct ctl_error *error)
 {
     const uint8_t *at = (const uint8_t *)view->payload + sizeof(struct record_pairs);
     struct record_pairs head;
+    struct registry_scene *scene;
     uint32_t pair[2];
     memcpy(&head, view->payload, sizeof head);
-    struct registry_scene *scene = registry_scene(world, head.scene);
-    if (scene == NULL) {
-        return unknown(error, "scene", head.scene);
+    int status = find_scene(state, head.scene, &scene, error);
+    for (uint64_t i = 0; status == PCCD_OK && i < 2 * (uint64_t)head.count; i++) {
+        memcpy(pair, at + i * sizeof pair[0], sizeof pair[0]);
+        status = registry_object(scene, pair[0]) != NULL
+                     ? PCCD_OK
+                     : unknown(error, "object", pair[0]);
     }
-    for (uint32_t i = 0; i < head.count; i++) {
+    for (uint32_t i = 0; status == PCCD_OK && i < head.count; i++) {
         memcpy(pair, at + i * sizeof pair, sizeof pair);
-        for (uint32_t k = 0; k < 2; k++) {
-            if (registry_object(scene, pair[k]) == NULL) {
-                return unknown(error, "object", pair[k]);
-            }
-        }
+        status =
+            registry_pairs_note(&scene->ignored, pair[0], pair[1], head.ignored != 0) == 0
+                ? PCCD_OK
+                : no_memory(error);
     }
-    for (uint32_t i = 0; i < head.count; i++) {
-        memcpy(pair, at + i * sizeof pair, sizeof pair);
-        if (registry_pairs_note(&scene->ignored, pair[0], pair[1], head.ignored != 0) !=
-            0) {
-            return no_memory(error);
-        }
-    }
-    return PCCD_OK;
+    return status;
 }
 
 /* ---- what goes --------------------------------------------------------------------- */
 
-static int follow_gone(struct registry *world, const struct record_view *view,
-                       struct ctl_error *error)
+static int follow_mesh_gone(struct registry *state, uint32_t handle,
+                            struct ctl_error *error)
 {
-    struct record_gone gone;
-    memcpy(&gone, view->payload, sizeof gone);
-    if (view->kind == RECORD_MESH_GONE) {
-        struct registry_mesh *mesh = registry_mesh(world, gone.mesh);
-        if (mesh == NULL) {
-            return unknown(error, "mesh", gone.mesh);
-        }
-        registry_destroy_mesh(world, mesh);
-        return PCCD_OK;
+    struct registry_mesh *mesh = registry_mesh(state, handle);
+    if (mesh == NULL) {
+        return unknown(error, "mesh", handle);
     }
-    struct registry_scene *scene = registry_scene(world, gone.scene);
-    if (scene == NULL) {
-        return unknown(error, "scene", gone.scene);
-    }
-    if (view->kind == RECORD_SCENE_GONE) {
-        registry_remove_scene(world, scene);
-        return PCCD_OK;
-    }
-    struct registry_object *object = registry_object(scene, gone.object);
-    if (object == NULL) {
-        return unknown(error, "object", gone.object);
-    }
-    registry_remove_object(world, scene, object);
+    registry_destroy_mesh(state, mesh);
     return PCCD_OK;
 }
 
-int world_follow(struct registry *world, const struct record_view *view,
-                 struct ctl_error *error)
+static int follow_gone(struct registry *state, const struct record_view *view,
+                       struct ctl_error *error)
+{
+    struct record_gone gone;
+    struct registry_scene *scene;
+    struct registry_object *object;
+    memcpy(&gone, view->payload, sizeof gone);
+    if (view->kind == RECORD_MESH_GONE) {
+        return follow_mesh_gone(state, gone.mesh, error);
+    }
+    if (view->kind == RECORD_SCENE_GONE) {
+        int status = find_scene(state, gone.scene, &scene, error);
+        if (status == PCCD_OK) {
+            registry_remove_scene(state, scene);
+        }
+        return status;
+    }
+    int status = find_object(state, gone.scene, gone.object, &scene, &object, error);
+    if (status == PCCD_OK) {
+        registry_remove_object(state, scene, object);
+    }
+    return status;
+}
+
+int recorded_state_follow(struct registry *state, const struct record_view *view,
+                          struct ctl_error *error)
 {
     switch (view->kind) {
     case RECORD_RADII:
-        return follow_radii(world, view, error);
+        return keep_next(&state->next_radii, view, error);
     case RECORD_FREE:
-        return follow_free(world, view, error);
+        return keep_next(&state->next_free, view, error);
     case RECORD_MESH:
-        return follow_mesh(world, view, error);
+        return follow_mesh(state, view, error);
     case RECORD_SCENE:
-        return follow_scene(world, view, error);
+        return follow_scene(state, view, error);
     case RECORD_OBJECT:
-        return follow_object(world, view, error);
+        return follow_object(state, view, error);
     case RECORD_GUEST:
-        return follow_guest(world, view, error);
+        return follow_guest(state, view, error);
     case RECORD_PLACE:
-        return follow_place(world, view, error);
+        return follow_place(state, view, error);
     case RECORD_FILTER:
-        return follow_filter(world, view, error);
+        return follow_filter(state, view, error);
     case RECORD_PAIRS:
-        return follow_pairs(world, view, error);
+        return follow_pairs(state, view, error);
     case RECORD_SCENE_GONE:
     case RECORD_MESH_GONE:
     case RECORD_OBJECT_GONE:
-        return follow_gone(world, view, error);
+        return follow_gone(state, view, error);
     default:
         return PCCD_OK;
     }
 }
 
 /* ---- steps ------------------------------------------------------------------------- */
+
+bool recorded_item_take(struct recorded_item *item, const struct record_view *view)
+{
+    switch (view->kind) {
+    case RECORD_TUNING:
+        memcpy(item->tuning, view->payload, sizeof item->tuning);
+        return false;
+    case RECORD_TELLS:
+        item->tells = true;
+        return false;
+    case RECORD_SEPARATION:
+        memcpy(&item->separation, view->payload, sizeof item->separation);
+        return false;
+    case RECORD_FRAME:
+    case RECORD_MOVE:
+        memcpy(&item->frame, view->payload, sizeof item->frame);
+        item->is_near = false;
+        item->slot = (const uint8_t *)view->payload + sizeof item->frame;
+        if (item->tuning[0] == '\0') {
+            record_former_tuning(&item->frame, item->tuning);
+        }
+        item->number = item->frame.step;
+        item->scene = item->frame.scene;
+        item->segment_count = item->frame.segment_count;
+        item->method = item->frame.method;
+        item->threads = item->frame.threads;
+        item->deadline_ns = item->frame.deadline_ns;
+        return true;
+    case RECORD_NEAR:
+        memcpy(&item->near, view->payload, sizeof item->near);
+        item->is_near = true;
+        item->slot = (const uint8_t *)view->payload + sizeof item->near;
+        item->number = item->near.step;
+        item->scene = item->near.scene;
+        item->segment_count = item->near.segment_count;
+        item->method = item->near.method;
+        item->threads = item->near.threads;
+        item->deadline_ns = item->near.deadline_ns;
+        return true;
+    default:
+        return false;
+    }
+}
 
 static struct registry_motion motion_of(const struct record_segment *segment,
                                         const uint8_t *slot)
@@ -446,44 +490,49 @@ static struct registry_motion motion_of(const struct record_segment *segment,
         .end = slot + segment->offset1};
 }
 
-int world_step(struct registry *world, const struct record_frame *frame,
-               const uint8_t *slot, struct ctl_error *error)
+static int judge_segment(const struct registry *state, const struct recorded_item *item,
+                         const struct record_segment *segment, struct ctl_error *error)
 {
-    struct registry_scene *scene = registry_scene(world, frame->scene);
+    struct registry_scene *scene;
+    struct registry_object *object;
+    int status = find_object(state, item->scene, segment->object, &scene, &object, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (segment->first > object->mesh->vertex_count ||
+        segment->count > object->mesh->vertex_count - segment->first) {
+        return ctl_error_set(error, PCCD_E_FORMAT,
+                             "step %" PRIu64 " moves vertices that object 0x%" PRIx32
+                             " has not",
+                             item->number, segment->object);
+    }
+    const struct registry_motion motion = motion_of(segment, item->slot);
+    return judge_motion(object, &motion, error);
+}
+
+int recorded_state_move(struct registry *state, const struct recorded_item *item,
+                        struct ctl_error *error)
+{
+    struct registry_scene *scene;
     struct record_segment segment;
-    if (scene == NULL) {
-        return unknown(error, "scene", frame->scene);
+    int status = find_scene(state, item->scene, &scene, error);
+    for (uint32_t i = 0; status == PCCD_OK && i < item->segment_count; i++) {
+        memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
+        status = judge_segment(state, item, &segment, error);
     }
-    for (uint32_t i = 0; i < frame->segment_count; i++) {
-        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
-        const struct registry_object *object = registry_object(scene, segment.object);
-        if (object == NULL) {
-            return unknown(error, "object", segment.object);
-        }
-        if (segment.first > object->mesh->vertex_count ||
-            segment.count > object->mesh->vertex_count - segment.first) {
-            return ctl_error_set(error, PCCD_E_FORMAT,
-                                 "step %" PRIu64 " moves vertices that object 0x%" PRIx32
-                                 " has not",
-                                 frame->step, segment.object);
-        }
-        const struct registry_motion motion = motion_of(&segment, slot);
-        int status = judge_motion(object, &motion, error);
-        if (status != PCCD_OK) {
-            return status;
-        }
+    if (status != PCCD_OK) {
+        return status;
     }
-    registry_pairs_settle(&scene->ignored); /* whoever is shown the step asks for them */
     registry_begin_step(scene);
-    for (uint32_t i = 0; i < frame->segment_count; i++) {
-        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
-        const struct registry_motion motion = motion_of(&segment, slot);
+    for (uint32_t i = 0; i < item->segment_count; i++) {
+        memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
+        const struct registry_motion motion = motion_of(&segment, item->slot);
         registry_move(registry_object(scene, segment.object), &motion);
     }
     return PCCD_OK;
 }
 
-/* ---- Where a record of what is near lies in a scene. */
+/* ---- where a record of what is near lies -------------------------------------- */
 
 /* The weights of a record's features. Those of EF are of a point of the edge, and nobody
  * asks for them. */
@@ -494,8 +543,8 @@ static void near_weights(const struct pccd_near *near, double w[2][3])
     }
 }
 
-bool near_line(const struct registry_scene *scene, const struct pccd_near *near,
-               uint32_t end, double ends[2][3])
+bool recorded_near_line(const struct registry_scene *scene, const struct pccd_near *near,
+                        uint32_t end, double ends[2][3])
 {
     const uint32_t handles[2] = {near->object_a, near->object_b};
     const uint32_t features[2] = {near->feature_a, near->feature_b};
@@ -509,7 +558,8 @@ bool near_line(const struct registry_scene *scene, const struct pccd_near *near,
         const struct registry_object *object = registry_object(scene, handles[side]);
         uint32_t points = common_kinds[near->kind].points[side];
         const uint32_t *corners =
-            object != NULL ? world_feature(object->mesh, points, &features[side]) : NULL;
+            object != NULL ? recorded_feature(object->mesh, points, &features[side])
+                           : NULL;
         if (corners == NULL) {
             return false;
         }

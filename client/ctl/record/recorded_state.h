@@ -1,0 +1,67 @@
+/* recorded_state.h - the meshes, scenes and positions at one point of a recording.
+ *
+ * Threads: one.
+ */
+#ifndef CTL_RECORDED_STATE_H
+#define CTL_RECORDED_STATE_H
+
+#include "error.h"
+#include "pccd.h"
+#include "reader.h"
+#include "registry.h"
+
+/* ---- A step, or a question about what is near, as it was asked. */
+
+struct recorded_item {
+    bool is_near;
+    uint64_t number; /* the client's, from 1; 0: another client's step */
+    uint32_t scene;
+    uint32_t segment_count; /* 0: nothing moves */
+    uint32_t method;
+    uint32_t threads;
+    uint64_t deadline_ns;
+    const uint8_t *slot; /* the segments, and what they move */
+    struct record_frame frame;
+    struct record_near near; /* is_near: this in the place of `frame` */
+    char tuning[PCCD_TUNING_BYTES];
+    struct record_separation separation;
+    bool tells; /* how the step begins; what crosses */
+};
+
+/* Take what a chunk says of the item, which is all zero before its first. True: it is
+ * whole, and `slot` is the view's payload. */
+bool recorded_item_take(struct recorded_item *item, const struct record_view *view);
+
+/* ---- Everything else, in a registry that follows both ends of the last steps. */
+
+/* Follow a chunk that is not of an item. PCCD_E_FORMAT when it speaks of what there is
+ * not; PCCD_E_NOMEM. Kinds that change nothing are let by. */
+int recorded_state_follow(struct registry *state, const struct record_view *view,
+                          struct ctl_error *error);
+/* Move what an item moves, exactly as the daemon computes it: x0 and x1 of the scene's
+ * objects. Nothing changes on failure. */
+int recorded_state_move(struct registry *state, const struct recorded_item *item,
+                        struct ctl_error *error);
+
+/* ---- Features of its meshes. */
+
+/* The edges of a mesh as records number them, made at the first call. */
+int recorded_edges(struct registry_mesh *mesh, struct ctl_error *error);
+/* Whether a vertex (points 1) or an edge (2) is free: an edge that no triangle has, a
+ * point that is named and that no triangle and no edge has. Its edges were made. */
+bool recorded_is_free(const struct registry_mesh *mesh, uint32_t points,
+                      uint32_t feature);
+/* Features of a mesh that have so many points: how many, and the vertices of one; NULL if
+ * there is none of that index. A vertex is its own. */
+uint32_t recorded_feature_count(const struct registry_mesh *mesh, uint32_t points);
+const uint32_t *recorded_feature(const struct registry_mesh *mesh, uint32_t points,
+                                 const uint32_t *feature);
+/* The radius of a feature of an object that has these vertices. */
+double recorded_radius(const struct registry_object *object, const uint32_t *v,
+                       uint32_t count);
+/* Where a record of what is near lies, at the end of the scene's step that was asked
+ * about, 0 or 1; edges of its meshes were made. False: it names what there is not. */
+bool recorded_near_line(const struct registry_scene *scene, const struct pccd_near *near,
+                        uint32_t end, double ends[2][3]);
+
+#endif
