@@ -89,8 +89,8 @@ libctl_la_SOURCES = \
     client/ctl/record/recorded_state.c \
     client/ctl/record/replay.c \
     client/ctl/record/replayer.c \
+    client/ctl/record/snapshot.c \
     client/ctl/record/step_trace.c \
-    client/ctl/record/still.c \
     client/ctl/record/verify.c \
     client/ctl/record/verify_any.c client/ctl/record/verify_distance.c \
     client/ctl/record/verify_meeting.c \

@@ -185,14 +185,14 @@ static uint32_t corner_triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
 /* Draw the square seen from `from_z` with one mark in the middle; read the PNG back. */
 static uint8_t *drawn_square(float from_z, const char *path)
 {
-    struct still_object square = {.x = corner_x,
-                                  .triangles = corner_triangles,
-                                  .vertex_count = 4,
-                                  .triangle_count = 2};
-    const struct still still = {.objects = &square, .object_count = 1};
+    struct snapshot_object square = {.x = corner_x,
+                                     .triangles = corner_triangles,
+                                     .vertex_count = 4,
+                                     .triangle_count = 2};
+    const struct snapshot snapshot = {.objects = &square, .object_count = 1};
     const struct picture_mark mark = {.at = {0.5f, 0.25f, 0},
                                       .colour = PICTURE_COLOURS - 1};
-    struct picture picture = {.still = &still,
+    struct picture picture = {.snapshot = &snapshot,
                               .marks = &mark,
                               .mark_count = 1,
                               .from = {0, 0, from_z},
@@ -256,10 +256,10 @@ static uint32_t cube_triangles[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7,
 /* If it failed: the sides of a box would be shaded like cushions. */
 CASE(picture__shades_the_sides_of_a_box_flat)
 {
-    const struct still_object cube = {.x = cube_x,
-                                      .triangles = cube_triangles,
-                                      .vertex_count = 8,
-                                      .triangle_count = 12};
+    const struct snapshot_object cube = {.x = cube_x,
+                                         .triangles = cube_triangles,
+                                         .vertex_count = 8,
+                                         .triangle_count = 12};
     float normals[36][3];
     assert_true(picture_normals(&cube, 0, normals));
     for (uint32_t i = 0; i < 36; i++) {
@@ -282,7 +282,7 @@ CASE(picture__smooths_what_is_nearly_flat)
                             {-1, 1, 0}, {0, 1, 0.176f}, {1, 1, 0}};
     static uint32_t ridges[2][4][3] = {{{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}},
                                        {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 4, 5}}};
-    struct still_object ridge = {
+    struct snapshot_object ridge = {
         .x = x, .triangles = ridges[0], .vertex_count = 6, .triangle_count = 4};
     float normals[12][3];
     assert_true(picture_normals(&ridge, 0, normals));

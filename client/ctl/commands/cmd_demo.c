@@ -144,29 +144,30 @@ static int draw(const struct demo *demo, FILE *file, struct ctl_error *error)
         .path = demo->options->output, .t = NAN, .azimuth = NAN};
     struct cloth *cloth = demo->cloth;
     float x[CLOTH_MESHES][CLOTH_VERTICES][3];
-    struct still_object objects[CLOTH_MESHES];
-    struct still still = {.step = cloth->frame,
-                          .objects = objects,
-                          .object_count = CLOTH_MESHES,
-                          .contacts =
-                              calloc((size_t)demo->met_count + 1, sizeof *still.contacts),
-                          .contact_count = demo->met_count};
-    if (still.contacts == NULL) {
+    struct snapshot_object objects[CLOTH_MESHES];
+    struct snapshot snapshot = {
+        .step = cloth->frame,
+        .objects = objects,
+        .object_count = CLOTH_MESHES,
+        .contacts = calloc((size_t)demo->met_count + 1, sizeof *snapshot.contacts),
+        .contact_count = demo->met_count};
+    if (snapshot.contacts == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", render.path);
     }
     for (uint32_t i = 0; i < CLOTH_MESHES; i++) {
         cloth_positions(cloth, (enum cloth_mesh)i, 0, x[i]);
-        objects[i] = (struct still_object){.x = x[i],
-                                           .triangles = cloth->triangles[i],
-                                           .vertex_count = cloth_counts[i].vertices,
-                                           .triangle_count = cloth_counts[i].triangles};
+        objects[i] =
+            (struct snapshot_object){.x = x[i],
+                                     .triangles = cloth->triangles[i],
+                                     .vertex_count = cloth_counts[i].vertices,
+                                     .triangle_count = cloth_counts[i].triangles};
     }
     for (uint64_t i = 0; i < demo->met_count; i++) {
-        cloth_locate(cloth, &demo->met[i], still.contacts[i].at);
-        still.contacts[i].toi = demo->met[i].toi;
+        cloth_locate(cloth, &demo->met[i], snapshot.contacts[i].at);
+        snapshot.contacts[i].toi = demo->met[i].toi;
     }
-    int status = render_draw(&render, &still, file, NULL, NULL, error);
-    free(still.contacts);
+    int status = render_draw(&render, &snapshot, file, NULL, NULL, error);
+    free(snapshot.contacts);
     return status;
 }
 

@@ -11,7 +11,7 @@
 #include "play_options.h"
 #include "printable.h"
 #include "shown.h"
-#include "still.h"
+#include "snapshot.h"
 #include "whole_file.h"
 
 struct export
@@ -82,19 +82,19 @@ const struct option_table ctl_table_export = {
                 "  pccdctl export --list --json run.rec\n",
 };
 
-static int write_still(const struct export *export, const struct still *still,
+static int write_still(const struct export *export, const struct snapshot *snapshot,
                        struct ctl_error *error)
 {
     struct whole_file file = {.to = NULL};
-    int status = still->object_count > 0
+    int status = snapshot->object_count > 0
                      ? output_open(&file, export->path, false, error)
                      : ctl_error_set(error, PCCD_E_INVAL,
                                      "step %" PRIu64 " is of a scene without objects",
-                                     still->step);
+                                     snapshot->step);
     if (status == PCCD_OK) {
         status = tool_ends_with(export->path, ".glb")
-                     ? gltf_write(still, file.to, export->path, error)
-                     : vtp_write(still, file.to, export->path, error);
+                     ? gltf_write(snapshot, file.to, export->path, error)
+                     : vtp_write(snapshot, file.to, export->path, error);
     }
     if (status == PCCD_OK) {
         status = output_finish(&file, export->path, error);
@@ -167,7 +167,7 @@ static int list_steps(const struct play_options *options, struct ctl_error *erro
 int ctl_cmd_export(int argc, char **argv)
 {
     struct export export = {.t = NAN};
-    struct still still = {.object_count = 0};
+    struct snapshot snapshot = {.object_count = 0};
     struct play_summary summary;
     struct ctl_error error = {.text = ""};
     play_options_init(&export.options, "steps");
@@ -178,25 +178,26 @@ int ctl_cmd_export(int argc, char **argv)
     if (option_parse(&ctl_table_export, argc, argv, &export) != 0) {
         return CTL_USAGE;
     }
-    const struct still_at at = {.t = isnan(export.t) ? 1 : export.t};
+    const struct snapshot_at at = {.t = isnan(export.t) ? 1 : export.t};
     int status = play_options_open(&export.options, &error);
     if (status == PCCD_OK && export.is_list) {
         status = list_steps(&export.options, &error);
     } else if (status == PCCD_OK) {
-        status = export.is_near
-                     ? still_take_near(&export.options.play, &still, &summary, &error)
-                     : still_take(&export.options.play, &at, &still, &summary, &error);
+        status =
+            export.is_near
+                ? snapshot_take_near(&export.options.play, &snapshot, &summary, &error)
+                : snapshot_take(&export.options.play, &at, &snapshot, &summary, &error);
     }
     if (status == PCCD_OK && !export.is_list) {
-        status = write_still(&export, &still, &error);
+        status = write_still(&export, &snapshot, &error);
     }
     if (status == PCCD_OK && !export.is_list) {
         play_options_warn(&export.options.play, &summary);
-        still_report(&still, export.path, export.options.is_json);
+        snapshot_report(&snapshot, export.path, export.options.is_json);
     } else {
         ctl_error_tell(&error);
     }
-    still_deinit(&still);
+    snapshot_deinit(&snapshot);
     play_options_deinit(&export.options);
     return (int)ctl_exit_of(status, true);
 }

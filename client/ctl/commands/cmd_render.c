@@ -198,11 +198,11 @@ const struct option_table ctl_table_render = {
                 "  pccdctl render -o step.svg --steps 7 --at 'contact 1' run.rec\n",
 };
 
-static bool has_thickness(const struct still *still)
+static bool has_thickness(const struct snapshot *snapshot)
 {
-    bool has = still->separation > 0;
-    for (uint32_t i = 0; i < still->object_count; i++) {
-        has = has || still->objects[i].radii != NULL;
+    bool has = snapshot->separation > 0;
+    for (uint32_t i = 0; i < snapshot->object_count; i++) {
+        has = has || snapshot->objects[i].radii != NULL;
     }
     return has;
 }
@@ -219,11 +219,11 @@ struct shooting {
 };
 
 /* Does it begin elsewhere than the last step that was asked about? */
-static bool begins_anew(struct shooting *shooting, const struct still *still)
+static bool begins_anew(struct shooting *shooting, const struct snapshot *snapshot)
 {
     uint64_t begins = 1;
-    for (uint32_t o = 0; o < still->object_count; o++) {
-        const struct still_object *object = &still->objects[o];
+    for (uint32_t o = 0; o < snapshot->object_count; o++) {
+        const struct snapshot_object *object = &snapshot->objects[o];
         begins = XXH3_64bits_withSeed(object->x, sizeof *object->x * object->vertex_count,
                                       begins ^ object->handle);
     }
@@ -233,31 +233,32 @@ static bool begins_anew(struct shooting *shooting, const struct still *still)
 }
 
 /* Asked once for each step of a pass. */
-static bool is_shown(struct shooting *shooting, const struct still *still)
+static bool is_shown(struct shooting *shooting, const struct snapshot *snapshot)
 {
     const struct render *render = shooting->render;
-    if (render->has_first_tries && !begins_anew(shooting, still)) {
+    if (render->has_first_tries && !begins_anew(shooting, snapshot)) {
         return false;
     }
     return shooting->step_count++ % (render->every > 0 ? render->every : 1) == 0;
 }
 
 /* Room for a step, first, so that all of them are seen from one place. */
-static int measure(void *context, const struct still *still, struct ctl_error *error)
+static int measure(void *context, const struct snapshot *snapshot,
+                   struct ctl_error *error)
 {
     struct shooting *shooting = context;
-    if (!is_shown(shooting, still)) {
+    if (!is_shown(shooting, snapshot)) {
         return PCCD_OK;
     }
     if (shooting->frame_count++ == FILM_FRAMES_MAX) {
         return ctl_error_set(error, PCCD_E_LIMIT, "%s: a film has at most %u steps",
                              shooting->render->path, FILM_FRAMES_MAX);
     }
-    for (uint32_t o = 0; o < still->object_count; o++) {
-        const struct still_object *object = &still->objects[o];
+    for (uint32_t o = 0; o < snapshot->object_count; o++) {
+        const struct snapshot_object *object = &snapshot->objects[o];
         for (uint64_t i = 0; i < 3 * (uint64_t)object->vertex_count; i++) {
             double room = object->radii != NULL ? (double)object->radii[i / 3] : 0;
-            double x = (double)object->x[i / 3][i % 3] + still->origin[i % 3];
+            double x = (double)object->x[i / 3][i % 3] + snapshot->origin[i % 3];
             shooting->low[i % 3] = fmin(shooting->low[i % 3], x - room);
             shooting->high[i % 3] = fmax(shooting->high[i % 3], x + room);
         }
@@ -265,18 +266,18 @@ static int measure(void *context, const struct still *still, struct ctl_error *e
     return PCCD_OK;
 }
 
-static int shoot(void *context, const struct still *still, struct ctl_error *error)
+static int shoot(void *context, const struct snapshot *snapshot, struct ctl_error *error)
 {
     struct shooting *shooting = context;
     float bounds[2][3];
-    if (!is_shown(shooting, still)) {
+    if (!is_shown(shooting, snapshot)) {
         return PCCD_OK;
     }
     for (uint32_t k = 0; k < 3; k++) {
-        bounds[0][k] = (float)(shooting->low[k] - still->origin[k]);
-        bounds[1][k] = (float)(shooting->high[k] - still->origin[k]);
+        bounds[0][k] = (float)(shooting->low[k] - snapshot->origin[k]);
+        bounds[1][k] = (float)(shooting->high[k] - snapshot->origin[k]);
     }
-    return render_draw(shooting->render, still, NULL, &shooting->film,
+    return render_draw(shooting->render, snapshot, NULL, &shooting->film,
                        (const float(*)[3])bounds, error);
 }
 
@@ -303,7 +304,7 @@ static int make_film(const struct render *render, struct whole_file *file,
     double t = render->has_first_tries ? 0 : isnan(render->t) ? 1 : render->t;
     settings.only_last = false;
     settings.needs_records = false;
-    int status = still_each(&settings, t, measure, &shooting, summary, error);
+    int status = snapshot_each(&settings, t, measure, &shooting, summary, error);
     settings.needs_records = true;
     if (status == PCCD_OK && !(shooting.low[0] <= shooting.high[0])) {
         status =
@@ -317,7 +318,7 @@ static int make_film(const struct render *render, struct whole_file *file,
         shooting.step_count = 0;
         film_begin(&shooting.film, file->to, render->path, shooting.frame_count,
                    render->rate > 0 ? (uint32_t)render->rate : RATE);
-        status = still_each(&settings, t, shoot, &shooting, summary, error);
+        status = snapshot_each(&settings, t, shoot, &shooting, summary, error);
     }
     if (status == PCCD_OK && shooting.film.written != shooting.frame_count) {
         status =
@@ -339,37 +340,38 @@ static int make_film(const struct render *render, struct whole_file *file,
 static int make_picture(const struct render *render, struct whole_file *file,
                         struct play_summary *summary, struct ctl_error *error)
 {
-    struct still_at at = {.t = render->t, .contact = render->contact};
-    struct still still = {.object_count = 0};
+    struct snapshot_at at = {.t = render->t, .contact = render->contact};
+    struct snapshot snapshot = {.object_count = 0};
     if (isnan(at.t) && at.contact == 0) {
         at.t = 1;
     }
-    int status = render->is_near
-                     ? still_take_near(&render->options.play, &still, summary, error)
-                     : still_take(&render->options.play, &at, &still, summary, error);
-    if (status == PCCD_OK && still.object_count == 0) {
-        status =
-            ctl_error_set(error, PCCD_E_INVAL,
-                          "step %" PRIu64 " is of a scene without objects", still.step);
+    int status =
+        render->is_near
+            ? snapshot_take_near(&render->options.play, &snapshot, summary, error)
+            : snapshot_take(&render->options.play, &at, &snapshot, summary, error);
+    if (status == PCCD_OK && snapshot.object_count == 0) {
+        status = ctl_error_set(error, PCCD_E_INVAL,
+                               "step %" PRIu64 " is of a scene without objects",
+                               snapshot.step);
     }
     if (status == PCCD_OK) {
         status = output_open(file, render->path, false, error);
     }
     if (status == PCCD_OK) {
-        status = render_draw(render, &still, file->to, NULL, NULL, error);
+        status = render_draw(render, &snapshot, file->to, NULL, NULL, error);
     }
     if (status == PCCD_OK) {
         status = output_finish(file, render->path, error);
     }
     if (status == PCCD_OK) {
         play_options_warn(&render->options.play, summary);
-        if (render->is_thick && !has_thickness(&still)) {
+        if (render->is_thick && !has_thickness(&snapshot)) {
             ctl_complain("nothing in %s %" PRIu64 " has a thickness",
-                         render->is_near ? "question" : "step", still.step);
+                         render->is_near ? "question" : "step", snapshot.step);
         }
-        still_report(&still, render->path, render->options.is_json);
+        snapshot_report(&snapshot, render->path, render->options.is_json);
     }
-    still_deinit(&still);
+    snapshot_deinit(&snapshot);
     return status;
 }
 

@@ -7,7 +7,7 @@
 
 #include "picture.h"
 #include "play_options.h"
-#include "still.h"
+#include "snapshot.h"
 
 struct render {
     struct play_options options;
@@ -29,7 +29,7 @@ struct render {
 
 /* To `film`, seen within the box `bounds`; or, where there is none, to `file`. Errors:
  * those of picture_write and film_add. */
-int render_draw(const struct render *render, const struct still *still, FILE *file,
+int render_draw(const struct render *render, const struct snapshot *snapshot, FILE *file,
                 struct film *film, const float (*bounds)[3], struct ctl_error *error);
 
 #endif

@@ -64,11 +64,11 @@ static bool meets(const double at[3], const double way[3], double near,
     return u >= 0 && w >= 0 && u + w <= 1 && dot(b, q) / area > near;
 }
 
-static bool is_free(const struct still *still, const double at[3], const double way[3],
-                    double near)
+static bool is_free(const struct snapshot *snapshot, const double at[3],
+                    const double way[3], double near)
 {
-    for (uint32_t o = 0; o < still->object_count; o++) {
-        const struct still_object *object = &still->objects[o];
+    for (uint32_t o = 0; o < snapshot->object_count; o++) {
+        const struct snapshot_object *object = &snapshot->objects[o];
         for (uint32_t i = 0; i < object->triangle_count; i++) {
             if (meets(at, way, near, (const float(*)[3])object->x,
                       object->triangles[i])) {
@@ -79,12 +79,12 @@ static bool is_free(const struct still *still, const double at[3], const double 
     return true;
 }
 
-/* `from`, unit, is the wanted direction from contact still->chosen to the eye, and
+/* `from`, unit, is the wanted direction from contact snapshot->chosen to the eye, and
  * becomes the one of those with a free view that is least turned away from it; it stays
  * where none of them has a free view. */
-static void choose_viewpoint(const struct still *still, float from[3])
+static void choose_viewpoint(const struct snapshot *snapshot, float from[3])
 {
-    const struct still_contact *contact = &still->contacts[still->chosen];
+    const struct snapshot_contact *contact = &snapshot->contacts[snapshot->chosen];
     const double wanted[3] = {from[0], from[1], from[2]};
     double at[3], normal[3], side[3], other[3], least = INFINITY;
     for (int k = 0; k < 3; k++) {
@@ -110,7 +110,7 @@ static void choose_viewpoint(const struct still *still, float from[3])
                 flat * (cos(turn) * other[k] + sin(turn) * side[k]) + tilt * normal[k];
         }
         double cost = 1 - dot(way, wanted) + STEEP * fabs(tilt);
-        if (cost < least && is_free(still, at, way, NEAR * (double)contact->radius)) {
+        if (cost < least && is_free(snapshot, at, way, NEAR * (double)contact->radius)) {
             least = cost;
             for (int k = 0; k < 3; k++) {
                 from[k] = (float)way[k];
@@ -131,48 +131,49 @@ static void find_eye(const struct render *render, float from[3])
     from[(up + 2) % 3] = (float)(cos(e) * sin(a));
 }
 
-static void name_step(const struct render *render, const struct still *still, char *title,
-                      size_t room)
+static void name_step(const struct render *render, const struct snapshot *snapshot,
+                      char *title, size_t room)
 {
     if (render->is_near) {
-        snprintf(title, room, "question %" PRIu64 ", %" PRIu64 " %s", still->step,
-                 still->line_count, proto_plural(still->line_count, "record", "records"));
+        snprintf(title, room, "question %" PRIu64 ", %" PRIu64 " %s", snapshot->step,
+                 snapshot->line_count,
+                 proto_plural(snapshot->line_count, "record", "records"));
     } else if (render->contact > 0) {
         snprintf(title, room,
                  "step %" PRIu64 " at t = %.6g, contact %" PRIu64 " of %" PRIu64,
-                 still->step, still->t, render->contact, still->contact_count);
+                 snapshot->step, snapshot->t, render->contact, snapshot->contact_count);
     } else {
-        snprintf(title, room, "step %" PRIu64 ", %" PRIu64 " %s", still->step,
-                 still->contact_count,
-                 proto_plural(still->contact_count, "contact", "contacts"));
+        snprintf(title, room, "step %" PRIu64 ", %" PRIu64 " %s", snapshot->step,
+                 snapshot->contact_count,
+                 proto_plural(snapshot->contact_count, "contact", "contacts"));
     }
 }
 
 /* The features of the chosen contact, and what is around them. */
 static struct picture_place place_of(const struct render *render,
-                                     const struct still *still)
+                                     const struct snapshot *snapshot)
 {
     struct picture_place place = {.radius = 0};
     if (render->contact > 0) {
-        const struct still_contact *contact = &still->contacts[still->chosen];
+        const struct snapshot_contact *contact = &snapshot->contacts[snapshot->chosen];
         for (uint32_t k = 0; k < 3; k++) {
             place.at[k] = contact->at[k] +
                           (render->is_thick ? contact->share * contact->reach[k] : 0);
         }
         place.radius = contact->radius > 0 ? PLACE_ROOM * contact->radius
-                                           : (float)(PLACE_LEAST * still->extent);
+                                           : (float)(PLACE_LEAST * snapshot->extent);
     }
     return place;
 }
 
 /* Lines by their shares of the greatest distance. */
-static void mark_lines(const struct still *still, double greatest,
+static void mark_lines(const struct snapshot *snapshot, double greatest,
                        struct picture_mark *marks)
 {
-    for (uint64_t i = 0; i < still->line_count; i++) {
-        double share = greatest > 0 ? still->lines[i].distance / greatest : 0;
-        memcpy(marks[i].at, still->lines[i].ends[0], sizeof marks[i].at);
-        memcpy(marks[i].to, still->lines[i].ends[1], sizeof marks[i].to);
+    for (uint64_t i = 0; i < snapshot->line_count; i++) {
+        double share = greatest > 0 ? snapshot->lines[i].distance / greatest : 0;
+        memcpy(marks[i].at, snapshot->lines[i].ends[0], sizeof marks[i].at);
+        memcpy(marks[i].to, snapshot->lines[i].ends[1], sizeof marks[i].to);
         marks[i].is_line = true;
         marks[i].colour = (uint32_t)(share * (PICTURE_COLOURS - 1));
     }
@@ -180,7 +181,7 @@ static void mark_lines(const struct still *still, double greatest,
 
 /* A dot, over a line to the nearest point of its first feature if it is at a distance;
  * the dot is where they touch. Returns how many marks there are now. */
-static uint32_t mark_contact(const struct still_contact *contact, bool is_thick,
+static uint32_t mark_contact(const struct snapshot_contact *contact, bool is_thick,
                              struct picture_mark *marks, uint32_t count)
 {
     uint32_t colour = contact->toi > 0 ? (uint32_t)(contact->toi * PICTURE_COLOURS) : 0;
@@ -204,18 +205,18 @@ static uint32_t mark_contact(const struct still_contact *contact, bool is_thick,
 }
 
 /* Contacts by their times, the chosen one over the others. Returns how many marks. */
-static uint32_t mark_contacts(const struct render *render, const struct still *still,
-                              struct picture_mark *marks)
+static uint32_t mark_contacts(const struct render *render,
+                              const struct snapshot *snapshot, struct picture_mark *marks)
 {
     uint32_t count = 0;
-    for (uint64_t i = 0; i < still->contact_count; i++) {
-        if (render->contact == 0 || i != still->chosen) {
-            count = mark_contact(&still->contacts[i], render->is_thick, marks, count);
+    for (uint64_t i = 0; i < snapshot->contact_count; i++) {
+        if (render->contact == 0 || i != snapshot->chosen) {
+            count = mark_contact(&snapshot->contacts[i], render->is_thick, marks, count);
         }
     }
     if (render->contact > 0) {
-        count =
-            mark_contact(&still->contacts[still->chosen], render->is_thick, marks, count);
+        count = mark_contact(&snapshot->contacts[snapshot->chosen], render->is_thick,
+                             marks, count);
         marks[count - 1].is_chosen = true;
     }
     return count;
@@ -235,27 +236,28 @@ static int add_picture(const struct picture *picture, struct film *film,
     return status;
 }
 
-int render_draw(const struct render *render, const struct still *still, FILE *file,
+int render_draw(const struct render *render, const struct snapshot *snapshot, FILE *file,
                 struct film *film, const float (*bounds)[3], struct ctl_error *error)
 {
     struct picture_mark *marks =
-        calloc(2 * still->contact_count + still->line_count + 1, sizeof *marks);
-    double greatest = still_greatest(still);
+        calloc(2 * snapshot->contact_count + snapshot->line_count + 1, sizeof *marks);
+    double greatest = snapshot_greatest(snapshot);
     struct picture_scale scale = {.title = "time of impact", .low = "0", .high = "1"};
     char title[128];
     if (marks == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", render->path);
     }
-    uint32_t mark_count = still->lines != NULL ? (uint32_t)still->line_count
-                                               : mark_contacts(render, still, marks);
-    if (still->lines != NULL) {
-        mark_lines(still, greatest, marks);
+    uint32_t mark_count = snapshot->lines != NULL
+                              ? (uint32_t)snapshot->line_count
+                              : mark_contacts(render, snapshot, marks);
+    if (snapshot->lines != NULL) {
+        mark_lines(snapshot, greatest, marks);
         snprintf(scale.title, sizeof scale.title, "distance");
         snprintf(scale.high, sizeof scale.high, "%.4g", greatest);
     }
-    name_step(render, still, title, sizeof title);
-    struct picture_place place = place_of(render, still);
-    struct picture picture = {.still = still,
+    name_step(render, snapshot, title, sizeof title);
+    struct picture_place place = place_of(render, snapshot);
+    struct picture picture = {.snapshot = snapshot,
                               .marks = marks,
                               .mark_count = mark_count,
                               .up = render->up,
@@ -267,11 +269,11 @@ int render_draw(const struct render *render, const struct still *still, FILE *fi
                               .is_thick = render->is_thick,
                               .place = render->contact > 0 ? &place : NULL,
                               .title = title,
-                              .scale =
-                                  still->lines == NULL || greatest > 0 ? &scale : NULL};
+                              .scale = snapshot->lines == NULL || greatest > 0 ? &scale
+                                                                               : NULL};
     find_eye(render, picture.from);
     if (render->contact > 0 && isnan(render->azimuth)) {
-        choose_viewpoint(still, picture.from);
+        choose_viewpoint(snapshot, picture.from);
     }
     int status = film != NULL ? add_picture(&picture, film, error)
                               : picture_write(&picture, file, render->path, error);

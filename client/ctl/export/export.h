@@ -13,7 +13,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "still.h"
+#include "snapshot.h"
 
 /* ---- The colours that pictures and exported files give to times and to
  * objects. */
@@ -24,13 +24,13 @@ void colour_of_time(double toi, float colour[3]);
 void colour_of_object(uint32_t i, float front[3], float back[3]);
 
 /* PCCD_OK, PCCD_E_NOMEM, PCCD_E_LIMIT (4 GiB), PCCD_E_SYSTEM. */
-int gltf_write(const struct still *still, FILE *to, const char *path,
+int gltf_write(const struct snapshot *snapshot, FILE *to, const char *path,
                struct ctl_error *error);
 
 /* ---- Writes one step as a VTK XML PolyData file, which ParaView opens. */
 
 /* PCCD_OK, PCCD_E_NOMEM, PCCD_E_SYSTEM. */
-int vtp_write(const struct still *still, FILE *to, const char *path,
+int vtp_write(const struct snapshot *snapshot, FILE *to, const char *path,
               struct ctl_error *error);
 
 #endif

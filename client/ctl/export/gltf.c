@@ -25,7 +25,7 @@ struct gltf {
     uint8_t *bytes;
     size_t count, room;
     json_t *views, *accessors, *meshes, *nodes, *channels, *samplers, *materials;
-    const struct still *still;
+    const struct snapshot *snapshot;
     int times, weights; /* accessors of the animation; -1: not made yet */
     bool has_memory;
 };
@@ -119,8 +119,8 @@ static void add_node(struct gltf *gltf, json_t *primitives, const char *name,
     append(gltf->meshes, mesh, gltf);
     json_t *node = json_pack("{s:s, s:I}", "name", name, "mesh",
                              (json_int_t)json_array_size(gltf->meshes) - 1);
-    const double *origin = gltf->still->origin;
-    if (gltf->still->has_origin) {
+    const double *origin = gltf->snapshot->origin;
+    if (gltf->snapshot->has_origin) {
         json_object_set_new(node, "translation",
                             json_pack("[f, f, f]", origin[0], origin[1], origin[2]));
     }
@@ -151,7 +151,7 @@ static void animate(struct gltf *gltf, size_t node)
 }
 
 /* The start of the step, so that the weight is the time. */
-static float (*start_of(const struct still_object *object, double t))[3]
+static float (*start_of(const struct snapshot_object *object, double t))[3]
 {
     float(*x)[3] = malloc(object->vertex_count * sizeof *x);
     for (uint32_t i = 0; x != NULL && i < object->vertex_count; i++) {
@@ -179,8 +179,8 @@ static void add_features(struct gltf *gltf, json_t *primitives, const uint32_t *
            gltf);
 }
 
-static void add_object(struct gltf *gltf, const struct still_object *object, uint32_t i,
-                       double t)
+static void add_object(struct gltf *gltf, const struct snapshot_object *object,
+                       uint32_t i, double t)
 {
     float front[3], back[3];
     char name[32];
@@ -238,14 +238,14 @@ static void add_coloured(struct gltf *gltf, const float (*x)[3],
 }
 
 /* Lines between nearest points, by their shares of the greatest distance. */
-static void add_lines(struct gltf *gltf, const struct still *still)
+static void add_lines(struct gltf *gltf, const struct snapshot *snapshot)
 {
-    size_t count = 2 * still->line_count;
-    double greatest = still_greatest(still);
+    size_t count = 2 * snapshot->line_count;
+    double greatest = snapshot_greatest(snapshot);
     float(*x)[3] = malloc((count + 1) * sizeof *x);
     float(*colours)[3] = malloc((count + 1) * sizeof *colours);
     for (size_t i = 0; x != NULL && colours != NULL && i < count; i++) {
-        const struct still_line *line = &still->lines[i / 2];
+        const struct snapshot_line *line = &snapshot->lines[i / 2];
         memcpy(x[i], line->ends[i % 2], sizeof *x);
         colour_of_time(greatest > 0 ? line->distance / greatest : 0, colours[i]);
     }
@@ -280,12 +280,12 @@ static void add_shade(struct gltf *gltf, json_t *primitives, const uint32_t *ind
 
 /* Small octahedra: what draws glTF leaves out points, or draws them without their
  * colours. Those of about the same time share a material. */
-static void add_contacts(struct gltf *gltf, const struct still *still)
+static void add_contacts(struct gltf *gltf, const struct snapshot *snapshot)
 {
     enum { CORNERS = 6, INDICES_EACH = 24 };
     static const uint32_t sides[INDICES_EACH] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4,
                                                  2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
-    size_t count = still->contact_count;
+    size_t count = snapshot->contact_count;
     float(*x)[3] = malloc((CORNERS * count + 1) * sizeof *x);
     uint32_t *indices = malloc((INDICES_EACH * count + 1) * sizeof *indices);
     json_t *primitives = json_array();
@@ -293,18 +293,18 @@ static void add_contacts(struct gltf *gltf, const struct still *still)
         gltf->has_memory = false;
     } else {
         for (size_t i = 0; i < CORNERS * count; i++) {
-            const struct still_contact *contact = &still->contacts[i / CORNERS];
+            const struct snapshot_contact *contact = &snapshot->contacts[i / CORNERS];
             for (size_t k = 0; k < 3; k++) {
                 float way = i % CORNERS / 2 != k ? 0 : i % 2 == 0 ? 1.0f : -1.0f;
                 x[i][k] = contact->at[k] + contact->share * contact->reach[k] +
-                          (float)(CONTACT_SIZE * still->extent) * way;
+                          (float)(CONTACT_SIZE * snapshot->extent) * way;
             }
         }
         int positions = add_vectors(gltf, (const float(*)[3])x, CORNERS * count, true);
         for (uint32_t shade = 0; shade < SHADES; shade++) {
             size_t used = 0;
             for (size_t i = 0; i < count; i++) {
-                double t = fmin(fmax(still->contacts[i].toi, 0), 1);
+                double t = fmin(fmax(snapshot->contacts[i].toi, 0), 1);
                 for (size_t k = 0;
                      (uint32_t)(t * (SHADES - 1) + 0.5) == shade && k < INDICES_EACH;
                      k++) {
@@ -323,17 +323,17 @@ static void add_contacts(struct gltf *gltf, const struct still *still)
 
 /* Lines of the normals' direction, in the colours of their times. That of a contact at a
  * distance goes to the nearest point of its first feature. */
-static void add_normals(struct gltf *gltf, const struct still *still)
+static void add_normals(struct gltf *gltf, const struct snapshot *snapshot)
 {
     const uint32_t each = 2;
-    size_t count = still->contact_count * each;
+    size_t count = snapshot->contact_count * each;
     float(*x)[3] = malloc((count + 1) * sizeof *x);
     float(*colours)[3] = malloc((count + 1) * sizeof *colours);
     for (size_t i = 0; x != NULL && colours != NULL && i < count; i++) {
-        const struct still_contact *contact = &still->contacts[i / each];
+        const struct snapshot_contact *contact = &snapshot->contacts[i / each];
         const float *reach = contact->reach;
         bool is_apart = reach[0] != 0 || reach[1] != 0 || reach[2] != 0;
-        float size = is_apart ? 1 : (float)(NORMAL_SIZE * still->extent);
+        float size = is_apart ? 1 : (float)(NORMAL_SIZE * snapshot->extent);
         for (int k = 0; k < 3; k++) {
             float way = is_apart ? reach[k] : contact->normal[k];
             x[i][k] = contact->at[k] + (i % each == 0 ? 0 : size * way);
@@ -350,7 +350,7 @@ static void add_normals(struct gltf *gltf, const struct still *still)
     free(colours);
 }
 
-static json_t *describe(struct gltf *gltf, const struct still *still)
+static json_t *describe(struct gltf *gltf, const struct snapshot *snapshot)
 {
     json_t *nodes = json_array();
     for (size_t i = 0; i < json_array_size(gltf->nodes); i++) {
@@ -363,11 +363,11 @@ static json_t *describe(struct gltf *gltf, const struct still *still)
         "nodes", nodes, "nodes", gltf->nodes, "meshes", gltf->meshes, "materials",
         gltf->materials, "accessors", gltf->accessors, "bufferViews", gltf->views,
         "buffers", "byteLength", (json_int_t)gltf->count, "extras", "step",
-        (json_int_t)still->step, "t", still->t, "contacts",
-        (json_int_t)still->contact_count);
-    if (still->lines != NULL) {
+        (json_int_t)snapshot->step, "t", snapshot->t, "contacts",
+        (json_int_t)snapshot->contact_count);
+    if (snapshot->lines != NULL) {
         json_object_set_new(json_object_get(all, "extras"), "near",
-                            json_integer((json_int_t)still->line_count));
+                            json_integer((json_int_t)snapshot->line_count));
     }
     if (json_array_size(gltf->channels) > 0) {
         json_object_set_new(all, "animations",
@@ -408,10 +408,10 @@ static void deinit(struct gltf *gltf)
     free(gltf->bytes);
 }
 
-int gltf_write(const struct still *still, FILE *to, const char *path,
+int gltf_write(const struct snapshot *snapshot, FILE *to, const char *path,
                struct ctl_error *error)
 {
-    struct gltf gltf = {.still = still,
+    struct gltf gltf = {.snapshot = snapshot,
                         .views = json_array(),
                         .accessors = json_array(),
                         .meshes = json_array(),
@@ -423,17 +423,17 @@ int gltf_write(const struct still *still, FILE *to, const char *path,
                         .weights = -1,
                         .has_memory = true};
     int status = PCCD_OK;
-    for (uint32_t i = 0; i < still->object_count; i++) {
-        add_object(&gltf, &still->objects[i], i, still->t);
+    for (uint32_t i = 0; i < snapshot->object_count; i++) {
+        add_object(&gltf, &snapshot->objects[i], i, snapshot->t);
     }
-    if (still->contact_count > 0) {
-        add_contacts(&gltf, still);
-        add_normals(&gltf, still);
+    if (snapshot->contact_count > 0) {
+        add_contacts(&gltf, snapshot);
+        add_normals(&gltf, snapshot);
     }
-    if (still->line_count > 0) {
-        add_lines(&gltf, still);
+    if (snapshot->line_count > 0) {
+        add_lines(&gltf, snapshot);
     }
-    json_t *all = describe(&gltf, still);
+    json_t *all = describe(&gltf, snapshot);
     char *text = all != NULL ? json_dumps(all, JSON_COMPACT) : NULL;
     if (text == NULL || !gltf.has_memory) {
         status = ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", path);

@@ -19,7 +19,7 @@
 
 /* Everything that is written, in the order of points and cells. */
 struct vtp {
-    const struct still *still;
+    const struct snapshot *snapshot;
     FILE *to;
     uint64_t vertices, triangles, contacts, lines;
     uint64_t rods, points; /* edges, and points, that nothing else has */
@@ -50,7 +50,7 @@ static void widen(struct vtp *vtp, uint64_t count)
         double wide[3];
         memcpy(x, bytes + i * sizeof x, sizeof x);
         for (int k = 0; k < 3; k++) {
-            wide[k] = (double)x[k] + vtp->still->origin[k];
+            wide[k] = (double)x[k] + vtp->snapshot->origin[k];
         }
         memcpy(bytes + i * sizeof wide, wide, sizeof wide);
     }
@@ -70,20 +70,20 @@ static uint64_t cell_count(const struct vtp *vtp)
 static void put_points(struct vtp *vtp)
 {
     float(*x)[3] = vtp->scratch;
-    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
-        const struct still_object *object = &vtp->still->objects[o];
+    for (uint32_t o = 0; o < vtp->snapshot->object_count; o++) {
+        const struct snapshot_object *object = &vtp->snapshot->objects[o];
         memcpy(x, object->x, object->vertex_count * sizeof *x);
         x += object->vertex_count;
     }
     for (uint64_t i = 0; i < vtp->contacts; i++) {
-        memcpy(x[i], vtp->still->contacts[i].at, sizeof *x);
+        memcpy(x[i], vtp->snapshot->contacts[i].at, sizeof *x);
     }
     for (uint64_t i = 0; i < vtp->lines; i++) {
-        memcpy(x[vtp->contacts + 2 * i], vtp->still->lines[i].ends, 2 * sizeof *x);
+        memcpy(x[vtp->contacts + 2 * i], vtp->snapshot->lines[i].ends, 2 * sizeof *x);
     }
     fputs("<Points>\n", vtp->to);
     uint64_t count = point_count(vtp);
-    if (vtp->still->has_origin) {
+    if (vtp->snapshot->has_origin) {
         widen(vtp, count);
         put_array(vtp, "Float64", "Points", 3, count * sizeof(double[3]));
     } else {
@@ -96,8 +96,8 @@ static void put_point_data(struct vtp *vtp)
 {
     float(*motion)[3] = vtp->scratch;
     fputs("<PointData Vectors=\"motion\">\n", vtp->to);
-    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
-        const struct still_object *object = &vtp->still->objects[o];
+    for (uint32_t o = 0; o < vtp->snapshot->object_count; o++) {
+        const struct snapshot_object *object = &vtp->snapshot->objects[o];
         memcpy(motion, object->motion, object->vertex_count * sizeof *motion);
         motion += object->vertex_count;
     }
@@ -105,8 +105,8 @@ static void put_point_data(struct vtp *vtp)
     put_array(vtp, "Float32", "motion", 3, point_count(vtp) * sizeof(float[3]));
     float *radius = vtp->scratch;
     memset(radius, 0, point_count(vtp) * sizeof *radius);
-    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
-        const struct still_object *object = &vtp->still->objects[o];
+    for (uint32_t o = 0; o < vtp->snapshot->object_count; o++) {
+        const struct snapshot_object *object = &vtp->snapshot->objects[o];
         if (object->radii != NULL) {
             memcpy(radius, object->radii, object->vertex_count * sizeof *radius);
         }
@@ -115,9 +115,9 @@ static void put_point_data(struct vtp *vtp)
     put_array(vtp, "Float32", "radius", 1, point_count(vtp) * sizeof *radius);
     uint32_t *handle = vtp->scratch;
     memset(handle, 0, point_count(vtp) * sizeof *handle);
-    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
-        for (uint32_t i = 0; i < vtp->still->objects[o].vertex_count; i++) {
-            *handle++ = vtp->still->objects[o].handle;
+    for (uint32_t o = 0; o < vtp->snapshot->object_count; o++) {
+        for (uint32_t i = 0; i < vtp->snapshot->objects[o].vertex_count; i++) {
+            *handle++ = vtp->snapshot->objects[o].handle;
         }
     }
     put_array(vtp, "UInt32", "object", 1, point_count(vtp) * sizeof *handle);
@@ -125,7 +125,7 @@ static void put_point_data(struct vtp *vtp)
 }
 
 /* One word for each contact, then for each point, edge of a rod, and triangle. */
-typedef uint32_t (*contact_word)(const struct still_contact *contact);
+typedef uint32_t (*contact_word)(const struct snapshot_contact *contact);
 
 static uint32_t float_word(float value)
 {
@@ -134,37 +134,37 @@ static uint32_t float_word(float value)
     return word;
 }
 
-static uint32_t toi_word(const struct still_contact *contact)
+static uint32_t toi_word(const struct snapshot_contact *contact)
 {
     return float_word((float)contact->toi);
 }
 
-static uint32_t kind_word(const struct still_contact *contact)
+static uint32_t kind_word(const struct snapshot_contact *contact)
 {
     return contact->kind;
 }
 
-static uint32_t flags_word(const struct still_contact *contact)
+static uint32_t flags_word(const struct snapshot_contact *contact)
 {
     return contact->flags;
 }
 
-static uint32_t object_a_word(const struct still_contact *contact)
+static uint32_t object_a_word(const struct snapshot_contact *contact)
 {
     return contact->object_a;
 }
 
-static uint32_t feature_a_word(const struct still_contact *contact)
+static uint32_t feature_a_word(const struct snapshot_contact *contact)
 {
     return contact->feature_a;
 }
 
-static uint32_t object_b_word(const struct still_contact *contact)
+static uint32_t object_b_word(const struct snapshot_contact *contact)
 {
     return contact->object_b;
 }
 
-static uint32_t feature_b_word(const struct still_contact *contact)
+static uint32_t feature_b_word(const struct snapshot_contact *contact)
 {
     return contact->feature_b;
 }
@@ -180,7 +180,7 @@ enum feature_word {
     FEATURE_HITS
 };
 
-static uint32_t *put_features(const struct still_object *object, uint32_t count,
+static uint32_t *put_features(const struct snapshot_object *object, uint32_t count,
                               const uint32_t *hits, enum feature_word which,
                               uint32_t *words)
 {
@@ -198,22 +198,22 @@ static uint32_t *put_features(const struct still_object *object, uint32_t count,
 static void put_cells(struct vtp *vtp, const char *type, const char *name,
                       contact_word of_contact, enum feature_word which)
 {
-    const struct still *still = vtp->still;
+    const struct snapshot *snapshot = vtp->snapshot;
     uint32_t *words = vtp->scratch;
     for (uint64_t i = 0; i < vtp->contacts; i++) {
-        *words++ = of_contact != NULL ? of_contact(&still->contacts[i]) : 0;
+        *words++ = of_contact != NULL ? of_contact(&snapshot->contacts[i]) : 0;
     }
-    for (uint32_t o = 0; o < still->object_count; o++) {
-        words = put_features(&still->objects[o], still->objects[o].point_count, NULL,
+    for (uint32_t o = 0; o < snapshot->object_count; o++) {
+        words = put_features(&snapshot->objects[o], snapshot->objects[o].point_count,
+                             NULL, which, words);
+    }
+    for (uint32_t o = 0; o < snapshot->object_count; o++) {
+        words = put_features(&snapshot->objects[o], snapshot->objects[o].edge_count, NULL,
                              which, words);
     }
-    for (uint32_t o = 0; o < still->object_count; o++) {
-        words = put_features(&still->objects[o], still->objects[o].edge_count, NULL,
-                             which, words);
-    }
-    for (uint32_t o = 0; o < still->object_count; o++) {
-        words = put_features(&still->objects[o], still->objects[o].triangle_count,
-                             still->objects[o].hits, which, words);
+    for (uint32_t o = 0; o < snapshot->object_count; o++) {
+        words = put_features(&snapshot->objects[o], snapshot->objects[o].triangle_count,
+                             snapshot->objects[o].hits, which, words);
     }
     put_array(vtp, type, name, 1, cell_count(vtp) * sizeof(uint32_t));
 }
@@ -231,7 +231,7 @@ static void put_cell_data(struct vtp *vtp)
     put_cells(vtp, "UInt32", "contacts", NULL, FEATURE_HITS);
     float(*normal)[3] = vtp->scratch;
     for (uint64_t i = 0; i < vtp->contacts; i++) {
-        memcpy(normal[i], vtp->still->contacts[i].normal, sizeof *normal);
+        memcpy(normal[i], vtp->snapshot->contacts[i].normal, sizeof *normal);
     }
     memset(normal + vtp->contacts, 0, (cell_count(vtp) - vtp->contacts) * sizeof *normal);
     put_array(vtp, "Float32", "normal", 3, cell_count(vtp) * sizeof(float[3]));
@@ -242,7 +242,7 @@ static void put_cell_data(struct vtp *vtp)
  * has no distance. */
 static void put_near_data(struct vtp *vtp)
 {
-    const struct still_line *lines = vtp->still->lines;
+    const struct snapshot_line *lines = vtp->snapshot->lines;
     uint64_t count = cell_count(vtp), first = vtp->points;
     double *distance = vtp->scratch;
     uint32_t *kind = vtp->scratch;
@@ -276,8 +276,8 @@ static void put_contact_cells(struct vtp *vtp)
     for (uint64_t i = 0; i < vtp->contacts; i++) {
         *points++ = (uint32_t)(vtp->vertices + i);
     }
-    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
-        const struct still_object *object = &vtp->still->objects[o];
+    for (uint32_t o = 0; o < vtp->snapshot->object_count; o++) {
+        const struct snapshot_object *object = &vtp->snapshot->objects[o];
         for (uint32_t i = 0; i < object->point_count; i++) {
             *points++ = first + object->points[i];
         }
@@ -296,8 +296,8 @@ static void put_line_cells(struct vtp *vtp)
     for (uint64_t i = 0; i < 2 * vtp->lines; i++) {
         *points++ = (uint32_t)(vtp->vertices + vtp->contacts + i);
     }
-    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
-        const struct still_object *object = &vtp->still->objects[o];
+    for (uint32_t o = 0; o < vtp->snapshot->object_count; o++) {
+        const struct snapshot_object *object = &vtp->snapshot->objects[o];
         for (uint64_t i = 0; i < 2 * (uint64_t)object->edge_count; i++) {
             *points++ = first + object->edges[i / 2][i % 2];
         }
@@ -314,8 +314,8 @@ static void put_triangle_cells(struct vtp *vtp)
 {
     uint32_t(*corners)[3] = vtp->scratch;
     uint32_t first = 0;
-    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
-        const struct still_object *object = &vtp->still->objects[o];
+    for (uint32_t o = 0; o < vtp->snapshot->object_count; o++) {
+        const struct snapshot_object *object = &vtp->snapshot->objects[o];
         for (uint32_t t = 0; t < object->triangle_count; t++, corners++) {
             for (int k = 0; k < 3; k++) {
                 (*corners)[k] = first + object->triangles[t][k];
@@ -329,19 +329,19 @@ static void put_triangle_cells(struct vtp *vtp)
     fputs("</Polys>\n", vtp->to);
 }
 
-int vtp_write(const struct still *still, FILE *to, const char *path,
+int vtp_write(const struct snapshot *snapshot, FILE *to, const char *path,
               struct ctl_error *error)
 {
-    struct vtp vtp = {.still = still,
+    struct vtp vtp = {.snapshot = snapshot,
                       .to = to,
-                      .contacts = still->contact_count,
-                      .lines = still->line_count,
+                      .contacts = snapshot->contact_count,
+                      .lines = snapshot->line_count,
                       .is_ok = true};
-    for (uint32_t o = 0; o < still->object_count; o++) {
-        vtp.vertices += still->objects[o].vertex_count;
-        vtp.triangles += still->objects[o].triangle_count;
-        vtp.rods += still->objects[o].edge_count;
-        vtp.points += still->objects[o].point_count;
+    for (uint32_t o = 0; o < snapshot->object_count; o++) {
+        vtp.vertices += snapshot->objects[o].vertex_count;
+        vtp.triangles += snapshot->objects[o].triangle_count;
+        vtp.rods += snapshot->objects[o].edge_count;
+        vtp.points += snapshot->objects[o].point_count;
     }
     uint64_t most = point_count(&vtp) + cell_count(&vtp);
     if (most > UINT32_MAX / 3) {
@@ -360,10 +360,10 @@ int vtp_write(const struct still *still, FILE *to, const char *path,
             "\" NumberOfVerts=\"%" PRIu64 "\" NumberOfLines=\"%" PRIu64
             "\" NumberOfStrips=\"0\" "
             "NumberOfPolys=\"%" PRIu64 "\">\n",
-            still->step, still->t, point_count(&vtp), vtp.contacts + vtp.points,
+            snapshot->step, snapshot->t, point_count(&vtp), vtp.contacts + vtp.points,
             vtp.lines + vtp.rods, vtp.triangles);
     put_point_data(&vtp);
-    if (still->lines != NULL) {
+    if (snapshot->lines != NULL) {
         put_near_data(&vtp);
     } else {
         put_cell_data(&vtp);

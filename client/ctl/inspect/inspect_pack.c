@@ -333,7 +333,7 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
         const struct pccd_contact *from = &step->contacts[i];
         if (!find_object(step->scene, from->object_a, &a) ||
             !find_object(step->scene, from->object_b, &b)) {
-            continue; /* a record that makes no sense: see still.c */
+            continue; /* a record that makes no sense: see snapshot.c */
         }
         if (from->kind >= PCCD_KIND_COUNT) {
             continue; /* likewise */
@@ -363,7 +363,7 @@ json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near
     for (uint64_t i = 0; to != NULL && i < count; i++) {
         double ends[2][3];
         if (!recorded_near_line(near->scene, &near->records[i], near->asked->end, ends)) {
-            continue; /* a record that makes no sense: see still.c */
+            continue; /* a record that makes no sense: see snapshot.c */
         }
         for (uint32_t k = 0; k < 6; k++) {
             to[packed].ends[k / 3][k % 3] =

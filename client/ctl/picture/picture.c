@@ -83,7 +83,7 @@ static void join(uint32_t *above, uint32_t a, uint32_t b)
 }
 
 /* Of a triangle, as long as its area; in units of 2^octave. */
-static void area_normal(const struct still_object *mesh, uint32_t t, int octave,
+static void area_normal(const struct snapshot_object *mesh, uint32_t t, int octave,
                         float normal[3])
 {
     const uint32_t *v = mesh->triangles[t];
@@ -116,7 +116,7 @@ static void join_flat(struct side *sides, uint32_t count, const float (*faces)[3
     }
 }
 
-bool picture_normals(const struct still_object *mesh, int octave, float (*normals)[3])
+bool picture_normals(const struct snapshot_object *mesh, int octave, float (*normals)[3])
 {
     const uint32_t count = 3 * mesh->triangle_count;
     struct side *sides = malloc((count + 1) * sizeof *sides);
@@ -162,18 +162,18 @@ bool picture_normals(const struct still_object *mesh, int octave, float (*normal
 /* ---- camera ------------------------------------------------------------------------ */
 
 /* Of the feature that has these vertices, as it is drawn. */
-static float radius_of(const struct picture *picture, const struct still_object *mesh,
+static float radius_of(const struct picture *picture, const struct snapshot_object *mesh,
                        const uint32_t *vertices, uint32_t count)
 {
     float most = 0;
     for (uint32_t i = 0; i < count && mesh->radii != NULL; i++) {
         most = fmaxf(most, mesh->radii[vertices[i]]);
     }
-    return picture->is_thick ? most + (float)(picture->still->separation / 2) : most;
+    return picture->is_thick ? most + (float)(picture->snapshot->separation / 2) : most;
 }
 
 /* Room that is needed around a vertex. */
-static float room_of(const struct picture *picture, const struct still_object *mesh,
+static float room_of(const struct picture *picture, const struct snapshot_object *mesh,
                      uint32_t vertex)
 {
     bool has_round = picture->is_thick || mesh->edge_count > 0 || mesh->point_count > 0;
@@ -193,9 +193,9 @@ static void find_centre(const struct picture *picture, float centre[3])
     for (uint32_t k = 0; k < 3; k++) {
         float low = has_bounds ? picture->bounds[0][k] : INFINITY;
         float high = has_bounds ? picture->bounds[1][k] : -INFINITY;
-        for (uint32_t m = 0; m < picture->still->object_count && !at_marks && !has_bounds;
-             m++) {
-            const struct still_object *mesh = &picture->still->objects[m];
+        for (uint32_t m = 0;
+             m < picture->snapshot->object_count && !at_marks && !has_bounds; m++) {
+            const struct snapshot_object *mesh = &picture->snapshot->objects[m];
             for (uint32_t i = 0; i < mesh->vertex_count; i++) {
                 float room = room_of(picture, mesh, i);
                 low = fminf(low, mesh->x[i][k] - room);
@@ -285,9 +285,9 @@ static void place_camera(const struct picture *picture, struct picture_canvas *c
         }
         step_back(canvas, corner, 0);
     }
-    for (uint32_t m = 0; m < picture->still->object_count && picture->bounds == NULL;
+    for (uint32_t m = 0; m < picture->snapshot->object_count && picture->bounds == NULL;
          m++) {
-        const struct still_object *mesh = &picture->still->objects[m];
+        const struct snapshot_object *mesh = &picture->snapshot->objects[m];
         for (uint32_t i = 0; i < mesh->vertex_count; i++) {
             step_back(canvas, mesh->x[i], room_of(picture, mesh, i));
         }
@@ -330,7 +330,7 @@ static struct raster_surface surface_of(const struct picture_canvas *canvas,
 }
 
 /* Edges of rods, then points. */
-static uint64_t free_count(const struct still_object *mesh)
+static uint64_t free_count(const struct snapshot_object *mesh)
 {
     return (uint64_t)mesh->edge_count + mesh->point_count;
 }
@@ -338,7 +338,8 @@ static uint64_t free_count(const struct still_object *mesh)
 /* The ends of the i-th of these, and its radius: never so thin that nobody sees it. */
 static double find_free(const struct picture *picture,
                         const struct picture_canvas *canvas,
-                        const struct still_object *mesh, uint64_t i, const float *ends[2])
+                        const struct snapshot_object *mesh, uint64_t i,
+                        const float *ends[2])
 {
     bool is_edge = i < mesh->edge_count;
     const uint32_t *v = is_edge ? mesh->edges[i] : &mesh->points[i - mesh->edge_count];
@@ -353,7 +354,7 @@ static double find_free(const struct picture *picture,
 }
 
 static void draw_free(const struct picture *picture, struct picture_canvas *canvas,
-                      const struct still_object *mesh,
+                      const struct snapshot_object *mesh,
                       const struct raster_surface *surface)
 {
     for (uint64_t i = 0; i < free_count(mesh); i++) {
@@ -368,8 +369,8 @@ static uint64_t count_pixels(const struct picture *picture,
                              const struct picture_canvas *canvas)
 {
     uint64_t pixels = 0;
-    for (uint32_t m = 0; m < picture->still->object_count; m++) {
-        const struct still_object *mesh = &picture->still->objects[m];
+    for (uint32_t m = 0; m < picture->snapshot->object_count; m++) {
+        const struct snapshot_object *mesh = &picture->snapshot->objects[m];
         for (uint64_t i = 0; i < free_count(mesh); i++) {
             const float *ends[2];
             double radius = find_free(picture, canvas, mesh, i, ends);
@@ -388,7 +389,7 @@ static uint64_t count_pixels(const struct picture *picture,
 }
 
 static bool draw_triangles(const struct picture *picture, struct picture_canvas *canvas,
-                           const struct still_object *mesh,
+                           const struct snapshot_object *mesh,
                            const struct raster_surface *surface)
 {
     struct raster_corner *corners = calloc(mesh->vertex_count + 1, sizeof *corners);
@@ -436,8 +437,8 @@ int picture_draw(const struct picture *picture, struct picture_canvas *canvas)
     if (count_pixels(picture, canvas) > PIXELS_MAX) {
         return PCCD_E_LIMIT;
     }
-    for (uint32_t m = 0; m < picture->still->object_count; m++) {
-        const struct still_object *mesh = &picture->still->objects[m];
+    for (uint32_t m = 0; m < picture->snapshot->object_count; m++) {
+        const struct snapshot_object *mesh = &picture->snapshot->objects[m];
         const struct raster_surface surface = surface_of(canvas, m);
         if (!draw_triangles(picture, canvas, mesh, &surface)) {
             return PCCD_E_NOMEM;

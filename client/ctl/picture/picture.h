@@ -12,7 +12,7 @@
 
 #include "error.h"
 #include "raster.h"
-#include "still.h"
+#include "snapshot.h"
 
 /* ---- What a picture shows, and from where: meshes, marked contacts,
  * camera, legend. */
@@ -46,7 +46,7 @@ struct picture_scale {
 enum picture_up { PICTURE_UP_Y = 0, PICTURE_UP_Z, PICTURE_UP_X };
 
 struct picture {
-    const struct still *still; /* whose objects are drawn */
+    const struct snapshot *snapshot; /* whose objects are drawn */
     const struct picture_mark *marks;
     uint32_t mark_count;
     float from[3]; /* direction from the middle of the scene to the eye */
@@ -81,7 +81,8 @@ int picture_encode(const struct picture *picture, const char *path, void **png,
 /* normals[3 * triangle_count]: unit, one for each corner of each triangle. Lengths are
  * taken in units of 2^octave, as squares of squares have no room in a float. False
  * without memory. */
-bool picture_normals(const struct still_object *object, int octave, float (*normals)[3]);
+bool picture_normals(const struct snapshot_object *object, int octave,
+                     float (*normals)[3]);
 
 /* ---- Pictures one after the other, as an animated PNG. */
 

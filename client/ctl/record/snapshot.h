@@ -1,4 +1,4 @@
-/* still.h - one step of a recording at one moment, ready to be drawn or exported.
+/* snapshot.h - one step of a recording at one moment, ready to be drawn or exported.
  *
  * Threads: one.
  */
@@ -7,7 +7,7 @@
 
 #include "play.h"
 
-struct still_object {
+struct snapshot_object {
     uint32_t handle;
     uint32_t vertex_count, triangle_count;
     uint32_t edge_count, point_count;
@@ -20,7 +20,7 @@ struct still_object {
     uint32_t *hits; /* of each triangle: contacts of it, its edges and its corners */
 };
 
-struct still_contact {
+struct snapshot_contact {
     float at[3]; /* where its second feature is touched, then, less the origin */
     float normal[3];
     /* When they meet, from there to the nearest point of its first feature, where the two
@@ -34,21 +34,21 @@ struct still_contact {
 };
 
 /* The nearest points of two features; of a crossing, the ends of its edge. */
-struct still_line {
+struct snapshot_line {
     float ends[2][3]; /* less the origin */
     double distance;  /* d_lo */
     uint32_t kind;
 };
 
-struct still {
+struct snapshot {
     uint64_t step;
     double t;
     double separation; /* of the step */
-    struct still_object *objects;
+    struct snapshot_object *objects;
     uint32_t object_count;
-    struct still_contact *contacts;
+    struct snapshot_contact *contacts;
     uint64_t contact_count;
-    struct still_line *lines; /* of still_take_near; then there are no contacts */
+    struct snapshot_line *lines; /* of snapshot_take_near; then there are no contacts */
     uint64_t line_count;
     double extent;    /* largest side of the box around everything */
     double origin[3]; /* zeros but for a scene that is small for how far off it is */
@@ -57,30 +57,30 @@ struct still {
 };
 
 /* Which moment of a step. */
-struct still_at {
+struct snapshot_at {
     double t;         /* NAN: when `contact` happens */
     uint64_t contact; /* from 1, in the order of the answer; 0: none in particular */
 };
 
 /* The last answered step of `settings`, or the one it names. E_INVAL: it has no such
  * step, or no such contact. */
-int still_take(const struct play_settings *settings, const struct still_at *at,
-               struct still *still, struct play_summary *summary,
-               struct ctl_error *error);
+int snapshot_take(const struct play_settings *settings, const struct snapshot_at *at,
+                  struct snapshot *snapshot, struct play_summary *summary,
+                  struct ctl_error *error);
 /* Each answered step of `settings`, one after the other, to `show`, which returns PCCD_OK
  * to go on. */
-typedef int (*still_fn)(void *context, const struct still *still,
-                        struct ctl_error *error);
-int still_each(const struct play_settings *settings, double t, still_fn show,
-               void *context, struct play_summary *summary, struct ctl_error *error);
-/* still_take of the last answered question about what is near, at the moment that it
+typedef int (*snapshot_fn)(void *context, const struct snapshot *snapshot,
+                           struct ctl_error *error);
+int snapshot_each(const struct play_settings *settings, double t, snapshot_fn show,
+                  void *context, struct play_summary *summary, struct ctl_error *error);
+/* snapshot_take of the last answered question about what is near, at the moment that it
  * asked for. Bounds of vertices are no lines. */
-int still_take_near(const struct play_settings *settings, struct still *still,
-                    struct play_summary *summary, struct ctl_error *error);
+int snapshot_take_near(const struct play_settings *settings, struct snapshot *snapshot,
+                       struct play_summary *summary, struct ctl_error *error);
 /* The greatest distance of its lines; 0: none. */
-double still_greatest(const struct still *still);
+double snapshot_greatest(const struct snapshot *snapshot);
 /* What there is of it in the file `path`, on the standard output. */
-void still_report(const struct still *still, const char *path, bool is_json);
-void still_deinit(struct still *still);
+void snapshot_report(const struct snapshot *snapshot, const char *path, bool is_json);
+void snapshot_deinit(struct snapshot *snapshot);
 
 #endif

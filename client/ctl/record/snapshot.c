@@ -1,5 +1,5 @@
-/* still.c - one step of a recording, to be looked at. */
-#include "still.h"
+/* snapshot.c - one step of a recording, to be looked at. */
+#include "snapshot.h"
 
 #include <inttypes.h>
 #include <jansson.h>
@@ -17,10 +17,10 @@
 #define ORIGIN_RATIO 1024.0 /* how much farther off than large a scene is */
 
 struct taking {
-    struct still *still;
-    const struct still_at *at;
+    struct snapshot *snapshot;
+    const struct snapshot_at *at;
     bool is_taken;
-    still_fn show; /* NULL: the last one is kept, for the caller */
+    snapshot_fn show; /* NULL: the last one is kept, for the caller */
     void *context;
 };
 
@@ -32,7 +32,7 @@ static int no_memory(struct ctl_error *error)
 /* A float has eight digits: where most of them say how far off the scene is, that is said
  * apart. */
 static void choose_origin(const struct registry_scene *scene, double t,
-                          struct still *still)
+                          struct snapshot *snapshot)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -49,14 +49,14 @@ static void choose_origin(const struct registry_scene *scene, double t,
         extent = fmax(extent, high[k] - low[k]);
         far = fmax(far, fmax(fabs(low[k]), fabs(high[k])));
     }
-    still->has_origin = far > ORIGIN_RATIO * extent;
-    for (uint32_t k = 0; k < 3 && still->has_origin; k++) {
-        still->origin[k] = low[k] + (high[k] - low[k]) / 2;
+    snapshot->has_origin = far > ORIGIN_RATIO * extent;
+    for (uint32_t k = 0; k < 3 && snapshot->has_origin; k++) {
+        snapshot->origin[k] = low[k] + (high[k] - low[k]) / 2;
     }
 }
 
 /* Rods and points. */
-static void take_free(const struct registry_mesh *mesh, struct still_object *object)
+static void take_free(const struct registry_mesh *mesh, struct snapshot_object *object)
 {
     for (uint32_t i = 0; i < mesh->edge_count; i++) {
         if (recorded_is_free(mesh, 2, i)) {
@@ -71,7 +71,7 @@ static void take_free(const struct registry_mesh *mesh, struct still_object *obj
     }
 }
 
-static void take_radii(const struct registry_object *from, struct still_object *object)
+static void take_radii(const struct registry_object *from, struct snapshot_object *object)
 {
     bool is_thick = false;
     for (uint32_t i = 0; i < object->vertex_count; i++) {
@@ -87,10 +87,10 @@ static void take_radii(const struct registry_object *from, struct still_object *
 
 /* Its mesh has its edges (recorded_edges). */
 static bool take_object(const struct registry_object *from, double t,
-                        const double origin[3], struct still_object *object)
+                        const double origin[3], struct snapshot_object *object)
 {
     const struct registry_mesh *mesh = from->mesh;
-    *object = (struct still_object){
+    *object = (struct snapshot_object){
         .handle = from->handle,
         .vertex_count = mesh->vertex_count,
         .triangle_count = mesh->triangle_count,
@@ -123,18 +123,19 @@ static bool take_object(const struct registry_object *from, double t,
     return true;
 }
 
-static struct still_object *find_object(const struct still *still, uint32_t handle)
+static struct snapshot_object *find_object(const struct snapshot *snapshot,
+                                           uint32_t handle)
 {
-    for (uint32_t i = 0; i < still->object_count; i++) {
-        if (still->objects[i].handle == handle) {
-            return &still->objects[i];
+    for (uint32_t i = 0; i < snapshot->object_count; i++) {
+        if (snapshot->objects[i].handle == handle) {
+            return &snapshot->objects[i];
         }
     }
     return NULL;
 }
 
 /* Make room around a contact for the corners of one of its features. */
-static void widen(struct still_contact *contact, const struct still_object *object,
+static void widen(struct snapshot_contact *contact, const struct snapshot_object *object,
                   const uint32_t *corners, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -162,7 +163,7 @@ static void point_of(const struct registry_object *object, const uint32_t *corne
  * what is between their points is rounding. */
 static void find_reach(double separation, const struct registry_object *const objects[2],
                        const uint32_t *const corners[2], const uint32_t counts[2],
-                       const double w[2][3], struct still_contact *contact)
+                       const double w[2][3], struct snapshot_contact *contact)
 {
     double at[2][3];
     double own = recorded_radius(objects[1], corners[1], counts[1]) + separation / 2;
@@ -183,11 +184,12 @@ static void find_reach(double separation, const struct registry_object *const ob
 }
 
 /* Where the second feature is touched; false for a record that makes no sense. */
-static bool place_contact(const struct still *still, const struct registry_scene *scene,
-                          const struct pccd_contact *from, struct still_contact *to)
+static bool place_contact(const struct snapshot *snapshot,
+                          const struct registry_scene *scene,
+                          const struct pccd_contact *from, struct snapshot_contact *to)
 {
-    const struct still_object *a = find_object(still, from->object_a);
-    const struct still_object *b = find_object(still, from->object_b);
+    const struct snapshot_object *a = find_object(snapshot, from->object_a);
+    const struct snapshot_object *b = find_object(snapshot, from->object_b);
     const struct registry_object *known_a = registry_object(scene, from->object_a);
     const struct registry_object *known_b = registry_object(scene, from->object_b);
     double w[2][3];
@@ -201,13 +203,13 @@ static bool place_contact(const struct still *still, const struct registry_scene
     if (of_a == NULL || of_b == NULL) {
         return false;
     }
-    *to = (struct still_contact){.toi = from->toi,
-                                 .kind = from->kind,
-                                 .flags = from->flags,
-                                 .object_a = from->object_a,
-                                 .feature_a = from->feature_a,
-                                 .object_b = from->object_b,
-                                 .feature_b = from->feature_b};
+    *to = (struct snapshot_contact){.toi = from->toi,
+                                    .kind = from->kind,
+                                    .flags = from->flags,
+                                    .object_a = from->object_a,
+                                    .feature_a = from->feature_a,
+                                    .object_b = from->object_b,
+                                    .feature_b = from->feature_b};
     memcpy(to->normal, from->normal, sizeof to->normal);
     common_contact_weights((enum pccd_kind)from->kind, from->param, w);
     for (uint32_t k = 0; k < 3; k++) {
@@ -222,31 +224,31 @@ static bool place_contact(const struct still *still, const struct registry_scene
     }
     widen(to, a, of_a, points[0]);
     widen(to, b, of_b, points[1]);
-    find_reach(still->separation, (const struct registry_object *[]){known_a, known_b},
+    find_reach(snapshot->separation, (const struct registry_object *[]){known_a, known_b},
                (const uint32_t *[]){of_a, of_b}, points, (const double(*)[3])w, to);
     return true;
 }
 
-static void find_extent(struct still *still)
+static void find_extent(struct snapshot *snapshot)
 {
     float low[3] = {INFINITY, INFINITY, INFINITY};
     float high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (uint32_t o = 0; o < still->object_count; o++) {
-        for (uint32_t i = 0; i < still->objects[o].vertex_count; i++) {
+    for (uint32_t o = 0; o < snapshot->object_count; o++) {
+        for (uint32_t i = 0; i < snapshot->objects[o].vertex_count; i++) {
             for (uint32_t k = 0; k < 3; k++) {
-                low[k] = fminf(low[k], still->objects[o].x[i][k]);
-                high[k] = fmaxf(high[k], still->objects[o].x[i][k]);
+                low[k] = fminf(low[k], snapshot->objects[o].x[i][k]);
+                high[k] = fmaxf(high[k], snapshot->objects[o].x[i][k]);
             }
         }
     }
-    still->extent = 0;
-    for (uint32_t k = 0; k < 3 && still->object_count > 0; k++) {
-        still->extent = fmax(still->extent, (double)high[k] - (double)low[k]);
+    snapshot->extent = 0;
+    for (uint32_t k = 0; k < 3 && snapshot->object_count > 0; k++) {
+        snapshot->extent = fmax(snapshot->extent, (double)high[k] - (double)low[k]);
     }
 }
 
 /* When the contact happens that was asked for. */
-static int find_contact(const struct still_at *at, const struct play_step *step,
+static int find_contact(const struct snapshot_at *at, const struct play_step *step,
                         double *t, struct ctl_error *error)
 {
     uint64_t count = step->contacts != NULL ? step->count : 0;
@@ -260,20 +262,20 @@ static int find_contact(const struct still_at *at, const struct play_step *step,
     return PCCD_OK;
 }
 
-/* The objects of a scene at still->t. */
-static int take_objects(struct still *still, const struct registry_scene *scene,
+/* The objects of a scene at snapshot->t. */
+static int take_objects(struct snapshot *snapshot, const struct registry_scene *scene,
                         struct ctl_error *error)
 {
-    still->objects = calloc(scene->object_count + 1, sizeof *still->objects);
-    if (still->objects == NULL) {
+    snapshot->objects = calloc(scene->object_count + 1, sizeof *snapshot->objects);
+    if (snapshot->objects == NULL) {
         return no_memory(error);
     }
-    choose_origin(scene, still->t, still);
+    choose_origin(scene, snapshot->t, snapshot);
     for (uint32_t i = 0; i < scene->object_count; i++) {
-        still->object_count++;
+        snapshot->object_count++;
         if (recorded_edges(scene->objects[i].mesh, error) != PCCD_OK ||
-            !take_object(&scene->objects[i], still->t, still->origin,
-                         &still->objects[i])) {
+            !take_object(&scene->objects[i], snapshot->t, snapshot->origin,
+                         &snapshot->objects[i])) {
             return no_memory(error);
         }
     }
@@ -283,44 +285,45 @@ static int take_objects(struct still *still, const struct registry_scene *scene,
 static int take(void *context, const struct play_step *step, struct ctl_error *error)
 {
     struct taking *taking = context;
-    struct still *still = taking->still;
+    struct snapshot *snapshot = taking->snapshot;
     if (step->scene == NULL) {
         return PCCD_OK; /* it failed, in a scene that there was not */
     }
-    still_deinit(still);
-    still->step = step->number;
-    still->t = taking->at->t;
-    still->separation = step->separation.separation;
+    snapshot_deinit(snapshot);
+    snapshot->step = step->number;
+    snapshot->t = taking->at->t;
+    snapshot->separation = step->separation.separation;
     if (taking->at->contact > 0) {
-        int status = find_contact(taking->at, step, &still->t, error);
+        int status = find_contact(taking->at, step, &snapshot->t, error);
         if (status != PCCD_OK) {
             return status;
         }
     }
-    still->contacts = calloc(step->count + 1, sizeof *still->contacts);
-    if (still->contacts == NULL) {
+    snapshot->contacts = calloc(step->count + 1, sizeof *snapshot->contacts);
+    if (snapshot->contacts == NULL) {
         return no_memory(error);
     }
-    int status = take_objects(still, step->scene, error);
+    int status = take_objects(snapshot, step->scene, error);
     if (status != PCCD_OK) {
         return status;
     }
     for (uint64_t i = 0; step->contacts != NULL && i < step->count; i++) {
-        bool is_placed = place_contact(still, step->scene, &step->contacts[i],
-                                       &still->contacts[still->contact_count]);
+        bool is_placed = place_contact(snapshot, step->scene, &step->contacts[i],
+                                       &snapshot->contacts[snapshot->contact_count]);
         if (i + 1 == taking->at->contact && !is_placed) {
             return ctl_error_set(error, PCCD_E_FORMAT,
                                  "contact %" PRIu64 " of step %" PRIu64
                                  " names what there is not",
                                  i + 1, step->number);
         }
-        still->chosen =
-            i + 1 == taking->at->contact ? still->contact_count : still->chosen;
-        still->contact_count += is_placed;
+        snapshot->chosen =
+            i + 1 == taking->at->contact ? snapshot->contact_count : snapshot->chosen;
+        snapshot->contact_count += is_placed;
     }
-    find_extent(still);
+    find_extent(snapshot);
     taking->is_taken = true;
-    return taking->show != NULL ? taking->show(taking->context, still, error) : PCCD_OK;
+    return taking->show != NULL ? taking->show(taking->context, snapshot, error)
+                                : PCCD_OK;
 }
 
 static int play_steps(const struct play_settings *settings, struct taking *taking,
@@ -343,41 +346,44 @@ static int play_steps(const struct play_settings *settings, struct taking *takin
     return status;
 }
 
-int still_take(const struct play_settings *settings, const struct still_at *at,
-               struct still *still, struct play_summary *summary, struct ctl_error *error)
+int snapshot_take(const struct play_settings *settings, const struct snapshot_at *at,
+                  struct snapshot *snapshot, struct play_summary *summary,
+                  struct ctl_error *error)
 {
-    struct taking taking = {.still = still, .at = at};
-    memset(still, 0, sizeof *still);
+    struct taking taking = {.snapshot = snapshot, .at = at};
+    memset(snapshot, 0, sizeof *snapshot);
     int status = play_steps(settings, &taking, summary, error);
     if (status != PCCD_OK) {
-        still_deinit(still);
+        snapshot_deinit(snapshot);
     }
     return status;
 }
 
-int still_each(const struct play_settings *settings, double t, still_fn show,
-               void *context, struct play_summary *summary, struct ctl_error *error)
+int snapshot_each(const struct play_settings *settings, double t, snapshot_fn show,
+                  void *context, struct play_summary *summary, struct ctl_error *error)
 {
-    const struct still_at at = {.t = t};
-    struct still still = {.object_count = 0};
-    struct taking taking = {.still = &still, .at = &at, .show = show, .context = context};
+    const struct snapshot_at at = {.t = t};
+    struct snapshot snapshot = {.object_count = 0};
+    struct taking taking = {
+        .snapshot = &snapshot, .at = &at, .show = show, .context = context};
     int status = play_steps(settings, &taking, summary, error);
-    still_deinit(&still);
+    snapshot_deinit(&snapshot);
     return status;
 }
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-static bool place_line(const struct still *still, const struct registry_scene *scene,
-                       const struct pccd_near *from, uint32_t end, struct still_line *to)
+static bool place_line(const struct snapshot *snapshot,
+                       const struct registry_scene *scene, const struct pccd_near *from,
+                       uint32_t end, struct snapshot_line *to)
 {
     double ends[2][3];
     if (!recorded_near_line(scene, from, end, ends)) {
         return false;
     }
-    *to = (struct still_line){.distance = from->d_lo, .kind = from->kind};
+    *to = (struct snapshot_line){.distance = from->d_lo, .kind = from->kind};
     for (uint32_t i = 0; i < 6; i++) {
-        to->ends[i / 3][i % 3] = (float)(ends[i / 3][i % 3] - still->origin[i % 3]);
+        to->ends[i / 3][i % 3] = (float)(ends[i / 3][i % 3] - snapshot->origin[i % 3]);
     }
     return true;
 }
@@ -385,25 +391,25 @@ static bool place_line(const struct still *still, const struct registry_scene *s
 static int take_near(void *context, const struct play_near *near, struct ctl_error *error)
 {
     struct taking *taking = context;
-    struct still *still = taking->still;
+    struct snapshot *snapshot = taking->snapshot;
     if (near->scene == NULL) {
         return PCCD_OK;
     }
-    still_deinit(still);
-    still->step = near->number;
-    still->t = near->asked->end;
-    still->lines = calloc(near->count + 1, sizeof *still->lines);
-    if (still->lines == NULL) {
+    snapshot_deinit(snapshot);
+    snapshot->step = near->number;
+    snapshot->t = near->asked->end;
+    snapshot->lines = calloc(near->count + 1, sizeof *snapshot->lines);
+    if (snapshot->lines == NULL) {
         return no_memory(error);
     }
-    int status = take_objects(still, near->scene, error);
+    int status = take_objects(snapshot, near->scene, error);
     for (uint64_t i = 0; status == PCCD_OK && near->records != NULL && i < near->count;
          i++) {
-        still->line_count +=
-            place_line(still, near->scene, &near->records[i], near->asked->end,
-                       &still->lines[still->line_count]);
+        snapshot->line_count +=
+            place_line(snapshot, near->scene, &near->records[i], near->asked->end,
+                       &snapshot->lines[snapshot->line_count]);
     }
-    find_extent(still);
+    find_extent(snapshot);
     taking->is_taken = status == PCCD_OK;
     return status;
 }
@@ -417,12 +423,12 @@ static int pass(void *context, const struct play_step *step, struct ctl_error *e
     return PCCD_OK;
 }
 
-int still_take_near(const struct play_settings *settings, struct still *still,
-                    struct play_summary *summary, struct ctl_error *error)
+int snapshot_take_near(const struct play_settings *settings, struct snapshot *snapshot,
+                       struct play_summary *summary, struct ctl_error *error)
 {
     struct play_settings asked = *settings;
-    struct taking taking = {.still = still};
-    memset(still, 0, sizeof *still);
+    struct taking taking = {.snapshot = snapshot};
+    memset(snapshot, 0, sizeof *snapshot);
     asked.show_near = take_near;
     int status = play(&asked, pass, &taking, summary, error);
     if (status == PCCD_OK && !taking.is_taken) {
@@ -431,62 +437,64 @@ int still_take_near(const struct play_settings *settings, struct still *still,
                                settings->path);
     }
     if (status != PCCD_OK) {
-        still_deinit(still);
+        snapshot_deinit(snapshot);
     }
     return status;
 }
 
-double still_greatest(const struct still *still)
+double snapshot_greatest(const struct snapshot *snapshot)
 {
     double greatest = 0;
-    for (uint64_t i = 0; i < still->line_count; i++) {
-        greatest = fmax(greatest, still->lines[i].distance);
+    for (uint64_t i = 0; i < snapshot->line_count; i++) {
+        greatest = fmax(greatest, snapshot->lines[i].distance);
     }
     return greatest;
 }
 
-void still_report(const struct still *still, const char *path, bool is_json)
+void snapshot_report(const struct snapshot *snapshot, const char *path, bool is_json)
 {
-    if (!is_json && still->lines != NULL) {
+    if (!is_json && snapshot->lines != NULL) {
         printf("%s: question %" PRIu64 " at t = %g, %" PRIu32 " %s, %" PRIu64 " %s\n",
-               tool_shown(path), still->step, still->t, still->object_count,
-               proto_plural(still->object_count, "object", "objects"), still->line_count,
-               proto_plural(still->line_count, "record", "records"));
+               tool_shown(path), snapshot->step, snapshot->t, snapshot->object_count,
+               proto_plural(snapshot->object_count, "object", "objects"),
+               snapshot->line_count,
+               proto_plural(snapshot->line_count, "record", "records"));
         return;
     }
     if (!is_json) {
         printf("%s: step %" PRIu64 " at t = %g, %" PRIu32 " %s, %" PRIu64 " %s\n",
-               tool_shown(path), still->step, still->t, still->object_count,
-               proto_plural(still->object_count, "object", "objects"),
-               still->contact_count,
-               proto_plural(still->contact_count, "contact", "contacts"));
+               tool_shown(path), snapshot->step, snapshot->t, snapshot->object_count,
+               proto_plural(snapshot->object_count, "object", "objects"),
+               snapshot->contact_count,
+               proto_plural(snapshot->contact_count, "contact", "contacts"));
         return;
     }
     json_t *object = json_pack("{s:o, s:I, s:f, s:I, s:I}", "file", json_text(path),
-                               "step", (json_int_t)still->step, "t", still->t, "objects",
-                               (json_int_t)still->object_count, "contacts",
-                               (json_int_t)still->contact_count);
-    if (still->lines != NULL) {
-        json_object_set_new(object, "near", json_integer((json_int_t)still->line_count));
+                               "step", (json_int_t)snapshot->step, "t", snapshot->t,
+                               "objects", (json_int_t)snapshot->object_count, "contacts",
+                               (json_int_t)snapshot->contact_count);
+    if (snapshot->lines != NULL) {
+        json_object_set_new(object, "near",
+                            json_integer((json_int_t)snapshot->line_count));
     }
     json_dumpf(object, stdout, JSON_TEXT_FLAGS);
     putchar('\n');
     json_decref(object);
 }
 
-void still_deinit(struct still *still)
+void snapshot_deinit(struct snapshot *snapshot)
 {
-    for (uint32_t i = 0; i < still->object_count; i++) {
-        free(still->objects[i].x);
-        free(still->objects[i].motion);
-        free(still->objects[i].triangles);
-        free(still->objects[i].edges);
-        free(still->objects[i].points);
-        free(still->objects[i].radii);
-        free(still->objects[i].hits);
+    for (uint32_t i = 0; i < snapshot->object_count; i++) {
+        free(snapshot->objects[i].x);
+        free(snapshot->objects[i].motion);
+        free(snapshot->objects[i].triangles);
+        free(snapshot->objects[i].edges);
+        free(snapshot->objects[i].points);
+        free(snapshot->objects[i].radii);
+        free(snapshot->objects[i].hits);
     }
-    free(still->objects);
-    free(still->contacts);
-    free(still->lines);
-    memset(still, 0, sizeof *still);
+    free(snapshot->objects);
+    free(snapshot->contacts);
+    free(snapshot->lines);
+    memset(snapshot, 0, sizeof *snapshot);
 }
