@@ -54,8 +54,8 @@ CASE(judge__finds_wrong_answers)
     assert_in_range(misses, 1000, 3000);
 }
 
-/* If this failed, a search would end where it comes to such a pair, and say nothing of it:
- * along y the points have no extent and are far from the origin, along x they are
+/* If this failed, a search would end where it comes to such a pair, and say nothing of
+ * it: along y the points have no extent and are far from the origin, along x they are
  * denormal. */
 CASE(judge__takes_points_far_from_their_extent)
 {
