@@ -26,6 +26,15 @@ int output_finish(struct whole_file *file, const char *path, struct ctl_error *e
     return cause == 0 ? PCCD_OK : fail(path, cause, error);
 }
 
+int output_close(struct whole_file *file, const char *path, bool is_whole,
+                 struct ctl_error *error)
+{
+    int status =
+        file->to != NULL && is_whole ? output_finish(file, path, error) : PCCD_OK;
+    whole_file_discard(file);
+    return status;
+}
+
 bool output_json(json_t *value, bool ok, FILE *to)
 {
     ok = ok && value != NULL && json_dumpf(value, to, JSON_TEXT_FLAGS) == 0;

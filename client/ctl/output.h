@@ -21,6 +21,11 @@ int output_open(struct whole_file *file, const char *path, bool takes_stdout,
 /* Give it its name; after an error there is none. Errors: E_SYSTEM. */
 int output_finish(struct whole_file *file, const char *path, struct ctl_error *error);
 
+/* The same only if it `is_whole`; then let go of it, also if it was never opened. Errors:
+ * E_SYSTEM, also when something could not be written earlier. */
+int output_close(struct whole_file *file, const char *path, bool is_whole,
+                 struct ctl_error *error);
+
 /* ---- Makes JSON, and prints it. */
 
 /* A string of any bytes, such as a file name that is not UTF-8. */

@@ -59,13 +59,13 @@ CASE(csv__names_vertices_in_file_order)
     const struct pccd_answer page = {.contacts = contacts, .count = 2};
     struct contacts_csv csv = {.triangles = triangles, .edges = edges};
     char text[512];
-    csv.file = tmpfile();
-    assert_non_null(csv.file);
+    csv.whole.to = tmpfile();
+    assert_non_null(csv.whole.to);
     contacts_csv_page(&csv, 1, &page);
-    read_back(csv.file, text, sizeof text);
+    read_back(csv.whole.to, text, sizeof text);
     assert_string_equal(text, "vf,3,0,2,1,0.10000000000000001,0.25,1\n"
                               "ee,0,2,5,6,0,1,0\n");
-    fclose(csv.file);
+    fclose(csv.whole.to);
 }
 
 /* If it failed: pairs would come with times nobody computed, or steps run together. */
@@ -75,12 +75,12 @@ CASE(csv__leaves_times_of_pairs_empty_and_numbers_steps)
     const struct pccd_answer page = {.pairs = pairs, .count = 1};
     struct contacts_csv csv = {.triangles = triangles, .edges = edges, .has_step = true};
     char text[512];
-    csv.file = tmpfile();
-    assert_non_null(csv.file);
+    csv.whole.to = tmpfile();
+    assert_non_null(csv.whole.to);
     contacts_csv_page(&csv, 12, &page);
-    read_back(csv.file, text, sizeof text);
+    read_back(csv.whole.to, text, sizeof text);
     assert_string_equal(text, "12,ee,0,1,5,6,,,0\n");
-    fclose(csv.file);
+    fclose(csv.whole.to);
 }
 
 /* If it failed: a full disk would look like a complete file. */
@@ -90,7 +90,7 @@ CASE(csv__tells_when_the_disk_is_full)
         .path = "/dev/full", .triangles = triangles, .edges = edges};
     struct ctl_error error = {.text = ""};
     assert_ok(contacts_csv_open(&csv, &error));
-    assert_int_equal(contacts_csv_close(&csv, true, &error), PCCD_E_SYSTEM);
+    assert_int_equal(output_close(&csv.whole, csv.path, true, &error), PCCD_E_SYSTEM);
     assert_non_null(strstr(error.text, "/dev/full: cannot write"));
 }
 

@@ -228,7 +228,7 @@ static void show_page(void *context, const struct pccd_answer *page)
 {
     const struct motion *motion = context;
     struct objects *objects = motion->run->objects;
-    if (motion->csv->file != NULL) {
+    if (motion->csv->whole.to != NULL) {
         contacts_csv_page(motion->csv, motion->number, page);
     }
     *motion->is_counted =
@@ -242,7 +242,7 @@ int check_run_step(struct check_run *run, const struct ctl_mesh *before,
 {
     bool is_counted = true;
     struct motion motion = {run, before, after, csv, number, &is_counted};
-    bool is_shown = csv->file != NULL || run->objects != NULL;
+    bool is_shown = csv->whole.to != NULL || run->objects != NULL;
     const struct check_ask ask = {.once = move_once,
                                   .page = is_shown ? show_page : NULL,
                                   .failed = "the step failed",

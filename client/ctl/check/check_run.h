@@ -50,14 +50,18 @@ struct objects;
 
 /* The arrays are the caller's and stay as they are until close. */
 struct contacts_csv {
-    const char *path; /* "-": the standard output */
-    FILE *file;       /* NULL: nothing is to be written */
-    struct whole_file whole; /* what it goes to */
+    const char *path;        /* "-": the standard output */
+    struct whole_file whole; /* `to` NULL: nothing is to be written */
     const uint32_t (*triangles)[3];
     const struct pccd_edge *edges;
-    bool has_step; /* a first column "step" */
+    bool has_step;                 /* a first column "step" */
     const struct objects *objects; /* NULL, or two last columns with their names */
 };
+
+/* ",3,4": the vertices of a feature of so many points (1 a vertex, 2 an edge, 3 a face).
+ * Returns how many. */
+uint32_t csv_vertices(FILE *to, uint32_t points, uint32_t feature,
+                      const struct pccd_edge *edges, const uint32_t (*triangles)[3]);
 
 /* Open and write the header. Errors: E_SYSTEM. */
 int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error);
@@ -66,10 +70,6 @@ int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error);
  * of mode pairs have empty times and proved = 0. */
 void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
                        const struct pccd_answer *page);
-/* The file appears only now, and only if it `is_whole`. Errors: E_SYSTEM, also when an
- * earlier line could not be written. */
-int contacts_csv_close(struct contacts_csv *csv, bool is_whole, struct ctl_error *error);
-
 struct check_run {
     struct pccd_client *client; /* the caller's */
     struct pccd_step_settings settings;

@@ -8,6 +8,7 @@
 #include "check_run.h"
 #include "ctl.h"
 #include "meshframes.h"
+#include "output.h"
 #include "shown.h"
 #include "terminal.h"
 #include "trace_file.h"
@@ -247,7 +248,8 @@ static int run_check(const struct command *command)
     if (status == PCCD_OK) {
         status = report_all(&check, &error);
     }
-    closed = contacts_csv_close(&check.csv, status == PCCD_OK, &close_error);
+    closed =
+        output_close(&check.csv.whole, check.csv.path, status == PCCD_OK, &close_error);
     if (status == PCCD_OK) {
         status = check_run_judge(check.steps, check.files.count - 1, &is_free, &error);
     }

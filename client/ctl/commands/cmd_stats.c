@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "counters.h"
 #include "ctl.h"
 #include "link.h"
 #include "output.h"
@@ -14,41 +15,19 @@
 
 /* ---- What each thread of the daemon's last step did. */
 
-#define COUNTERS_MAX 64u
-#define TRIES        20
-
-/* One thread's counters, in the order in which the library gives them. */
-struct row {
-    uint32_t count;
-    const char *name[COUNTERS_MAX]; /* the library's, for ever */
-    uint64_t value[COUNTERS_MAX];
-};
+#define TRIES 20
 
 struct table {
-    struct row *rows; /* ours, [count] */
+    struct counters *rows; /* ours, [count]: a thread's in the order of the library */
     uint32_t count;
     char tuning[PCCD_TUNING_BYTES]; /* how they shared the work */
 };
 
-static uint64_t value_of(const struct row *row, const char *name)
-{
-    for (uint32_t i = 0; i < row->count; i++) {
-        if (strcmp(row->name[i], name) == 0) {
-            return row->value[i];
-        }
-    }
-    return 0;
-}
-
 /* What a step has not, but a batch, is left out of a step. */
 static void collect(void *context, const char *name, uint64_t value, const char *text)
 {
-    struct row *row = context;
-    (void)text;
-    bool is_of_batch = strcmp(name, "scenes") == 0;
-    if (row->count < COUNTERS_MAX && (!is_of_batch || value_of(row, "batch") > 0)) {
-        row->name[row->count] = name;
-        row->value[row->count++] = value;
+    if (strcmp(name, "scenes") != 0 || counters_get(context, "batch") > 0) {
+        counters_take(context, name, value, text);
     }
 }
 
@@ -56,7 +35,7 @@ static void collect(void *context, const char *name, uint64_t value, const char 
  * which step it was; everything else counts a thread's work. */
 enum kind { KIND_STEP, KIND_PHASE, KIND_TIME, KIND_WORK };
 
-static enum kind kind_of(const struct row *row, uint32_t at)
+static enum kind kind_of(const struct counters *row, uint32_t at)
 {
     const char *name = row->name[at];
     size_t length = strlen(name);
@@ -79,12 +58,12 @@ static enum kind kind_of(const struct row *row, uint32_t at)
 /* All threads of one step; PCCD_E_BUSY when another came between. */
 static int read_once(struct pccd_client *client, struct table *table)
 {
-    struct row first = {.count = 0};
+    struct counters first = {.count = 0};
     int status = pccd_stats_thread(client, true, 0, collect, &first, table->tuning);
     if (status != PCCD_OK) {
         return status;
     }
-    uint32_t threads = (uint32_t)value_of(&first, "threads");
+    uint32_t threads = (uint32_t)counters_get(&first, "threads");
     free(table->rows);
     table->count = 0;
     table->rows = calloc((size_t)threads + 1, sizeof *table->rows);
@@ -93,7 +72,7 @@ static int read_once(struct pccd_client *client, struct table *table)
     }
     table->rows[0] = first;
     for (uint32_t i = 1; i < threads; i++) {
-        struct row *row = &table->rows[i];
+        struct counters *row = &table->rows[i];
         status = pccd_stats_thread(client, true, i, collect, row, NULL);
         if (status == PCCD_E_INVAL) {
             return PCCD_E_BUSY; /* a step of fewer threads */
@@ -101,7 +80,7 @@ static int read_once(struct pccd_client *client, struct table *table)
         if (status != PCCD_OK) {
             return status;
         }
-        if (value_of(row, "number") != value_of(&first, "number")) {
+        if (counters_get(row, "number") != counters_get(&first, "number")) {
             return PCCD_E_BUSY;
         }
     }
@@ -122,15 +101,15 @@ static int read_table(struct pccd_client *client, struct table *table)
 
 static void print_step(FILE *to, const struct table *table)
 {
-    const struct row *row = &table->rows[0];
-    uint64_t threads = value_of(row, "threads");
-    uint64_t batch = value_of(row, "batch");
+    const struct counters *row = &table->rows[0];
+    uint64_t threads = counters_get(row, "threads");
+    uint64_t batch = counters_get(row, "batch");
     if (batch > 0) {
         fprintf(to, "batch of %" PRIu64 " %s up to ", batch,
                 proto_plural(batch, "scene", "scenes"));
     }
-    fprintf(to, "step %" PRIu64 " by %" PRIu64 " %s", value_of(row, "number"), threads,
-            proto_plural(threads, "thread", "threads"));
+    fprintf(to, "step %" PRIu64 " by %" PRIu64 " %s", counters_get(row, "number"),
+            threads, proto_plural(threads, "thread", "threads"));
     if (table->tuning[0] != '\0') {
         fprintf(to, ", tuning %s", tool_shown(table->tuning));
     }
@@ -146,7 +125,7 @@ static void print_step(FILE *to, const struct table *table)
 /* One table of the counters of one kind: a line for each thread. */
 static void print_kind(FILE *to, const struct table *table, enum kind kind)
 {
-    const struct row *first = &table->rows[0];
+    const struct counters *first = &table->rows[0];
     fputs("\nthread", to);
     for (uint32_t i = 0; i < first->count; i++) {
         if (kind_of(first, i) == kind) {
@@ -157,7 +136,7 @@ static void print_kind(FILE *to, const struct table *table, enum kind kind)
     }
     fputs(kind == KIND_TIME ? "   (ms)\n" : "\n", to);
     for (uint32_t thread = 0; thread < table->count; thread++) {
-        const struct row *row = &table->rows[thread];
+        const struct counters *row = &table->rows[thread];
         fprintf(to, "%6" PRIu32, thread);
         for (uint32_t i = 0; i < row->count; i++) {
             size_t length = strlen(row->name[i]);
@@ -181,7 +160,7 @@ static int print_threads_json(FILE *to, const struct table *table)
 {
     json_t *object = json_object();
     json_t *array = json_array();
-    const struct row *first = &table->rows[0];
+    const struct counters *first = &table->rows[0];
     json_object_set_new(object, "tuning",
                         table->tuning[0] != '\0' ? json_text(table->tuning)
                                                  : json_null());
@@ -192,7 +171,7 @@ static int print_threads_json(FILE *to, const struct table *table)
         }
     }
     for (uint32_t thread = 0; thread < table->count; thread++) {
-        const struct row *row = &table->rows[thread];
+        const struct counters *row = &table->rows[thread];
         json_t *element = json_object();
         for (uint32_t i = 0; i < row->count; i++) {
             if (kind_of(row, i) == KIND_WORK || kind_of(row, i) == KIND_TIME) {
@@ -253,117 +232,68 @@ const struct option_table ctl_table_stats = {
                 "  pccdctl stats --threads\n",
 };
 
-/* The library says no name's length beforehand, so the list is walked twice: once for the
- * widths, once to print. The second walk asks again; its values are the later ones. */
-struct widths {
-    int name, value;
-};
-
-/* What is printed besides the counters. */
-static const char cpu_text[] = "instruction set that steps use";
-static const char share_text[] =
-    "of the candidates, the share that took exact arithmetic";
-
-struct shares {
-    uint64_t exact, candidates;
-};
-
-struct listing {
-    struct widths widths;
-    struct shares shares;
-};
-
-static void widen(struct widths *widths, int name, int value)
-{
-    widths->name = name > widths->name ? name : widths->name;
-    widths->value = value > widths->value ? value : widths->value;
-}
-
-static void measure(void *context, const char *name, uint64_t value, const char *text)
-{
-    struct listing *listing = context;
-    (void)text;
-    widen(&listing->widths, (int)strlen(name), snprintf(NULL, 0, "%" PRIu64, value));
-}
-
-static void note_share(struct shares *shares, const char *name, uint64_t value)
-{
-    if (strcmp(name, "exact") == 0) {
-        shares->exact = value;
-    } else if (strcmp(name, "candidates") == 0) {
-        shares->candidates = value;
-    }
-}
-
 /* 0 before the first candidate. */
-static double share(const struct shares *shares)
+static double exact_share(const struct counters *counters)
 {
-    return shares->candidates ? (double)shares->exact / (double)shares->candidates : 0;
+    uint64_t candidates = counters_get(counters, "candidates");
+    return candidates > 0 ? (double)counters_get(counters, "exact") / (double)candidates
+                          : 0;
 }
 
-static void print_line(void *context, const char *name, uint64_t value, const char *text)
+static bool print_json(const struct counters *counters, const char *cpu)
 {
-    struct listing *listing = context;
-    note_share(&listing->shares, name, value);
-    printf("%-*s  %*" PRIu64 "  %s\n", listing->widths.name, name, listing->widths.value,
-           value, text);
+    json_t *object = json_object();
+    counters_add(object, counters);
+    json_object_set_new(object, "exact_share", json_real(exact_share(counters)));
+    json_object_set_new(object, "cpu", json_string(cpu));
+    return output_json(object, true, stdout);
 }
 
-struct members {
-    json_t *object;
-    struct shares shares;
-};
-
-static void add_member(void *context, const char *name, uint64_t value, const char *text)
+static void print_list(const struct counters *counters, const char *cpu)
 {
-    struct members *members = context;
-    (void)text;
-    note_share(&members->shares, name, value);
-    json_object_set_new(members->object, name, json_integer((json_int_t)value));
-}
-
-static int print_json(struct pccd_client *client)
-{
-    struct members members = {.object = json_object()};
-    int status = pccd_stats(client, add_member, &members);
-    if (status == PCCD_OK) {
-        json_object_set_new(members.object, "exact_share",
-                            json_real(share(&members.shares)));
-        json_object_set_new(members.object, "cpu", json_string(pccd_daemon_cpu(client)));
-        (void)output_json(members.object, true, stdout);
-    } else {
-        json_decref(members.object);
+    struct {
+        const char *name, *text;
+        char value[64];
+    } lines[COUNTERS_MAX + 2] = {{.name = NULL}};
+    uint32_t count = counters->count;
+    int name_width = 0, value_width = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        lines[i].name = counters->name[i];
+        lines[i].text = counters->text[i];
+        snprintf(lines[i].value, sizeof lines[i].value, "%" PRIu64, counters->value[i]);
     }
-    return status;
-}
-
-static int print_list(struct pccd_client *client)
-{
-    struct listing listing = {{0, 0}, {0, 0}};
-    const struct widths *widths = &listing.widths;
-    const char *cpu = pccd_daemon_cpu(client);
-    char number[32];
-    int status = pccd_stats(client, measure, &listing);
-    widen(&listing.widths, (int)strlen("exact_share"), (int)strlen(cpu));
-    if (status == PCCD_OK) {
-        status = pccd_stats(client, print_line, &listing);
+    lines[count].name = "exact_share";
+    lines[count].text = "of the candidates, the share that took exact arithmetic";
+    snprintf(lines[count].value, sizeof lines[count].value, "%.4g",
+             exact_share(counters));
+    lines[count + 1].name = "cpu";
+    lines[count + 1].text = "instruction set that steps use";
+    snprintf(lines[count + 1].value, sizeof lines[count + 1].value, "%s",
+             tool_shown(cpu));
+    for (uint32_t i = 0; i < count + 2; i++) {
+        int name = (int)strlen(lines[i].name), value = (int)strlen(lines[i].value);
+        name_width = name > name_width ? name : name_width;
+        value_width = value > value_width ? value : value_width;
     }
-    if (status == PCCD_OK) {
-        snprintf(number, sizeof number, "%.4g", share(&listing.shares));
-        printf("%-*s  %*s  %s\n", widths->name, "exact_share", widths->value, number,
-               share_text);
-        printf("%-*s  %*s  %s\n", widths->name, "cpu", widths->value, tool_shown(cpu),
-               cpu_text);
+    for (uint32_t i = 0; i < count + 2; i++) {
+        printf("%-*s  %*s  %s\n", name_width, lines[i].name, value_width, lines[i].value,
+               lines[i].text);
     }
-    return status;
 }
 
 static int print(struct pccd_client *client, const struct stats_options *options)
 {
+    struct counters counters;
     if (options->of_threads) {
         return stats_threads_print(client, stdout, options->is_json);
     }
-    return options->is_json ? print_json(client) : print_list(client);
+    int status = counters_read(client, &counters);
+    if (status == PCCD_OK && options->is_json) {
+        (void)print_json(&counters, pccd_daemon_cpu(client));
+    } else if (status == PCCD_OK) {
+        print_list(&counters, pccd_daemon_cpu(client));
+    }
+    return status;
 }
 
 int ctl_cmd_stats(int argc, char **argv)

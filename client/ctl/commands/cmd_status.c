@@ -36,16 +36,6 @@ struct status {
     struct health health;
 };
 
-static void take_step(void *context, const char *name, uint64_t value, const char *text)
-{
-    struct counters *step = context;
-    if (step->count < COUNTERS_MAX) {
-        step->text[step->count] = text;
-        step->name[step->count] = name;
-        step->value[step->count++] = value;
-    }
-}
-
 /* Of the daemon's process, where it runs on this machine and may be looked at. */
 static uint64_t resident_bytes(uint32_t pid)
 {
@@ -74,9 +64,9 @@ static int look(struct pccd_client *client, struct status *status)
         return outcome;
     }
     /* What this user may not see, or an older daemon does not tell, is left out. */
-    status->has_step =
-        pccd_stats_thread(client, true, 0, take_step, &status->step, NULL) == PCCD_OK &&
-        counters_get(&status->step, "threads") > 0;
+    status->has_step = pccd_stats_thread(client, true, 0, counters_take, &status->step,
+                                         NULL) == PCCD_OK &&
+                       counters_get(&status->step, "threads") > 0;
     status->has_histograms =
         pccd_histogram(client, PCCD_HISTOGRAM_STEPS, &status->steps) == PCCD_OK &&
         pccd_histogram(client, PCCD_HISTOGRAM_REQUESTS, &status->requests) == PCCD_OK;
@@ -187,10 +177,7 @@ static void print(const struct status *status)
 static json_t *all_of(const struct counters *counters)
 {
     json_t *object = json_object();
-    for (uint32_t i = 0; i < counters->count; i++) {
-        json_object_set_new(object, counters->name[i],
-                            json_integer((json_int_t)counters->value[i]));
-    }
+    counters_add(object, counters);
     return object;
 }
 

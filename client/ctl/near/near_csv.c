@@ -44,20 +44,11 @@ int near_csv_open(struct near_csv *csv, struct ctl_error *error)
     return status;
 }
 
-/* The vertices of a feature of an object of ours; returns how many. */
 static uint32_t print_vertices(FILE *to, const struct near_object *object,
                                uint32_t points, uint32_t feature)
 {
-    if (points == 1) {
-        fprintf(to, ",%" PRIu32, feature);
-    } else if (points == 2) {
-        const struct pccd_edge *edge = &object->edges[feature];
-        fprintf(to, ",%" PRIu32 ",%" PRIu32, edge->a, edge->b);
-    } else {
-        const uint32_t *face = object->mesh.triangles.vertices + 3 * (size_t)feature;
-        fprintf(to, ",%" PRIu32 ",%" PRIu32 ",%" PRIu32, face[0], face[1], face[2]);
-    }
-    return points;
+    return csv_vertices(to, points, feature, object->edges,
+                        (const uint32_t(*)[3])object->mesh.triangles.vertices);
 }
 
 static void print_record(const struct near_csv *csv, const struct pccd_near *record)
@@ -120,12 +111,7 @@ void near_csv_page(void *context, const struct pccd_answer *page)
 
 int near_csv_close(struct near_csv *csv, bool is_whole, struct ctl_error *error)
 {
-    int status = PCCD_OK;
-    if (csv->whole.to != NULL && is_whole) {
-        status = output_finish(&csv->whole, csv->path, error);
-    }
-    whole_file_discard(&csv->whole);
     free(csv->order);
     csv->order = NULL;
-    return status;
+    return output_close(&csv->whole, csv->path, is_whole, error);
 }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-static void take(void *context, const char *name, uint64_t value, const char *text)
+void counters_take(void *context, const char *name, uint64_t value, const char *text)
 {
     struct counters *counters = context;
     if (counters->count < COUNTERS_MAX) {
@@ -17,7 +17,7 @@ static void take(void *context, const char *name, uint64_t value, const char *te
 int counters_read(struct pccd_client *client, struct counters *counters)
 {
     counters->count = 0;
-    return pccd_stats(client, take, counters);
+    return pccd_stats(client, counters_take, counters);
 }
 
 uint64_t counters_get(const struct counters *counters, const char *name)
@@ -28,6 +28,14 @@ uint64_t counters_get(const struct counters *counters, const char *name)
         }
     }
     return 0;
+}
+
+void counters_add(json_t *object, const struct counters *counters)
+{
+    for (uint32_t i = 0; i < counters->count; i++) {
+        json_object_set_new(object, counters->name[i],
+                            json_integer((json_int_t)counters->value[i]));
+    }
 }
 
 static bool ends_in(const char *name, const char *end)

@@ -5,6 +5,7 @@
 #ifndef CTL_COUNTERS_H
 #define CTL_COUNTERS_H
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -19,10 +20,14 @@ struct counters {
     uint64_t value[COUNTERS_MAX];
 };
 
+/* Take one more; `context` is the struct counters. */
+void counters_take(void *context, const char *name, uint64_t value, const char *text);
 /* Returns the library's status. */
 int counters_read(struct pccd_client *client, struct counters *counters);
 /* 0 when there is none of that name. */
 uint64_t counters_get(const struct counters *counters, const char *name);
+/* Members of an object. */
+void counters_add(json_t *object, const struct counters *counters);
 /* Whether it tells how something is now; otherwise it is a total that only grows. */
 bool counters_is_gauge(const char *name);
 

@@ -11,6 +11,8 @@
 #include "clock.h"
 #include "ctl.h"
 #include "items.h"
+#include "output.h"
+#include "output.h"
 #include "part.h"
 #include "pccd_mpi.h"
 #include "process_status.h"
@@ -409,7 +411,8 @@ static int run_check(const struct mpi_options *options)
     if (status == PCCD_OK && together_is_root()) {
         status = report_all(&check, &error);
     }
-    int closed = contacts_csv_close(&check.csv, status == PCCD_OK, &error);
+    int closed =
+        output_close(&check.csv.whole, check.csv.path, status == PCCD_OK, &error);
     status = status == PCCD_OK ? closed : status;
     if (status == PCCD_OK && together_is_root()) {
         status = check_run_judge(check.steps, step_count, &is_free, &error);

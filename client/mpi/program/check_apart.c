@@ -59,7 +59,7 @@ static int read_ends(struct apart *apart, uint64_t item, struct ctl_error *error
 static int compute(void *context, struct deal *deal, struct ctl_error *error)
 {
     struct apart *apart = context;
-    const struct contacts_csv no_csv = {.file = NULL};
+    const struct contacts_csv no_csv = {.path = NULL};
     for (uint64_t item; (item = deal_next(deal)) != DEAL_NONE;) {
         struct report_step step;
         memset(&step, 0, sizeof step); /* all of it goes to the root */
