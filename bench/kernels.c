@@ -1,5 +1,4 @@
 /* kernels.c - the engine's inner loops, each beside a plain version of itself. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +9,6 @@
 #include "ingest.h"
 #include "sections.h"
 #include "solve.h"
-#include "thick.h"
 #include "trees.h"
 
 #define QUERY_MAX 60000u
@@ -236,104 +234,6 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
     answers_deinit(&without);
 }
 
-/* ---- thick features ---------------------------------------------------------------- */
-
-/* 1 % of the mean edge: between the last two points of each query. */
-static double radius_of(const struct records *records, uint32_t count)
-{
-    double sum = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const double *a = records->points[records->quads[i][2]].x0;
-        const double *b = records->points[records->quads[i][3]].x0;
-        sum += hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
-    }
-    return 0.01 * sum / count;
-}
-
-struct thick_work {
-    struct eng_thick thick;
-    struct eng_thick_lanes lanes;
-    struct eng_batch batch;
-    double (*radius)[3];
-    uint64_t survivors;
-    uint64_t contacts;
-};
-
-static void thick_in_chunks(struct thick_work *work, const struct records *records,
-                            const struct bench_candidates *c)
-{
-    work->batch.kernels = eng_kernels();
-    work->batch.thick = &work->thick;
-    work->batch.lanes = &work->lanes;
-    work->survivors = 0;
-    work->contacts = 0;
-    for (uint32_t i = 0; i < c->count; i += ENG_CHUNK_MAX) {
-        uint32_t n = c->count - i < ENG_CHUNK_MAX ? c->count - i : ENG_CHUNK_MAX;
-        const struct eng_pairs pairs = {.question = &asked,
-                                        .kind = c->kind,
-                                        .count = n,
-                                        .points = records->points,
-                                        .quads = (const uint32_t(*)[4])records->quads + i,
-                                        .radius = (const double(*)[3])work->radius,
-                                        .t_end = 1};
-        work->contacts += eng_batch_test(&work->batch, &pairs);
-        work->survivors += work->batch.survivors;
-    }
-}
-
-/* The candidates are those of a step without thickness; beside the same without. */
-static void measure_thick(const struct bench_work *work, struct bench_candidates *c,
-                          struct eng_exact *exact)
-{
-    static struct records records;
-    static struct thick_work thick;
-    const char *name = work->world.source->name;
-    enum { WITH, WITHOUT, SIDES };
-    struct bench_side sides[SIDES] = {
-        {.unit = "ns", .base_name = "no radius", .base = WITHOUT}};
-    struct answers answers;
-    if (c->count == 0) {
-        return;
-    }
-    if (eng_thick_init(&thick.thick) != PCCD_OK) {
-        exit(2);
-    }
-    records_init(&records, work->world.scene, c);
-    answers_init(&answers, c->count);
-    thick.radius = bench_alloc(ENG_CHUNK_MAX, sizeof *thick.radius);
-    double radius = radius_of(&records, c->count);
-    for (uint32_t i = 0; i < ENG_CHUNK_MAX; i++) {
-        thick.radius[i][0] = radius;
-        thick.radius[i][1] = radius;
-        thick.radius[i][2] = 0;
-    }
-    for (unsigned r = 0; r < repeats; r++) {
-        uint64_t t0 = common_now_ns();
-        with_filter(&records, c, exact, &answers);
-        uint64_t t1 = common_now_ns();
-        thick_in_chunks(&thick, &records, c);
-        uint64_t t2 = common_now_ns();
-        if (r > 0) {
-            bench_add(&sides[WITHOUT].samples, (double)(t1 - t0) / c->count);
-            bench_add(&sides[WITH].samples, (double)(t2 - t1) / c->count);
-        }
-    }
-    number_of_kind(name, c->kind, "thick, left", "share",
-                   (double)thick.survivors / c->count);
-    number_of_kind(name, c->kind, "thick, contacts", "share",
-                   (double)thick.contacts / c->count);
-    number_of_kind(name, c->kind, "thick, by integers", "share",
-                   (double)thick.thick.decided[ENG_THICK_BY_INTEGERS] /
-                       ((double)c->count * repeats));
-    name_side(&sides[WITH], c->kind, "thick");
-    bench_sides_end(name, sides, 1, true);
-    bench_free(&sides[WITHOUT].samples);
-    eng_thick_deinit(&thick.thick);
-    free(thick.radius);
-    records_deinit(&records);
-    answers_deinit(&answers);
-}
-
 /* ---- contacts ---------------------------------------------------------------------- */
 
 /* Contacts that the solver proves by itself, one after the other, their points at
@@ -470,8 +370,6 @@ static void measure_scene(const struct bench_scene *scene, bool smoke)
     }
     measure_tests(&work, &work.vf, &exact);
     measure_tests(&work, &work.ee, &exact);
-    measure_thick(&work, &work.vf, &exact);
-    measure_thick(&work, &work.ee, &exact);
     measure_contacts(&work, &work.vf, &exact);
     measure_contacts(&work, &work.ee, &exact);
     measure_exact(&work, &work.vf, &exact);

@@ -2,6 +2,7 @@
 #ifndef RUN_FRAME_H
 #define RUN_FRAME_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "pccd_types.h"
@@ -55,8 +56,15 @@ enum run_count {
     RUN_COUNTS
 };
 
-extern const char *const run_time_names[RUN_TIMES];
-extern const char *const run_count_names[RUN_COUNTS];
+/* What it is called, and where it lies in the times or the counters of an answer. */
+struct run_quantity {
+    const char *name;
+    size_t from; /* RUN_OWN: who asks sets it */
+};
+#define RUN_OWN SIZE_MAX
+
+extern const struct run_quantity run_times[RUN_TIMES];
+extern const struct run_quantity run_counts[RUN_COUNTS];
 
 struct run_frame {
     uint32_t number;  /* the step goes from frame `number` to the next */
@@ -66,49 +74,9 @@ struct run_frame {
     uint64_t hash[2]; /* of the answer: high, low */
 };
 
-/* From `times` and `counters` of an answer, of the engine's or the library's, which have
- * them under the same names. */
-#define RUN_KEEP_TIMES(frame, times)                                                     \
-    do {                                                                                 \
-        (frame)->ns[RUN_STEP] = (times)->step;                                           \
-        (frame)->ns[RUN_INGEST] = (times)->ingest;                                       \
-        (frame)->ns[RUN_REFIT] = (times)->refit;                                         \
-        (frame)->ns[RUN_TRAVERSAL] = (times)->traversal;                                 \
-        (frame)->ns[RUN_TESTS] = (times)->tests;                                         \
-        (frame)->ns[RUN_MERGE] = (times)->merge;                                         \
-        (frame)->ns[RUN_LOW] = (times)->low;                                             \
-        (frame)->ns[RUN_HIGH] = (times)->high;                                           \
-        (frame)->ns[RUN_REBUILD] = (times)->rebuild;                                     \
-        run_frame_set_rest(frame);                                                       \
-    } while (0)
-
-#define RUN_KEEP_COUNTS(frame, counters)                                                 \
-    do {                                                                                 \
-        (frame)->counts[RUN_TASK_UNITS] = (counters)->task_units;                        \
-        (frame)->counts[RUN_BOX_TESTS] = (counters)->box_tests;                          \
-        (frame)->counts[RUN_LEAF_PAIRS] = (counters)->leaf_pairs;                        \
-        (frame)->counts[RUN_CANDIDATES] = 0;                                             \
-        for (int kind = 0; kind < PCCD_KIND_COUNT; kind++) {                             \
-            (frame)->counts[RUN_CANDIDATES] += (counters)->candidates[kind];             \
-        }                                                                                \
-        (frame)->counts[RUN_SURVIVORS] = (counters)->survivors;                          \
-        (frame)->counts[RUN_EXACT] = (counters)->exact;                                  \
-        (frame)->counts[RUN_RECONSTRUCTIONS] = (counters)->rebuilds;                     \
-        (frame)->counts[RUN_RECONSTRUCTED_TRIANGLES] = (counters)->rebuilt_triangles;    \
-        (frame)->counts[RUN_SWAPS] = (counters)->swaps;                                  \
-        (frame)->counts[RUN_SWAPPED_TRIANGLES] = (counters)->swapped_triangles;          \
-        (frame)->counts[RUN_STILL_FEATURES] = (counters)->still_features;                \
-        (frame)->counts[RUN_STILL_PAIRS] = (counters)->still_pairs;                      \
-        (frame)->counts[RUN_KEPT_RECORDS] = (counters)->kept_records;                    \
-        (frame)->counts[RUN_RIGID_OBJECTS] = (counters)->rigid_objects;                  \
-        (frame)->counts[RUN_THICK_CANDIDATES] = (counters)->thick_candidates;            \
-        (frame)->counts[RUN_THICK_SURVIVORS] = (counters)->thick_survivors;              \
-        (frame)->counts[RUN_THICK_EXACT] = (counters)->thick_exact;                      \
-        (frame)->counts[RUN_ALLOCS] = (counters)->allocs;                                \
-    } while (0)
-
-/* The five phases are known: the rest of the step. */
-void run_frame_set_rest(struct run_frame *frame);
+/* Take what an answer says of a step. */
+void run_frame_keep(struct run_frame *frame, const struct pccd_step_times *times,
+                    const struct pccd_step_counters *counters);
 
 /* XXH3-128 of all numbers and hashes, and in front the version of these hashes. */
 void run_frames_hash(const struct run_frame *frames, uint32_t count,

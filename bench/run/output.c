@@ -53,7 +53,7 @@ static void text_times(FILE *to, const struct run_play *play)
     for (enum run_time time = 0; time < RUN_TIMES; time++) {
         struct bench_summary s = run_summarise_time(play, 0, time);
         fprintf(to, "%-23s %11.4g %11.4g %11.4g %11.4g %11.4g %7.1f\n",
-                run_time_names[time], s.p50, s.p95, s.p99, s.max, s.min,
+                run_times[time].name, s.p50, s.p95, s.p99, s.max, s.min,
                 step_ms > 0 ? 100 * s.p50 / step_ms : 0);
     }
 }
@@ -67,7 +67,7 @@ static void text_counts(FILE *to, const struct run_play *play)
         uint64_t total;
         if (run_summarise_count(play, 0, count, &s, &total)) {
             fprintf(to, "%-23s %11.0f %11.0f %11.0f %11.0f %11.0f",
-                    run_count_names[count], s.p50, s.p95, s.p99, s.max, s.min);
+                    run_counts[count].name, s.p50, s.p95, s.p99, s.max, s.min);
             if (count < RUN_SCENE_BYTES) {
                 fprintf(to, " %15" PRIu64, total);
             }
@@ -87,11 +87,11 @@ static void text_sides(FILE *to, const struct run_play *play)
     const size_t count_columns = sizeof counts / sizeof counts[0];
     fprintf(to, "\n%-40s", "ms a step (p50)");
     for (size_t c = 0; c < count; c++) {
-        fprintf(to, " %9s", run_time_names[columns[c]]);
+        fprintf(to, " %9s", run_times[columns[c]].name);
     }
     fprintf(to, " %9s", "wall p99");
     for (size_t c = 0; c < count_columns; c++) {
-        fprintf(to, " %15s", run_count_names[counts[c]]);
+        fprintf(to, " %15s", run_counts[counts[c]].name);
     }
     fprintf(to, " | %8s %8s  times as fast as the first\n", "step", "wall");
     for (uint32_t i = 0; i < play->settings->side_count; i++) {
@@ -143,10 +143,10 @@ static void csv_heading(FILE *to, bool has_sides)
 {
     fprintf(to, "frame,%sthreads", has_sides ? "side," : "");
     for (int t = 0; t < RUN_TIMES; t++) {
-        fprintf(to, ",%s_ms", run_time_names[t]);
+        fprintf(to, ",%s_ms", run_times[t].name);
     }
     for (int c = 0; c < RUN_COUNTS; c++) {
-        fprintf(to, ",%s", run_count_names[c]);
+        fprintf(to, ",%s", run_counts[c].name);
     }
     fputs(",hash\n", to);
 }

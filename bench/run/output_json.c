@@ -68,7 +68,7 @@ static struct object summary_of(const struct run_play *play, uint32_t side)
     for (enum run_time time = 0; time < RUN_TIMES; time++) {
         summary = run_summarise_time(play, side, time);
         struct object values = statistics(&summary);
-        set_object(&ms, run_time_names[time], &values);
+        set_object(&ms, run_times[time].name, &values);
     }
     for (enum run_count count = 0; count < RUN_COUNTS; count++) {
         if (run_summarise_count(play, side, count, &summary, &total)) {
@@ -76,7 +76,7 @@ static struct object summary_of(const struct run_play *play, uint32_t side)
             if (count < RUN_SCENE_BYTES) {
                 set(&values, "all", json_integer((json_int_t)total));
             }
-            set_object(&counts, run_count_names[count], &values);
+            set_object(&counts, run_counts[count].name, &values);
         }
     }
     set(&object, "steps", json_integer(play->count));
@@ -91,10 +91,10 @@ static struct object frame_of(const struct run_frame *frame)
     struct object counts = new_object();
     struct object object = new_object();
     for (int t = 0; t < RUN_TIMES; t++) {
-        set(&ms, run_time_names[t], json_real(1e-6 * (double)frame->ns[t]));
+        set(&ms, run_times[t].name, json_real(1e-6 * (double)frame->ns[t]));
     }
     for (int c = 0; c < RUN_COUNTS; c++) {
-        set(&counts, run_count_names[c], number_of(frame->counts[c]));
+        set(&counts, run_counts[c].name, number_of(frame->counts[c]));
     }
     set(&object, "frame", json_integer(frame->number));
     set(&object, "threads", json_integer(frame->threads));
@@ -126,7 +126,7 @@ static struct object side_of(const struct run_play *play, uint32_t side)
         if (play->sides[side].speed[time].count > 0) {
             struct bench_summary s = bench_summarise(&play->sides[side].speed[time]);
             struct object values = statistics(&s);
-            set_object(&speed, run_time_names[time], &values);
+            set_object(&speed, run_times[time].name, &values);
         }
     }
     set(&object, "beside", json_string(play->settings->sides[side].label));

@@ -264,8 +264,7 @@ static bool step_client(struct run_asked *asked, const struct bench_frames *fram
     uint64_t begin_ns = common_now_ns();
     ask(asked, frames, &answer);
     frame->ns[RUN_WALL] = common_now_ns() - begin_ns;
-    RUN_KEEP_TIMES(frame, &answer.times);
-    RUN_KEEP_COUNTS(frame, &answer.counters);
+    run_frame_keep(frame, &answer.times, &answer.counters);
     frame->counts[RUN_CONTACTS] = answer.total;
     frame->counts[RUN_SCENE_BYTES] = RUN_UNKNOWN;
     frame->counts[RUN_ELEMENTARY] = elementary_tests(asked, answer.threads);

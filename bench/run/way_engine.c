@@ -110,8 +110,7 @@ static bool step_engine(struct run_asked *asked, const struct bench_frames *fram
     uint64_t begin_ns = common_now_ns();
     bench_world_step(&asked->world, frames, &asked->settings, &result);
     frame->ns[RUN_WALL] = common_now_ns() - begin_ns;
-    RUN_KEEP_TIMES(frame, &result.times);
-    RUN_KEEP_COUNTS(frame, &result.counters);
+    run_frame_keep(frame, &result.times, &result.counters);
     keep_work(frame, &result);
     frame->counts[RUN_CONTACTS] = result.count;
     frame->counts[RUN_SCENE_BYTES] = scene_bytes(&asked->world);
