@@ -3,19 +3,15 @@
  * Clients of other users and groups, with and without lists. Needs root: nobody else can
  * be somebody else.
  */
+#include "cases.h"
+
 #include <grp.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "raw.h"
@@ -66,14 +62,13 @@ static void start(struct test_daemon *daemon, const char *const *options)
 }
 
 /* If it failed, a list would let others in, or keep those out whom it names. */
-static void allow__lists_of_users_and_groups_are_kept(void **state)
+CASE(allow__lists_of_users_and_groups_are_kept)
 {
     static const char *const by_user[] = {"--allow-uid", "65534", NULL};
     static const char *const by_group[] = {"--allow-gid", "54321", "--allow-gid", "54322",
                                            NULL};
     struct test_daemon daemon;
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -93,7 +88,7 @@ static void allow__lists_of_users_and_groups_are_kept(void **state)
 
 /* If it failed, strangers could take the places of those who may be clients: more of them
  * than hear why are turned away at once. */
-static void allow__strangers_take_no_places(void **state)
+CASE(allow__strangers_take_no_places)
 {
     static const char *const options[] = {"--allow-gid", "54321", "--connections-max",
                                           "24", NULL};
@@ -102,7 +97,6 @@ static void allow__strangers_take_no_places(void **state)
     int status = 0;
     pid_t child;
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -146,7 +140,7 @@ static unsigned lines_with(const struct test_daemon *daemon, const char *text)
 
 /* If it failed, whoever may not be a client could fill the disk with lines that say so:
  * 56 404 in three seconds. */
-static void allow__strangers_do_not_fill_the_log(void **state)
+CASE(allow__strangers_do_not_fill_the_log)
 {
     static const char *const options[] = {"--allow-gid", "54321", NULL};
     static struct test_raw raw;
@@ -156,7 +150,6 @@ static void allow__strangers_do_not_fill_the_log(void **state)
     int status = 0;
     pid_t child;
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -186,13 +179,12 @@ static void allow__strangers_do_not_fill_the_log(void **state)
 
 /* If it failed, who looks at a daemon that refuses strangers would be told to let them
  * take more places. */
-static void allow__status_says_who_was_refused(void **state)
+CASE(allow__status_says_who_was_refused)
 {
     static const char *const options[] = {"--allow-gid", "54321", NULL};
     struct test_daemon daemon;
     char said[4096];
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -205,12 +197,11 @@ static void allow__status_says_who_was_refused(void **state)
 }
 
 /* If it failed, a socket without a list could be reached by others. */
-static void allow__without_a_list_only_our_own_user_gets_there(void **state)
+CASE(allow__without_a_list_only_our_own_user_gets_there)
 {
     struct test_daemon daemon;
     struct stat info;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     assert_int_equal(stat(daemon.socket, &info), 0);
     assert_int_equal(info.st_mode & 0777, 0600);
@@ -220,17 +211,4 @@ static void allow__without_a_list_only_our_own_user_gets_there(void **state)
         assert_int_equal(ask(&daemon, 0, 0, 0), 0);
     }
     assert_true(test_daemon_finish(&daemon));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(allow__lists_of_users_and_groups_are_kept),
-        cmocka_unit_test(allow__strangers_take_no_places),
-        cmocka_unit_test(allow__status_says_who_was_refused),
-        cmocka_unit_test(allow__strangers_do_not_fill_the_log),
-        cmocka_unit_test(allow__without_a_list_only_our_own_user_gets_there),
-    };
-
-    return cmocka_run_group_tests_name("allow", tests, NULL, NULL);
 }

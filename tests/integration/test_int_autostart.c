@@ -1,12 +1,10 @@
 /* test_int_autostart.c - clients that start the user's daemon. */
+#include "cases.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <sched.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,8 +12,6 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -57,7 +53,7 @@ static void end_autostarted(uint32_t pid, const char *runtime)
 }
 
 /* If it failed, programs that start together would not find the same daemon, or none. */
-static void autostart__clients_that_start_together_share_one_daemon(void **state)
+CASE(autostart__clients_that_start_together_share_one_daemon)
 {
     enum { CHILDREN = 6 };
     char runtime[] = "/tmp/pccd-test-XXXXXX";
@@ -65,7 +61,6 @@ static void autostart__clients_that_start_together_share_one_daemon(void **state
     uint32_t pids[CHILDREN];
     int fds[2];
 
-    (void)state;
     assert_non_null(mkdtemp(runtime));
     assert_int_equal(setenv("XDG_RUNTIME_DIR", runtime, 1), 0);
     assert_int_equal(setenv("PCCD_DAEMON", getenv("PCCDD"), 1), 0);
@@ -98,7 +93,7 @@ static void autostart__clients_that_start_together_share_one_daemon(void **state
 /* Each client starts a daemon; that of one gets the lock. If it failed, the others would
  * say that theirs ended at once where that one takes seconds to listen, on a machine that
  * is busy, or because it is about to end. */
-static void autostart__a_daemon_that_has_the_lock_is_waited_for(void **state)
+CASE(autostart__a_daemon_that_has_the_lock_is_waited_for)
 {
     char runtime[] = "/tmp/pccd-test-XXXXXX";
     char path[64];
@@ -108,7 +103,6 @@ static void autostart__a_daemon_that_has_the_lock_is_waited_for(void **state)
     int lock;
     pid_t waiting;
 
-    (void)state;
     assert_non_null(mkdtemp(runtime));
     assert_int_equal(setenv("XDG_RUNTIME_DIR", runtime, 1), 0);
     (void)snprintf(path, sizeof path, "%s/pccd", runtime);
@@ -136,14 +130,13 @@ static void autostart__a_daemon_that_has_the_lock_is_waited_for(void **state)
 }
 
 /* If it failed, a program whose daemon dies would not learn of what. */
-static void autostart__error_has_the_last_words_of_a_private_daemon(void **state)
+CASE(autostart__error_has_the_last_words_of_a_private_daemon)
 {
     static const struct {
         int signal;
         const char *text;
     } cases[] = {{SIGSEGV, "it said: pccdd "}, {SIGKILL, "by signal 9 (Killed)"}};
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct pccd_options options;
         struct pccd_client *client = NULL;
@@ -166,14 +159,13 @@ static void autostart__error_has_the_last_words_of_a_private_daemon(void **state
 
 /* If it failed, a program that is bound to one processor, as mpirun binds ranks, would
  * start a daemon that computes with one thread for everybody. */
-static void autostart__daemon_of_a_bound_program_has_all_processors(void **state)
+CASE(autostart__daemon_of_a_bound_program_has_all_processors)
 {
     char runtime[] = "/tmp/pccd-test-XXXXXX";
     struct pccd_client *client = NULL;
     struct pccd_daemon_info info;
     cpu_set_t all, one, after;
 
-    (void)state;
     assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
     if (CPU_COUNT(&all) < 2) {
         test_skip("it takes two processors");
@@ -195,16 +187,4 @@ static void autostart__daemon_of_a_bound_program_has_all_processors(void **state
     assert_true(info.threads_max >= (uint32_t)CPU_COUNT(&all));
     pccd_close(client);
     end_autostarted(info.pid, runtime);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(autostart__error_has_the_last_words_of_a_private_daemon),
-        cmocka_unit_test(autostart__daemon_of_a_bound_program_has_all_processors),
-        cmocka_unit_test(autostart__clients_that_start_together_share_one_daemon),
-        cmocka_unit_test(autostart__a_daemon_that_has_the_lock_is_waited_for),
-    };
-
-    return cmocka_run_group_tests_name("autostart", tests, NULL, NULL);
 }

@@ -3,17 +3,13 @@
  * Fill the daemon with descriptors that it cannot close, and have one more connection
  * wait that brings such a one, too.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "lingering.h"
@@ -65,12 +61,11 @@ static int leave_lingering(struct test_raw *raw)
 /* If it failed, a client could hold up the daemon for as long as it likes: the connection
  * that waited gets a number beyond those that can be watched, is turned away, and with it
  * goes what it had brought. */
-static void backlog__that_does_not_close_holds_up_nobody(void **state)
+CASE(backlog__that_does_not_close_holds_up_nobody)
 {
     const struct proto_PING_request request = {.token = 7};
     uint64_t begin_ms;
     int peers[2];
-    (void)state;
     if (!start_daemon()) {
         test_skip("the limit of descriptors is too low here");
     }
@@ -108,12 +103,4 @@ static void backlog__that_does_not_close_holds_up_nobody(void **state)
     }
     test_raw_close(&honest);
     assert_true(test_daemon_finish(&daemon_));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(backlog__that_does_not_close_holds_up_nobody),
-    };
-    return cmocka_run_group_tests_name("backlog", tests, NULL, NULL);
 }

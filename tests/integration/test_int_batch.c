@@ -3,16 +3,12 @@
  * The same answers as steps by themselves, by one thread and by two, with a daemon and
  * without; what fails, is late or does not fit; limits and memory.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "farm.h"
@@ -115,11 +111,33 @@ static void compare_all(const char *url, const struct pccd_step_settings *settin
     pccd_close(clients[1]);
 }
 
+/* If it failed, each scene of a batch would have the scratch of a thread, and a thousand
+ * scenes take a gigabyte. The first case: nothing else is freed meanwhile. */
+CASE(scenes__of_a_batch_share_the_scratch_of_threads)
+{
+    struct pccd_client *client = open_client(test_shared.url);
+    struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
+    struct test_farm farm;
+    uint64_t before, after;
+
+    make_farm(client, 200, SIDE, &farm);
+    before = test_stat(client, "engine_bytes_now");
+    for (uint32_t turn = 1; turn <= 4; turn++) {
+        assert_int_equal(test_farm_turn(&farm, turn, NULL, &answer), 0);
+        pccd_batch_release(client, &answer);
+    }
+    after = test_stat(client, "engine_bytes_now");
+    assert_true(after > before);
+    print_message("# %llu bytes a scene\n", (unsigned long long)(after - before) / 200);
+    assert_true((after - before) / 200 < 256 * 1024); /* a worker has 800 KB */
+    test_farm_free(&farm);
+    pccd_close(client);
+}
+
 /* If it failed, a scene in a batch would have other contacts than by itself: for any
  * number of threads, in any mode, with a daemon or without. */
-static void scenes__are_answered_as_if_stepped_alone(void **state)
+CASE(scenes__are_answered_as_if_stepped_alone)
 {
-    (void)state;
     for (uint32_t threads = 1; threads <= 2; threads++) {
         for (int mode = 0; mode < PCCD_MODE_COUNT; mode++) {
             const struct pccd_step_settings settings = {
@@ -136,7 +154,7 @@ static void scenes__are_answered_as_if_stepped_alone(void **state)
 
 /* If it failed, one large scene would keep a batch waiting for one thread, or have other
  * contacts than by itself. */
-static void scene__that_is_most_of_the_work_is_shared_by_the_team(void **state)
+CASE(scene__that_is_most_of_the_work_is_shared_by_the_team)
 {
     struct pccd_client *client = open_client(test_shared.url);
     struct test_farm large, small;
@@ -147,7 +165,6 @@ static void scene__that_is_most_of_the_work_is_shared_by_the_team(void **state)
     struct pccd_batch *batch = NULL;
     struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
 
-    (void)state;
     assert_non_null(x);
     make_farm(client, 8, SIDE, &small);
     make_farm(client, 1, 150, &large);
@@ -258,7 +275,7 @@ static void expect(const struct pccd_batch_answer *answer, uint32_t i, int statu
 
 /* If it failed, one scene with a mistake would spoil the step of all others, or not say
  * what the mistake was. */
-static void scene__that_fails_does_not_fail_the_others(void **state)
+CASE(scene__that_fails_does_not_fail_the_others)
 {
     static const uint32_t one[1][3] = {{0, 1, 1}};
     struct pccd_client *client = open_client(test_shared.url);
@@ -267,7 +284,6 @@ static void scene__that_fails_does_not_fail_the_others(void **state)
     struct trouble trouble;
     uint64_t step = 0;
 
-    (void)state;
     make_trouble(client, &trouble);
     /* A mesh that has fewer vertices by the time of the step. */
     assert_int_equal(pccd_mesh_replace(client, trouble.small_mesh, test_triangle_x,
@@ -304,7 +320,7 @@ static void scene__that_fails_does_not_fail_the_others(void **state)
 
 /* If it failed, a step that was answered at its deadline, and then could not be made,
  * would be lost: its client would go on from positions that the scene does not have. */
-static void scene__tells_of_a_step_that_failed_after_its_answer(void **state)
+CASE(scene__tells_of_a_step_that_failed_after_its_answer)
 {
     struct pccd_step_settings late = PCCD_STEP_SETTINGS_INIT;
     struct pccd_client *client = open_client(test_shared.url);
@@ -313,7 +329,6 @@ static void scene__tells_of_a_step_that_failed_after_its_answer(void **state)
     struct test_farm farm, small;
     uint64_t steps[3];
 
-    (void)state;
     late.deadline_ns = 1000000;
     make_farm(client, 300, 30, &farm);
     make_farm(client, 3, SIDE, &small);
@@ -347,7 +362,7 @@ static void scene__tells_of_a_step_that_failed_after_its_answer(void **state)
 }
 
 /* If it failed, a scene would be stepped in another order than it was asked for. */
-static void batch__is_computed_between_the_steps_around_it(void **state)
+CASE(batch__is_computed_between_the_steps_around_it)
 {
     struct pccd_client *client = open_client(test_shared.url);
     struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
@@ -355,7 +370,6 @@ static void batch__is_computed_between_the_steps_around_it(void **state)
     struct test_farm farm;
     uint64_t steps[3];
 
-    (void)state;
     make_farm(client, 4, SIDE, &farm);
     for (int i = 0; i < 3; i++) {
         const struct pccd_motion motion = {
@@ -395,7 +409,7 @@ static void batch__is_computed_between_the_steps_around_it(void **state)
 /* ---- pages and limits -------------------------------------------------------------- */
 
 /* If it failed, records that do not fit the result region would be lost. */
-static void records__that_do_not_fit_are_fetched(void **state)
+CASE(records__that_do_not_fit_are_fetched)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
@@ -404,7 +418,6 @@ static void records__that_do_not_fit_are_fetched(void **state)
     uint32_t cut = 0;
     uint64_t totals[16];
 
-    (void)state;
     pccd_options_init(&options);
     options.url = test_shared.url;
     options.result_bytes = 65536;
@@ -456,7 +469,7 @@ static struct proto_BATCH_SUBMIT_request write_batch(struct test_raw *raw,
 
 /* If it failed, a request that makes no sense would be computed, or the daemon read what
  * is not there. */
-static void request__that_makes_no_sense_is_refused(void **state)
+CASE(request__that_makes_no_sense_is_refused)
 {
     static struct test_raw raw;
     struct proto_SCENE_CREATE_request create = {.want = 0};
@@ -464,7 +477,6 @@ static void request__that_makes_no_sense_is_refused(void **state)
     struct proto_BATCH_SUBMIT_request batch;
     struct proto_BATCH_SUBMIT_result result;
 
-    (void)state;
     assert_true(test_raw_open(&raw, test_shared.socket));
     assert_int_equal(test_raw_hello(&raw), 0);
     assert_int_equal(test_raw_attach(&raw, 2, 4096), 0);
@@ -497,7 +509,7 @@ static void request__that_makes_no_sense_is_refused(void **state)
 }
 
 /* If it failed, a batch of more scenes than answers fit would end in nothing. */
-static void answers__that_never_fit_are_refused_before_anything_moves(void **state)
+CASE(answers__that_never_fit_are_refused_before_anything_moves)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
@@ -505,7 +517,6 @@ static void answers__that_never_fit_are_refused_before_anything_moves(void **sta
     struct pccd_batch_answer held = PCCD_BATCH_ANSWER_INIT;
     struct test_farm farm, less;
 
-    (void)state;
     pccd_options_init(&options);
     options.url = test_shared.url;
     options.result_bytes = 65536;
@@ -525,7 +536,7 @@ static void answers__that_never_fit_are_refused_before_anything_moves(void **sta
 }
 
 /* If it failed, a program's mistake would be another one's crash. */
-static void batch__that_makes_no_sense_is_not_made(void **state)
+CASE(batch__that_makes_no_sense_is_not_made)
 {
     struct pccd_client *client = open_client(test_shared.url);
     struct pccd_batch_part parts[2] = {{.scene = 1, .object = 1, .count = 1},
@@ -535,7 +546,6 @@ static void batch__that_makes_no_sense_is_not_made(void **state)
     uint64_t step = 0;
     void *x1[2];
 
-    (void)state;
     assert_int_equal(pccd_batch_create(client, parts, 0, &batch), PCCD_E_INVAL);
     assert_int_equal(pccd_batch_create(client, parts, 2, &batch), PCCD_E_INVAL);
     assert_int_equal(pccd_batch_create(client, parts, 65537, &batch), PCCD_E_LIMIT);
@@ -589,7 +599,7 @@ static uint32_t count_incomplete(const struct pccd_batch_answer *answer, uint32_
 
 /* If it failed, a batch whose time is over would go on, lose what it had, or leave scenes
  * where nobody knows. */
-static void deadline__cuts_what_is_not_done(void **state)
+CASE(deadline__cuts_what_is_not_done)
 {
     struct pccd_client *clients[2] = {open_client(test_shared.url),
                                       open_client(test_shared.url)};
@@ -599,7 +609,6 @@ static void deadline__cuts_what_is_not_done(void **state)
     uint64_t whole_ns;
     uint32_t late = 0;
 
-    (void)state;
     make_farm(clients[0], 200, 24, &farm);
     make_farm(clients[1], 200, 24, &other);
     for (uint32_t turn = 1; turn <= 2; turn++) {
@@ -635,14 +644,13 @@ static void deadline__cuts_what_is_not_done(void **state)
 }
 
 /* If it failed, a batch that nobody wants any more would take its time. */
-static void cancel__ends_a_batch_soon(void **state)
+CASE(cancel__ends_a_batch_soon)
 {
     struct pccd_client *client = open_client(test_shared.url);
     struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
     struct test_farm farm;
     uint64_t step = 0;
 
-    (void)state;
     make_farm(client, 200, 24, &farm);
     assert_int_equal(test_farm_turn(&farm, 1, NULL, &answer), 0);
     pccd_batch_release(client, &answer);
@@ -662,7 +670,7 @@ static void cancel__ends_a_batch_soon(void **state)
 }
 
 /* If it failed, somebody with a large batch would keep everybody else waiting. */
-static void others__are_served_beside_a_long_batch(void **state)
+CASE(others__are_served_beside_a_long_batch)
 {
     struct pccd_client *clients[2] = {open_client(test_shared.url),
                                       open_client(test_shared.url)};
@@ -672,7 +680,6 @@ static void others__are_served_beside_a_long_batch(void **state)
     uint64_t step = 0;
     uint32_t served = 0;
 
-    (void)state;
     make_farm(clients[0], 300, 30, &farm);
     make_farm(clients[1], 1, 4, &small);
     assert_int_equal(test_farm_submit(&farm, 1, NULL, &step), 0);
@@ -753,7 +760,7 @@ static void take_value(void *context, const char *name, uint64_t value, const ch
 
 /* If it failed, somebody who looks why a daemon is busy would see a step that was made
  * long before, or nothing, while threads are at a batch. */
-static void batch__is_what_threads_are_seen_to_do(void **state)
+CASE(batch__is_what_threads_are_seen_to_do)
 {
     struct pccd_client *client = open_client(test_shared.url);
     struct pccd_client *other = open_client(test_shared.url);
@@ -766,7 +773,6 @@ static void batch__is_what_threads_are_seen_to_do(void **state)
     uint64_t step = 0;
     uint32_t seen = 0, last = 0;
 
-    (void)state;
     make_farm(client, 300, 30, &farm);
     assert_int_equal(test_farm_alone(&farm, 0, 1, NULL, &alone), 0);
     pccd_answer_release(client, &alone);
@@ -807,7 +813,7 @@ static void batch__is_what_threads_are_seen_to_do(void **state)
 }
 
 /* If it failed, lists and watchers would not know of steps that a batch makes. */
-static void steps__of_a_batch_are_listed_and_watched(void **state)
+CASE(steps__of_a_batch_are_listed_and_watched)
 {
     struct pccd_client *client = open_client(test_shared.url);
     struct pccd_client *other = open_client(test_shared.url);
@@ -817,7 +823,6 @@ static void steps__of_a_batch_are_listed_and_watched(void **state)
     struct test_farm farm;
     uint64_t number = 0;
 
-    (void)state;
     make_farm(client, 5, SIDE, &farm);
     assert_int_equal(pccd_daemon(client, &self), 0);
     assert_int_equal(pccd_watch_start(other, self.session, 0), 0);
@@ -843,7 +848,7 @@ static void steps__of_a_batch_are_listed_and_watched(void **state)
 }
 
 /* Otherwise who watches would see a step that fails alone, and none of a batch's. */
-static void batch__that_fails_is_watched_scene_by_scene(void **state)
+CASE(batch__that_fails_is_watched_scene_by_scene)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
@@ -854,7 +859,6 @@ static void batch__that_fails_is_watched_scene_by_scene(void **state)
     struct pccd_step_event event;
     struct test_farm farm;
 
-    (void)state;
     pccd_options_init(&options);
     options.url = test_shared.url;
     options.result_bytes = 65536;
@@ -879,32 +883,6 @@ static void batch__that_fails_is_watched_scene_by_scene(void **state)
     pccd_close(client);
 }
 
-/* ---- memory ------------------------------------------------------------------------ */
-
-/* If it failed, each scene of a batch would have the scratch of a thread, and a thousand
- * scenes take a gigabyte. */
-static void scenes__of_a_batch_share_the_scratch_of_threads(void **state)
-{
-    struct pccd_client *client = open_client(test_shared.url);
-    struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
-    struct test_farm farm;
-    uint64_t before, after;
-
-    (void)state;
-    make_farm(client, 200, SIDE, &farm);
-    before = test_stat(client, "engine_bytes_now");
-    for (uint32_t turn = 1; turn <= 4; turn++) {
-        assert_int_equal(test_farm_turn(&farm, turn, NULL, &answer), 0);
-        pccd_batch_release(client, &answer);
-    }
-    after = test_stat(client, "engine_bytes_now");
-    assert_true(after > before);
-    print_message("# %llu bytes a scene\n", (unsigned long long)(after - before) / 200);
-    assert_true((after - before) / 200 < 256 * 1024); /* a worker has 800 KB */
-    test_farm_free(&farm);
-    pccd_close(client);
-}
-
 static int start(void **state)
 {
     static const char *const options[] = {"--threads", "2", NULL};
@@ -913,27 +891,4 @@ static int start(void **state)
     return test_shared_start_with(options);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        /* First: nothing else is freed meanwhile. */
-        cmocka_unit_test(scenes__of_a_batch_share_the_scratch_of_threads),
-        cmocka_unit_test(scenes__are_answered_as_if_stepped_alone),
-        cmocka_unit_test(scene__that_is_most_of_the_work_is_shared_by_the_team),
-        cmocka_unit_test(scene__that_fails_does_not_fail_the_others),
-        cmocka_unit_test(scene__tells_of_a_step_that_failed_after_its_answer),
-        cmocka_unit_test(batch__is_computed_between_the_steps_around_it),
-        cmocka_unit_test(records__that_do_not_fit_are_fetched),
-        cmocka_unit_test(request__that_makes_no_sense_is_refused),
-        cmocka_unit_test(answers__that_never_fit_are_refused_before_anything_moves),
-        cmocka_unit_test(batch__that_makes_no_sense_is_not_made),
-        cmocka_unit_test(deadline__cuts_what_is_not_done),
-        cmocka_unit_test(cancel__ends_a_batch_soon),
-        cmocka_unit_test(others__are_served_beside_a_long_batch),
-        cmocka_unit_test(steps__of_a_batch_are_listed_and_watched),
-        cmocka_unit_test(batch__that_fails_is_watched_scene_by_scene),
-        cmocka_unit_test(batch__is_what_threads_are_seen_to_do),
-    };
-
-    return cmocka_run_group_tests_name("batch", tests, start, test_shared_stop);
-}
+CASES_WITH(start, test_shared_stop);

@@ -3,14 +3,10 @@
  * Hold the boxes of each level against the vertices that they are over, and against those
  * of the level above.
  */
-#include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <float.h>
+#include <stdlib.h>
 
 #include "fixture.h"
 #include "grid.h"
@@ -127,10 +123,9 @@ static uint32_t check_tree(struct fallen *fallen, enum pccd_tree tree, uint32_t 
 
 /* If it failed, what is shown as a hierarchy would not be over the scene, or pages of it
  * would be lost. */
-static void boxes__of_wide_cover_what_is_below(void **state)
+CASE(boxes__of_wide_cover_what_is_below)
 {
     struct fallen *fallen = calloc(1, sizeof *fallen);
-    (void)state;
     assert_non_null(fallen);
     fall(fallen, PCCD_METHOD_WIDE);
     for (uint32_t tree = PCCD_TREE_VERTICES; tree <= PCCD_TREE_FACES; tree++) {
@@ -143,10 +138,9 @@ static void boxes__of_wide_cover_what_is_below(void **state)
 }
 
 /* If it failed, the same of the paper's tree. */
-static void boxes__of_paper_cover_what_is_below(void **state)
+CASE(boxes__of_paper_cover_what_is_below)
 {
     struct fallen *fallen = calloc(1, sizeof *fallen);
-    (void)state;
     assert_non_null(fallen);
     fall(fallen, PCCD_METHOD_PAPER);
     assert_in_range(check_tree(fallen, PCCD_TREE_TRIANGLES, 0), SIDE * SIDE,
@@ -156,10 +150,9 @@ static void boxes__of_paper_cover_what_is_below(void **state)
 }
 
 /* If it failed, a hierarchy of objects that are gone would be walked, or shown. */
-static void boxes__of_paper_go_when_objects_do(void **state)
+CASE(boxes__of_paper_go_when_objects_do)
 {
     struct fallen *fallen = calloc(1, sizeof *fallen);
-    (void)state;
     assert_non_null(fallen);
     fall(fallen, PCCD_METHOD_PAPER);
     assert_int_equal(read_level(fallen, PCCD_TREE_TRIANGLES, 0), 1);
@@ -170,11 +163,10 @@ static void boxes__of_paper_go_when_objects_do(void **state)
 }
 
 /* If it failed, a wrong question would be answered, or end a session. */
-static void boxes__are_refused_where_there_are_none(void **state)
+CASE(boxes__are_refused_where_there_are_none)
 {
     struct fallen *fallen = calloc(1, sizeof *fallen);
     uint32_t count = 77;
-    (void)state;
     assert_non_null(fallen);
     fall(fallen, PCCD_METHOD_WIDE);
     struct pccd_client *client = fallen->client;
@@ -202,12 +194,11 @@ static void boxes__are_refused_where_there_are_none(void **state)
 
 /* If it failed, whoever asks for boxes before the first object or step would end the
  * daemon, and with it everybody's sessions. */
-static void boxes__of_an_empty_scene_are_none(void **state)
+CASE(boxes__of_an_empty_scene_are_none)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
     uint32_t scene = 0;
-    (void)state;
     pccd_options_init(&options);
     options.url = test_shared.url;
     assert_int_equal(pccd_connect(&options, &client), 0);
@@ -222,15 +213,4 @@ static void boxes__of_an_empty_scene_are_none(void **state)
     pccd_close(client);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(boxes__of_wide_cover_what_is_below),
-        cmocka_unit_test(boxes__of_paper_cover_what_is_below),
-        cmocka_unit_test(boxes__of_paper_go_when_objects_do),
-        cmocka_unit_test(boxes__are_refused_where_there_are_none),
-        cmocka_unit_test(boxes__of_an_empty_scene_are_none),
-    };
-    return cmocka_run_group_tests_name("boxes", tests, test_shared_start,
-                                       test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

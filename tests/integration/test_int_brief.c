@@ -1,11 +1,7 @@
 /* test_int_brief.c - steps that the loop computes itself. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <string.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -68,7 +64,7 @@ static struct pccd_answer move_by_both(struct test_crossing *crossing, float z)
 
 /* If it failed: a small step would wait for processors to wake; or its answer would
  * depend on who has computed it. */
-static void brief__small_steps_are_answered_by_the_loop(void **state)
+CASE_CROSSING(brief__small_steps_are_answered_by_the_loop)
 {
     struct test_crossing *crossing = *state;
     uint64_t before = brief(crossing);
@@ -90,7 +86,7 @@ static void brief__small_steps_are_answered_by_the_loop(void **state)
 
 /* If it failed: what the loop must not do, and leaves to the compute thread, would be
  * lost, or moved twice. Triangles in one plane take exact arithmetic. */
-static void brief__what_takes_longer_goes_on_elsewhere(void **state)
+CASE_CROSSING(brief__what_takes_longer_goes_on_elsewhere)
 {
     struct test_crossing *crossing = *state;
     struct pccd_step_settings wide = by(PCCD_METHOD_WIDE);
@@ -113,7 +109,7 @@ static void brief__what_takes_longer_goes_on_elsewhere(void **state)
 
 /* If it failed: everybody would wait while the loop computes; or a large scene in which
  * nothing moves would wait for processors to wake. */
-static void brief__large_scenes_are_the_loops_at_rest_alone(void **state)
+CASE_CROSSING(brief__large_scenes_are_the_loops_at_rest_alone)
 {
     struct test_crossing *crossing = *state;
     struct pccd_step_settings still = by(PCCD_METHOD_WIDE);
@@ -146,7 +142,7 @@ static void brief__large_scenes_are_the_loops_at_rest_alone(void **state)
 }
 
 /* If it failed: two threads would compute at once with what there is one of. */
-static void brief__nothing_is_the_loops_while_another_step_runs(void **state)
+CASE_CROSSING(brief__nothing_is_the_loops_while_another_step_runs)
 {
     struct test_crossing *crossing = *state;
     struct pccd_step_settings wide = by(PCCD_METHOD_WIDE);
@@ -183,7 +179,7 @@ static void brief__nothing_is_the_loops_while_another_step_runs(void **state)
 
 /* If it failed: a deadline that has passed, or a cancel, would be ignored by the loop, or
  * the step after it would be wrong. */
-static void brief__deadlines_and_cancels_end_them(void **state)
+CASE_CROSSING(brief__deadlines_and_cancels_end_them)
 {
     struct test_crossing *crossing = *state;
     struct pccd_step_settings late = by(PCCD_METHOD_WIDE);
@@ -207,18 +203,4 @@ static void brief__deadlines_and_cancels_end_them(void **state)
     }
 }
 
-#define CASE(name)                                                                       \
-    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        CASE(brief__small_steps_are_answered_by_the_loop),
-        CASE(brief__what_takes_longer_goes_on_elsewhere),
-        CASE(brief__large_scenes_are_the_loops_at_rest_alone),
-        CASE(brief__nothing_is_the_loops_while_another_step_runs),
-        CASE(brief__deadlines_and_cancels_end_them),
-    };
-
-    return cmocka_run_group_tests(tests, test_shared_start, test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

@@ -4,17 +4,13 @@
  * Record positions in every form, break one number of the recording, leave all checksums
  * right, and have every command read it.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "fixture.h"
@@ -175,7 +171,7 @@ static void assert_told(const struct breaking *breaking)
 
 /* If this failed, a coordinate that is none would end a command by a signal, or be drawn
  * as "-nan". */
-static void broken__positions_are_told_with_their_vertex(void **state)
+CASE(broken__positions_are_told_with_their_vertex)
 {
     static const struct breaking cases[] = {
         {RECORD_MESH, 1, PAYLOAD(record_mesh) + VERTEX(1), NAN, .says = STRAY(1, "")},
@@ -192,14 +188,13 @@ static void broken__positions_are_told_with_their_vertex(void **state)
          .says = "vertex 2 of object 0x"},
         {RECORD_FRAME, 3, SLOT(record_frame), 2e18, .says = "vertex 1 of object 0x"},
     };
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         assert_told(&cases[i]);
     }
 }
 
 /* If this failed, a handle that names nothing would end a command by an assertion. */
-static void broken__handles_are_told(void **state)
+CASE(broken__handles_are_told)
 {
     static const struct breaking cases[] = {
         {RECORD_SCENE, 1, offsetof(struct record_scene, scene), .is_word = true,
@@ -219,14 +214,13 @@ static void broken__handles_are_told(void **state)
         {RECORD_FILTER, 1, offsetof(struct record_filter, object), .is_word = true,
          .says = "which there is not"},
     };
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         assert_told(&cases[i]);
     }
 }
 
 /* If this failed, a length that is none would end a command by a signal. */
-static void broken__lengths_are_told(void **state)
+CASE(broken__lengths_are_told)
 {
     static const struct breaking cases[] = {
         {RECORD_FILTER, 1, offsetof(struct record_filter, words) + 3 * 8, NAN,
@@ -237,7 +231,6 @@ static void broken__lengths_are_told(void **state)
     struct breaking near = {RECORD_NEAR, 1, offsetof(struct record_near, distance), NAN,
                             .says = ""};
     char said[4096];
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         assert_told(&cases[i]);
     }
@@ -246,12 +239,4 @@ static void broken__lengths_are_told(void **state)
     assert_non_null(strstr(said, ", NEAR: a distance or tolerance that cannot be one"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(broken__positions_are_told_with_their_vertex),
-        cmocka_unit_test(broken__handles_are_told),
-        cmocka_unit_test(broken__lengths_are_told),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

@@ -1,12 +1,8 @@
 /* test_int_choice.c - the ways to compute that a client may choose between. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "grid.h"
@@ -91,7 +87,7 @@ static void expect_same_hash(struct pccd_client *client)
 }
 
 /* If it failed, the answer would depend on how it was computed. */
-static void choice__no_way_to_compute_changes_the_hash(void **state)
+CASE_CROSSING(choice__no_way_to_compute_changes_the_hash)
 {
     struct test_crossing *crossing = *state;
 
@@ -99,7 +95,7 @@ static void choice__no_way_to_compute_changes_the_hash(void **state)
 }
 
 /* If it failed, a client could not tell by which way its step was computed. */
-static void choice__the_answer_says_what_was_used(void **state)
+CASE_CROSSING(choice__the_answer_says_what_was_used)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -141,7 +137,7 @@ static void choice__the_answer_says_what_was_used(void **state)
 }
 
 /* If it failed, a choice that this daemon does not know would be taken for another. */
-static void choice__unknown_values_are_refused_by_name(void **state)
+CASE_CROSSING(choice__unknown_values_are_refused_by_name)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -177,16 +173,4 @@ static void choice__unknown_values_are_refused_by_name(void **state)
     assert_true(test_crossing_turn(crossing)); /* from where it was */
 }
 
-#define CHOICE_TEST(name)                                                                \
-    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        CHOICE_TEST(choice__no_way_to_compute_changes_the_hash),
-        CHOICE_TEST(choice__the_answer_says_what_was_used),
-        CHOICE_TEST(choice__unknown_values_are_refused_by_name),
-    };
-
-    return cmocka_run_group_tests_name("choice", tests, start, test_shared_stop);
-}
+CASES_WITH(start, test_shared_stop);

@@ -3,16 +3,12 @@
  * Straight motion and how many steps an arc needs; what tolerance bounds; what "the same
  * bytes" depends on; odd triangles.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "pccd.h"
@@ -126,10 +122,10 @@ static double middle_of_a_chord(uint32_t steps)
 
 /* If it failed, the documents would promise a distance from the arc that a planner cannot
  * rely on, or hide that one step of a large turn passes what is on its way. */
-static void motion__is_straight_and_an_arc_needs_the_steps_that_are_said(void **state)
+CASE_WITH(motion__is_straight_and_an_arc_needs_the_steps_that_are_said, open_client,
+          close_client)
 {
     double fewest = ARM_ANGLE * sqrt(ARM_LENGTH / (8 * ARM_DISTANCE));
-    (void)state;
     assert_int_equal((uint32_t)ceil(fewest), ARM_STEPS);
     /* A box well within the arc, 10 cm: one step passes it by. */
     assert_int_equal(turn_arm(1, .9, PI / 4), 0);
@@ -195,12 +191,11 @@ static void soup_drop(const struct soup *soup)
 
 /* If it failed, a record would have come that is not proved, which this release says it
  * does not give, or a verdict that says neither yes nor no. */
-static void records__are_all_proved(void **state)
+CASE_WITH(records__are_all_proved, open_client, close_client)
 {
     struct prng prng = {prng_seed()};
     uint64_t records = 0;
     uint64_t initial = 0;
-    (void)state;
     for (uint32_t round = 0; round < 60; round++) {
         struct pccd_step_settings settings = {
             .struct_bytes = sizeof(struct pccd_step_settings), .method = 1 + round % 2};
@@ -228,11 +223,11 @@ static void records__are_all_proved(void **state)
 
 /* If it failed, mode first would leave out a contact that may be the earliest, or give
  * one that cannot. */
-static void first__has_the_contacts_that_begin_before_any_must_have(void **state)
+CASE_WITH(first__has_the_contacts_that_begin_before_any_must_have, open_client,
+          close_client)
 {
     struct prng prng = {prng_seed()};
     uint64_t ties = 0;
-    (void)state;
     for (uint32_t round = 0; round < 40; round++) {
         struct pccd_step_settings settings = {
             .struct_bytes = sizeof(struct pccd_step_settings), .mode = PCCD_MODE_FIRST};
@@ -269,14 +264,14 @@ static void first__has_the_contacts_that_begin_before_any_must_have(void **state
 
 /* If it failed, a bracket would be wider than asked for, or which contacts there are
  * would depend on the tolerance; nor is a bracket to be taken for as wide as that. */
-static void tolerance__bounds_brackets_from_above_and_changes_no_contact(void **state)
+CASE_WITH(tolerance__bounds_brackets_from_above_and_changes_no_contact, open_client,
+          close_client)
 {
     static const double tolerances[] = {1e-6, 1, 1e-3, 1e-9, 1e-12};
     struct prng prng = {prng_seed()};
     struct pccd_contact *first = NULL;
     uint64_t count = 0;
     struct soup soup;
-    (void)state;
     soup_fill(&soup, &prng, 1000);
     soup_register(&soup, 0);
     for (size_t i = 0; i < sizeof tolerances / sizeof tolerances[0]; i++) {
@@ -380,7 +375,7 @@ static void soup_renumber(const struct soup *from, struct soup *to)
 
 /* If it failed, somebody who numbers a mesh as another does would get other bytes, or
  * somebody who numbers it otherwise other contacts. */
-static void numbering__decides_the_bytes_and_not_the_contacts(void **state)
+CASE_WITH(numbering__decides_the_bytes_and_not_the_contacts, open_client, close_client)
 {
     struct prng prng = {prng_seed()};
     struct soup soups[3];
@@ -389,7 +384,6 @@ static void numbering__decides_the_bytes_and_not_the_contacts(void **state)
     struct named *named[3];
     uint32_t same[VERTICES];
     uint32_t reversed[VERTICES];
-    (void)state;
     for (uint32_t v = 0; v < VERTICES; v++) {
         same[v] = v;
         reversed[v] = VERTICES - 1 - v;
@@ -423,7 +417,8 @@ static void numbering__decides_the_bytes_and_not_the_contacts(void **state)
 
 /* If it failed, a mesh with such triangles, as an exporter writes them, would be counted
  * or answered otherwise than is said: as the segment, or the point, that they are. */
-static void triangles__that_name_a_vertex_twice_are_segments_and_points(void **state)
+CASE_WITH(triangles__that_name_a_vertex_twice_are_segments_and_points, open_client,
+          close_client)
 {
     static const float x0[4][3] = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {3, 3, 3}};
     /* A segment; the same once more; not the same; a point. */
@@ -435,7 +430,6 @@ static void triangles__that_name_a_vertex_twice_are_segments_and_points(void **s
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t faces_hit[2] = {0, 0}; /* bits: by each vertex */
     uint32_t scene = 0;
-    (void)state;
     good(pccd_scene_create(client, NULL, &scene));
     uint32_t still = add(scene, x0, 4, odd, 4, &info);
     assert_int_equal(info.degenerate_count, 4);
@@ -459,19 +453,4 @@ static void triangles__that_name_a_vertex_twice_are_segments_and_points(void **s
     pccd_answer_release(client, &answer);
 }
 
-#define TEST(function)                                                                   \
-    cmocka_unit_test_setup_teardown(function, open_client, close_client)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        TEST(motion__is_straight_and_an_arc_needs_the_steps_that_are_said),
-        TEST(records__are_all_proved),
-        TEST(first__has_the_contacts_that_begin_before_any_must_have),
-        TEST(tolerance__bounds_brackets_from_above_and_changes_no_contact),
-        TEST(numbering__decides_the_bytes_and_not_the_contacts),
-        TEST(triangles__that_name_a_vertex_twice_are_segments_and_points),
-    };
-    return cmocka_run_group_tests_name("contract", tests, test_shared_start,
-                                       test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

@@ -1,14 +1,10 @@
 /* test_int_crossed.c - what passes through what where a step begins, and beside
  * questions about what is near, through a real daemon and in this process.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "recording.h"
@@ -76,9 +72,8 @@ static const char *url_of(size_t i)
 
 /* If it failed, a step of surfaces that pass through each other from its beginning to its
  * end would be taken for free, or what a program of before gets would change. */
-static void crossed__from_the_start_is_told_and_not_free(void **state)
+CASE(crossed__from_the_start_is_told_and_not_free)
 {
-    (void)state;
     for (size_t i = 0; i < 2; i++) {
         struct place place;
         begin(&place, url_of(i));
@@ -112,9 +107,8 @@ static void crossed__from_the_start_is_told_and_not_free(void **state)
 
 /* If it failed, what begins within its thickness and comes no nearer would be taken for
  * what never was there. */
-static void crossed__inside_with_an_approach_is_told(void **state)
+CASE(crossed__inside_with_an_approach_is_told)
 {
-    (void)state;
     for (size_t i = 0; i < 2; i++) {
         struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
         struct pccd_answer answer;
@@ -157,9 +151,8 @@ static void ask(const struct place *place, enum pccd_near_what what, double dist
 
 /* If it failed, a spike through a floor would be 2 away from it, and nothing would be
  * wrong with it beside pairs and bounds. */
-static void crossed__beside_what_is_near_is_counted(void **state)
+CASE(crossed__beside_what_is_near_is_counted)
 {
-    (void)state;
     for (size_t i = 0; i < 2; i++) {
         struct pccd_answer answer, plain;
         struct place place;
@@ -183,14 +176,13 @@ static void crossed__beside_what_is_near_is_counted(void **state)
 }
 
 /* If it failed, a batch would be asked for what its answers have no place for. */
-static void crossed__is_not_told_of_a_batch(void **state)
+CASE(crossed__is_not_told_of_a_batch)
 {
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
     struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
     struct pccd_batch *batch = NULL;
     struct place place;
 
-    (void)state;
     begin(&place, test_shared.url);
     const struct pccd_batch_part part = {.scene = place.scene,
                                          .object = place.spike,
@@ -207,7 +199,7 @@ static void crossed__is_not_told_of_a_batch(void **state)
 
 /* If it failed, what crosses would not be asked for again when a recording is repeated,
  * or a wrong count would be found right. */
-static void crossed__is_recorded_repeated_and_verified(void **state)
+CASE(crossed__is_recorded_repeated_and_verified)
 {
     const struct pccd_record_settings kept = {.contacts = 1};
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
@@ -215,7 +207,6 @@ static void crossed__is_recorded_repeated_and_verified(void **state)
     struct pccd_answer answer;
     char said[4096];
 
-    (void)state;
     assert_non_null(place.client);
     test_recording_clear();
     assert_int_equal(pccd_record_start(place.client, test_recording, &kept), 0);
@@ -242,16 +233,4 @@ static void crossed__is_recorded_repeated_and_verified(void **state)
         test_ctl("verify", "--repeat --json", test_recording, said, sizeof said), 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(crossed__from_the_start_is_told_and_not_free),
-        cmocka_unit_test(crossed__inside_with_an_approach_is_told),
-        cmocka_unit_test(crossed__beside_what_is_near_is_counted),
-        cmocka_unit_test(crossed__is_not_told_of_a_batch),
-        cmocka_unit_test(crossed__is_recorded_repeated_and_verified),
-    };
-
-    return cmocka_run_group_tests_name("crossed", tests, test_recording_start,
-                                       test_recording_stop);
-}
+CASES_WITH(test_recording_start, test_recording_stop);

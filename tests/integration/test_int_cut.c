@@ -1,14 +1,10 @@
 /* test_int_cut.c - answers that are cut, and how long they are kept, with a real
  * daemon.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "grid.h"
@@ -81,7 +77,8 @@ static void fall(struct test_grid *grid, enum pccd_method method,
 
 /* If it failed, what an answer with too many records keeps would be left to chance, or
  * could not be read to its end, or the scene would not have moved on. */
-static void incomplete__at_the_limit_keeps_the_first_records_in_order(void **state)
+CASE_WITH(incomplete__at_the_limit_keeps_the_first_records_in_order, open_client,
+          close_client)
 {
     struct pccd_contact *whole = malloc(SIDE * SIDE * sizeof *whole);
     struct pccd_contact *kept = malloc(LIMIT * sizeof *kept);
@@ -89,7 +86,6 @@ static void incomplete__at_the_limit_keeps_the_first_records_in_order(void **sta
     struct pccd_client *usual = client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
-    (void)state;
     assert_true(whole != NULL && kept != NULL);
     pccd_options_init(&options);
     options.url = test_shared.url;
@@ -123,7 +119,7 @@ static void incomplete__at_the_limit_keeps_the_first_records_in_order(void **sta
 
 /* If it failed, mode first at the limit would keep what is not among the earliest, or
  * take itself for whole. */
-static void incomplete__at_the_limit_keeps_some_of_the_first(void **state)
+CASE_WITH(incomplete__at_the_limit_keeps_some_of_the_first, open_client, close_client)
 {
     const struct pccd_step_settings settings = {
         .struct_bytes = sizeof(struct pccd_step_settings), .mode = PCCD_MODE_FIRST};
@@ -131,7 +127,6 @@ static void incomplete__at_the_limit_keeps_some_of_the_first(void **state)
     struct pccd_contact whole[3];
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     float x[3][3];
-    (void)state;
     good(test_crossing_make(client, &crossing));
     for (int turn = 0; turn < 3; turn++) {
         crossing.z = -crossing.z;
@@ -160,7 +155,8 @@ static void incomplete__at_the_limit_keeps_some_of_the_first(void **state)
 }
 
 /* If it failed, an answer could be read for longer than is said, or not as long. */
-static void answer__is_kept_until_a_step_or_until_its_objects_change(void **state)
+CASE_WITH(answer__is_kept_until_a_step_or_until_its_objects_change, open_client,
+          close_client)
 {
     struct test_crossing crossing;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -168,7 +164,6 @@ static void answer__is_kept_until_a_step_or_until_its_objects_change(void **stat
     uint64_t still = 0;
     uint32_t more = 0;
     float x[3][3];
-    (void)state;
     good(test_crossing_make(client, &crossing));
     for (int change = 0; change < 4; change++) {
         crossing.z = -crossing.z;
@@ -198,15 +193,4 @@ static void answer__is_kept_until_a_step_or_until_its_objects_change(void **stat
     }
 }
 
-#define TEST(function)                                                                   \
-    cmocka_unit_test_setup_teardown(function, open_client, close_client)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        TEST(incomplete__at_the_limit_keeps_the_first_records_in_order),
-        TEST(incomplete__at_the_limit_keeps_some_of_the_first),
-        TEST(answer__is_kept_until_a_step_or_until_its_objects_change),
-    };
-    return cmocka_run_group_tests_name("cut", tests, test_shared_start, test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

@@ -5,17 +5,13 @@
  * the next step is right; of steps whose every decision takes long, too. DEADLINE_ROUNDS:
  * how many of each; with 1000 and more the distribution is worth reading.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "grid.h"
@@ -109,13 +105,12 @@ static uint64_t usual_step(void)
 /* If it failed, a client that gives a step so much time and no more would get its answer
  * later than it can use it, or not be told that it is not the whole, or have lost the
  * motion. */
-static void deadline__answers_come_soon_after_it(void **state)
+CASE(deadline__answers_come_soon_after_it)
 {
     uint64_t step_us = usual_step();
     struct prng prng = {prng_seed()};
     uint32_t count = 0;
 
-    (void)state;
     for (uint32_t i = 0; i < rounds; i++) {
         uint64_t budget_us = 1 + prng_below(&prng, step_us);
         struct pccd_step_settings settings = {.struct_bytes =
@@ -147,7 +142,7 @@ static void deadline__answers_come_soon_after_it(void **state)
 }
 
 /* The same for a client that changes its mind. */
-static void cancel__answers_come_soon_after_it(void **state)
+CASE(cancel__answers_come_soon_after_it)
 {
     uint64_t step_us = usual_step();
     struct prng prng = {prng_seed()};
@@ -156,7 +151,6 @@ static void cancel__answers_come_soon_after_it(void **state)
     if (test_is_direct()) {
         test_skip("with direct: it is done before it can be cancelled");
     }
-    (void)state;
     for (uint32_t i = 0; i < rounds; i++) {
         uint64_t pause_us = prng_below(&prng, step_us);
         struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -246,7 +240,7 @@ static void end_slow(uint64_t step, struct pccd_answer *answer)
 
 /* If it failed, whoever sends such numbers would hold up all others for as long as a
  * decision takes, or a deadline would change what the next step answers. */
-static void deadline__is_seen_whatever_the_numbers(void **state)
+CASE(deadline__is_seen_whatever_the_numbers)
 {
     struct pccd_answer whole = PCCD_ANSWER_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -254,7 +248,6 @@ static void deadline__is_seen_whatever_the_numbers(void **state)
     uint64_t step_us = test_now_us();
     uint32_t count = 0;
 
-    (void)state;
     make_slow();
     end_slow(submit_slow(0), &whole);
     step_us = test_now_us() - step_us;
@@ -284,13 +277,4 @@ static void deadline__is_seen_whatever_the_numbers(void **state)
     assert_int_equal(answer.total, whole.total);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(deadline__answers_come_soon_after_it),
-        cmocka_unit_test(cancel__answers_come_soon_after_it),
-        cmocka_unit_test(deadline__is_seen_whatever_the_numbers),
-    };
-
-    return cmocka_run_group_tests_name("deadline", tests, start, teardown);
-}
+CASES_WITH(start, teardown);

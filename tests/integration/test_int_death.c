@@ -3,13 +3,11 @@
  * Kill -9 of clients at random moments, of daemons with work in flight, and of programs
  * with a private daemon.
  */
+#include "cases.h"
+
 #include <dirent.h>
 #include <errno.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +15,6 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "grid.h"
 #include "witness.h"
@@ -77,13 +73,12 @@ static const char *const held[] = {"sessions_now",    "meshes_now",      "scenes
 #define HELD (sizeof held / sizeof held[0])
 
 /* If it failed, every client that crashes would cost the daemon memory for ever. */
-static void death__of_clients_leaves_nothing_behind(void **state)
+CASE(death__of_clients_leaves_nothing_behind)
 {
     struct pccd_client *client = test_witness.crossing.client;
     uint64_t before[HELD];
     int fds_before;
 
-    (void)state;
     test_witness_turn();
     test_witness_turn();
     fds_before = test_witness_fd_count();
@@ -125,13 +120,12 @@ static void death__of_clients_leaves_nothing_behind(void **state)
 }
 
 /* If it failed, a client that closes in the midst of its work would leave some of it. */
-static void death__by_close_with_steps_in_flight_is_clean(void **state)
+CASE(death__by_close_with_steps_in_flight_is_clean)
 {
     struct pccd_client *witness = test_witness.crossing.client;
     uint64_t bytes = test_stat(witness, "engine_bytes_now");
     uint64_t shm = test_stat(witness, "shm_bytes_now");
 
-    (void)state;
     for (int round = 0; round < 10; round++) {
         struct pccd_client *client = test_connect(test_witness.daemon.url);
         struct pccd_frame frame;
@@ -207,7 +201,7 @@ static pid_t kill_later(pid_t victim, volatile uint64_t *killed_us)
 }
 
 /* If it failed, a dead daemon would hang its clients until a timeout. */
-static void death__of_the_daemon_is_an_error_at_once(void **state)
+CASE(death__of_the_daemon_is_an_error_at_once)
 {
     volatile uint64_t *killed_us =
         mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
@@ -222,7 +216,6 @@ static void death__of_the_daemon_is_an_error_at_once(void **state)
     uint64_t took_us;
     pid_t killer;
 
-    (void)state;
     assert_ptr_not_equal((void *)(uintptr_t)killed_us, MAP_FAILED);
     assert_true(test_daemon_start(&daemon, NULL));
     client = test_connect_once(daemon.url);
@@ -270,12 +263,11 @@ static void death__of_the_daemon_is_an_error_at_once(void **state)
 }
 
 /* If it failed, a call that is not a step would hang when the daemon dies under it. */
-static void death__of_the_daemon_ends_a_ping_and_an_upload(void **state)
+CASE(death__of_the_daemon_ends_a_ping_and_an_upload)
 {
     volatile uint64_t *killed_us =
         mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
 
-    (void)state;
     assert_ptr_not_equal((void *)(uintptr_t)killed_us, MAP_FAILED);
     for (int upload = 0; upload < 2; upload++) {
         struct test_daemon daemon;
@@ -312,13 +304,12 @@ static void death__of_the_daemon_ends_a_ping_and_an_upload(void **state)
 
 /* If it failed, the socket and lock that a dead daemon leaves would keep the next one
  * out. */
-static void death__of_the_daemon_leaves_the_path_usable(void **state)
+CASE(death__of_the_daemon_leaves_the_path_usable)
 {
     struct test_daemon daemon;
     struct pccd_client *client;
     struct test_crossing crossing;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     for (int round = 0; round < 3; round++) {
         client = test_connect_once(daemon.url);
@@ -384,7 +375,7 @@ static int connect_private(struct pccd_client **client)
 }
 
 /* If it failed, programs would leave daemons, folders or zombies behind. */
-static void private__daemon_goes_with_its_client(void **state)
+CASE(private__daemon_goes_with_its_client)
 {
     struct pccd_client *client = NULL;
     struct test_crossing crossing;
@@ -393,7 +384,6 @@ static void private__daemon_goes_with_its_client(void **state)
     pid_t copy;
     int status = 0;
 
-    (void)state;
     assert_int_equal(connect_private(&client), 0);
     daemon = (pid_t)pccd_daemon_pid(client);
     (void)snprintf(socket_path, sizeof socket_path, "%s", pccd_url(client) + 5);
@@ -418,7 +408,7 @@ static void private__daemon_goes_with_its_client(void **state)
 
 /* If it failed, a daemon would start, find an environment that its OpenMP cannot use, and
  * start a second time: it takes twice as long. */
-static void private__daemon_gets_the_environment_that_it_needs(void **state)
+CASE(private__daemon_gets_the_environment_that_it_needs)
 {
     char folder[] = "/tmp/pccd-test-XXXXXX";
     char script[64];
@@ -427,7 +417,6 @@ static void private__daemon_gets_the_environment_that_it_needs(void **state)
     bool has_spin = false;
     FILE *file;
 
-    (void)state;
     assert_non_null(mkdtemp(folder));
     (void)snprintf(script, sizeof script, "%s/pccdd", folder);
     file = fopen(script, "w");
@@ -478,11 +467,10 @@ static int count_descriptors(pid_t pid, const char *link)
 
 /* If it failed, a client's end would wait 8 ms for the kernel to stop watching the file
  * of a socket that nobody else looks for. */
-static void private__daemon_does_not_watch_its_socket(void **state)
+CASE(private__daemon_does_not_watch_its_socket)
 {
     struct pccd_client *client = NULL;
 
-    (void)state;
     assert_int_equal(connect_private(&client), 0);
     assert_int_equal(
         count_descriptors((pid_t)pccd_daemon_pid(client), "anon_inode:inotify"), 0);
@@ -490,7 +478,7 @@ static void private__daemon_does_not_watch_its_socket(void **state)
 }
 
 /* If it failed, programs that crash would leave private daemons or their folders. */
-static void private__daemon_goes_when_its_client_is_killed(void **state)
+CASE(private__daemon_goes_when_its_client_is_killed)
 {
     struct {
         pid_t pid;
@@ -499,7 +487,6 @@ static void private__daemon_goes_when_its_client_is_killed(void **state)
     pid_t child;
     int fds[2];
 
-    (void)state;
     assert_int_equal(pipe(fds), 0);
     child = fork();
     assert_true(child >= 0);
@@ -529,12 +516,11 @@ static void private__daemon_goes_when_its_client_is_killed(void **state)
 }
 
 /* If it failed, a private daemon that crashed would hang its client's close. */
-static void private__daemon_that_is_killed_is_an_error(void **state)
+CASE(private__daemon_that_is_killed_is_an_error)
 {
     struct pccd_client *client = NULL;
     uint64_t begin_ms;
 
-    (void)state;
     assert_int_equal(connect_private(&client), 0);
     assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
     begin_ms = test_now_ms();
@@ -546,21 +532,4 @@ static void private__daemon_that_is_killed_is_an_error(void **state)
     assert_true(test_now_ms() - begin_ms < DEATH_MS);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(death__of_clients_leaves_nothing_behind),
-        cmocka_unit_test(death__by_close_with_steps_in_flight_is_clean),
-        cmocka_unit_test(death__of_the_daemon_is_an_error_at_once),
-        cmocka_unit_test(death__of_the_daemon_ends_a_ping_and_an_upload),
-        cmocka_unit_test(death__of_the_daemon_leaves_the_path_usable),
-        cmocka_unit_test(private__daemon_goes_with_its_client),
-        cmocka_unit_test(private__daemon_gets_the_environment_that_it_needs),
-        cmocka_unit_test(private__daemon_does_not_watch_its_socket),
-        cmocka_unit_test(private__daemon_goes_when_its_client_is_killed),
-        cmocka_unit_test(private__daemon_that_is_killed_is_an_error),
-    };
-
-    return cmocka_run_group_tests_name("death", tests, test_witness_start,
-                                       test_witness_stop);
-}
+CASES_WITH(test_witness_start, test_witness_stop);

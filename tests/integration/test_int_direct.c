@@ -3,15 +3,11 @@
  * The same answers as a daemon's; what is promised of threads, memory and the descriptor;
  * several clients of one process; what is missing is said.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include <dirent.h>
 #include <errno.h>
@@ -59,6 +55,140 @@ static uint32_t count_entries(const char *path)
     }
     (void)closedir(entries);
     return count;
+}
+
+/* ---- before OpenMP has a team, which does not survive a fork ----------------------- */
+
+/* The rest of this program has had a team by then, so it is looked at in a fresh one. */
+static bool has_only_its_own_thread(void)
+{
+    struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .threads = 1};
+    uint32_t own = count_entries("/proc/self/task"); /* a thread sanitizer's, too */
+    struct pccd_client *client = connect_direct();
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct test_grid grid;
+    uint64_t step = 0;
+    bool good = client != NULL && test_grid_make(client, 60, &grid) == 0;
+
+    for (int i = 0; good && i < 5; i++) {
+        good = test_grid_submit(&grid, &settings, &step) == 0 &&
+               pccd_wait(client, step, -1, &answer) == 0 &&
+               test_grid_is_right(&grid, &answer) &&
+               count_entries("/proc/self/task") == own;
+        pccd_answer_release(client, &answer);
+    }
+    return good;
+}
+
+/* If it failed, a game would find threads in its process that it did not ask for. */
+CASE(direct__starts_no_thread_for_a_step_of_one)
+{
+    int status = 0;
+    pid_t child;
+
+    (void)setenv("OMP_NUM_THREADS", "1", 1); /* meshes and hierarchies, too */
+    child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        test_end_with_parent();
+        _exit(has_only_its_own_thread() ? 0 : 1);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    (void)unsetenv("OMP_NUM_THREADS");
+    assert_int_equal(status, 0);
+}
+
+/* If it failed, nobody would know what to install. */
+CASE(direct__missing_library_is_said)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+
+    pccd_options_init(&options);
+    options.url = "direct:";
+    (void)setenv("PCCD_DIRECT", "/nonexistent/libpccd-direct.so.0", 1);
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_SYSTEM);
+    assert_non_null(strstr(pccd_error_text(NULL), "/nonexistent/libpccd-direct.so.0"));
+    assert_non_null(strstr(pccd_error_text(NULL), "PCCD_DIRECT"));
+    (void)setenv("PCCD_DIRECT", "libgmp.so.10", 1); /* a library, but another one */
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_VERSION);
+    (void)unsetenv("PCCD_DIRECT");
+    (void)setenv("PCCD_CPU", "abacus", 1);
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(NULL), "abacus"));
+    (void)unsetenv("PCCD_CPU");
+    options.url = "direct:4";
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_INVAL);
+    options.url = "direct:";
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    pccd_close(client);
+}
+
+/* If it failed, PCCD_URL=direct: would start a daemon for a program that wants one of its
+ * own, and nobody would hear of it; or another daemon would pass for its own. */
+CASE(direct__serves_who_asks_for_a_private_daemon)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+
+    pccd_options_init(&options);
+    options.private_daemon = true;
+    (void)setenv("PCCD_URL", "direct:", 1);
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_string_equal(pccd_url(client), "direct:");
+    assert_int_equal(pccd_daemon_pid(client), getpid());
+    pccd_close(client);
+    (void)setenv("PCCD_URL", "unix:/nonexistent/pccd.sock", 1);
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(strncmp(pccd_url(client), "unix:", 5), 0);
+    assert_int_not_equal(pccd_daemon_pid(client), getpid());
+    pccd_close(client);
+    (void)unsetenv("PCCD_URL");
+}
+
+/* If it failed, a copy of the process would hang, or take the client's memory along. */
+CASE(direct__copy_of_the_process_is_refused)
+{
+    struct pccd_client *client = connect_direct();
+    int status = 0;
+    pid_t child;
+
+    assert_non_null(client);
+    child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        struct pccd_client *another = connect_direct();
+        bool good = another == NULL && strstr(pccd_error_text(NULL), "forked") != NULL &&
+                    pccd_ping(client, NULL) == PCCD_E_DISCONNECTED;
+
+        pccd_close(client);
+        _exit(good ? 0 : 1);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_int_equal(pccd_ping(client, NULL), 0);
+    pccd_close(client);
+}
+
+/* If it failed, the threads of a step would be more than the environment allows. */
+CASE(direct__heeds_omp_num_threads)
+{
+    static const struct {
+        const char *text;
+        uint32_t threads;
+    } cases[] = {{"1", 1}, {"3", 3}, {"2,4", 2}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct pccd_client *client;
+
+        (void)setenv("OMP_NUM_THREADS", cases[i].text, 1);
+        client = connect_direct();
+        assert_non_null(client);
+        assert_int_equal(test_stat(client, "threads_max"), cases[i].threads);
+        pccd_close(client);
+    }
+    (void)unsetenv("OMP_NUM_THREADS");
 }
 
 /* ---- the same answers -------------------------------------------------------------- */
@@ -162,7 +292,7 @@ static void play(struct pccd_client *client, enum pccd_mode mode, struct told *t
 
 /* If it failed, a game that goes from the daemon to its own process, or back, would see
  * other contacts. */
-static void direct__answers_as_a_daemon_does(void **state)
+CASE(direct__answers_as_a_daemon_does)
 {
     static const enum pccd_mode modes[] = {PCCD_MODE_ALL, PCCD_MODE_FIRST, PCCD_MODE_ANY,
                                            PCCD_MODE_PAIRS};
@@ -170,7 +300,6 @@ static void direct__answers_as_a_daemon_does(void **state)
     struct pccd_client *there;
     struct pccd_client *here = connect_direct();
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     there = connect_to(daemon.url);
     assert_non_null(here);
@@ -193,68 +322,6 @@ static void direct__answers_as_a_daemon_does(void **state)
 }
 
 /* ---- threads ----------------------------------------------------------------------- */
-
-/* The rest of this program has had a team by then, so it is looked at in a fresh one. */
-static bool has_only_its_own_thread(void)
-{
-    struct pccd_step_settings settings = {
-        .struct_bytes = sizeof(struct pccd_step_settings), .threads = 1};
-    uint32_t own = count_entries("/proc/self/task"); /* a thread sanitizer's, too */
-    struct pccd_client *client = connect_direct();
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
-    struct test_grid grid;
-    uint64_t step = 0;
-    bool good = client != NULL && test_grid_make(client, 60, &grid) == 0;
-
-    for (int i = 0; good && i < 5; i++) {
-        good = test_grid_submit(&grid, &settings, &step) == 0 &&
-               pccd_wait(client, step, -1, &answer) == 0 &&
-               test_grid_is_right(&grid, &answer) &&
-               count_entries("/proc/self/task") == own;
-        pccd_answer_release(client, &answer);
-    }
-    return good;
-}
-
-/* If it failed, a game would find threads in its process that it did not ask for. */
-static void direct__starts_no_thread_for_a_step_of_one(void **state)
-{
-    int status = 0;
-    pid_t child;
-
-    (void)state;
-    (void)setenv("OMP_NUM_THREADS", "1", 1); /* meshes and hierarchies, too */
-    child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        test_end_with_parent();
-        _exit(has_only_its_own_thread() ? 0 : 1);
-    }
-    assert_int_equal(waitpid(child, &status, 0), child);
-    (void)unsetenv("OMP_NUM_THREADS");
-    assert_int_equal(status, 0);
-}
-
-/* If it failed, the threads of a step would be more than the environment allows. */
-static void direct__heeds_omp_num_threads(void **state)
-{
-    static const struct {
-        const char *text;
-        uint32_t threads;
-    } cases[] = {{"1", 1}, {"3", 3}, {"2,4", 2}};
-
-    (void)state;
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct pccd_client *client;
-
-        (void)setenv("OMP_NUM_THREADS", cases[i].text, 1);
-        client = connect_direct();
-        assert_non_null(client);
-        assert_int_equal(test_stat(client, "threads_max"), cases[i].threads);
-        pccd_close(client);
-    }
-    (void)unsetenv("OMP_NUM_THREADS");
-}
 
 struct worker {
     uint32_t side;
@@ -285,12 +352,11 @@ static void *work(void *context)
 
 /* If it failed, two parts of a program that know nothing of each other could not both
  * use the library. */
-static void direct__clients_of_two_threads_do_not_disturb_each_other(void **state)
+CASE(direct__clients_of_two_threads_do_not_disturb_each_other)
 {
     struct worker workers[2] = {{.side = 20}, {.side = 45}};
     pthread_t threads[2];
 
-    (void)state;
     for (int i = 0; i < 2; i++) {
         assert_int_equal(pthread_create(&threads[i], NULL, work, &workers[i]), 0);
     }
@@ -300,35 +366,10 @@ static void direct__clients_of_two_threads_do_not_disturb_each_other(void **stat
     }
 }
 
-/* If it failed, a copy of the process would hang, or take the client's memory along. */
-static void direct__copy_of_the_process_is_refused(void **state)
-{
-    struct pccd_client *client = connect_direct();
-    int status = 0;
-    pid_t child;
-
-    (void)state;
-    assert_non_null(client);
-    child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        struct pccd_client *another = connect_direct();
-        bool good = another == NULL && strstr(pccd_error_text(NULL), "forked") != NULL &&
-                    pccd_ping(client, NULL) == PCCD_E_DISCONNECTED;
-
-        pccd_close(client);
-        _exit(good ? 0 : 1);
-    }
-    assert_int_equal(waitpid(child, &status, 0), child);
-    assert_int_equal(status, 0);
-    assert_int_equal(pccd_ping(client, NULL), 0);
-    pccd_close(client);
-}
-
 /* ---- memory ------------------------------------------------------------------------ */
 
 /* If it failed, a game would allocate in every frame, and stutter when it least can. */
-static void direct__warm_frames_allocate_nothing(void **state)
+CASE(direct__warm_frames_allocate_nothing)
 {
     struct pccd_client *client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -336,7 +377,6 @@ static void direct__warm_frames_allocate_nothing(void **state)
     uint64_t step = 0;
     unsigned before = 0;
 
-    (void)state;
     if (!TEST_COUNTS_ALLOCATIONS) {
         test_skip("allocations are not counted in this build");
     }
@@ -358,7 +398,7 @@ static void direct__warm_frames_allocate_nothing(void **state)
 
 /* If it failed, what a step finds, which lies where its page will, would be written over
  * the answers that the client still reads. */
-static void direct__held_answers_stay_while_others_are_found(void **state)
+CASE(direct__held_answers_stay_while_others_are_found)
 {
     enum { CONTACTS = 150 * 150, HELD = 2 };
     static struct pccd_contact copies[HELD][CONTACTS];
@@ -368,7 +408,6 @@ static void direct__held_answers_stay_while_others_are_found(void **state)
     struct test_grid grid;
     uint64_t step = 0;
 
-    (void)state;
     pccd_options_init(&options);
     options.url = "direct:";
     options.result_bytes = 5u << 20; /* three pages and a half, so that they go round */
@@ -392,11 +431,10 @@ static void direct__held_answers_stay_while_others_are_found(void **state)
 }
 
 /* If it failed, a program that connects now and then would grow. */
-static void direct__last_client_leaves_nothing(void **state)
+CASE(direct__last_client_leaves_nothing)
 {
     uint32_t fds = count_entries("/proc/self/fd");
 
-    (void)state;
     for (int round = 0; round < 3; round++) {
         struct pccd_client *first = connect_direct();
         struct pccd_client *second = connect_direct();
@@ -432,14 +470,13 @@ static bool is_readable(int fd)
 }
 
 /* If it failed, a program with an event loop would miss an answer, or spin. */
-static void direct__descriptor_is_readable_while_answers_wait(void **state)
+CASE(direct__descriptor_is_readable_while_answers_wait)
 {
     struct pccd_client *client = connect_direct();
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t steps[2];
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(test_grid_make(client, 10, &grid), 0);
     assert_int_equal(test_grid_submit(&grid, NULL, &steps[0]), 0);
@@ -464,7 +501,7 @@ static void direct__descriptor_is_readable_while_answers_wait(void **state)
 }
 
 /* If it failed, a step would be cut short by the time that its program took to ask. */
-static void direct__deadline_counts_computing_alone(void **state)
+CASE(direct__deadline_counts_computing_alone)
 {
     struct pccd_step_settings settings = {
         .struct_bytes = sizeof(struct pccd_step_settings), .deadline_ns = 20000000000u};
@@ -473,7 +510,6 @@ static void direct__deadline_counts_computing_alone(void **state)
     struct test_grid grid;
     uint64_t steps[3];
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(test_grid_make(client, 60, &grid), 0);
     for (int i = 0; i < 3; i++) {
@@ -489,77 +525,4 @@ static void direct__deadline_counts_computing_alone(void **state)
     }
     test_grid_free(&grid);
     pccd_close(client);
-}
-
-/* ---- what is missing --------------------------------------------------------------- */
-
-/* If it failed, nobody would know what to install. */
-static void direct__missing_library_is_said(void **state)
-{
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
-
-    (void)state;
-    pccd_options_init(&options);
-    options.url = "direct:";
-    (void)setenv("PCCD_DIRECT", "/nonexistent/libpccd-direct.so.0", 1);
-    assert_int_equal(pccd_connect(&options, &client), PCCD_E_SYSTEM);
-    assert_non_null(strstr(pccd_error_text(NULL), "/nonexistent/libpccd-direct.so.0"));
-    assert_non_null(strstr(pccd_error_text(NULL), "PCCD_DIRECT"));
-    (void)setenv("PCCD_DIRECT", "libgmp.so.10", 1); /* a library, but another one */
-    assert_int_equal(pccd_connect(&options, &client), PCCD_E_VERSION);
-    (void)unsetenv("PCCD_DIRECT");
-    (void)setenv("PCCD_CPU", "abacus", 1);
-    assert_int_equal(pccd_connect(&options, &client), PCCD_E_INVAL);
-    assert_non_null(strstr(pccd_error_text(NULL), "abacus"));
-    (void)unsetenv("PCCD_CPU");
-    options.url = "direct:4";
-    assert_int_equal(pccd_connect(&options, &client), PCCD_E_INVAL);
-    options.url = "direct:";
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    pccd_close(client);
-}
-
-/* If it failed, PCCD_URL=direct: would start a daemon for a program that wants one of its
- * own, and nobody would hear of it; or another daemon would pass for its own. */
-static void direct__serves_who_asks_for_a_private_daemon(void **state)
-{
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
-
-    (void)state;
-    pccd_options_init(&options);
-    options.private_daemon = true;
-    (void)setenv("PCCD_URL", "direct:", 1);
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_string_equal(pccd_url(client), "direct:");
-    assert_int_equal(pccd_daemon_pid(client), getpid());
-    pccd_close(client);
-    (void)setenv("PCCD_URL", "unix:/nonexistent/pccd.sock", 1);
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(strncmp(pccd_url(client), "unix:", 5), 0);
-    assert_int_not_equal(pccd_daemon_pid(client), getpid());
-    pccd_close(client);
-    (void)unsetenv("PCCD_URL");
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        /* Before any other has made a team: OpenMP's does not survive a fork. */
-        cmocka_unit_test(direct__starts_no_thread_for_a_step_of_one),
-        cmocka_unit_test(direct__missing_library_is_said),
-        cmocka_unit_test(direct__serves_who_asks_for_a_private_daemon),
-        cmocka_unit_test(direct__copy_of_the_process_is_refused),
-        cmocka_unit_test(direct__heeds_omp_num_threads),
-        cmocka_unit_test(direct__answers_as_a_daemon_does),
-        cmocka_unit_test(direct__clients_of_two_threads_do_not_disturb_each_other),
-        cmocka_unit_test(direct__warm_frames_allocate_nothing),
-        cmocka_unit_test(direct__held_answers_stay_while_others_are_found),
-        cmocka_unit_test(direct__last_client_leaves_nothing),
-        cmocka_unit_test(direct__descriptor_is_readable_while_answers_wait),
-        cmocka_unit_test(direct__deadline_counts_computing_alone),
-    };
-
-    return cmocka_run_group_tests_name("direct", tests, NULL, NULL);
 }

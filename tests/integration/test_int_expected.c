@@ -3,12 +3,8 @@
  * Steps that find as many, more and fewer: the answers are the same, and the memory of
  * pages is as much as was expected, or as it took.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cases.h"
 
 #include <unistd.h>
 
@@ -25,7 +21,7 @@ static uint64_t shared_mb(void)
 
 /* If it failed, a process of libpccd-mpi would keep the memory of records that went to
  * others, or miss some. */
-static void expected__memory_follows_records(void **state)
+CASE(expected__memory_follows_records)
 {
     enum { WIDTH = 512, CONTACTS = WIDTH * WIDTH, MB = CONTACTS >> 14 };
     static const uint64_t expected[] = {CONTACTS, 0, 4 * CONTACTS, 0};
@@ -35,7 +31,6 @@ static void expected__memory_follows_records(void **state)
     struct test_grid grid;
     uint64_t step = 0, answered = 0, rest = 0;
 
-    (void)state;
     pccd_options_init(&options);
     options.url = "direct:";
     assert_int_equal(pccd_connect(&options, &client), 0);
@@ -57,13 +52,4 @@ static void expected__memory_follows_records(void **state)
     }
     test_grid_free(&grid);
     pccd_close(client);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(expected__memory_follows_records),
-    };
-
-    return cmocka_run_group_tests_name("expected", tests, NULL, NULL);
 }

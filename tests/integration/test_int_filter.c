@@ -3,19 +3,15 @@
  * Groups, masks, self-collision and ignored pairs between steps in flight, over a daemon
  * that is killed, and what is refused.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -114,11 +110,10 @@ static int ignore(bool ignored)
 
 /* If it failed, a change would reach steps that were submitted before it, or not those
  * that were submitted after it. */
-static void filter__changes_between_steps_in_flight(void **state)
+CASE_WITH(filter__changes_between_steps_in_flight, setup, teardown)
 {
     uint64_t steps[4];
 
-    (void)state;
     check_object(1, UINT64_MAX, true);
     for (int round = 0; round < 20; round++) {
         submit(&steps[0]);
@@ -143,9 +138,8 @@ static void filter__changes_between_steps_in_flight(void **state)
 
 /* If it failed, an object would meet others again when its mesh is replaced, or the next
  * one in its place would ignore what it did. */
-static void filter__stays_with_its_object(void **state)
+CASE_WITH(filter__stays_with_its_object, setup, teardown)
 {
-    (void)state;
     set(PCCD_OBJECT_GROUP | PCCD_OBJECT_SELF, 4, 0, false);
     assert_int_equal(ignore(true), 0);
     assert_int_equal(pccd_mesh_replace(client, crossing.mesh, test_triangle_x,
@@ -165,11 +159,10 @@ static void filter__stays_with_its_object(void **state)
 
 /* If it failed, a client would have contacts after a crash that it had ruled out, or none
  * where it had taken that back. */
-static void filter__comes_back_with_another_daemon(void **state)
+CASE_WITH(filter__comes_back_with_another_daemon, setup, teardown)
 {
     struct pccd_link_info info;
 
-    (void)state;
     for (int round = 0; round < 4; round++) {
         set(PCCD_OBJECT_SELF, 0, 0, false);
         set(PCCD_OBJECT_MASK, 0, round % 2 == 0 ? 6 : 7, true);
@@ -232,12 +225,11 @@ static struct seen look(struct pccd_client *at)
 }
 
 /* If it failed, nobody could see why two objects do not meet. */
-static void filter__is_listed(void **state)
+CASE_WITH(filter__is_listed, setup, teardown)
 {
     struct pccd_client *other = test_connect(daemon_.url);
     struct seen seen;
 
-    (void)state;
     assert_non_null(other);
     seen = look(other);
     assert_true(seen.objects == 2 && seen.filtered == 1 && seen.pairs == 0);
@@ -258,7 +250,7 @@ static void filter__is_listed(void **state)
 }
 
 /* If it failed, a caller's mistake would change something, or not be told. */
-static void filter__refuses_what_cannot_be(void **state)
+CASE_WITH(filter__refuses_what_cannot_be, setup, teardown)
 {
     struct {
         struct pccd_object_settings settings;
@@ -269,7 +261,6 @@ static void filter__refuses_what_cannot_be(void **state)
     const uint32_t scene = crossing.scene;
     const uint32_t object = crossing.object;
 
-    (void)state;
     assert_int_equal(pccd_object_set(client, scene, object, &settings), PCCD_E_INVAL);
     (void)snprintf(bit, sizeof bit, "0x%x", COMMON_OBJECT_KNOWN + 1);
     assert_non_null(strstr(pccd_error_text(client), bit));
@@ -301,7 +292,7 @@ static void filter__refuses_what_cannot_be(void **state)
 
 /* If it failed, a client that does not use the library could write past what there is, or
  * be misunderstood by a daemon that is older than it. */
-static void filter__refuses_what_the_library_would_not_send(void **state)
+CASE_WITH(filter__refuses_what_the_library_would_not_send, setup, teardown)
 {
     static const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     static struct test_raw raw;
@@ -315,7 +306,6 @@ static void filter__refuses_what_the_library_would_not_send(void **state)
     struct proto_SCENE_REMOVE_request remove;
     uint32_t ids[2];
 
-    (void)state;
     assert_true(test_raw_open(&raw, daemon_.socket));
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, NULL),
                      PCCD_E_NOHELLO);
@@ -367,7 +357,7 @@ static void be_old(int listener)
 
 /* If it failed, a program would believe that an older daemon leaves out what it cannot,
  * or be told of a method that it never heard of. */
-static void filter__is_not_asked_of_an_older_daemon(void **state)
+CASE_WITH(filter__is_not_asked_of_an_older_daemon, setup, teardown)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     struct pccd_object_settings settings = {.what = PCCD_OBJECT_SELF};
@@ -376,7 +366,6 @@ static void filter__is_not_asked_of_an_older_daemon(void **state)
     int listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
     pid_t old;
 
-    (void)state;
     (void)snprintf(address.sun_path, sizeof address.sun_path, "%s/old",
                    daemon_.directory);
     (void)snprintf(url, sizeof url, "unix:%s", address.sun_path);
@@ -399,23 +388,4 @@ static void filter__is_not_asked_of_an_older_daemon(void **state)
     assert_int_equal(waitpid(old, NULL, 0), old);
     (void)close(listener);
     (void)unlink(address.sun_path);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(filter__changes_between_steps_in_flight, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(filter__stays_with_its_object, setup, teardown),
-        cmocka_unit_test_setup_teardown(filter__comes_back_with_another_daemon, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(filter__is_listed, setup, teardown),
-        cmocka_unit_test_setup_teardown(filter__refuses_what_cannot_be, setup, teardown),
-        cmocka_unit_test_setup_teardown(filter__refuses_what_the_library_would_not_send,
-                                        setup, teardown),
-        cmocka_unit_test_setup_teardown(filter__is_not_asked_of_an_older_daemon, setup,
-                                        teardown),
-    };
-
-    return cmocka_run_group_tests_name("int_filter", tests, NULL, NULL);
 }

@@ -3,15 +3,11 @@
  * Many steps in flight, answers in any order, pages, a ring that grows, deadlines,
  * timeouts, and that a warm step builds and allocates nothing.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "grid.h"
@@ -38,7 +34,7 @@ static uint64_t submit_turn(struct test_crossing *crossing)
 
 /* If it failed, answers would be mixed up, or the result region run full although
  * everything is released. */
-static void flow__answers_can_be_taken_and_released_in_any_order(void **state)
+CASE_CROSSING(flow__answers_can_be_taken_and_released_in_any_order)
 {
     static const int order[4] = {3, 0, 2, 1};
     static const int release[4] = {1, 3, 0, 2};
@@ -46,7 +42,6 @@ static void flow__answers_can_be_taken_and_released_in_any_order(void **state)
     struct pccd_client *client = NULL;
     struct test_crossing crossing;
 
-    (void)state;
     pccd_options_init(&options);
     options.url = test_shared.url;
     options.result_bytes = 65536; /* 4 * 192 bytes a round: goes round every 85 rounds */
@@ -74,7 +69,7 @@ static void flow__answers_can_be_taken_and_released_in_any_order(void **state)
 }
 
 /* If it failed, a loop that polls would miss answers or see them twice. */
-static void flow__poll_gives_each_answer_once_oldest_first(void **state)
+CASE_CROSSING(flow__poll_gives_each_answer_once_oldest_first)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -104,7 +99,7 @@ static void flow__poll_gives_each_answer_once_oldest_first(void **state)
 
 /* If it failed, a client that never takes its answers would hang or grow without
  * bound. */
-static void flow__answers_that_nobody_takes_are_bounded(void **state)
+CASE_CROSSING(flow__answers_that_nobody_takes_are_bounded)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -130,7 +125,7 @@ static void flow__answers_that_nobody_takes_are_bounded(void **state)
 }
 
 /* If it failed, a frame could be written beyond its slot, or a slot be lost. */
-static void flow__frames_keep_to_what_they_announced(void **state)
+CASE_CROSSING(flow__frames_keep_to_what_they_announced)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -182,7 +177,7 @@ static void flow__frames_keep_to_what_they_announced(void **state)
 
 /* If it failed, a scene that outgrows the ring would be stuck, or records that are still
  * read be taken away. */
-static void flow__ring_grows_while_answers_are_held(void **state)
+CASE_CROSSING(flow__ring_grows_while_answers_are_held)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -235,7 +230,7 @@ static void collect_pages(struct test_grid *grid, struct pccd_answer *answer,
 }
 
 /* If it failed, a small result region would lose, repeat or change contacts. */
-static void flow__pages_add_up_to_the_whole_answer(void **state)
+CASE_CROSSING(flow__pages_add_up_to_the_whole_answer)
 {
     struct test_crossing *crossing = *state;
     struct pccd_options options;
@@ -291,7 +286,7 @@ static void flow__pages_add_up_to_the_whole_answer(void **state)
 
 /* If it failed, a client that keeps its pages would stop the daemon, or overwrite
  * them. */
-static void flow__full_region_is_said_and_held_pages_stay(void **state)
+CASE_CROSSING(flow__full_region_is_said_and_held_pages_stay)
 {
     struct test_crossing *crossing = *state;
     struct pccd_options options;
@@ -333,7 +328,7 @@ static void flow__full_region_is_said_and_held_pages_stay(void **state)
 /* ---- time -------------------------------------------------------------------------- */
 
 /* If it failed, a step could take longer than its client can use it. */
-static void flow__deadline_gives_an_incomplete_answer(void **state)
+CASE_CROSSING(flow__deadline_gives_an_incomplete_answer)
 {
     struct test_crossing *crossing = *state;
     struct pccd_step_settings settings = {
@@ -357,7 +352,7 @@ static void flow__deadline_gives_an_incomplete_answer(void **state)
 }
 
 /* If it failed, a step that nobody wants any more would still be computed. */
-static void flow__cancel_stops_a_step_and_only_that(void **state)
+CASE_CROSSING(flow__cancel_stops_a_step_and_only_that)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -391,7 +386,7 @@ static void flow__cancel_stops_a_step_and_only_that(void **state)
 
 /* If it failed, a daemon that hangs would hang its clients, or a late answer be taken for
  * another one. */
-static void flow__timeouts_leave_the_client_usable(void **state)
+CASE_CROSSING(flow__timeouts_leave_the_client_usable)
 {
     struct test_daemon daemon;
     struct pccd_options options;
@@ -406,7 +401,6 @@ static void flow__timeouts_leave_the_client_usable(void **state)
     if (test_is_direct()) {
         test_skip("with direct: nobody answers late");
     }
-    (void)state;
     test_crossing_positions(up, 1);
     test_crossing_positions(down, -1);
     assert_true(test_daemon_start(&daemon, NULL));
@@ -447,7 +441,7 @@ static void flow__timeouts_leave_the_client_usable(void **state)
 /* ---- residence --------------------------------------------------------------------- */
 
 /* If it failed, steady simulation would pay again for what it has paid. */
-static void flow__warm_steps_build_and_allocate_nothing(void **state)
+CASE_CROSSING(flow__warm_steps_build_and_allocate_nothing)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -485,25 +479,4 @@ static void flow__warm_steps_build_and_allocate_nothing(void **state)
     test_grid_free(&grid);
 }
 
-#define FLOW_TEST(name)                                                                  \
-    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        FLOW_TEST(flow__answers_can_be_taken_and_released_in_any_order),
-        FLOW_TEST(flow__poll_gives_each_answer_once_oldest_first),
-        FLOW_TEST(flow__answers_that_nobody_takes_are_bounded),
-        FLOW_TEST(flow__frames_keep_to_what_they_announced),
-        FLOW_TEST(flow__ring_grows_while_answers_are_held),
-        FLOW_TEST(flow__pages_add_up_to_the_whole_answer),
-        FLOW_TEST(flow__full_region_is_said_and_held_pages_stay),
-        FLOW_TEST(flow__deadline_gives_an_incomplete_answer),
-        FLOW_TEST(flow__cancel_stops_a_step_and_only_that),
-        FLOW_TEST(flow__timeouts_leave_the_client_usable),
-        FLOW_TEST(flow__warm_steps_build_and_allocate_nothing),
-    };
-
-    return cmocka_run_group_tests_name("flow", tests, test_shared_start,
-                                       test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

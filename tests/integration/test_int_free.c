@@ -3,15 +3,11 @@
  * A cloud that comes down on a rod, a point and a triangle, as every client can ask for
  * it; what is refused; a daemon that is killed; shared scenes; recordings.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "fixture.h"
@@ -137,13 +133,12 @@ static void note_mesh(void *context, const struct pccd_registered_mesh *info)
 
 /* If it failed, a kind would be lost or invented on its way to a client, or a point that
  * keeps no distance be tested. */
-static void free__meets_in_every_kind(void **state)
+CASE(free__meets_in_every_kind)
 {
     struct pccd_contact contacts[8];
     struct pccd_mesh_info info;
     struct play play;
 
-    (void)state;
     begin(&play, test_shared.url, NULL);
     const struct pccd_mesh_data data = data_below();
     assert_int_equal(pccd_mesh_put(play.client, &data, &play.mesh[0], &info), 0);
@@ -188,7 +183,7 @@ static int put(struct play *play, const struct pccd_mesh_data *data, const char 
 
 /* If it failed, a mesh would be taken that is not what its client meant, or an answer be
  * given that leaves out what the scene has. */
-static void free__refuses_what_cannot_be(void **state)
+CASE(free__refuses_what_cannot_be)
 {
     static const enum pccd_near_what whats[2] = {PCCD_NEAR_NEAREST, PCCD_NEAR_DEPTH};
     static const uint32_t bad[2] = {1, BELOW};
@@ -196,7 +191,6 @@ static void free__refuses_what_cannot_be(void **state)
     struct pccd_mesh_data data = data_below();
     struct play play;
 
-    (void)state;
     begin(&play, test_shared.url, NULL);
     data.points = bad;
     assert_int_equal(put(&play, &data, "point 1 names a vertex beyond the mesh's 7"),
@@ -225,13 +219,12 @@ static void free__refuses_what_cannot_be(void **state)
 
 /* If it failed, rods and clouds would not be there any more in a daemon that takes the
  * place of one that crashed. */
-static void free__comes_back_with_another_daemon(void **state)
+CASE(free__comes_back_with_another_daemon)
 {
     const char *const options[] = {"--supervise", "--threads", "1", NULL};
     struct test_daemon daemon;
     struct play play;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     begin(&play, daemon.url, NULL);
     assert_int_equal(move(&play, 1, -1, 0.25, NULL).total, 4);
@@ -270,13 +263,12 @@ static void ask(struct play *play, enum pccd_near_what what, uint64_t count)
 
 /* If it failed, a session would be repeated without its rods and points, found right
  * though it is not, or be read by a program that knows of none. */
-static void free__is_recorded_repeated_and_verified(void **state)
+CASE(free__is_recorded_repeated_and_verified)
 {
     const struct pccd_record_settings kept = {.contacts = 1};
     struct play play;
     char said[4096];
 
-    (void)state;
     test_recording_clear();
     begin(&play, test_shared.url, NULL);
     assert_int_equal(pccd_record_start(play.client, test_recording, &kept), 0);
@@ -303,7 +295,7 @@ static void free__is_recorded_repeated_and_verified(void **state)
 }
 
 /* If it failed, what others have in a shared scene would be left out of a recording. */
-static void free__of_others_is_recorded_in_shared_scenes(void **state)
+CASE(free__of_others_is_recorded_in_shared_scenes)
 {
     const struct pccd_scene_settings shared = {.name = "rods", .share = PCCD_SHARE_OPEN};
     const struct pccd_record_settings kept = {.contacts = 1};
@@ -311,7 +303,6 @@ static void free__of_others_is_recorded_in_shared_scenes(void **state)
     struct play other = {.client = test_connect(test_shared.url)};
     char said[4096];
 
-    (void)state;
     assert_non_null(other.client);
     test_recording_clear();
     assert_int_equal(pccd_record_start(other.client, test_recording, &kept), 0);
@@ -331,16 +322,4 @@ static void free__of_others_is_recorded_in_shared_scenes(void **state)
     assert_int_equal(test_ctl_number(said, "contacts"), 4);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(free__meets_in_every_kind),
-        cmocka_unit_test(free__refuses_what_cannot_be),
-        cmocka_unit_test(free__comes_back_with_another_daemon),
-        cmocka_unit_test(free__is_recorded_repeated_and_verified),
-        cmocka_unit_test(free__of_others_is_recorded_in_shared_scenes),
-    };
-
-    return cmocka_run_group_tests_name("free", tests, test_recording_start,
-                                       test_recording_stop);
-}
+CASES_WITH(test_recording_start, test_recording_stop);

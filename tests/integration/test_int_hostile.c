@@ -4,19 +4,15 @@
  * its named error, and an honest client gets right answers all the while. Nonsense in
  * shared memory is test_int_slot.c.
  */
+#include "cases.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "lingering.h"
 #include "witness.h"
@@ -95,12 +91,11 @@ static void expect_refusal(const char *what, int code)
 
 /* If it failed, a malformed message would be misread, crash the daemon or go
  * unanswered. */
-static void message__malformed_is_refused_one_by_one(void **state)
+CASE(message__malformed_is_refused_one_by_one)
 {
     uint64_t dropped = test_stat(test_witness.crossing.client, "sessions_dropped");
     size_t count = sizeof malformed / sizeof malformed[0];
 
-    (void)state;
     for (size_t i = 0; i < 2 * count; i++) {
         const struct malformed *message = &malformed[i / 2];
 
@@ -118,13 +113,12 @@ static void message__malformed_is_refused_one_by_one(void **state)
 }
 
 /* If it failed, a message cut short would be taken for a whole one. */
-static void message__cut_at_every_byte_is_refused(void **state)
+CASE(message__cut_at_every_byte_is_refused)
 {
     struct proto_FRAME_SUBMIT_request request = {
         .scene = 1, .slot = 1, .seq = 2, .segments = 1, .tolerance = 0.5, .step = 77};
     static struct proto_encoder encoder;
 
-    (void)state;
     assert_int_equal(
         proto_encode_request(&encoder, 9, PROTO_METHOD_FRAME_SUBMIT, &request), 0);
     assert_true(encoder.bytes > 40);
@@ -141,12 +135,11 @@ static void message__cut_at_every_byte_is_refused(void **state)
 }
 
 /* If it failed, an oversized message would be read in part. */
-static void message__longer_than_the_limit_is_refused(void **state)
+CASE(message__longer_than_the_limit_is_refused)
 {
     static uint8_t bytes[PROTO_MESSAGE_BYTES_MAX + 1];
     static const size_t counts[] = {PROTO_MESSAGE_BYTES_MAX, PROTO_MESSAGE_BYTES_MAX + 1};
 
-    (void)state;
     memset(bytes, 0xc0, sizeof bytes); /* nil, many times */
     for (size_t i = 0; i < 2; i++) {
         test_witness_open_raw(&raw, 0);
@@ -165,9 +158,8 @@ static void message__longer_than_the_limit_is_refused(void **state)
 }
 
 /* If it failed, an empty datagram would be taken for a message, or stop the daemon. */
-static void message__empty_ends_the_session(void **state)
+CASE(message__empty_ends_the_session)
 {
-    (void)state;
     test_witness_open_raw(&raw, 0);
     assert_true(test_raw_send(&raw, "", 0, 0));
     assert_int_equal(test_raw_receive(&raw), PCCD_E_DISCONNECTED);
@@ -217,11 +209,10 @@ static const struct {
 };
 
 /* If it failed, one wrong request would cost the client its session, or be served. */
-static void message__wrong_requests_are_answered_and_survived(void **state)
+CASE(message__wrong_requests_are_answered_and_survived)
 {
     struct proto_PING_request ping = {.token = 1};
 
-    (void)state;
     test_witness_open_raw(&raw, 0);
     for (size_t i = 0; i < sizeof unserved / sizeof unserved[0]; i++) {
         assert_true(test_raw_send(&raw, unserved[i].bytes, unserved[i].count, 0));
@@ -266,12 +257,11 @@ static void open_with_fds(int count)
 }
 
 /* If it failed, a client could fill the daemon's table of descriptors. */
-static void descriptors__from_clients_are_closed_and_refused(void **state)
+CASE(descriptors__from_clients_are_closed_and_refused)
 {
     static const int counts[] = {1, 2, 3, 30, 1, 64};
     int before = test_witness_fd_count();
 
-    (void)state;
     for (int i = 0; i < 36; i++) {
         open_with_fds(counts[i % 6]);
         expect_refusal("descriptors", PCCD_E_BADMSG);
@@ -286,12 +276,11 @@ static void descriptors__from_clients_are_closed_and_refused(void **state)
 
 /* If it failed, descriptors could come unseen to a daemon that does not look for them, or
  * a client that tried would be dropped for nothing. */
-static void descriptors__are_refused_by_the_kernel_where_it_can(void **state)
+CASE(descriptors__are_refused_by_the_kernel_where_it_can)
 {
     struct proto_PING_request ping = {.token = 1};
     int before = test_witness_fd_count();
 
-    (void)state;
     test_witness_open_raw(&raw, 0);
     for (int i = 0; i < 40; i++) { /* so that it has seen, once, that there is no more */
         assert_int_equal(test_raw_call(&raw, PROTO_METHOD_PING, &ping, NULL), 0);
@@ -310,9 +299,8 @@ static void descriptors__are_refused_by_the_kernel_where_it_can(void **state)
 /* If it failed, one client could stop the daemon for as long as it likes: close(2) of
  * what it has sent blocks. Read by the daemon in the first round, unread in the second.
  */
-static void descriptors__that_do_not_close_hold_up_nobody(void **state)
+CASE(descriptors__that_do_not_close_hold_up_nobody)
 {
-    (void)state;
     for (int round = 0; round < 2; round++) {
         uint64_t begin_ms;
         int peer = -1;
@@ -360,11 +348,10 @@ static uint32_t flood(const char *bytes, size_t count, uint32_t max)
 
 /* If it failed, a client that does not read its answers would fill the daemon's memory or
  * keep it from the others. */
-static void flood__of_requests_without_reading_is_bounded(void **state)
+CASE(flood__of_requests_without_reading_is_bounded)
 {
     uint32_t sent = 0;
 
-    (void)state;
     test_witness_open_raw(&raw, 0);
     for (int round = 0; round < 200; round++) {
         sent += flood(BYTES("\x94\x00\x01\xa4ping\x80"), 10000);
@@ -382,9 +369,8 @@ static void flood__of_requests_without_reading_is_bounded(void **state)
 }
 
 /* If it failed, errors would cost more than answers, or be logged without bound. */
-static void flood__of_errors_does_not_delay_others(void **state)
+CASE(flood__of_errors_does_not_delay_others)
 {
-    (void)state;
     test_witness_open_raw(&raw, 0);
     for (int round = 0; round < 50; round++) {
         uint32_t sent = flood(BYTES("\x94\x00\x01\xa4pong\x80"), 100);
@@ -399,13 +385,12 @@ static void flood__of_errors_does_not_delay_others(void **state)
 }
 
 /* If it failed, coming and going would leave something behind. */
-static void flood__of_connections_leaves_nothing(void **state)
+CASE(flood__of_connections_leaves_nothing)
 {
     struct pccd_client *client = test_witness.crossing.client;
     uint64_t sessions = test_stat(client, "sessions_now");
     int before = test_witness_fd_count();
 
-    (void)state;
     for (int i = 0; i < 400; i++) {
         assert_true(test_raw_open(&raw, test_witness.daemon.socket));
         if (i % 4 == 1) {
@@ -458,13 +443,12 @@ static uint32_t flood_steps(uint32_t scene, uint32_t count,
 
 /* If it failed, a client could queue more work than the daemon promised to hold for
  * it. */
-static void flood__of_steps_is_answered_busy(void **state)
+CASE(flood__of_steps_is_answered_busy)
 {
     struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_CANCEL_request cancel = {0};
 
-    (void)state;
     test_witness_open_raw(&raw, 65536);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
                      0);
@@ -480,7 +464,7 @@ static void flood__of_steps_is_answered_busy(void **state)
 
 /* Without a bound on the scenes that wait to be freed, a client that creates and destroys
  * them behind a long step of its own would fill the daemon's memory. */
-static void flood__of_scenes_behind_a_step_is_bounded(void **state)
+CASE(flood__of_scenes_behind_a_step_is_bounded)
 {
     struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
@@ -489,7 +473,6 @@ static void flood__of_scenes_behind_a_step_is_bounded(void **state)
     uint32_t count = 0;
     int status;
 
-    (void)state;
     test_witness_open_raw(&raw, 65536);
     cancel.id = test_witness_long_step(&raw);
     while ((status = test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created)) ==
@@ -510,24 +493,4 @@ static void flood__of_scenes_behind_a_step_is_bounded(void **state)
     test_raw_close(&raw);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(message__malformed_is_refused_one_by_one),
-        cmocka_unit_test(message__cut_at_every_byte_is_refused),
-        cmocka_unit_test(message__longer_than_the_limit_is_refused),
-        cmocka_unit_test(message__empty_ends_the_session),
-        cmocka_unit_test(message__wrong_requests_are_answered_and_survived),
-        cmocka_unit_test(descriptors__from_clients_are_closed_and_refused),
-        cmocka_unit_test(descriptors__are_refused_by_the_kernel_where_it_can),
-        cmocka_unit_test(descriptors__that_do_not_close_hold_up_nobody),
-        cmocka_unit_test(flood__of_requests_without_reading_is_bounded),
-        cmocka_unit_test(flood__of_errors_does_not_delay_others),
-        cmocka_unit_test(flood__of_connections_leaves_nothing),
-        cmocka_unit_test(flood__of_steps_is_answered_busy),
-        cmocka_unit_test(flood__of_scenes_behind_a_step_is_bounded),
-    };
-
-    return cmocka_run_group_tests_name("hostile", tests, test_witness_start,
-                                       test_witness_stop);
-}
+CASES_WITH(test_witness_start, test_witness_stop);

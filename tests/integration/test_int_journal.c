@@ -3,13 +3,9 @@
  * Begin, read and end journals by hand: what they cost, what they refuse, and what is
  * left when they are full.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <string.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -91,7 +87,7 @@ static const uint8_t *page(const struct proto_SCENE_JOURNAL_result *result)
 }
 
 /* If it failed, a reader would be told something else than what was done. */
-static void journal__tells_what_is_done_in_order(void **state)
+CASE_WITH(journal__tells_what_is_done_in_order, setup, teardown)
 {
     static const int methods[] = {PROTO_METHOD_SCENE_ADD, PROTO_METHOD_FRAME_SUBMIT,
                                   PROTO_METHOD_FRAME_SUBMIT, PROTO_METHOD_SCENE_REMOVE};
@@ -106,7 +102,6 @@ static void journal__tells_what_is_done_in_order(void **state)
     const uint8_t *at, *payload;
     float z;
 
-    (void)state;
     add();
     step(-1);
     assert_int_equal(ask(0, MIB, false, &result), 0); /* object, where it is */
@@ -144,11 +139,10 @@ static void journal__tells_what_is_done_in_order(void **state)
 }
 
 /* If it failed, a journal that lacks something would look as if it were whole. */
-static void journal__says_when_it_is_full(void **state)
+CASE_WITH(journal__says_when_it_is_full, setup, teardown)
 {
     struct proto_SCENE_JOURNAL_result result, later;
 
-    (void)state;
     add();
     assert_int_equal(ask(0, 64, false, &result), PCCD_E_LIMIT);
     assert_int_equal(ask(0, 4096, false, &result), 0);
@@ -168,7 +162,7 @@ static void journal__says_when_it_is_full(void **state)
 }
 
 /* If it failed, journals would cost nothing, or for ever. */
-static void journal__is_charged_until_it_ends(void **state)
+CASE_WITH(journal__is_charged_until_it_ends, setup, teardown)
 {
     const struct proto_SCENE_DESTROY_request destroy = {.scene = scene};
     struct proto_SCENE_CREATE_request create = {.name = "journal"};
@@ -176,7 +170,6 @@ static void journal__is_charged_until_it_ends(void **state)
     struct proto_SCENE_JOURNAL_result result;
     uint64_t late = test_now_ms() + 5000;
 
-    (void)state;
     assert_int_equal(ask(0, 65 * MIB, false, &result), PCCD_E_QUOTA);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(ask(0, 60 * MIB, false, &result), 0);
@@ -196,24 +189,22 @@ static void journal__is_charged_until_it_ends(void **state)
 }
 
 /* If it failed, what was refused would be kept, and nobody charged for it. */
-static void journal__that_is_refused_is_none(void **state)
+CASE_WITH(journal__that_is_refused_is_none, setup, teardown)
 {
     struct proto_SCENE_JOURNAL_result result;
 
-    (void)state;
     assert_int_equal(ask(1, 60 * MIB, false, &result), PCCD_E_INVAL); /* not its start */
     assert_int_equal(ask(0, 0, false, &result), PCCD_E_STATE);
     assert_int_equal(ask(0, 60 * MIB, false, &result), 0);
 }
 
 /* If it failed, nonsense would be taken for something. */
-static void journal__refuses_what_it_is_not_of(void **state)
+CASE_WITH(journal__refuses_what_it_is_not_of, setup, teardown)
 {
     const struct proto_SCENE_CREATE_request private = {.name = ""};
     struct proto_SCENE_CREATE_result made;
     struct proto_SCENE_JOURNAL_result result;
 
-    (void)state;
     assert_int_equal(ask(0, 0, false, &result), PCCD_E_STATE);
     assert_int_equal(ask(0, MIB, true, &result), PCCD_E_INVAL);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &private, &made), 0);
@@ -221,20 +212,4 @@ static void journal__refuses_what_it_is_not_of(void **state)
     assert_int_equal(ask(0, MIB, false, &result), PCCD_E_INVAL);
     scene = 77;
     assert_int_equal(ask(0, MIB, false, &result), PCCD_E_HANDLE);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(journal__tells_what_is_done_in_order, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(journal__says_when_it_is_full, setup, teardown),
-        cmocka_unit_test_setup_teardown(journal__is_charged_until_it_ends, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(journal__that_is_refused_is_none, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(journal__refuses_what_it_is_not_of, setup,
-                                        teardown),
-    };
-    return cmocka_run_group_tests_name("int_journal", tests, NULL, NULL);
 }

@@ -1,13 +1,9 @@
 /* test_int_leave.c - clients that leave, and what the daemon makes of it. */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "raw.h"
@@ -29,7 +25,7 @@ static void say_goodbye(struct test_raw *raw)
 
 /* If it failed, every program that ends in order would look like one that the daemon had
  * to give up, and its session wait for somebody who has said goodbye. */
-static void leaving__with_an_answer_unsent_is_an_ordinary_end(void **state)
+CASE(leaving__with_an_answer_unsent_is_an_ordinary_end)
 {
     const char *const options[] = {"--log-level", "debug", NULL};
     const struct proto_HELLO_request hello = {.version_min = PROTO_VERSION_MIN,
@@ -39,7 +35,6 @@ static void leaving__with_an_answer_unsent_is_an_ordinary_end(void **state)
     struct test_daemon daemon;
     struct test_raw raw;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     assert_true(test_raw_open(&raw, daemon.socket));
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_HELLO, &hello, &result), 0);
@@ -60,12 +55,11 @@ static void leaving__with_an_answer_unsent_is_an_ordinary_end(void **state)
 
 /* If it failed, nobody would learn that the daemon has given a client up that is there
  * and takes no answers. */
-static void leaving__is_not_what_a_client_does_that_cannot_be_sent_to(void **state)
+CASE(leaving__is_not_what_a_client_does_that_cannot_be_sent_to)
 {
     struct test_daemon daemon;
     struct test_raw raw;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     assert_true(test_raw_open(&raw, daemon.socket));
     assert_int_equal(test_raw_hello(&raw), 0);
@@ -77,14 +71,4 @@ static void leaving__is_not_what_a_client_does_that_cannot_be_sent_to(void **sta
     assert_true(test_daemon_logged(&daemon, "closing: the client cannot be sent to"));
     test_raw_close(&raw);
     assert_true(test_daemon_finish(&daemon));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(leaving__with_an_answer_unsent_is_an_ordinary_end),
-        cmocka_unit_test(leaving__is_not_what_a_client_does_that_cannot_be_sent_to),
-    };
-
-    return cmocka_run_group_tests_name("leave", tests, NULL, NULL);
 }

@@ -5,13 +5,11 @@
  * bytes as alone; what bounds a step (--step-max-ms). LONG_STEPS: so many steps of three
  * sizes beside each kind of request, and a table of how long they took.
  */
+#include "cases.h"
+
 #include <grp.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdatomic.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,8 +17,6 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "grid.h"
@@ -196,18 +192,16 @@ static void check_beside(enum hog_kind kind, bool is_other)
 
 /* If it failed, a client's request would have to wait until what another one has asked
  * for is computed, however long that takes. */
-static void long__request_of_the_same_user_holds_up_nobody(void **state)
+CASE_WITH(long__request_of_the_same_user_holds_up_nobody, open_daemon, close_daemon)
 {
-    (void)state;
     for (enum hog_kind kind = 0; kind < HOG_KINDS; kind++) {
         check_beside(kind, false);
     }
 }
 
 /* The same of users who have nothing to do with each other. */
-static void long__request_of_another_user_holds_up_nobody(void **state)
+CASE_WITH(long__request_of_another_user_holds_up_nobody, open_daemon, close_daemon)
 {
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -218,13 +212,12 @@ static void long__request_of_another_user_holds_up_nobody(void **state)
 
 /* If it failed, a user with three such requests would stop all sessions of this user, or
  * those of others, too. */
-static void long__three_at_once_hold_up_nobody(void **state)
+CASE_WITH(long__three_at_once_hold_up_nobody, open_daemon, close_daemon)
 {
     bool is_other = geteuid() == 0;
     struct test_crossing crossing;
     struct pccd_client *client = test_connect(test_shared.url);
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(test_crossing_make(client, &crossing), 0);
     for (int i = 0; i < 3; i++) {
@@ -241,12 +234,11 @@ static void long__three_at_once_hold_up_nobody(void **state)
 
 /* If it failed, as many users as have threads of their own, each with a step of seconds,
  * would shut everybody else out for as long as these last. */
-static void long__nine_users_shut_nobody_out(void **state)
+CASE_WITH(long__nine_users_shut_nobody_out, open_daemon, close_daemon)
 {
     struct test_crossing crossing;
     struct pccd_client *client;
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -278,13 +270,12 @@ static struct pccd_answer turn(struct test_grid *grid)
 
 /* If it failed, what a step finds would depend on which thread computes it, or on what is
  * computed meanwhile. */
-static void long__answers_beside_it_are_the_same_bytes(void **state)
+CASE_WITH(long__answers_beside_it_are_the_same_bytes, open_daemon, close_daemon)
 {
     struct pccd_client *client = test_connect(test_shared.url);
     struct pccd_answer alone[2] = {PCCD_ANSWER_INIT, PCCD_ANSWER_INIT};
     struct test_grid grid;
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(test_grid_make(client, 60, &grid), 0);
     for (int i = 0; i < 2; i++) {
@@ -352,7 +343,8 @@ static void cancel(struct pccd_client *client, uint64_t step)
 
 /* If it failed, two threads would work on one scene at once, or a member whose step waits
  * for that of another would hold up those who have nothing to do with the scene. */
-static void long__step_of_a_shared_scene_holds_up_only_its_members(void **state)
+CASE_WITH(long__step_of_a_shared_scene_holds_up_only_its_members, open_daemon,
+          close_daemon)
 {
     struct pccd_client *clients[2];
     struct test_crossing crossing;
@@ -361,7 +353,6 @@ static void long__step_of_a_shared_scene_holds_up_only_its_members(void **state)
     uint64_t submitted[2];
     struct pccd_client *client = test_connect(test_shared.url);
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(test_crossing_make(client, &crossing), 0);
     for (int i = 0; i < 2; i++) {
@@ -411,7 +402,7 @@ static enum pccd_incomplete step_stack(struct pccd_client *client, uint32_t scen
 /* If it failed, an operator could not keep steps from computing for as long as they like,
  * or clients would be told something else than of a deadline of their own, or would have
  * that changed. */
-static void long__step_ends_when_the_operator_says(void **state)
+CASE(long__step_ends_when_the_operator_says)
 {
     static const char *const options[] = {"--step-max-ms", "300", NULL};
     struct test_crossing crossing;
@@ -420,7 +411,6 @@ static void long__step_ends_when_the_operator_says(void **state)
     uint64_t taken_ms = 0;
     uint32_t scene = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -506,11 +496,10 @@ static void measure_kind(struct test_grid *grid, enum hog_kind kind, bool is_oth
 }
 
 /* The figures, on a machine that is left alone. */
-static void long__requests_leave_others_their_share(void **state)
+CASE_WITH(long__requests_leave_others_their_share, open_daemon, close_daemon)
 {
     static const uint32_t sides[] = {3, 60, 250};
 
-    (void)state;
     if (steps == 0) {
         test_skip("LONG_STEPS is not set");
     }
@@ -531,19 +520,4 @@ static void long__requests_leave_others_their_share(void **state)
     }
 }
 
-int main(void)
-{
-#define TEST(test) cmocka_unit_test_setup_teardown(test, open_daemon, close_daemon)
-    const struct CMUnitTest tests[] = {
-        TEST(long__request_of_the_same_user_holds_up_nobody),
-        TEST(long__request_of_another_user_holds_up_nobody),
-        TEST(long__three_at_once_hold_up_nobody),
-        TEST(long__nine_users_shut_nobody_out),
-        TEST(long__answers_beside_it_are_the_same_bytes),
-        TEST(long__step_of_a_shared_scene_holds_up_only_its_members),
-        cmocka_unit_test(long__step_ends_when_the_operator_says),
-        TEST(long__requests_leave_others_their_share),
-    };
-
-    return cmocka_run_group_tests_name("long", tests, start, NULL);
-}
+CASES_WITH(start, NULL);

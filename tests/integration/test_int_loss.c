@@ -3,18 +3,14 @@
  * Waits end in time whatever interrupts them; the descriptor says when there is something
  * to do; every call tells of a daemon that is gone.
  */
+#include "cases.h"
+
 #include <poll.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/time.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "false_daemon.h"
@@ -79,12 +75,11 @@ static void answer_hello_alone(void)
 
 /* If it failed, a program with a profiler's timer, or a game's, would wait for ever for a
  * daemon that hangs. */
-static void loss__signals_do_not_put_off_the_deadline(void **state)
+CASE_WITH(loss__signals_do_not_put_off_the_deadline, NULL, false_stop)
 {
     struct pccd_client *client;
     uint64_t begin_ms;
 
-    (void)state;
     false_start(answer_hello_alone);
     client = connect_for(WAIT_MS);
     begin_ms = test_now_ms();
@@ -116,12 +111,11 @@ static void come_back_and_hang(void)
 
 /* If it failed, a loop that watches the descriptor would sleep for ever: nothing would
  * have it look for a daemon again. */
-static void loss__the_descriptor_is_ready_until_it_is_over(void **state)
+CASE_WITH(loss__the_descriptor_is_ready_until_it_is_over, NULL, false_stop)
 {
     struct pccd_client *client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    (void)state;
     false_start(come_back_and_hang);
     client = connect_for(300);
     assert_int_equal(pccd_ping(client, NULL), PCCD_E_TIMEOUT);
@@ -143,11 +137,10 @@ static void talk_nonsense_and_stay(void)
 }
 
 /* The same, where it is the library that has had enough. */
-static void loss__a_connection_that_was_given_up_is_ready(void **state)
+CASE_WITH(loss__a_connection_that_was_given_up_is_ready, NULL, false_stop)
 {
     struct pccd_client *client;
 
-    (void)state;
     false_start(talk_nonsense_and_stay);
     client = connect_for(300);
     assert_int_equal(pccd_ping(client, NULL), PCCD_E_TIMEOUT);
@@ -188,14 +181,13 @@ static void end_over_a_mesh(void)
 
 /* If it failed, who repeats a session while daemons die would have its meshes under other
  * handles than it asked for, and know nothing of it. */
-static void loss__a_handle_is_wanted_of_the_next_daemon_too(void **state)
+CASE_WITH(loss__a_handle_is_wanted_of_the_next_daemon_too, NULL, false_stop)
 {
     static const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     static const uint32_t triangle[1][3] = {{0, 1, 2}};
     struct pccd_client *client;
     uint32_t mesh = 0;
 
-    (void)state;
     false_start(end_over_a_mesh);
     client = connect_for(5000);
     assert_int_equal(pccd_request_handle(client, WANTED), 0);
@@ -218,12 +210,11 @@ static void watch_and_end(void)
 
 /* If it failed, who looks for steps now and then would take a daemon that comes back for
  * one that does not answer. */
-static void loss__a_watcher_that_does_not_wait_is_told_so(void **state)
+CASE_WITH(loss__a_watcher_that_does_not_wait_is_told_so, NULL, false_stop)
 {
     struct pccd_client *client;
     struct pccd_step_event event;
 
-    (void)state;
     false_start(watch_and_end);
     client = connect_for(300);
     assert_int_equal(pccd_watch_start(client, 0, 0), 0);
@@ -245,12 +236,11 @@ static void end_after_hello(void)
 
 /* If it failed, who looks for news without waiting would look for ever after the daemon
  * is gone. */
-static void loss__a_daemon_that_is_gone_has_no_news(void **state)
+CASE_WITH(loss__a_daemon_that_is_gone_has_no_news, NULL, false_stop)
 {
     struct pccd_client *client;
     struct pccd_scene_news news;
 
-    (void)state;
     false_start(end_after_hello);
     client = false_connect_good();
     assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
@@ -258,22 +248,4 @@ static void loss__a_daemon_that_is_gone_has_no_news(void **state)
     assert_int_equal(pccd_scene_wait(client, 1, -1, &news), PCCD_E_DISCONNECTED);
     assert_int_equal(pccd_wait_held(client, 1, 0), PCCD_E_DISCONNECTED);
     pccd_close(client);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(loss__signals_do_not_put_off_the_deadline, false_stop),
-        cmocka_unit_test_teardown(loss__the_descriptor_is_ready_until_it_is_over,
-                                  false_stop),
-        cmocka_unit_test_teardown(loss__a_connection_that_was_given_up_is_ready,
-                                  false_stop),
-        cmocka_unit_test_teardown(loss__a_handle_is_wanted_of_the_next_daemon_too,
-                                  false_stop),
-        cmocka_unit_test_teardown(loss__a_watcher_that_does_not_wait_is_told_so,
-                                  false_stop),
-        cmocka_unit_test_teardown(loss__a_daemon_that_is_gone_has_no_news, false_stop),
-    };
-
-    return cmocka_run_group_tests_name("loss", tests, NULL, NULL);
 }

@@ -4,16 +4,12 @@
  * twice, too late, or while another thread does. It is an error or nothing, and what
  * others asked for stays right.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -40,7 +36,7 @@ static void turn(struct test_crossing *crossing, struct pccd_answer *answer)
 
 /* If it failed, who shows edges or boxes while an answer is held would be told of a
  * daemon that talks nonsense; or the answer to a step be lost to it. */
-static void misuse__pages_that_are_held_take_no_step_its_answer(void **state)
+CASE_CROSSING(misuse__pages_that_are_held_take_no_step_its_answer)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -104,7 +100,7 @@ static int misuse_copy(struct test_crossing *crossing, struct pccd_frame *frame,
 
 /* If it failed, a game that forks while it computes would lose answers to the copy, or
  * have it write into the frame at hand. */
-static void misuse__a_forked_copy_touches_nothing(void **state)
+CASE_CROSSING(misuse__a_forked_copy_touches_nothing)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -167,14 +163,13 @@ static void step(struct pccd_client *client, uint32_t scene)
 
 /* If it failed, a handle that is not there, as of a scene that could not be made, would
  * take news of other scenes along. */
-static void misuse__a_scene_that_is_not_there_has_nothing_to_forget(void **state)
+CASE(misuse__a_scene_that_is_not_there_has_nothing_to_forget)
 {
     struct pccd_client *reader = test_connect(test_shared.url);
     struct pccd_client *writer = test_connect(test_shared.url);
     struct pccd_scene_news news;
     uint32_t scene;
 
-    (void)state;
     assert_non_null(reader);
     assert_non_null(writer);
     scene = share(reader, "news");
@@ -189,14 +184,13 @@ static void misuse__a_scene_that_is_not_there_has_nothing_to_forget(void **state
 
 /* If it failed, a client that takes part in one scene after the other would hear of no
  * more steps in the end. */
-static void misuse__scenes_that_are_left_while_others_step_are_forgotten(void **state)
+CASE(misuse__scenes_that_are_left_while_others_step_are_forgotten)
 {
     struct pccd_client *reader = test_connect(test_shared.url);
     struct pccd_client *writer = test_connect(test_shared.url);
     struct pccd_scene_news news;
     char name[16];
 
-    (void)state;
     assert_non_null(reader);
     assert_non_null(writer);
     for (int i = 0; i < 80; i++) {
@@ -225,7 +219,7 @@ static void misuse__scenes_that_are_left_while_others_step_are_forgotten(void **
 
 /* If it failed, a frame that was copied, as by a struct around it, could send or give
  * back what another one has begun. */
-static void misuse__a_copy_of_a_frame_is_over_when_it_is(void **state)
+CASE_CROSSING(misuse__a_copy_of_a_frame_is_over_when_it_is)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -266,7 +260,7 @@ static void misuse__a_copy_of_a_frame_is_over_when_it_is(void **state)
 
 /* If it failed, a program that ends in the order in which things came to it, its client
  * first, would end by a signal. */
-static void misuse__a_batch_outlives_its_client(void **state)
+CASE(misuse__a_batch_outlives_its_client)
 {
     struct pccd_client *client = test_connect(test_shared.url);
     struct test_crossing crossing;
@@ -278,7 +272,6 @@ static void misuse__a_batch_outlives_its_client(void **state)
     void *x1[1] = {NULL};
     uint64_t step = 0;
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(test_crossing_make(client, &crossing), 0);
     part.scene = crossing.scene;
@@ -313,7 +306,7 @@ static void close_there(void *context, const char *name, uint64_t value, const c
 
 /* If it failed, a function that the library calls could take the client away from under
  * it. */
-static void misuse__a_callback_does_not_close_its_client(void **state)
+CASE_CROSSING(misuse__a_callback_does_not_close_its_client)
 {
     struct test_crossing *crossing = *state;
 
@@ -323,7 +316,7 @@ static void misuse__a_callback_does_not_close_its_client(void **state)
 
 /* If it failed, positions that pccd_step_safe writes over what it reads would be taken
  * for where the body came from. */
-static void misuse__step_safe_wants_memory_of_its_own(void **state)
+CASE_CROSSING(misuse__step_safe_wants_memory_of_its_own)
 {
     struct test_crossing *crossing = *state;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -379,7 +372,7 @@ static void *be_in_a_call(void *context)
 }
 
 /* If it failed, a second thread would break what the first is at, and not be told. */
-static void misuse__a_second_thread_is_refused_or_waits(void **state)
+CASE(misuse__a_second_thread_is_refused_or_waits)
 {
     struct pccd_client *client = test_connect(test_shared.url);
     struct in_call call = {.client = client};
@@ -393,7 +386,6 @@ static void misuse__a_second_thread_is_refused_or_waits(void **state)
     void *to = NULL;
     pthread_t thread;
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(test_crossing_make(client, &crossing), 0);
     call.scene = share(client, "threads");
@@ -471,7 +463,7 @@ static void *crowd_in(void *context)
 
 /* If it failed, threads that share a client by mistake would end the program, hang, or
  * have each other's answers. */
-static void misuse__threads_that_crowd_are_answered_or_refused(void **state)
+CASE_CROSSING(misuse__threads_that_crowd_are_answered_or_refused)
 {
     struct crowd crowd = {.crossing = *(struct test_crossing *)*state};
     pthread_t threads[THREADS];
@@ -489,29 +481,4 @@ static void misuse__threads_that_crowd_are_answered_or_refused(void **state)
     assert_int_equal(pccd_ping(crowd.crossing.client, NULL), 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(misuse__a_copy_of_a_frame_is_over_when_it_is,
-                                        test_crossing_open, test_crossing_close),
-        cmocka_unit_test(misuse__a_batch_outlives_its_client),
-        cmocka_unit_test_setup_teardown(misuse__a_callback_does_not_close_its_client,
-                                        test_crossing_open, test_crossing_close),
-        cmocka_unit_test_setup_teardown(misuse__step_safe_wants_memory_of_its_own,
-                                        test_crossing_open, test_crossing_close),
-        cmocka_unit_test(misuse__a_second_thread_is_refused_or_waits),
-        cmocka_unit_test_setup_teardown(
-            misuse__threads_that_crowd_are_answered_or_refused, test_crossing_open,
-            test_crossing_close),
-        cmocka_unit_test_setup_teardown(
-            misuse__pages_that_are_held_take_no_step_its_answer, test_crossing_open,
-            test_crossing_close),
-        cmocka_unit_test_setup_teardown(misuse__a_forked_copy_touches_nothing,
-                                        test_crossing_open, test_crossing_close),
-        cmocka_unit_test(misuse__a_scene_that_is_not_there_has_nothing_to_forget),
-        cmocka_unit_test(misuse__scenes_that_are_left_while_others_step_are_forgotten),
-    };
-
-    return cmocka_run_group_tests_name("misuse", tests, test_shared_start,
-                                       test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

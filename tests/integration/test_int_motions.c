@@ -1,13 +1,9 @@
 /* test_int_motions.c - many objects in one call, and memory that others look after. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "pccd.h"
@@ -47,7 +43,7 @@ static void make_yard(struct pccd_client *client, struct yard *yard)
 }
 
 /* If it failed, several objects in one call would go elsewhere than in a frame. */
-static void motions__give_the_bytes_of_a_frame(void **state)
+CASE_CROSSING(motions__give_the_bytes_of_a_frame)
 {
     struct pccd_client *client = ((struct test_crossing *)*state)->client;
     struct yard yard;
@@ -101,7 +97,7 @@ static void motions__give_the_bytes_of_a_frame(void **state)
 }
 
 /* If it failed, a motion that says nothing, or two things, would be taken for another. */
-static void motions__in_no_way_or_in_two_are_refused(void **state)
+CASE_CROSSING(motions__in_no_way_or_in_two_are_refused)
 {
     struct pccd_client *client = ((struct test_crossing *)*state)->client;
     struct yard yard;
@@ -132,7 +128,7 @@ static void motions__in_no_way_or_in_two_are_refused(void **state)
 
 /* If it failed, an answer that nobody wants would be handed to who polls, or fill the
  * table of those that wait to be taken. */
-static void abandon__drops_the_answer(void **state)
+CASE_CROSSING(abandon__drops_the_answer)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -181,7 +177,7 @@ static bool is_within(const struct orphans *orphans, const void *at)
 /* If it failed, a larger step would be refused for an answer that somebody still reads,
  * or take the answer's memory away; and arrays of a garbage-collected language would lead
  * to memory that is gone. */
-static void memory__outlives_a_growing_ring_and_a_close(void **state)
+CASE(memory__outlives_a_growing_ring_and_a_close)
 {
     struct orphans orphans = {0};
     struct pccd_options options;
@@ -193,7 +189,6 @@ static void memory__outlives_a_growing_ring_and_a_close(void **state)
     const struct pccd_contact *contacts;
     struct pccd_contact first;
 
-    (void)state;
     pccd_options_init(&options);
     options.url = test_shared.url;
     options.unmap = take_orphan;
@@ -232,18 +227,4 @@ static void memory__outlives_a_growing_ring_and_a_close(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(motions__give_the_bytes_of_a_frame,
-                                        test_crossing_open, test_crossing_close),
-        cmocka_unit_test_setup_teardown(motions__in_no_way_or_in_two_are_refused,
-                                        test_crossing_open, test_crossing_close),
-        cmocka_unit_test_setup_teardown(abandon__drops_the_answer, test_crossing_open,
-                                        test_crossing_close),
-        cmocka_unit_test(memory__outlives_a_growing_ring_and_a_close),
-    };
-
-    return cmocka_run_group_tests_name("motions", tests, test_shared_start,
-                                       test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

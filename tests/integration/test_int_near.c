@@ -3,17 +3,13 @@
  * Distances that are known, in every way that there is; pages beside those of steps;
  * shared scenes; every refusal by its text.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "grid.h"
@@ -163,7 +159,7 @@ static void move_to(struct test_grid *grid, float z)
 /* ---- the answer -------------------------------------------------------------------- */
 
 /* If it failed, a distance would be wrong, or one that is asked for exactly left out. */
-static void near__has_the_distance_that_is_known(void **state)
+CASE_CROSSING(near__has_the_distance_that_is_known)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -210,12 +206,11 @@ static void expect_its_hash(const struct whole *whole)
 }
 
 /* If it failed, an answer would depend on who computed it, and how. */
-static void near__has_the_same_bytes_in_any_way(void **state)
+CASE(near__has_the_same_bytes_in_any_way)
 {
     struct test_grid grids[2];
     uint64_t most = 0;
 
-    (void)state;
     open_grid(&grids[0], test_shared.url, 4u << 20);
     open_grid(&grids[1], TEST_DIRECT_URL, 65536);
     for (int turn = 0; turn < 2; turn++) {
@@ -252,13 +247,12 @@ static void near__has_the_same_bytes_in_any_way(void **state)
 
 /* If it failed, to move and ask at once would answer about another moment than a step
  * and a question, or leave the scene elsewhere. */
-static void near__moves_and_asks_at_once(void **state)
+CASE(near__moves_and_asks_at_once)
 {
     struct test_grid apart;
     struct test_grid once;
     struct pccd_answer steps[2] = {PCCD_ANSWER_INIT, PCCD_ANSWER_INIT};
 
-    (void)state;
     open_grid(&apart, test_shared.url, 4u << 20);
     open_grid(&once, test_shared.url, 4u << 20);
     for (uint32_t turn = 0; turn < 4; turn++) {
@@ -291,7 +285,7 @@ static void near__moves_and_asks_at_once(void **state)
 }
 
 /* If it failed, a frame that is written in place could not be asked about. */
-static void near__is_asked_with_a_frame(void **state)
+CASE_CROSSING(near__is_asked_with_a_frame)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -329,7 +323,7 @@ static void near__is_asked_with_a_frame(void **state)
 }
 
 /* If it failed, the depth would be another one here than there, or none. */
-static void near__tells_how_deep_a_mesh_is_in_another(void **state)
+CASE(near__tells_how_deep_a_mesh_is_in_another)
 {
     static const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     static const uint32_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
@@ -339,7 +333,6 @@ static void near__tells_how_deep_a_mesh_is_in_another(void **state)
     struct whole wholes[2];
     settings_t settings = defaults;
 
-    (void)state;
     settings.what = PCCD_NEAR_DEPTH;
     for (int i = 0; i < 2; i++) {
         struct pccd_client *client = connect_to(urls[i], 65536);
@@ -367,14 +360,13 @@ static void near__tells_how_deep_a_mesh_is_in_another(void **state)
 /* ---- pages ------------------------------------------------------------------------- */
 
 /* If it failed, the pages of one of the two answers would be lost by the other. */
-static void near__keeps_an_answer_beside_that_of_the_step(void **state)
+CASE(near__keeps_an_answer_beside_that_of_the_step)
 {
     struct pccd_answer step = PCCD_ANSWER_INIT;
     struct pccd_answer page = PCCD_ANSWER_INIT;
     struct test_grid grid;
     settings_t settings = defaults;
 
-    (void)state;
     open_grid(&grid, test_shared.url, 65536);
     move_to(&grid, 0.5f);
     step_to(&grid, -0.5f, &step);
@@ -421,13 +413,12 @@ static void near__keeps_an_answer_beside_that_of_the_step(void **state)
 
 /* If it failed, a question would cost the next step what it knows of the last one, or
  * change what it finds. */
-static void near__leaves_steps_as_they_are(void **state)
+CASE(near__leaves_steps_as_they_are)
 {
     struct test_grid asked;
     struct test_grid silent;
     settings_t settings = defaults;
 
-    (void)state;
     open_grid(&asked, test_shared.url, 4u << 20);
     open_grid(&silent, test_shared.url, 4u << 20);
     settings.distance = WITHIN;
@@ -466,7 +457,7 @@ struct refusal {
 
 /* If it failed, what cannot be asked would be answered somehow, or nobody would know what
  * was wrong. */
-static void near__refuses_by_name(void **state)
+CASE_CROSSING(near__refuses_by_name)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -514,7 +505,7 @@ static void near__refuses_by_name(void **state)
 }
 
 /* If it failed, a movement would be done though its question was refused. */
-static void near__that_fails_moves_nothing(void **state)
+CASE_CROSSING(near__that_fails_moves_nothing)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -557,7 +548,7 @@ static double distance_at(struct test_crossing *crossing, uint32_t end)
 
 /* If it failed, half of a frame that was refused would be taken for where a step
  * began. */
-static void near__forgets_the_beginning_when_a_step_fails(void **state)
+CASE_CROSSING(near__forgets_the_beginning_when_a_step_fails)
 {
     struct test_crossing *crossing = *state;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -581,7 +572,7 @@ static void near__forgets_the_beginning_when_a_step_fails(void **state)
 
 /* If it failed, one of two objects that a refused step names would have begun where it
  * did, and the other where it is: a state that never was. */
-static void near__forgets_the_beginning_of_all_that_a_failed_step_names(void **state)
+CASE_CROSSING(near__forgets_the_beginning_of_all_that_a_failed_step_names)
 {
     struct test_crossing *crossing = *state;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -640,7 +631,7 @@ static struct member open_member(const char *name, const float x[3][3])
 
 /* If it failed, a question would take along what waits for a step, or a step would not
  * any more. */
-static void near__leaves_held_frames_where_they_are(void **state)
+CASE(near__leaves_held_frames_where_they_are)
 {
     struct pccd_step_settings hold = {.struct_bytes = sizeof hold, .hold = true};
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -655,7 +646,6 @@ static void near__leaves_held_frames_where_they_are(void **state)
     settings_t settings = defaults;
     uint64_t step = 0;
 
-    (void)state;
     good(obstacle.client,
          pccd_submit(obstacle.client, obstacle.scene, &lift, 1, &hold, &step));
     good(obstacle.client, pccd_wait_held(obstacle.client, step, -1));
@@ -697,7 +687,7 @@ static struct pccd_client *connect_as_other(void)
 
 /* If it failed, who may only read could move, or could not ask; or would read the pages
  * of another's question as its own. */
-static void near__is_asked_by_every_member(void **state)
+CASE(near__is_asked_by_every_member)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_scene_news news;
@@ -706,7 +696,6 @@ static void near__is_asked_by_every_member(void **state)
     settings_t settings = defaults;
     float x[3][3];
 
-    (void)state;
     if (geteuid() != 0 || test_is_direct()) {
         test_skip("only root can act as another user, and only to a daemon");
     }
@@ -756,7 +745,7 @@ static void see(void *context, const struct pccd_trace_event *events, uint32_t c
 }
 
 /* If it failed, nobody would see in counters or in a trace what a daemon was asked. */
-static void near__shows_in_counters_and_traces(void **state)
+CASE_CROSSING(near__shows_in_counters_and_traces)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -781,27 +770,4 @@ static void near__shows_in_counters_and_traces(void **state)
     assert_true(test_stat(client, "ns_near") > 0);
 }
 
-int main(void)
-{
-#define CROSSING(name)                                                                   \
-    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
-    const struct CMUnitTest tests[] = {
-        CROSSING(near__has_the_distance_that_is_known),
-        cmocka_unit_test(near__has_the_same_bytes_in_any_way),
-        cmocka_unit_test(near__moves_and_asks_at_once),
-        cmocka_unit_test(near__tells_how_deep_a_mesh_is_in_another),
-        CROSSING(near__is_asked_with_a_frame),
-        cmocka_unit_test(near__keeps_an_answer_beside_that_of_the_step),
-        cmocka_unit_test(near__leaves_steps_as_they_are),
-        CROSSING(near__refuses_by_name),
-        CROSSING(near__that_fails_moves_nothing),
-        CROSSING(near__forgets_the_beginning_when_a_step_fails),
-        CROSSING(near__forgets_the_beginning_of_all_that_a_failed_step_names),
-        cmocka_unit_test(near__leaves_held_frames_where_they_are),
-        cmocka_unit_test(near__is_asked_by_every_member),
-        CROSSING(near__shows_in_counters_and_traces),
-    };
-
-    return cmocka_run_group_tests_name("near", tests, test_shared_start,
-                                       test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

@@ -4,17 +4,13 @@
  * Deadlines, cancels and limits; a daemon that is killed while it computes, a connection
  * that is lost, a daemon of before.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -105,14 +101,13 @@ static void expect_turn(uint64_t step)
 
 /* If it failed, who shares the daemon with long steps would be answered when it is of no
  * use any more; or what was to move with the question would be lost. */
-static void near__is_answered_at_its_deadline_and_cancel(void **state)
+CASE_WITH(near__is_answered_at_its_deadline_and_cancel, NULL, teardown)
 {
     settings_t settings = defaults;
     uint64_t before[2];
     uint64_t asked[2];
     uint64_t after = 0;
 
-    (void)state;
     start_with(NULL, SIDE);
     for (uint32_t moves = 0; moves < 2; moves++) {
         for (uint32_t cancels = 0; cancels < 2; cancels++) {
@@ -148,14 +143,13 @@ static void near__is_answered_at_its_deadline_and_cancel(void **state)
 }
 
 /* If it failed, a question that nobody can wait for would go on computing. */
-static void near__ends_while_it_computes(void **state)
+CASE_WITH(near__ends_while_it_computes, NULL, teardown)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     settings_t settings = defaults;
     uint64_t step = 0;
     uint64_t begin_ms;
 
-    (void)state;
     start_with(NULL, SIDE);
     settings.distance = FAR; /* 10^10 pairs */
     settings.deadline_ns = 50 * MS;
@@ -223,7 +217,7 @@ static uint32_t add_ring(uint32_t scene, double thickness)
 
 /* If it failed, a question about two bodies that are everywhere as near could hold a
  * daemon up for seconds, and so all who share it. */
-static void near__of_objects_ends_while_it_computes(void **state)
+CASE_WITH(near__of_objects_ends_while_it_computes, NULL, teardown)
 {
     static const enum pccd_near_what whats[2] = {PCCD_NEAR_NEAREST, PCCD_NEAR_DEPTH};
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -232,7 +226,6 @@ static void near__of_objects_ends_while_it_computes(void **state)
     uint64_t begin_ms;
     uint32_t scene = 0;
 
-    (void)state;
     start_with(NULL, SIDE_SMALL);
     good(pccd_scene_create(client, NULL, &scene));
     (void)add_ring(scene, .5);
@@ -269,13 +262,12 @@ static void near__of_objects_ends_while_it_computes(void **state)
 }
 
 /* If it failed, what is kept of too many records would be left to chance. */
-static void near__keeps_the_first_records_at_the_limit(void **state)
+CASE_WITH(near__keeps_the_first_records_at_the_limit, NULL, teardown)
 {
     struct pccd_answer whole = PCCD_ANSWER_INIT;
     struct pccd_answer cut = PCCD_ANSWER_INIT;
     settings_t settings = defaults;
 
-    (void)state;
     start_with(NULL, SIDE_SMALL);
     settings.distance = 0.08;
     good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &whole));
@@ -295,14 +287,13 @@ static void near__keeps_the_first_records_at_the_limit(void **state)
 }
 
 /* If it failed, records of questions would be memory that nobody is charged for. */
-static void near__is_bounded_by_the_users_memory(void **state)
+CASE_WITH(near__is_bounded_by_the_users_memory, NULL, teardown)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     settings_t settings = defaults;
     uint64_t least;
     int status;
 
-    (void)state;
     start_with((const char *const[]){"--memory-max-mib", "24", NULL}, SIDE_SMALL);
     least = test_stat(client, "engine_bytes_now");
     settings.distance = FAR;
@@ -343,7 +334,7 @@ static void ask_whole(const struct pccd_motion *motion, const settings_t *settin
 }
 
 /* If it failed, a crash would cost a client its question, or change the answer. */
-static void near__has_the_same_bytes_after_a_crash(void **state)
+CASE_WITH(near__has_the_same_bytes_after_a_crash, NULL, teardown)
 {
     struct pccd_answer before = PCCD_ANSWER_INIT;
     struct pccd_answer after = PCCD_ANSWER_INIT;
@@ -351,7 +342,6 @@ static void near__has_the_same_bytes_after_a_crash(void **state)
     settings_t settings = defaults;
     uint64_t step = 0;
 
-    (void)state;
     start_with(supervised, SIDE_CRASH);
     settings.distance = 0.0085; /* of a grid whose vertices are 0.01 apart */
     for (uint32_t moves = 0; moves < 2; moves++) {
@@ -379,13 +369,12 @@ static void near__has_the_same_bytes_after_a_crash(void **state)
 
 /* If it failed, another daemon, which was not told where a step began, would answer about
  * its end in the place of its beginning. */
-static void near__knows_no_beginning_after_a_crash(void **state)
+CASE_WITH(near__knows_no_beginning_after_a_crash, NULL, teardown)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     settings_t settings = defaults;
     uint64_t step = 0;
 
-    (void)state;
     start_with(supervised, SIDE_SMALL);
     settings.end = 0;
     settings.distance = 0.05;
@@ -463,7 +452,7 @@ static uint32_t open_raw_scene(uint32_t *scene)
 
 /* If it failed, a question whose answer was lost would be answered about another moment,
  * or move the scene twice. */
-static void near__is_answered_once_over_a_connection_that_is_lost(void **state)
+CASE_WITH(near__is_answered_once_over_a_connection_that_is_lost, NULL, teardown)
 {
     struct proto_HELLO_result session;
     struct proto_HELLO_result again;
@@ -477,7 +466,6 @@ static void near__is_answered_once_over_a_connection_that_is_lost(void **state)
     uint32_t ids[2];
     float x[3][3];
 
-    (void)state;
     start_with((const char *const[]){"--linger", "5", NULL}, 2);
     assert_true(test_raw_open(&raw, daemon_.socket));
     assert_int_equal(say_hello(NULL, &session), 0);
@@ -520,13 +508,12 @@ static void near__is_answered_once_over_a_connection_that_is_lost(void **state)
 
 /* If it failed, a client could have more in flight than the daemon has promised to
  * take. */
-static void near__counts_among_the_steps_in_flight(void **state)
+CASE_WITH(near__counts_among_the_steps_in_flight, NULL, teardown)
 {
     struct proto_SCENE_NEAR_request asked = {.what = PCCD_NEAR_PAIRS, .end = 1};
     uint64_t long_step = 0;
     uint32_t ids[3];
 
-    (void)state;
     start_with(NULL, SIDE);
     assert_true(test_raw_open(&raw, daemon_.socket));
     assert_int_equal(test_raw_hello(&raw), 0);
@@ -550,34 +537,14 @@ static void speak_as_before(void)
 }
 
 /* If it failed, who meets a daemon of before would not hear what it lacks. */
-static void near__needs_a_daemon_that_knows_it(void **state)
+CASE_WITH(near__needs_a_daemon_that_knows_it, NULL, false_stop)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_client *old = NULL;
 
-    (void)state;
     false_start(speak_as_before);
     assert_int_equal(false_connect(&old), 0);
     assert_int_equal(pccd_ask_near(old, 1, NULL, 0, NULL, &answer), PCCD_E_VERSION);
     assert_non_null(strstr(pccd_error_text(old), "scene.near: the daemon at"));
     pccd_close(old);
-}
-
-int main(void)
-{
-#define STOPPED(name) cmocka_unit_test_setup_teardown(name, NULL, teardown)
-    const struct CMUnitTest tests[] = {
-        STOPPED(near__is_answered_at_its_deadline_and_cancel),
-        STOPPED(near__ends_while_it_computes),
-        STOPPED(near__of_objects_ends_while_it_computes),
-        STOPPED(near__keeps_the_first_records_at_the_limit),
-        STOPPED(near__is_bounded_by_the_users_memory),
-        STOPPED(near__has_the_same_bytes_after_a_crash),
-        STOPPED(near__knows_no_beginning_after_a_crash),
-        STOPPED(near__is_answered_once_over_a_connection_that_is_lost),
-        STOPPED(near__counts_among_the_steps_in_flight),
-        cmocka_unit_test_teardown(near__needs_a_daemon_that_knows_it, false_stop),
-    };
-
-    return cmocka_run_group_tests_name("near_long", tests, NULL, NULL);
 }

@@ -1,13 +1,11 @@
 /* test_int_notify.c - what a service manager is told. */
+#include "cases.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,8 +14,6 @@
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "hog.h"
@@ -150,24 +146,59 @@ static void says_ready(bool is_abstract)
     expect_end();
 }
 
-/* If it failed, no system service would ever be ready. */
-static void notify__says_ready_when_it_listens(void **state)
+static int set_up(void **state)
 {
     (void)state;
+    memset(&f, 0, sizeof f);
+    f.fd = -1;
+    (void)unsetenv("WATCHDOG_USEC");
+    (void)unsetenv("WATCHDOG_PID");
+    (void)snprintf(f.folder, sizeof f.folder, "/tmp/pccd-test-XXXXXX");
+    if (mkdtemp(f.folder) == NULL) {
+        return -1;
+    }
+    (void)snprintf(f.socket, sizeof f.socket, "%s/s", f.folder);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    char path[96];
+    (void)state;
+    if (f.daemon > 0) {
+        pid_t ended;
+        (void)kill(f.daemon, SIGKILL);
+        do { /* of threads that were stopped we hear first */
+            ended = waitpid(-1, NULL, __WALL);
+        } while (ended > 0 && ended != f.daemon);
+    }
+    if (f.fd >= 0) {
+        (void)close(f.fd);
+    }
+    for (size_t i = 0; i < 3; i++) {
+        const char *const names[] = {"notify", "s", "s.lock"};
+        (void)snprintf(path, sizeof path, "%s/%s", f.folder, names[i]);
+        (void)unlink(path);
+    }
+    (void)rmdir(f.folder);
+    return 0;
+}
+
+/* If it failed, no system service would ever be ready. */
+CASE_WITH(notify__says_ready_when_it_listens, set_up, tear_down)
+{
     says_ready(false);
 }
 
 /* If it failed, a manager whose socket has no path would hear nothing. */
-static void notify__knows_abstract_names(void **state)
+CASE_WITH(notify__knows_abstract_names, set_up, tear_down)
 {
-    (void)state;
     says_ready(true);
 }
 
 /* If it failed, systemd would not know an end that was asked for from another. */
-static void notify__says_that_it_stops(void **state)
+CASE_WITH(notify__says_that_it_stops, set_up, tear_down)
 {
-    (void)state;
     manage(false);
     start(NULL, NULL);
     assert_true(hear_of("READY=1", END_MS));
@@ -176,10 +207,9 @@ static void notify__says_that_it_stops(void **state)
 }
 
 /* If it failed, systemctl status would not show whether anybody uses the service. */
-static void notify__tells_how_many_clients_there_are(void **state)
+CASE_WITH(notify__tells_how_many_clients_there_are, set_up, tear_down)
 {
     static struct test_raw raw;
-    (void)state;
     manage(false);
     start(NULL, NULL);
     assert_true(hear_of("STATUS=0 clients, 0 steps", END_MS));
@@ -192,9 +222,8 @@ static void notify__tells_how_many_clients_there_are(void **state)
 
 /* If the beats did not come, systemd would kill a daemon that is well; if they came while
  * the loop stands, it would let one live that serves nobody. */
-static void notify__beats_while_the_loop_turns(void **state)
+CASE_WITH(notify__beats_while_the_loop_turns, set_up, tear_down)
 {
-    (void)state;
     (void)setenv("WATCHDOG_USEC", WATCHDOG_US, 1);
     manage(false);
     start(NULL, NULL);
@@ -213,10 +242,9 @@ static void notify__beats_while_the_loop_turns(void **state)
 
 /* If beats were that many more than are wanted, or that many fewer, an idle machine would
  * be woken for nothing, or a beat that is late would be the end. */
-static void notify__beats_twice_in_the_watchdogs_time(void **state)
+CASE_WITH(notify__beats_twice_in_the_watchdogs_time, set_up, tear_down)
 {
     int beats = 0;
-    (void)state;
     (void)setenv("WATCHDOG_USEC", WATCHDOG_US, 1);
     manage(false);
     start(NULL, NULL);
@@ -347,11 +375,10 @@ static void let_compute(struct hog *hog, const char *threads, enum hog_kind kind
 
 /* If it failed, systemd would let a daemon live that answers what needs no computing and
  * nothing else; or end one that computes for long. */
-static void notify__does_not_beat_while_a_thread_that_computes_stands(void **state)
+CASE_WITH(notify__does_not_beat_while_a_thread_that_computes_stands, set_up, tear_down)
 {
     static struct hog hog;
     pid_t threads[16];
-    (void)state;
     let_compute(&hog, "1", HOG_COINCIDENT);
     expect_beats();
     int count = other_threads(threads, 16);
@@ -375,10 +402,9 @@ static void notify__does_not_beat_while_a_thread_that_computes_stands(void **sta
 
 /* If it failed, a step that does not end when it must would not be noticed where its
  * thread is busy: here it waits for another of its team, and looks at it all the time. */
-static void notify__does_not_beat_while_a_step_does_not_end(void **state)
+CASE_WITH(notify__does_not_beat_while_a_step_does_not_end, set_up, tear_down)
 {
     static struct hog hog;
-    (void)state;
     let_compute(&hog, "2", HOG_FAN);
     pid_t thread = second_of_team();
     if (!freeze(thread)) {
@@ -396,9 +422,8 @@ static void notify__does_not_beat_while_a_step_does_not_end(void **state)
 }
 
 /* If it failed, a process that systemd does not watch would speak for another. */
-static void notify__does_not_beat_for_another_process(void **state)
+CASE_WITH(notify__does_not_beat_for_another_process, set_up, tear_down)
 {
-    (void)state;
     (void)setenv("WATCHDOG_USEC", WATCHDOG_US, 1);
     (void)setenv("WATCHDOG_PID", "1", 1);
     manage(false);
@@ -425,9 +450,8 @@ static long context_switches(pid_t pid)
 }
 
 /* If it failed, a daemon that nobody uses would wake the machine for its manager. */
-static void notify__lets_an_idle_daemon_sleep(void **state)
+CASE_WITH(notify__lets_an_idle_daemon_sleep, set_up, tear_down)
 {
-    (void)state;
     if (TEST_HAS_FOREIGN_THREAD) {
         test_skip("a sanitizer's thread wakes the daemon ten times a second");
     }
@@ -446,10 +470,9 @@ static void notify__lets_an_idle_daemon_sleep(void **state)
 
 /* If it failed, systemd would watch a worker instead of the parent that replaces it, or
  * hear nothing of the one that took over. */
-static void notify__supervisor_is_ready_and_its_workers_beat(void **state)
+CASE_WITH(notify__supervisor_is_ready_and_its_workers_beat, set_up, tear_down)
 {
     char main_pid[32];
-    (void)state;
     (void)setenv("WATCHDOG_USEC", WATCHDOG_US, 1);
     manage(false);
     start("--supervise", NULL);
@@ -469,10 +492,9 @@ static void notify__supervisor_is_ready_and_its_workers_beat(void **state)
 
 /* If it failed, a game that is a service itself would be ready, stop and live by the word
  * of the daemon that it has started for itself. */
-static void notify__private_daemon_is_silent(void **state)
+CASE_WITH(notify__private_daemon_is_silent, set_up, tear_down)
 {
     static struct test_raw raw;
-    (void)state;
     (void)setenv("WATCHDOG_USEC", WATCHDOG_US, 1);
     manage(false);
     start("--private", NULL);
@@ -490,62 +512,3 @@ static void notify__private_daemon_is_silent(void **state)
 }
 
 /* ------------------------------------------------------------------------------------ */
-
-static int set_up(void **state)
-{
-    (void)state;
-    memset(&f, 0, sizeof f);
-    f.fd = -1;
-    (void)unsetenv("WATCHDOG_USEC");
-    (void)unsetenv("WATCHDOG_PID");
-    (void)snprintf(f.folder, sizeof f.folder, "/tmp/pccd-test-XXXXXX");
-    if (mkdtemp(f.folder) == NULL) {
-        return -1;
-    }
-    (void)snprintf(f.socket, sizeof f.socket, "%s/s", f.folder);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    char path[96];
-    (void)state;
-    if (f.daemon > 0) {
-        pid_t ended;
-        (void)kill(f.daemon, SIGKILL);
-        do { /* of threads that were stopped we hear first */
-            ended = waitpid(-1, NULL, __WALL);
-        } while (ended > 0 && ended != f.daemon);
-    }
-    if (f.fd >= 0) {
-        (void)close(f.fd);
-    }
-    for (size_t i = 0; i < 3; i++) {
-        const char *const names[] = {"notify", "s", "s.lock"};
-        (void)snprintf(path, sizeof path, "%s/%s", f.folder, names[i]);
-        (void)unlink(path);
-    }
-    (void)rmdir(f.folder);
-    return 0;
-}
-
-#define WITH(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        WITH(notify__says_ready_when_it_listens),
-        WITH(notify__knows_abstract_names),
-        WITH(notify__says_that_it_stops),
-        WITH(notify__tells_how_many_clients_there_are),
-        WITH(notify__beats_while_the_loop_turns),
-        WITH(notify__beats_twice_in_the_watchdogs_time),
-        WITH(notify__does_not_beat_while_a_thread_that_computes_stands),
-        WITH(notify__does_not_beat_while_a_step_does_not_end),
-        WITH(notify__does_not_beat_for_another_process),
-        WITH(notify__lets_an_idle_daemon_sleep),
-        WITH(notify__supervisor_is_ready_and_its_workers_beat),
-        WITH(notify__private_daemon_is_silent),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}

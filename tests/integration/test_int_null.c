@@ -3,13 +3,9 @@
  * Every public function without a client; each argument that must be given. It is an
  * error that names what was missing.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <string.h>
 
 #include "fixture.h"
 
@@ -132,16 +128,15 @@ static int call_with_no_client(void)
 
 /* If it failed, a client that could not be connected would end the program later, far
  * from the mistake. */
-static void null__calls_without_a_client_are_refused(void **state)
+CASE(null__calls_without_a_client_are_refused)
 {
-    (void)state;
     assert_int_equal(call_with_no_client(), 0);
     assert_non_null(strstr(pccd_error_text(NULL), "NULL"));
 }
 
 /* If it failed, an argument that is NULL would end the program, or be refused without a
  * word. */
-static void null__arguments_that_are_null_are_named(void **state)
+CASE_CROSSING(null__arguments_that_are_null_are_named)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -206,14 +201,4 @@ static void null__arguments_that_are_null_are_named(void **state)
     assert_true(test_crossing_turn(crossing));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(null__calls_without_a_client_are_refused),
-        cmocka_unit_test_setup_teardown(null__arguments_that_are_null_are_named,
-                                        test_crossing_open, test_crossing_close),
-    };
-
-    return cmocka_run_group_tests_name("null", tests, test_shared_start,
-                                       test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

@@ -1,17 +1,13 @@
 /* test_int_observe.c - lists, histograms, settings and steps that others are told of. */
+#include "cases.h"
+
 #include <grp.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "proto_limits.h"
@@ -87,7 +83,7 @@ static void take_mesh(void *context, const struct pccd_registered_mesh *info)
 }
 
 /* If it failed, pccdctl would tell of other sessions, scenes or meshes than there are. */
-static void list__has_what_a_session_has(void **state)
+CASE_CROSSING(list__has_what_a_session_has)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *other = test_connect(test_shared.url);
@@ -170,7 +166,7 @@ static uint64_t sum_of(const struct pccd_histogram_info *info)
 }
 
 /* If it failed, a latency that is plotted would be another than the clients'. */
-static void histogram__counts_every_step_and_request(void **state)
+CASE_CROSSING(histogram__counts_every_step_and_request)
 {
     struct test_crossing *crossing = *state;
     struct pccd_histogram_info steps0, steps1, requests0, requests1;
@@ -243,7 +239,7 @@ static void expect_scenes(uint32_t count)
 
 /* If it failed, a daemon could not be tuned without losing its clients, or would be told
  * nonsense. */
-static void config__settings_change_and_hold(void **state)
+CASE_CROSSING(config__settings_change_and_hold)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -298,7 +294,7 @@ static void config__settings_change_and_hold(void **state)
 /* ---- watching ---------------------------------------------------------------------- */
 
 /* If it failed, who watches would be told of other steps than there are, or of none. */
-static void watch__tells_every_step_of_another_session(void **state)
+CASE_CROSSING(watch__tells_every_step_of_another_session)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *other = test_connect(test_shared.url);
@@ -334,7 +330,7 @@ static void watch__tells_every_step_of_another_session(void **state)
 
 /* If it failed, a watcher that does not read would hold up steps, take the daemon's
  * memory, be dropped, or not hear that it has missed something. */
-static void watch__who_does_not_read_hears_what_was_lost(void **state)
+CASE_CROSSING(watch__who_does_not_read_hears_what_was_lost)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *other = test_connect(test_shared.url);
@@ -364,7 +360,7 @@ static void watch__who_does_not_read_hears_what_was_lost(void **state)
 }
 
 /* If it failed, who reads late would wait for the next step to hear of the last one. */
-static void watch__who_reads_late_hears_of_all_that_fits(void **state)
+CASE_CROSSING(watch__who_reads_late_hears_of_all_that_fits)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *other = test_connect(test_shared.url);
@@ -427,7 +423,7 @@ static int ask_as_nobody(uint64_t session)
 }
 
 /* If it failed, a user could see what another one does, or change a daemon of another. */
-static void observe__other_users_are_refused(void **state)
+CASE_CROSSING(observe__other_users_are_refused)
 {
     struct test_crossing *crossing = *state;
     struct pccd_daemon_info self;
@@ -453,14 +449,13 @@ static void observe__other_users_are_refused(void **state)
 
 /* If it failed, an operator who has let more clients in would find them refused again
  * after a crash. */
-static void config__outlives_a_crash(void **state)
+CASE(config__outlives_a_crash)
 {
     static const char *const options[] = {"--supervise", NULL};
     struct test_daemon daemon;
     struct pccd_client *client;
     pid_t worker;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -479,22 +474,4 @@ static void config__outlives_a_crash(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
-int main(void)
-{
-#define TEST(name)                                                                       \
-    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
-    const struct CMUnitTest tests[] = {
-        TEST(list__has_what_a_session_has),
-        TEST(histogram__counts_every_step_and_request),
-        TEST(config__settings_change_and_hold),
-        cmocka_unit_test(config__outlives_a_crash),
-        TEST(watch__tells_every_step_of_another_session),
-        TEST(watch__who_does_not_read_hears_what_was_lost),
-        TEST(watch__who_reads_late_hears_of_all_that_fits),
-        TEST(observe__other_users_are_refused),
-    };
-#undef TEST
-
-    return cmocka_run_group_tests_name("observe", tests, test_shared_start,
-                                       test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

@@ -1,14 +1,10 @@
 /* test_int_orphan.c - what a test program that dies leaves behind: nothing. */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "raw.h"
@@ -58,12 +54,11 @@ static int await_end(pid_t pid)
 
 /* If it failed, a test that dies while a worker is stopped would leave that worker for
  * ever, and whoever reads what the test says would wait for its end as long. */
-static void orphan__workers_end_with_their_test(void **state)
+CASE(orphan__workers_end_with_their_test)
 {
     struct told told = {.worker = 0};
     int fds[2];
 
-    (void)state;
     assert_int_equal(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);
     assert_int_equal(pipe(fds), 0);
     pid_t test = fork();
@@ -82,13 +77,4 @@ static void orphan__workers_end_with_their_test(void **state)
     told.daemon.guard = 0;
     (void)test_daemon_finish(&told.daemon);
     assert_true(WIFSIGNALED(status));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(orphan__workers_end_with_their_test),
-    };
-
-    return cmocka_run_group_tests_name("orphan", tests, NULL, NULL);
 }

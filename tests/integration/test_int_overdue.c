@@ -3,14 +3,10 @@
  * Let steps wait behind long ones, with deadlines that come too soon and with cancels:
  * they are answered at once, move what they move, and what goes wrong later is not lost.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "fixture.h"
@@ -91,7 +87,7 @@ static bool is_answered(uint64_t step)
 
 /* If it failed, a client that shares the daemon with long steps would get no answer when
  * it can still use it; or would find later that a motion was lost. */
-static void overdue__step_is_answered_at_its_deadline(void **state)
+CASE_WITH(overdue__step_is_answered_at_its_deadline, start, teardown)
 {
     const struct pccd_step_settings settings = {
         .struct_bytes = sizeof(struct pccd_step_settings), .deadline_ns = DEADLINE_NS};
@@ -100,7 +96,6 @@ static void overdue__step_is_answered_at_its_deadline(void **state)
     uint64_t after;
     uint64_t begin_us;
 
-    (void)state;
     for (int i = 0; i < 3; i++) {
         assert_int_equal(test_grid_submit(&grid, NULL, &before[0]), 0);
         assert_int_equal(test_grid_submit(&grid, NULL, &before[1]), 0);
@@ -121,13 +116,12 @@ static void overdue__step_is_answered_at_its_deadline(void **state)
 }
 
 /* The same for a client that changes its mind. */
-static void overdue__step_is_answered_when_it_is_cancelled(void **state)
+CASE_WITH(overdue__step_is_answered_when_it_is_cancelled, start, teardown)
 {
     uint64_t before[2];
     uint64_t cancelled;
     uint64_t after;
 
-    (void)state;
     assert_int_equal(test_grid_submit(&grid, NULL, &before[0]), 0);
     assert_int_equal(test_grid_submit(&grid, NULL, &before[1]), 0);
     assert_int_equal(test_grid_submit(&grid, NULL, &cancelled), 0);
@@ -142,7 +136,7 @@ static void overdue__step_is_answered_when_it_is_cancelled(void **state)
 
 /* If it failed, the loop would copy for as long as others wait for it, or the positions
  * of a large step would be lost. */
-static void overdue__large_step_is_answered_in_its_turn(void **state)
+CASE_WITH(overdue__large_step_is_answered_in_its_turn, start_large, teardown)
 {
     const struct pccd_step_settings settings = {
         .struct_bytes = sizeof(struct pccd_step_settings), .deadline_ns = DEADLINE_NS};
@@ -151,7 +145,6 @@ static void overdue__large_step_is_answered_in_its_turn(void **state)
     uint64_t after;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    (void)state;
     assert_int_equal(test_grid_submit(&grid, NULL, &before), 0);
     assert_int_equal(test_grid_submit(&grid, &settings, &overdue), 0);
     take(overdue, &answer);
@@ -196,7 +189,7 @@ static int submit_doomed(uint32_t scene, uint32_t object,
 
 /* If it failed, a client that was told of the deadline only would go on from positions
  * that the daemon has not. */
-static void overdue__what_goes_wrong_later_is_said_by_the_next_step(void **state)
+CASE_WITH(overdue__what_goes_wrong_later_is_said_by_the_next_step, start, teardown)
 {
     struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
@@ -205,7 +198,6 @@ static void overdue__what_goes_wrong_later_is_said_by_the_next_step(void **state
     uint32_t mesh = 0;
     int status = PCCD_E_HANDLE;
 
-    (void)state;
     assert_true(test_raw_open(&raw, test_shared.socket));
     assert_int_equal(test_raw_hello(&raw), 0);
     assert_int_equal(test_raw_attach(&raw, 2, 65536), 0);
@@ -229,20 +221,4 @@ static void overdue__what_goes_wrong_later_is_said_by_the_next_step(void **state
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &still, &result), 0);
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     test_raw_close(&raw);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(overdue__step_is_answered_at_its_deadline, start,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(overdue__step_is_answered_when_it_is_cancelled,
-                                        start, teardown),
-        cmocka_unit_test_setup_teardown(overdue__large_step_is_answered_in_its_turn,
-                                        start_large, teardown),
-        cmocka_unit_test_setup_teardown(
-            overdue__what_goes_wrong_later_is_said_by_the_next_step, start, teardown),
-    };
-
-    return cmocka_run_group_tests_name("overdue", tests, NULL, NULL);
 }

@@ -3,17 +3,13 @@
  * Scenes of one name that two users have, each asked for as its own or as the other's,
  * also after the daemon was killed. Needs root: nobody else can be somebody else.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "messages.h"
@@ -83,7 +79,7 @@ static struct listing list(struct pccd_client *client)
 
 /* If it failed, who makes a scene would find himself in another user's, with that one's
  * rights: so it was with root's 0600 and another's 0666. */
-static void owner__names_belong_to_their_users(void **state)
+CASE(owner__names_belong_to_their_users)
 {
     struct pccd_scene_settings other = {.name = "arena", .share = PCCD_SHARE_OTHER};
     struct pccd_client *mine;
@@ -93,7 +89,6 @@ static void owner__names_belong_to_their_users(void **state)
     uint32_t second = 0;
     uint32_t scene = 0;
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -127,7 +122,7 @@ static void owner__names_belong_to_their_users(void **state)
 
 /* If it failed, who comes back after a crash of the daemon would be in a scene of his
  * own, not in the other user's that he was in. */
-static void owner__a_killed_daemon_keeps_whose_scene_it_was(void **state)
+CASE(owner__a_killed_daemon_keeps_whose_scene_it_was)
 {
     struct pccd_client *mine;
     struct pccd_client *theirs;
@@ -135,7 +130,6 @@ static void owner__a_killed_daemon_keeps_whose_scene_it_was(void **state)
     uint32_t first = 0;
     uint32_t joined = 0;
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -160,13 +154,12 @@ static void owner__a_killed_daemon_keeps_whose_scene_it_was(void **state)
 
 /* If it failed, whoever speaks the protocol would not hear whose the scene is that was
  * given, or could make one in another user's name. */
-static void owner__answer_says_whose_it_is(void **state)
+CASE(owner__answer_says_whose_it_is)
 {
     struct proto_SCENE_CREATE_request create = {.name = "raw", .share = PCCD_SHARE_OPEN};
     struct proto_SCENE_CREATE_result result;
     static struct test_raw raw;
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -188,13 +181,4 @@ static void owner__answer_says_whose_it_is(void **state)
     test_raw_close(&raw);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(owner__names_belong_to_their_users),
-        cmocka_unit_test(owner__a_killed_daemon_keeps_whose_scene_it_was),
-        cmocka_unit_test(owner__answer_says_whose_it_is),
-    };
-
-    return cmocka_run_group_tests_name("owner", tests, setup, teardown);
-}
+CASES_WITH(setup, teardown);

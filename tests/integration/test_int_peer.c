@@ -7,11 +7,9 @@
  * Threads: one in each process. More than 600 lines: each lie has its script and its
  * test, on one fake daemon.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,8 +18,6 @@
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "codec.h"
 #include "daemon.h"
@@ -44,11 +40,10 @@ static void choose_another_version(void)
 }
 
 /* If it failed, the library would speak a protocol that it does not know. */
-static void peer__that_chooses_an_unknown_version_is_left(void **state)
+CASE_WITH(peer__that_chooses_an_unknown_version_is_left, NULL, false_stop)
 {
     struct pccd_client *client = NULL;
 
-    (void)state;
     false_start(choose_another_version);
     assert_int_equal(false_connect(&client), PCCD_E_VERSION);
     assert_null(client);
@@ -62,12 +57,11 @@ static void say_nothing(void)
 }
 
 /* If it failed, a daemon that hangs would hang a program that starts. */
-static void peer__that_says_nothing_is_a_timeout(void **state)
+CASE_WITH(peer__that_says_nothing_is_a_timeout, NULL, false_stop)
 {
     struct pccd_client *client = NULL;
     uint64_t begin_ms = test_now_ms();
 
-    (void)state;
     false_start(say_nothing);
     assert_int_equal(false_connect(&client), PCCD_E_TIMEOUT);
     assert_true(test_now_ms() - begin_ms >= FALSE_TIMEOUT_MS);
@@ -87,11 +81,10 @@ static void go_away(void)
 }
 
 /* If it failed, the user would not learn why the daemon closed. */
-static void peer__that_says_goodbye_is_quoted(void **state)
+CASE_WITH(peer__that_says_goodbye_is_quoted, NULL, false_stop)
 {
     struct pccd_client *client = NULL;
 
-    (void)state;
     false_start(go_away);
     assert_int_equal(false_connect(&client), PCCD_E_SHUTDOWN);
     assert_non_null(strstr(pccd_error_text(NULL), "lunch"));
@@ -106,11 +99,10 @@ static void talk_nonsense(void)
 }
 
 /* If it failed, a malformed answer would crash the program or be waited for. */
-static void peer__that_talks_nonsense_is_disconnected(void **state)
+CASE_WITH(peer__that_talks_nonsense_is_disconnected, NULL, false_stop)
 {
     struct pccd_client *client;
 
-    (void)state;
     false_start(talk_nonsense);
     client = false_connect_good();
     assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
@@ -171,9 +163,8 @@ static void lie_about_memory(void)
 }
 
 /* If it failed, the library would write or read outside its mappings. */
-static void peer__that_lies_about_memory_is_not_believed(void **state)
+CASE_WITH(peer__that_lies_about_memory_is_not_believed, NULL, false_stop)
 {
-    (void)state;
     for (lie = 0; lie < 10; lie++) {
         struct pccd_client *client;
         uint64_t step = 0;
@@ -224,13 +215,12 @@ static void lie_about_pages(void)
 }
 
 /* If it failed, the user would be handed records that lie outside the mapping. */
-static void peer__that_lies_about_pages_is_not_believed(void **state)
+CASE_WITH(peer__that_lies_about_pages_is_not_believed, NULL, false_stop)
 {
     struct pccd_client *client;
     struct pccd_answer answered = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
-    (void)state;
     false_start(lie_about_pages);
     client = false_connect_good();
     for (int i = 0; i < 10; i++) {
@@ -286,7 +276,7 @@ static void give_nothing(void)
 
 /* If it failed, a daemon could end its user's program by giving the handle 0, or the
  * program would go on with the handle of nothing. */
-static void peer__that_gives_no_handle_is_refused(void **state)
+CASE_WITH(peer__that_gives_no_handle_is_refused, NULL, false_stop)
 {
     static const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     static const uint32_t triangle[1][3] = {{0, 1, 2}};
@@ -295,7 +285,6 @@ static void peer__that_gives_no_handle_is_refused(void **state)
     struct pccd_client *client;
     uint32_t scene = 99, object = 99, mesh = 99;
 
-    (void)state;
     false_start(give_nothing);
     client = false_connect_good();
     assert_int_equal(pccd_scene_create(client, NULL, &scene), PCCD_E_BADMSG);
@@ -332,13 +321,12 @@ static void answer_backwards(void)
 }
 
 /* If it failed, an answer would be taken for another one, or taken twice. */
-static void peer__that_answers_in_any_order_is_understood(void **state)
+CASE_WITH(peer__that_answers_in_any_order_is_understood, NULL, false_stop)
 {
     struct pccd_client *client;
     struct pccd_answer answered = PCCD_ANSWER_INIT;
     uint64_t steps[4];
 
-    (void)state;
     false_start(answer_backwards);
     client = false_connect_good();
     for (int i = 0; i < 4; i++) {
@@ -361,14 +349,13 @@ static void stop_answering(void)
 }
 
 /* If it failed, a client of a daemon that hangs would hang, or take more and more. */
-static void peer__that_stops_answering_bounds_what_is_begun(void **state)
+CASE_WITH(peer__that_stops_answering_bounds_what_is_begun, NULL, false_stop)
 {
     struct pccd_client *client;
     struct pccd_answer answered = PCCD_ANSWER_INIT;
     uint64_t steps[5];
     uint64_t begin_ms;
 
-    (void)state;
     false_start(stop_answering);
     client = false_connect_good();
     for (int i = 0; i < 4; i++) {
@@ -389,7 +376,7 @@ static void peer__that_stops_answering_bounds_what_is_begun(void **state)
 
 /* Without a look at who listens, a user who puts a socket where another's daemon will be
  * would be sent that user's meshes. */
-static void peer__of_another_user_is_not_spoken_to(void **state)
+CASE(peer__of_another_user_is_not_spoken_to)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     struct pccd_options options;
@@ -399,7 +386,6 @@ static void peer__of_another_user_is_not_spoken_to(void **state)
     int listener;
     int accepted;
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -472,13 +458,12 @@ static void refuse_once(void)
 /* If it failed, a thousand clients of a daemon that has crashed would wait for one more
  * round trip of each other; or what was sent behind a hello that is refused would be
  * lost, or have the refusal for its answer. */
-static void peer__that_refuses_hello_has_not_answered_what_came_behind(void **state)
+CASE_WITH(peer__that_refuses_hello_has_not_answered_what_came_behind, NULL, false_stop)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
     struct pccd_link_info info;
 
-    (void)state;
     false_start(refuse_once);
     pccd_options_init(&options);
     options.url = false_daemon.url;
@@ -555,7 +540,7 @@ static void hold_once_more(void)
 
 /* If it failed, who waits until a frame is held would step before it is, in a daemon that
  * has taken over, and the frame be left behind. */
-static void peer__that_takes_over_holds_what_it_says_itself(void **state)
+CASE_WITH(peer__that_takes_over_holds_what_it_says_itself, NULL, false_stop)
 {
     const struct pccd_step_settings hold = {
         .struct_bytes = sizeof(struct pccd_step_settings), .hold = true};
@@ -564,7 +549,6 @@ static void peer__that_takes_over_holds_what_it_says_itself(void **state)
     struct pccd_link_info info;
     uint64_t step = 0;
 
-    (void)state;
     false_start(hold_once_more);
     pccd_options_init(&options);
     options.url = false_daemon.url;
@@ -578,31 +562,4 @@ static void peer__that_takes_over_holds_what_it_says_itself(void **state)
     assert_int_equal(pccd_ping(client, NULL), 0);
     assert_int_equal(pccd_wait_held(client, step, 0), 0);
     pccd_close(client);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(peer__that_chooses_an_unknown_version_is_left,
-                                  false_stop),
-        cmocka_unit_test_teardown(peer__that_says_nothing_is_a_timeout, false_stop),
-        cmocka_unit_test_teardown(peer__that_says_goodbye_is_quoted, false_stop),
-        cmocka_unit_test_teardown(peer__that_talks_nonsense_is_disconnected, false_stop),
-        cmocka_unit_test_teardown(peer__that_lies_about_memory_is_not_believed,
-                                  false_stop),
-        cmocka_unit_test_teardown(peer__that_lies_about_pages_is_not_believed,
-                                  false_stop),
-        cmocka_unit_test_teardown(peer__that_gives_no_handle_is_refused, false_stop),
-        cmocka_unit_test_teardown(peer__that_answers_in_any_order_is_understood,
-                                  false_stop),
-        cmocka_unit_test_teardown(peer__that_stops_answering_bounds_what_is_begun,
-                                  false_stop),
-        cmocka_unit_test(peer__of_another_user_is_not_spoken_to),
-        cmocka_unit_test_teardown(
-            peer__that_refuses_hello_has_not_answered_what_came_behind, false_stop),
-        cmocka_unit_test_teardown(peer__that_takes_over_holds_what_it_says_itself,
-                                  false_stop),
-    };
-
-    return cmocka_run_group_tests_name("peer", tests, NULL, NULL);
 }

@@ -3,14 +3,10 @@
  * Say over a socket what the document says, without the library, and look at the bytes of
  * what comes back.
  */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "cases.h"
 
-#include <cmocka.h>
+#include <math.h>
+#include <string.h>
 
 #include "fixture.h"
 #include "prng.h"
@@ -93,12 +89,11 @@ static void make_scene(const char *name)
 
 /* If it failed, a client that mixes up its two versions would be told that there is no
  * common one, and be dropped, or one that says hello twice would lose its session. */
-static void hello__upside_down_or_twice_is_refused_and_nothing_is_lost(void **state)
+CASE_WITH(hello__upside_down_or_twice_is_refused_and_nothing_is_lost, open_raw, close_raw)
 {
     const struct proto_HELLO_request upside_down = {.version_min = 2, .version_max = 1};
     const struct proto_HELLO_request again = {.version_min = 1, .version_max = 1};
     struct proto_SCENE_DESTROY_request destroy = {0};
-    (void)state;
     refuse(PROTO_METHOD_HELLO, &upside_down, PCCD_E_INVAL, "version_min 2");
     make_scene("");
     refuse(PROTO_METHOD_HELLO, &again, PCCD_E_STATE, "already");
@@ -110,13 +105,12 @@ static void hello__upside_down_or_twice_is_refused_and_nothing_is_lost(void **st
 
 /* If it failed, who waits for another session's scene could not tell that from a mistake
  * of its own. */
-static void status__a_shared_scene_that_is_not_there_is_again(void **state)
+CASE_WITH(status__a_shared_scene_that_is_not_there_is_again, open_raw, close_raw)
 {
     const struct proto_SCENE_CREATE_request attach = {.name = "later", .share = 2};
     const struct proto_SCENE_CREATE_request make = {.name = "later", .share = 0};
     struct proto_SCENE_CREATE_result result;
     struct test_raw other;
-    (void)state;
     assert_int_equal(test_raw_hello(&raw), 0);
     refuse(PROTO_METHOD_SCENE_CREATE, &attach, PCCD_E_AGAIN, "later");
     assert_true(test_raw_open(&other, test_shared.socket));
@@ -128,13 +122,12 @@ static void status__a_shared_scene_that_is_not_there_is_again(void **state)
 }
 
 /* If it failed, a method would need the shared memory, or not, against what is said. */
-static void status__what_needs_the_ring_is_refused_before_it(void **state)
+CASE_WITH(status__what_needs_the_ring_is_refused_before_it, open_raw, close_raw)
 {
     struct proto_SCENE_CREATE_request create = {.share = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_MESH_CREATE_request announce = {.vertex_count = 3, .triangle_count = 1};
     struct proto_MESH_CREATE_result announced;
-    (void)state;
     assert_int_equal(test_raw_hello(&raw), 0);
     call(PROTO_METHOD_SCENE_CREATE, &create, &created);
     call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
@@ -155,12 +148,11 @@ static void status__what_needs_the_ring_is_refused_before_it(void **state)
 
 /* If it failed, who brings handles back to another daemon would not learn why one cannot
  * be had, or what a scene may have would be said to be something else. */
-static void status__a_handle_that_cannot_be_had_says_why(void **state)
+CASE_WITH(status__a_handle_that_cannot_be_had_says_why, open_raw, close_raw)
 {
     struct proto_SCENE_CREATE_request create = {.share = 0};
     struct proto_MESH_CREATE_request announce = {.vertex_count = 3, .triangle_count = 1};
     struct proto_MESH_CREATE_result announced;
-    (void)state;
     assert_int_equal(test_raw_hello(&raw), 0);
     call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
     announce.want = announced.mesh;
@@ -184,14 +176,13 @@ static void status__a_handle_that_cannot_be_had_says_why(void **state)
 
 /* If it failed, a client would take a counter that is left out for one that the daemon
  * does not have, or wait for one in vain. */
-static void stats__leave_out_what_is_zero_and_not_needed(void **state)
+CASE_WITH(stats__leave_out_what_is_zero_and_not_needed, open_raw, close_raw)
 {
     const struct proto_STATS_request request = {.reserved = 0};
     const struct proto_fields *fields = &proto_messages[PROTO_METHOD_STATS].result;
     struct proto_STATS_result result;
     uint32_t zeros = 0;
     uint32_t absent = 0;
-    (void)state;
     assert_int_equal(test_raw_hello(&raw), 0);
     memset(raw.message, 0, sizeof raw.message); /* nothing of older messages */
     call(PROTO_METHOD_STATS, &request, &result);
@@ -221,7 +212,7 @@ static uint64_t done_seq(void)
 
 /* If it failed, a client that watches done_seq would not see that the answer has come,
  * or would count on it where nothing is computed. */
-static void done_seq__counts_lists_of_pairs_and_no_other_lists(void **state)
+CASE_WITH(done_seq__counts_lists_of_pairs_and_no_other_lists, open_raw, close_raw)
 {
     struct proto_SCENE_IGNORE_request ignore = {.ignored = true};
     struct proto_LIST_PAIR_request pair = {0};
@@ -229,7 +220,6 @@ static void done_seq__counts_lists_of_pairs_and_no_other_lists(void **state)
     struct proto_LIST_OBJECT_request object = {0};
     struct proto_LIST_OBJECT_result listed;
     uint64_t before = 0;
-    (void)state;
     make_scene("");
     object.scene = pair.scene = ignore.scene = scene;
     ignore.a = objects[0];
@@ -270,10 +260,9 @@ static void fall(float z0, float z1, uint32_t mode,
 }
 
 /* If it failed, a client would read a verdict or a time that the mode does not give. */
-static void answer__fields_outside_their_mode_are_as_said(void **state)
+CASE_WITH(answer__fields_outside_their_mode_are_as_said, open_raw, close_raw)
 {
     struct proto_FRAME_SUBMIT_result answer;
-    (void)state;
     make_scene("");
     for (uint32_t mode = PCCD_MODE_ALL; mode < PCCD_MODE_COUNT; mode++) {
         bool has_contacts = mode == PCCD_MODE_ALL || mode == PCCD_MODE_FIRST;
@@ -357,7 +346,7 @@ static void check_step(const struct proto_FRAME_SUBMIT_request *submit,
 
 /* If it failed, a reader that was written by the document would take a journal apart at
  * the wrong bytes. */
-static void journal__is_laid_out_as_the_document_says(void **state)
+CASE_WITH(journal__is_laid_out_as_the_document_says, open_raw, close_raw)
 {
     struct proto_SCENE_JOURNAL_request ask = {.begin = MIB};
     struct proto_SCENE_JOURNAL_result page;
@@ -372,7 +361,6 @@ static void journal__is_laid_out_as_the_document_says(void **state)
         struct proto_SCENE_IGNORE_request ignore;
         struct proto_SCENE_REMOVE_request remove;
     } told;
-    (void)state;
     make_scene("journal");
     ask.scene = set.scene = ignore.scene = remove.scene = scene;
     set.object = ignore.a = remove.object = objects[1];
@@ -482,7 +470,7 @@ static void read_step(double x[2][3][3])
 
 /* If it failed, whoever computes rigid motion by the document, as to verify an answer or
  * to place objects again, would have other bits than the daemon. */
-static void rigid__has_the_bits_of_the_document_part_by_part(void **state)
+CASE_WITH(rigid__has_the_bits_of_the_document_part_by_part, open_raw, close_raw)
 {
     struct proto_FRAME_SUBMIT_request submit = {.segments = 2};
     struct proto_FRAME_SUBMIT_result answer;
@@ -490,7 +478,6 @@ static void rigid__has_the_bits_of_the_document_part_by_part(void **state)
     double expected[2][3][3];
     double found[2][3][3];
     uint32_t others = 0;
-    (void)state;
     make_scene_with("rigid", rest_x);
     submit.scene = scene;
     for (int i = 0; i < 200; i++) {
@@ -505,14 +492,13 @@ static void rigid__has_the_bits_of_the_document_part_by_part(void **state)
 }
 
 /* If it failed, vertices that a rigid segment does not name would be dragged along. */
-static void rigid__leaves_the_rest_of_the_object_where_it_is(void **state)
+CASE_WITH(rigid__leaves_the_rest_of_the_object_where_it_is, open_raw, close_raw)
 {
     struct proto_FRAME_SUBMIT_request submit = {.segments = 1};
     struct prng prng = {prng_seed()};
     double expected[2][3][3];
     double found[2][3][3];
     uint32_t others = 0;
-    (void)state;
     make_scene_with("part", rest_x);
     submit.scene = scene;
     for (uint32_t i = 0; i < 9; i++) {
@@ -526,8 +512,6 @@ static void rigid__leaves_the_rest_of_the_object_where_it_is(void **state)
     assert_memory_equal(found, expected, sizeof found);
 }
 
-#define TEST(function) cmocka_unit_test_setup_teardown(function, open_raw, close_raw)
-
 static int start(void **state)
 {
     static const char *const options[] = {"--scenes-max", "64", NULL};
@@ -536,19 +520,4 @@ static int start(void **state)
     return test_shared_start_with(options);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        TEST(hello__upside_down_or_twice_is_refused_and_nothing_is_lost),
-        TEST(status__a_shared_scene_that_is_not_there_is_again),
-        TEST(status__what_needs_the_ring_is_refused_before_it),
-        TEST(status__a_handle_that_cannot_be_had_says_why),
-        TEST(stats__leave_out_what_is_zero_and_not_needed),
-        TEST(done_seq__counts_lists_of_pairs_and_no_other_lists),
-        TEST(answer__fields_outside_their_mode_are_as_said),
-        TEST(journal__is_laid_out_as_the_document_says),
-        TEST(rigid__has_the_bits_of_the_document_part_by_part),
-        TEST(rigid__leaves_the_rest_of_the_object_where_it_is),
-    };
-    return cmocka_run_group_tests_name("protocol", tests, start, test_shared_stop);
-}
+CASES_WITH(start, test_shared_stop);

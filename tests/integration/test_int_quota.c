@@ -3,19 +3,15 @@
  * Meshes, objects and answers that do not fit, and what is left afterwards; the bound of
  * all users. Other quotas are in test_int_session.c and test_int_replace.c.
  */
+#include "cases.h"
+
 #include <grp.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -66,7 +62,7 @@ static int fall(struct stack *stack, struct pccd_answer *answer)
 
 /* If it failed, the records of answers would be memory that nobody is charged for: a few
  * triangles are enough to fill the machine. */
-static void memory__of_answers_is_bounded(void **state)
+CASE(memory__of_answers_is_bounded)
 {
     static const char *const options[] = {"--memory-max-mib", "24", NULL};
     struct test_daemon daemon;
@@ -75,7 +71,6 @@ static void memory__of_answers_is_bounded(void **state)
     struct stack stack;
     uint64_t before;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -99,7 +94,7 @@ static void memory__of_answers_is_bounded(void **state)
 }
 
 /* If it failed, the quota would refuse what fits, or cut an answer without need. */
-static void memory__within_the_quota_answers_are_whole(void **state)
+CASE(memory__within_the_quota_answers_are_whole)
 {
     static const char *const options[] = {"--memory-max-mib", "256", NULL};
     struct test_daemon daemon;
@@ -107,7 +102,6 @@ static void memory__within_the_quota_answers_are_whole(void **state)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct stack stack;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -126,7 +120,7 @@ static void memory__within_the_quota_answers_are_whole(void **state)
 
 /* If it failed, a mesh could take what its user may not have, or its refusal break what
  * is there, or stay for ever. */
-static void memory__of_meshes_and_hierarchies_is_bounded(void **state)
+CASE(memory__of_meshes_and_hierarchies_is_bounded)
 {
     static const char *const options[] = {"--memory-max-mib", "16", NULL};
     struct test_daemon daemon;
@@ -135,7 +129,6 @@ static void memory__of_meshes_and_hierarchies_is_bounded(void **state)
     struct test_crossing crossing;
     struct test_grid grid;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     other = test_connect(daemon.url);
     client = test_connect(daemon.url);
@@ -175,7 +168,7 @@ static void memory__of_meshes_and_hierarchies_is_bounded(void **state)
 
 /* If it failed, a batch of many scenes would meet the quota of triangles, though all of
  * them have one mesh; or a mesh more than that quota would be let in. */
-static void objects__share_the_triangles_of_their_mesh(void **state)
+CASE(objects__share_the_triangles_of_their_mesh)
 {
     static const char *const options[] = {"--triangles-max", "19", NULL};
     struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
@@ -184,7 +177,6 @@ static void objects__share_the_triangles_of_their_mesh(void **state)
     struct test_farm farm;
     uint32_t mesh = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -228,7 +220,7 @@ static uint32_t fill_scenes(struct pccd_client *client, uint32_t mesh, uint32_t 
 
 /* If it failed, objects, which cost no triangles, would cost nothing: one mesh would do
  * to take all the memory of the machine; or what they took would be gone for ever. */
-static void objects__cost_the_memory_that_they_take(void **state)
+CASE(objects__cost_the_memory_that_they_take)
 {
     enum { MIB = 16, MOST = 4000 };
     static const char *const options[] = {"--memory-max-mib", "16", NULL};
@@ -239,7 +231,6 @@ static void objects__cost_the_memory_that_they_take(void **state)
     uint64_t before = 0;
     uint32_t most[2];
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -286,7 +277,7 @@ static void take_ring(const struct test_daemon *daemon, int told)
 
 /* If it failed, users who each keep to their quotas could together take all the memory
  * that the machine has. */
-static void memory__of_all_users_is_bounded(void **state)
+CASE(memory__of_all_users_is_bounded)
 {
     static const char *const options[] = {"--memory-total-mib", "96", "--allow-uid",
                                           "65534", NULL};
@@ -300,7 +291,6 @@ static void memory__of_all_users_is_bounded(void **state)
     int told[2];
     char byte;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     assert_int_equal(chmod(daemon.directory, 0755), 0);
     assert_int_equal(pipe(told), 0);
@@ -363,7 +353,7 @@ static void memory__of_all_users_is_bounded(void **state)
 
 /* If it failed, meshes that are only announced would be memory that nobody is charged
  * for. */
-static void meshes__cost_memory_before_they_are_filled(void **state)
+CASE(meshes__cost_memory_before_they_are_filled)
 {
     static const char *const options[] = {"--memory-max-mib", "8", NULL};
     const struct proto_MESH_CREATE_request create = {.vertex_count = 3,
@@ -374,7 +364,6 @@ static void meshes__cost_memory_before_they_are_filled(void **state)
     uint32_t meshes = 0;
     uint64_t before;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -436,7 +425,7 @@ static uint64_t held_by(const struct test_raw *raw)
 
 /* If it failed, clients could take as much memory as their rings are large, all together
  * many times a quota, and nobody would be charged. */
-static void memory__that_nobody_was_given_is_charged_and_freed(void **state)
+CASE(memory__that_nobody_was_given_is_charged_and_freed)
 {
     static struct test_raw raw;
     struct test_daemon daemon;
@@ -444,7 +433,6 @@ static void memory__that_nobody_was_given_is_charged_and_freed(void **state)
     uint64_t before;
     uint64_t most = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -467,14 +455,13 @@ static void memory__that_nobody_was_given_is_charged_and_freed(void **state)
 }
 
 /* If it failed, a client could go on to take what its user's quota does not bear. */
-static void memory__that_the_quota_does_not_bear_ends_the_session(void **state)
+CASE(memory__that_the_quota_does_not_bear_ends_the_session)
 {
     static const char *const options[] = {"--shm-max-mib", "24", NULL};
     static struct test_raw raw[2];
     struct test_daemon daemon;
     int status = PCCD_E_TIMEOUT;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     attach_sparsely(&raw[0], daemon.socket);
     attach_sparsely(&raw[1], daemon.socket);
@@ -490,21 +477,4 @@ static void memory__that_the_quota_does_not_bear_ends_the_session(void **state)
     test_raw_close(&raw[0]);
     test_raw_close(&raw[1]);
     assert_true(test_daemon_finish(&daemon));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory__of_answers_is_bounded),
-        cmocka_unit_test(memory__within_the_quota_answers_are_whole),
-        cmocka_unit_test(memory__of_meshes_and_hierarchies_is_bounded),
-        cmocka_unit_test(memory__of_all_users_is_bounded),
-        cmocka_unit_test(objects__share_the_triangles_of_their_mesh),
-        cmocka_unit_test(objects__cost_the_memory_that_they_take),
-        cmocka_unit_test(meshes__cost_memory_before_they_are_filled),
-        cmocka_unit_test(memory__that_nobody_was_given_is_charged_and_freed),
-        cmocka_unit_test(memory__that_the_quota_does_not_bear_ends_the_session),
-    };
-
-    return cmocka_run_group_tests_name("quota", tests, NULL, NULL);
 }

@@ -4,19 +4,15 @@
  * client's work; cut connections; compare every answer with those of a client that nobody
  * disturbs.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -132,12 +128,11 @@ static void make_both(struct test_grid *a, struct test_grid *b, uint32_t side)
 }
 
 /* If it failed, an idle client would have lost all it registered when the daemon dies. */
-static void reconnect__goes_on_after_a_kill_while_idle(void **state)
+CASE_WITH(reconnect__goes_on_after_a_kill_while_idle, setup, teardown)
 {
     struct test_grid a;
     struct test_grid b;
 
-    (void)state;
     make_both(&a, &b, SIDE);
     kill_worker(fixture.client); /* registered, and nothing has moved yet */
     for (int i = 0; i < 6; i++) {
@@ -155,7 +150,7 @@ static void reconnect__goes_on_after_a_kill_while_idle(void **state)
 
 /* If it failed, steps in flight at a crash would be lost, answered twice or in another
  * order, or begin from the wrong place. */
-static void reconnect__answers_steps_in_flight_once(void **state)
+CASE_WITH(reconnect__answers_steps_in_flight_once, setup, teardown)
 {
     struct test_grid a;
     struct test_grid b;
@@ -163,7 +158,6 @@ static void reconnect__answers_steps_in_flight_once(void **state)
     uint64_t steps_a[DEPTH];
     uint64_t steps_b[DEPTH];
 
-    (void)state;
     make_both(&a, &b, SIDE);
     for (unsigned round = 0; round < 12; round++) {
         pid_t killer = kill_worker_later(fixture.client, round % 6);
@@ -253,13 +247,12 @@ static bool give_to_four_daemons(struct test_grid *grid, uint64_t steps[2])
 
 /* If it failed, a step over which the daemon crashes would be given to one daemon after
  * the other, until the supervisor gives up and all other clients are without. */
-static void reconnect__gives_up_a_step_that_ends_every_daemon(void **state)
+CASE_WITH(reconnect__gives_up_a_step_that_ends_every_daemon, setup, teardown)
 {
     struct test_grid grid;
     uint64_t steps[2];
     int attempts = 0;
 
-    (void)state;
     /* Large: a step must not be done between its submission and the kill. */
     assert_int_equal(test_grid_make(fixture.client, 300, &grid), 0);
     for (bool is_over = false; !is_over; attempts++) {
@@ -273,11 +266,10 @@ static void reconnect__gives_up_a_step_that_ends_every_daemon(void **state)
 }
 
 /* If it failed, a crash during registration would leave half a mesh, or an error. */
-static void reconnect__registers_through_a_kill(void **state)
+CASE_WITH(reconnect__registers_through_a_kill, setup, teardown)
 {
     struct test_grid grid;
 
-    (void)state;
     for (unsigned round = 0; round < 6; round++) {
         pid_t killer = kill_worker_later(fixture.client, 2 * round);
 
@@ -297,14 +289,13 @@ static void reconnect__registers_through_a_kill(void **state)
 
 /* If it failed, positions of parts, of both formats or of rigid bodies would come back
  * wrong, and contacts with them. */
-static void reconnect__brings_every_kind_of_position_back(void **state)
+CASE_WITH(reconnect__brings_every_kind_of_position_back, setup, teardown)
 {
     const double still[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     const double turned[12] = {0.8, -0.6, 0, 0.1, 0.6, 0.8, 0, -0.3, 0, 0, 1, -2.1};
     struct test_crossing scenes[2];
     struct pccd_client *clients[2] = {fixture.client, fixture.other};
 
-    (void)state;
     for (int i = 0; i < 2; i++) {
         assert_int_equal(test_crossing_make(clients[i], &scenes[i]), 0);
     }
@@ -353,7 +344,7 @@ static void reconnect__brings_every_kind_of_position_back(void **state)
 
 /* If it failed, a frame being written or an answer being read would change, or be gone,
  * under its user. */
-static void reconnect__keeps_what_the_user_holds(void **state)
+CASE_WITH(reconnect__keeps_what_the_user_holds, setup, teardown)
 {
     struct test_grid a;
     struct test_grid b;
@@ -363,7 +354,6 @@ static void reconnect__keeps_what_the_user_holds(void **state)
     uint64_t steps[2];
     void *x1 = NULL;
 
-    (void)state;
     make_both(&a, &b, SIDE);
     assert_int_equal(test_grid_submit(&a, NULL, &steps[0]), 0);
     assert_int_equal(test_grid_submit(&b, NULL, &steps[1]), 0);
@@ -401,13 +391,12 @@ static void reconnect__keeps_what_the_user_holds(void **state)
 
 /* If it failed, objects of a mesh that was destroyed, or those left when others went,
  * would not come back, or under other handles. */
-static void reconnect__brings_back_what_is_left(void **state)
+CASE_WITH(reconnect__brings_back_what_is_left, setup, teardown)
 {
     struct test_crossing scenes[2];
     struct pccd_client *clients[2] = {fixture.client, fixture.other};
     uint32_t spare = 0;
 
-    (void)state;
     for (int i = 0; i < 2; i++) {
         uint32_t gone = 0;
 
@@ -437,7 +426,7 @@ static void reconnect__brings_back_what_is_left(void **state)
 }
 
 /* If it failed, a connection that is cut would cost what a crash costs, or a step. */
-static void reconnect__resumes_after_a_cut(void **state)
+CASE_WITH(reconnect__resumes_after_a_cut, setup, teardown)
 {
     struct test_grid a;
     struct test_grid b;
@@ -445,7 +434,6 @@ static void reconnect__resumes_after_a_cut(void **state)
     uint64_t steps_a[DEPTH];
     uint64_t steps_b[DEPTH];
 
-    (void)state;
     make_both(&a, &b, SIDE);
     for (unsigned round = 0; round < 10; round++) {
         for (unsigned i = 0; i < DEPTH; i++) {
@@ -470,7 +458,7 @@ static void reconnect__resumes_after_a_cut(void **state)
 }
 
 /* If it failed, a program with a loop of its own would wait in poll, or never be told. */
-static void reconnect__works_by_polling(void **state)
+CASE_WITH(reconnect__works_by_polling, setup, teardown)
 {
     struct test_grid a;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -479,7 +467,6 @@ static void reconnect__works_by_polling(void **state)
     int fd = pccd_fd(fixture.client);
     int status;
 
-    (void)state;
     assert_int_equal(test_grid_make(fixture.client, SIDE, &a), 0);
     assert_int_equal(test_grid_submit(&a, NULL, &step), 0);
     kill_worker(fixture.client);
@@ -495,14 +482,13 @@ static void reconnect__works_by_polling(void **state)
 }
 
 /* If it failed, programs with a daemon of their own would end with it. */
-static void reconnect__starts_a_private_daemon_again(void **state)
+CASE_WITH(reconnect__starts_a_private_daemon_again, setup, teardown)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
     struct test_crossing crossing;
     uint32_t pid;
 
-    (void)state;
     pccd_options_init(&options);
     options.private_daemon = true;
     options.daemon = getenv("PCCDD");
@@ -523,7 +509,7 @@ static void reconnect__starts_a_private_daemon_again(void **state)
 
 /* If it failed, a caller that wants to know of the loss would not hear of it, or one
  * whose daemon never comes back would wait for ever and not know why. */
-static void reconnect__ends_with_the_patience(void **state)
+CASE_WITH(reconnect__ends_with_the_patience, setup, teardown)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
@@ -534,7 +520,6 @@ static void reconnect__ends_with_the_patience(void **state)
     uint64_t begin_ms;
     uint64_t step = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     pccd_options_init(&options);
     options.url = daemon.url;
@@ -564,13 +549,12 @@ static void reconnect__ends_with_the_patience(void **state)
 
 /* If it failed, a client that keeps nothing would be told that all is well when what it
  * registered is gone; or it could not even go on with its session. */
-static void reconnect__without_copies_resumes_only(void **state)
+CASE_WITH(reconnect__without_copies_resumes_only, setup, teardown)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
     struct test_crossing crossing;
 
-    (void)state;
     pccd_options_init(&options);
     options.url = fixture.daemon.url;
     options.no_keep = true;
@@ -583,25 +567,4 @@ static void reconnect__without_copies_resumes_only(void **state)
     assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
     assert_non_null(strstr(pccd_error_text(client), "nothing was kept"));
     pccd_close(client);
-}
-
-#define WITH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        WITH(reconnect__goes_on_after_a_kill_while_idle),
-        WITH(reconnect__answers_steps_in_flight_once),
-        WITH(reconnect__gives_up_a_step_that_ends_every_daemon),
-        WITH(reconnect__registers_through_a_kill),
-        WITH(reconnect__brings_every_kind_of_position_back),
-        WITH(reconnect__keeps_what_the_user_holds),
-        WITH(reconnect__brings_back_what_is_left),
-        WITH(reconnect__resumes_after_a_cut),
-        WITH(reconnect__works_by_polling),
-        WITH(reconnect__starts_a_private_daemon_again),
-        WITH(reconnect__ends_with_the_patience),
-        WITH(reconnect__without_copies_resumes_only),
-    };
-    return cmocka_run_group_tests_name("reconnect", tests, NULL, NULL);
 }

@@ -3,21 +3,17 @@
  * Record sessions of every kind of request, over the death of daemons and of the program
  * itself, and has `pccdctl replay` compare every answer.
  */
+#include "cases.h"
+
 #include <fcntl.h>
-#include <setjmp.h>
 #include <signal.h>
 #include <spawn.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -177,13 +173,12 @@ static void fail_steps(struct stage *stage)
 
 /* If this failed, a kind of request would be missing in recordings, or mean something
  * else when it is repeated. */
-static void record__holds_every_kind_of_request(void **state)
+CASE(record__holds_every_kind_of_request)
 {
     struct pccd_client *client = open_client();
     struct pccd_record_info info;
     struct stage stage;
 
-    (void)state;
     test_recording_clear();
     assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
     make_stage(client, &stage);
@@ -202,13 +197,12 @@ static void record__holds_every_kind_of_request(void **state)
 
 /* If this failed, a recording could only be made from the beginning: what was there
  * before, and where, would be missing. */
-static void record__begins_with_what_there_is(void **state)
+CASE(record__begins_with_what_there_is)
 {
     struct pccd_client *client = open_client();
     struct stage stage;
     uint64_t before;
 
-    (void)state;
     test_recording_clear();
     make_stage(client, &stage);
     move_stage(&stage, -1);
@@ -225,12 +219,11 @@ static void record__begins_with_what_there_is(void **state)
 }
 
 /* If this failed, the death of a daemon would end a recording, or leave a gap in it. */
-static void record__goes_on_when_the_daemon_is_killed(void **state)
+CASE(record__goes_on_when_the_daemon_is_killed)
 {
     struct pccd_client *client = open_client();
     struct stage stage;
 
-    (void)state;
     test_recording_clear();
     assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
     make_stage(client, &stage);
@@ -247,7 +240,7 @@ static void record__goes_on_when_the_daemon_is_killed(void **state)
 
 /* If this failed, the steps of a batch could not be repeated or verified, or those that
  * failed would be left out. */
-static void record__has_a_step_for_each_scene_of_a_batch(void **state)
+CASE(record__has_a_step_for_each_scene_of_a_batch)
 {
     const struct pccd_record_settings with_contacts = {.contacts = 1};
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
@@ -259,7 +252,6 @@ static void record__has_a_step_for_each_scene_of_a_batch(void **state)
     uint64_t step = 0;
     char said[4096];
 
-    (void)state;
     test_recording_clear();
     assert_int_equal(pccd_record_start(client, test_recording, &with_contacts), 0);
     assert_int_equal(test_farm_make(client, 6, 6, &farm), 0);
@@ -327,9 +319,8 @@ static void run_for_ever(int ready)
 
 /* If this failed, the recording of a program that crashes could not be read, and that is
  * the one that somebody wants. */
-static void record__survives_its_program(void **state)
+CASE(record__survives_its_program)
 {
-    (void)state;
     for (unsigned round = 0; round < 4; round++) {
         int ready[2];
         char byte;
@@ -380,14 +371,13 @@ static uint64_t bytes_of(const char *file)
 
 /* If this failed, a recording could fill a disk, or a call would fail because its
  * recording is full. */
-static void record__keeps_its_bound(void **state)
+CASE(record__keeps_its_bound)
 {
     const struct pccd_record_settings settings = {.max_bytes = 65536, .level = -1};
     struct pccd_client *client = open_client();
     struct pccd_record_info info;
     struct test_grid grid;
 
-    (void)state;
     test_recording_clear();
     assert_int_equal(pccd_record_start(client, test_recording, &settings), 0);
     assert_int_equal(test_grid_make(client, 16, &grid), 0);
@@ -402,7 +392,7 @@ static void record__keeps_its_bound(void **state)
 }
 
 /* If this failed, the newest part of a long session could not be had without the rest. */
-static void record__keeps_the_newest_segments(void **state)
+CASE(record__keeps_the_newest_segments)
 {
     const struct pccd_record_settings settings = {
         .max_bytes = 3 * 65536, .segments = 3, .level = -1};
@@ -411,7 +401,6 @@ static void record__keeps_the_newest_segments(void **state)
     struct test_grid grid;
     char name[128];
 
-    (void)state;
     test_recording_clear();
     assert_int_equal(pccd_record_start(client, test_recording, &settings), 0);
     assert_int_equal(test_grid_make(client, 16, &grid), 0);
@@ -461,7 +450,7 @@ static void reshape(struct stage *stage, uint32_t count, float by)
 
 /* If this failed, a ring of segments would fill a disk with what is made between two
  * steps, or lose what was made when a segment was full. */
-static void record__meshes_keep_the_bound_of_a_ring(void **state)
+CASE(record__meshes_keep_the_bound_of_a_ring)
 {
     const struct pccd_record_settings settings = {
         .max_bytes = 3 * 65536, .segments = 3, .level = -1};
@@ -470,7 +459,6 @@ static void record__meshes_keep_the_bound_of_a_ring(void **state)
     struct stage stage;
     char older[128];
 
-    (void)state;
     test_recording_clear();
     assert_int_equal(pccd_record_start(client, test_recording, &settings), 0);
     make_stage(client, &stage);
@@ -493,7 +481,7 @@ static void record__meshes_keep_the_bound_of_a_ring(void **state)
 }
 
 /* If this failed, somebody would lose an older recording, or get one with a hole. */
-static void record__is_refused_where_it_could_not_be_whole(void **state)
+CASE(record__is_refused_where_it_could_not_be_whole)
 {
     const struct pccd_record_settings too_small = {.max_bytes = 100};
     const struct pccd_record_settings unbounded = {.segments = 2};
@@ -503,7 +491,6 @@ static void record__is_refused_where_it_could_not_be_whole(void **state)
     struct stage stage;
     char beside[128];
 
-    (void)state;
     test_recording_clear();
     (void)snprintf(beside, sizeof beside, "%s-beside", test_recording);
     assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_STATE);
@@ -533,14 +520,13 @@ static void record__is_refused_where_it_could_not_be_whole(void **state)
 
 /* If this failed, a program would have to be changed to be recorded, or two of its
  * clients would write into one file. */
-static void environment__records_every_client(void **state)
+CASE(environment__records_every_client)
 {
     struct pccd_client *clients[2];
     struct pccd_options options;
     struct stage stages[2];
     char name[128];
 
-    (void)state;
     test_recording_clear();
     pccd_options_init(&options);
     options.url = daemon_.url;
@@ -563,19 +549,4 @@ static void environment__records_every_client(void **state)
     test_recording_repeats("--json", name, stages[1].steps);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(record__holds_every_kind_of_request),
-        cmocka_unit_test(record__begins_with_what_there_is),
-        cmocka_unit_test(record__goes_on_when_the_daemon_is_killed),
-        cmocka_unit_test(record__has_a_step_for_each_scene_of_a_batch),
-        cmocka_unit_test(record__survives_its_program),
-        cmocka_unit_test(record__keeps_its_bound),
-        cmocka_unit_test(record__keeps_the_newest_segments),
-        cmocka_unit_test(record__meshes_keep_the_bound_of_a_ring),
-        cmocka_unit_test(record__is_refused_where_it_could_not_be_whole),
-        cmocka_unit_test(environment__records_every_client),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

@@ -3,15 +3,11 @@
  * Record sessions that change masks and pairs, from the beginning and from the middle,
  * and have pccdctl repeat and verify them, with a daemon and without.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "recording.h"
@@ -175,13 +171,12 @@ static void assert_repeats(const char *file, uint64_t steps)
 
 /* If this failed, a session that sets a mask would be repeated without it, or contacts
  * that it forbids would be missed by who verifies it. */
-static void record__holds_masks_and_pairs(void **state)
+CASE(record__holds_masks_and_pairs)
 {
     const struct pccd_record_settings settings = {.contacts = 1};
     struct pccd_record_info info;
     struct play play;
 
-    (void)state;
     test_recording_clear();
     begin_play(&play, &settings);
     change(&play);
@@ -194,13 +189,12 @@ static void record__holds_masks_and_pairs(void **state)
 
 /* If this failed, what held when a recording began would be missing in it; to begin it
  * in any other state must do, too. */
-static void record__begins_with_masks_and_pairs(void **state)
+CASE(record__begins_with_masks_and_pairs)
 {
     const struct pccd_record_settings settings = {.contacts = 1};
     struct play play;
     uint64_t before;
 
-    (void)state;
     test_recording_clear();
     open_play(&play);
     change(&play);
@@ -220,14 +214,13 @@ static void record__begins_with_masks_and_pairs(void **state)
 }
 
 /* If this failed, the newest part of a long session would not stand by itself. */
-static void record__segments_have_masks_and_pairs(void **state)
+CASE(record__segments_have_masks_and_pairs)
 {
     const struct pccd_record_settings settings = {.max_bytes = 16384, .segments = 2};
     char older[128], said[4096];
     struct pccd_record_info info;
     struct play play;
 
-    (void)state;
     test_recording_clear();
     (void)snprintf(older, sizeof older, "%s.1", test_recording);
     begin_play(&play, &settings);
@@ -246,13 +239,4 @@ static void record__segments_have_masks_and_pairs(void **state)
     assert_int_equal(test_ctl("verify", "--repeat", older, said, sizeof said), 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(record__holds_masks_and_pairs),
-        cmocka_unit_test(record__begins_with_masks_and_pairs),
-        cmocka_unit_test(record__segments_have_masks_and_pairs),
-    };
-    return cmocka_run_group_tests_name("int_record_filter", tests, test_recording_start,
-                                       test_recording_stop);
-}
+CASES_WITH(test_recording_start, test_recording_stop);

@@ -3,16 +3,12 @@
  * Two clients move a scene in every way that there is, and one of them is recorded;
  * pccdctl repeats and verifies what it was answered, with a daemon and without.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "prng.h"
@@ -299,12 +295,11 @@ static void assert_repeats(uint64_t least)
 
 /* If this failed, what others move, or what their objects are, would be missing in a
  * recording, or stand in another order than the daemon did it. */
-static void record__holds_what_others_do(void **state)
+CASE(record__holds_what_others_do)
 {
     const struct pccd_record_settings settings = {.contacts = 1};
     struct pccd_record_info info;
 
-    (void)state;
     for (int round = 0; round < 6; round++) {
         struct member a, b;
 
@@ -339,11 +334,10 @@ static void record__holds_what_others_do(void **state)
 }
 
 /* If this failed, a game could not begin to record while others are there. */
-static void record__begins_with_what_others_have_done(void **state)
+CASE(record__begins_with_what_others_have_done)
 {
     struct pccd_record_info info;
 
-    (void)state;
     if (test_is_direct()) {
         test_skip("with direct: nothing is kept of what was before");
     }
@@ -399,12 +393,11 @@ static void move_both(struct member *member, struct member *other)
 
 /* If this failed, what is near where the last step began would be looked for, in a
  * recording, where it ended: a step from before it began, or a still one of another. */
-static void record__knows_where_the_last_step_began(void **state)
+CASE(record__knows_where_the_last_step_began)
 {
     struct pccd_record_info info;
     struct member a, b;
 
-    (void)state;
     if (test_is_direct()) {
         test_skip("with direct: nothing is kept of what was before");
     }
@@ -434,13 +427,12 @@ static void record__knows_where_the_last_step_began(void **state)
 }
 
 /* If this failed, a recording that cannot be right would look as if it were. */
-static void record__ends_where_it_would_not_be_whole(void **state)
+CASE(record__ends_where_it_would_not_be_whole)
 {
     const struct pccd_record_settings ring = {.max_bytes = 1 << 20, .segments = 2};
     struct pccd_record_info info;
     struct member a;
 
-    (void)state;
     test_recording_clear();
     connect_member(&a, 0);
     assert_int_equal(pccd_record_start(a.client, test_recording, &ring), 0);
@@ -452,7 +444,7 @@ static void record__ends_where_it_would_not_be_whole(void **state)
 
 /* If this failed, a daemon that takes the place of a lost one would be trusted to know
  * what others did before; or who looks at the recording be told that it wants room. */
-static void record__ends_when_the_daemon_is_lost(void **state)
+CASE(record__ends_when_the_daemon_is_lost)
 {
     static const char *const options[] = {"--supervise", NULL};
     struct test_daemon daemon;
@@ -460,7 +452,6 @@ static void record__ends_when_the_daemon_is_lost(void **state)
     struct member a, b;
     char said[4096];
 
-    (void)state;
     if (test_is_direct()) {
         test_skip("with direct: there is no daemon to lose");
     }
@@ -490,15 +481,4 @@ static void record__ends_when_the_daemon_is_lost(void **state)
     (void)test_daemon_finish(&daemon);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(record__holds_what_others_do),
-        cmocka_unit_test(record__begins_with_what_others_have_done),
-        cmocka_unit_test(record__knows_where_the_last_step_began),
-        cmocka_unit_test(record__ends_where_it_would_not_be_whole),
-        cmocka_unit_test(record__ends_when_the_daemon_is_lost),
-    };
-    return cmocka_run_group_tests_name("int_record_shared", tests, test_recording_start,
-                                       test_recording_stop);
-}
+CASES_WITH(test_recording_start, test_recording_stop);

@@ -1,17 +1,13 @@
 /* test_int_refused.c - clients beyond the quota, more than have places. */
+#include "cases.h"
+
 #include <grp.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -23,7 +19,7 @@
 
 /* If it failed, a client that comes when many are refused already would be cut off and
  * not told why; or those that are would take the places of others. */
-static void refused__every_client_beyond_the_quota_hears_so(void **state)
+CASE(refused__every_client_beyond_the_quota_hears_so)
 {
     const char *const options[] = {"--clients-max", "8", "--connections-max", "64", NULL};
     static struct test_raw raws[BEYOND];
@@ -34,7 +30,6 @@ static void refused__every_client_beyond_the_quota_hears_so(void **state)
     unsigned heard = 0;
     unsigned told = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -90,7 +85,7 @@ static void crowd(const struct test_daemon *daemon, int told)
 }
 
 /* If it failed, those who are refused could use up the descriptors of others. */
-static void refused__give_way_when_descriptors_are_short(void **state)
+CASE(refused__give_way_when_descriptors_are_short)
 {
     const char *const options[] = {"--allow-gid", "54321", NULL};
     static struct test_raw clients[40];
@@ -101,7 +96,6 @@ static void refused__give_way_when_descriptors_are_short(void **state)
     int told[2];
     char byte;
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -148,7 +142,7 @@ static int observe(const char *url, struct pccd_client **client)
 
 /* If it failed, a user who has as many clients as may be could not see that, nor let more
  * in, as pccdctl doctor advises. */
-static void refused__who_observes_takes_no_place(void **state)
+CASE(refused__who_observes_takes_no_place)
 {
     const char *const options[] = {"--clients-max", "1", NULL};
     struct pccd_client *clients[OBSERVERS_MAX];
@@ -157,7 +151,6 @@ static void refused__who_observes_takes_no_place(void **state)
     struct test_daemon daemon;
     uint32_t scene = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -186,7 +179,7 @@ static void refused__who_observes_takes_no_place(void **state)
 
 /* If it failed, nobody could see or change anything while all connections are taken: the
  * remedy that pccdctl doctor recommends waited behind them. */
-static void refused__owner_is_heard_when_all_connections_are_taken(void **state)
+CASE(refused__owner_is_heard_when_all_connections_are_taken)
 {
     const char *const options[] = {"--connections-max", "3", NULL};
     struct pccd_client *clients[3];
@@ -195,7 +188,6 @@ static void refused__owner_is_heard_when_all_connections_are_taken(void **state)
     struct pccd_options wanted;
     struct test_daemon daemon;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     for (int i = 0; i < 3; i++) {
         clients[i] = test_connect(daemon.url);
@@ -235,7 +227,7 @@ static void observe_as_another(const struct test_daemon *daemon)
 }
 
 /* If it failed, others could take what is kept back for the daemon's owner. */
-static void refused__others_have_no_connection_kept_back(void **state)
+CASE(refused__others_have_no_connection_kept_back)
 {
     const char *const options[] = {"--connections-max", "1", "--allow-uid", "65534",
                                    NULL};
@@ -243,7 +235,6 @@ static void refused__others_have_no_connection_kept_back(void **state)
     struct test_daemon daemon;
     int status = 0;
 
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -259,17 +250,4 @@ static void refused__others_have_no_connection_kept_back(void **state)
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 7);
     pccd_close(client);
     assert_true(test_daemon_finish(&daemon));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refused__every_client_beyond_the_quota_hears_so),
-        cmocka_unit_test(refused__who_observes_takes_no_place),
-        cmocka_unit_test(refused__give_way_when_descriptors_are_short),
-        cmocka_unit_test(refused__owner_is_heard_when_all_connections_are_taken),
-        cmocka_unit_test(refused__others_have_no_connection_kept_back),
-    };
-
-    return cmocka_run_group_tests_name("refused", tests, NULL, NULL);
 }

@@ -3,15 +3,11 @@
  * Bodies break between steps, in time and out of it, with and without room for it; an
  * honest client gets right answers all the while.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "grid.h"
 #include "skip.h"
@@ -133,7 +129,7 @@ static void close_grid(struct test_grid *grid)
 
 /* If it failed, a broken body would answer otherwise than one registered so, or breaking
  * it disturb somebody else. */
-static void replace__a_broken_body_answers_as_a_fresh_one(void **state)
+CASE(replace__a_broken_body_answers_as_a_fresh_one)
 {
     struct test_grid grid;
     struct test_grid fresh;
@@ -141,7 +137,6 @@ static void replace__a_broken_body_answers_as_a_fresh_one(void **state)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_answer expected = PCCD_ANSWER_INIT;
 
-    (void)state;
     open_grid(&grid);
     open_fresh(&fresh);
     assert_int_equal(fresh.object, grid.object);
@@ -174,7 +169,7 @@ static void replace__a_broken_body_answers_as_a_fresh_one(void **state)
 
 /* If it failed, an object made of the mesh would be forgotten, or one that is not
  * changed. */
-static void replace__reaches_every_object_made_of_the_mesh(void **state)
+CASE(replace__reaches_every_object_made_of_the_mesh)
 {
     enum { SCENES = 3 };
     struct test_grid grid;
@@ -185,7 +180,6 @@ static void replace__reaches_every_object_made_of_the_mesh(void **state)
     uint64_t replaced = test_stat(test_witness.crossing.client, "meshes_replaced");
     uint32_t gone = 0;
 
-    (void)state;
     /* The floor and the triangle of the witness: others are gone then. */
     before = test_stat_await(test_witness.crossing.client, "triangles_now", 2);
     assert_int_equal(before, 2);
@@ -223,14 +217,13 @@ static void replace__reaches_every_object_made_of_the_mesh(void **state)
 }
 
 /* If it failed, data that is refused would leave a mesh between two shapes. */
-static void replace__bad_data_leaves_the_old_mesh(void **state)
+CASE(replace__bad_data_leaves_the_old_mesh)
 {
     static struct pieces pieces;
     struct test_grid grid;
     uint64_t triangles;
     uint64_t meshes;
 
-    (void)state;
     open_grid(&grid);
     turn(&grid);
     triangles = test_stat(grid.client, "triangles_now");
@@ -260,7 +253,7 @@ static void replace__bad_data_leaves_the_old_mesh(void **state)
 
 /* If it failed, a replacement could take more than its user may have, or one that is too
  * large break what there is. */
-static void replace__without_quota_changes_nothing(void **state)
+CASE(replace__without_quota_changes_nothing)
 {
     /* The mesh and the floor, 450 + 1, and 450 that are announced; not 900. */
     const char *const options[] = {"--triangles-max", "1000", NULL};
@@ -273,7 +266,6 @@ static void replace__without_quota_changes_nothing(void **state)
     if (test_is_direct()) {
         test_skip("with direct: there are no quotas");
     }
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -300,7 +292,7 @@ static void replace__without_quota_changes_nothing(void **state)
 
 /* If it failed, a replacement that its objects have no memory for would leave some of
  * them with the old shape and some with the new one, or the memory would be gone. */
-static void replace__without_memory_changes_nothing(void **state)
+CASE(replace__without_memory_changes_nothing)
 {
     const char *const options[] = {"--memory-max-mib", "24", NULL};
     struct test_daemon daemon;
@@ -312,7 +304,6 @@ static void replace__without_memory_changes_nothing(void **state)
     if (test_is_direct()) {
         test_skip("with direct: there are no quotas");
     }
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -356,7 +347,7 @@ static void replace__without_memory_changes_nothing(void **state)
 
 /* If it failed, objects would be charged triangles that are their mesh's, or a user would
  * be charged wrongly ever after. */
-static void replace__charges_the_mesh_once(void **state)
+CASE(replace__charges_the_mesh_once)
 {
     const char *const options[] = {"--triangles-max", "901", NULL}; /* 2 x 450 + 1 */
     struct test_daemon daemon;
@@ -369,7 +360,6 @@ static void replace__charges_the_mesh_once(void **state)
     if (test_is_direct()) {
         test_skip("with direct: there are no quotas");
     }
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -465,7 +455,7 @@ static uint32_t submit(const struct bare *bare, uint32_t slot, const float (*x)[
 }
 
 /* If it failed, a step would run on another topology than the one it was sent for. */
-static void replace__steps_run_on_the_topology_of_their_turn(void **state)
+CASE(replace__steps_run_on_the_topology_of_their_turn)
 {
     struct proto_MESH_COMMIT_request request = {0};
     struct proto_MESH_COMMIT_result committed;
@@ -474,7 +464,6 @@ static void replace__steps_run_on_the_topology_of_their_turn(void **state)
     uint32_t generation = 0;
     uint32_t ids[4];
 
-    (void)state;
     open_bare(&bare);
     assert_int_equal(announce(bare.mesh, 6, 2, &generation), 0);
     assert_int_equal(generation, 2);
@@ -507,7 +496,7 @@ static void replace__steps_run_on_the_topology_of_their_turn(void **state)
 
 /* If it failed, a wrong order of requests would replace by something half-made, or cost
  * the client its mesh. */
-static void replace__wrong_order_is_refused(void **state)
+CASE(replace__wrong_order_is_refused)
 {
     struct proto_MESH_COMMIT_result committed;
     struct bare bare;
@@ -515,7 +504,6 @@ static void replace__wrong_order_is_refused(void **state)
     struct proto_MESH_CREATE_result created;
     uint32_t generation = 0;
 
-    (void)state;
     open_bare(&bare);
     assert_int_equal(announce(bare.mesh + 77, 6, 2, &generation), PCCD_E_HANDLE);
     assert_int_equal(announce(0, 6, 2, &generation), PCCD_E_HANDLE);
@@ -554,7 +542,7 @@ static void replace__wrong_order_is_refused(void **state)
 }
 
 /* If it failed, a request could meet a mesh of which nobody knows yet what it is. */
-static void replace__mesh_is_busy_while_it_is_committed(void **state)
+CASE(replace__mesh_is_busy_while_it_is_committed)
 {
     struct proto_MESH_COMMIT_request request = {0};
     struct proto_MESH_COMMIT_result committed;
@@ -568,7 +556,6 @@ static void replace__mesh_is_busy_while_it_is_committed(void **state)
     if (test_is_direct()) {
         test_skip("with direct: nothing comes between");
     }
-    (void)state;
     open_bare(&bare);
     assert_int_equal(announce(bare.mesh, 6, 2, &generation), 0);
     assert_int_equal(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2), 0);
@@ -598,20 +585,4 @@ static void replace__mesh_is_busy_while_it_is_committed(void **state)
     test_witness_turn();
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(replace__a_broken_body_answers_as_a_fresh_one),
-        cmocka_unit_test(replace__reaches_every_object_made_of_the_mesh),
-        cmocka_unit_test(replace__bad_data_leaves_the_old_mesh),
-        cmocka_unit_test(replace__without_quota_changes_nothing),
-        cmocka_unit_test(replace__without_memory_changes_nothing),
-        cmocka_unit_test(replace__charges_the_mesh_once),
-        cmocka_unit_test(replace__steps_run_on_the_topology_of_their_turn),
-        cmocka_unit_test(replace__wrong_order_is_refused),
-        cmocka_unit_test(replace__mesh_is_busy_while_it_is_committed),
-    };
-
-    return cmocka_run_group_tests_name("replace", tests, test_witness_start,
-                                       test_witness_stop);
-}
+CASES_WITH(test_witness_start, test_witness_stop);

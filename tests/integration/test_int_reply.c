@@ -3,16 +3,12 @@
  * Which steps those are, that whoever has an answer finds the step ended, that answers
  * keep their order, and clients that are killed meanwhile.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -39,7 +35,7 @@ static void turn(struct test_grid *grid)
 
 /* If it failed: every step would wait for one more processor to wake; or a client that
  * has an answer would hear from the daemon that the step goes on. */
-static void reply__comes_from_where_it_was_computed(void **state)
+CASE_CROSSING(reply__comes_from_where_it_was_computed)
 {
     struct test_crossing *crossing = *state;
     struct test_grid grid;
@@ -65,7 +61,7 @@ static void reply__comes_from_where_it_was_computed(void **state)
 
 /* If it failed: a step that was answered would count as one in flight, and the next one
  * be refused; or pages would come in another order than they go back. */
-static void reply__leaves_room_for_the_next_step(void **state)
+CASE_CROSSING(reply__leaves_room_for_the_next_step)
 {
     struct test_crossing *crossing = *state;
     struct pccd_options options;
@@ -101,7 +97,7 @@ static void reply__leaves_room_for_the_next_step(void **state)
 
 /* If it failed: what is sent to a client that is gone could end the daemon, or reach the
  * next one, whose socket has the same number. */
-static void reply__is_nobodys_when_the_client_is_killed(void **state)
+CASE_CROSSING(reply__is_nobodys_when_the_client_is_killed)
 {
     struct test_crossing *crossing = *state;
 
@@ -135,16 +131,4 @@ static void reply__is_nobodys_when_the_client_is_killed(void **state)
     assert_int_equal(test_stat_await(crossing->client, "sessions_now", 1), 1);
 }
 
-#define CASE(name)                                                                       \
-    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        CASE(reply__comes_from_where_it_was_computed),
-        CASE(reply__leaves_room_for_the_next_step),
-        CASE(reply__is_nobodys_when_the_client_is_killed),
-    };
-
-    return cmocka_run_group_tests(tests, test_shared_start, test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

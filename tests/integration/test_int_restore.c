@@ -3,17 +3,13 @@
  * Many meshes through few slots, a queue that is full, kills while a daemon is told, and
  * a mesh over which every daemon ends.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -82,11 +78,10 @@ static struct pccd_link_info link_of(const struct pccd_client *client)
 
 /* If requests that are sent one behind the other mixed their slots, handles or order, a
  * scene would come back wrong, or not at all. */
-static void restore__brings_many_meshes_back_through_any_ring(void **state)
+CASE(restore__brings_many_meshes_back_through_any_ring)
 {
     static const uint32_t slots[] = {1, 3, 16};
 
-    (void)state;
     start("4096");
     for (size_t i = 0; i < sizeof slots / sizeof slots[0]; i++) {
         struct pccd_client *client = connect_with(slots[i], 4096);
@@ -127,11 +122,10 @@ static void turn_despite_refusals(void)
 
 /* If a refusal for want of room ended it, clients that come back all at once would be
  * lost; if what was refused were left out, they would go on with half a scene. */
-static void restore__goes_on_after_a_refusal_for_want_of_room(void **state)
+CASE(restore__goes_on_after_a_refusal_for_want_of_room)
 {
     struct pccd_client *client;
 
-    (void)state;
     start("1");
     client = connect_with(4, 4096);
     make_crossings(client);
@@ -175,11 +169,10 @@ static pid_t kill_workers(const char *socket_path, unsigned least_ms, unsigned c
 
 /* If a daemon that ends while it is told left anything behind, in the client or in what
  * the next one is told, scenes would be wrong later. */
-static void restore__begins_anew_when_the_daemon_ends_meanwhile(void **state)
+CASE(restore__begins_anew_when_the_daemon_ends_meanwhile)
 {
     struct pccd_client *client;
 
-    (void)state;
     start("4096");
     client = connect_with(2, 4096);
     make_crossings(client);
@@ -197,7 +190,7 @@ static void restore__begins_anew_when_the_daemon_ends_meanwhile(void **state)
 
 /* If it failed, a mesh over which the daemon crashes would be sent to one daemon after
  * the other, until the supervisor gives up and all other clients are without. */
-static void restore__gives_up_a_mesh_that_ends_every_daemon(void **state)
+CASE(restore__gives_up_a_mesh_that_ends_every_daemon)
 {
     enum { VERTICES = 600000 };
     float(*x)[3] = calloc(VERTICES, sizeof *x);
@@ -207,7 +200,6 @@ static void restore__gives_up_a_mesh_that_ends_every_daemon(void **state)
     pid_t killer;
     int status;
 
-    (void)state;
     assert_true(x != NULL && triangles != NULL);
     for (uint32_t i = 0; i < VERTICES; i++) {
         x[i][0] = (float)i;
@@ -269,7 +261,7 @@ static void turn_over_a_kill(struct test_farm *farm, struct test_farm *other,
 
 /* If it failed, a batch that a daemon left without an answer would never have one, or one
  * of scenes that are not where they were. */
-static void restore__answers_batches_as_if_nothing_had_happened(void **state)
+CASE(restore__answers_batches_as_if_nothing_had_happened)
 {
     struct pccd_client *client, *direct = test_connect("direct:");
     struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
@@ -277,7 +269,6 @@ static void restore__answers_batches_as_if_nothing_had_happened(void **state)
     void *x1[WORLDS];
     uint64_t step = 0;
 
-    (void)state;
     start("4096");
     client = connect_with(3, 4096);
     assert_int_equal(test_farm_make(client, WORLDS, 12, &farm), 0);
@@ -322,13 +313,12 @@ static const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
 /* If it failed, a client whose scenes have each lost a few objects would not come back
  * after a crash. */
-static void restore__brings_back_scenes_that_have_lost_objects(void **state)
+CASE(restore__brings_back_scenes_that_have_lost_objects)
 {
     static uint32_t scenes[LOSERS], left[LOSERS];
     struct pccd_client *client;
     uint32_t mesh;
 
-    (void)state;
     start("4096");
     client = connect_with(4, 4096);
     assert_int_equal(pccd_mesh_create(client, corners, PCCD_FORMAT_F32, 3, one_triangle,
@@ -359,13 +349,12 @@ static void restore__brings_back_scenes_that_have_lost_objects(void **state)
 
 /* If it failed, a long recording could not be played again: after some 200 scenes that
  * had lost objects, and were destroyed, no other could be had. */
-static void restore__wanted_places_cost_nothing_when_their_scene_is_gone(void **state)
+CASE(restore__wanted_places_cost_nothing_when_their_scene_is_gone)
 {
     const uint32_t want = 1u << 20 | 60000u;
     struct pccd_client *client;
     uint32_t mesh;
 
-    (void)state;
     start("4096");
     client = connect_with(4, 4096);
     assert_int_equal(pccd_mesh_create(client, corners, PCCD_FORMAT_F32, 3, one_triangle,
@@ -407,7 +396,7 @@ static void see_pair(void *context, const struct pccd_ignored_pair *pair)
 
 /* If it failed, a list that is read while the daemon is replaced would have entries twice
  * and lack others. */
-static void restore__lists_are_those_of_one_daemon(void **state)
+CASE(restore__lists_are_those_of_one_daemon)
 {
     const uint32_t all = IGNORING * (IGNORING - 1) / 2;
     static struct pairs pairs;
@@ -415,7 +404,6 @@ static void restore__lists_are_those_of_one_daemon(void **state)
     uint32_t scene, mesh;
     pid_t killer = 0;
 
-    (void)state;
     start("4096");
     client = connect_with(4, 4096);
     assert_int_equal(pccd_mesh_create(client, corners, PCCD_FORMAT_F32, 3, one_triangle,
@@ -463,20 +451,4 @@ static void restore__lists_are_those_of_one_daemon(void **state)
     }
     assert_true(link_of(client).reconnects > 2);
     finish(client);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(restore__brings_many_meshes_back_through_any_ring),
-        cmocka_unit_test(restore__goes_on_after_a_refusal_for_want_of_room),
-        cmocka_unit_test(restore__begins_anew_when_the_daemon_ends_meanwhile),
-        cmocka_unit_test(restore__gives_up_a_mesh_that_ends_every_daemon),
-        cmocka_unit_test(restore__answers_batches_as_if_nothing_had_happened),
-        cmocka_unit_test(restore__brings_back_scenes_that_have_lost_objects),
-        cmocka_unit_test(restore__lists_are_those_of_one_daemon),
-        cmocka_unit_test(restore__wanted_places_cost_nothing_when_their_scene_is_gone),
-    };
-
-    return cmocka_run_group_tests_name("int_restore", tests, NULL, NULL);
 }

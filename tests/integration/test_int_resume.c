@@ -3,19 +3,15 @@
  * Lose connections for real and come back with the right secret, a wrong one, too late,
  * or while the old connection still stands; say requests twice.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -179,11 +175,10 @@ static uint64_t await_counter(const char *name, uint64_t value)
 }
 
 /* If it failed, a connection that is cut would cost a client its meshes. */
-static void resume__goes_on_with_everything(void **state)
+CASE_WITH(resume__goes_on_with_everything, setup, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_FRAME_SUBMIT_result answer;
-    (void)state;
     open_scene(f);
     for (int i = 0; i < 4; i++) {
         struct proto_FRAME_SUBMIT_request request = turn(f, 0, i % 2 == 0 ? -1.0f : 1.0f);
@@ -200,7 +195,7 @@ static void resume__goes_on_with_everything(void **state)
 
 /* If it failed, a step whose answer was lost would move the objects twice, or never be
  * answered. */
-static void resume__runs_what_is_said_twice_once(void **state)
+CASE_WITH(resume__runs_what_is_said_twice_once, setup, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_FRAME_SUBMIT_request first;
@@ -209,7 +204,6 @@ static void resume__runs_what_is_said_twice_once(void **state)
     struct proto_FRAME_SUBMIT_result again;
     uint64_t steps = counter("steps");
     uint32_t ids[2];
-    (void)state;
     open_scene(f);
     first = turn(f, 0, -1.0f);
     second = turn(f, 1, 1.0f);
@@ -236,11 +230,10 @@ static void resume__runs_what_is_said_twice_once(void **state)
 
 /* If it failed, an answer that was sent over a connection that is lost would count as
  * had. */
-static void resume__tells_again_what_nobody_has_read(void **state)
+CASE_WITH(resume__tells_again_what_nobody_has_read, setup, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_FRAME_SUBMIT_result answer;
-    (void)state;
     open_scene(f);
     for (int i = 0; i < 100; i++) {
         struct proto_FRAME_SUBMIT_request request = turn(f, 0, i % 2 == 0 ? -1.0f : 1.0f);
@@ -262,14 +255,13 @@ static void resume__tells_again_what_nobody_has_read(void **state)
 
 /* If it failed, the answer to a later step could come before that to an earlier one, and
  * pages would be released in another order than they were written. */
-static void resume__answers_only_what_is_asked_again(void **state)
+CASE_WITH(resume__answers_only_what_is_asked_again, setup, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_FRAME_SUBMIT_request requests[2];
     struct proto_FRAME_SUBMIT_result answers[2];
     uint32_t ids[2];
     char byte;
-    (void)state;
     open_scene(f);
     for (int round = 0; round < 10; round++) {
         for (uint32_t i = 0; i < 2; i++) {
@@ -317,13 +309,12 @@ static uint64_t await_held(struct fixture *f)
 
 /* If it failed, who waits for a frame to be held would wait for ever when that was told
  * over a connection that was lost. */
-static void resume__tells_again_what_is_held(void **state)
+CASE_WITH(resume__tells_again_what_is_held, setup, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_FRAME_SUBMIT_request submit;
     struct proto_FRAME_SUBMIT_result answer;
     struct proto_FRAME_SUBMIT_request step = {.step = 8};
-    (void)state;
     open_named(f, "held");
     submit = turn(f, 0, -1);
     submit.hold = true;
@@ -351,7 +342,7 @@ static void resume__tells_again_what_is_held(void **state)
 }
 
 /* If it failed, requests that are answered at once would be done twice. */
-static void resume__creates_once(void **state)
+CASE_WITH(resume__creates_once, setup, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_MESH_CREATE_request create = {.vertex_count = 3, .triangle_count = 1};
@@ -359,7 +350,6 @@ static void resume__creates_once(void **state)
     struct proto_MESH_CREATE_result again;
     uint64_t meshes = counter("meshes_now");
     uint32_t id;
-    (void)state;
     open_scene(f);
     id = test_raw_request(&f->raw, PROTO_METHOD_MESH_CREATE, &create);
     assert_int_equal(test_raw_answer(&f->raw, id, PROTO_METHOD_MESH_CREATE, &made), 0);
@@ -373,13 +363,12 @@ static void resume__creates_once(void **state)
 }
 
 /* If it failed, any process of the user could take a session over by counting. */
-static void resume__needs_the_secret(void **state)
+CASE_WITH(resume__needs_the_secret, setup, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_HELLO_result wrong;
     struct proto_HELLO_result other;
     struct test_raw thief;
-    (void)state;
     open_scene(f);
     lose(f);
     for (int bit = 0; bit < 4; bit++) {
@@ -402,13 +391,12 @@ static void resume__needs_the_secret(void **state)
 
 /* If it failed, a client that finds its connection dead would have to wait until the
  * daemon finds out, too. */
-static void resume__takes_the_session_from_a_connection_that_stands(void **state)
+CASE_WITH(resume__takes_the_session_from_a_connection_that_stands, setup, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_FRAME_SUBMIT_request request;
     struct proto_FRAME_SUBMIT_result answer;
     struct test_raw old;
-    (void)state;
     open_scene(f);
     old = f->raw;
     assert_true(come_back(f));
@@ -424,10 +412,9 @@ static void resume__takes_the_session_from_a_connection_that_stands(void **state
 }
 
 /* If it failed, what clients left behind would be kept for ever. */
-static void resume__comes_too_late_after_the_linger(void **state)
+CASE_WITH(resume__comes_too_late_after_the_linger, setup, teardown)
 {
     struct fixture *f = &fixture;
-    (void)state;
     open_scene(f);
     lose(f);
     assert_int_equal(await_counter("sessions_waiting_now", 1), 1);
@@ -439,11 +426,10 @@ static void resume__comes_too_late_after_the_linger(void **state)
 }
 
 /* If it failed, a client that closes would block its user's quotas for seconds. */
-static void resume__is_over_after_bye(void **state)
+CASE_WITH(resume__is_over_after_bye, setup, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_BYE_request bye = {0};
-    (void)state;
     open_scene(f);
     assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_BYE, &bye, NULL), 0);
     lose(f);
@@ -453,11 +439,10 @@ static void resume__is_over_after_bye(void **state)
 
 /* If it failed, what a killed client had would be charged until the time is up, and ten
  * thousand kills would exhaust the quotas. */
-static void resume__does_not_wait_for_the_dead(void **state)
+CASE_WITH(resume__does_not_wait_for_the_dead, setup, teardown)
 {
     uint64_t begin_ms;
     pid_t child;
-    (void)state;
     assert_int_equal(await_counter("sessions_waiting_now", 0), 0);
     child = fork();
     assert_true(child >= 0);
@@ -473,12 +458,11 @@ static void resume__does_not_wait_for_the_dead(void **state)
 
 /* If it failed, a user with as many clients as may be would be locked out by one that is
  * gone, or come back in vain. */
-static void resume__gives_way_to_a_new_client_at_the_quota(void **state)
+CASE_WITH(resume__gives_way_to_a_new_client_at_the_quota, setup_alone, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_HELLO_result other;
     struct test_raw raw;
-    (void)state;
     open_scene(f);
     lose(f);
     assert_true(come_back(f)); /* beyond the quota until it has its own session back */
@@ -497,7 +481,7 @@ static void resume__gives_way_to_a_new_client_at_the_quota(void **state)
 
 /* If it failed, who watches would hear of a step that was made while its connection was
  * lost only when another is made, perhaps never. */
-static void resume__tells_of_steps_that_were_watched(void **state)
+CASE_WITH(resume__tells_of_steps_that_were_watched, setup, teardown)
 {
     struct fixture *f = &fixture;
     const struct proto_WATCH_START_request watch = {.session = 0};
@@ -506,7 +490,6 @@ static void resume__tells_of_steps_that_were_watched(void **state)
     struct proto_FRAME_SUBMIT_request step;
     struct test_raw watcher;
     struct proto_HELLO_result session, again;
-    (void)state;
     open_scene(f);
     assert_true(test_raw_open(&watcher, f->daemon.socket));
     assert_int_equal(say_hello(&watcher, NULL, &session), 0);
@@ -529,7 +512,7 @@ static void resume__tells_of_steps_that_were_watched(void **state)
 
 /* If it failed, a client could not make anew, under its old handles, what a daemon that
  * died had; or could have tables of any size made for nothing. */
-static void resume__handles_can_be_wanted(void **state)
+CASE_WITH(resume__handles_can_be_wanted, setup, teardown)
 {
     struct fixture *f = &fixture;
     struct proto_SCENE_CREATE_request scene = {.want = 7u << 20 | 3};
@@ -541,7 +524,6 @@ static void resume__handles_can_be_wanted(void **state)
     struct proto_SCENE_ADD_result added;
     struct proto_STATS_request ask = {0};
     struct proto_STATS_result before, after;
-    (void)state;
     open_scene(f);
     assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made), 0);
     assert_int_equal(made.scene, 7u << 20 | 3);
@@ -570,27 +552,4 @@ static void resume__handles_can_be_wanted(void **state)
     assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &after), 0);
     assert_true(after.engine_bytes_now - before.engine_bytes_now >= 298500 * 24);
     test_raw_close(&f->raw);
-}
-
-#define WITH(test, setup) cmocka_unit_test_setup_teardown(test, setup, teardown)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        WITH(resume__goes_on_with_everything, setup),
-        WITH(resume__runs_what_is_said_twice_once, setup),
-        WITH(resume__tells_again_what_nobody_has_read, setup),
-        WITH(resume__answers_only_what_is_asked_again, setup),
-        WITH(resume__tells_again_what_is_held, setup),
-        WITH(resume__creates_once, setup),
-        WITH(resume__needs_the_secret, setup),
-        WITH(resume__takes_the_session_from_a_connection_that_stands, setup),
-        WITH(resume__comes_too_late_after_the_linger, setup),
-        WITH(resume__is_over_after_bye, setup),
-        WITH(resume__does_not_wait_for_the_dead, setup),
-        WITH(resume__gives_way_to_a_new_client_at_the_quota, setup_alone),
-        WITH(resume__tells_of_steps_that_were_watched, setup),
-        WITH(resume__handles_can_be_wanted, setup),
-    };
-    return cmocka_run_group_tests_name("resume", tests, NULL, NULL);
 }

@@ -4,18 +4,14 @@
  * in one breath, fail where others step, hold while the daemon ends. Whoever else takes
  * part gets what is due to him.
  */
+#include "cases.h"
+
 #include <poll.h>
 #include <pthread.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "grid.h"
@@ -150,9 +146,38 @@ static uint32_t return_at_once(struct rival *rival, const char *name, uint32_t n
     return request(rival, method, asked);
 }
 
+static int start(void **state)
+{
+    static const char *const options[] = {"--grace", "20", NULL};
+
+    return test_shared_start_with(options) == 0 &&
+                   (client = test_connect(test_shared.url)) != NULL
+               ? 0
+               : ((void)state, -1);
+}
+
+static int teardown(void **state)
+{
+    pccd_close(client);
+    return test_shared_stop(state);
+}
+
+static int start_with_grid(void **state)
+{
+    return test_shared_connect(state, RESULT_BYTES, &client) == 0
+               ? test_grid_make(client, SIDE, &grid)
+               : -1;
+}
+
+static int teardown_grid(void **state)
+{
+    test_grid_free(&grid);
+    return teardown(state);
+}
+
 /* If it failed, a client that leaves a scene and comes back would lose what it has added
  * since; or, where that cannot be added, end the daemon for all. */
-static void rivals__one_who_comes_back_has_what_it_adds(void **state)
+CASE_WITH(rivals__one_who_comes_back_has_what_it_adds, start, teardown)
 {
     struct proto_SCENE_ADD_result added;
     struct proto_MESH_CREATE_result empty;
@@ -161,7 +186,6 @@ static void rivals__one_who_comes_back_has_what_it_adds(void **state)
     struct proto_FRAME_SUBMIT_request submit;
     struct proto_FRAME_SUBMIT_result answer;
 
-    (void)state;
     enter_both("returns");
     assert_int_equal(call(&second, PROTO_METHOD_MESH_CREATE, &create, &empty), 0);
     for (uint32_t round = 1; round <= ROUNDS; round++) {
@@ -194,12 +218,11 @@ static void rivals__one_who_comes_back_has_what_it_adds(void **state)
 
 /* If it failed, a client could hold two frames for one step, and with them make every
  * step of the others fail. */
-static void rivals__one_who_comes_back_holds_one_frame(void **state)
+CASE_WITH(rivals__one_who_comes_back_holds_one_frame, start, teardown)
 {
     struct proto_FRAME_SUBMIT_request submit;
     struct proto_FRAME_SUBMIT_result answer;
 
-    (void)state;
     enter_both("two frames");
     for (uint32_t round = 1; round <= ROUNDS; round++) {
         uint32_t scene = ((second.scene >> 20) + 1) << 20;
@@ -247,7 +270,7 @@ static void ignore_many(struct rival *rival, const uint32_t *objects, uint32_t c
 
 /* If it failed, a client that leaves with many objects would keep all others waiting
  * until the last of them is out, or let them meet those that are not yet. */
-static void rivals__one_who_leaves_with_much_delays_nobody(void **state)
+CASE_WITH(rivals__one_who_leaves_with_much_delays_nobody, start, teardown)
 {
     static uint32_t objects[OBJECTS];
     struct proto_SCENE_DESTROY_request destroy;
@@ -257,7 +280,6 @@ static void rivals__one_who_leaves_with_much_delays_nobody(void **state)
     uint64_t leave_us;
     uint64_t ignore_us;
 
-    (void)state;
     enter_both("much");
     for (uint32_t i = 0; i < OBJECTS; i++) {
         const struct proto_SCENE_ADD_request add = {.scene = second.scene,
@@ -301,11 +323,10 @@ static bool receive_both(struct rival *rival, uint32_t first_id, uint32_t last_i
 
 /* If it failed, a client that is gone before it was looked at would take the daemon
  * along. */
-static void rivals__one_who_is_looked_at_may_leave(void **state)
+CASE_WITH(rivals__one_who_is_looked_at_may_leave, start_with_grid, teardown_grid)
 {
     uint32_t late_count = 0;
 
-    (void)state;
     for (int i = 0; i < ROUNDS; i++) {
         const struct proto_LIST_SESSION_request newest = {.before = 0};
         const struct proto_SCENE_CREATE_request alone = {.share = 0};
@@ -350,14 +371,13 @@ static void rivals__one_who_is_looked_at_may_leave(void **state)
 
 /* If it failed, a client that adds an object after the daemon was lost, before another
  * one is back, would take the number of that one's, which could not come back then. */
-static void rivals__one_who_is_not_back_keeps_its_numbers(void **state)
+CASE_WITH(rivals__one_who_is_not_back_keeps_its_numbers, start, teardown)
 {
     struct proto_SCENE_CREATE_request create = {.share = PCCD_SHARE_OPEN,
                                                 .name = "numbers"};
     struct proto_SCENE_ADD_request add = {0};
     struct proto_SCENE_ADD_result added;
 
-    (void)state;
     enter_both("elsewhere");
     for (uint32_t i = 0; i < 3; i++) { /* of a daemon that is lost */
         leave_scene(&first);
@@ -382,12 +402,11 @@ static void rivals__one_who_is_not_back_keeps_its_numbers(void **state)
 
 /* If it failed, a client could make the steps of the others fail with errors of its own,
  * and would not hear of them itself. */
-static void rivals__an_error_is_told_to_whose_it_is(void **state)
+CASE_WITH(rivals__an_error_is_told_to_whose_it_is, start_with_grid, teardown_grid)
 {
     struct proto_FRAME_SUBMIT_result answer;
     int status = PCCD_E_HANDLE;
 
-    (void)state;
     enter_both("owed");
     /* Once in a while the long step ends at once, and the error is told in its turn. */
     for (int i = 0; i < ROUNDS && status == PCCD_E_HANDLE; i++) {
@@ -453,13 +472,12 @@ static void take_news(struct rival *rival, uint64_t *told)
 
 /* If it failed, a client whose own results have no place could move what it moves without
  * that the others hear of it. */
-static void rivals__every_step_that_has_run_is_told(void **state)
+CASE_WITH(rivals__every_step_that_has_run_is_told, start, teardown)
 {
     struct proto_FRAME_SUBMIT_result answer;
     pthread_t spoiler;
     uint64_t told = 0;
 
-    (void)state;
     enter_both("told");
     atomic_store(&is_over, false);
     assert_int_equal(pthread_create(&spoiler, NULL, spoil, test_raw_upload(&first.raw)),
@@ -480,12 +498,11 @@ static void rivals__every_step_that_has_run_is_told(void **state)
 }
 
 /* If it failed, what contradicts itself would be done in one of the two ways. */
-static void rivals__a_frame_that_is_held_is_not_placed(void **state)
+CASE_WITH(rivals__a_frame_that_is_held_is_not_placed, start, teardown)
 {
     struct proto_FRAME_SUBMIT_request submit;
     struct proto_FRAME_SUBMIT_result answer;
 
-    (void)state;
     enter_both("both");
     submit = write_step(&second, 0, test_floor_x);
     submit.hold = submit.place = true;
@@ -498,14 +515,13 @@ static void rivals__a_frame_that_is_held_is_not_placed(void **state)
 
 /* If it failed, one frame that waits for a step that nobody will submit would keep the
  * daemon from ending for as long as it is patient. */
-static void rivals__a_held_frame_does_not_delay_the_end(void **state)
+CASE_WITH(rivals__a_held_frame_does_not_delay_the_end, start, teardown)
 {
     struct proto_FRAME_SUBMIT_result answer;
     uint64_t begin_ms;
     uint32_t id;
     int status;
 
-    (void)state;
     enter_both("end");
     id = hold(&second, 0, test_floor_x);
     begin_ms = test_now_ms();
@@ -516,59 +532,4 @@ static void rivals__a_held_frame_does_not_delay_the_end(void **state)
                      0);
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
     leave_both();
-}
-
-static int start(void **state)
-{
-    static const char *const options[] = {"--grace", "20", NULL};
-
-    return test_shared_start_with(options) == 0 &&
-                   (client = test_connect(test_shared.url)) != NULL
-               ? 0
-               : ((void)state, -1);
-}
-
-static int start_with_grid(void **state)
-{
-    return test_shared_connect(state, RESULT_BYTES, &client) == 0
-               ? test_grid_make(client, SIDE, &grid)
-               : -1;
-}
-
-static int teardown(void **state)
-{
-    pccd_close(client);
-    return test_shared_stop(state);
-}
-
-static int teardown_grid(void **state)
-{
-    test_grid_free(&grid);
-    return teardown(state);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(rivals__one_who_comes_back_has_what_it_adds,
-                                        start, teardown),
-        cmocka_unit_test_setup_teardown(rivals__one_who_comes_back_holds_one_frame, start,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(rivals__one_who_leaves_with_much_delays_nobody,
-                                        start, teardown),
-        cmocka_unit_test_setup_teardown(rivals__one_who_is_looked_at_may_leave,
-                                        start_with_grid, teardown_grid),
-        cmocka_unit_test_setup_teardown(rivals__one_who_is_not_back_keeps_its_numbers,
-                                        start, teardown),
-        cmocka_unit_test_setup_teardown(rivals__an_error_is_told_to_whose_it_is,
-                                        start_with_grid, teardown_grid),
-        cmocka_unit_test_setup_teardown(rivals__every_step_that_has_run_is_told, start,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(rivals__a_frame_that_is_held_is_not_placed, start,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(rivals__a_held_frame_does_not_delay_the_end,
-                                        start, teardown),
-    };
-
-    return cmocka_run_group_tests_name("rivals", tests, NULL, NULL);
 }

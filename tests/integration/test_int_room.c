@@ -1,14 +1,10 @@
 /* test_int_room.c - what a session that waits for its client holds of its user's
  * quotas.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "raw.h"
@@ -118,9 +114,8 @@ static int create_mesh(struct test_raw *raw, uint32_t triangle_count)
 
 /* If it failed, a program that lost its connection, and starts anew, would be refused
  * shared memory for as long as its former self is waited for. */
-static void room__of_shared_memory_is_made(void **state)
+CASE(room__of_shared_memory_is_made)
 {
-    (void)state;
     open_both("--shm-max-mib", "96");
     assert_int_equal(test_raw_attach(&fixture.first, 4, 16u << 20), 0);
     assert_int_equal(test_raw_attach(&fixture.second, 4, 16u << 20), PCCD_E_QUOTA);
@@ -132,9 +127,8 @@ static void room__of_shared_memory_is_made(void **state)
 
 /* The same of meshes and triangles. If the second part failed, a request that cannot be
  * met at all would cost other clients what they have. */
-static void room__of_meshes_is_made_where_it_helps(void **state)
+CASE(room__of_meshes_is_made_where_it_helps)
 {
-    (void)state;
     open_both("--triangles-max", "1000000");
     assert_int_equal(create_mesh(&fixture.first, 600000), 0);
     assert_int_equal(create_mesh(&fixture.second, 600000), PCCD_E_QUOTA);
@@ -148,12 +142,11 @@ static void room__of_meshes_is_made_where_it_helps(void **state)
 }
 
 /* The same of what the engine allocates, long after the request that leads to it. */
-static void room__of_the_engine_is_made(void **state)
+CASE(room__of_the_engine_is_made)
 {
     uint32_t mesh = 0;
     uint32_t held = 0;
     int status = 0;
-    (void)state;
     make_grid();
     open_both("--memory-max-mib", "16");
     assert_int_equal(test_raw_attach(&fixture.first, 2, sizeof triangles), 0);
@@ -176,14 +169,4 @@ static void room__of_the_engine_is_made(void **state)
     }
     assert_false(first_comes_back());
     close_both();
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(room__of_shared_memory_is_made),
-        cmocka_unit_test(room__of_meshes_is_made_where_it_helps),
-        cmocka_unit_test(room__of_the_engine_is_made),
-    };
-    return cmocka_run_group_tests_name("room", tests, NULL, NULL);
 }

@@ -6,14 +6,10 @@
  *
  * Threads: a new one for each way to compute, as a team keeps what its first call had.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include <fenv.h>
 #include <float.h>
@@ -248,9 +244,8 @@ static void *tell_in_a_way(void *argument)
 
 /* If it failed, a program would miss contacts, or get some that there are not, because it
  * rounds otherwise or has loaded a library that does, or would round otherwise later. */
-static void direct__answers_the_same_however_its_caller_rounds(void **state)
+CASE(direct__answers_the_same_however_its_caller_rounds)
 {
-    (void)state;
     for (size_t way = 0; way < WAYS; way++) {
         static struct job job;
 
@@ -281,9 +276,8 @@ static void *tell_after_a_way(void *argument)
 
 /* If it failed, a program would miss contacts for ever because its first parallel region
  * rounded otherwise. */
-static void direct__answers_the_same_however_its_team_rounds(void **state)
+CASE(direct__answers_the_same_however_its_team_rounds)
 {
-    (void)state;
     for (size_t way = 0; way < WAYS; way++) {
         static struct job job;
 
@@ -314,9 +308,8 @@ static void *look_at_team(void *argument)
 
 /* If it failed, the parallel regions of a program would round otherwise because direct:
  * has made their threads, or had them. */
-static void direct__gives_a_program_its_team_back(void **state)
+CASE(direct__gives_a_program_its_team_back)
 {
-    (void)state;
     for (size_t way = 0; way < WAYS; way++) {
         static struct job job;
 
@@ -325,12 +318,4 @@ static void direct__gives_a_program_its_team_back(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(direct__answers_the_same_however_its_caller_rounds),
-        cmocka_unit_test(direct__answers_the_same_however_its_team_rounds),
-        cmocka_unit_test(direct__gives_a_program_its_team_back),
-    };
-    return cmocka_run_group_tests(tests, set_up, NULL);
-}
+CASES_WITH(set_up, NULL);

@@ -1,17 +1,13 @@
 /* test_int_session.c - sessions with a real daemon: start, agree, share, end. */
+#include "cases.h"
+
 #include <errno.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -34,12 +30,11 @@ static int stop_shared(void **state)
 }
 
 /* If it failed, a client could not tell which daemon it talks to, or not at all. */
-static void session__hello_and_ping_reach_the_daemon(void **state)
+CASE(session__hello_and_ping_reach_the_daemon)
 {
     struct pccd_client *client = test_connect(shared.url);
     uint64_t round_trip_ns = 0;
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(pccd_daemon_pid(client), shared.pid);
     assert_string_equal(pccd_url(client), shared.url);
@@ -52,13 +47,12 @@ static void session__hello_and_ping_reach_the_daemon(void **state)
 }
 
 /* If it failed, a client of another protocol would be half understood. */
-static void session__unknown_version_is_refused(void **state)
+CASE(session__unknown_version_is_refused)
 {
     struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MAX + 1,
                                           .version_max = PROTO_VERSION_MAX + 3};
     static struct test_raw raw;
 
-    (void)state;
     assert_true(test_raw_open(&raw, shared.socket));
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_HELLO, &request, NULL),
                      PCCD_E_VERSION);
@@ -68,14 +62,13 @@ static void session__unknown_version_is_refused(void **state)
 }
 
 /* If it failed, a newer client that still speaks our version would be turned away. */
-static void session__version_range_that_overlaps_is_agreed(void **state)
+CASE(session__version_range_that_overlaps_is_agreed)
 {
     struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MIN,
                                           .version_max = PROTO_VERSION_MAX + 7};
     struct proto_HELLO_result result;
     static struct test_raw raw;
 
-    (void)state;
     assert_true(test_raw_open(&raw, shared.socket));
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_HELLO, &request, &result), 0);
     assert_int_equal(result.version, PROTO_VERSION_MAX);
@@ -84,14 +77,13 @@ static void session__version_range_that_overlaps_is_agreed(void **state)
 }
 
 /* If it failed, a peer could use the daemon without having agreed on a version. */
-static void session__requests_before_hello_are_refused(void **state)
+CASE(session__requests_before_hello_are_refused)
 {
     struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_PING_request ping = {.token = 77};
     struct proto_PING_result pong;
     static struct test_raw raw;
 
-    (void)state;
     assert_true(test_raw_open(&raw, shared.socket));
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_PING, &ping, &pong), 0);
     assert_int_equal(pong.token, 77);
@@ -111,7 +103,7 @@ static void count_stat(void *context, const char *name, uint64_t value, const ch
 }
 
 /* If it failed, the counters that every other test relies on would be wrong. */
-static void session__stats_count_what_happens(void **state)
+CASE(session__stats_count_what_happens)
 {
     struct pccd_client *client = test_connect(shared.url);
     struct test_crossing crossing;
@@ -119,7 +111,6 @@ static void session__stats_count_what_happens(void **state)
     uint64_t steps;
     uint64_t contacts;
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(pccd_stats(client, count_stat, &count), 0);
     assert_true(count >= 30);
@@ -145,12 +136,11 @@ static void session__stats_count_what_happens(void **state)
 
 /* If it failed, two daemons would fight over one path, or the user not learn who has
  * it. */
-static void session__second_daemon_says_who_holds_the_path(void **state)
+CASE(session__second_daemon_says_who_holds_the_path)
 {
     struct pccd_client *client = test_connect(shared.url);
     char pid[32];
 
-    (void)state;
     assert_non_null(client);
     (void)snprintf(pid, sizeof pid, "%ld", (long)shared.pid);
     assert_int_not_equal(test_daemon_start_second(&shared), 0);
@@ -160,7 +150,7 @@ static void session__second_daemon_says_who_holds_the_path(void **state)
 }
 
 /* If it failed, one client's objects could be seen or moved by another. */
-static void session__handles_of_another_client_are_refused(void **state)
+CASE(session__handles_of_another_client_are_refused)
 {
     struct pccd_client *owner = test_connect(shared.url);
     struct pccd_client *stranger = test_connect(shared.url);
@@ -169,7 +159,6 @@ static void session__handles_of_another_client_are_refused(void **state)
     uint32_t object = 0;
     uint32_t scene = 0;
 
-    (void)state;
     assert_non_null(owner);
     assert_non_null(stranger);
     assert_int_equal(test_crossing_make(owner, &crossing), 0);
@@ -195,14 +184,13 @@ static void session__handles_of_another_client_are_refused(void **state)
 }
 
 /* If it failed, a stale handle could reach what took its place. */
-static void session__handles_die_with_what_they_name(void **state)
+CASE(session__handles_die_with_what_they_name)
 {
     struct pccd_client *client = test_connect(shared.url);
     struct test_crossing old;
     struct test_crossing crossing;
     uint32_t object = 0;
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(test_crossing_make(client, &old), 0);
     assert_int_equal(pccd_scene_destroy(client, old.scene), 0);
@@ -219,12 +207,11 @@ static void session__handles_die_with_what_they_name(void **state)
 }
 
 /* If it failed, clients would share state or starve each other. */
-static void session__many_clients_take_turns(void **state)
+CASE(session__many_clients_take_turns)
 {
     enum { CLIENTS = 12, TURNS = 10 };
     struct test_crossing crossings[CLIENTS];
 
-    (void)state;
     for (int i = 0; i < CLIENTS; i++) {
         struct pccd_client *client = test_connect(shared.url);
 
@@ -240,7 +227,7 @@ static void session__many_clients_take_turns(void **state)
 }
 
 /* If it failed, one user could take all connections, or a refusal hurt the others. */
-static void session__clients_beyond_the_quota_are_refused(void **state)
+CASE(session__clients_beyond_the_quota_are_refused)
 {
     const char *const options[] = {"--clients-max", "2", NULL};
     struct pccd_options connect = {.struct_bytes = 0};
@@ -251,7 +238,6 @@ static void session__clients_beyond_the_quota_are_refused(void **state)
     struct test_crossing crossing;
     int status = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     first = test_connect(daemon.url);
     second = test_connect(daemon.url);
@@ -282,7 +268,7 @@ static void session__clients_beyond_the_quota_are_refused(void **state)
 }
 
 /* If it failed, one user could fill the daemon's memory. */
-static void session__meshes_triangles_and_memory_have_quotas(void **state)
+CASE(session__meshes_triangles_and_memory_have_quotas)
 {
     const char *const options[] = {
         "--meshes-max", "4", "--triangles-max", "1000", "--shm-max-mib", "8", NULL};
@@ -295,7 +281,6 @@ static void session__meshes_triangles_and_memory_have_quotas(void **state)
     uint32_t meshes[2] = {0, 0};
     uint32_t extra = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -331,7 +316,7 @@ static void session__meshes_triangles_and_memory_have_quotas(void **state)
 }
 
 /* If it failed, a restart would throw away work that clients wait for. */
-static void session__sigterm_answers_what_is_in_flight(void **state)
+CASE(session__sigterm_answers_what_is_in_flight)
 {
     enum { STEPS = 4 };
     struct test_daemon daemon;
@@ -341,7 +326,6 @@ static void session__sigterm_answers_what_is_in_flight(void **state)
     uint64_t steps[STEPS];
     int status;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     client = test_connect_once(daemon.url);
     assert_non_null(client);
@@ -368,14 +352,13 @@ static void session__sigterm_answers_what_is_in_flight(void **state)
 }
 
 /* If it failed, daemons that nobody uses would stay for ever. */
-static void session__idle_daemon_ends_by_itself(void **state)
+CASE(session__idle_daemon_ends_by_itself)
 {
     const char *const options[] = {"--idle-exit", "1", NULL};
     struct test_daemon daemon;
     struct pccd_client *client;
     int status;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -389,13 +372,12 @@ static void session__idle_daemon_ends_by_itself(void **state)
 }
 
 /* If it failed, a program would wait for a daemon that cannot be, or get one unasked. */
-static void session__no_daemon_is_an_error_with_a_text(void **state)
+CASE(session__no_daemon_is_an_error_with_a_text)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
     uint64_t begin_ms = test_now_ms();
 
-    (void)state;
     assert_int_equal(setenv("XDG_RUNTIME_DIR", "/nonexistent", 1), 0);
     pccd_options_init(&options);
     options.no_autostart = true;
@@ -422,13 +404,12 @@ static void session__no_daemon_is_an_error_with_a_text(void **state)
 }
 
 /* If it failed, wrong options would be guessed at instead of refused. */
-static void session__wrong_options_are_refused(void **state)
+CASE(session__wrong_options_are_refused)
 {
     struct pccd_options good;
     struct pccd_options bad;
     struct pccd_client *client = NULL;
 
-    (void)state;
     pccd_options_init(&good);
     good.url = shared.url;
     assert_int_equal(pccd_connect(&good, NULL), PCCD_E_INVAL);
@@ -462,7 +443,7 @@ static void session__wrong_options_are_refused(void **state)
 }
 
 /* If it failed, a call without a client would crash the program. */
-static void session__null_arguments_are_refused(void **state)
+CASE(session__null_arguments_are_refused)
 {
     struct pccd_client *client = test_connect(shared.url);
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -470,7 +451,6 @@ static void session__null_arguments_are_refused(void **state)
     uint64_t step = 0;
     uint32_t handle = 0;
 
-    (void)state;
     assert_non_null(client);
     assert_int_equal(pccd_ping(NULL, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_stats(NULL, count_stat, NULL), PCCD_E_INVAL);
@@ -506,14 +486,13 @@ static void session__null_arguments_are_refused(void **state)
 }
 
 /* If it failed, clients would be refused although there is a place now. */
-static void session__limit_that_is_raised_lets_in_who_waits(void **state)
+CASE(session__limit_that_is_raised_lets_in_who_waits)
 {
     static const char *const options[] = {"--connections-max", "8", NULL};
     struct test_daemon daemon;
     struct pccd_client *client;
     struct test_raw raw;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
@@ -555,11 +534,10 @@ static bool is_told_meanwhile(struct pccd_client *other)
 
 /* If it failed, all clients would wait until everything of one that leaves is freed: 5 ms
  * for a scene that is full, and there may be 64 of them. */
-static void session__that_had_much_leaves_by_turns(void **state)
+CASE(session__that_had_much_leaves_by_turns)
 {
     struct pccd_client *other = test_connect(shared.url);
     bool is_told = false;
-    (void)state;
     assert_non_null(other);
     for (int i = 0; i < 4 && !is_told; i++) {
         is_told = is_told_meanwhile(other);
@@ -568,28 +546,4 @@ static void session__that_had_much_leaves_by_turns(void **state)
     pccd_close(other);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(session__hello_and_ping_reach_the_daemon),
-        cmocka_unit_test(session__unknown_version_is_refused),
-        cmocka_unit_test(session__version_range_that_overlaps_is_agreed),
-        cmocka_unit_test(session__requests_before_hello_are_refused),
-        cmocka_unit_test(session__stats_count_what_happens),
-        cmocka_unit_test(session__second_daemon_says_who_holds_the_path),
-        cmocka_unit_test(session__handles_of_another_client_are_refused),
-        cmocka_unit_test(session__handles_die_with_what_they_name),
-        cmocka_unit_test(session__many_clients_take_turns),
-        cmocka_unit_test(session__clients_beyond_the_quota_are_refused),
-        cmocka_unit_test(session__limit_that_is_raised_lets_in_who_waits),
-        cmocka_unit_test(session__meshes_triangles_and_memory_have_quotas),
-        cmocka_unit_test(session__that_had_much_leaves_by_turns),
-        cmocka_unit_test(session__sigterm_answers_what_is_in_flight),
-        cmocka_unit_test(session__idle_daemon_ends_by_itself),
-        cmocka_unit_test(session__wrong_options_are_refused),
-        cmocka_unit_test(session__null_arguments_are_refused),
-        cmocka_unit_test(session__no_daemon_is_an_error_with_a_text),
-    };
-
-    return cmocka_run_group_tests_name("session", tests, start_shared, stop_shared);
-}
+CASES_WITH(start_shared, stop_shared);

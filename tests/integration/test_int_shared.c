@@ -3,20 +3,16 @@
  * Several clients of a real daemon in one scene: who moves what and when, who hears of
  * it, who may; clients that leave and a daemon that is killed.
  */
+#include "cases.h"
+
 #include <math.h>
 #include <poll.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "skip.h"
@@ -99,7 +95,7 @@ static uint64_t hold(struct member *member, float up, uint64_t deadline_ns)
 
 /* If it failed, objects of two processes would be moved one after the other, and what
  * they meet in between be missed; or who held a frame would not hear what came of it. */
-static void shared__held_frames_move_over_the_same_time(void **state)
+CASE(shared__held_frames_move_over_the_same_time)
 {
     struct member cloth;
     struct member obstacle;
@@ -107,7 +103,6 @@ static void shared__held_frames_move_over_the_same_time(void **state)
     struct pccd_answer held = PCCD_ANSWER_INIT;
     uint64_t step;
 
-    (void)state;
     open_member(&cloth, "both", test_triangle_x);
     open_member(&obstacle, "both", test_floor_x);
     assert_int_not_equal(cloth.object, obstacle.object);
@@ -170,7 +165,7 @@ static int move_by_batch(struct member *member, uint32_t still, uint32_t object,
 /* If it failed, who steps many scenes at once could not let somebody look at one of them;
  * or what others hold for that one, or are to hear of its steps, would be forgotten; or a
  * batch could move what is another's. */
-static void shared__a_batch_steps_it_as_a_step_does(void **state)
+CASE(shared__a_batch_steps_it_as_a_step_does)
 {
     struct member cloth;
     struct member obstacle;
@@ -180,7 +175,6 @@ static void shared__a_batch_steps_it_as_a_step_does(void **state)
     uint32_t own = 0;
     uint64_t step;
 
-    (void)state;
     open_member(&cloth, "of many", test_triangle_x);
     open_member(&obstacle, "of many", test_floor_x);
     assert_int_equal(pccd_scene_create(cloth.client, NULL, &own), 0);
@@ -225,7 +219,7 @@ static void shared__a_batch_steps_it_as_a_step_does(void **state)
 
 /* If it failed, one client could move or remove what is another's, or its bad step would
  * take with it what others hold for the next one. */
-static void shared__an_object_has_one_writer(void **state)
+CASE(shared__an_object_has_one_writer)
 {
     struct member cloth;
     struct member obstacle;
@@ -235,7 +229,6 @@ static void shared__an_object_has_one_writer(void **state)
     uint64_t held;
     uint64_t step = 0;
 
-    (void)state;
     open_member(&cloth, "writers", test_triangle_x);
     open_member(&obstacle, "writers", test_floor_x);
     assert_int_equal(submit(&cloth, obstacle.object, 1, NULL, &step), 0);
@@ -263,14 +256,13 @@ static void shared__an_object_has_one_writer(void **state)
 
 /* If it failed, a held frame would be answered late or never, or not go along after its
  * deadline or cancel: a motion would be left out. */
-static void shared__a_held_frame_is_answered_at_its_deadline_and_cancel(void **state)
+CASE(shared__a_held_frame_is_answered_at_its_deadline_and_cancel)
 {
     struct member cloth;
     struct member obstacle;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step;
 
-    (void)state;
     open_member(&cloth, "late", test_triangle_x);
     open_member(&obstacle, "late", test_floor_x);
     step = hold(&obstacle, 2, 1000000);
@@ -292,7 +284,7 @@ static void shared__a_held_frame_is_answered_at_its_deadline_and_cancel(void **s
 
 /* If it failed, a loop that watches descriptors would sleep over such a deadline, or turn
  * for ever after it. */
-static void shared__a_held_frames_deadline_makes_readable(void **state)
+CASE(shared__a_held_frames_deadline_makes_readable)
 {
     struct member cloth;
     struct member obstacle;
@@ -300,7 +292,6 @@ static void shared__a_held_frames_deadline_makes_readable(void **state)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t begin_ms;
 
-    (void)state;
     open_member(&cloth, "readable", test_triangle_x);
     open_member(&obstacle, "readable", test_floor_x);
     ready.fd = pccd_fd(obstacle.client);
@@ -319,14 +310,13 @@ static void shared__a_held_frames_deadline_makes_readable(void **state)
 
 /* If it failed, nobody could wait for a frame to be held and know that the next step
  * takes it along. */
-static void shared__a_held_frame_is_told(void **state)
+CASE(shared__a_held_frame_is_told)
 {
     struct member cloth;
     struct member obstacle;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
-    (void)state;
     open_member(&cloth, "told", test_triangle_x);
     open_member(&obstacle, "told", test_floor_x);
     assert_int_equal(submit(&cloth, cloth.object, 0, NULL, &step), 0);
@@ -373,7 +363,7 @@ static void see_object(void *context, const struct pccd_object_info *info)
 }
 
 /* If it failed, nobody could see who takes part in a scene, or whose an object is. */
-static void shared__is_listed(void **state)
+CASE(shared__is_listed)
 {
     struct pccd_client *reader = test_connect(test_shared.url);
     struct member cloth;
@@ -383,7 +373,6 @@ static void shared__is_listed(void **state)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step;
 
-    (void)state;
     open_member(&cloth, "listed", test_triangle_x);
     open_member(&obstacle, "listed", test_floor_x);
     step = hold(&obstacle, 1, 0);
@@ -413,14 +402,13 @@ static void shared__is_listed(void **state)
 
 /* If it failed, a client that leaves a scene while a frame of its waits there would end
  * the daemon for all, or wait for ever. */
-static void shared__leaving_ends_what_is_held(void **state)
+CASE(shared__leaving_ends_what_is_held)
 {
     struct member cloth;
     struct member obstacle;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step;
 
-    (void)state;
     open_member(&cloth, "left", test_triangle_x);
     open_member(&obstacle, "left", test_floor_x);
     step = hold(&obstacle, 2, 0);
@@ -435,7 +423,7 @@ static void shared__leaving_ends_what_is_held(void **state)
 
 /* If it failed, a reader would not hear of a step, read other records than the one who
  * made it, or be told of none after it had been slow. */
-static void shared__readers_hear_of_every_last_step(void **state)
+CASE(shared__readers_hear_of_every_last_step)
 {
     enum { STEPS = 300 };
     struct member cloth;
@@ -446,7 +434,6 @@ static void shared__readers_hear_of_every_last_step(void **state)
     struct pccd_answer read = PCCD_ANSWER_INIT;
     uint32_t scene = 0;
 
-    (void)state;
     assert_non_null(reader);
     open_member(&cloth, "news", test_triangle_x);
     open_member(&obstacle, "news", test_floor_x);
@@ -485,7 +472,7 @@ static void shared__readers_hear_of_every_last_step(void **state)
 
 /* If it failed, a client that leaves would leave its objects behind or take others' with
  * it; or a scene would end with who made it, or never. */
-static void shared__a_scene_lives_as_long_as_anybody_takes_part(void **state)
+CASE(shared__a_scene_lives_as_long_as_anybody_takes_part)
 {
     struct pccd_client *watcher = test_connect(test_shared.url);
     struct member maker;
@@ -495,7 +482,6 @@ static void shared__a_scene_lives_as_long_as_anybody_takes_part(void **state)
                                            "shm_bytes_now"};
     uint32_t scene = 0;
 
-    (void)state;
     assert_non_null(watcher);
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++) {
         assert_int_equal(test_stat_await(watcher, counters[i], 0), 0);
@@ -562,7 +548,7 @@ static void connect_two_users(struct pccd_client **mine, struct pccd_client **th
 
 /* If it failed, users who may not would see or change a scene, or those who may could
  * not; or each user would be charged for the other's memory. */
-static void shared__rights_are_as_of_a_file(void **state)
+CASE(shared__rights_are_as_of_a_file)
 {
     struct pccd_client *mine;
     struct pccd_client *theirs;
@@ -578,7 +564,6 @@ static void shared__rights_are_as_of_a_file(void **state)
     uint32_t mesh = 0;
     uint32_t object = 0;
 
-    (void)state;
     connect_two_users(&mine, &theirs);
     assert_int_equal(take_part(mine, "secret", PCCD_SHARE_CREATE, 0, &secret), 0);
     assert_int_equal(take_part(mine, "seen", PCCD_SHARE_CREATE, 0644, &seen), 0);
@@ -631,7 +616,7 @@ static void shared__rights_are_as_of_a_file(void **state)
 /* Lists of neighbours are the mesh's, and so its owner's to pay for, in whoever's scene
  * they are made. If this failed, a guest could end the daemon: it stops where it finds
  * that a user who has left holds memory, or has freed more than there was. */
-static void shared__a_guest_pays_for_what_is_his(void **state)
+CASE(shared__a_guest_pays_for_what_is_his)
 {
     const struct pccd_object_settings settings = {.struct_bytes = sizeof settings,
                                                   .what = PCCD_OBJECT_RADIUS |
@@ -644,7 +629,6 @@ static void shared__a_guest_pays_for_what_is_his(void **state)
     uint32_t mesh = 0;
     uint32_t object = 0;
 
-    (void)state;
     connect_two_users(&mine, &theirs);
     assert_int_equal(take_part(mine, "guests", PCCD_SHARE_CREATE, 0666, &scene), 0);
     assert_int_equal(pccd_scene_join(theirs, 0, "guests", &scene), 0);
@@ -664,7 +648,7 @@ static void shared__a_guest_pays_for_what_is_his(void **state)
 
 /* If it failed, a crash of the daemon would lose a shared scene, or what somebody held
  * for its next step. */
-static void shared__a_killed_daemon_loses_nothing(void **state)
+CASE(shared__a_killed_daemon_loses_nothing)
 {
     struct member cloth;
     struct member obstacle;
@@ -672,7 +656,6 @@ static void shared__a_killed_daemon_loses_nothing(void **state)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t held;
 
-    (void)state;
     if (test_is_direct()) {
         test_skip("with direct: there is no daemon to kill");
     }
@@ -699,24 +682,4 @@ static void shared__a_killed_daemon_loses_nothing(void **state)
     pccd_close(obstacle.client);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shared__held_frames_move_over_the_same_time),
-        cmocka_unit_test(shared__a_batch_steps_it_as_a_step_does),
-        cmocka_unit_test(shared__an_object_has_one_writer),
-        cmocka_unit_test(shared__a_held_frame_is_answered_at_its_deadline_and_cancel),
-        cmocka_unit_test(shared__a_held_frames_deadline_makes_readable),
-        cmocka_unit_test(shared__a_held_frame_is_told),
-        cmocka_unit_test(shared__is_listed),
-        cmocka_unit_test(shared__leaving_ends_what_is_held),
-        cmocka_unit_test(shared__readers_hear_of_every_last_step),
-        cmocka_unit_test(shared__a_scene_lives_as_long_as_anybody_takes_part),
-        cmocka_unit_test(shared__rights_are_as_of_a_file),
-        cmocka_unit_test(shared__a_guest_pays_for_what_is_his),
-        cmocka_unit_test(shared__a_killed_daemon_loses_nothing),
-    };
-
-    return cmocka_run_group_tests_name("shared", tests, test_shared_start,
-                                       test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

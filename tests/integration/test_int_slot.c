@@ -4,20 +4,16 @@
  * headers and counters, holes, slots without memory. Each is answered with its named
  * error, and an honest client gets right answers all the while.
  */
+#include "cases.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "witness.h"
 
@@ -91,13 +87,12 @@ static void expect_good_step(void)
 }
 
 /* If it failed, a step would be computed from what another one left in the slot. */
-static void slot__stale_sequence_numbers_are_refused(void **state)
+CASE_WITH(slot__stale_sequence_numbers_are_refused, open_raw, close_raw)
 {
     struct pccd_client *client = test_witness.crossing.client;
     uint64_t stale = test_stat(client, "slots_stale");
     uint64_t seq = write_good_step();
 
-    (void)state;
     assert_int_equal(submit(0, seq, 1), 0);
     assert_int_equal(submit(0, seq - 2, 1), PCCD_E_SLOT_STALE);
     assert_int_equal(submit(0, seq + 2, 1), PCCD_E_SLOT_STALE);
@@ -116,13 +111,12 @@ static void slot__stale_sequence_numbers_are_refused(void **state)
 
 /* If it failed, the answer to a step could overtake that to an earlier one of the same
  * session, and pages of results go back in another order than they came. */
-static void slot__answers_come_in_the_order_of_the_steps(void **state)
+CASE_WITH(slot__answers_come_in_the_order_of_the_steps, open_raw, close_raw)
 {
     struct proto_FRAME_SUBMIT_request stale = {.scene = scene, .seq = 2, .segments = 1};
     struct proto_FRAME_SUBMIT_request good = {
         .scene = scene, .segments = 1, .method = PCCD_METHOD_PAPER}; /* not the loop's */
 
-    (void)state;
     stale.seq = write_good_step() + 2;
     good.seq = stale.seq - 2;
     for (int i = 0; i < 200; i++) {
@@ -137,13 +131,12 @@ static void slot__answers_come_in_the_order_of_the_steps(void **state)
 }
 
 /* If it failed, a submit without a ring would touch memory that is not there. */
-static void slot__without_a_ring_is_refused(void **state)
+CASE_WITH(slot__without_a_ring_is_refused, open_raw, close_raw)
 {
     struct proto_SCENE_CREATE_request create = {.want = 0};
     struct proto_SCENE_CREATE_result created;
     struct proto_FRAME_SUBMIT_request request = {.seq = 2, .segments = 1};
 
-    (void)state;
     test_raw_close(&raw);
     test_witness_open_raw(&raw, 0);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
@@ -171,7 +164,7 @@ static void *write_for_ever(void *context)
 }
 
 /* If it failed, a step would be computed from a mixture of two. */
-static void slot__torn_while_it_is_read_is_refused(void **state)
+CASE_WITH(slot__torn_while_it_is_read_is_refused, open_raw, close_raw)
 {
     struct pccd_client *client = test_witness.crossing.client;
     uint64_t torn_before = test_stat(client, "slots_torn");
@@ -181,7 +174,6 @@ static void slot__torn_while_it_is_read_is_refused(void **state)
     uint64_t until_ms = test_now_ms() + 10000;
     pthread_t writer;
 
-    (void)state;
     atomic_store(&keep_writing, true);
     assert_int_equal(pthread_create(&writer, NULL, write_for_ever, slot), 0);
     for (int i = 0; (i < 300 || torn == 0) && test_now_ms() < until_ms; i++) {
@@ -246,9 +238,8 @@ static const struct {
 };
 
 /* If it failed, the daemon would read beyond the slot, or move what it should not. */
-static void segment__lies_are_refused_one_by_one(void **state)
+CASE_WITH(segment__lies_are_refused_one_by_one, open_raw, close_raw)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof lies / sizeof lies[0]; i++) {
         struct proto_segment segment = lies[i].segment;
         int status;
@@ -267,11 +258,10 @@ static void segment__lies_are_refused_one_by_one(void **state)
 }
 
 /* If it failed, one vertex could be written twice in a step, with either result. */
-static void segment__overlaps_are_refused(void **state)
+CASE_WITH(segment__overlaps_are_refused, open_raw, close_raw)
 {
     static const uint32_t ranges[][4] = {{0, 3, 0, 3}, {0, 2, 1, 2}, {2, 1, 0, 3}};
 
-    (void)state;
     for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
         struct proto_segment table[2] = {
             {object, X1, 0, ranges[i][0], ranges[i][1], 0, 64},
@@ -290,11 +280,10 @@ static void segment__overlaps_are_refused(void **state)
 }
 
 /* If it failed, a table longer than its slot would be read. */
-static void segment__count_is_bounded(void **state)
+CASE_WITH(segment__count_is_bounded, open_raw, close_raw)
 {
     uint64_t seq = write_good_step();
 
-    (void)state;
     assert_int_equal(submit(0, seq, 65537), PCCD_E_LIMIT);
     assert_int_equal(submit(0, seq, UINT32_MAX), PCCD_E_LIMIT);
     assert_int_equal(submit(0, seq, 65536), PCCD_E_SEGMENT);
@@ -305,12 +294,11 @@ static void segment__count_is_bounded(void **state)
 /* ---- positions --------------------------------------------------------------------- */
 
 /* If it failed, a position without meaning would get into the scene and stay there. */
-static void positions__that_are_not_finite_are_refused(void **state)
+CASE_WITH(positions__that_are_not_finite_are_refused, open_raw, close_raw)
 {
     static const double bad[] = {NAN, INFINITY, -INFINITY, 1.1e18, -1e300};
     uint8_t *payload = test_raw_payload(&raw, 0);
 
-    (void)state;
     for (uint32_t at = 0; at < 9 * 5; at++) {
         double x[9] = {0, 0, 1, 1, 0, 1, 0, 1, 1};
         struct proto_segment segment = {object, X1, 1, 0, 3, 0, 32};
@@ -352,7 +340,7 @@ static int send_chunk(uint32_t handle, uint32_t part, uint32_t first, uint32_t c
 }
 
 /* If it failed, a mesh could name vertices that are not there, or be used half-made. */
-static void mesh__chunks_that_do_not_fit_are_refused(void **state)
+CASE_WITH(mesh__chunks_that_do_not_fit_are_refused, open_raw, close_raw)
 {
     struct proto_MESH_CREATE_request create = {.vertex_count = 20000,
                                                .triangle_count = 2};
@@ -362,7 +350,6 @@ static void mesh__chunks_that_do_not_fit_are_refused(void **state)
     uint32_t *triangles = (uint32_t *)(void *)test_raw_payload(&raw, 0);
     uint32_t handle;
 
-    (void)state;
     memset(triangles, 0, SLOT_BYTES);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created), 0);
     handle = commit.mesh = add.mesh = created.mesh;
@@ -411,11 +398,10 @@ static void mesh__chunks_that_do_not_fit_are_refused(void **state)
 /* ---- the memory itself ------------------------------------------------------------- */
 
 /* If it failed, the daemon would believe what clients write into its words. */
-static void memory__scribbled_headers_and_counters_do_not_matter(void **state)
+CASE_WITH(memory__scribbled_headers_and_counters_do_not_matter, open_raw, close_raw)
 {
     struct proto_upload *upload = test_raw_upload(&raw);
 
-    (void)state;
     for (int round = 0; round < 8; round++) {
         memset(&upload->header, round % 2 == 0 ? 0xff : 0, sizeof upload->header);
         atomic_store(&upload->head.value, UINT64_MAX - (uint64_t)round);
@@ -429,14 +415,13 @@ static void memory__scribbled_headers_and_counters_do_not_matter(void **state)
 
 /* If it failed, a wrong result_head would make the daemon write over its own pages or
  * beyond the region. */
-static void memory__wrong_result_head_is_refused(void **state)
+CASE_WITH(memory__wrong_result_head_is_refused, open_raw, close_raw)
 {
     static const uint64_t wrong[] = {1u << 20, UINT64_MAX, UINT64_MAX / 2, 1};
     struct proto_MESH_EDGES_request edges = {.first = 0, .count = 3};
     struct proto_MESH_EDGES_result result;
     struct proto_upload *upload = test_raw_upload(&raw);
 
-    (void)state;
     edges.mesh = mesh;
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         atomic_store(&upload->result_head.value, wrong[i]);
@@ -453,11 +438,10 @@ static void memory__wrong_result_head_is_refused(void **state)
 
 /* If it failed, a client could write into its answers, or take memory from under the
  * daemon, which would die of it. */
-static void memory__cannot_be_shrunk_or_written_where_it_must_not(void **state)
+CASE_WITH(memory__cannot_be_shrunk_or_written_where_it_must_not, open_raw, close_raw)
 {
     struct proto_upload *upload = test_raw_upload(&raw);
 
-    (void)state;
     assert_ptr_equal(mmap(NULL, raw.result.bytes, PROT_READ | PROT_WRITE, MAP_SHARED,
                           raw.result.fd, 0),
                      MAP_FAILED);
@@ -478,7 +462,7 @@ static void memory__cannot_be_shrunk_or_written_where_it_must_not(void **state)
 
 /* If it failed, sizes that no machine has would be tried, or tiny ones be written
  * over. */
-static void memory__rings_of_impossible_sizes_are_refused(void **state)
+CASE_WITH(memory__rings_of_impossible_sizes_are_refused, open_raw, close_raw)
 {
     static const struct {
         struct proto_SHM_ATTACH_request request;
@@ -501,7 +485,6 @@ static void memory__rings_of_impossible_sizes_are_refused(void **state)
     };
     uint64_t bytes = test_stat(test_witness.crossing.client, "shm_bytes_now");
 
-    (void)state;
     for (size_t i = 0; i < sizeof rings / sizeof rings[0]; i++) {
         assert_int_equal(
             test_raw_call(&raw, PROTO_METHOD_SHM_ATTACH, &rings[i].request, NULL),
@@ -520,11 +503,10 @@ static int take(uint32_t slot)
 
 /* If it failed, the daemon would read, and so fill, memory that nobody is charged for; or
  * a client that says a slot is free, and lies, would harm anybody else. */
-static void slot__without_memory_is_refused(void **state)
+CASE_WITH(slot__without_memory_is_refused, open_raw, close_raw)
 {
     _Atomic uint64_t *memory = &test_raw_upload(&raw)->slots[1].memory;
 
-    (void)state;
     assert_int_equal(take(2), PCCD_E_INVAL); /* there are two slots */
     assert_int_equal(take(1), 0);            /* it has memory */
     expect_good_step();
@@ -548,27 +530,4 @@ static void slot__without_memory_is_refused(void **state)
     expect_good_step();
 }
 
-#define RAW_TEST(name) cmocka_unit_test_setup_teardown(name, open_raw, close_raw)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        RAW_TEST(slot__stale_sequence_numbers_are_refused),
-        RAW_TEST(slot__answers_come_in_the_order_of_the_steps),
-        RAW_TEST(slot__without_a_ring_is_refused),
-        RAW_TEST(slot__torn_while_it_is_read_is_refused),
-        RAW_TEST(segment__lies_are_refused_one_by_one),
-        RAW_TEST(segment__overlaps_are_refused),
-        RAW_TEST(segment__count_is_bounded),
-        RAW_TEST(positions__that_are_not_finite_are_refused),
-        RAW_TEST(mesh__chunks_that_do_not_fit_are_refused),
-        RAW_TEST(memory__scribbled_headers_and_counters_do_not_matter),
-        RAW_TEST(memory__wrong_result_head_is_refused),
-        RAW_TEST(memory__cannot_be_shrunk_or_written_where_it_must_not),
-        RAW_TEST(memory__rings_of_impossible_sizes_are_refused),
-        RAW_TEST(slot__without_memory_is_refused),
-    };
-
-    return cmocka_run_group_tests_name("slot", tests, test_witness_start,
-                                       test_witness_stop);
-}
+CASES_WITH(test_witness_start, test_witness_stop);

@@ -3,12 +3,10 @@
  * Remove the file, its lock, its folder, or put something else there, under a daemon
  * alone, one with a supervisor and one that was given its socket.
  */
+#include "cases.h"
+
 #include <fcntl.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +15,6 @@
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "messages.h"
@@ -124,7 +120,7 @@ static unsigned long switches_of(pid_t pid)
 
 /* If it failed, a daemon whose file somebody deletes would hold its lock and serve nobody
  * for ever. */
-static void socketfile__removed_is_served_again(void **state)
+CASE_WITH(socketfile__removed_is_served_again, setup, teardown)
 {
     struct fixture *f = *state;
     pid_t pid = meet(f, &f->first);
@@ -140,7 +136,7 @@ static void socketfile__removed_is_served_again(void **state)
 
 /* If it failed, whoever connected just before would be turned away, though the daemon
  * went on. */
-static void socketfile__removed_loses_nobody_who_waits(void **state)
+CASE_WITH(socketfile__removed_loses_nobody_who_waits, setup, teardown)
 {
     struct fixture *f = *state;
     pid_t pid = f->daemon.pid;
@@ -156,7 +152,7 @@ static void socketfile__removed_loses_nobody_who_waits(void **state)
 
 /* If it failed, a supervisor would keep a worker that nobody can reach, or the next
  * worker would listen where nobody comes. */
-static void socketfile__removed_is_served_again_by_a_worker(void **state)
+CASE_WITH(socketfile__removed_is_served_again_by_a_worker, setup_supervised, teardown)
 {
     struct fixture *f = *state;
     pid_t worker = meet(f, &f->first);
@@ -204,19 +200,20 @@ static void let_go_and_take_over(struct fixture *f, const char *const *options)
 }
 
 /* If it failed, two daemons would fight for a path, or one remove the other's socket. */
-static void socketfile__without_its_lock_is_let_go(void **state)
+CASE_WITH(socketfile__without_its_lock_is_let_go, setup, teardown)
 {
     let_go_and_take_over(*state, alone);
 }
 
 /* If it failed, likewise with a supervisor. */
-static void socketfile__without_its_lock_is_let_go_by_a_supervisor(void **state)
+CASE_WITH(socketfile__without_its_lock_is_let_go_by_a_supervisor, setup_supervised,
+          teardown)
 {
     let_go_and_take_over(*state, supervised);
 }
 
 /* If it failed, a daemon without clients would stay for ever where nobody finds it. */
-static void socketfile__in_a_folder_that_was_renamed_is_let_go(void **state)
+CASE_WITH(socketfile__in_a_folder_that_was_renamed_is_let_go, setup, teardown)
 {
     struct fixture *f = *state;
     char moved[96];
@@ -229,7 +226,7 @@ static void socketfile__in_a_folder_that_was_renamed_is_let_go(void **state)
 }
 
 /* If it failed, rm -rf would not get rid of the folder, or the daemon would stay. */
-static void socketfile__removed_with_its_folder_is_let_go(void **state)
+CASE_WITH(socketfile__removed_with_its_folder_is_let_go, setup, teardown)
 {
     struct fixture *f = *state;
     char command[160];
@@ -251,7 +248,7 @@ static int listen_at(const char *path)
 }
 
 /* If it failed, the daemon would remove a socket that somebody else has put there. */
-static void socketfile__replaced_is_left_to_whom_it_belongs(void **state)
+CASE_WITH(socketfile__replaced_is_left_to_whom_it_belongs, setup, teardown)
 {
     struct fixture *f = *state;
     char path[96];
@@ -270,7 +267,7 @@ static void socketfile__replaced_is_left_to_whom_it_belongs(void **state)
 }
 
 /* If it failed, nobody would hear why clients do not find a service of systemd's. */
-static void socketfile__of_systemd_is_told_of(void **state)
+CASE_WITH(socketfile__of_systemd_is_told_of, setup, teardown)
 {
     struct fixture *f = *state;
     char path[96];
@@ -303,7 +300,7 @@ static void socketfile__of_systemd_is_told_of(void **state)
 
 /* If it failed, to notice would cost an idle machine its rest: also where the folder is
  * busy. */
-static void socketfile__is_watched_without_waking(void **state)
+CASE_WITH(socketfile__is_watched_without_waking, setup, teardown)
 {
     struct fixture *f = *state;
     char path[96];
@@ -323,24 +320,4 @@ static void socketfile__is_watched_without_waking(void **state)
     }
     assert_int_equal(switches_of(pid), before);
     test_raw_close(&f->first);
-}
-
-#define ALONE(name)      cmocka_unit_test_setup_teardown(name, setup, teardown)
-#define SUPERVISED(name) cmocka_unit_test_setup_teardown(name, setup_supervised, teardown)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        ALONE(socketfile__removed_is_served_again),
-        ALONE(socketfile__removed_loses_nobody_who_waits),
-        SUPERVISED(socketfile__removed_is_served_again_by_a_worker),
-        ALONE(socketfile__without_its_lock_is_let_go),
-        SUPERVISED(socketfile__without_its_lock_is_let_go_by_a_supervisor),
-        ALONE(socketfile__in_a_folder_that_was_renamed_is_let_go),
-        ALONE(socketfile__removed_with_its_folder_is_let_go),
-        ALONE(socketfile__replaced_is_left_to_whom_it_belongs),
-        ALONE(socketfile__of_systemd_is_told_of),
-        ALONE(socketfile__is_watched_without_waking),
-    };
-    return cmocka_run_group_tests_name("int_socketfile", tests, NULL, NULL);
 }

@@ -5,16 +5,12 @@
  * frame; kill the daemon and cut the connection between steps and in them; compare every
  * answer with that of a scene which is made for that one step.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -181,11 +177,10 @@ static uint64_t start_round(struct world *world, uint32_t round)
 
 /* If it failed, a frame that hands over little, or what is there already, would be taken
  * for another motion. */
-static void standing__is_the_same_by_every_kind_of_frame(void **state)
+CASE(standing__is_the_same_by_every_kind_of_frame)
 {
     static struct world world;
 
-    (void)state;
     begin(&world);
     for (uint32_t round = 0; round < ROUNDS; round++) {
         check_step(&world, start_round(&world, round));
@@ -195,11 +190,10 @@ static void standing__is_the_same_by_every_kind_of_frame(void **state)
 
 /* If it failed, what a daemon kept of a scene would be asked of one that was started
  * since, and what stands would not be found. */
-static void standing__is_found_by_the_next_daemon(void **state)
+CASE(standing__is_found_by_the_next_daemon)
 {
     static struct world world;
 
-    (void)state;
     begin(&world);
     for (uint32_t round = 0; round < ROUNDS / 2; round++) {
         pid_t worker = (pid_t)pccd_daemon_pid(world.client);
@@ -217,12 +211,11 @@ static void standing__is_found_by_the_next_daemon(void **state)
 
 /* If it failed, a session that goes on over another connection would have lost what it
  * was compared with, or a step of it. */
-static void standing__goes_on_with_a_resumed_session(void **state)
+CASE(standing__goes_on_with_a_resumed_session)
 {
     static struct world world;
     struct pccd_link_info info;
 
-    (void)state;
     begin(&world);
     for (uint32_t round = 0; round < ROUNDS / 2; round++) {
         if (round % 3 == 0) {
@@ -241,14 +234,13 @@ static void standing__goes_on_with_a_resumed_session(void **state)
 
 /* If it failed, nobody would see in an answer, or in what `pccdctl stats` prints, whether
  * what stands was left out. */
-static void standing__is_counted_in_answers_and_totals(void **state)
+CASE(standing__is_counted_in_answers_and_totals)
 {
     static const char *const names[] = {"still_features", "still_pairs", "kept_records"};
     static struct world world;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t before[3];
 
-    (void)state;
     begin(&world);
     for (uint32_t i = 0; i < 3; i++) {
         before[i] = test_stat(world.client, names[i]);
@@ -268,15 +260,4 @@ static void standing__is_counted_in_answers_and_totals(void **state)
     }
     pccd_answer_release(world.client, &answer);
     end(&world);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(standing__is_the_same_by_every_kind_of_frame),
-        cmocka_unit_test(standing__is_found_by_the_next_daemon),
-        cmocka_unit_test(standing__goes_on_with_a_resumed_session),
-        cmocka_unit_test(standing__is_counted_in_answers_and_totals),
-    };
-    return cmocka_run_group_tests_name("standing", tests, NULL, NULL);
 }

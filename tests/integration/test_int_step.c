@@ -1,13 +1,9 @@
 /* test_int_step.c - steps through a real daemon: what goes in and what comes out. */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "grid.h"
@@ -26,7 +22,7 @@ static void step_x1(struct test_crossing *crossing, uint32_t object, const float
 
 /* If it failed, what a mesh holds would be counted wrongly, and edges be named
  * wrongly. */
-static void mesh__counts_and_edges_are_those_of_the_data(void **state)
+CASE_CROSSING(mesh__counts_and_edges_are_those_of_the_data)
 {
     static const double x[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0},
                                    {0, 0, 1}, {5, 5, 5}, {2, 0, 0}};
@@ -57,7 +53,7 @@ static void mesh__counts_and_edges_are_those_of_the_data(void **state)
 }
 
 /* If it failed, a mesh that needs several slots would arrive damaged. */
-static void mesh__larger_than_a_slot_arrives_whole(void **state)
+CASE_CROSSING(mesh__larger_than_a_slot_arrives_whole)
 {
     struct test_crossing *crossing = *state;
     struct pccd_options options;
@@ -101,7 +97,7 @@ static void mesh__larger_than_a_slot_arrives_whole(void **state)
 }
 
 /* If it failed, bad data would be registered, or a refused mesh stay in the daemon. */
-static void mesh__bad_data_is_refused_and_leaves_nothing(void **state)
+CASE_CROSSING(mesh__bad_data_is_refused_and_leaves_nothing)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -130,7 +126,7 @@ static void mesh__bad_data_is_refused_and_leaves_nothing(void **state)
 /* ---- segments ---------------------------------------------------------------------- */
 
 /* If it failed, end positions in float would be read wrongly. */
-static void step__x1_in_float_meets_the_floor(void **state)
+CASE_CROSSING(step__x1_in_float_meets_the_floor)
 {
     struct test_crossing *crossing = *state;
 
@@ -140,7 +136,7 @@ static void step__x1_in_float_meets_the_floor(void **state)
 }
 
 /* If it failed, end positions in double would be read wrongly. */
-static void step__x1_in_double_meets_the_floor(void **state)
+CASE_CROSSING(step__x1_in_double_meets_the_floor)
 {
     const double x1[3][3] = {{0, 0, -3}, {1, 0, -3}, {0, 1, -3}};
     struct test_crossing *crossing = *state;
@@ -160,7 +156,7 @@ static void step__x1_in_double_meets_the_floor(void **state)
 }
 
 /* If it failed, a jump between steps would be taken for motion, or a start be ignored. */
-static void step__x0x1_gives_both_ends(void **state)
+CASE_CROSSING(step__x0x1_gives_both_ends)
 {
     const double far0[3][3] = {{0, 0, -5}, {1, 0, -5}, {0, 1, -5}};
     const double far1[3][3] = {{0, 0, -4}, {1, 0, -4}, {0, 1, -4}};
@@ -190,7 +186,7 @@ static void step__x0x1_gives_both_ends(void **state)
 }
 
 /* If it failed, a range would move the wrong vertices. */
-static void step__ranges_move_only_their_vertices(void **state)
+CASE_CROSSING(step__ranges_move_only_their_vertices)
 {
     struct test_crossing *crossing = *state;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -229,7 +225,7 @@ static void step__ranges_move_only_their_vertices(void **state)
 }
 
 /* If it failed, transforms would be applied to the wrong positions or transposed. */
-static void step__rigid_transforms_the_registered_positions(void **state)
+CASE_CROSSING(step__rigid_transforms_the_registered_positions)
 {
     const double from[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     /* A quarter turn about z, and down by 4: the vertices end at height -3. */
@@ -261,7 +257,7 @@ static void step__rigid_transforms_the_registered_positions(void **state)
 }
 
 /* If it failed, objects that are not named would move, or moving ones meet twice. */
-static void step__still_objects_stand_and_two_can_move(void **state)
+CASE_CROSSING(step__still_objects_stand_and_two_can_move)
 {
     const float low[3][3] = {{-9, -9, -1}, {9, -9, -1}, {0, 9, -1}};
     const float middle[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -310,7 +306,7 @@ static void step__still_objects_stand_and_two_can_move(void **state)
 }
 
 /* If it failed, objects could not come and go between steps. */
-static void step__objects_come_and_go(void **state)
+CASE_CROSSING(step__objects_come_and_go)
 {
     struct test_crossing *crossing = *state;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -349,7 +345,7 @@ static void step__objects_come_and_go(void **state)
 
 /* If it failed, what a program of another release asks for would be read past its end, or
  * be ignored in silence. */
-static void step__settings_of_another_release_are_read_or_refused(void **state)
+CASE_CROSSING(step__settings_of_another_release_are_read_or_refused)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -391,7 +387,7 @@ static void step__settings_of_another_release_are_read_or_refused(void **state)
 
 /* If it failed, a library of another release would write behind a program's answer, or
  * leave what the program knows and the library does not as it was. */
-static void step__answers_of_another_release_are_filled_or_refused(void **state)
+CASE_CROSSING(step__answers_of_another_release_are_filled_or_refused)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -444,7 +440,7 @@ static void step__answers_of_another_release_are_filled_or_refused(void **state)
 }
 
 /* If it failed, a step that is refused would still move something. */
-static void step__refused_steps_change_nothing(void **state)
+CASE_CROSSING(step__refused_steps_change_nothing)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
@@ -503,7 +499,7 @@ static void tilted_ends(float x0[3][3], float x1[3][3])
 }
 
 /* If it failed, a mode would answer another question than the one asked. */
-static void step__modes_answer_what_they_say(void **state)
+CASE_CROSSING(step__modes_answer_what_they_say)
 {
     struct test_crossing *crossing = *state;
     struct pccd_step_settings settings = {.struct_bytes =
@@ -573,7 +569,7 @@ static void step__modes_answer_what_they_say(void **state)
 }
 
 /* If it failed, answers would depend on how many threads there are. */
-static void step__threads_do_not_change_the_hash(void **state)
+CASE_CROSSING(step__threads_do_not_change_the_hash)
 {
     struct test_crossing *crossing = *state;
     struct pccd_step_settings settings = {
@@ -598,29 +594,4 @@ static void step__threads_do_not_change_the_hash(void **state)
     test_grid_free(&grid);
 }
 
-#define STEP_TEST(name)                                                                  \
-    cmocka_unit_test_setup_teardown(name, test_crossing_open, test_crossing_close)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        STEP_TEST(mesh__counts_and_edges_are_those_of_the_data),
-        STEP_TEST(mesh__larger_than_a_slot_arrives_whole),
-        STEP_TEST(mesh__bad_data_is_refused_and_leaves_nothing),
-        STEP_TEST(step__x1_in_float_meets_the_floor),
-        STEP_TEST(step__x1_in_double_meets_the_floor),
-        STEP_TEST(step__x0x1_gives_both_ends),
-        STEP_TEST(step__ranges_move_only_their_vertices),
-        STEP_TEST(step__rigid_transforms_the_registered_positions),
-        STEP_TEST(step__still_objects_stand_and_two_can_move),
-        STEP_TEST(step__objects_come_and_go),
-        STEP_TEST(step__settings_of_another_release_are_read_or_refused),
-        STEP_TEST(step__answers_of_another_release_are_filled_or_refused),
-        STEP_TEST(step__refused_steps_change_nothing),
-        STEP_TEST(step__modes_answer_what_they_say),
-        STEP_TEST(step__threads_do_not_change_the_hash),
-    };
-
-    return cmocka_run_group_tests_name("step", tests, test_shared_start,
-                                       test_shared_stop);
-}
+CASES_WITH(test_shared_start, test_shared_stop);

@@ -1,13 +1,11 @@
 /* test_int_supervise.c - a daemon that is started again, and one that is given a
  * socket.
  */
+#include "cases.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +15,6 @@
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "messages.h"
@@ -86,7 +82,7 @@ static bool tells_the_end_of(const struct fixture *f, pid_t worker)
 
 /* If the socket went with the worker, a client that comes while the next one starts would
  * be refused. */
-static void supervise__clients_reach_the_next_worker(void **state)
+CASE_WITH(supervise__clients_reach_the_next_worker, setup, teardown)
 {
     struct fixture *f = *state;
     pid_t first = meet(f);
@@ -101,7 +97,7 @@ static void supervise__clients_reach_the_next_worker(void **state)
 }
 
 /* If it failed, clients would wait for a program to be loaded whenever one crashes. */
-static void supervise__has_a_spare_worker(void **state)
+CASE_WITH(supervise__has_a_spare_worker, setup, teardown)
 {
     struct fixture *f = *state;
     char text[64];
@@ -127,7 +123,7 @@ static void supervise__has_a_spare_worker(void **state)
 }
 
 /* If nothing were said, nobody could find out why a daemon came back. */
-static void supervise__tells_what_a_worker_died_of(void **state)
+CASE_WITH(supervise__tells_what_a_worker_died_of, setup, teardown)
 {
     struct fixture *f = *state;
     pid_t first = meet(f);
@@ -162,7 +158,7 @@ static void let_it_be_seen(pid_t worker)
 /* If the next worker began only when the last one is reaped, clients would wait until all
  * sockets of a thousand others are closed; and if only one could be unreaped, a daemon
  * that crashes twice in a row would stay away. */
-static void supervise__replaces_a_worker_before_it_is_gone(void **state)
+CASE_WITH(supervise__replaces_a_worker_before_it_is_gone, setup, teardown)
 {
     struct fixture *f = *state;
     pid_t first = meet(f);
@@ -184,7 +180,7 @@ static void supervise__replaces_a_worker_before_it_is_gone(void **state)
 }
 
 /* If crashes that are not reaped were not counted, it would start workers without end. */
-static void supervise__counts_workers_that_are_not_gone(void **state)
+CASE_WITH(supervise__counts_workers_that_are_not_gone, setup, teardown)
 {
     struct fixture *f = *state;
     pid_t workers[5];
@@ -241,7 +237,7 @@ static pid_t start_to_be_traced(struct fixture *f, pid_t *worker)
 
 /* If the end of a worker that ends in order were taken for a crash, another one would be
  * started, and serve on nobody's order. */
-static void supervise__ends_when_its_worker_ends_in_order(void **state)
+CASE_WITH(supervise__ends_when_its_worker_ends_in_order, setup, teardown)
 {
     struct fixture *f = *state;
     char text[64];
@@ -272,7 +268,7 @@ static void supervise__ends_when_its_worker_ends_in_order(void **state)
 }
 
 /* If a worker that is stopped were taken for one that is gone, two would serve. */
-static void supervise__waits_for_a_worker_that_is_stopped(void **state)
+CASE_WITH(supervise__waits_for_a_worker_that_is_stopped, setup, teardown)
 {
     struct fixture *f = *state;
     pid_t worker = meet(f);
@@ -285,7 +281,7 @@ static void supervise__waits_for_a_worker_that_is_stopped(void **state)
 }
 
 /* If a spare that has died were told to go on, nobody would serve. */
-static void supervise__does_without_a_spare_that_has_died(void **state)
+CASE_WITH(supervise__does_without_a_spare_that_has_died, setup, teardown)
 {
     struct fixture *f = *state;
     pid_t worker;
@@ -300,7 +296,7 @@ static void supervise__does_without_a_spare_that_has_died(void **state)
 }
 
 /* If it went on for ever, a daemon that cannot start would burn a processor. */
-static void supervise__gives_up_after_five_crashes(void **state)
+CASE_WITH(supervise__gives_up_after_five_crashes, setup, teardown)
 {
     struct fixture *f = *state;
     for (int i = 0; i < 5; i++) {
@@ -316,7 +312,7 @@ static void supervise__gives_up_after_five_crashes(void **state)
 
 /* If the number could not be chosen, nobody could put a daemon to the test by killing it
  * again and again; if it were not kept, a larger one would never give up. */
-static void supervise__bears_as_many_crashes_as_it_is_told(void **state)
+CASE_WITH(supervise__bears_as_many_crashes_as_it_is_told, setup, teardown)
 {
     static const char *const hardy[] = {
         "--supervise", "--crashes-max", "7", "--threads", "1", NULL};
@@ -334,7 +330,7 @@ static void supervise__bears_as_many_crashes_as_it_is_told(void **state)
 }
 
 /* If a signal ended the parent alone, a worker without a socket path would stay. */
-static void supervise__ends_with_its_worker(void **state)
+CASE_WITH(supervise__ends_with_its_worker, setup, teardown)
 {
     struct fixture *f = *state;
     (void)meet(f);
@@ -344,7 +340,7 @@ static void supervise__ends_with_its_worker(void **state)
 }
 
 /* If a worker outlived its parent, two daemons could serve one path. */
-static void supervise__worker_goes_when_its_parent_dies(void **state)
+CASE_WITH(supervise__worker_goes_when_its_parent_dies, setup, teardown)
 {
     struct fixture *f = *state;
     assert_int_equal(prctl(PR_SET_CHILD_SUBREAPER, 1), 0); /* its orphan is ours */
@@ -392,7 +388,7 @@ static pid_t start_with(const struct fixture *f, int fd)
 
 /* If it opened a socket of its own, or removed the one it was given, clients of the next
  * start would find nobody. */
-static void activate__serves_on_the_socket_it_is_given(void **state)
+CASE_WITH(activate__serves_on_the_socket_it_is_given, setup, teardown)
 {
     struct fixture *f = *state;
     char path[96];
@@ -416,7 +412,7 @@ static void activate__serves_on_the_socket_it_is_given(void **state)
 }
 
 /* If any socket were taken, a wrong unit file would show as clients that hang. */
-static void activate__refuses_a_socket_of_another_kind(void **state)
+CASE_WITH(activate__refuses_a_socket_of_another_kind, setup, teardown)
 {
     struct fixture *f = *state;
     char path[96];
@@ -428,37 +424,4 @@ static void activate__refuses_a_socket_of_another_kind(void **state)
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
     assert_true(test_daemon_logged(&f->daemon, "not a listening SOCK_SEQPACKET socket"));
     close(fd);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(supervise__clients_reach_the_next_worker, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(supervise__has_a_spare_worker, setup, teardown),
-        cmocka_unit_test_setup_teardown(supervise__tells_what_a_worker_died_of, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(supervise__replaces_a_worker_before_it_is_gone,
-                                        setup, teardown),
-        cmocka_unit_test_setup_teardown(supervise__counts_workers_that_are_not_gone,
-                                        setup, teardown),
-        cmocka_unit_test_setup_teardown(supervise__ends_when_its_worker_ends_in_order,
-                                        setup, teardown),
-        cmocka_unit_test_setup_teardown(supervise__waits_for_a_worker_that_is_stopped,
-                                        setup, teardown),
-        cmocka_unit_test_setup_teardown(supervise__does_without_a_spare_that_has_died,
-                                        setup, teardown),
-        cmocka_unit_test_setup_teardown(supervise__gives_up_after_five_crashes, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(supervise__bears_as_many_crashes_as_it_is_told,
-                                        setup, teardown),
-        cmocka_unit_test_setup_teardown(supervise__ends_with_its_worker, setup, teardown),
-        cmocka_unit_test_setup_teardown(supervise__worker_goes_when_its_parent_dies,
-                                        setup, teardown),
-        cmocka_unit_test_setup_teardown(activate__serves_on_the_socket_it_is_given, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(activate__refuses_a_socket_of_another_kind, setup,
-                                        teardown),
-    };
-    return cmocka_run_group_tests_name("int_supervise", tests, NULL, NULL);
 }

@@ -5,18 +5,14 @@
  * idle, and take again; a quota that refuses more of either. What the daemon says is
  * compared with what the kernel says. PCCD_CLIENTS is how many clients connect (100).
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -53,7 +49,7 @@ static void turn(struct test_grid *grid)
 
 /* If it failed, the eighth client of a user would be refused for memory that nobody
  * uses. */
-static void clients__with_small_scenes_take_little(void **state)
+CASE(clients__with_small_scenes_take_little)
 {
     static const char *const options[] = {
         "--clients-max", "1002", "--connections-max", "2000", "--meshes-max",
@@ -64,7 +60,6 @@ static void clients__with_small_scenes_take_little(void **state)
     struct test_daemon daemon;
     struct rlimit files;
 
-    (void)state;
     assert_true(count >= 1 && count <= CLIENTS_MAX);
     assert_int_equal(getrlimit(RLIMIT_NOFILE, &files), 0);
     files.rlim_cur = files.rlim_max;
@@ -96,7 +91,7 @@ static void clients__with_small_scenes_take_little(void **state)
 
 /* If it failed, the first frame of a mesh would attach larger slots: both rings are there
  * for a while, and the client waits for it. */
-static void slots__hold_a_frame_of_the_first_mesh(void **state)
+CASE(slots__hold_a_frame_of_the_first_mesh)
 {
     static double x[3 * SOUP][3];
     static uint32_t triangles[SOUP][3];
@@ -106,7 +101,6 @@ static void slots__hold_a_frame_of_the_first_mesh(void **state)
     uint32_t scene = 0;
     uint32_t object = 0;
 
-    (void)state;
     for (uint32_t i = 0; i < 3 * SOUP; i++) {
         x[i][0] = i / 3 * 4 + i % 3; /* they do not meet */
         x[i][1] = i % 3 == 1;
@@ -134,14 +128,13 @@ static void slots__hold_a_frame_of_the_first_mesh(void **state)
 
 /* If it failed, an answer that needs memory which the region has not taken would be lost,
  * or be charged to nobody. */
-static void region__takes_what_an_answer_needs(void **state)
+CASE(region__takes_what_an_answer_needs)
 {
     struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     struct pccd_client *client = connect_by_default(daemon.url);
 
@@ -184,13 +177,12 @@ static void ask(struct test_grid *grid, struct pccd_answer *answer)
 
 /* If it failed, a client that once had a large answer would hold its memory for as long
  * as it is connected. */
-static void region__gives_memory_back_when_idle(void **state)
+CASE(region__gives_memory_back_when_idle)
 {
     struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     struct pccd_client *client = connect_by_default(daemon.url);
 
@@ -244,7 +236,7 @@ static uint32_t ask_by_pages(struct test_grid *grid)
 
 /* If it failed, a user's quota would lose records, or end the daemon, where the region is
  * larger than what the user may take: the answer comes in pages then. */
-static void region__is_as_large_as_the_quota_allows(void **state)
+CASE(region__is_as_large_as_the_quota_allows)
 {
     static const char *const options[] = {"--shm-max-mib", "76", NULL};
     struct test_daemon daemon;
@@ -253,7 +245,6 @@ static void region__is_as_large_as_the_quota_allows(void **state)
     struct pccd_options hoard;
     struct pccd_client *hoarder = NULL;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     struct pccd_client *client = connect_by_default(daemon.url);
 
@@ -298,14 +289,13 @@ static void turn_in_all_slots(struct test_grid *grid)
 /* If it failed, a client that once had many steps in flight would hold the memory of all
  * its slots for as long as it is connected; or the positions that only a slot holds would
  * be lost with its memory: another daemon would be told zeros. */
-static void slots__give_memory_back_when_idle(void **state)
+CASE(slots__give_memory_back_when_idle)
 {
     const uint64_t slot_bytes = SIDE_LARGE * SIDE_LARGE * sizeof(float[3]);
     struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, NULL));
     struct pccd_client *client = connect_by_default(daemon.url);
 
@@ -335,7 +325,7 @@ static void slots__give_memory_back_when_idle(void **state)
 
 /* If it failed, a client would be refused a frame for want of memory, although it has
  * slots that have some. */
-static void slots__that_have_memory_do_when_more_is_refused(void **state)
+CASE(slots__that_have_memory_do_when_more_is_refused)
 {
     static const char *const options[] = {"--shm-max-mib", "76", NULL};
     struct test_daemon daemon;
@@ -344,7 +334,6 @@ static void slots__that_have_memory_do_when_more_is_refused(void **state)
     struct pccd_options hoard;
     struct pccd_client *hoarder = NULL;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     struct pccd_client *client = connect_by_default(daemon.url);
 
@@ -373,7 +362,7 @@ static void slots__that_have_memory_do_when_more_is_refused(void **state)
 
 /* If it failed, a client whose frames grow would be refused larger slots, although the
  * user may have them: old and new ones would be there at the same time. */
-static void slots__grow_into_the_memory_that_they_give_back(void **state)
+CASE(slots__grow_into_the_memory_that_they_give_back)
 {
     static const char *const options[] = {"--shm-max-mib", "76", NULL};
     struct test_daemon daemon;
@@ -382,7 +371,6 @@ static void slots__grow_into_the_memory_that_they_give_back(void **state)
     struct pccd_client *client = NULL;
     uint32_t scene = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     memset(&asked, 0, sizeof asked);
     asked.url = daemon.url;
@@ -402,19 +390,4 @@ static void slots__grow_into_the_memory_that_they_give_back(void **state)
     pccd_frame_abort(&frame);
     pccd_close(client);
     assert_true(test_daemon_finish(&daemon));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(clients__with_small_scenes_take_little),
-        cmocka_unit_test(slots__hold_a_frame_of_the_first_mesh),
-        cmocka_unit_test(region__takes_what_an_answer_needs),
-        cmocka_unit_test(region__gives_memory_back_when_idle),
-        cmocka_unit_test(region__is_as_large_as_the_quota_allows),
-        cmocka_unit_test(slots__give_memory_back_when_idle),
-        cmocka_unit_test(slots__that_have_memory_do_when_more_is_refused),
-        cmocka_unit_test(slots__grow_into_the_memory_that_they_give_back),
-    };
-    return cmocka_run_group_tests_name("int_taken", tests, NULL, NULL);
 }

@@ -4,17 +4,13 @@
  * Two triangles that come near each other, as every client can ask for them; what is
  * refused; a daemon that is killed; shared scenes; recordings.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "fixture.h"
@@ -105,7 +101,7 @@ static int move(struct pile *pile, float from, float to,
 
 /* If it failed, features would meet at another distance than their radii and the
  * separation make, or the step that a program takes would go through one of them. */
-static void thick__meets_at_the_sum_of_radii_and_separation(void **state)
+CASE(thick__meets_at_the_sum_of_radii_and_separation)
 {
     const struct {
         double lower, upper, separation, time; /* time 2: they do not meet */
@@ -117,7 +113,6 @@ static void thick__meets_at_the_sum_of_radii_and_separation(void **state)
     struct pccd_contact first;
     struct pile pile;
 
-    (void)state;
     begin(&pile, test_shared.url);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const struct pccd_step_settings settings = {.struct_bytes = sizeof settings,
@@ -146,14 +141,13 @@ static void thick__meets_at_the_sum_of_radii_and_separation(void **state)
 
 /* If it failed, cloth that begins within its thickness would stand still for ever, or
  * would be let through. */
-static void thick__says_what_begins_within_the_distance(void **state)
+CASE(thick__says_what_begins_within_the_distance)
 {
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
     struct pccd_answer answer;
     struct pccd_contact first;
     struct pile pile;
 
-    (void)state;
     begin(&pile, test_shared.url);
     assert_int_equal(set_radius(&pile, pile.lower, 1), 0);
     assert_int_equal(set_radius(&pile, pile.upper, 0.5), 0);
@@ -181,7 +175,7 @@ static void thick__says_what_begins_within_the_distance(void **state)
 
 /* If it failed, a length that cannot be one would be taken, or one that was refused would
  * count all the same. */
-static void thick__refuses_what_cannot_be(void **state)
+CASE(thick__refuses_what_cannot_be)
 {
     const double bad[] = {-1, NAN, INFINITY, -INFINITY};
     const double approaches[] = {-0.25, 1, 2, NAN, INFINITY};
@@ -190,7 +184,6 @@ static void thick__refuses_what_cannot_be(void **state)
     struct pccd_answer answer;
     struct pile pile;
 
-    (void)state;
     begin(&pile, test_shared.url);
     assert_int_equal(set_radius(&pile, pile.lower, 0.125), 0);
     for (size_t i = 0; i < 4; i++) {
@@ -232,7 +225,7 @@ static void thick__refuses_what_cannot_be(void **state)
 
 /* If it failed, who goes where he is told to would touch what he must not, or go nowhere
  * where he could. */
-static void thick__goes_as_far_as_is_safe(void **state)
+CASE(thick__goes_as_far_as_is_safe)
 {
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -243,7 +236,6 @@ static void thick__goes_as_far_as_is_safe(void **state)
     struct pile pile;
     double part = 2;
 
-    (void)state;
     begin(&pile, test_shared.url);
     motion.object = pile.upper;
     assert_int_equal(set_radius(&pile, pile.lower, 0.3), 0);
@@ -306,14 +298,13 @@ static int put_radii(struct pile *pile, const double radii[3])
 }
 
 /* If it failed, a cloth with a thick hem would be as thick everywhere, or nowhere. */
-static void thick__vertices_have_radii(void **state)
+CASE(thick__vertices_have_radii)
 {
     const double radii[3] = {0.25, 0.125, 0}, bad[3] = {0, -1, 0},
                  large[3] = {0, 0, 2e18};
     struct pccd_answer answer;
     struct pile pile;
 
-    (void)state;
     begin(&pile, test_shared.url);
     assert_int_equal(put_radii(&pile, radii), 0);
     assert_int_equal(move(&pile, 1, 0.25f, NULL, &answer, NULL), 0);
@@ -354,7 +345,7 @@ static void note_radius(void *context, const struct pccd_object_info *info)
 
 /* If it failed, a daemon that takes the place of one that crashed would let everything
  * come nearer than before. */
-static void thick__comes_back_with_another_daemon(void **state)
+CASE(thick__comes_back_with_another_daemon)
 {
     const char *const options[] = {"--supervise", "--threads", "1", NULL};
     struct test_daemon daemon;
@@ -362,7 +353,6 @@ static void thick__comes_back_with_another_daemon(void **state)
     struct pile pile;
     double listed = 0;
 
-    (void)state;
     assert_true(test_daemon_start(&daemon, options));
     begin(&pile, daemon.url);
     assert_int_equal(set_radius(&pile, pile.lower, 0.75), 0);
@@ -394,7 +384,7 @@ static uint32_t features_of(const char *path)
 
 /* If it failed, a session with thickness would be repeated without it, found right though
  * it is not, or be read by a program that knows of none. */
-static void thick__is_recorded_repeated_and_verified(void **state)
+CASE(thick__is_recorded_repeated_and_verified)
 {
     const struct pccd_record_settings kept = {.contacts = 1};
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
@@ -404,7 +394,6 @@ static void thick__is_recorded_repeated_and_verified(void **state)
     struct pile pile = {.client = test_connect(test_shared.url)};
     char said[4096];
 
-    (void)state;
     assert_non_null(pile.client);
     test_recording_clear();
     assert_int_equal(pccd_record_start(pile.client, test_recording, &kept), 0);
@@ -477,7 +466,7 @@ static void make_knot(struct test_raw *raw, struct proto_OBJECT_SET_request *set
 
 /* If it failed, to ask which vertices few edges join would keep a thread of the daemon
  * for long, whoever does not want to know it any more. */
-static void thick__rings_are_not_looked_for_to_the_end_if_cancelled(void **state)
+CASE(thick__rings_are_not_looked_for_to_the_end_if_cancelled)
 {
     static struct test_raw raw;
     struct proto_OBJECT_SET_request set = {.what = PCCD_OBJECT_REST_RINGS |
@@ -487,7 +476,6 @@ static void thick__rings_are_not_looked_for_to_the_end_if_cancelled(void **state
     struct proto_OBJECT_SET_result is = {.radius = -1};
     struct proto_CANCEL_request cancel;
 
-    (void)state;
     assert_true(test_raw_open(&raw, test_shared.socket));
     assert_int_equal(test_raw_hello(&raw), 0);
     assert_int_equal(test_raw_attach(&raw, 2, 8 << 20), 0);
@@ -504,19 +492,4 @@ static void thick__rings_are_not_looked_for_to_the_end_if_cancelled(void **state
     test_raw_close(&raw);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(thick__meets_at_the_sum_of_radii_and_separation),
-        cmocka_unit_test(thick__says_what_begins_within_the_distance),
-        cmocka_unit_test(thick__vertices_have_radii),
-        cmocka_unit_test(thick__goes_as_far_as_is_safe),
-        cmocka_unit_test(thick__refuses_what_cannot_be),
-        cmocka_unit_test(thick__comes_back_with_another_daemon),
-        cmocka_unit_test(thick__is_recorded_repeated_and_verified),
-        cmocka_unit_test(thick__rings_are_not_looked_for_to_the_end_if_cancelled),
-    };
-
-    return cmocka_run_group_tests_name("thick", tests, test_recording_start,
-                                       test_recording_stop);
-}
+CASES_WITH(test_recording_start, test_recording_stop);

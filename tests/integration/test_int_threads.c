@@ -3,17 +3,13 @@
  * Reads /proc of a real daemon: which thread may run where, that the team is there before
  * the first step, and that nothing wakes up without a request.
  */
+#include "cases.h"
+
 #include <dirent.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -159,7 +155,7 @@ static int count_bound_in_calm(pid_t pid, struct pccd_client *client, int thread
 
 /* If it failed, the kernel could leave two threads of a step on one processor, or threads
  * would be bound that nobody wanted bound. */
-static void threads__are_bound_where_asked(void **state)
+CASE(threads__are_bound_where_asked)
 {
     int all = processors();
     const struct {
@@ -170,7 +166,6 @@ static void threads__are_bound_where_asked(void **state)
                  {"on", all, all},   {"on", 2, 2},         {"on", all + 1, 0},
                  {"off", all, 0}};
 
-    (void)state;
     if (all < 2 || all > 63) {
         test_skip("it takes 2 to 63 processors");
     }
@@ -191,14 +186,13 @@ static void threads__are_bound_where_asked(void **state)
 }
 
 /* If it failed, the first step of a daemon's life would pay for the making of threads. */
-static void threads__are_there_before_the_first_step(void **state)
+CASE(threads__are_there_before_the_first_step)
 {
     struct task tasks[TASKS_MAX];
     struct test_daemon daemon;
     struct pccd_client *client;
     int count = 0;
 
-    (void)state;
     if (TEST_HAS_FOREIGN_THREAD) {
         test_skip("a sanitizer has a thread of its own");
     }
@@ -217,7 +211,7 @@ static void threads__are_there_before_the_first_step(void **state)
 /* If it failed, a daemon that nobody asks anything would keep a processor from sleeping.
  * It may wake up twice, half a second apart, to give back the memory that the answers
  * have taken (reclaim.c), and not once more after that. */
-static void threads__sleep_while_there_is_nothing_to_do(void **state)
+CASE(threads__sleep_while_there_is_nothing_to_do)
 {
     struct task before[TASKS_MAX];
     struct task after[TASKS_MAX];
@@ -225,7 +219,6 @@ static void threads__sleep_while_there_is_nothing_to_do(void **state)
     struct pccd_client *client;
     int count;
 
-    (void)state;
     if (TEST_HAS_FOREIGN_THREAD) {
         test_skip("a sanitizer has a thread of its own");
     }
@@ -246,15 +239,4 @@ static void threads__sleep_while_there_is_nothing_to_do(void **state)
     }
     pccd_close(client);
     assert_true(test_daemon_finish(&daemon));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads__are_bound_where_asked),
-        cmocka_unit_test(threads__are_there_before_the_first_step),
-        cmocka_unit_test(threads__sleep_while_there_is_nothing_to_do),
-    };
-
-    return cmocka_run_group_tests_name("threads", tests, NULL, NULL);
 }

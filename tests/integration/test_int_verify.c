@@ -3,16 +3,12 @@
  * Record a session with its contacts, forge the recording in ways that leave it whole,
  * and have each judged by exact arithmetic.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "fixture.h"
@@ -346,11 +342,10 @@ static int run_ctl(const char *command, const char *options, const char *file,
 }
 
 /* If this failed, right answers would be called wrong, or nothing would be checked. */
-static void verify__passes_what_is_right(void **state)
+CASE(verify__passes_what_is_right)
 {
     char said[4096];
 
-    (void)state;
     forge(FORGE_NOTHING);
     assert_int_equal(run_ctl("verify", "", honest, said), 0);
     assert_non_null(strstr(said, "PASS: 6 steps"));
@@ -364,7 +359,7 @@ static void verify__passes_what_is_right(void **state)
 /* If this failed, a vertex that nothing uses, beside a point with a thickness, would be
  * taken for a point, or an edge with equal ends would not, and a right answer be called
  * wrong. Vertex 1 is unused; 2 is a point by such an edge, and meets 3. */
-static void verify__takes_an_unused_vertex_for_no_point(void **state)
+CASE(verify__takes_an_unused_vertex_for_no_point)
 {
     static const double x[4][3] = {{0, 0, 0}, {0.01, 0, 0}, {5, 0, 0}, {5, 0, 0.1}};
     static const uint32_t points[2] = {0, 3}, edge[2] = {2, 2};
@@ -400,7 +395,7 @@ static void verify__takes_an_unused_vertex_for_no_point(void **state)
 }
 
 /* If this failed, a daemon with a wrong answer would be trusted. */
-static void verify__shows_what_is_wrong(void **state)
+CASE(verify__shows_what_is_wrong)
 {
     static const char *const says[FORGE_COUNT] = {
         [FORGE_MISSING] = "a contact is missing in the answer",
@@ -414,7 +409,6 @@ static void verify__shows_what_is_wrong(void **state)
         [FORGE_PAIR] = "the record's objects may not meet each other"};
     char said[4096];
 
-    (void)state;
     for (enum forgery forgery = FORGE_NOTHING + 1; forgery < FORGE_COUNT; forgery++) {
         int status;
 
@@ -430,11 +424,10 @@ static void verify__shows_what_is_wrong(void **state)
 }
 
 /* If this failed, the witness could not be tried by somebody else. */
-static void verify__names_the_features_and_where_they_are(void **state)
+CASE(verify__names_the_features_and_where_they_are)
 {
     char said[4096];
 
-    (void)state;
     forge(FORGE_MISSING);
     assert_int_equal(run_ctl("verify", "--sample 100000", forged, said), 1);
     assert_non_null(strstr(said, "exact:   first contact in [0x"));
@@ -446,11 +439,10 @@ static void verify__names_the_features_and_where_they_are(void **state)
 
 /* If this failed, a daemon that answers otherwise than one before would not be
  * noticed. */
-static void replay__shows_the_first_difference(void **state)
+CASE(replay__shows_the_first_difference)
 {
     char said[4096];
 
-    (void)state;
     forge(FORGE_HASH);
     assert_int_equal(run_ctl("replay", "", forged, said), 1);
     assert_non_null(strstr(said, "step 1 has another hash"));
@@ -464,11 +456,10 @@ static void replay__shows_the_first_difference(void **state)
 
 /* If this failed, recordings of before would be called wrong, because their hashes were
  * computed in another way; or a wrong one right. */
-static void replay__and_verify_check_old_recordings_by_version_1(void **state)
+CASE(replay__and_verify_check_old_recordings_by_version_1)
 {
     char said[4096];
 
-    (void)state;
     forge(FORGE_OLD_HASH);
     assert_int_equal(run_ctl("replay", "", forged, said), 0);
     assert_non_null(strstr(said, "6 the same, 0 not"));
@@ -489,12 +480,11 @@ static void replay__and_verify_check_old_recordings_by_version_1(void **state)
 
 /* If this failed, a recording that this program would misread would be called wrong, or
  * right, in the place of newer. */
-static void replay__names_a_feature_that_it_does_not_know(void **state)
+CASE(replay__names_a_feature_that_it_does_not_know)
 {
     static const char *const commands[] = {"replay", "verify"};
     char said[4096];
 
-    (void)state;
     forge(FORGE_UNKNOWN);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
         assert_int_not_equal(run_ctl(commands[i], "", forged, said), 0);
@@ -504,11 +494,10 @@ static void replay__names_a_feature_that_it_does_not_know(void **state)
 }
 
 /* If this failed, a recording could clear the screen of who replays it, or worse. */
-static void replay__shows_what_a_recording_says_as_text(void **state)
+CASE(replay__shows_what_a_recording_says_as_text)
 {
     char said[4096];
 
-    (void)state;
     forge(FORGE_NAMES);
     assert_int_equal(run_ctl("replay", "", forged, said), 0);
     assert_non_null(strstr(said, "libpccd \\x1b[2J\\x9b\\x07"));
@@ -519,11 +508,10 @@ static void replay__shows_what_a_recording_says_as_text(void **state)
 
 /* If this failed, a recording made when mode pairs had another definition would make a
  * right daemon look wrong, or nothing in mode pairs would be compared any more. */
-static void replay__knows_by_which_rule_pairs_were_recorded(void **state)
+CASE(replay__knows_by_which_rule_pairs_were_recorded)
 {
     char said[4096];
 
-    (void)state;
     forge(FORGE_PAIRS);
     assert_int_equal(run_ctl("replay", "--keep-going --json", forged, said), 1);
     assert_non_null(strstr(said, "\"differ\": 1"));
@@ -536,18 +524,4 @@ static void replay__knows_by_which_rule_pairs_were_recorded(void **state)
     assert_int_equal(run_ctl("verify", "--repeat", forged, said), 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(verify__passes_what_is_right),
-        cmocka_unit_test(verify__takes_an_unused_vertex_for_no_point),
-        cmocka_unit_test(verify__shows_what_is_wrong),
-        cmocka_unit_test(verify__names_the_features_and_where_they_are),
-        cmocka_unit_test(replay__shows_the_first_difference),
-        cmocka_unit_test(replay__and_verify_check_old_recordings_by_version_1),
-        cmocka_unit_test(replay__names_a_feature_that_it_does_not_know),
-        cmocka_unit_test(replay__shows_what_a_recording_says_as_text),
-        cmocka_unit_test(replay__knows_by_which_rule_pairs_were_recorded),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

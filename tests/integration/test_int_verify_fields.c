@@ -7,17 +7,13 @@
  * name every byte of these structs, so that a new field is either judged or said not to
  * be.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "fixture.h"
@@ -146,11 +142,10 @@ static const struct table heads = TABLE(head_fields, sizeof(struct record_record
 
 /* If this failed, a field that is new in an answer would be neither judged nor said not
  * to be. */
-static void tables__have_every_byte(void **state)
+CASE(tables__have_every_byte)
 {
     const struct table *const all[] = {&answers, &near_answers, &contacts, &pairs,
                                        &nears,   &bounds,       &heads};
-    (void)state;
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         size_t end = 0;
         for (size_t k = 0; k < all[i]->count; k++) {
@@ -470,7 +465,7 @@ static void change_all(const char *path, const char *but)
 }
 
 /* If this failed, a wrong number in the answer to a step would be called right. */
-static void steps__have_no_number_that_is_not_judged(void **state)
+CASE(steps__have_no_number_that_is_not_judged)
 {
     static const char *const names[] = {"all", "first", "any", "pairs", "none", "thick"};
     char path[96];
@@ -493,7 +488,7 @@ static void steps__have_no_number_that_is_not_judged(void **state)
 
 /* If this failed, a wrong number in the answer to a scene of a batch would be called
  * right. */
-static void batches__have_no_number_that_is_not_judged(void **state)
+CASE(batches__have_no_number_that_is_not_judged)
 {
     struct pccd_batch_part part = {.count = 3, .format = PCCD_FORMAT_F64};
     struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
@@ -519,7 +514,7 @@ static void batches__have_no_number_that_is_not_judged(void **state)
 
 /* If this failed, records could be taken away from an answer of several pages, or its
  * numbers changed, and what is left be called right. */
-static void pages__have_no_number_that_is_not_judged(void **state)
+CASE(pages__have_no_number_that_is_not_judged)
 {
     const struct pccd_record_settings settings = {.contacts = 1};
     const struct field page = {"page", 0, 0, 1, TOLD, false};
@@ -618,13 +613,13 @@ static void change_questions(void **state, double radius)
 
 /* If this failed, a wrong number in an answer about what is near would be called
  * right. */
-static void questions__have_no_number_that_is_not_judged(void **state)
+CASE(questions__have_no_number_that_is_not_judged)
 {
     change_questions(state, 0);
 }
 
 /* If this failed, the same where objects are thick. */
-static void thick_questions__have_no_number_that_is_not_judged(void **state)
+CASE(thick_questions__have_no_number_that_is_not_judged)
 {
     change_questions(state, .125);
 }
@@ -645,15 +640,4 @@ static int tear_down(void **state)
     return system(command) == 0 ? test_shared_stop(state) : -1;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tables__have_every_byte),
-        cmocka_unit_test(steps__have_no_number_that_is_not_judged),
-        cmocka_unit_test(batches__have_no_number_that_is_not_judged),
-        cmocka_unit_test(pages__have_no_number_that_is_not_judged),
-        cmocka_unit_test(questions__have_no_number_that_is_not_judged),
-        cmocka_unit_test(thick_questions__have_no_number_that_is_not_judged),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

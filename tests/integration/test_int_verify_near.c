@@ -4,17 +4,13 @@
  * Record questions of every sort, two of which move the scene and some of which are about
  * thick objects; forge the recording in ways that leave it whole; have it judged.
  */
+#include "cases.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "daemon.h"
 #include "fixture.h"
@@ -325,11 +321,10 @@ static void forge(enum forgery forgery)
 /* If this failed, right answers would be called wrong, or nothing would be checked; or
  * the scene would not follow questions that move it, of which the step after them
  * tells. */
-static void verify__passes_what_is_near(void **state)
+CASE(verify__passes_what_is_near)
 {
     char said[4096];
 
-    (void)state;
     assert_int_equal(test_ctl("verify", "", honest, said, sizeof said), 0);
     assert_non_null(strstr(said, "PASS: 1 step"));
     assert_non_null(strstr(said, "12 questions about what is near with "));
@@ -340,7 +335,7 @@ static void verify__passes_what_is_near(void **state)
 }
 
 /* If this failed, a daemon that is wrong about distances would be trusted. */
-static void verify__shows_what_is_wrong_of_what_is_near(void **state)
+CASE(verify__shows_what_is_wrong_of_what_is_near)
 {
     static const char *const says[FORGE_COUNT] = {
         [FORGE_DISTANCE] = "exact: ",
@@ -356,7 +351,6 @@ static void verify__shows_what_is_wrong_of_what_is_near(void **state)
         [FORGE_MOTION] = "what is near: record "};
     char said[4096];
 
-    (void)state;
     for (int forgery = 0; forgery < FORGE_COUNT; forgery++) {
         forge((enum forgery)forgery);
         int status = test_ctl("verify", "", forged, said, sizeof said);
@@ -370,11 +364,10 @@ static void verify__shows_what_is_wrong_of_what_is_near(void **state)
 
 /* If this failed, a daemon that answers otherwise than one before would not be
  * noticed. */
-static void replay__compares_what_is_near(void **state)
+CASE(replay__compares_what_is_near)
 {
     char said[4096];
 
-    (void)state;
     assert_int_equal(test_ctl("replay", "", honest, said, sizeof said), 0);
     /* With a gap any pair is right. */
     assert_non_null(strstr(said, "11 the same, 0 not"));
@@ -385,13 +378,4 @@ static void replay__compares_what_is_near(void **state)
     assert_non_null(strstr(said, "10 the same, 0 not"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(verify__passes_what_is_near),
-        cmocka_unit_test(verify__shows_what_is_wrong_of_what_is_near),
-        cmocka_unit_test(replay__compares_what_is_near),
-    };
-
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

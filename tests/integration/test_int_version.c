@@ -3,11 +3,9 @@
  * Say hello to a daemon as clients of other releases would; let the library meet peers
  * that speak other versions or lack features, which a script plays.
  */
-#include <setjmp.h>
+#include "cases.h"
+
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,8 +13,6 @@
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
@@ -55,12 +51,11 @@ static int greet(uint32_t least, uint32_t most, struct proto_HELLO_result *resul
 
 /* If it failed, a newer client would not be served by what both know, or an older one
  * would not be told why it is not. */
-static void hello__finds_the_version_that_both_speak(void **state)
+CASE(hello__finds_the_version_that_both_speak)
 {
     struct proto_HELLO_result result;
     struct proto_error error;
 
-    (void)state;
     assert_int_equal(greet(PROTO_VERSION_MIN, PROTO_VERSION_MAX, &result, &error), 0);
     assert_int_equal(result.version, PROTO_VERSION_MAX);
     assert_int_equal(greet(0, PROTO_VERSION_MAX + 7, &result, &error), 0);
@@ -86,12 +81,11 @@ static const uint8_t method_of_later[] = {0x94, 0x00, 0x0a, 0xa9, 's', 'c', 'e',
                                           'n',  'e',  '.',  'f',  'l', 'y', 0x80};
 
 /* If it failed, a newer client could ask an older daemon for nothing any more. */
-static void requests__of_later_releases_are_answered(void **state)
+CASE(requests__of_later_releases_are_answered)
 {
     struct proto_PING_result result;
     struct test_raw raw;
 
-    (void)state;
     assert_true(test_raw_open(&raw, daemon_.socket));
     assert_int_equal(test_raw_hello(&raw), 0);
     assert_true(test_raw_send(&raw, ping_of_later, sizeof ping_of_later, 0));
@@ -185,11 +179,10 @@ static int connect_to(const char *url, struct pccd_client **client)
 }
 
 /* If it failed, the library would take for an answer what it cannot read. */
-static void daemon__of_another_version_is_refused(void **state)
+CASE(daemon__of_another_version_is_refused)
 {
     static const uint32_t versions[] = {PROTO_VERSION_MIN - 1, PROTO_VERSION_MAX + 1};
 
-    (void)state;
     for (size_t i = 0; i < 2; i++) {
         const struct proto_HELLO_result hello = {.version = versions[i],
                                                  .daemon = "pccdd 9"};
@@ -205,7 +198,7 @@ static void daemon__of_another_version_is_refused(void **state)
 }
 
 /* If it failed, features that a later daemon has would confuse this client. */
-static void daemon__with_unknown_features_is_used(void **state)
+CASE(daemon__with_unknown_features_is_used)
 {
     const struct proto_HELLO_result hello = {.version = PROTO_VERSION_MAX,
                                              .features = UINT64_MAX};
@@ -213,7 +206,6 @@ static void daemon__with_unknown_features_is_used(void **state)
     struct script script;
     uint64_t ns;
 
-    (void)state;
     begin_script(&script, &hello);
     assert_int_equal(connect_to(script.url, &client), 0);
     assert_int_equal(pccd_ping(client, &ns), 0);
@@ -239,7 +231,7 @@ static void assert_too_old(struct pccd_client *client, int status, const char *t
 
 /* If it failed, a client of an older daemon would be told of a method that it never heard
  * of, or wait for what never comes; or get an answer that leaves out what it asked. */
-static void daemon__that_lacks_features_is_named(void **state)
+CASE(daemon__that_lacks_features_is_named)
 {
     const struct proto_HELLO_result hello = {.version = PROTO_VERSION_MAX};
     const struct pccd_scene_settings shared = {.name = "both", .share = PCCD_SHARE_OPEN};
@@ -249,7 +241,6 @@ static void daemon__that_lacks_features_is_named(void **state)
     uint32_t scene = 0;
     uint64_t ns;
 
-    (void)state;
     begin_script(&script, &hello);
     assert_int_equal(connect_to(script.url, &client), 0);
     assert_too_old(client, pccd_scene_create(client, &shared, &scene), "share");
@@ -264,14 +255,4 @@ static void daemon__that_lacks_features_is_named(void **state)
     end_script(&script);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hello__finds_the_version_that_both_speak),
-        cmocka_unit_test(requests__of_later_releases_are_answered),
-        cmocka_unit_test(daemon__of_another_version_is_refused),
-        cmocka_unit_test(daemon__with_unknown_features_is_used),
-        cmocka_unit_test(daemon__that_lacks_features_is_named),
-    };
-    return cmocka_run_group_tests_name("int_version", tests, set_up, tear_down);
-}
+CASES_WITH(set_up, tear_down);

@@ -3,16 +3,12 @@
  * Count the allocations of this process while frames of every kind are submitted, waited
  * for and read, with a daemon and without.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "allocations.h"
 #include "fixture.h"
@@ -79,11 +75,10 @@ static void wait_for_one(void *context, int number)
 }
 
 /* If it failed, a game would allocate in every frame, and stutter when it least can. */
-static void warm__frames_allocate_nothing(void **state)
+CASE(warm__frames_allocate_nothing)
 {
     struct test_grid grid;
 
-    (void)state;
     assert_int_equal(test_grid_make(open_client(), 20, &grid), 0);
     assert_asks_for_nothing(wait_for_one, &grid);
     pccd_close(grid.client);
@@ -136,11 +131,10 @@ static void poll_for_two(void *context, int number)
 }
 
 /* If it failed, a game that collects in the next frame would allocate, too. */
-static void warm__polled_frames_allocate_nothing(void **state)
+CASE(warm__polled_frames_allocate_nothing)
 {
     struct test_grid grid;
 
-    (void)state;
     assert_int_equal(test_grid_make(open_client(), 20, &grid), 0);
     assert_asks_for_nothing(poll_for_two, &grid);
     pccd_close(grid.client);
@@ -148,7 +142,7 @@ static void warm__polled_frames_allocate_nothing(void **state)
 }
 
 /* If it failed, a recorded game would not be the game. */
-static void warm__recorded_frames_allocate_nothing(void **state)
+CASE(warm__recorded_frames_allocate_nothing)
 {
     const struct pccd_record_settings settings = {.contacts = 1};
     struct pccd_client *client = open_client();
@@ -156,7 +150,6 @@ static void warm__recorded_frames_allocate_nothing(void **state)
     char path[64];
     struct test_grid grid;
 
-    (void)state;
     assert_non_null(mkdtemp(folder));
     (void)snprintf(path, sizeof path, "%s/rec", folder);
     assert_int_equal(pccd_record_start(client, path, &settings), 0);
@@ -217,14 +210,13 @@ static void share(void *context, int number)
 }
 
 /* If it failed, a game in several processes would allocate in each of them. */
-static void warm__shared_frames_allocate_nothing(void **state)
+CASE(warm__shared_frames_allocate_nothing)
 {
     const struct pccd_scene_settings settings = {.name = "warm",
                                                  .share = PCCD_SHARE_OPEN};
     struct pair pair;
     uint32_t mesh;
 
-    (void)state;
     if (test_is_direct()) {
         test_skip("with direct: what is held is copied in this process");
     }
@@ -253,13 +245,4 @@ static int start(void **state)
     return test_shared_start_with(options);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(warm__frames_allocate_nothing),
-        cmocka_unit_test(warm__polled_frames_allocate_nothing),
-        cmocka_unit_test(warm__recorded_frames_allocate_nothing),
-        cmocka_unit_test(warm__shared_frames_allocate_nothing),
-    };
-    return cmocka_run_group_tests_name("int_warm", tests, start, test_shared_stop);
-}
+CASES_WITH(start, test_shared_stop);

@@ -1,15 +1,11 @@
 /* test_int_watch.c - watching a real daemon work: its threads' records and its trace. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cases.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "fixture.h"
 #include "grid.h"
@@ -84,12 +80,11 @@ static void add(void *context, const char *name, uint64_t value, const char *tex
 }
 
 /* If it failed, the records would tell of other work than the step's. */
-static void threads__records_add_up_to_the_answer(void **state)
+CASE(threads__records_add_up_to_the_answer)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t number = 0;
 
-    (void)state;
     open_grid();
     for (uint32_t threads = THREADS; threads >= 1; threads--) {
         struct sums sums = {.threads = 0};
@@ -119,14 +114,13 @@ static void threads__records_add_up_to_the_answer(void **state)
 
 /* If it failed, a client would be shown somebody else's step for its own, or a record of
  * a step that never was. */
-static void threads__records_are_of_the_session_that_asks(void **state)
+CASE(threads__records_are_of_the_session_that_asks)
 {
     struct pccd_client *stranger = test_connect(test_shared.url);
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct sums own = {.threads = 0};
     struct sums others = {.threads = 0};
 
-    (void)state;
     assert_non_null(stranger);
     open_grid();
     turn(2, &answer);
@@ -261,11 +255,10 @@ static uint64_t count_high_nodes(const struct recording *recording)
 }
 
 /* If it failed, the picture of a step would leave out work, or show it twice. */
-static void trace__has_one_event_for_each_task_unit(void **state)
+CASE(trace__has_one_event_for_each_task_unit)
 {
     static const char *const tunings[] = {"scheduler=steal", "scheduler=paper"};
 
-    (void)state;
     open_grid();
     for (uint32_t threads = 1; threads <= THREADS; threads++) {
         for (int i = 0; i < 2; i++) {
@@ -303,7 +296,7 @@ static void trace__has_one_event_for_each_task_unit(void **state)
 }
 
 /* If it failed, nobody could tell how long a client waited for what. */
-static void trace__has_every_request_of_every_client(void **state)
+CASE(trace__has_every_request_of_every_client)
 {
     struct pccd_client *other = test_connect(test_shared.url);
     struct test_crossing crossing;
@@ -312,7 +305,6 @@ static void trace__has_every_request_of_every_client(void **state)
     uint32_t submits = 0;
     uint32_t pings = 0;
 
-    (void)state;
     assert_non_null(other);
     assert_int_equal(test_crossing_make(other, &crossing), 0);
     open_grid();
@@ -350,14 +342,13 @@ static void trace__has_every_request_of_every_client(void **state)
 }
 
 /* If it failed, a recording would grow without bound, or pretend to be whole. */
-static void trace__ring_that_overflows_keeps_the_newest_and_counts_the_lost(void **state)
+CASE(trace__ring_that_overflows_keeps_the_newest_and_counts_the_lost)
 {
     struct recording whole;
     struct recording cut;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t newest = 0;
 
-    (void)state;
     open_grid();
     start_recording(&whole, 0);
     turn(1, &answer);
@@ -386,14 +377,13 @@ static void trace__ring_that_overflows_keeps_the_newest_and_counts_the_lost(void
 }
 
 /* If it failed, recordings would get into each other's way, or be read half-made. */
-static void trace__is_one_at_a_time_and_of_its_session(void **state)
+CASE(trace__is_one_at_a_time_and_of_its_session)
 {
     struct pccd_client *other = test_connect(test_shared.url);
     struct recording recording;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     int status = PCCD_E_BUSY;
 
-    (void)state;
     assert_non_null(other);
     /* What the sessions before had may still be on its way out. */
     assert_int_equal(test_stat_await(other, "engine_bytes_now", 0), 0);
@@ -435,7 +425,7 @@ static void trace__is_one_at_a_time_and_of_its_session(void **state)
 }
 
 /* If it failed, a page could be asked for that is not there, or lead to nothing. */
-static void trace__pages_beyond_the_end_are_refused(void **state)
+CASE(trace__pages_beyond_the_end_are_refused)
 {
     static struct test_raw raw;
     struct proto_TRACE_START_request begin = {.events = 1024};
@@ -444,7 +434,6 @@ static void trace__pages_beyond_the_end_are_refused(void **state)
     struct proto_TRACE_DUMP_request dump = {.cursor = 0, .count = UINT32_MAX};
     struct proto_TRACE_DUMP_result page;
 
-    (void)state;
     assert_true(test_raw_open(&raw, test_shared.socket));
     assert_int_equal(test_raw_hello(&raw), 0);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_START, &begin, NULL), 0);
@@ -497,7 +486,7 @@ static int ask_as_nobody(void)
 }
 
 /* If it failed, a user could watch what another one computes. */
-static void watch__other_users_are_refused(void **state)
+CASE(watch__other_users_are_refused)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     int status = 0;
@@ -506,7 +495,6 @@ static void watch__other_users_are_refused(void **state)
     if (test_is_direct()) {
         test_skip("with direct: there are no observers");
     }
-    (void)state;
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
@@ -527,18 +515,4 @@ static void watch__other_users_are_refused(void **state)
     close_grid();
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads__records_add_up_to_the_answer),
-        cmocka_unit_test(threads__records_are_of_the_session_that_asks),
-        cmocka_unit_test(trace__has_one_event_for_each_task_unit),
-        cmocka_unit_test(trace__has_every_request_of_every_client),
-        cmocka_unit_test(trace__ring_that_overflows_keeps_the_newest_and_counts_the_lost),
-        cmocka_unit_test(trace__is_one_at_a_time_and_of_its_session),
-        cmocka_unit_test(trace__pages_beyond_the_end_are_refused),
-        cmocka_unit_test(watch__other_users_are_refused),
-    };
-
-    return cmocka_run_group_tests_name("watch", tests, start, test_shared_stop);
-}
+CASES_WITH(start, test_shared_stop);

@@ -135,7 +135,7 @@ check files__begin_with_what_they_are
 # If this failed, a test would say nothing about why it is there.
 for file in "${sources[@]}"; do
     case $file in tests/*/test_*.c) ;; *) continue ;; esac
-    awk '/^(static void [a-z0-9_]+__[a-z0-9_]+\(void \*\*state\)|CASE(_WITH)?\()/ && !commented {
+    awk '/^(static void [a-z0-9_]+__[a-z0-9_]+\(void \*\*state\)|CASE(_[A-Z]+)?\()/ && !commented {
             print FILENAME ":" FNR ": no comment before the test" }
         { commented = /\*\/$/ }' "$file"
 done >"$work/log"

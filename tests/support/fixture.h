@@ -3,6 +3,7 @@
 #ifndef TEST_FIXTURE_H
 #define TEST_FIXTURE_H
 
+#include "cases.h"
 #include "crossing.h"
 #include "daemon.h"
 
@@ -21,5 +22,6 @@ int test_shared_connect(void **state, uint64_t result_bytes, struct pccd_client 
  * struct test_crossing. */
 int test_crossing_open(void **state);
 int test_crossing_close(void **state);
+#define CASE_CROSSING(name) CASE_WITH(name, test_crossing_open, test_crossing_close)
 
 #endif
