@@ -1,9 +1,5 @@
 #!/bin/bash
 # tests/fault/archives_check.sh - which libraries' calls can fail on order.
-#
-# Room:  tests/fault, configure.ac, from outside.
-# Does:  look for archives of libuv and msgpack-c beside the libraries, by whatever name; ask
-#        the daemon of these tests whether it takes the libraries nevertheless.
 
 set -u
 . "${top_srcdir:?}/tests/support/tap.sh"

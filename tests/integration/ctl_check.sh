@@ -1,65 +1,16 @@
 #!/bin/bash
 # tests/integration/ctl_check.sh - pccdctl against real daemons.
-#
-# Room:     client/ctl, from outside.
-# Does:     runs every command on files made here and compares what comes out.
-# Does not: need the public scenes, a network or a user's daemon.
-# Source:   client/man/pccdctl.1.scd says what is promised.
-# Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`.
 
 set -u
-: "${PCCDCTL:?the program to test}" "${PCCD_DAEMON:?the daemon to start}"
-unset PCCD_URL
+: "${top_srcdir:?is set by make check}"
+# shellcheck source=tests/support/ctl.sh
+. "$top_srcdir/tests/support/ctl.sh"
 
-dir=$(mktemp -d "${TMPDIR:-/tmp}/pccd-ctl-XXXXXX") || exit 1
-daemon_pid=
-finish() {
-    [ -z "$daemon_pid" ] || kill "$daemon_pid" 2>/dev/null
-    rm -rf "$dir"
-}
-trap finish EXIT
-cd "$dir" || exit 1
-
-# ---- TAP ----------------------------------------------------------------------------
-
-number=0
-# report NAME: the status of the command before it decides.
-report() {
-    local status=$?
-    number=$((number + 1))
-    if [ "$status" -eq 0 ]; then
-        echo "ok $number - $1"
-    else
-        echo "not ok $number - $1"
-        sed 's/^/# out: /' out | head -n 20
-        sed 's/^/# err: /' err | head -n 20
-    fi
-}
-
-# ctl ARGUMENT...: the exit status is the program's; its output lands in out and err.
-ctl() { "$PCCDCTL" "$@" >out 2>err; }
 # meets ARGUMENT...: a check that says that something meets, which is no mistake of it.
 meets() {
     ctl check "$@"
     [ $? -eq 1 ]
 }
-# fails STATUS TEXT ARGUMENT...: that exit status, nothing on stdout, TEXT on stderr. 2 is wrong
-# usage, 3 no daemon, 4 any other error.
-fails() {
-    local status=$1 text=$2
-    shift 2
-    ctl "$@"
-    [ $? -eq "$status" ] && [ ! -s out ] && grep -qF -- "$text" err
-}
-# says TEXT...: each stands in out.
-says() {
-    local text
-    for text; do
-        grep -qE -- "$text" out || return 1
-    done
-}
-# json_value KEY: of the JSON object in out, which jansson prints one member a line.
-json_value() { sed -n "s/^ *\"$1\": \(.*[^,]\),\{0,1\}\$/\1/p" out | head -n 1; }
 
 # ---- files --------------------------------------------------------------------------
 
@@ -374,31 +325,28 @@ report "a daemon that cannot be started is told"
 
 # ---- a daemon that stays ------------------------------------------------------------
 
-mkfifo ready
-"$PCCD_DAEMON" --socket "$dir/s" --log-level error --ready-fd 3 3>ready 2>daemon.log &
-daemon_pid=$!
-read -r -t 10 -N 1 _ <ready
+start_daemon s
 
-ctl ping --socket "$dir/s" -c 5 -i 0 && [ "$(grep -c "^daemon $daemon_pid: seq" out)" = 5 ] &&
+ctl ping --socket "$work/s" -c 5 -i 0 && [ "$(grep -c "^daemon $daemon: seq" out)" = 5 ] &&
     says '^5 round trips: min [0-9.]+ us, median [0-9.]+ us, p99 [0-9.]+ us, max'
 report "ping measures round trips through the daemon asked for"
 
-meets --url "unix:$dir/s" t0.ply t1.ply && ctl stats --socket "$dir/s" &&
-    says '^steps +2  .*' "^pid +$daemon_pid  " '^exact_share +[0-9.e-]+  ' \
+meets --url "unix:$work/s" t0.ply t1.ply && ctl stats --socket "$work/s" &&
+    says '^steps +2  .*' "^pid +$daemon  " '^exact_share +[0-9.e-]+  ' \
         '^cpu +(scalar|sse4|avx2|avx512|neon)  ' &&
-    ctl stats --json --socket "$dir/s" && [ "$(json_value steps)" = 2 ] &&
+    ctl stats --json --socket "$work/s" && [ "$(json_value steps)" = 2 ] &&
     [ "$(json_value candidates)" -gt 0 ] && [ -n "$(json_value cpu)" ] &&
     [ -n "$(json_value exact_share)" ]
 report "stats counts the steps of check, as text and as JSON"
 
-[ "$(cat "/proc/$daemon_pid/comm")" = pccdd ]
+[ "$(cat "/proc/$daemon/comm")" = pccdd ]
 report "the daemon is found by its name"
 
-meets --url "unix:$dir/s" --threads 2 --repeat 0 s0.ply s1.ply &&
-    ctl stats --threads --socket "$dir/s" && says '^step [0-9]+ by 1 thread$' \
+meets --url "unix:$work/s" --threads 2 --repeat 0 s0.ply s1.ply &&
+    ctl stats --threads --socket "$work/s" && says '^step [0-9]+ by 1 thread$' \
         '^  ingest +[0-9.]+ ms$' '^  step +[0-9.]+ ms$' '^thread +task_units +pairs' \
         '^thread +refit +low +high +tests +rebuild +wait +merge   \(ms\)$' '^     0 ' &&
-    ctl stats --threads --json --socket "$dir/s" && [ "$(json_value threads)" = 1 ] &&
+    ctl stats --threads --json --socket "$work/s" && [ "$(json_value threads)" = 1 ] &&
     [ "$(json_value task_units)" -gt 0 ] && [ "$(json_value ns_step)" -gt 0 ] &&
     [ "$(json_value tuning)" = null ]
 report "stats --threads tells what the threads of the last step did"
@@ -410,9 +358,9 @@ awk 'BEGIN { for (i = 0; i < 40000; i++) printf "v %d 0 0\nv %d 1 0\nv %d 0 1\n"
     >many.obj
 sed 's/^v [0-9]*/&.25/' many.obj >more.obj
 if [ "$(nproc)" -gt 1 ]; then
-    ctl check --url "unix:$dir/s" --threads 2 --repeat 3 --method paper \
+    ctl check --url "unix:$work/s" --threads 2 --repeat 3 --method paper \
         --tuning refit=paper,scheduler=paper,high-level=disjoint many.obj more.obj &&
-        ctl stats --threads --json --socket "$dir/s" && [ "$(json_value threads)" = 2 ] &&
+        ctl stats --threads --json --socket "$work/s" && [ "$(json_value threads)" = 2 ] &&
         [ "$(json_value tuning)" = '"scheduler=paper,high-level=disjoint,refit=paper"' ]
     report "stats --threads --json tells the tuning that was chosen"
 else
@@ -420,39 +368,35 @@ else
     echo "ok $number - stats --threads --json tells the tuning # SKIP one processor"
 fi
 
-{ sleep 0.3; "$PCCDCTL" check --url "unix:$dir/s" --repeat 0 s0.ply s1.ply >/dev/null; } &
-ctl trace --socket "$dir/s" --steps 1 -o trace.json && { wait $! || [ $? -eq 1 ]; } && is_trace trace.json &&
+{ sleep 0.3; "$PCCDCTL" check --url "unix:$work/s" --repeat 0 s0.ply s1.ply >/dev/null; } &
+ctl trace --socket "$work/s" --steps 1 -o trace.json && { wait $! || [ $? -eq 1 ]; } && is_trace trace.json &&
     says '^trace +trace\.json: [0-9]+ events$' &&
-    ctl trace --socket "$dir/s" --seconds 0.05 -o - && head -n 1 out | grep -q '^{' && says 'lost_events'
+    ctl trace --socket "$work/s" --seconds 0.05 -o - && head -n 1 out | grep -q '^{' && says 'lost_events'
 report "trace records what a daemon does for others"
 
-PCCD_URL="unix:$dir/s" "$PCCDCTL" version >out 2>err &&
+PCCD_URL="unix:$work/s" "$PCCDCTL" version >out 2>err &&
     says '^tool +pccdctl [0-9.]+$' '^library +libpccd [0-9.]+$' \
-        "^daemon +.*$daemon_pid, (scalar|sse4|avx2|avx512|neon)$"
+        "^daemon +.*$daemon, (scalar|sse4|avx2|avx512|neon)$"
 report "version names the daemon's process and instruction set"
 
-kill "$daemon_pid" && wait "$daemon_pid"
-daemon_pid=
-fails 3 'no connection' ping --socket "$dir/s"
+kill "$daemon" && wait "$daemon"
+fails 3 'no connection' ping --socket "$work/s"
 report "ping fails when nobody listens"
 
-PCCD_URL="unix:$dir/s" "$PCCDCTL" version >out 2>err && says '^daemon +does not answer'
+PCCD_URL="unix:$work/s" "$PCCDCTL" version >out 2>err && says '^daemon +does not answer'
 report "version works without a daemon"
 
-ctl version --socket "$dir/s"
+ctl version --socket "$work/s"
 [ $? -eq 3 ] && says '^daemon +does not answer' && grep -q 'no connection' err
 report "version fails where the daemon that an option names does not answer"
 
-PCCD_CPU=scalar "$PCCD_DAEMON" --socket "$dir/s" --ready-fd 3 3>ready 2>daemon.log &
-daemon_pid=$!
-read -r -t 10 -N 1 _ <ready
-ctl version --socket "$dir/s" && says "$daemon_pid, scalar\$" &&
-    meets --json --url "unix:$dir/s" t0.ply t1.ply && [ "$(json_value hash)" = "$hash" ]
+PCCD_CPU=scalar start_daemon s
+ctl version --socket "$work/s" && says "$daemon, scalar\$" &&
+    meets --json --url "unix:$work/s" t0.ply t1.ply && [ "$(json_value hash)" = "$hash" ]
 report "PCCD_CPU chooses the daemon's instruction set, which does not change the hash"
 
-kill "$daemon_pid" && wait "$daemon_pid"
-daemon_pid=
-PCCD_CPU=mmx "$PCCD_DAEMON" --socket "$dir/s" >out 2>err
+kill "$daemon" && wait "$daemon"
+PCCD_CPU=mmx "$PCCD_DAEMON" --socket "$work/s" >out 2>err
 [ $? -eq 1 ] && grep -q 'PCCD_CPU=mmx: there is no such .*, but scalar' err
 report "an instruction set that is not there is refused by name"
 
@@ -477,7 +421,7 @@ printf 'f 1 2 3\nf 4 5 6\n' | tee -a small0.obj >>small1.obj
 if "${CC:-cc}" -shared -fPIC -o flush.so flush.c 2>err; then
     meets --private --json small0.obj small1.obj && [ "$(json_value contacts)" -eq 1 ] &&
         hash=$(json_value hash) &&
-        ASAN_OPTIONS=${ASAN_OPTIONS-}:verify_asan_link_order=0 LD_PRELOAD=$dir/flush.so \
+        ASAN_OPTIONS=${ASAN_OPTIONS-}:verify_asan_link_order=0 LD_PRELOAD=$work/flush.so \
             meets --private --json small0.obj small1.obj && [ "$(json_value hash)" = "$hash" ]
     report "a library that flushes subnormal numbers does not change the hash"
 else
@@ -509,4 +453,4 @@ ctl --help && says '^  ping ' '^  stats ' '^  trace ' '^  check ' '^  demo ' '^ 
     says '^pccdctl [0-9]+\.[0-9]+\.[0-9]+$' && fails 2 'no command "chekc"' chekc
 report "help lists every command"
 
-echo "1..$number"
+tap_end

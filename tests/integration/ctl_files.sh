@@ -1,29 +1,12 @@
 #!/bin/bash
 # tests/integration/ctl_files.sh - files that pccdctl and pccd-load read and write (TAP).
-#
-# Room:     tests/integration.
-# Does:     gives them names that would control a terminal, a disk that is full, and files that
-#           are large and empty.
-# Does not: look into the files; ctl_record does.
-# Source:   client/man/pccdctl.1.scd, FILES.
 
 set -u
-: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}" "${PCCD_DAEMON:?}"
-# shellcheck source=tests/support/tap.sh
-. "$top_srcdir/tests/support/tap.sh"
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}"
+# shellcheck source=tests/support/ctl.sh
+. "$top_srcdir/tests/support/ctl.sh"
 
-work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-files-XXXXXX") || exit 99
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 99
-log=$work/log
 load=$top_builddir/pccd-load
-unset PCCD_URL PCCD_RECORD PCCD_RECORD_OPTIONS
-
-frame() { # HEIGHT
-    printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' "0.25 0.25 $1" "0.75 0.25 $((3 + $1))" \
-        "0.25 0.75 $((3 + $1))"
-    printf 'f 1 2 3\nf 4 5 6\n'
-}
 frame 1 >a.obj
 frame -1 >b.obj
 timeout 60 "$PCCDCTL" record -o some.rec --contacts -- \
@@ -38,7 +21,7 @@ timeout 60 "$PCCDCTL" inspect -o page.html some.rec 2>&1 | grep -q 'built withou
 "$PCCDCTL" check --private --json a.obj b.obj >from_obj 2>>"$log"
 grep -h '"hash"' from_glb from_obj >>"$log"
 grep -q '"contacts": 1,' from_glb && [ "$(grep '"hash"' from_glb)" = "$(grep '"hash"' from_obj)" ]
-tap_result $? files__an_export_is_read_again "$log"
+report files__an_export_is_read_again
 
 # If one failed, who has two files would have to write a program that is recorded to see more
 # than a list of contacts; or files would stay behind.
@@ -53,12 +36,12 @@ for output in two.png two.glb ${has_page:+two.html}; do
     # shellcheck disable=SC2086 # words
     timeout 60 "$PCCDCTL" $command -o $output a.obj b.obj >"$log" 2>&1 &&
         grep -q "$what" "$log" && [ -s $output ] && [ -z "$(ls tmp)" ]
-    tap_result $? "files__two_frames_become_$output" "$log"
+    report "files__two_frames_become_$output"
 done
 timeout 60 "$PCCDCTL" render --size 64x64 -o one.png a.obj >"$log" 2>&1 &&
     grep -q '0 contacts$' "$log" && ! "$PCCDCTL" render -o no.png a.obj some.rec >>"$log" 2>&1 &&
     grep -q 'some.rec: neither PLY' "$log" && [ ! -e no.png ] && [ -z "$(ls tmp)" ]
-tap_result $? files__one_mesh_is_drawn_where_it_stands "$log"
+report files__one_mesh_is_drawn_where_it_stands
 
 # If it failed, who kills a command that shows frames would find their recording, which may
 # be large, in a folder that nobody cleans.
@@ -77,7 +60,7 @@ done
 kill -KILL "$pid" 2>/dev/null
 wait "$pid" 2>/dev/null
 [ $was_seen = 0 ] && [ -z "$(ls tmp)" ] && [ ! -e killed.png ]
-tap_result $? files__a_killed_command_leaves_nothing "$log"
+report files__a_killed_command_leaves_nothing
 unset TMPDIR
 
 # If it failed, a browser would show the first picture alone, or none.
@@ -112,10 +95,10 @@ assert pixels[0] != pixels[1], "nothing moves"
 END
 timeout 60 "$PCCDCTL" render --size 64x64 --rate 10 -o film.apng a.obj b.obj a.obj b.obj >"$log" 2>&1 &&
     grep -qx 'film.apng: 3 steps' "$log" && [ -s film.apng ]
-tap_result $? files__frames_become_a_film "$log"
+report files__frames_become_a_film
 if command -v python3 >/dev/null; then
     python3 film.py film.apng >"$log" 2>&1
-    tap_result $? files__film_is_an_animated_png "$log"
+    report files__film_is_an_animated_png
 else
     tap_skip files__film_is_an_animated_png "no python3"
 fi
@@ -124,7 +107,7 @@ timeout 60 "$PCCDCTL" render --size 64x64 --every 2 -o film.apng a.obj b.obj a.o
     timeout 60 "$PCCDCTL" render --size 64x64 --first-tries -o film.apng a.obj a.obj a.obj b.obj a.obj >"$log" 2>&1 &&
     grep -qx 'film.apng: 2 steps' "$log"
 # If it failed, a film of a program that tries each frame again and again would flicker.
-tap_result $? files__film_leaves_out_further_tries "$log"
+report files__film_leaves_out_further_tries
 ! "$PCCDCTL" render --at 'contact 1' -o no.apng some.rec 2>"$log" && grep -q 'a film is of steps' "$log" &&
     ! "$PCCDCTL" render --rate 3 -o no.png some.rec 2>"$log" && grep -q 'rate is of a film' "$log" &&
     ! "$PCCDCTL" render --every 3 -o no.png some.rec 2>"$log" && grep -q 'every is of a film' "$log" &&
@@ -132,7 +115,7 @@ tap_result $? files__film_leaves_out_further_tries "$log"
     ! "$PCCDCTL" render --first-tries --time 1 -o no.apng some.rec 2>"$log" && grep -q 'no --time' "$log" &&
     [ ! -e no.apng ] && [ ! -e no.png ]
 # If it failed, an option would be taken and do nothing.
-tap_result $? files__film_refuses_what_it_has_not "$log"
+report files__film_refuses_what_it_has_not
 
 # If it failed, the name of a file could clear the screen of who works with it, or answer a
 # question for them. A name that is not UTF-8 would make JSON that is none.
@@ -173,7 +156,7 @@ if command -v python3 >/dev/null; then
     done
 fi
 [ ! -s "$log" ]
-tap_result $? names__cannot_control_a_terminal "$log"
+report names__cannot_control_a_terminal
 
 # On a disk that holds 16 KiB: nothing is left of a file that does not fit, what was there before
 # stays, and the program says why. Run as root of a mount namespace of our own.
@@ -226,7 +209,7 @@ if grep -q '^mount: \|^unshare: ' "$log" || [ $status -eq 77 ]; then
 else
     [ $status -eq 0 ] && [ ! -s "$log" ]
     # If it failed, half a picture would be taken for one, or a good file be lost.
-    tap_result $? files__appear_whole_or_not_at_all "$log"
+    report files__appear_whole_or_not_at_all
 fi
 
 # On disks of two to sixteen pages, whether a page ends with a chunk or within one.
@@ -253,7 +236,7 @@ if grep -q '^mount: \|^unshare: ' "$log" || [ $status -eq 77 ]; then
 else
     [ $status -eq 0 ] && [ ! -s "$log" ]
     # If it failed, a script would take half a recording for all of it.
-    tap_result $? files__a_recording_on_a_full_disk_is_a_failure "$log"
+    report files__a_recording_on_a_full_disk_is_a_failure
 fi
 
 # If it failed, somebody would wait for minutes, and for all of the memory, to be told what the
@@ -278,7 +261,7 @@ too_large 4 'holes.obj: byte 8 is zero' "$PCCDCTL" load holes.obj
 too_large 0 'holes.rec is cut off after byte' "$PCCDCTL" replay holes.rec
 too_large 4 'none of 0 steps\|damaged\|at byte' "$PCCDCTL" verify short.rec
 [ ! -s "$log" ]
-tap_result $? files__are_judged_by_their_beginning "$log"
+report files__are_judged_by_their_beginning
 
 # If it failed, a command would wait for ever, without a word, for who writes into a pipe.
 : >"$log"
@@ -294,7 +277,7 @@ for command in replay verify render 'render --near' export 'export --list' ${has
     too_large 4 'pipe.rec: not a file' "$PCCDCTL" $command $output pipe.rec
 done
 [ ! -s "$log" ]
-tap_result $? files__a_recording_is_no_pipe "$log"
+report files__a_recording_is_no_pipe
 
 # If it failed, a device that never ends would be read for ever, or a mesh could not come out
 # of another program.
@@ -317,7 +300,7 @@ mkfifo pipe.stl
 cat one.stl >pipe.stl &
 timeout 10 "$PCCDCTL" check --private one.stl pipe.stl >out 2>&1 || cat out >>"$log"
 [ ! -s "$log" ]
-tap_result $? files__a_mesh_is_a_file_or_a_pipe "$log"
+report files__a_mesh_is_a_file_or_a_pipe
 
 # If it failed, OBJ and STL would be read from files alone whose names say so, not from a pipe of
 # the shell or a file of a temporary name.
@@ -343,7 +326,7 @@ grep -q '^mesh  *3 vertices, 3 edges, 1 triangle' out || cat out >>"$log"
 "$PCCDCTL" check --private letter letter >out 2>&1
 [ $? -eq 4 ] && grep -q 'letter: neither .* nor what begins as OBJ or STL' out || cat out >>"$log"
 [ ! -s "$log" ]
-tap_result $? files__are_known_by_how_they_begin "$log"
+report files__are_known_by_how_they_begin
 
 # ply NAME ELEMENTS ROW...: a file of four vertices, with these lines of the header behind them.
 ply() {
@@ -384,7 +367,7 @@ reads fourth.stl 'fourth.stl:6: "7" is too much on the line'
 printf "solid of one\n$facet\nend loop\nend facet\nend solid of one\n" >apart.stl
 reads apart.stl ' 1 triangle'
 [ ! -s "$log" ]
-tap_result $? files__have_no_faces_that_are_not_read "$log"
+report files__have_no_faces_that_are_not_read
 
 # If it failed, a scene that moves by itself would be one frame, or a pipe be waited for twice.
 cat >fall.gltf <<'END'
@@ -412,6 +395,6 @@ cat fall.gltf >b.pipe.gltf &
 too_large 4 'has 2 frames, and a pipe is one' "$PCCDCTL" check b.pipe.gltf fall.gltf
 too_large 0 'warning: fall.gltf has 2 frames, and the first is read' "$PCCDCTL" near --private --distance 2 fall.gltf
 [ ! -s "$log" ]
-tap_result $? files__an_animated_scene_is_all_its_frames "$log"
+report files__an_animated_scene_is_all_its_frames
 
 tap_end

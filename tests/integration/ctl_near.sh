@@ -1,42 +1,11 @@
 #!/bin/bash
 # tests/integration/ctl_near.sh - pccdctl near against a real daemon, and without one.
-#
-# Room:     client/ctl, from outside.
-# Does:     asks everything about triangles whose distances are known by hand.
-# Does not: need the public scenes, a network or a user's daemon.
-# Source:   client/man/pccdctl.1.scd says what is promised.
-# Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`.
 
 set -u
-: "${PCCDCTL:?the program to test}" "${PCCD_DAEMON:?the daemon to start}"
-. "$(dirname "$0")/../support/tap.sh"
-unset PCCD_URL
+: "${top_srcdir:?is set by make check}"
+# shellcheck source=tests/support/ctl.sh
+. "$top_srcdir/tests/support/ctl.sh"
 
-dir=$(mktemp -d "${TMPDIR:-/tmp}/pccd-near-XXXXXX") || exit 1
-daemon=
-finish() {
-    [ -z "$daemon" ] || kill "$daemon" 2>/dev/null
-    rm -rf "$dir"
-}
-trap finish EXIT
-cd "$dir" || exit 1
-
-# report NAME: the status of the command before it decides.
-report() {
-    local status=$?
-    cat out err >both
-    tap_result "$status" "$1" both
-}
-# ctl ARGUMENT...: the exit status is the program's; its output lands in out and err.
-ctl() { "$PCCDCTL" "$@" >out 2>err; }
-# fails STATUS TEXT ARGUMENT...: that exit status, nothing on stdout, TEXT on stderr.
-fails() {
-    local status=$1 text=$2
-    shift 2
-    ctl "$@"
-    [ $? -eq "$status" ] && [ ! -s out ] && grep -qF -- "$text" err
-}
-json_value() { sed -n "s/^ *\"$1\": \(.*[^,]\),\{0,1\}\$/\1/p" out | head -n 1; }
 # json KEY VALUE...: each key of the object in out has that value.
 json() {
     while [ $# -gt 0 ]; do
@@ -235,24 +204,16 @@ else
 fi
 
 # Otherwise a recording of a daemon's threads would have a hole where it computed that.
-"$PCCD_DAEMON" --socket "$dir/s" 2>log &
-daemon=$!
-for _ in $(seq 100); do
-    "$PCCDCTL" ping -c 1 -q --socket "$dir/s" >out 2>err && break
-    sleep 0.1
-done
+start_daemon s
 while [ ! -e enough ]; do
-    "$PCCDCTL" near --socket "$dir/s" --distance 1 floor.obj above.obj
+    "$PCCDCTL" near --socket "$work/s" --distance 1 floor.obj above.obj
 done >asked 2>&1 &
 asking=$!
-ctl trace --seconds 1 -o trace.json --socket "$dir/s"
+ctl trace --seconds 1 -o trace.json --socket "$work/s"
 touch enough
 wait "$asking"
 grep -q '"name":"receive scene.near"' trace.json && grep -q '"name":"answer scene.near"' trace.json
 report "trace shows the question, from its arrival to its answer"
-kill "$daemon"
-wait "$daemon" 2>/dev/null
-daemon=
 
 # Otherwise a mistake would be answered as something else.
 fails 2 '--distance: "-1" is not a number from 0' near --distance -1 floor.obj &&
@@ -263,7 +224,7 @@ fails 2 '--distance: "-1" is not a number from 0' near --distance -1 floor.obj &
     fails 2 '--self: nearest is of two objects' near --what nearest --self floor.obj above.obj &&
     fails 2 'one file at least' near --distance 1 &&
     fails 4 'missing.obj: cannot open' near --distance 1 missing.obj &&
-    fails 3 '' near --distance 1 --socket "$dir/nobody" floor.obj
+    fails 3 '' near --distance 1 --socket "$work/nobody" floor.obj
 report "what is wrong is named"
 
 tap_end

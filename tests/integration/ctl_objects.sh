@@ -1,17 +1,10 @@
 #!/bin/bash
 # tests/integration/ctl_objects.sh - objects of a file in what check says (TAP).
-#
-# Room:     client/ctl, from outside.
-# Does:     names in the text, the JSON and the CSV; what objects share; odd names.
-# Source:   client/man/pccdctl.1.scd says what is promised.
-# Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`.
 
 set -u
 : "${top_srcdir:?is set by make check}"
-# shellcheck source=tests/support/tap.sh
-. "$top_srcdir/tests/support/tap.sh"
-# shellcheck source=tests/support/check.sh
-. "$top_srcdir/tests/support/check.sh"
+# shellcheck source=tests/support/ctl.sh
+. "$top_srcdir/tests/support/ctl.sh"
 
 # A floor; an object of two spikes and another of one, their tips above it; a rod that comes down
 # across its side.
@@ -50,13 +43,13 @@ check 1 a.obj b.obj && grep -qx 'between    3 pairs of objects' out &&
     grep -A3 '^between' out | tail -n 3 >told &&
     printf '           %s\n' '"Floor", "Spike, "left"": 2' '"Floor", "Rod": 2' \
         '"Floor", "Spike": 1' | cmp - told >>"$log" && [ "$(grep -c '^contacts  *5: 4 ' out)" -eq 1 ]
-tap_result $? objects__that_meet_are_told "$log"
+report objects__that_meet_are_told
 
 # If it failed, a program would have to find them by numbers of features.
 check 1 --json a.obj b.obj a.obj && [ "$(grep -c '"objects": \[$' out)" -eq 2 ] &&
     [ "$(tr -d ' \n' <out | grep -o '{"a":"Floor","b":"Spike,\\"left\\"","contacts":2}' | wc -l)" -eq 2 ] &&
     check 1 a.obj b.obj a.obj && [ "$(grep -cx '           "Floor", "Rod": 2' out)" -eq 2 ]
-tap_result $? objects__of_each_step_are_in_the_json "$log"
+report objects__of_each_step_are_in_the_json
 
 # If it failed, a table would lose its columns at a name, or have them without objects.
 check 1 --contacts c.csv a.obj b.obj &&
@@ -65,7 +58,7 @@ check 1 --contacts c.csv a.obj b.obj &&
     grep -q '^vf,9,0,1,2,.*,1,Spike,Floor$' c.csv && grep -Eq '^ee,.*,1,(Rod,Floor|Floor,Rod)$' c.csv &&
     grep -v '^o ' a.obj >c.obj && grep -v '^o ' b.obj >d.obj && check 1 --contacts d.csv c.obj d.obj &&
     cut -d, -f1-8 c.csv | cmp - d.csv >>"$log" && ! grep -q '^between' out
-tap_result $? objects__have_columns_of_their_own "$log"
+report objects__have_columns_of_their_own
 
 # If it failed, a heap of objects would fill the screen; or what was counted in one page of several
 # would be lost.
@@ -84,7 +77,7 @@ check 1 --result-bytes 65536 heap0.obj heap1.obj && grep -qx 'between    40 pair
     grep -qx '           "Floor", "Needle31": 32' out && ! grep -q 'Needle30' out &&
     grep -qx '           and 30 more pairs of objects' out &&
     check 1 --json heap0.obj heap1.obj && [ "$(grep -c '"b": "Needle' out)" -eq 40 ]
-tap_result $? objects__of_a_heap_are_told_in_part "$log"
+report objects__of_a_heap_are_told_in_part
 
 # If it failed, two bodies that touch corner to corner would be taken for free, without a word; or
 # two names be one.
@@ -113,5 +106,5 @@ check 0 touch.obj touch.obj &&
     check 0 --json touch.obj touch.obj && grep -q '^  "welded_between": 1,' out &&
     check 1 --weld off touch.obj touch.obj && grep -qx '           "Leg#1", "Leg#2": 15' out &&
     check 0 a.obj a.obj && ! grep -q 'joins two objects' out
-tap_result $? objects__that_are_joined_are_told "$log"
+report objects__that_are_joined_are_told
 tap_end

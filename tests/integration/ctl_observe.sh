@@ -1,37 +1,11 @@
 #!/bin/bash
 # tests/integration/ctl_observe.sh - the commands of pccdctl that look at a daemon (TAP).
-#
-# Room:     client/ctl, from outside.
-# Does:     a real daemon with a client that plays frames; what each command says agrees with
-#           that, as text and as JSON; metrics keep the rules of OpenMetrics; completion is
-#           complete.
-# Source:   client/man/pccdctl.1.scd says what is promised.
 
 set -u
-: "${top_srcdir:?is set by make check}" "${PCCDCTL:?}" "${PCCD_DAEMON:?}"
-# shellcheck source=tests/support/tap.sh
-. "$top_srcdir/tests/support/tap.sh"
-unset PCCD_URL
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}"
+# shellcheck source=tests/support/ctl.sh
+. "$top_srcdir/tests/support/ctl.sh"
 
-work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-obs-XXXXXX") || exit 99
-pids=
-finish() {
-    # shellcheck disable=SC2086 # words
-    [ -z "$pids" ] || kill $pids 2>/dev/null
-    rm -rf "$work"
-}
-trap finish EXIT
-cd "$work" || exit 99
-log=$work/log
-
-# ctl ARGUMENT...: output in out and err; 20 s at most.
-ctl() { timeout 20 "$PCCDCTL" "$@" >out 2>err; }
-says() {
-    local text
-    for text; do
-        grep -qE -- "$text" out || { echo "no line like: $text"; cat out err; return 1; }
-    done >"$log" 2>&1
-}
 # json EXPRESSION: of the JSON in out, as `j`; Python where it is there.
 json() {
     if ! command -v python3 >/dev/null; then
@@ -43,26 +17,10 @@ sys.exit(0 if eval(sys.argv[1]) else 1)' "$1" >"$log" 2>&1 ||
         { echo "not so: $1"; cat out; } >>"$log"
     [ ! -s "$log" ]
 }
-fails() {
-    local status=$1 text=$2
-    shift 2
-    ctl "$@"
-    [ $? -eq "$status" ] && grep -qF -- "$text" err
-}
-
-frame() { # HEIGHT
-    printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' "0.25 0.25 $1" "0.75 0.25 $((3 + $1))" \
-        "0.25 0.75 $((3 + $1))"
-    printf 'f 1 2 3\nf 4 5 6\n'
-}
 frame 1 >a.obj
 frame -1 >b.obj
 
-mkfifo ready
-"$PCCD_DAEMON" --socket "$work/s" --threads 2 --log-level error --ready-fd 3 3>ready 2>daemon.log &
-daemon=$!
-pids=$daemon
-read -r -t 20 -N 1 _ <ready
+start_daemon s --threads 2
 export PCCD_URL="unix:$work/s"
 
 # If it failed, a player would not play what it was given.
@@ -70,7 +28,7 @@ ctl load --times 4 a.obj b.obj && says '^steps +4 in ' '^triangles +2$' '^contac
     ctl load --hz 200 --times 20 --json a.obj b.obj && json 'j["steps"] == 20' &&
     json '0.09 < j["seconds"] and j["contacts"] >= 20 and j["incomplete"] == 0' &&
     ctl load --with a.obj --seconds 0.1 a.obj && says '^triangles +4$'
-tap_result $? load__plays_frames_at_a_rate "$log"
+report load__plays_frames_at_a_rate
 
 # If it failed, who looks what a daemon has done would be shown a step that was made long
 # before a batch.
@@ -80,7 +38,7 @@ ctl stats --threads && says '^batch of 16 scenes up to step [0-9]+ by [12] threa
     ctl stats --threads --json && json 'j["batch"] == 16 and j["thread_records"][0]["scenes"] > 0' &&
     ctl status && says '^last batch of 16 +.* by [12] threads?: ingest ' &&
     ctl list sessions --json && json 'j[0]["batch"] == 0 and j[0]["batch_done"] == 0'
-tap_result $? batch__is_shown_as_the_last_step "$log"
+report batch__is_shown_as_the_last_step
 
 "$PCCDCTL" load --hz 100 --seconds 120 a.obj b.obj >/dev/null 2>&1 &
 player=$!
@@ -97,7 +55,7 @@ ctl status && says "^daemon +pccdd [0-9.]+, process $daemon, protocol 1, " '^up 
     ctl status --json && json 'j["pid"] == '"$daemon"' and j["counters"]["sessions_now"] == 2' &&
     json 'j["last_step"]["ns_step"] > 0 and j["steps"]["count"] > 24' &&
     json 'j["steps"]["p50_below_s"] <= j["steps"]["p99_below_s"] and "healthy" in j'
-tap_result $? status__tells_how_the_daemon_is "$log"
+report status__tells_how_the_daemon_is
 
 # If it failed, top would rank or rate sessions wrongly, or draw over a file.
 ctl top --once --interval 0.5 && says '^2 sessions; ' '^SESSION +PID +USER' " $player +[a-z]" &&
@@ -108,7 +66,7 @@ ctl top --once --interval 0.5 && says '^2 sessions; ' '^SESSION +PID +USER' " $p
     json 'j["sessions"][0]["in_per_s"] > 0 and j["sessions"][1]["steps_per_s"] == 0' &&
     ctl top --count 3 --interval 0.05 --json && [ "$(wc -l <out)" = 3 ] &&
     fails 2 'none of ms, steps' top --sort speed
-tap_result $? top__rates_and_sorts_sessions "$log"
+report top__rates_and_sorts_sessions
 
 # If it failed, a scene, object or mesh would be hidden, or another one's shown.
 ctl list && says "^ *[0-9]+ +$player " && ctl list --json sessions && json 'len(j) == 2' &&
@@ -126,7 +84,7 @@ print([s["session"] for s in json.load(open("out")) if s["pid"] == '"$player"'][
     ctl list meshes && says ' 6 +2 +1 +1 committed$' &&
     fails 4 'there is no session 999' list --session 999 &&
     fails 2 'none of sessions, scenes' list things
-tap_result $? list__shows_what_there_is "$log"
+report list__shows_what_there_is
 
 # If it failed, nobody could play into another session's scene, or see who takes part in
 # it; or a scene's name could control the terminal of whoever lists it; or who waits for a
@@ -146,7 +104,7 @@ ctl load --scene "$both" --hold --times 3 --json a.obj b.obj && json 'j["steps"]
     ctl load --scene alone --hold --seconds 0.3 a.obj && says '^steps +0 in 0' &&
     timeout -s INT 1 "$PCCDCTL" load --scene alone --hold a.obj >out 2>err
 [ $? -eq 124 ] && says '^steps +0 in ' && fails 2 'only in a shared scene' load --hold a.obj
-tap_result $? load__plays_into_a_shared_scene "$log"
+report load__plays_into_a_shared_scene
 kill "$other"
 wait "$other" 2>/dev/null
 for _ in 1 2 3 4 5 6 7 8 9 10; do
@@ -164,7 +122,7 @@ done >"$log"
 cat err >>"$log"
 [ ! -s "$log" ] && { timeout 20 "$PCCDCTL" watch --count 1 >/dev/full 2>err; [ $? -eq 4 ]; } &&
     grep -q 'cannot write' err
-tap_result $? watch__ends_quietly_when_nobody_reads "$log"
+report watch__ends_quietly_when_nobody_reads
 
 # on_terminal COLUMNS COMMAND...: what a terminal of so many columns and eight rows is sent, a
 # line each in out, without escape sequences.
@@ -193,16 +151,16 @@ if command -v script >/dev/null; then
     [ "$columns" = 160 ] && [ ! -s "$log" ]
     # If it failed, a number would be cut, or each drawing would leave rows behind on a terminal
     # that is not wide.
-    tap_result $? top__fits_the_terminal "$log"
+    report top__fits_the_terminal
     on_terminal 40 "$PCCDCTL" load --seconds 0.3 a.obj b.obj &&
         says '^playing \(ms\) \[#*\.*\] [0-9]+/300$' && grep '^playing' out >bars &&
         mv bars out && fits 39 >"$log"
     # If it failed, the bar would climb down such a terminal.
-    tap_result $? progress__fits_the_terminal "$log"
+    report progress__fits_the_terminal
     on_terminal 80 "$PCCDCTL" check --repeat 40000 a.obj b.obj &&
         says '^runs \[#+\.+\] [0-9]+/40001$' '^contacts +1:'
     # If it failed, who measures for long would not know for how long.
-    tap_result $? check__shows_its_repetitions "$log"
+    report check__shows_its_repetitions
 else
     tap_skip top__fits_the_terminal "script is not installed"
     tap_skip progress__fits_the_terminal "script is not installed"
@@ -215,7 +173,7 @@ ctl watch --count 3 && [ "$(grep -cE '^ +[0-9]+ s[0-9]+ 0x[0-9a-f]+ 2:[0-9a-f]{3
     json 'j["session"] == '"$session"' and j["status"] == "OK" and j["ms"] > 0' &&
     fails 4 'no session 999; pccdctl list shows them' watch --session 999 --count 1 &&
     fails 2 '--scene needs --session' watch --scene 0x100000
-tap_result $? watch__prints_every_step "$log"
+report watch__prints_every_step
 
 # If it failed, a setting would be lost, or nonsense taken.
 ctl config && says '^threads +2 ' '^queue-max +32768 ' && ctl config get grace && says '^10$' &&
@@ -224,7 +182,7 @@ ctl config && says '^threads +2 ' '^queue-max +32768 ' && ctl config get grace &
     json '[s["name"] for s in j if s["changed"]] == ["grace"]' &&
     fails 4 'is not from' config set threads 77 && fails 4 'no setting' config get speed &&
     fails 2 'set NAME VALUE' config set grace
-tap_result $? config__changes_a_running_daemon "$log"
+report config__changes_a_running_daemon
 
 # ---- OpenMetrics --------------------------------------------------------------------
 
@@ -279,14 +237,14 @@ ctl metrics && openmetrics && [ "$(grep -c '^# TYPE' out)" -gt 45 ] &&
         esac
         grep -qxE "pccd_${counter%_total}(_total)?" names || echo "not there: $counter"
     done <counters >"$log" && [ ! -s "$log" ]
-tap_result $? metrics__keep_the_rules_of_openmetrics "$log"
+report metrics__keep_the_rules_of_openmetrics
 
 # If the check could not fail, the test before would say nothing.
 ctl metrics && sed -i 's/^pccd_steps_total/pccd_steps/' out && ! openmetrics &&
     ctl metrics && sed -i '$d' out && ! openmetrics &&
     ctl metrics && sed -i 's/^pccd_step_duration_seconds_count .*/pccd_step_duration_seconds_count 0/' out &&
     ! openmetrics
-tap_result $? metrics__mistakes_would_be_seen "$log"
+report metrics__mistakes_would_be_seen
 
 # ---- doctor -------------------------------------------------------------------------
 
@@ -339,7 +297,7 @@ mkdir -m 0700 dead && {
         ! env -u PCCD_LOG timeout 20 "$PCCDCTL" ping --private --daemon "$work/dying" 2>err &&
         grep -qF 'ended at once, by signal 6 (Aborted); it said: the disk is on fire' err
 }
-tap_result $? doctor__tells_the_last_words_of_a_daemon "$log"
+report doctor__tells_the_last_words_of_a_daemon
 
 # If it failed, the way out that doctor shows to who has no daemon would lead nowhere.
 mkdir none && {
@@ -359,21 +317,21 @@ tap_result $status doctor__knows_how_to_get_a_daemon "$log"
 # If it failed, who has no runtime folder at all would wait for the daemon to make it.
 env -u PCCD_URL XDG_RUNTIME_DIR="$work/absent" timeout 20 "$PCCDCTL" doctor >out 2>err
 [ $? -eq 1 ] && says '^FAIL +folder +.*/absent/pccd: No such' '^ +-> .* set XDG_RUNTIME_DIR'
-tap_result $? doctor__tells_of_a_folder_that_cannot_be_made "$log"
+report doctor__tells_of_a_folder_that_cannot_be_made
 
 # If it failed, a script could not read how fast a daemon answers, or which one it is.
 ctl ping -c 20 -i 0 --json && json 'j["count"] == 20 and j["pid"] == '"$daemon" &&
     json '0 < j["min_us"] <= j["p50_us"] <= j["p99_us"] <= j["max_us"]' &&
     ctl version --json && json 'j["daemon"]["pid"] == '"$daemon"' and j["daemon"]["protocol"] == 1' &&
     PCCD_URL="unix:$work/none" ctl version --json && json 'j["daemon"] is None and j["library"] != ""'
-tap_result $? ping__and_version_speak_json "$log"
+report ping__and_version_speak_json
 
 # If it failed, who asks for a daemon by an option could not tell that there is none.
 fails 3 'no connection' version --private --daemon "$work/none" && says '^library  libpccd ' &&
     fails 3 "nobody listens at $work/none" version --socket "$work/none" &&
     fails 3 "nobody listens at $work/none" version --json --url "unix:$work/none" &&
     json 'j["daemon"] is None' && ctl version --private && says '^daemon   answers'
-tap_result $? version__fails_without_the_daemon_that_was_asked_for "$log"
+report version__fails_without_the_daemon_that_was_asked_for
 
 # If it failed, a user could not trace, watch or change the daemon that is their own: root may
 # everything, and a sandbox in which the daemon cannot tell who it is refuses everybody else.
@@ -392,7 +350,7 @@ as_plain_user "$work/bin/pccdctl" version --private &&
     as_plain_user "$work/bin/pccdctl" config set log-level warn --private &&
     as_plain_user "$work/bin/pccdctl" trace -o trace.json --seconds 0.1 --private &&
     as_plain_user "$work/bin/pccdctl" watch --seconds 0.1 --private
-tap_result $? daemon__lets_its_own_user_do_all "$log"
+report daemon__lets_its_own_user_do_all
 chmod 0700 "$work"
 
 # ---- what all commands have ---------------------------------------------------------
@@ -411,7 +369,7 @@ for command in status top list watch stats metrics ping 'config list' 'trace -o 
         echo "$command -h"
 done >"$log"
 [ ! -s "$log" ]
-tap_result $? commands__have_the_same_exit_statuses_and_options "$log"
+report commands__have_the_same_exit_statuses_and_options
 
 # complete WORD...: what bash would offer for the last of the words, in out.
 complete_words() {
@@ -436,7 +394,7 @@ complete_words() {
         done <options
     done <commands | grep -vE -- '--(usage|version)$' >"$log"
 [ ! -s "$log" ] && [ "$(wc -l <commands)" -ge 15 ]
-tap_result $? completion__bash_knows_every_command_and_option "$log"
+report completion__bash_knows_every_command_and_option
 
 # offers LINE WORD...: the shell's answers, "LINE: WORD..." a line in out, have this one.
 offers() {
@@ -486,7 +444,7 @@ if command -v zsh >/dev/null; then
     cat err >>"$log"
     [ ! -s "$log" ]
     # If it failed, zsh would complain when it starts, or offer other words.
-    tap_result $? $name "$log"
+    report $name
 else
     tap_skip $name "zsh is not installed"
 fi
@@ -514,7 +472,7 @@ if command -v fish >/dev/null; then
     done <commands >>"$log"
     [ ! -s "$log" ] && [ -s out ]
     # If it failed, fish would complain, or lack a command or an option.
-    tap_result $? $name "$log"
+    report $name
 else
     tap_skip $name "fish is not installed"
 fi
@@ -527,14 +485,14 @@ while read -r command; do
 done < <(grep -vxE 'metrics|completion|record' commands) >"$log"
 [ ! -s "$log" ]
 # If it failed, a script would have to read what is meant for people.
-tap_result $? commands__have_json_where_a_program_may_read "$log"
+report commands__have_json_where_a_program_may_read
 
 ctl demo --steps 3 --output demo.png --json && json 'j["steps"] == 3 and j["incomplete"] == 0' &&
     json 'j["mean_ms"]["step"] > 0 and len(j["hash"]) == 34 and j["hash"][:2] == "2:" and j["picture"] == "demo.png"' &&
     ctl trace -o trace.json --seconds 0.1 --json && json 'j["file"] == "trace.json" and j["lost"] == 0' &&
     ctl config set log-level warn --json && json 'j["name"] == "log-level" and j["value"] == "warn"'
 # If it failed, a program could not tell what was done.
-tap_result $? commands__that_make_or_change_something_speak_json "$log"
+report commands__that_make_or_change_something_speak_json
 
 kill $player && wait $player 2>/dev/null
 tap_end

@@ -1,27 +1,10 @@
 #!/bin/bash
 # tests/integration/ctl_record.sh - pccdctl record, replay, verify, render, export (TAP).
-#
-# Room:     tests/integration.
-# Does:     records a program that plays two frames, kills its daemon for good, and looks at
-#           what is left with every command; reads the files that they write.
-# Does not: forge recordings; test_int_verify does.
-# Source:   client/man/pccdctl.1.scd says what is promised.
 
 set -u
-: "${top_srcdir:?is set by make check}" "${PCCDCTL:?}" "${PCCDD:?}"
-# shellcheck source=tests/support/tap.sh
-. "$top_srcdir/tests/support/tap.sh"
-
-work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-record-XXXXXX") || exit 99
-daemon=
-finish() {
-    [ -z "$daemon" ] || kill -9 "$daemon" 2>/dev/null
-    rm -rf "$work"
-}
-trap finish EXIT
-cd "$work" || exit 99
-log=$work/log
-unset PCCD_URL PCCD_RECORD PCCD_RECORD_OPTIONS
+: "${top_srcdir:?is set by make check}"
+# shellcheck source=tests/support/ctl.sh
+. "$top_srcdir/tests/support/ctl.sh"
 
 # A strip of triangles that goes through another one, standing across.
 frame() { # HEIGHT
@@ -33,20 +16,8 @@ frame() { # HEIGHT
 frame 1 >frame0.ply
 frame -1 >frame1.ply
 
-start() {
-    "$PCCDD" --socket "$work/s" 2>>"$log" &
-    daemon=$!
-    for _ in $(seq 100); do
-        "$PCCDCTL" ping -c 1 -q --socket "$work/s" >/dev/null 2>&1 && return 0
-        sleep 0.1
-    done
-    return 1
-}
-# report NAME: the status of the command before it decides.
-report() { tap_result $? "$1" "$log"; }
-
 # If it failed, a session could not be recorded from outside, or its program's end would be lost.
-start && timeout 60 "$PCCDCTL" record -o session.rec --contacts -- \
+start_daemon s && timeout 60 "$PCCDCTL" record -o session.rec --contacts -- \
     "$PCCDCTL" load --times 5 --socket "$work/s" frame0.ply frame1.ply >"$log" 2>&1 &&
     timeout 60 "$PCCDCTL" record -o other.rec -- bash -c 'exit 7' >>"$log" 2>&1
 [ $? -eq 7 ] && [ -s session.rec ] && [ ! -e other.rec ]
@@ -100,7 +71,6 @@ for _ in $(seq 100); do
 done
 kill -9 "$daemon"
 wait "$daemon" 2>/dev/null
-daemon=
 for child in $(pgrep -P "$recorder"); do
     for program in $(pgrep -P "$child") $child; do
         kill -9 "$program" 2>/dev/null

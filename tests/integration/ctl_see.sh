@@ -1,28 +1,11 @@
 #!/bin/bash
 # tests/integration/ctl_see.sh - thickness, rods and points in pictures and exports (TAP).
-#
-# Room:     client/ctl, from outside.
-# Does:     records steps of a few features whose places are known by hand, and looks at the pixels
-#           of pictures and at the numbers of exports.
-# Does not: look at surfaces without thickness; ctl_record.sh does.
-# Source:   client/man/pccdctl.1.scd says what is promised.
-# Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`.
 
 set -u
-: "${PCCDCTL:?the program to test}" "${PCCD_DAEMON:?the daemon to start}"
-. "$(dirname "$0")/../support/tap.sh"
-unset PCCD_URL PCCD_RECORD PCCD_RECORD_OPTIONS
+: "${top_srcdir:?is set by make check}"
+# shellcheck source=tests/support/ctl.sh
+. "$top_srcdir/tests/support/ctl.sh"
 
-dir=$(mktemp -d "${TMPDIR:-/tmp}/pccd-see-XXXXXX") || exit 1
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 1
-log=$dir/log
-# report NAME: the status of the command before it decides.
-report() {
-    tap_result $? "$1" "$log"
-    : >"$log"
-}
-ctl() { timeout 60 "$PCCDCTL" "$@" >out 2>>"$log"; }
 
 if ! command -v python3 >/dev/null; then
     tap_skip pictures "no python3, which reads them"
@@ -65,7 +48,7 @@ def runs(line): # [first, end) of what is drawn
              if (i < len(line) and line[i]) != (i > 0 and line[i - 1])]
     return list(zip(edges[::2], edges[1::2]))
 END
-export PYTHONPATH=$dir PYTHONDONTWRITEBYTECODE=1
+export PYTHONPATH=$work PYTHONDONTWRITEBYTECODE=1
 # record NAME RADIUS [FRAMES [OPTION...]]: from FRAMES0.obj to FRAMES1.obj, NAME if not given.
 record() {
     ctl record --force --contacts -o "$1.rec" -- "$PCCDCTL" check --private --repeat 0 --thickness "$2" \
@@ -137,7 +120,7 @@ report render__says_where_nothing_is_thick
 awk 'BEGIN { for (i = 0; i < 800; i++) { printf "v %d 0 0\np %d\n", i, i + 1 } }' >row0.obj
 cp row0.obj row1.obj
 record row 1e5 row --rest-exclusion 1e9 && ! ctl render --size 2000x2000 -o row.png row.rec &&
-    [ ! -e row.png ] && grep -q 'row.png: too many features that are so thick' "$log" &&
+    [ ! -e row.png ] && grep -q 'row.png: too many features that are so thick' err &&
     ctl render --size 64x64 -o row.png row.rec
 report render__refuses_what_would_take_hours
 

@@ -1,18 +1,10 @@
 #!/bin/bash
 # tests/integration/ctl_sequence.sh - frames of a mesh from several files, and from one (TAP).
-#
-# Room:     client/ctl, from outside.
-# Does:     names in and out of order, patterns, point caches; a recorded cache against the OBJ
-#           files made from it.
-# Source:   client/man/pccdctl.1.scd says what is promised.
-# Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`; python3 writes the caches.
 
 set -u
 : "${top_srcdir:?is set by make check}"
-# shellcheck source=tests/support/tap.sh
-. "$top_srcdir/tests/support/tap.sh"
-# shellcheck source=tests/support/check.sh
-. "$top_srcdir/tests/support/check.sh"
+# shellcheck source=tests/support/ctl.sh
+. "$top_srcdir/tests/support/ctl.sh"
 
 # The tip of a triangle above another, at this height.
 frame() { # HEIGHT
@@ -30,14 +22,14 @@ timeout 100 "$PCCDCTL" near --private --distance 1 seq%d.obj >out 2>err &&
     grep -qx 'pccdctl: warning: seq%d.obj has 12 frames, and the first is read' err &&
     for i in 0 1 2; do sed 's/ 30$/ -30/' seq1.obj >"crossed$i.obj"; done &&
     check 1 --json crossed%d.obj && grep -q '^  "crossings": 4' out && grep -q '^  "initial": 0' out
-tap_result $? sequence__whole_is_told "$log"
+report sequence__whole_is_told
 
 # If it failed, a bake would be checked in another order than it was made in, without a word.
 check 1 seq1.obj seq10.obj seq12.obj seq2.obj && grep -q '^pccdctl: warning: seq2.obj comes after seq12.obj, ' err &&
     check 1 --json seq?.obj seq1?.obj && [ ! -s err ] && grep -qF '"warnings": []' out &&
     check 1 --json seq*.obj && grep -q '^    "seq2.obj comes after seq12.obj, as they were named' out &&
     [ "$(grep -c warning: err)" -eq 1 ]
-tap_result $? sequence__that_goes_down_is_told "$log"
+report sequence__that_goes_down_is_told
 
 # If it failed, who plays frames to and fro, or names files that are not numbered, would be warned.
 cp seq1.obj b.obj && cp seq2.obj a.obj
@@ -45,7 +37,7 @@ check 0 seq1.obj seq2.obj seq1.obj && [ ! -s err ] && check 0 b.obj a.obj && [ !
     mkdir -p run1 run2 && cp seq9.obj run1/f9.obj && cp seq1.obj run2/f1.obj &&
     check 0 run1/f9.obj run2/f1.obj && [ ! -s err ] && check 0 run2/f1.obj run1/f9.obj &&
     grep -q 'run1/f9.obj comes after run2/f1.obj' err
-tap_result $? sequence__that_is_meant_is_not_told "$log"
+report sequence__that_is_meant_is_not_told
 
 # If it failed, the order would be the shell's; or a pattern would take what it does not name.
 cp seq1.obj seq.obj && cp seq1.obj seq1b.obj
@@ -54,7 +46,7 @@ check 1 --json seq%d.obj && [ ! -s err ] && grep -o '"to": .*' out >named &&
     mkdir -p many && cp seq9.obj many/f098.ply.obj && cp seq10.obj many/f099.ply.obj &&
     cp seq11.obj many/f100.ply.obj && check 0 "$work/many/f%03d.ply.obj" &&
     grep -q "^ *2  $work/many/f100.ply.obj: 0 " out
-tap_result $? sequence__pattern_takes_files_by_number "$log"
+report sequence__pattern_takes_files_by_number
 
 # If it failed, a frame that was lost would be stepped over.
 rm seq7.obj seq8.obj
@@ -65,13 +57,13 @@ check 4 seq%d.obj && grep -qx 'pccdctl: seq%d.obj: number 7 is missing: there ar
     cp many/f100.ply.obj many/f101.ply.obj && check 0 many/f%d.ply.obj &&
     grep -q 'warning: many/f%d.ply.obj leaves out f09[89].ply.obj' err &&
     check 4 nowhere/f%d.obj && grep -q 'nowhere/f%d.obj: cannot read the folder: No such' err
-tap_result $? sequence__gap_is_named "$log"
+report sequence__gap_is_named
 
 # If it failed, a file could not have a percent sign.
 cp seq1.obj 5%d.obj && cp seq2.obj 100%.obj && check 0 5%d.obj 100%.obj &&
     check 4 %d%d.obj seq1.obj && grep -q '%d%d.obj: cannot open' err &&
     mkdir -p take%d && cp seq1.obj seq2.obj take%d && check 0 take%d/seq%d.obj
-tap_result $? sequence__file_may_be_named_so "$log"
+report sequence__file_may_be_named_so
 
 # If it failed, somebody with one file would not know what is missing.
 check 2 seq1.obj && grep -q 'seq1.obj is one frame: name the file after the step' err &&
@@ -79,7 +71,7 @@ check 2 seq1.obj && grep -q 'seq1.obj is one frame: name the file after the step
     check 4 only%d.obj && grep -q 'only3.obj is one frame: a step has two' err &&
     echo x | tee a.pvd >a.fbx && check 4 a.pvd && grep -q 'a.pvd: neither .*python3 -m pccd check reads' err &&
     check 4 seq1.obj a.fbx && grep -q 'a.fbx: neither .*of FBX Blender makes glTF' err
-tap_result $? sequence__of_one_frame_is_named "$log"
+report sequence__of_one_frame_is_named
 
 # ---- point caches ----------------------------------------------------------------------
 
@@ -134,7 +126,7 @@ python3 caches.py f1.obj f2.obj f3.obj 2>"$log" && check 1 --json f1.obj f2.obj 
     grep -q '^ *1  made.pc2 frame 6: ' out && check 1 seq1.obj made.mdd &&
     grep -qx 'frames     3 of made.mdd: 0 s to 0.5 s; faces of seq1.obj' out &&
     timeout 60 "$PCCDCTL" load --private --times 1 seq1.obj made.pc2 >>"$log" 2>&1
-tap_result $? cache__frames_have_the_faces_of_the_mesh "$log"
+report cache__frames_have_the_faces_of_the_mesh
 
 # If it failed, a cache would be played on a mesh that is not its own.
 printf 'v 9 9 9\n' | cat - seq1.obj >seven.obj
@@ -151,7 +143,7 @@ crossed = 0, 0, 0, 1, 1, 0, 1, 0, 0, 0, 1, 0
 sys.stdout.buffer.write(struct.pack("<12siiffi12f", b"POINTCACHE2", 1, 4, 0, 1, 1, *crossed))
 ' >bow.pc2 && check 4 square.obj bow.pc2 &&
     grep -qx 'pccdctl: square.obj:5: .* crosses itself.*, as bow.pc2 places it' err
-tap_result $? cache__is_named_where_it_does_not_fit "$log"
+report cache__is_named_where_it_does_not_fit
 
 # ---- vertices at one place -------------------------------------------------------------
 
@@ -169,7 +161,7 @@ check 1 --weld 0.25 split%d.obj && grep -qx 'welded     1 vertex to one within 0
     grep -qx '           1 vertex is kept, as it moves away from the same place' out &&
     timeout 100 "$PCCDCTL" near --private --distance 0 split%d.obj >out 2>>"$log" &&
     grep -qx 'welded     2 vertices to others at the same place' out && ! grep -q kept out
-tap_result $? weld__tells_of_what_was_looked_at "$log"
+report weld__tells_of_what_was_looked_at
 
 # If it failed, a surface that is split would have contacts, and nobody would say why.
 check 1 --weld off split1.obj split1.obj && grep -q '^warning    most contacts touch in vertices' out &&
@@ -178,12 +170,12 @@ import json, sys
 step = json.load(open(sys.argv[1]))
 sys.exit(not (step["crowded"] and step["coincident"] == step["contacts"] > 0))
 END
-tap_result $? split__is_said_to_be_the_cause "$log"
+report split__is_said_to_be_the_cause
 
 # If it failed, verify would pass a false count of these contacts, or refuse a true one.
 timeout 100 "$PCCDCTL" record -o split.rec -- "$PCCDCTL" check --private --weld off split1.obj split1.obj >out 2>>"$log"
 timeout 100 "$PCCDCTL" verify --private split.rec >out 2>>"$log"
-tap_result $? split__is_verified "$log"
+report split__is_verified
 
 # If it failed, of a large file all would be read, pictures too, or other bytes than are meant: behind
 # the picture, in another chunk, in a file beside it.
@@ -271,7 +263,7 @@ for command in check near load render export $has_page; do
     esac || { echo "$command: --rate" && cat out err; } >>"$log"
 done
 [ ! -s "$log" ]
-tap_result $? frames__are_read_alike_by_all_commands "$log"
+report frames__are_read_alike_by_all_commands
 
 # If it failed, an option of frames would be dropped where a recording is played, or a film of an
 # animated file be sampled at another rate than it is played at.
@@ -288,7 +280,7 @@ timeout 100 "$PCCDCTL" render --private --size 64x64 -o film.apng --rate 4 some.
 ! timeout 100 "$PCCDCTL" render --private -o film.apng --rate 4.5 moves.gltf >out 2>&1 &&
     grep -q 'of a film a whole number' out || cat out >>"$log"
 [ ! -s "$log" ]
-tap_result $? frames__options_are_of_frames "$log"
+report frames__options_are_of_frames
 
 # If it failed, the answers of a bake would depend on the kind of file that it comes in.
 kick=${PCCD_DATA:-}/kick
@@ -312,7 +304,7 @@ END
         [ "$(grep -c '"hash"' cache)" -eq 24 ] &&
         check 1 --json --contacts files.csv kick%d.obj && told out | diff - cache >>"$log" &&
         cmp cache.csv files.csv >>"$log" 2>&1 && [ "$(wc -l <cache.csv)" -gt 50 ]
-    tap_result $? cache__of_a_recorded_body_answers_as_its_files "$log"
+    report cache__of_a_recorded_body_answers_as_its_files
 else
     tap_skip cache__of_a_recorded_body_answers_as_its_files "no kick in \$PCCD_DATA"
 fi

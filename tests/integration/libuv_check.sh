@@ -1,10 +1,6 @@
 #!/bin/bash
 # libuv_check.sh - the daemon in its sandbox, over the libuv of each Debian (TAP).
 #
-# Room:     tests/integration.
-# Does:     fetch that library alone, with the C library it needs; have a daemon serve over it.
-# Does not: install anything, or build with it: the daemon is that of the build folder.
-#
 # What libuv asks of the kernel differs from one to the next, and only a call that the sandbox
 # forbids shows it. Without mmdebstrap or a network this is skipped, by name.
 

@@ -1,9 +1,5 @@
 #!/bin/bash
 # load_check.sh - the load harness against real daemons, for seconds (TAP).
-#
-# Room:     tests/integration.
-# Does:     many clients and many requests; clients killed at random; two runs that agree.
-#           What takes minutes: make load, make soak (client/load/local.mk).
 
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}"

@@ -1,10 +1,5 @@
 #!/bin/bash
 # unit_check.sh - the systemd units (TAP).
-#
-# Room:     tests/integration.
-# Does:     have systemd-analyze judge them; hold the service's filter of system calls against
-#           what the daemon's own sandbox leaves; serve on a socket that systemd's tool hands
-#           over. What is missing here is skipped, by name.
 
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDD:?}" "${PCCDCTL:?}"

@@ -1,13 +1,5 @@
 #!/bin/bash
 # mpi_check.sh - one scene over 1, 2, 3, 4 and 8 ranks: the same bytes as by one process.
-#
-# Room:     client/mpi, from outside.
-# Does:     random plays with meshes in parts; mistakes of single ranks, and ranks that round in
-#           their own way; pccd-mpi check beside pccdctl check on files made here and on
-#           recorded scenes.
-# Needs:    a build with --with-mpi; else its cases are skipped by name. By itself it takes
-#           less than two minutes; with PCCD_MPI_ALL=1, as make mpi-check sets it, it tries all
-#           that there is.
 
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}" "${PCCD_DATA?}"

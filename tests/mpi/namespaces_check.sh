@@ -1,12 +1,5 @@
 #!/bin/bash
 # namespaces_check.sh - each rank in a network of its own: the same bytes, over TCP.
-#
-# Room:     client/mpi, from outside.
-# Does:     make three network namespaces on a bridge, in a network and a mount namespace that
-#           end with the test; have MPI start a rank in each, as on three machines, and perform
-#           random plays, which compare with one process.
-# Needs:    a build with --with-mpi, ip, and the right to make namespaces; else it is skipped
-#           by name.
 
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}"

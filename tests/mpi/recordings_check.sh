@@ -1,12 +1,6 @@
 #!/bin/bash
 # recordings_check.sh - the steps of recordings, and of frames, over 1, 2, 3, 4 and 8 ranks:
 # each done once, and the same said as by pccdctl.
-#
-# Room:     client/mpi/program, from outside.
-# Does:     replay and verify random plays and frames made here; end runs in the middle, for
-#           real, and start them again.
-# Needs:    a build with --with-mpi; else its cases are skipped by name. With PCCD_MPI_ALL=1,
-#           as make mpi-check sets it, more plays, and recorded scenes.
 
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}" "${PCCD_DATA?}"

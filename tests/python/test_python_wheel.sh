@@ -1,10 +1,5 @@
 #!/bin/bash
 # test_python_wheel.sh - the wheel, as somebody without a compiler meets it (TAP).
-#
-# Room:     tests/python.
-# Does:     make it, install it into an environment of its own without a network, and run the
-#           lines of README.md there, with its daemon and without one.
-# Needs:    top_srcdir and top_builddir, set by `make check`; patchelf, setuptools, venv, numpy.
 
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}"
