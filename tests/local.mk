@@ -7,6 +7,7 @@
 check_LTLIBRARIES += libtests.la
 libtests_la_SOURCES = \
     tests/support/cases.c \
+    tests/support/must.c \
     tests/support/crossing.c \
     tests/support/daemon.c \
     tests/support/data.c \

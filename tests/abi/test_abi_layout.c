@@ -1,9 +1,4 @@
-/* test_abi_layout.c - what a compiled client relies on does not move.
- *
- * Freezes sizes, offsets and values of the public types, of the shared memory and of the
- * wire. A failure here is either a mistake or a new version of the library or of the
- * layout.
- */
+/* test_abi_layout.c - what a compiled client relies on does not move. */
 #include "cases.h"
 #include "codec.h"
 #include "messages.h"

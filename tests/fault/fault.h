@@ -1,11 +1,4 @@
-/* fault.h - makes chosen system or library calls fail, to test how the program copes.
- *
- * Let one of the calls that a program makes to the C library fail: which kind, the how-
- * many-th, for how long, with which errno. The order stands in a page that another
- * process may share (PCCD_FAULT_PAGE names its file).
- *
- * Threads: any; one orders at a time.
- */
+/* fault.h - makes chosen system or library calls fail, to test how the program copes. */
 #ifndef TEST_FAULT_H
 #define TEST_FAULT_H
 

@@ -1,5 +1,5 @@
-/* keeper.h - runs a daemon whose calls fail on order, and checks that it keeps serving.
- */
+/* keeper.h - runs a daemon whose calls fail on order, and checks that it keeps
+ * serving. */
 #ifndef TEST_KEEPER_H
 #define TEST_KEEPER_H
 

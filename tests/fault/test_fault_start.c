@@ -160,9 +160,8 @@ static pid_t worker_pid(void)
     static struct test_raw raw;
     const struct proto_STATS_request request = {0};
     struct proto_STATS_result stats;
-    assert_true(test_raw_open(&raw, place.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_STATS, &request, &stats), 0);
+    assert_ok(test_raw_session(&raw, place.socket, 0, 0));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_STATS, &request, &stats));
     test_raw_close(&raw);
     return (pid_t)stats.pid;
 }

@@ -64,7 +64,7 @@ CASE(threads__that_are_granted_are_enough)
     struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
     assert_true(test_daemon_logged(&daemon, " threads instead of 8: "));
-    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE, &grid));
     assert_in_range(step(&grid, 8), 3, 4);
     pccd_close(client);
     test_grid_free(&grid);
@@ -84,7 +84,7 @@ CASE(threads__that_are_refused_cost_a_restart)
     assert_true(test_daemon_start(&daemon, options));
     struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE, &grid));
     assert_int_equal(step(&grid, 4), 4);
     assert_int_equal(step(&grid, 2), 2); /* two threads of the team may go */
     pid_t worker = (pid_t)pccd_daemon_pid(client);

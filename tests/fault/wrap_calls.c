@@ -1,8 +1,4 @@
-/* wrap_calls.c - system calls that fail on order.
- *
- * Stand in for those that the daemon and its event loop make. A call that fails has done
- * nothing, but for close: Linux gives the descriptor back.
- */
+/* wrap_calls.c - system calls that fail on order. */
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>

@@ -1,9 +1,5 @@
-/* read_mesh.c - reads mesh files as pccdctl does, and tells the time and memory it took.
- *
- * Usage: read_mesh TIMES FILE...; a line for each file: vertices, triangles, the least
- * processor time of TIMES runs in seconds, bytes of the arrays, and the most memory of
- * the process beyond what it had before, in bytes.
- */
+/* read_mesh.c - reads mesh files as pccdctl does, and tells the time and memory it
+ * took. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>

@@ -1,14 +1,11 @@
 /* forge.c - copies of recordings, chunk by chunk. */
 #include "forge.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
+#include "cases.h"
 
 void forge_recording(const char *from, const char *to, forge_fn change, void *context)
 {
@@ -18,18 +15,17 @@ void forge_recording(const char *from, const char *to, forge_fn change, void *co
     int got;
 
     (void)unlink(to);
-    assert_int_equal(record_writer_open(&writer, to), 0);
-    assert_int_equal(record_reader_open(&reader, from), 0);
-    assert_int_equal(record_writer_need(&writer, reader.features), 0);
+    assert_ok(record_writer_open(&writer, to));
+    assert_ok(record_reader_open(&reader, from));
+    assert_ok(record_writer_need(&writer, reader.features));
     while ((got = record_reader_next(&reader, &view)) == 1) {
         struct forge_chunk chunk = {view.kind, malloc(view.bytes + 1), view.bytes};
         assert_non_null(chunk.payload);
         memcpy(chunk.payload, view.payload, view.bytes);
         if (change(context, &chunk)) {
             const struct record_part part = {chunk.payload, chunk.bytes};
-            assert_int_equal(record_writer_add(&writer, (enum record_kind)chunk.kind,
-                                               view.time_ns, &part, 1),
-                             0);
+            assert_ok(record_writer_add(&writer, (enum record_kind)chunk.kind,
+                                        view.time_ns, &part, 1));
         }
         free(chunk.payload);
     }

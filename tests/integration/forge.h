@@ -1,7 +1,4 @@
-/* forge.h - copies of recordings in which something was changed.
- *
- * Threads: one test at a time.
- */
+/* forge.h - copies of recordings in which something was changed. */
 #ifndef TEST_FORGE_H
 #define TEST_FORGE_H
 

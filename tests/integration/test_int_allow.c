@@ -1,8 +1,4 @@
-/* test_int_allow.c - who may be a client.
- *
- * Clients of other users and groups, with and without lists. Needs root: nobody else can
- * be somebody else.
- */
+/* test_int_allow.c - who may be a client. */
 #include "cases.h"
 
 #include <grp.h>

@@ -15,6 +15,7 @@
 
 #include "crossing.h"
 #include "daemon.h"
+#include "must.h"
 #include "pccd.h"
 #include "skip.h"
 
@@ -138,14 +139,10 @@ CASE(autostart__error_has_the_last_words_of_a_private_daemon)
     } cases[] = {{SIGSEGV, "it said: pccdd "}, {SIGKILL, "by signal 9 (Killed)"}};
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct pccd_options options;
-        struct pccd_client *client = NULL;
         siginfo_t info;
 
-        pccd_options_init(&options);
-        options.private_daemon = true;
-        options.reconnect_ms = -1;
-        assert_int_equal(pccd_connect(&options, &client), 0);
+        struct pccd_client *client = test_client(
+            &(struct pccd_options){.private_daemon = true, .reconnect_ms = -1});
         assert_int_equal(kill((pid_t)pccd_daemon_pid(client), cases[i].signal), 0);
         assert_int_equal(waitid(P_PID, pccd_daemon_pid(client), &info, WEXITED | WNOWAIT),
                          0);
@@ -179,11 +176,11 @@ CASE(autostart__daemon_of_a_bound_program_has_all_processors)
     assert_non_null(mkdtemp(runtime));
     assert_int_equal(setenv("XDG_RUNTIME_DIR", runtime, 1), 0);
     assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
-    assert_int_equal(pccd_connect(NULL, &client), 0);
+    assert_ok(pccd_connect(NULL, &client));
     assert_int_equal(sched_getaffinity(0, sizeof after, &after), 0);
     assert_int_equal(sched_setaffinity(0, sizeof all, &all), 0);
     assert_true(CPU_EQUAL(&after, &one));
-    assert_int_equal(pccd_daemon(client, &info), 0);
+    assert_ok(pccd_daemon(client, &info));
     assert_true(info.threads_max >= (uint32_t)CPU_COUNT(&all));
     pccd_close(client);
     end_autostarted(info.pid, runtime);

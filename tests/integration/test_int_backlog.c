@@ -1,8 +1,4 @@
-/* test_int_backlog.c - what waits before the daemon accepts it.
- *
- * Fill the daemon with descriptors that it cannot close, and have one more connection
- * wait that brings such a one, too.
- */
+/* test_int_backlog.c - what waits before the daemon accepts it. */
 #include "cases.h"
 
 #include <signal.h>
@@ -69,8 +65,7 @@ CASE(backlog__that_does_not_close_holds_up_nobody)
     if (!start_daemon()) {
         test_skip("the limit of descriptors is too low here");
     }
-    assert_true(test_raw_open(&honest, daemon_.socket));
-    assert_int_equal(test_raw_hello(&honest), 0);
+    assert_ok(test_raw_session(&honest, daemon_.socket, 0, 0));
     /* All is there before the daemon sees any of it. */
     assert_true(test_stop(daemon_.pid));
     peers[0] = leave_lingering(&hostile[0]);
@@ -87,11 +82,11 @@ CASE(backlog__that_does_not_close_holds_up_nobody)
     begin_ms = test_now_ms();
     test_raw_wait_ms = LINGER_S * 1000;
     while (!test_daemon_logged(&daemon_, "no descriptor for a new connection")) {
-        assert_int_equal(test_raw_call(&honest, PROTO_METHOD_PING, &request, NULL), 0);
+        assert_ok(test_raw_call(&honest, PROTO_METHOD_PING, &request, NULL));
         assert_true(test_now_ms() - begin_ms < LINGER_S * 1000 / 2);
         test_sleep_ms(5);
     }
-    assert_int_equal(test_raw_call(&honest, PROTO_METHOD_PING, &request, NULL), 0);
+    assert_ok(test_raw_call(&honest, PROTO_METHOD_PING, &request, NULL));
     assert_true(test_now_ms() - begin_ms < LINGER_S * 1000 / 2);
     (void)close(peers[0]);
     (void)close(peers[1]);

@@ -1,8 +1,4 @@
-/* test_int_batch.c - steps of many scenes by one request.
- *
- * The same answers as steps by themselves, by one thread and by two, with a daemon and
- * without; what fails, is late or does not fit; limits and memory.
- */
+/* test_int_batch.c - steps of many scenes by one request. */
 #include "cases.h"
 
 #include <math.h>
@@ -14,6 +10,7 @@
 #include "farm.h"
 #include "fixture.h"
 #include "messages.h"
+#include "must.h"
 #include "pccd.h"
 #include "raw.h"
 
@@ -22,13 +19,9 @@
 
 static struct pccd_client *open_client(const char *url)
 {
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
 
-    pccd_options_init(&options);
-    options.url = url;
-    options.timeout_ms = 120000;
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    struct pccd_client *client =
+        test_client(&(struct pccd_options){.url = url, .timeout_ms = 120000});
     return client;
 }
 
@@ -88,14 +81,14 @@ static void compare_all(const char *url, const struct pccd_step_settings *settin
     for (uint32_t turn = 1; turn <= 4; turn++) {
         struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
 
-        assert_int_equal(test_farm_turn(&together, turn, settings, &all), 0);
+        assert_ok(test_farm_turn(&together, turn, settings, &all));
         assert_int_equal(all.status, 0);
         assert_int_equal(all.count, WORLDS);
         assert_int_equal(all.failed, 0);
         for (uint32_t i = 0; i < WORLDS; i++) {
             struct pccd_answer alone = PCCD_ANSWER_INIT;
 
-            assert_int_equal(test_farm_alone(&apart, i, turn, settings, &alone), 0);
+            assert_ok(test_farm_alone(&apart, i, turn, settings, &alone));
             assert_int_equal(all.scenes[i].scene, apart.worlds[i].scene);
             compare(&all, i, &alone);
             records += alone.total;
@@ -123,7 +116,7 @@ CASE(scenes__of_a_batch_share_the_scratch_of_threads)
     make_farm(client, 200, SIDE, &farm);
     before = test_stat(client, "engine_bytes_now");
     for (uint32_t turn = 1; turn <= 4; turn++) {
-        assert_int_equal(test_farm_turn(&farm, turn, NULL, &answer), 0);
+        assert_ok(test_farm_turn(&farm, turn, NULL, &answer));
         pccd_batch_release(client, &answer);
     }
     after = test_stat(client, "engine_bytes_now");
@@ -180,13 +173,13 @@ CASE(scene__that_is_most_of_the_work_is_shared_by_the_team)
                                         .object = large.worlds[0].body,
                                         .count = large.vertex_count};
     x1[8] = wide;
-    assert_int_equal(pccd_batch_create(client, parts, 9, &batch), 0);
+    assert_ok(pccd_batch_create(client, parts, 9, &batch));
     for (uint32_t turn = 1; turn <= 4; turn++) {
         for (uint32_t i = 0; i < 8; i++) {
             test_farm_positions(&small, i, turn, (*x)[i]);
         }
         test_farm_positions(&large, 0, turn, wide);
-        assert_int_equal(pccd_batch_step(batch, NULL, x1, NULL, &answer), 0);
+        assert_ok(pccd_batch_step(batch, NULL, x1, NULL, &answer));
         assert_int_equal(answer.failed, 0);
         assert_int_equal(answer.scenes[0].threads, 1);
         assert_int_equal(answer.scenes[8].threads, 2);
@@ -228,15 +221,12 @@ static void make_trouble(struct pccd_client *client, struct trouble *trouble)
                                             .object = farm->worlds[i].body,
                                             .count = farm->vertex_count};
     }
-    assert_int_equal(pccd_scene_create(client, &shared, &trouble->shared), 0);
-    assert_int_equal(
-        pccd_scene_add(client, trouble->shared, farm->mesh, &trouble->shared_object), 0);
-    assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &trouble->small_mesh, NULL),
-                     0);
-    assert_int_equal(pccd_scene_add(client, farm->worlds[REPLACED].scene,
-                                    trouble->small_mesh, &trouble->small),
-                     0);
+    assert_ok(pccd_scene_create(client, &shared, &trouble->shared));
+    trouble->shared_object = test_object(client, trouble->shared, farm->mesh);
+    trouble->small_mesh =
+        test_mesh(client, test_triangle_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
+    trouble->small =
+        test_object(client, farm->worlds[REPLACED].scene, trouble->small_mesh);
     parts[UNKNOWN].scene = 0xfff00fff;
     parts[FOREIGN].object = 0xfff00fff;
     parts[TWICE].scene = parts[GOOD].scene;
@@ -245,14 +235,14 @@ static void make_trouble(struct pccd_client *client, struct trouble *trouble)
     parts[REPLACED].count = 3;
     parts[SHARED].scene = trouble->shared;
     parts[SHARED].object = trouble->shared_object;
-    assert_int_equal(pccd_batch_create(client, parts, GOOD_TOO + 1, &trouble->batch), 0);
+    assert_ok(pccd_batch_create(client, parts, GOOD_TOO + 1, &trouble->batch));
 }
 
 static void submit_trouble(struct trouble *trouble, uint32_t turn, uint64_t *step)
 {
     void *x1[GOOD_TOO + 1];
 
-    assert_int_equal(pccd_batch_begin(trouble->batch, NULL, x1), 0);
+    assert_ok(pccd_batch_begin(trouble->batch, NULL, x1));
     for (uint32_t i = 0; i <= GOOD_TOO; i++) {
         if (i == REPLACED) {
             memcpy(x1[i], test_triangle_x, sizeof test_triangle_x);
@@ -261,7 +251,7 @@ static void submit_trouble(struct trouble *trouble, uint32_t turn, uint64_t *ste
         }
     }
     ((float *)x1[NOT_FINITE])[4] = NAN;
-    assert_int_equal(pccd_batch_commit(trouble->batch, NULL, step), 0);
+    assert_ok(pccd_batch_commit(trouble->batch, NULL, step));
 }
 
 static void expect(const struct pccd_batch_answer *answer, uint32_t i, int status,
@@ -286,11 +276,10 @@ CASE(scene__that_fails_does_not_fail_the_others)
 
     make_trouble(client, &trouble);
     /* A mesh that has fewer vertices by the time of the step. */
-    assert_int_equal(pccd_mesh_replace(client, trouble.small_mesh, test_triangle_x,
-                                       PCCD_FORMAT_F32, 2, one, 1, NULL),
-                     0);
+    assert_ok(pccd_mesh_replace(client, trouble.small_mesh, test_triangle_x,
+                                PCCD_FORMAT_F32, 2, one, 1, NULL));
     submit_trouble(&trouble, 1, &step);
-    assert_int_equal(pccd_batch_wait(client, step, -1, &answer), 0);
+    assert_ok(pccd_batch_wait(client, step, -1, &answer));
     expect(&answer, UNKNOWN, PCCD_E_HANDLE, "no such scene");
     expect(&answer, NOT_FINITE, PCCD_E_NOTFINITE, "segment 0");
     expect(&answer, FOREIGN, PCCD_E_HANDLE, "is not in the scene");
@@ -305,11 +294,11 @@ CASE(scene__that_fails_does_not_fail_the_others)
     assert_true(answer.scenes[GOOD].total > 0 && answer.scenes[GOOD_TOO].total > 0);
     pccd_batch_release(client, &answer);
     /* Who has failed stands where it stood; who has not has moved on. */
-    assert_int_equal(test_farm_alone(&trouble.farm, NOT_FINITE, 1, NULL, &alone), 0);
+    assert_ok(test_farm_alone(&trouble.farm, NOT_FINITE, 1, NULL, &alone));
     assert_int_equal(alone.number, 1);
     assert_true(alone.total > 0);
     pccd_answer_release(client, &alone);
-    assert_int_equal(test_farm_alone(&trouble.farm, GOOD_TOO, 1, NULL, &alone), 0);
+    assert_ok(test_farm_alone(&trouble.farm, GOOD_TOO, 1, NULL, &alone));
     assert_int_equal(alone.number, 2);
     assert_int_equal(alone.total, 0);
     pccd_answer_release(client, &alone);
@@ -334,25 +323,24 @@ CASE(scene__tells_of_a_step_that_failed_after_its_answer)
     make_farm(client, 3, SIDE, &small);
     const struct pccd_motion motion = {
         .object = small.worlds[1].body, .count = small.vertex_count, .x1 = small.x};
-    assert_int_equal(test_farm_submit(&farm, 1, NULL, &steps[0]), 0);
+    assert_ok(test_farm_submit(&farm, 1, NULL, &steps[0]));
     test_farm_positions(&small, 1, 1, small.x);
     small.x[7][1] = NAN;
-    assert_int_equal(
-        pccd_submit(client, small.worlds[1].scene, &motion, 1, &late, &steps[1]), 0);
-    assert_int_equal(test_farm_submit(&small, 1, NULL, &steps[2]), 0);
-    assert_int_equal(pccd_wait(client, steps[1], -1, &answer), 0);
+    assert_ok(pccd_submit(client, small.worlds[1].scene, &motion, 1, &late, &steps[1]));
+    assert_ok(test_farm_submit(&small, 1, NULL, &steps[2]));
+    assert_ok(pccd_wait(client, steps[1], -1, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(pccd_batch_wait(client, steps[0], 0, &all), PCCD_E_AGAIN);
     pccd_answer_release(client, &answer);
-    assert_int_equal(pccd_batch_wait(client, steps[0], -1, &all), 0);
+    assert_ok(pccd_batch_wait(client, steps[0], -1, &all));
     pccd_batch_release(client, &all);
-    assert_int_equal(pccd_batch_wait(client, steps[2], -1, &all), 0);
+    assert_ok(pccd_batch_wait(client, steps[2], -1, &all));
     expect(&all, 1, PCCD_E_NOTFINITE, "segment 0");
     assert_int_equal(all.failed, 1);
     assert_int_equal(all.scenes[0].number, 1);
     assert_int_equal(all.scenes[2].number, 1);
     pccd_batch_release(client, &all);
-    assert_int_equal(test_farm_turn(&small, 1, NULL, &all), 0); /* it is told once */
+    assert_ok(test_farm_turn(&small, 1, NULL, &all)); /* it is told once */
     assert_int_equal(all.failed, 0);
     assert_int_equal(all.scenes[1].number, 1);
     pccd_batch_release(client, &all);
@@ -385,10 +373,10 @@ CASE(batch__is_computed_between_the_steps_around_it)
     assert_int_equal(steps[2], steps[1] + 4); /* each scene has a number */
     assert_int_equal(pccd_wait(client, steps[1], -1, &answer), PCCD_E_INVAL);
     assert_int_equal(pccd_batch_wait(client, steps[0], -1, &all), PCCD_E_INVAL);
-    assert_int_equal(pccd_wait(client, steps[0], -1, &answer), 0);
+    assert_ok(pccd_wait(client, steps[0], -1, &answer));
     assert_int_equal(answer.number, 1);
     pccd_answer_release(client, &answer);
-    assert_int_equal(pccd_batch_wait(client, steps[1], -1, &all), 0);
+    assert_ok(pccd_batch_wait(client, steps[1], -1, &all));
     assert_int_equal(all.step, steps[1]);
     assert_int_equal(all.scenes[2].number, 2);
     assert_int_equal(all.scenes[3].number, 1);
@@ -397,7 +385,7 @@ CASE(batch__is_computed_between_the_steps_around_it)
     assert_int_equal(
         pccd_poll(client, &answer) == PCCD_E_AGAIN || answer.step == steps[2], true);
     if (answer.step != steps[2]) {
-        assert_int_equal(pccd_wait(client, steps[2], -1, &answer), 0);
+        assert_ok(pccd_wait(client, steps[2], -1, &answer));
     }
     assert_int_equal(answer.number, 3);
     pccd_answer_release(client, &answer);
@@ -411,19 +399,16 @@ CASE(batch__is_computed_between_the_steps_around_it)
 /* If it failed, records that do not fit the result region would be lost. */
 CASE(records__that_do_not_fit_are_fetched)
 {
-    struct pccd_options options;
     struct pccd_client *client = NULL;
     struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
     struct test_farm farm;
     uint32_t cut = 0;
     uint64_t totals[16];
 
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.result_bytes = 65536;
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    client = test_client(
+        &(struct pccd_options){.url = test_shared.url, .result_bytes = 65536});
     make_farm(client, 16, 12, &farm);
-    assert_int_equal(test_farm_turn(&farm, 1, NULL, &all), 0);
+    assert_ok(test_farm_turn(&farm, 1, NULL, &all));
     assert_int_equal(all.failed, 0);
     assert_true(all.total * sizeof(struct pccd_contact) > 65536);
     for (uint32_t i = 0; i < 16; i++) {
@@ -439,8 +424,7 @@ CASE(records__that_do_not_fit_are_fetched)
     for (uint32_t i = 0; i < 16; i++) {
         struct pccd_answer page = PCCD_ANSWER_INIT;
 
-        assert_int_equal(pccd_fetch(client, farm.worlds[i].scene, all.step + i, 1, &page),
-                         0);
+        assert_ok(pccd_fetch(client, farm.worlds[i].scene, all.step + i, 1, &page));
         assert_int_equal(page.first, 1);
         assert_int_equal(page.cursor, totals[i]);
         assert_int_equal(page.contacts[0].object_a, farm.worlds[i].body);
@@ -477,10 +461,8 @@ CASE(request__that_makes_no_sense_is_refused)
     struct proto_BATCH_SUBMIT_request batch;
     struct proto_BATCH_SUBMIT_result result;
 
-    assert_true(test_raw_open(&raw, test_shared.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
-    assert_int_equal(test_raw_attach(&raw, 2, 4096), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &scene), 0);
+    assert_ok(test_raw_session(&raw, test_shared.socket, 2, 4096));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &scene));
 #define REFUSE(status, field, value)                                                     \
     do {                                                                                 \
         batch = write_batch(&raw, &scene.scene, 1, 0);                                   \
@@ -503,7 +485,7 @@ CASE(request__that_makes_no_sense_is_refused)
     assert_int_equal(result.count, 1);
     assert_int_equal(result.failed, 0);
     batch = write_batch(&raw, &scene.scene, 1, 2); /* of which no table speaks truth */
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_BATCH_SUBMIT, &batch, &result), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_BATCH_SUBMIT, &batch, &result));
     assert_int_equal(result.failed, 1);
     test_raw_close(&raw);
 }
@@ -511,24 +493,20 @@ CASE(request__that_makes_no_sense_is_refused)
 /* If it failed, a batch of more scenes than answers fit would end in nothing. */
 CASE(answers__that_never_fit_are_refused_before_anything_moves)
 {
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
     struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
     struct pccd_batch_answer held = PCCD_BATCH_ANSWER_INIT;
     struct test_farm farm, less;
 
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.result_bytes = 65536;
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    struct pccd_client *client = test_client(
+        &(struct pccd_options){.url = test_shared.url, .result_bytes = 65536});
     make_farm(client, 250, 2, &farm); /* 80 000 bytes of answers */
     assert_int_equal(test_farm_turn(&farm, 1, NULL, &all), PCCD_E_LIMIT);
     test_farm_free(&farm);
     make_farm(client, 150, 2, &less);
-    assert_int_equal(test_farm_turn(&less, 1, NULL, &held), 0);
+    assert_ok(test_farm_turn(&less, 1, NULL, &held));
     assert_int_equal(test_farm_turn(&less, 2, NULL, &all), PCCD_E_BUSY);
     pccd_batch_release(client, &held);
-    assert_int_equal(test_farm_turn(&less, 2, NULL, &all), 0);
+    assert_ok(test_farm_turn(&less, 2, NULL, &all));
     assert_int_equal(all.scenes[149].number, 2);
     pccd_batch_release(client, &all);
     test_farm_free(&less);
@@ -553,13 +531,13 @@ CASE(batch__that_makes_no_sense_is_not_made)
     assert_int_equal(pccd_batch_create(client, parts, 1, &batch), PCCD_E_INVAL);
     parts[0].count = 1;
     assert_null(batch);
-    assert_int_equal(pccd_batch_create(client, parts, 1, &batch), 0);
+    assert_ok(pccd_batch_create(client, parts, 1, &batch));
     assert_int_equal(pccd_batch_commit(batch, NULL, &step), PCCD_E_STATE);
-    assert_int_equal(pccd_batch_begin(batch, NULL, x1), 0);
+    assert_ok(pccd_batch_begin(batch, NULL, x1));
     assert_int_equal(pccd_batch_begin(batch, NULL, x1), PCCD_E_STATE);
     settings.hold = true;
     assert_int_equal(pccd_batch_commit(batch, &settings, &step), PCCD_E_INVAL);
-    assert_int_equal(pccd_batch_begin(batch, NULL, x1), 0); /* it was aborted */
+    assert_ok(pccd_batch_begin(batch, NULL, x1)); /* it was aborted */
     pccd_batch_destroy(batch);
     pccd_close(client);
 }
@@ -572,8 +550,8 @@ static void check_places(struct test_farm *farm, struct test_farm *other, uint32
 {
     struct pccd_batch_answer all[2] = {PCCD_BATCH_ANSWER_INIT, PCCD_BATCH_ANSWER_INIT};
 
-    assert_int_equal(test_farm_turn(farm, turn, NULL, &all[0]), 0);
-    assert_int_equal(test_farm_turn(other, turn, NULL, &all[1]), 0);
+    assert_ok(test_farm_turn(farm, turn, NULL, &all[0]));
+    assert_ok(test_farm_turn(other, turn, NULL, &all[1]));
     for (uint32_t i = 0; i < farm->count; i++) {
         assert_int_equal(all[0].scenes[i].incomplete, PCCD_COMPLETE);
         assert_memory_equal(all[0].scenes[i].hash, all[1].scenes[i].hash, 16);
@@ -614,19 +592,19 @@ CASE(deadline__cuts_what_is_not_done)
     for (uint32_t turn = 1; turn <= 2; turn++) {
         check_places(&farm, &other, turn);
     }
-    assert_int_equal(test_farm_turn(&farm, 3, NULL, &answer), 0);
+    assert_ok(test_farm_turn(&farm, 3, NULL, &answer));
     whole_ns = answer.queue_ns + answer.batch_ns;
     pccd_batch_release(clients[0], &answer);
-    assert_int_equal(test_farm_turn(&other, 3, NULL, &answer), 0);
+    assert_ok(test_farm_turn(&other, 3, NULL, &answer));
     pccd_batch_release(clients[1], &answer);
     /* Half of the time, or less where this machine has become slower. */
     for (uint32_t turn = 4; turn < 20 && (late == 0 || late == 200); turn++) {
         settings.deadline_ns = late == 200 ? 2 * whole_ns : whole_ns / 2;
         whole_ns = settings.deadline_ns;
-        assert_int_equal(test_farm_turn(&farm, turn, &settings, &answer), 0);
+        assert_ok(test_farm_turn(&farm, turn, &settings, &answer));
         late = count_incomplete(&answer, PCCD_INCOMPLETE_DEADLINE);
         pccd_batch_release(clients[0], &answer);
-        assert_int_equal(test_farm_turn(&other, turn, NULL, &answer), 0);
+        assert_ok(test_farm_turn(&other, turn, NULL, &answer));
         pccd_batch_release(clients[1], &answer);
         if (late > 0 && late < 200) {
             check_places(&farm, &other, turn + 1);
@@ -634,7 +612,7 @@ CASE(deadline__cuts_what_is_not_done)
     }
     assert_true(late > 0 && late < 200);
     settings.deadline_ns = 1; /* before anything: all are moved, and nothing is found */
-    assert_int_equal(test_farm_turn(&farm, 20, &settings, &answer), 0);
+    assert_ok(test_farm_turn(&farm, 20, &settings, &answer));
     assert_int_equal(count_incomplete(&answer, PCCD_INCOMPLETE_DEADLINE), 200);
     pccd_batch_release(clients[0], &answer);
     test_farm_free(&farm);
@@ -652,16 +630,16 @@ CASE(cancel__ends_a_batch_soon)
     uint64_t step = 0;
 
     make_farm(client, 200, 24, &farm);
-    assert_int_equal(test_farm_turn(&farm, 1, NULL, &answer), 0);
+    assert_ok(test_farm_turn(&farm, 1, NULL, &answer));
     pccd_batch_release(client, &answer);
-    assert_int_equal(test_farm_submit(&farm, 2, NULL, &step), 0);
-    assert_int_equal(pccd_cancel(client, step), 0);
-    assert_int_equal(pccd_batch_wait(client, step, -1, &answer), 0);
+    assert_ok(test_farm_submit(&farm, 2, NULL, &step));
+    assert_ok(pccd_cancel(client, step));
+    assert_ok(pccd_batch_wait(client, step, -1, &answer));
     assert_true(count_incomplete(&answer, PCCD_INCOMPLETE_CANCELLED) > 0);
     pccd_batch_release(client, &answer);
-    assert_int_equal(test_farm_submit(&farm, 3, NULL, &step), 0);
+    assert_ok(test_farm_submit(&farm, 3, NULL, &step));
     pccd_abandon(client, step);
-    assert_int_equal(test_farm_turn(&farm, 4, NULL, &answer), 0);
+    assert_ok(test_farm_turn(&farm, 4, NULL, &answer));
     assert_int_equal(answer.scenes[0].number, 4);
     assert_int_equal(answer.incomplete, 0);
     pccd_batch_release(client, &answer);
@@ -682,10 +660,10 @@ CASE(others__are_served_beside_a_long_batch)
 
     make_farm(clients[0], 300, 30, &farm);
     make_farm(clients[1], 1, 4, &small);
-    assert_int_equal(test_farm_submit(&farm, 1, NULL, &step), 0);
+    assert_ok(test_farm_submit(&farm, 1, NULL, &step));
     while (pccd_batch_wait(clients[0], step, 0, &answer) == PCCD_E_AGAIN) {
         served++;
-        assert_int_equal(test_farm_alone(&small, 0, served, NULL, &alone), 0);
+        assert_ok(test_farm_alone(&small, 0, served, NULL, &alone));
         pccd_answer_release(clients[1], &alone);
     }
     assert_int_equal(answer.failed, 0);
@@ -774,13 +752,13 @@ CASE(batch__is_what_threads_are_seen_to_do)
     uint32_t seen = 0, last = 0;
 
     make_farm(client, 300, 30, &farm);
-    assert_int_equal(test_farm_alone(&farm, 0, 1, NULL, &alone), 0);
+    assert_ok(test_farm_alone(&farm, 0, 1, NULL, &alone));
     pccd_answer_release(client, &alone);
-    assert_int_equal(pccd_daemon(client, &self), 0);
+    assert_ok(pccd_daemon(client, &self));
     progress.session = self.session;
-    assert_int_equal(test_farm_submit(&farm, 2, NULL, &step), 0);
+    assert_ok(test_farm_submit(&farm, 2, NULL, &step));
     while (pccd_batch_wait(client, step, 0, &answer) == PCCD_E_AGAIN) {
-        assert_int_equal(pccd_list_sessions(other, take_progress, &progress), 0);
+        assert_ok(pccd_list_sessions(other, take_progress, &progress));
         if (progress.batch != 0) {
             assert_int_equal(progress.batch, 300);
             assert_in_range(progress.done, last, 300);
@@ -789,23 +767,22 @@ CASE(batch__is_what_threads_are_seen_to_do)
         }
     }
     assert_true(seen > 0);
-    assert_int_equal(pccd_list_sessions(other, take_progress, &progress), 0);
+    assert_ok(pccd_list_sessions(other, take_progress, &progress));
     assert_int_equal(progress.batch, 0);
-    assert_int_equal(pccd_stats_thread(client, false, 0, take_value, &values, NULL), 0);
+    assert_ok(pccd_stats_thread(client, false, 0, take_value, &values, NULL));
     assert_int_equal(values.batch, 300);
     assert_int_equal(values.threads, answer.threads);
     assert_int_equal(values.ns_step, answer.batch_ns);
     for (uint32_t i = 1; i < answer.threads; i++) {
-        assert_int_equal(pccd_stats_thread(client, true, i, take_value, &values, NULL),
-                         0);
+        assert_ok(pccd_stats_thread(client, true, i, take_value, &values, NULL));
     }
     assert_int_equal(values.scenes, 300); /* each by one thread */
     assert_true(values.tests > 0);
     pccd_batch_release(client, &answer);
-    assert_int_equal(test_farm_alone(&farm, 0, 3, NULL, &alone), 0);
+    assert_ok(test_farm_alone(&farm, 0, 3, NULL, &alone));
     pccd_answer_release(client, &alone);
     values.batch = 1;
-    assert_int_equal(pccd_stats_thread(client, false, 0, take_value, &values, NULL), 0);
+    assert_ok(pccd_stats_thread(client, false, 0, take_value, &values, NULL));
     assert_int_equal(values.batch, 0);
     test_farm_free(&farm);
     pccd_close(other);
@@ -824,11 +801,11 @@ CASE(steps__of_a_batch_are_listed_and_watched)
     uint64_t number = 0;
 
     make_farm(client, 5, SIDE, &farm);
-    assert_int_equal(pccd_daemon(client, &self), 0);
-    assert_int_equal(pccd_watch_start(other, self.session, 0), 0);
-    assert_int_equal(test_farm_turn(&farm, 1, NULL, &answer), 0);
+    assert_ok(pccd_daemon(client, &self));
+    assert_ok(pccd_watch_start(other, self.session, 0));
+    assert_ok(test_farm_turn(&farm, 1, NULL, &answer));
     for (uint32_t i = 0; i < farm.count; i++) {
-        assert_int_equal(pccd_watch_next(other, -1, &event), 0);
+        assert_ok(pccd_watch_next(other, -1, &event));
         assert_int_equal(event.session, self.session);
         assert_int_equal(event.scene, farm.worlds[i].scene);
         assert_int_equal(event.step, answer.step + i);
@@ -839,7 +816,7 @@ CASE(steps__of_a_batch_are_listed_and_watched)
         number = event.number;
     }
     struct listing listing = {.farm = &farm, .answer = &answer};
-    assert_int_equal(pccd_list_scenes(client, 0, check_listed, &listing), 0);
+    assert_ok(pccd_list_scenes(client, 0, check_listed, &listing));
     assert_int_equal(listing.seen, farm.count);
     pccd_batch_release(client, &answer);
     test_farm_free(&farm);
@@ -850,7 +827,6 @@ CASE(steps__of_a_batch_are_listed_and_watched)
 /* Otherwise who watches would see a step that fails alone, and none of a batch's. */
 CASE(batch__that_fails_is_watched_scene_by_scene)
 {
-    struct pccd_options options;
     struct pccd_client *client = NULL;
     struct pccd_client *other = open_client(test_shared.url);
     struct pccd_batch_answer held = PCCD_BATCH_ANSWER_INIT;
@@ -859,17 +835,15 @@ CASE(batch__that_fails_is_watched_scene_by_scene)
     struct pccd_step_event event;
     struct test_farm farm;
 
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.result_bytes = 65536;
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    client = test_client(
+        &(struct pccd_options){.url = test_shared.url, .result_bytes = 65536});
     make_farm(client, 100, 2, &farm);
-    assert_int_equal(test_farm_turn(&farm, 1, NULL, &held), 0);
-    assert_int_equal(pccd_daemon(client, &self), 0);
-    assert_int_equal(pccd_watch_start(other, self.session, 0), 0);
+    assert_ok(test_farm_turn(&farm, 1, NULL, &held));
+    assert_ok(pccd_daemon(client, &self));
+    assert_ok(pccd_watch_start(other, self.session, 0));
     assert_int_equal(test_farm_turn(&farm, 2, NULL, &answer), PCCD_E_BUSY);
     for (uint32_t i = 0; i < farm.count; i++) {
-        assert_int_equal(pccd_watch_next(other, 10000, &event), 0);
+        assert_ok(pccd_watch_next(other, 10000, &event));
         assert_int_equal(event.session, self.session);
         assert_int_equal(event.scene, farm.worlds[i].scene);
         assert_int_equal(event.step, held.step + farm.count + i);

@@ -1,8 +1,4 @@
-/* test_int_boxes.c - what the hierarchies of a scene look like, through a real daemon.
- *
- * Hold the boxes of each level against the vertices that they are over, and against those
- * of the level above.
- */
+/* test_int_boxes.c - what the hierarchies of a scene look like, through a real daemon. */
 #include "cases.h"
 
 #include <float.h>
@@ -10,6 +6,7 @@
 
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "pccd.h"
 
 #define SIDE       60u
@@ -28,16 +25,12 @@ static void fall(struct fallen *fallen, enum pccd_method method)
 {
     const struct pccd_step_settings settings = {
         .struct_bytes = sizeof(struct pccd_step_settings), .method = method};
-    struct pccd_options options;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint64_t step = 0;
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.result_bytes = 65536; /* boxes need several pages of it */
-    assert_int_equal(pccd_connect(&options, &fallen->client), 0);
-    assert_int_equal(test_grid_make(fallen->client, SIDE, &fallen->grid), 0);
-    assert_int_equal(test_grid_submit(&fallen->grid, &settings, &step), 0);
-    assert_int_equal(pccd_wait(fallen->client, step, -1, &answer), 0);
+    fallen->client = test_client(&(struct pccd_options){
+        .url = test_shared.url,
+        .result_bytes = 65536}); /* boxes need several pages of it */
+    assert_ok(test_grid_make(fallen->client, SIDE, &fallen->grid));
+    assert_ok(test_grid_turn(&fallen->grid, &settings, &answer));
     pccd_answer_release(fallen->client, &answer);
 }
 
@@ -52,9 +45,8 @@ static void end(struct fallen *fallen)
 static uint32_t read_level(struct fallen *fallen, enum pccd_tree tree, uint32_t level)
 {
     fallen->count = 0;
-    assert_int_equal(pccd_scene_boxes(fallen->client, fallen->grid.scene, tree, level,
-                                      fallen->boxes, BOXES_MAX, &fallen->count),
-                     0);
+    assert_ok(pccd_scene_boxes(fallen->client, fallen->grid.scene, tree, level,
+                               fallen->boxes, BOXES_MAX, &fallen->count));
     assert_true(fallen->count <= BOXES_MAX);
     return fallen->count;
 }
@@ -156,8 +148,7 @@ CASE(boxes__of_paper_go_when_objects_do)
     assert_non_null(fallen);
     fall(fallen, PCCD_METHOD_PAPER);
     assert_int_equal(read_level(fallen, PCCD_TREE_TRIANGLES, 0), 1);
-    assert_int_equal(
-        pccd_scene_remove(fallen->client, fallen->grid.scene, fallen->grid.object), 0);
+    assert_ok(pccd_scene_remove(fallen->client, fallen->grid.scene, fallen->grid.object));
     assert_int_equal(read_level(fallen, PCCD_TREE_TRIANGLES, 0), 0);
     end(fallen);
 }
@@ -183,11 +174,11 @@ CASE(boxes__are_refused_where_there_are_none)
     assert_int_equal(pccd_scene_boxes(NULL, scene, PCCD_TREE_FACES, 0, NULL, 0, &count),
                      PCCD_E_INVAL);
     assert_int_equal(count, 77);
-    assert_int_equal(
-        pccd_scene_boxes(client, scene, PCCD_TREE_FACES, UINT32_MAX, NULL, 0, &count), 0);
+    assert_ok(
+        pccd_scene_boxes(client, scene, PCCD_TREE_FACES, UINT32_MAX, NULL, 0, &count));
     assert_int_equal(count, 0);
-    assert_int_equal(
-        pccd_scene_boxes(client, scene, PCCD_TREE_FACES, 1, fallen->boxes, 1, &count), 0);
+    assert_ok(
+        pccd_scene_boxes(client, scene, PCCD_TREE_FACES, 1, fallen->boxes, 1, &count));
     assert_in_range(count, 2, 16);
     end(fallen);
 }
@@ -196,18 +187,14 @@ CASE(boxes__are_refused_where_there_are_none)
  * daemon, and with it everybody's sessions. */
 CASE(boxes__of_an_empty_scene_are_none)
 {
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
-    uint32_t scene = 0;
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    struct pccd_client *client =
+        test_client(&(struct pccd_options){.url = test_shared.url});
+    uint32_t scene = test_scene(client);
     for (uint32_t tree = 0; tree < PCCD_TREE_COUNT; tree++) {
         struct pccd_box box;
         uint32_t count = 77;
-        assert_int_equal(
-            pccd_scene_boxes(client, scene, (enum pccd_tree)tree, 0, &box, 1, &count), 0);
+        assert_ok(
+            pccd_scene_boxes(client, scene, (enum pccd_tree)tree, 0, &box, 1, &count));
         assert_int_equal(count, 0);
     }
     pccd_close(client);

@@ -7,6 +7,7 @@
 #include "daemon.h"
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 
 #define TURNS 200
 
@@ -36,9 +37,8 @@ static struct pccd_answer move(struct test_crossing *crossing, float z,
 
     crossing->z = z;
     test_crossing_positions(x, z);
-    assert_int_equal(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
-                                  PCCD_FORMAT_F32, 3, settings, &answer),
-                     0);
+    assert_ok(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
+                           PCCD_FORMAT_F32, 3, settings, &answer));
     pccd_answer_release(crossing->client, &answer);
     rest();
     return answer;
@@ -118,18 +118,17 @@ CASE_CROSSING(brief__large_scenes_are_the_loops_at_rest_alone)
     uint64_t before = brief(crossing);
     uint64_t step;
 
-    assert_int_equal(test_grid_make(crossing->client, 12, &grid), 0);
+    assert_ok(test_grid_make(crossing->client, 12, &grid));
     for (int i = 0; i < TURNS; i++) {
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-        assert_int_equal(test_grid_await(&grid, step), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &step));
+        assert_ok(test_grid_await(&grid, step));
         rest();
     }
     assert_int_equal(brief(crossing), before);
     for (int i = 0; i < TURNS; i++) {
         uint64_t hash[2] = {answer.hash[0], answer.hash[1]};
 
-        assert_int_equal(pccd_submit_still(grid.client, grid.scene, &still, &step), 0);
-        assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+        test_still(grid.client, grid.scene, &still, &answer);
         pccd_answer_release(grid.client, &answer);
         assert_int_equal(answer.incomplete, PCCD_COMPLETE);
         assert_true(i < 2 || memcmp(hash, answer.hash, sizeof hash) == 0);
@@ -154,7 +153,7 @@ CASE_CROSSING(brief__nothing_is_the_loops_while_another_step_runs)
 
     slow.threads = 1; /* so many milliseconds that we go on before it has ended */
     assert_non_null(other);
-    assert_int_equal(test_grid_make(other, 400, &grid), 0);
+    assert_ok(test_grid_make(other, 400, &grid));
     for (int i = 0; i < 10; i++) {
         move(crossing, -crossing->z, &wide);
     }
@@ -163,14 +162,14 @@ CASE_CROSSING(brief__nothing_is_the_loops_while_another_step_runs)
         uint64_t before = brief(crossing);
         struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-        assert_int_equal(test_grid_submit(&grid, &slow, &step), 0);
+        assert_ok(test_grid_submit(&grid, &slow, &step));
         rest(); /* its positions are copied before it begins */
         answer = move(crossing, -crossing->z, &wide);
         assert_true(answer.total > 0);
         if (brief(crossing) == before) {
             behind += answer.times.queue > 100000;
         }
-        assert_int_equal(test_grid_await(&grid, step), 0);
+        assert_ok(test_grid_await(&grid, step));
     }
     assert_true(behind > 0 || test_is_direct());
     test_grid_free(&grid);
@@ -192,10 +191,9 @@ CASE_CROSSING(brief__deadlines_and_cancels_end_them)
         answer = move(crossing, -crossing->z, &late);
         assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
         assert_true(move(crossing, -crossing->z, &wide).total > 0);
-        assert_int_equal(
-            pccd_submit_still(crossing->client, crossing->scene, &wide, &step), 0);
+        assert_ok(pccd_submit_still(crossing->client, crossing->scene, &wide, &step));
         (void)pccd_cancel(crossing->client, step); /* or it was answered before */
-        assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
+        assert_ok(pccd_wait(crossing->client, step, -1, &answer));
         assert_true(answer.incomplete == PCCD_COMPLETE ||
                     answer.incomplete == PCCD_INCOMPLETE_CANCELLED);
         pccd_answer_release(crossing->client, &answer);

@@ -1,9 +1,5 @@
 /* test_int_broken.c - recordings that cannot have been made, and what every command says
- * of them.
- *
- * Record positions in every form, break one number of the recording, leave all checksums
- * right, and have every command read it.
- */
+ * of them. */
 #include "cases.h"
 
 #include <math.h>

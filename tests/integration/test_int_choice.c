@@ -25,17 +25,15 @@ static void turn(struct pccd_client *client, const struct pccd_step_settings *se
                  struct pccd_answer *answer)
 {
     struct test_grid grid;
-    uint64_t step = 0;
 
-    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(test_grid_submit(&grid, settings, &step), 0);
-        assert_int_equal(pccd_wait(client, step, -1, answer), 0);
+        assert_ok(test_grid_turn(&grid, settings, answer));
         assert_true(test_grid_is_right(&grid, answer));
         pccd_answer_release(client, answer);
     }
-    assert_int_equal(pccd_scene_destroy(client, grid.scene), 0);
-    assert_int_equal(pccd_mesh_destroy(client, grid.mesh), 0);
+    assert_ok(pccd_scene_destroy(client, grid.scene));
+    assert_ok(pccd_mesh_destroy(client, grid.mesh));
     test_grid_free(&grid);
 }
 
@@ -58,10 +56,9 @@ static void expect_same_hash(struct pccd_client *client)
         .struct_bytes = sizeof(struct pccd_step_settings), .threads = 1};
     struct test_grid grid;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint64_t step = 0;
     uint64_t hash[2][2];
 
-    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE, &grid));
     for (uint32_t i = 0; i < 2 + 3 * 3 * 3 * 3 * 2; i++) {
         char tuning[PCCD_TUNING_BYTES] = "";
         uint32_t choice = i < 2 ? 0 : (i - 2) / 2;
@@ -72,8 +69,7 @@ static void expect_same_hash(struct pccd_client *client)
         choose(tuning, "refit=even", "refit=paper", choice / 9 % 3);
         settings.tuning = choice % 27 == 0 ? NULL : tuning;
         settings.method = (enum pccd_method)(choice / 27);
-        assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
-        assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+        assert_ok(test_grid_turn(&grid, &settings, &answer));
         assert_true(test_grid_is_right(&grid, &answer));
         if (i < 2) {
             memcpy(hash[i], answer.hash, sizeof hash[i]);
@@ -81,8 +77,8 @@ static void expect_same_hash(struct pccd_client *client)
         assert_memory_equal(hash[i % 2], answer.hash, sizeof answer.hash);
         pccd_answer_release(client, &answer);
     }
-    assert_int_equal(pccd_scene_destroy(client, grid.scene), 0);
-    assert_int_equal(pccd_mesh_destroy(client, grid.mesh), 0);
+    assert_ok(pccd_scene_destroy(client, grid.scene));
+    assert_ok(pccd_mesh_destroy(client, grid.mesh));
     test_grid_free(&grid);
 }
 

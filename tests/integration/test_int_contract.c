@@ -1,8 +1,4 @@
-/* test_int_contract.c - sentences of pccd.h and pccd(7), held against a real daemon.
- *
- * Straight motion and how many steps an arc needs; what tolerance bounds; what "the same
- * bytes" depends on; odd triangles.
- */
+/* test_int_contract.c - sentences of pccd.h and pccd(7), held against a real daemon. */
 #include "cases.h"
 
 #include <math.h>
@@ -11,6 +7,7 @@
 #include <string.h>
 
 #include "fixture.h"
+#include "must.h"
 #include "pccd.h"
 #include "prng.h"
 
@@ -34,23 +31,14 @@ static int close_client(void **state)
     return 0;
 }
 
-static void good(int status)
-{
-    if (status != 0) {
-        print_error("%s: %s\n", pccd_status_name(status), pccd_error_text(client));
-    }
-    assert_int_equal(status, 0);
-}
-
 static uint32_t add(uint32_t scene, const float (*x)[3], uint32_t vertex_count,
                     const uint32_t (*triangles)[3], uint32_t triangle_count,
                     struct pccd_mesh_info *info)
 {
     uint32_t mesh = 0;
-    uint32_t object = 0;
-    good(pccd_mesh_create(client, x, PCCD_FORMAT_F32, vertex_count, triangles,
-                          triangle_count, &mesh, info));
-    good(pccd_scene_add(client, scene, mesh, &object));
+    assert_ok(pccd_mesh_create(client, x, PCCD_FORMAT_F32, vertex_count, triangles,
+                               triangle_count, &mesh, info));
+    uint32_t object = test_object(client, scene, mesh);
     return object;
 }
 
@@ -83,7 +71,6 @@ static void rotation(double angle, double m[12])
 static uint64_t turn_arm(uint32_t steps, double inner, double angle)
 {
     uint64_t contacts = 0;
-    uint32_t scene = 0;
     float x[8][3];
     for (uint32_t i = 0; i < 8; i++) {
         double out = i & 1 ? inner + .2 : inner;
@@ -92,7 +79,7 @@ static uint64_t turn_arm(uint32_t steps, double inner, double angle)
         x[i][1] = (float)(out * sin(angle) + along * cos(angle));
         x[i][2] = i & 4 ? .1f : -.1f;
     }
-    good(pccd_scene_create(client, NULL, &scene));
+    uint32_t scene = test_scene(client);
     (void)add(scene, (const float(*)[3])x, 8, box_triangles, 12, NULL);
     uint32_t arm = add(scene, arm_x, 4, arm_triangles, 4, NULL);
     for (uint32_t i = 0; i < steps; i++) {
@@ -103,14 +90,14 @@ static uint64_t turn_arm(uint32_t steps, double inner, double angle)
         double m1[12];
         rotation(ARM_ANGLE * i / steps, m0);
         rotation(ARM_ANGLE * (i + 1) / steps, m1);
-        good(pccd_frame_begin(client, scene, 1, 192, &frame));
-        good(pccd_frame_rigid(&frame, arm, 0, 4, m0, m1));
-        good(pccd_frame_commit(&frame, NULL, &step));
-        good(pccd_wait(client, step, -1, &answer));
+        assert_ok(pccd_frame_begin(client, scene, 1, 192, &frame));
+        assert_ok(pccd_frame_rigid(&frame, arm, 0, 4, m0, m1));
+        assert_ok(pccd_frame_commit(&frame, NULL, &step));
+        assert_ok(pccd_wait(client, step, -1, &answer));
         contacts += answer.total;
         pccd_answer_release(client, &answer);
     }
-    good(pccd_scene_destroy(client, scene));
+    assert_ok(pccd_scene_destroy(client, scene));
     return contacts;
 }
 
@@ -166,27 +153,27 @@ static void soup_fill(struct soup *soup, struct prng *prng, uint32_t places)
 /* `handle`: of the object, which stands in the records; 0: any. */
 static void soup_register(struct soup *soup, uint32_t handle)
 {
-    good(pccd_scene_create(client, NULL, &soup->scene));
-    good(pccd_mesh_create(client, soup->x0, PCCD_FORMAT_F32, VERTICES, soup->triangles,
-                          TRIANGLES, &soup->mesh, NULL));
+    soup->scene = test_scene(client);
+    soup->mesh = test_mesh(client, soup->x0, PCCD_FORMAT_F32, VERTICES, soup->triangles,
+                           TRIANGLES);
     if (handle != 0) {
-        good(pccd_request_handle(client, handle));
+        assert_ok(pccd_request_handle(client, handle));
     }
-    good(pccd_scene_add(client, soup->scene, soup->mesh, &soup->object));
+    soup->object = test_object(client, soup->scene, soup->mesh);
 }
 
 static void soup_step(const struct soup *soup, const struct pccd_step_settings *settings,
                       struct pccd_answer *answer)
 {
-    good(pccd_step_x0x1(client, soup->scene, soup->object, soup->x0, soup->x1,
-                        PCCD_FORMAT_F32, VERTICES, settings, answer));
+    assert_ok(pccd_step_x0x1(client, soup->scene, soup->object, soup->x0, soup->x1,
+                             PCCD_FORMAT_F32, VERTICES, settings, answer));
     assert_int_equal(answer->incomplete, PCCD_COMPLETE);
 }
 
 static void soup_drop(const struct soup *soup)
 {
-    good(pccd_scene_destroy(client, soup->scene));
-    good(pccd_mesh_destroy(client, soup->mesh));
+    assert_ok(pccd_scene_destroy(client, soup->scene));
+    assert_ok(pccd_mesh_destroy(client, soup->mesh));
 }
 
 /* If it failed, a record would have come that is not proved, which this release says it
@@ -329,9 +316,9 @@ static void name_all(const struct soup *soup, const struct pccd_answer *answer,
 {
     struct pccd_edge edges[3 * TRIANGLES];
     struct pccd_mesh_info info;
-    good(pccd_mesh_replace(client, soup->mesh, soup->x0, PCCD_FORMAT_F32, VERTICES,
-                           soup->triangles, TRIANGLES, &info));
-    good(pccd_mesh_edges(client, soup->mesh, edges, info.edge_count));
+    assert_ok(pccd_mesh_replace(client, soup->mesh, soup->x0, PCCD_FORMAT_F32, VERTICES,
+                                soup->triangles, TRIANGLES, &info));
+    assert_ok(pccd_mesh_edges(client, soup->mesh, edges, info.edge_count));
     memset(named, 0, answer->count * sizeof *named);
     for (uint64_t i = 0; i < answer->count; i++) {
         const struct pccd_contact *contact = &answer->contacts[i];
@@ -430,14 +417,15 @@ CASE_WITH(triangles__that_name_a_vertex_twice_are_segments_and_points, open_clie
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t faces_hit[2] = {0, 0}; /* bits: by each vertex */
     uint32_t scene = 0;
-    good(pccd_scene_create(client, NULL, &scene));
+    scene = test_scene(client);
     uint32_t still = add(scene, x0, 4, odd, 4, &info);
     assert_int_equal(info.degenerate_count, 4);
     assert_int_equal(info.duplicate_count, 1);
     assert_int_equal(info.edge_count, 1);
     assert_int_equal(info.isolated_count, 1);
     uint32_t moving = add(scene, below, 3, test_triangle, 1, NULL);
-    good(pccd_step_x1(client, scene, moving, above, PCCD_FORMAT_F32, 3, NULL, &answer));
+    assert_ok(
+        pccd_step_x1(client, scene, moving, above, PCCD_FORMAT_F32, 3, NULL, &answer));
     for (uint64_t i = 0; i < answer.count; i++) {
         const struct pccd_contact *contact = &answer.contacts[i];
         assert_true(contact->flags & PCCD_PROVED);

@@ -1,12 +1,12 @@
 /* test_int_crossed.c - what passes through what where a step begins, and beside
- * questions about what is near, through a real daemon and in this process.
- */
+ * questions about what is near, through a real daemon and in this process. */
 #include "cases.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "fixture.h"
+#include "must.h"
 #include "recording.h"
 #include "run_ctl.h"
 
@@ -25,17 +25,14 @@ struct place {
 static void add(struct place *place, const float x[3][3], uint32_t *object)
 {
     static const uint32_t triangle[1][3] = {{0, 1, 2}};
-    uint32_t mesh;
 
-    assert_int_equal(
-        pccd_mesh_create(place->client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL),
-        0);
-    assert_int_equal(pccd_scene_add(place->client, place->scene, mesh, object), 0);
+    uint32_t mesh = test_mesh(place->client, x, PCCD_FORMAT_F32, 3, triangle, 1);
+    *object = test_object(place->client, place->scene, mesh);
 }
 
 static void make(struct place *place)
 {
-    assert_int_equal(pccd_scene_create(place->client, NULL, &place->scene), 0);
+    place->scene = test_scene(place->client);
     add(place, floor_at, &place->floor);
     add(place, through, &place->spike);
 }
@@ -57,8 +54,7 @@ static void move(const struct place *place, const float from[3][3], const float 
                                        .x1 = to};
 
     *answer = (struct pccd_answer)PCCD_ANSWER_INIT;
-    assert_int_equal(pccd_step(place->client, place->scene, &motion, 1, settings, answer),
-                     0);
+    assert_ok(pccd_step(place->client, place->scene, &motion, 1, settings, answer));
     assert_int_equal(answer->incomplete, PCCD_COMPLETE);
     pccd_answer_release(place->client, answer);
 }
@@ -143,8 +139,7 @@ static void ask(const struct place *place, enum pccd_near_what what, double dist
     settings.distance = distance;
     settings.tells_crossings = tells;
     *answer = (struct pccd_answer)PCCD_ANSWER_INIT;
-    assert_int_equal(
-        pccd_ask_near(place->client, place->scene, NULL, 0, &settings, answer), 0);
+    assert_ok(pccd_ask_near(place->client, place->scene, NULL, 0, &settings, answer));
     assert_int_equal(answer->incomplete, PCCD_COMPLETE);
     pccd_answer_release(place->client, answer);
 }
@@ -190,7 +185,7 @@ CASE(crossed__is_not_told_of_a_batch)
                                          .count = 3};
     const void *const x1[1] = {through};
     settings.tells_start = true;
-    assert_int_equal(pccd_batch_create(place.client, &part, 1, &batch), 0);
+    assert_ok(pccd_batch_create(place.client, &part, 1, &batch));
     assert_int_equal(pccd_batch_step(batch, NULL, x1, &settings, &answer), PCCD_E_INVAL);
     assert_non_null(strstr(pccd_error_text(place.client), "tells_start: a batch"));
     pccd_batch_destroy(batch);
@@ -209,7 +204,7 @@ CASE(crossed__is_recorded_repeated_and_verified)
 
     assert_non_null(place.client);
     test_recording_clear();
-    assert_int_equal(pccd_record_start(place.client, test_recording, &kept), 0);
+    assert_ok(pccd_record_start(place.client, test_recording, &kept));
     make(&place);
     settings.tells_start = true;
     move(&place, through, through, &settings, &answer);

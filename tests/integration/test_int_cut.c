@@ -1,6 +1,5 @@
 /* test_int_cut.c - answers that are cut, and how long they are kept, with a real
- * daemon.
- */
+ * daemon. */
 #include "cases.h"
 
 #include <stdlib.h>
@@ -8,6 +7,7 @@
 
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "pccd.h"
 
 #define SIDE  60u
@@ -31,14 +31,6 @@ static int close_client(void **state)
     return 0;
 }
 
-static void good(int status)
-{
-    if (status != 0) {
-        print_error("%s: %s\n", pccd_status_name(status), pccd_error_text(client));
-    }
-    assert_int_equal(status, 0);
-}
-
 /* All pages of the answer, in `records`. Returns how many of them. */
 static uint64_t read_all(const struct test_grid *grid, struct pccd_answer *answer,
                          struct pccd_contact *records)
@@ -55,7 +47,7 @@ static uint64_t read_all(const struct test_grid *grid, struct pccd_answer *answe
         if (cursor == answer->total) {
             return got;
         }
-        good(pccd_fetch(grid->client, grid->scene, step, cursor, answer));
+        assert_ok(pccd_fetch(grid->client, grid->scene, step, cursor, answer));
         /* Full pages end, what was cut stays so. */
         assert_int_equal(answer->incomplete,
                          answer->cursor == answer->total &&
@@ -71,8 +63,8 @@ static void fall(struct test_grid *grid, enum pccd_method method,
     const struct pccd_step_settings settings = {
         .struct_bytes = sizeof(struct pccd_step_settings), .method = method};
     uint64_t step = 0;
-    good(test_grid_submit(grid, &settings, &step));
-    good(pccd_wait(grid->client, step, -1, answer));
+    assert_ok(test_grid_submit(grid, &settings, &step));
+    assert_ok(pccd_wait(grid->client, step, -1, answer));
 }
 
 /* If it failed, what an answer with too many records keeps would be left to chance, or
@@ -82,16 +74,13 @@ CASE_WITH(incomplete__at_the_limit_keeps_the_first_records_in_order, open_client
 {
     struct pccd_contact *whole = malloc(SIDE * SIDE * sizeof *whole);
     struct pccd_contact *kept = malloc(LIMIT * sizeof *kept);
-    struct pccd_options options;
     struct pccd_client *usual = client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     assert_true(whole != NULL && kept != NULL);
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.result_bytes = 65536; /* 1024 records */
-    good(pccd_connect(&options, &client));
-    good(test_grid_make(client, SIDE, &grid));
+    client = test_client(&(struct pccd_options){
+        .url = test_shared.url, .result_bytes = 65536}); /* 1024 records */
+    assert_ok(test_grid_make(client, SIDE, &grid));
     for (enum pccd_method method = PCCD_METHOD_PAPER; method < PCCD_METHOD_COUNT;
          method++) {
         fall(&grid, method, &answer);
@@ -99,9 +88,9 @@ CASE_WITH(incomplete__at_the_limit_keeps_the_first_records_in_order, open_client
         assert_int_equal(read_all(&grid, &answer, whole), SIDE * SIDE);
         fall(&grid, method, &answer); /* back */
         pccd_answer_release(client, &answer);
-        good(pccd_config_set(client, "contacts-max", "2000"));
+        assert_ok(pccd_config_set(client, "contacts-max", "2000"));
         fall(&grid, method, &answer); /* the first way once more */
-        good(pccd_config_set(client, "contacts-max", "16777216"));
+        assert_ok(pccd_config_set(client, "contacts-max", "16777216"));
         assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
         assert_int_equal(answer.total, LIMIT);
         assert_int_equal(answer.counts[PCCD_VF] + answer.counts[PCCD_EE], LIMIT);
@@ -127,13 +116,13 @@ CASE_WITH(incomplete__at_the_limit_keeps_some_of_the_first, open_client, close_c
     struct pccd_contact whole[3];
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     float x[3][3];
-    good(test_crossing_make(client, &crossing));
+    assert_ok(test_crossing_make(client, &crossing));
     for (int turn = 0; turn < 3; turn++) {
         crossing.z = -crossing.z;
         test_crossing_positions(x, crossing.z);
-        good(pccd_config_set(client, "contacts-max", turn < 2 ? "16777216" : "2"));
-        good(pccd_step_x1(client, crossing.scene, crossing.object, x, PCCD_FORMAT_F32, 3,
-                          &settings, &answer));
+        assert_ok(pccd_config_set(client, "contacts-max", turn < 2 ? "16777216" : "2"));
+        assert_ok(pccd_step_x1(client, crossing.scene, crossing.object, x,
+                               PCCD_FORMAT_F32, 3, &settings, &answer));
         if (turn == 0) {
             assert_int_equal(answer.incomplete, PCCD_COMPLETE);
             assert_int_equal(answer.count, 3);
@@ -143,7 +132,7 @@ CASE_WITH(incomplete__at_the_limit_keeps_some_of_the_first, open_client, close_c
             pccd_answer_release(client, &answer);
         }
     }
-    good(pccd_config_set(client, "contacts-max", "16777216"));
+    assert_ok(pccd_config_set(client, "contacts-max", "16777216"));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
     assert_int_equal(answer.total, 2);
     for (uint64_t i = 0; i < answer.count; i++) {
@@ -164,24 +153,24 @@ CASE_WITH(answer__is_kept_until_a_step_or_until_its_objects_change, open_client,
     uint64_t still = 0;
     uint32_t more = 0;
     float x[3][3];
-    good(test_crossing_make(client, &crossing));
+    assert_ok(test_crossing_make(client, &crossing));
     for (int change = 0; change < 4; change++) {
         crossing.z = -crossing.z;
         test_crossing_positions(x, crossing.z);
-        good(pccd_step_x1(client, crossing.scene, crossing.object, x, PCCD_FORMAT_F32, 3,
-                          NULL, &answer));
+        assert_ok(pccd_step_x1(client, crossing.scene, crossing.object, x,
+                               PCCD_FORMAT_F32, 3, NULL, &answer));
         uint64_t step = answer.step;
         pccd_answer_release(client, &answer);
         if (change == 0) { /* an object that comes takes nothing away */
-            good(pccd_scene_add(client, crossing.scene, crossing.mesh, &more));
+            more = test_object(client, crossing.scene, crossing.mesh);
         } else if (change == 1) {
-            good(pccd_scene_remove(client, crossing.scene, more));
+            assert_ok(pccd_scene_remove(client, crossing.scene, more));
         } else if (change == 2) {
-            good(pccd_mesh_replace(client, crossing.floor_mesh, test_floor_x,
-                                   PCCD_FORMAT_F32, 3, test_triangle, 1, NULL));
+            assert_ok(pccd_mesh_replace(client, crossing.floor_mesh, test_floor_x,
+                                        PCCD_FORMAT_F32, 3, test_triangle, 1, NULL));
         } else {
-            good(pccd_submit_still(client, crossing.scene, NULL, &still));
-            good(pccd_wait(client, still, -1, &answer));
+            assert_ok(pccd_submit_still(client, crossing.scene, NULL, &still));
+            assert_ok(pccd_wait(client, still, -1, &answer));
             pccd_answer_release(client, &answer);
         }
         int expected = change == 0 ? PCCD_OK : PCCD_E_STATE;

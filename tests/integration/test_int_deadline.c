@@ -1,10 +1,4 @@
-/* test_int_deadline.c - how soon a step ends when it must.
- *
- * Deadlines and cancels at random moments of large steps, from the copy out of the slot
- * to the answer: how long after them the answer comes, that it says what it is, and that
- * the next step is right; of steps whose every decision takes long, too. DEADLINE_ROUNDS:
- * how many of each; with 1000 and more the distribution is worth reading.
- */
+/* test_int_deadline.c - how soon a step ends when it must. */
 #include "cases.h"
 
 #include <stdio.h>
@@ -15,6 +9,7 @@
 
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "prng.h"
 #include "skip.h"
 
@@ -58,8 +53,8 @@ static uint64_t whole_step(void)
     uint64_t step = 0;
     uint64_t end_us;
 
-    assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &step));
+    assert_ok(pccd_wait(client, step, 60000, &answer));
     end_us = test_now_us();
     assert_true(test_grid_is_right(&grid, &answer));
     pccd_answer_release(client, &answer);
@@ -120,9 +115,9 @@ CASE(deadline__answers_come_soon_after_it)
         uint64_t begin_us;
         uint64_t step = 0;
 
-        assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
+        assert_ok(test_grid_submit(&grid, &settings, &step));
         begin_us = test_now_us(); /* the daemon counts from its arrival */
-        assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+        assert_ok(pccd_wait(client, step, 60000, &answer));
         late_us[count] = (int64_t)(test_now_us() - begin_us) - (int64_t)budget_us;
         if (answer.incomplete == PCCD_COMPLETE) {
             assert_true(test_grid_is_right(&grid, &answer));
@@ -158,12 +153,12 @@ CASE(cancel__answers_come_soon_after_it)
         uint64_t step = 0;
         int status;
 
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &step));
         (void)usleep((useconds_t)pause_us); /* not in a loop: processors are few */
         begin_us = test_now_us();
         status = pccd_cancel(client, step);
         assert_true(status == 0 || status == PCCD_E_INVAL);
-        assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+        assert_ok(pccd_wait(client, step, 60000, &answer));
         late_us[count] = (int64_t)(test_now_us() - begin_us);
         if (answer.incomplete == PCCD_COMPLETE) {
             assert_true(test_grid_is_right(&grid, &answer));
@@ -195,19 +190,16 @@ static void make_slow(void)
 {
     uint32_t triangles[SLOW_TRIANGLES][3];
     struct prng prng = {17};
-    uint32_t mesh = 0;
 
     for (uint32_t i = 0; i < 9 * SLOW_TRIANGLES; i++) {
         slow.x[i / 3][i % 3] =
             prng_between(&prng, -1, 1) * (prng_below(&prng, 2) ? 0x1p59 : 0x1p-1060);
         triangles[i / 9][i / 3 % 3] = i / 3;
     }
-    assert_int_equal(pccd_scene_create(client, NULL, &slow.scene), 0);
-    assert_int_equal(pccd_mesh_create(client, slow.x, PCCD_FORMAT_F64, 3 * SLOW_TRIANGLES,
-                                      (const uint32_t(*)[3])triangles, SLOW_TRIANGLES,
-                                      &mesh, NULL),
-                     0);
-    assert_int_equal(pccd_scene_add(client, slow.scene, mesh, &slow.object), 0);
+    slow.scene = test_scene(client);
+    uint32_t mesh = test_mesh(client, slow.x, PCCD_FORMAT_F64, 3 * SLOW_TRIANGLES,
+                              (const uint32_t(*)[3])triangles, SLOW_TRIANGLES);
+    slow.object = test_object(client, slow.scene, mesh);
 }
 
 /* Every point goes to the other side of the origin. */
@@ -223,18 +215,17 @@ static uint64_t submit_slow(uint64_t budget_us)
     for (uint32_t i = 0; i < 9 * SLOW_TRIANGLES; i++) {
         slow.x[i / 3][i % 3] = -slow.x[i / 3][i % 3];
     }
-    assert_int_equal(pccd_frame_begin(client, slow.scene, 1, sizeof slow.x, &frame), 0);
-    assert_int_equal(
-        pccd_frame_x1(&frame, slow.object, PCCD_FORMAT_F64, 0, 3 * SLOW_TRIANGLES, &x1),
-        0);
+    assert_ok(pccd_frame_begin(client, slow.scene, 1, sizeof slow.x, &frame));
+    assert_ok(
+        pccd_frame_x1(&frame, slow.object, PCCD_FORMAT_F64, 0, 3 * SLOW_TRIANGLES, &x1));
     memcpy(x1, slow.x, sizeof slow.x);
-    assert_int_equal(pccd_frame_commit(&frame, &settings, &step), 0);
+    assert_ok(pccd_frame_commit(&frame, &settings, &step));
     return step;
 }
 
 static void end_slow(uint64_t step, struct pccd_answer *answer)
 {
-    assert_int_equal(pccd_wait(client, step, 60000, answer), 0);
+    assert_ok(pccd_wait(client, step, 60000, answer));
     pccd_answer_release(client, answer); /* the numbers in it stay */
 }
 

@@ -1,8 +1,4 @@
-/* test_int_death.c - what is left when a client or the daemon dies.
- *
- * Kill -9 of clients at random moments, of daemons with work in flight, and of programs
- * with a private daemon.
- */
+/* test_int_death.c - what is left when a client or the daemon dies. */
 #include "cases.h"
 
 #include <dirent.h>
@@ -133,11 +129,11 @@ CASE(death__by_close_with_steps_in_flight_is_clean)
         uint64_t step = 0;
 
         assert_non_null(client);
-        assert_int_equal(test_grid_make(client, 50, &grid), 0);
+        assert_ok(test_grid_make(client, 50, &grid));
         for (int i = 0; i < 3; i++) {
-            assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+            assert_ok(test_grid_submit(&grid, NULL, &step));
         }
-        assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 100, &frame), 0);
+        assert_ok(pccd_frame_begin(client, grid.scene, 1, 100, &frame));
         pccd_close(client);
         test_grid_free(&grid);
     }
@@ -206,7 +202,6 @@ CASE(death__of_the_daemon_is_an_error_at_once)
     volatile uint64_t *killed_us =
         mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     struct test_daemon daemon;
-    struct pccd_client *client;
     struct pccd_answer kept = PCCD_ANSWER_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_frame slots[4];
@@ -218,23 +213,22 @@ CASE(death__of_the_daemon_is_an_error_at_once)
 
     assert_ptr_not_equal((void *)(uintptr_t)killed_us, MAP_FAILED);
     assert_true(test_daemon_start(&daemon, NULL));
-    client = test_connect_once(daemon.url);
+    struct pccd_client *client = test_connect_once(daemon.url);
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, 30, &grid), 0);
+    assert_ok(test_grid_make(client, 30, &grid));
     for (int i = 0; i < 4; i++) { /* every slot has memory then */
-        assert_int_equal(
-            pccd_frame_begin(client, grid.scene, 1, sizeof(float[3]) * 900, &slots[i]),
-            0);
+        assert_ok(
+            pccd_frame_begin(client, grid.scene, 1, sizeof(float[3]) * 900, &slots[i]));
     }
     for (int i = 0; i < 4; i++) {
         pccd_frame_abort(&slots[i]);
     }
-    assert_int_equal(test_grid_submit(&grid, NULL, &steps[0]), 0);
-    assert_int_equal(pccd_wait(client, steps[0], -1, &kept), 0);
-    assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 64, &frame), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &steps[0]));
+    assert_ok(pccd_wait(client, steps[0], -1, &kept));
+    assert_ok(pccd_frame_begin(client, grid.scene, 1, 64, &frame));
     assert_int_equal(kill(daemon.pid, SIGSTOP), 0); /* nothing is answered from here on */
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &steps[i]));
     }
     killer = kill_later(daemon.pid, killed_us);
     memset(&answer, 0, sizeof answer);
@@ -246,7 +240,7 @@ CASE(death__of_the_daemon_is_an_error_at_once)
     assert_int_equal(answer.status, PCCD_E_DISCONNECTED);
     assert_int_equal(waitpid(killer, NULL, 0), killer);
     /* The others fail too, each once, oldest first. */
-    assert_int_equal(pccd_poll(client, &answer), 0);
+    assert_ok(pccd_poll(client, &answer));
     assert_int_equal(answer.step, steps[0]);
     assert_int_equal(answer.status, PCCD_E_DISCONNECTED);
     assert_int_equal(pccd_wait(client, steps[2], -1, &answer), PCCD_E_DISCONNECTED);
@@ -271,16 +265,15 @@ CASE(death__of_the_daemon_ends_a_ping_and_an_upload)
     assert_ptr_not_equal((void *)(uintptr_t)killed_us, MAP_FAILED);
     for (int upload = 0; upload < 2; upload++) {
         struct test_daemon daemon;
-        struct pccd_client *client;
         struct test_grid grid;
         pid_t killer;
         int status;
 
         memset(&grid, 0, sizeof grid);
         assert_true(test_daemon_start(&daemon, NULL));
-        client = test_connect_once(daemon.url);
+        struct pccd_client *client = test_connect_once(daemon.url);
         assert_non_null(client);
-        assert_int_equal(pccd_ping(client, NULL), 0);
+        assert_ok(pccd_ping(client, NULL));
         if (!upload) {
             assert_int_equal(kill(daemon.pid, SIGSTOP), 0);
         }
@@ -314,7 +307,7 @@ CASE(death__of_the_daemon_leaves_the_path_usable)
     for (int round = 0; round < 3; round++) {
         client = test_connect_once(daemon.url);
         assert_non_null(client);
-        assert_int_equal(test_crossing_make(client, &crossing), 0);
+        assert_ok(test_crossing_make(client, &crossing));
         assert_true(test_crossing_turn(&crossing));
         (void)test_daemon_end(&daemon, SIGKILL, 5000);
         assert_int_equal(access(daemon.socket, F_OK), 0);
@@ -388,7 +381,7 @@ CASE(private__daemon_goes_with_its_client)
     daemon = (pid_t)pccd_daemon_pid(client);
     (void)snprintf(socket_path, sizeof socket_path, "%s", pccd_url(client) + 5);
     assert_int_equal(access(socket_path, F_OK), 0);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &crossing));
     assert_true(test_crossing_turn(&crossing));
     /* A forked copy that closes does not take it away. */
     copy = fork();

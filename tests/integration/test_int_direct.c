@@ -1,8 +1,4 @@
-/* test_int_direct.c - the url direct:, a service in the process of its client.
- *
- * The same answers as a daemon's; what is promised of threads, memory and the descriptor;
- * several clients of one process; what is missing is said.
- */
+/* test_int_direct.c - the url direct:, a service in the process of its client. */
 #include "cases.h"
 
 #include <signal.h>
@@ -20,6 +16,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "must.h"
 #include "pccd.h"
 #include "prng.h"
 #include "skip.h"
@@ -121,7 +118,7 @@ CASE(direct__missing_library_is_said)
     options.url = "direct:4";
     assert_int_equal(pccd_connect(&options, &client), PCCD_E_INVAL);
     options.url = "direct:";
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_ok(pccd_connect(&options, &client));
     pccd_close(client);
 }
 
@@ -135,12 +132,12 @@ CASE(direct__serves_who_asks_for_a_private_daemon)
     pccd_options_init(&options);
     options.private_daemon = true;
     (void)setenv("PCCD_URL", "direct:", 1);
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_ok(pccd_connect(&options, &client));
     assert_string_equal(pccd_url(client), "direct:");
     assert_int_equal(pccd_daemon_pid(client), getpid());
     pccd_close(client);
     (void)setenv("PCCD_URL", "unix:/nonexistent/pccd.sock", 1);
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_ok(pccd_connect(&options, &client));
     assert_int_equal(strncmp(pccd_url(client), "unix:", 5), 0);
     assert_int_not_equal(pccd_daemon_pid(client), getpid());
     pccd_close(client);
@@ -167,7 +164,7 @@ CASE(direct__copy_of_the_process_is_refused)
     }
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_int_equal(status, 0);
-    assert_int_equal(pccd_ping(client, NULL), 0);
+    assert_ok(pccd_ping(client, NULL));
     pccd_close(client);
 }
 
@@ -239,19 +236,16 @@ static void play(struct pccd_client *client, enum pccd_mode mode, struct told *t
     static uint32_t triangles[2 * (SIDE - 1) * (SIDE - 1)][3];
     struct pccd_step_settings settings = {
         .struct_bytes = sizeof(struct pccd_step_settings), .mode = mode};
-    uint32_t scene = 0;
     uint32_t mesh[SHEETS];
     uint32_t object[SHEETS];
 
     fill_triangles(triangles);
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    uint32_t scene = test_scene(client);
     for (uint32_t i = 0; i < SHEETS; i++) {
         crumple(x, i, 0);
-        assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F32, SIDE * SIDE,
-                                          (const uint32_t(*)[3])triangles,
-                                          2 * (SIDE - 1) * (SIDE - 1), &mesh[i], NULL),
-                         0);
-        assert_int_equal(pccd_scene_add(client, scene, mesh[i], &object[i]), 0);
+        mesh[i] = test_mesh(client, x, PCCD_FORMAT_F32, SIDE * SIDE,
+                            (const uint32_t(*)[3])triangles, 2 * (SIDE - 1) * (SIDE - 1));
+        object[i] = test_object(client, scene, mesh[i]);
     }
     for (uint32_t frame = 0; frame < FRAMES; frame++) {
         struct pccd_frame writing;
@@ -259,17 +253,15 @@ static void play(struct pccd_client *client, enum pccd_mode mode, struct told *t
         uint64_t step = 0;
         void *x1 = NULL;
 
-        assert_int_equal(pccd_frame_begin(client, scene, SHEETS,
-                                          (uint64_t)SHEETS * sizeof x, &writing),
-                         0);
+        assert_ok(pccd_frame_begin(client, scene, SHEETS, (uint64_t)SHEETS * sizeof x,
+                                   &writing));
         for (uint32_t i = 0; i < SHEETS; i++) {
-            assert_int_equal(
-                pccd_frame_x1(&writing, object[i], PCCD_FORMAT_F32, 0, SIDE * SIDE, &x1),
-                0);
+            assert_ok(
+                pccd_frame_x1(&writing, object[i], PCCD_FORMAT_F32, 0, SIDE * SIDE, &x1));
             crumple(x1, i, frame + 1);
         }
-        assert_int_equal(pccd_frame_commit(&writing, &settings, &step), 0);
-        assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+        assert_ok(pccd_frame_commit(&writing, &settings, &step));
+        assert_ok(pccd_wait(client, step, 60000, &answer));
         assert_int_equal(answer.incomplete, PCCD_COMPLETE);
         memcpy(told[frame].hash, answer.hash, sizeof answer.hash);
         told[frame].total = answer.total;
@@ -278,16 +270,14 @@ static void play(struct pccd_client *client, enum pccd_mode mode, struct told *t
         pccd_answer_release(client, &answer);
         if (frame == FRAMES / 2) { /* a body that is replaced, an object that goes */
             crumple(x, 0, 99);
-            assert_int_equal(pccd_mesh_replace(client, mesh[0], x, PCCD_FORMAT_F32,
-                                               SIDE * SIDE,
-                                               (const uint32_t(*)[3])triangles,
-                                               (SIDE - 1) * (SIDE - 1), NULL),
-                             0);
-            assert_int_equal(pccd_scene_remove(client, scene, object[2]), 0);
-            assert_int_equal(pccd_scene_add(client, scene, mesh[2], &object[2]), 0);
+            assert_ok(pccd_mesh_replace(client, mesh[0], x, PCCD_FORMAT_F32, SIDE * SIDE,
+                                        (const uint32_t(*)[3])triangles,
+                                        (SIDE - 1) * (SIDE - 1), NULL));
+            assert_ok(pccd_scene_remove(client, scene, object[2]));
+            object[2] = test_object(client, scene, mesh[2]);
         }
     }
-    assert_int_equal(pccd_scene_destroy(client, scene), 0);
+    assert_ok(pccd_scene_destroy(client, scene));
 }
 
 /* If it failed, a game that goes from the daemon to its own process, or back, would see
@@ -374,7 +364,6 @@ CASE(direct__warm_frames_allocate_nothing)
     struct pccd_client *client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
-    uint64_t step = 0;
     unsigned before = 0;
 
     if (!TEST_COUNTS_ALLOCATIONS) {
@@ -382,11 +371,10 @@ CASE(direct__warm_frames_allocate_nothing)
     }
     client = connect_direct();
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, 50, &grid), 0);
+    assert_ok(test_grid_make(client, 50, &grid));
     for (int i = 0; i < 20; i++) {
         before = i == 10 ? test_allocations() : before;
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-        assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+        assert_ok(test_grid_turn(&grid, NULL, &answer));
         assert_int_equal(answer.total, 2500);
         pccd_answer_release(client, &answer);
     }
@@ -403,22 +391,17 @@ CASE(direct__held_answers_stay_while_others_are_found)
     enum { CONTACTS = 150 * 150, HELD = 2 };
     static struct pccd_contact copies[HELD][CONTACTS];
     struct pccd_answer held[HELD] = {PCCD_ANSWER_INIT, PCCD_ANSWER_INIT};
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
     struct test_grid grid;
-    uint64_t step = 0;
 
-    pccd_options_init(&options);
-    options.url = "direct:";
-    options.result_bytes = 5u << 20; /* three pages and a half, so that they go round */
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_grid_make(client, 150, &grid), 0);
+    struct pccd_client *client = test_client(&(struct pccd_options){
+        .url = "direct:",
+        .result_bytes = 5u << 20}); /* three pages and a half, so that they go round */
+    assert_ok(test_grid_make(client, 150, &grid));
     for (int i = 0; i < 12; i++) {
         struct pccd_answer *oldest = &held[i % HELD];
 
         pccd_answer_release(client, oldest);
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-        assert_int_equal(pccd_wait(client, step, -1, oldest), 0);
+        assert_ok(test_grid_turn(&grid, NULL, oldest));
         assert_int_equal(oldest->total, CONTACTS);
         assert_int_equal(oldest->count, CONTACTS);
         memcpy(copies[i % HELD], oldest->contacts, sizeof copies[0]);
@@ -445,8 +428,8 @@ CASE(direct__last_client_leaves_nothing)
         assert_non_null(first);
         assert_non_null(second);
         assert_int_equal(test_stat(first, "sessions_now"), 2);
-        assert_int_equal(test_grid_make(first, 50, &grid), 0);
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0); /* nobody takes it */
+        assert_ok(test_grid_make(first, 50, &grid));
+        assert_ok(test_grid_submit(&grid, NULL, &step)); /* nobody takes it */
         assert_true(pccd_fd(first) >= 0);
         assert_true(test_stat(second, "engine_bytes_now") > 0);
         pccd_close(first);
@@ -478,19 +461,19 @@ CASE(direct__descriptor_is_readable_while_answers_wait)
     uint64_t steps[2];
 
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, 10, &grid), 0);
-    assert_int_equal(test_grid_submit(&grid, NULL, &steps[0]), 0);
+    assert_ok(test_grid_make(client, 10, &grid));
+    assert_ok(test_grid_submit(&grid, NULL, &steps[0]));
     assert_true(is_readable(pccd_fd(client))); /* asked for after the answer had come */
-    assert_int_equal(pccd_poll(client, &answer), 0);
+    assert_ok(pccd_poll(client, &answer));
     assert_int_equal(answer.step, steps[0]);
     pccd_answer_release(client, &answer);
     assert_false(is_readable(pccd_fd(client)));
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &steps[i]));
         assert_true(is_readable(pccd_fd(client)));
     }
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(pccd_poll(client, &answer), 0);
+        assert_ok(pccd_poll(client, &answer));
         assert_int_equal(answer.step, steps[i]);
         pccd_answer_release(client, &answer);
     }
@@ -511,14 +494,14 @@ CASE(direct__deadline_counts_computing_alone)
     uint64_t steps[3];
 
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, 60, &grid), 0);
+    assert_ok(test_grid_make(client, 60, &grid));
     for (int i = 0; i < 3; i++) {
         settings.deadline_ns = i == 1 ? 1 : 20000000000u;
-        assert_int_equal(test_grid_submit(&grid, &settings, &steps[i]), 0);
-        assert_int_equal(pccd_cancel(client, steps[i]), 0); /* too late: it is done */
+        assert_ok(test_grid_submit(&grid, &settings, &steps[i]));
+        assert_ok(pccd_cancel(client, steps[i])); /* too late: it is done */
     }
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(pccd_wait(client, steps[i], 0, &answer), 0);
+        assert_ok(pccd_wait(client, steps[i], 0, &answer));
         assert_int_equal(answer.incomplete,
                          i == 1 ? PCCD_INCOMPLETE_DEADLINE : PCCD_COMPLETE);
         pccd_answer_release(client, &answer);

@@ -1,8 +1,4 @@
-/* test_int_expected.c - how many records libpccd-mpi says that a step will find.
- *
- * Steps that find as many, more and fewer: the answers are the same, and the memory of
- * pages is as much as was expected, or as it took.
- */
+/* test_int_expected.c - how many records libpccd-mpi says that a step will find. */
 
 #include "cases.h"
 
@@ -10,6 +6,7 @@
 
 #include "grid.h"
 #include "mpi_hooks.h"
+#include "must.h"
 #include "pccd.h"
 #include "process_status.h"
 #include "skip.h"
@@ -25,19 +22,14 @@ CASE(expected__memory_follows_records)
 {
     enum { WIDTH = 512, CONTACTS = WIDTH * WIDTH, MB = CONTACTS >> 14 };
     static const uint64_t expected[] = {CONTACTS, 0, 4 * CONTACTS, 0};
-    struct pccd_client *client = NULL;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    struct pccd_options options;
     struct test_grid grid;
-    uint64_t step = 0, answered = 0, rest = 0;
+    uint64_t answered = 0, rest = 0;
 
-    pccd_options_init(&options);
-    options.url = "direct:";
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_grid_make(client, WIDTH, &grid), 0);
+    struct pccd_client *client = test_client(&(struct pccd_options){.url = "direct:"});
+    assert_ok(test_grid_make(client, WIDTH, &grid));
     for (int i = 0; i < 4; i++) {
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-        assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+        assert_ok(test_grid_turn(&grid, NULL, &answer));
         assert_true(test_grid_is_right(&grid, &answer));
         answered = shared_mb();
         if (answered == 0) {

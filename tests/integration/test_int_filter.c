@@ -1,8 +1,4 @@
-/* test_int_filter.c - which objects a real daemon tests, changed while it works.
- *
- * Groups, masks, self-collision and ignored pairs between steps in flight, over a daemon
- * that is killed, and what is refused.
- */
+/* test_int_filter.c - which objects a real daemon tests, changed while it works. */
 #include "cases.h"
 
 #include <signal.h>
@@ -16,6 +12,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "messages.h"
+#include "must.h"
 #include "object_attributes.h"
 #include "raw.h"
 
@@ -51,12 +48,10 @@ static void submit(uint64_t *step)
     void *x1;
 
     crossing.z = -crossing.z;
-    assert_int_equal(
-        pccd_frame_begin(client, crossing.scene, 1, sizeof(float[3][3]), &frame), 0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing.object, PCCD_FORMAT_F32, 0, 3, &x1),
-                     0);
+    assert_ok(pccd_frame_begin(client, crossing.scene, 1, sizeof(float[3][3]), &frame));
+    assert_ok(pccd_frame_x1(&frame, crossing.object, PCCD_FORMAT_F32, 0, 3, &x1));
     test_crossing_positions(x1, crossing.z);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, step), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, step));
 }
 
 static uint64_t contacts_of(uint64_t step)
@@ -64,7 +59,7 @@ static uint64_t contacts_of(uint64_t step)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t total;
 
-    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_ok(pccd_wait(client, step, -1, &answer));
     assert_int_equal(answer.incomplete, PCCD_COMPLETE);
     total = answer.total;
     pccd_answer_release(client, &answer);
@@ -87,16 +82,14 @@ static void set(uint32_t what, uint64_t group, uint64_t mask, bool self)
                                             .group = group,
                                             .mask = mask};
 
-    assert_int_equal(pccd_object_set(client, crossing.scene, crossing.object, &settings),
-                     0);
+    assert_ok(pccd_object_set(client, crossing.scene, crossing.object, &settings));
 }
 
 static void check_object(uint64_t group, uint64_t mask, bool self)
 {
     struct pccd_object_settings settings = {.struct_bytes = 0};
 
-    assert_int_equal(pccd_object_get(client, crossing.scene, crossing.object, &settings),
-                     0);
+    assert_ok(pccd_object_get(client, crossing.scene, crossing.object, &settings));
     assert_int_equal(settings.what, PCCD_OBJECT_ALL);
     assert_true(settings.group == group && settings.mask == mask &&
                 settings.self_collision == self);
@@ -142,16 +135,14 @@ CASE_WITH(filter__stays_with_its_object, setup, teardown)
 {
     set(PCCD_OBJECT_GROUP | PCCD_OBJECT_SELF, 4, 0, false);
     assert_int_equal(ignore(true), 0);
-    assert_int_equal(pccd_mesh_replace(client, crossing.mesh, test_triangle_x,
-                                       PCCD_FORMAT_F32, 3, test_triangle, 1, NULL),
-                     0);
+    assert_ok(pccd_mesh_replace(client, crossing.mesh, test_triangle_x, PCCD_FORMAT_F32,
+                                3, test_triangle, 1, NULL));
     crossing.z = 1;
     check_object(4, UINT64_MAX, false);
     assert_int_equal(turn(), 0);
-    assert_int_equal(pccd_scene_remove(client, crossing.scene, crossing.object), 0);
+    assert_ok(pccd_scene_remove(client, crossing.scene, crossing.object));
     assert_int_equal(ignore(false), PCCD_E_HANDLE);
-    assert_int_equal(
-        pccd_scene_add(client, crossing.scene, crossing.mesh, &crossing.object), 0);
+    crossing.object = test_object(client, crossing.scene, crossing.mesh);
     check_object(1, UINT64_MAX, true);
     crossing.z = 1;
     assert_true(turn() > 0);
@@ -177,7 +168,7 @@ CASE_WITH(filter__comes_back_with_another_daemon, setup, teardown)
         set(PCCD_OBJECT_MASK, 0, 1, true);
         assert_true(turn() > 0);
     }
-    assert_int_equal(pccd_link(client, &info), 0);
+    assert_ok(pccd_link(client, &info));
     assert_int_equal(info.reconnects, 4);
 }
 
@@ -215,12 +206,10 @@ static struct seen look(struct pccd_client *at)
     struct pccd_daemon_info daemon;
     struct seen seen = {.objects = 0};
 
-    assert_int_equal(pccd_daemon(client, &daemon), 0);
-    assert_int_equal(pccd_list_scenes(at, daemon.session, see_scene, &seen), 0);
-    assert_int_equal(
-        pccd_list_objects(at, daemon.session, crossing.scene, see_object, &seen), 0);
-    assert_int_equal(pccd_list_pairs(at, daemon.session, crossing.scene, see_pair, &seen),
-                     0);
+    assert_ok(pccd_daemon(client, &daemon));
+    assert_ok(pccd_list_scenes(at, daemon.session, see_scene, &seen));
+    assert_ok(pccd_list_objects(at, daemon.session, crossing.scene, see_object, &seen));
+    assert_ok(pccd_list_pairs(at, daemon.session, crossing.scene, see_pair, &seen));
     return seen;
 }
 
@@ -241,7 +230,7 @@ CASE_WITH(filter__is_listed, setup, teardown)
     assert_int_equal(seen.ignored, 1);
     assert_int_equal(seen.pair.object_a + seen.pair.object_b,
                      crossing.object + crossing.floor);
-    assert_int_equal(pccd_scene_remove(client, crossing.scene, crossing.floor), 0);
+    assert_ok(pccd_scene_remove(client, crossing.scene, crossing.floor));
     seen = look(client);
     assert_true(seen.objects == 1 && seen.pairs == 0 && seen.ignored == 0);
     assert_int_equal(pccd_list_pairs(other, 9999, crossing.scene, see_pair, &seen),
@@ -274,7 +263,7 @@ CASE_WITH(filter__refuses_what_cannot_be, setup, teardown)
     assert_int_equal(pccd_object_set(client, scene, object, &newer.settings),
                      PCCD_E_INVAL);
     newer.of_a_newer_release = 0;
-    assert_int_equal(pccd_object_set(client, scene, object, &newer.settings), 0);
+    assert_ok(pccd_object_set(client, scene, object, &newer.settings));
     settings.struct_bytes = sizeof settings;
     assert_int_equal(pccd_object_set(client, scene, object + 1, &settings),
                      PCCD_E_HANDLE);
@@ -309,14 +298,14 @@ CASE_WITH(filter__refuses_what_the_library_would_not_send, setup, teardown)
     assert_true(test_raw_open(&raw, daemon_.socket));
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, NULL),
                      PCCD_E_NOHELLO);
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_hello(&raw));
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, NULL),
                      PCCD_E_HANDLE);
-    assert_int_equal(test_raw_attach(&raw, 1, 4096), 0);
-    assert_int_equal(test_raw_mesh(&raw, x, 3, test_triangle, 1, &add.mesh), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &scene), 0);
+    assert_ok(test_raw_attach(&raw, 1, 4096));
+    assert_ok(test_raw_mesh(&raw, x, 3, test_triangle, 1, &add.mesh));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &scene));
     add.scene = request.scene = pair.scene = remove.scene = scene.scene;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &object), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &object));
     request.object = pair.a = pair.b = remove.object = object.object;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, NULL),
                      PCCD_E_INVAL);
@@ -324,12 +313,12 @@ CASE_WITH(filter__refuses_what_the_library_would_not_send, setup, teardown)
                      PCCD_E_INVAL);
     request.what = PCCD_OBJECT_GROUP;
     request.group = UINT64_MAX;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, &now), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, &now));
     assert_true(now.group == UINT64_MAX && now.mask == UINT64_MAX && now.self_collision);
     /* Asked for behind its removal, before that is answered. */
     ids[0] = test_raw_request(&raw, PROTO_METHOD_SCENE_REMOVE, &remove);
     ids[1] = test_raw_request(&raw, PROTO_METHOD_OBJECT_SET, &request);
-    assert_int_equal(test_raw_answer(&raw, ids[0], PROTO_METHOD_SCENE_REMOVE, NULL), 0);
+    assert_ok(test_raw_answer(&raw, ids[0], PROTO_METHOD_SCENE_REMOVE, NULL));
     assert_int_equal(test_raw_answer(&raw, ids[1], PROTO_METHOD_OBJECT_SET, NULL),
                      PCCD_E_HANDLE);
     test_raw_close(&raw);
@@ -362,7 +351,6 @@ CASE_WITH(filter__is_not_asked_of_an_older_daemon, setup, teardown)
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     struct pccd_object_settings settings = {.what = PCCD_OBJECT_SELF};
     char url[sizeof address.sun_path + 8];
-    struct pccd_client *of_old;
     int listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
     pid_t old;
 
@@ -378,7 +366,7 @@ CASE_WITH(filter__is_not_asked_of_an_older_daemon, setup, teardown)
         test_end_with_parent();
         be_old(listener);
     }
-    of_old = test_connect_once(url);
+    struct pccd_client *of_old = test_connect_once(url);
     assert_non_null(of_old);
     assert_int_equal(pccd_object_set(of_old, 1, 1, &settings), PCCD_E_VERSION);
     assert_non_null(strstr(pccd_error_text(of_old), "older"));

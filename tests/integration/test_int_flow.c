@@ -1,8 +1,4 @@
-/* test_int_flow.c - how steps flow: slots, pages, time limits, residence.
- *
- * Many steps in flight, answers in any order, pages, a ring that grows, deadlines,
- * timeouts, and that a warm step builds and allocates nothing.
- */
+/* test_int_flow.c - how steps flow: slots, pages, time limits, residence. */
 #include "cases.h"
 
 #include <signal.h>
@@ -11,6 +7,7 @@
 
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "pccd.h"
 #include "record_hash.h"
 #include "skip.h"
@@ -22,13 +19,11 @@ static uint64_t submit_turn(struct test_crossing *crossing)
     uint64_t step = 0;
     void *x1 = NULL;
 
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 36, &frame),
-                     0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1),
-                     0);
+    assert_ok(pccd_frame_begin(crossing->client, crossing->scene, 1, 36, &frame));
+    assert_ok(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1));
     crossing->z = -crossing->z;
     test_crossing_positions(x1, crossing->z);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
     return step;
 }
 
@@ -38,15 +33,12 @@ CASE_CROSSING(flow__answers_can_be_taken_and_released_in_any_order)
 {
     static const int order[4] = {3, 0, 2, 1};
     static const int release[4] = {1, 3, 0, 2};
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
     struct test_crossing crossing;
 
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.result_bytes = 65536; /* 4 * 192 bytes a round: goes round every 85 rounds */
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    struct pccd_client *client = test_client(&(struct pccd_options){
+        .url = test_shared.url,
+        .result_bytes = 65536}); /* 4 * 192 bytes a round: goes round every 85 rounds */
+    assert_ok(test_crossing_make(client, &crossing));
     for (int round = 0; round < 400; round++) {
         struct pccd_answer answers[4] = {PCCD_ANSWER_INIT, PCCD_ANSWER_INIT,
                                          PCCD_ANSWER_INIT, PCCD_ANSWER_INIT};
@@ -56,8 +48,7 @@ CASE_CROSSING(flow__answers_can_be_taken_and_released_in_any_order)
             steps[i] = submit_turn(&crossing);
         }
         for (int i = 0; i < 4; i++) {
-            assert_int_equal(pccd_wait(client, steps[order[i]], -1, &answers[order[i]]),
-                             0);
+            assert_ok(pccd_wait(client, steps[order[i]], -1, &answers[order[i]]));
             assert_int_equal(answers[order[i]].step, steps[order[i]]);
             assert_int_equal(answers[order[i]].count, 3);
         }
@@ -139,7 +130,7 @@ CASE_CROSSING(flow__frames_keep_to_what_they_announced)
     assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, UINT64_MAX, &frames[0]),
                      PCCD_E_LIMIT);
     for (int i = 0; i < 4; i++) {
-        assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 36, &frames[i]), 0);
+        assert_ok(pccd_frame_begin(client, crossing->scene, 1, 36, &frames[i]));
     }
     assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 36, &frames[4]),
                      PCCD_E_BUSY);
@@ -154,8 +145,7 @@ CASE_CROSSING(flow__frames_keep_to_what_they_announced)
     assert_int_equal(
         pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, UINT32_MAX, &x1),
         PCCD_E_LIMIT);
-    assert_int_equal(
-        pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, 3, &x1), 0);
+    assert_ok(pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, 3, &x1));
     assert_int_equal(
         pccd_frame_x1(&frames[0], crossing->object, PCCD_FORMAT_F32, 0, 1, &x1),
         PCCD_E_LIMIT);
@@ -187,13 +177,12 @@ CASE_CROSSING(flow__ring_grows_while_answers_are_held)
     struct test_grid grid;
     uint64_t step = submit_turn(crossing);
 
-    assert_int_equal(pccd_wait(client, step, -1, &held), 0);
-    assert_int_equal(test_grid_make(client, 160, &grid),
-                     0); /* 307 200 bytes of positions */
-    assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 307200, &frame), 0);
+    assert_ok(pccd_wait(client, step, -1, &held));
+    assert_ok(test_grid_make(client, 160, &grid)); /* 307 200 bytes of positions */
+    assert_ok(pccd_frame_begin(client, grid.scene, 1, 307200, &frame));
     pccd_frame_abort(&frame);
-    assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &step));
+    assert_ok(pccd_wait(client, step, -1, &answer));
     assert_int_equal(answer.total, 160 * 160);
     assert_true(test_crossing_is_right(crossing, &held)); /* still readable; releases */
     pccd_answer_release(client, &answer);
@@ -221,8 +210,7 @@ static void collect_pages(struct test_grid *grid, struct pccd_answer *answer,
         if (got == answer->total) {
             break;
         }
-        assert_int_equal(pccd_fetch(grid->client, grid->scene, answer->step, got, answer),
-                         0);
+        assert_ok(pccd_fetch(grid->client, grid->scene, answer->step, got, answer));
         pages++;
     }
     assert_true(pages >= 3);
@@ -233,8 +221,6 @@ static void collect_pages(struct test_grid *grid, struct pccd_answer *answer,
 CASE_CROSSING(flow__pages_add_up_to_the_whole_answer)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_options options;
-    struct pccd_client *small = NULL;
     struct pccd_answer whole = PCCD_ANSWER_INIT;
     struct pccd_answer page = PCCD_ANSWER_INIT;
     struct pccd_contact *records;
@@ -242,21 +228,18 @@ CASE_CROSSING(flow__pages_add_up_to_the_whole_answer)
     uint64_t hash[2];
     uint64_t step = 0;
 
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.result_bytes = 65536;
-    assert_int_equal(pccd_connect(&options, &small), 0);
-    assert_int_equal(test_grid_make(small, 60, &grids[0]), 0);
-    assert_int_equal(test_grid_make(crossing->client, 60, &grids[1]), 0);
+    struct pccd_client *small = test_client(
+        &(struct pccd_options){.url = test_shared.url, .result_bytes = 65536});
+    assert_ok(test_grid_make(small, 60, &grids[0]));
+    assert_ok(test_grid_make(crossing->client, 60, &grids[1]));
     records = calloc(3600, sizeof *records);
     assert_non_null(records);
     for (int round = 0; round < 4; round++) {
-        assert_int_equal(test_grid_submit(&grids[0], NULL, &step), 0);
-        assert_int_equal(pccd_wait(small, step, -1, &page), 0);
+        assert_ok(test_grid_turn(&grids[0], NULL, &page));
         assert_int_equal(page.total, 3600);
         collect_pages(&grids[0], &page, records);
-        assert_int_equal(test_grid_submit(&grids[1], NULL, &step), 0);
-        assert_int_equal(pccd_wait(crossing->client, step, -1, &whole), 0);
+        assert_ok(test_grid_submit(&grids[1], NULL, &step));
+        assert_ok(pccd_wait(crossing->client, step, -1, &whole));
         assert_true(test_grid_is_right(&grids[1], &whole));
         /* The objects' handles differ between the sessions; all else is the same. */
         for (uint32_t i = 0; i < 3600; i++) {
@@ -276,7 +259,7 @@ CASE_CROSSING(flow__pages_add_up_to_the_whole_answer)
     assert_int_equal(pccd_fetch(small, grids[0].scene, step, 3601, &page), PCCD_E_INVAL);
     assert_int_equal(pccd_fetch(small, grids[0].scene, step - 1, 0, &page), PCCD_E_STATE);
     assert_non_null(strstr(pccd_error_text(small), "step"));
-    assert_int_equal(pccd_fetch(small, grids[0].scene, step, 3600, &page), 0);
+    assert_ok(pccd_fetch(small, grids[0].scene, step, 3600, &page));
     assert_int_equal(page.count, 0);
     free(records);
     test_grid_free(&grids[0]);
@@ -289,7 +272,6 @@ CASE_CROSSING(flow__pages_add_up_to_the_whole_answer)
 CASE_CROSSING(flow__full_region_is_said_and_held_pages_stay)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_options options;
     struct pccd_client *small = NULL;
     struct pccd_answer held = PCCD_ANSWER_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -297,18 +279,15 @@ CASE_CROSSING(flow__full_region_is_said_and_held_pages_stay)
     struct test_grid grid;
     uint64_t step = 0;
 
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.result_bytes = 65536;
-    assert_int_equal(pccd_connect(&options, &small), 0);
-    assert_int_equal(test_grid_make(small, 60, &grid), 0);
-    assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(small, step, -1, &held), 0);
+    small = test_client(
+        &(struct pccd_options){.url = test_shared.url, .result_bytes = 65536});
+    assert_ok(test_grid_make(small, 60, &grid));
+    assert_ok(test_grid_turn(&grid, NULL, &held));
     assert_true(held.count >= 1000);
     memcpy(copy, held.contacts, sizeof copy);
     for (int i = 0; i < 3; i++) { /* no room: the count is true, the page is empty */
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-        assert_int_equal(pccd_wait(small, step, -1, &answer), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &step));
+        assert_ok(pccd_wait(small, step, -1, &answer));
         assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_RESULT_FULL);
         assert_int_equal(answer.total, 3600);
         assert_true(answer.count < 100);
@@ -318,7 +297,7 @@ CASE_CROSSING(flow__full_region_is_said_and_held_pages_stay)
     assert_true(test_crossing_turn(crossing)); /* another client does not notice */
     pccd_answer_release(small, &held);
     pccd_answer_release(small, &held);
-    assert_int_equal(pccd_fetch(small, grid.scene, step, 0, &answer), 0);
+    assert_ok(pccd_fetch(small, grid.scene, step, 0, &answer));
     assert_true(answer.count >= 1000);
     pccd_answer_release(small, &answer);
     test_grid_free(&grid);
@@ -335,17 +314,14 @@ CASE_CROSSING(flow__deadline_gives_an_incomplete_answer)
         .struct_bytes = sizeof(struct pccd_step_settings), .deadline_ns = 1};
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
-    uint64_t step = 0;
 
-    assert_int_equal(test_grid_make(crossing->client, 100, &grid), 0);
-    assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
-    assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+    assert_ok(test_grid_make(crossing->client, 100, &grid));
+    assert_ok(test_grid_turn(&grid, &settings, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_true(answer.total < 10000);
     pccd_answer_release(grid.client, &answer);
     settings.deadline_ns = 60000000000u;
-    assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
-    assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+    assert_ok(test_grid_turn(&grid, &settings, &answer));
     assert_true(test_grid_is_right(&grid, &answer)); /* it had moved on all the same */
     pccd_answer_release(grid.client, &answer);
     test_grid_free(&grid);
@@ -363,22 +339,22 @@ CASE_CROSSING(flow__cancel_stops_a_step_and_only_that)
     if (test_is_direct()) {
         test_skip("with direct: it is done before it can be cancelled");
     }
-    assert_int_equal(test_grid_make(client, 100, &grid), 0);
+    assert_ok(test_grid_make(client, 100, &grid));
     for (int i = 0; i < 4; i++) {
-        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &steps[i]));
     }
-    assert_int_equal(pccd_cancel(client, steps[3]), 0);
+    assert_ok(pccd_cancel(client, steps[3]));
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(pccd_wait(client, steps[i], -1, &answer), 0);
+        assert_ok(pccd_wait(client, steps[i], -1, &answer));
         assert_true(test_grid_is_right(&grid, &answer));
         pccd_answer_release(client, &answer);
     }
-    assert_int_equal(pccd_wait(client, steps[3], -1, &answer), 0);
+    assert_ok(pccd_wait(client, steps[3], -1, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
     pccd_answer_release(client, &answer);
     assert_int_equal(pccd_cancel(client, steps[3]), PCCD_E_INVAL);
-    assert_int_equal(test_grid_submit(&grid, NULL, &steps[0]), 0);
-    assert_int_equal(pccd_wait(client, steps[0], -1, &answer), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &steps[0]));
+    assert_ok(pccd_wait(client, steps[0], -1, &answer));
     assert_true(test_grid_is_right(&grid, &answer));
     pccd_answer_release(client, &answer);
     test_grid_free(&grid);
@@ -389,7 +365,6 @@ CASE_CROSSING(flow__cancel_stops_a_step_and_only_that)
 CASE_CROSSING(flow__timeouts_leave_the_client_usable)
 {
     struct test_daemon daemon;
-    struct pccd_options options;
     struct pccd_client *client = NULL;
     struct test_crossing crossing;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -404,12 +379,11 @@ CASE_CROSSING(flow__timeouts_leave_the_client_usable)
     test_crossing_positions(up, 1);
     test_crossing_positions(down, -1);
     assert_true(test_daemon_start(&daemon, NULL));
-    pccd_options_init(&options);
-    options.url = daemon.url;
-    options.timeout_ms = 1500; /* a thousand steps on a busy machine are to meet it */
-    options.result_bytes = 65536;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    client = test_client(&(struct pccd_options){
+        .url = daemon.url,
+        .timeout_ms = 1500,
+        .result_bytes = 65536}); /* a thousand steps on a busy machine are to meet it */
+    assert_ok(test_crossing_make(client, &crossing));
     assert_true(test_crossing_turn(&crossing));
     assert_int_equal(kill(daemon.pid, SIGSTOP), 0);
     step = submit_turn(&crossing);
@@ -424,13 +398,12 @@ CASE_CROSSING(flow__timeouts_leave_the_client_usable)
     assert_true(test_now_ms() - begin_ms >= 3000);
     assert_true(test_now_ms() - begin_ms < 15000);
     assert_int_equal(kill(daemon.pid, SIGCONT), 0);
-    assert_int_equal(pccd_wait(client, step, 10000, &answer), 0); /* not lost */
+    assert_ok(pccd_wait(client, step, 10000, &answer)); /* not lost */
     assert_true(test_crossing_is_right(&crossing, &answer));
     /* The page of the abandoned step was released: the region goes round many times. */
     for (int i = 0; i < 1000; i++) {
-        assert_int_equal(pccd_step_x0x1(client, crossing.scene, crossing.object, up, down,
-                                        PCCD_FORMAT_F32, 3, NULL, &answer),
-                         0);
+        assert_ok(pccd_step_x0x1(client, crossing.scene, crossing.object, up, down,
+                                 PCCD_FORMAT_F32, 3, NULL, &answer));
         assert_true(test_crossing_is_right(&crossing, &answer));
     }
     assert_int_equal(pccd_poll(client, &answer), PCCD_E_AGAIN);
@@ -447,17 +420,15 @@ CASE_CROSSING(flow__warm_steps_build_and_allocate_nothing)
     struct pccd_client *client = crossing->client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
-    uint64_t step = 0;
     uint64_t upload;
     uint64_t builds;
     uint64_t bytes = 0;
 
-    assert_int_equal(test_grid_make(client, 50, &grid), 0);
+    assert_ok(test_grid_make(client, 50, &grid));
     builds = test_stat(client, "builds");
     for (int i = 0; i < 8; i++) {
         upload = test_stat(client, "upload_bytes");
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-        assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+        assert_ok(test_grid_turn(&grid, NULL, &answer));
         assert_true(test_grid_is_right(&grid, &answer));
         assert_int_equal(answer.counters.builds, 0);
         assert_int_equal(test_stat(client, "step_builds_last"), 0);

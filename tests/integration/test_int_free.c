@@ -1,8 +1,4 @@
-/* test_int_free.c - edges and points that no triangle has, through a real daemon.
- *
- * A cloud that comes down on a rod, a point and a triangle, as every client can ask for
- * it; what is refused; a daemon that is killed; shared scenes; recordings.
- */
+/* test_int_free.c - edges and points that no triangle has, through a real daemon. */
 #include "cases.h"
 
 #include <signal.h>
@@ -12,6 +8,7 @@
 #include "daemon.h"
 #include "fixture.h"
 #include "format.h"
+#include "must.h"
 #include "recording.h"
 #include "run_ctl.h"
 
@@ -75,10 +72,8 @@ static struct pccd_mesh_data data_above(const double x[ABOVE][3])
 
 static void add(struct play *play, int which, const struct pccd_mesh_data *data)
 {
-    assert_int_equal(pccd_mesh_put(play->client, data, &play->mesh[which], NULL), 0);
-    assert_int_equal(pccd_scene_add(play->client, play->scene, play->mesh[which],
-                                    &play->object[which]),
-                     0);
+    assert_ok(pccd_mesh_put(play->client, data, &play->mesh[which], NULL));
+    play->object[which] = test_object(play->client, play->scene, play->mesh[which]);
 }
 
 static void begin(struct play *play, const char *url,
@@ -89,7 +84,7 @@ static void begin(struct play *play, const char *url,
 
     *play = (struct play){.client = test_connect(url)};
     assert_non_null(play->client);
-    assert_int_equal(pccd_scene_create(play->client, settings, &play->scene), 0);
+    assert_ok(pccd_scene_create(play->client, settings, &play->scene));
     above_at(x, 2);
     const struct pccd_mesh_data above = data_above((const double(*)[3])x);
     add(play, 0, &data);
@@ -113,9 +108,8 @@ static struct pccd_answer move(struct play *play, double from, double to,
     above_at(x0, from);
     above_at(x1, to);
     settings.separation = separation;
-    assert_int_equal(pccd_submit(play->client, play->scene, &motion, 1, &settings, &step),
-                     0);
-    assert_int_equal(pccd_wait(play->client, step, -1, &answer), 0);
+    assert_ok(pccd_submit(play->client, play->scene, &motion, 1, &settings, &step));
+    assert_ok(pccd_wait(play->client, step, -1, &answer));
     assert_in_range(answer.count, 0, 8);
     if (contacts != NULL && answer.count > 0) {
         memcpy(contacts, answer.contacts, answer.count * sizeof *contacts);
@@ -141,13 +135,13 @@ CASE(free__meets_in_every_kind)
 
     begin(&play, test_shared.url, NULL);
     const struct pccd_mesh_data data = data_below();
-    assert_int_equal(pccd_mesh_put(play.client, &data, &play.mesh[0], &info), 0);
+    assert_ok(pccd_mesh_put(play.client, &data, &play.mesh[0], &info));
     assert_int_equal(info.edge_count, 5);
     assert_int_equal(info.free_edge_count, 2);
     assert_int_equal(info.free_point_count, 1);
     assert_int_equal(info.isolated_count, 0);
     struct pccd_registered_mesh listed[2] = {{.mesh = 0}};
-    assert_int_equal(pccd_list_meshes(play.client, 0, note_mesh, listed), 0);
+    assert_ok(pccd_list_meshes(play.client, 0, note_mesh, listed));
     assert_true(listed[0].edge_count == 2 && listed[0].point_count == 2);
     assert_true(listed[1].edge_count == 1 && listed[1].point_count == 3);
     struct pccd_answer answer = move(&play, 1, -1, 0.25, contacts);
@@ -255,8 +249,7 @@ static void ask(struct play *play, enum pccd_near_what what, uint64_t count)
 
     settings.what = what;
     settings.distance = 1;
-    assert_int_equal(
-        pccd_ask_near(play->client, play->scene, NULL, 0, &settings, &answer), 0);
+    assert_ok(pccd_ask_near(play->client, play->scene, NULL, 0, &settings, &answer));
     assert_int_equal(answer.total, count);
     pccd_answer_release(play->client, &answer);
 }
@@ -271,11 +264,11 @@ CASE(free__is_recorded_repeated_and_verified)
 
     test_recording_clear();
     begin(&play, test_shared.url, NULL);
-    assert_int_equal(pccd_record_start(play.client, test_recording, &kept), 0);
+    assert_ok(pccd_record_start(play.client, test_recording, &kept));
     assert_int_equal(features_of(test_recording) & RECORD_FEATURE_FREE,
                      RECORD_FEATURE_FREE);
     const struct pccd_mesh_data data = data_below();
-    assert_int_equal(pccd_mesh_put(play.client, &data, &play.mesh[0], NULL), 0);
+    assert_ok(pccd_mesh_put(play.client, &data, &play.mesh[0], NULL));
     assert_int_equal(move(&play, 1, -1, 0.25, NULL).total, 4);
     assert_int_equal(move(&play, -1, 1, 0, NULL).total, 2);
     ask(&play, PCCD_NEAR_PAIRS, 5); /* one of the rod above and a point beside it */
@@ -305,8 +298,8 @@ CASE(free__of_others_is_recorded_in_shared_scenes)
 
     assert_non_null(other.client);
     test_recording_clear();
-    assert_int_equal(pccd_record_start(other.client, test_recording, &kept), 0);
-    assert_int_equal(pccd_scene_create(other.client, &shared, &other.scene), 0);
+    assert_ok(pccd_record_start(other.client, test_recording, &kept));
+    assert_ok(pccd_scene_create(other.client, &shared, &other.scene));
     begin(&play, test_shared.url, &shared);
     double x[ABOVE][3];
     above_at(x, 4);

@@ -1,8 +1,4 @@
-/* test_int_journal.c - scene.journal: what is done to a shared scene.
- *
- * Begin, read and end journals by hand: what they cost, what they refuse, and what is
- * left when they are full.
- */
+/* test_int_journal.c - scene.journal: what is done to a shared scene. */
 #include "cases.h"
 
 #include <string.h>
@@ -27,8 +23,8 @@ static int setup(void **state)
 
     (void)state;
     steps = 0;
-    if (!test_daemon_start(&daemon_, options) || !test_raw_open(&raw, daemon_.socket) ||
-        test_raw_hello(&raw) != 0 || test_raw_attach(&raw, 2, 65536) != 0 ||
+    if (!test_daemon_start(&daemon_, options) ||
+        test_raw_session(&raw, daemon_.socket, 2, 65536) != 0 ||
         test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh) != 0 ||
         test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made) != 0) {
         return -1;
@@ -58,7 +54,7 @@ static void add(void)
     const struct proto_SCENE_ADD_request request = {.scene = scene, .mesh = mesh};
     struct proto_SCENE_ADD_result result;
 
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &request, &result), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &request, &result));
     object = result.object;
 }
 
@@ -77,8 +73,7 @@ static void step(float z)
     memcpy(payload, &segment, sizeof segment);
     memcpy(payload + sizeof segment, x, sizeof x);
     request.seq = test_raw_publish(&raw, 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, &result),
-                     0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, &result));
 }
 
 static const uint8_t *page(const struct proto_SCENE_JOURNAL_result *result)
@@ -108,7 +103,7 @@ CASE_WITH(journal__tells_what_is_done_in_order, setup, teardown)
     assert_true(result.count > 0 && result.end == result.count && !result.full);
     step(0.5f);
     gone.object = object;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &gone, NULL), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &gone, NULL));
     assert_int_equal(ask(0, 0, false, &result), 0); /* nothing was taken: all of it */
     at = page(&result);
     for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
@@ -179,8 +174,8 @@ CASE_WITH(journal__is_charged_until_it_ends, setup, teardown)
         assert_int_equal(ask(0, 1, false, &result), PCCD_E_LIMIT);
     }
     assert_int_equal(ask(0, 60 * MIB, false, &result), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made));
     scene = made.scene;
     while (ask(0, 60 * MIB, false, &result) == PCCD_E_QUOTA && test_now_ms() < late) {
         test_sleep_ms(1); /* it is freed behind what is computed */
@@ -207,7 +202,7 @@ CASE_WITH(journal__refuses_what_it_is_not_of, setup, teardown)
 
     assert_int_equal(ask(0, 0, false, &result), PCCD_E_STATE);
     assert_int_equal(ask(0, MIB, true, &result), PCCD_E_INVAL);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &private, &made), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &private, &made));
     scene = made.scene;
     assert_int_equal(ask(0, MIB, false, &result), PCCD_E_INVAL);
     scene = 77;

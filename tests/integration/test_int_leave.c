@@ -37,14 +37,14 @@ CASE(leaving__with_an_answer_unsent_is_an_ordinary_end)
 
     assert_true(test_daemon_start(&daemon, options));
     assert_true(test_raw_open(&raw, daemon.socket));
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_HELLO, &hello, &result), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_HELLO, &hello, &result));
     assert_int_equal(kill(daemon.pid, SIGSTOP), 0);
     ask(&raw);
     say_goodbye(&raw);
     test_raw_close(&raw);
     assert_int_equal(kill(daemon.pid, SIGCONT), 0);
     assert_true(test_raw_open(&raw, daemon.socket)); /* is served behind the other one */
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_hello(&raw));
     test_raw_close(&raw);
     assert_true(WIFEXITED(test_daemon_end(&daemon, SIGTERM, 10000)));
     assert_true(test_daemon_logged(&daemon, "disconnected"));
@@ -61,8 +61,7 @@ CASE(leaving__is_not_what_a_client_does_that_cannot_be_sent_to)
     struct test_raw raw;
 
     assert_true(test_daemon_start(&daemon, NULL));
-    assert_true(test_raw_open(&raw, daemon.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_session(&raw, daemon.socket, 0, 0));
     assert_int_equal(shutdown(raw.socket, SHUT_RD), 0);
     ask(&raw);
     for (int i = 0; i < 1000 && !test_daemon_logged(&daemon, "cannot be sent to"); i++) {

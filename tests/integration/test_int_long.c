@@ -1,10 +1,4 @@
-/* test_int_long.c - requests that take long, and those of others meanwhile.
- *
- * A process that lets the daemon compute for seconds (hog.h), of the same user and of
- * another; beside it a client whose steps are answered while that goes on, with the same
- * bytes as alone; what bounds a step (--step-max-ms). LONG_STEPS: so many steps of three
- * sizes beside each kind of request, and a table of how long they took.
- */
+/* test_int_long.c - requests that take long, and those of others meanwhile. */
 #include "cases.h"
 
 #include <grp.h>
@@ -21,6 +15,7 @@
 #include "fixture.h"
 #include "grid.h"
 #include "hog.h"
+#include "must.h"
 #include "skip.h"
 
 #define OTHER_USER 65534u
@@ -176,7 +171,7 @@ static void check_beside(enum hog_kind kind, bool is_other)
     uint32_t most = 0;
 
     assert_non_null(client);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &crossing));
     let_in(0, kind, sizes_checked[kind], is_other ? OTHER_USER : 0);
     /* What prepares it is over soon after, as a commit is: some rounds of these. */
     for (int i = 0; i < 5 && most < STEPS; i++) {
@@ -219,7 +214,7 @@ CASE_WITH(long__three_at_once_hold_up_nobody, open_daemon, close_daemon)
     struct pccd_client *client = test_connect(test_shared.url);
 
     assert_non_null(client);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &crossing));
     for (int i = 0; i < 3; i++) {
         let_in(i, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT],
                is_other && i == 0 ? OTHER_USER : 0);
@@ -237,7 +232,6 @@ CASE_WITH(long__three_at_once_hold_up_nobody, open_daemon, close_daemon)
 CASE_WITH(long__nine_users_shut_nobody_out, open_daemon, close_daemon)
 {
     struct test_crossing crossing;
-    struct pccd_client *client;
 
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
@@ -245,9 +239,9 @@ CASE_WITH(long__nine_users_shut_nobody_out, open_daemon, close_daemon)
     for (int i = 0; i < HOGS_MAX; i++) {
         let_in(i, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT], OTHER_USER - (uid_t)i);
     }
-    client = test_connect(test_shared.url);
+    struct pccd_client *client = test_connect(test_shared.url);
     assert_non_null(client);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &crossing));
     assert_true(test_crossing_turn(&crossing));
     for (int i = 0; i < HOGS_MAX; i++) {
         assert_int_equal(atomic_load(&sties[i].ended), 0);
@@ -261,8 +255,8 @@ static struct pccd_answer turn(struct test_grid *grid)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
-    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(grid->client, step, 600000, &answer), 0);
+    assert_ok(test_grid_submit(grid, NULL, &step));
+    assert_ok(pccd_wait(grid->client, step, 600000, &answer));
     assert_true(test_grid_is_right(grid, &answer));
     pccd_answer_release(grid->client, &answer);
     return answer;
@@ -277,7 +271,7 @@ CASE_WITH(long__answers_beside_it_are_the_same_bytes, open_daemon, close_daemon)
     struct test_grid grid;
 
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, 60, &grid), 0);
+    assert_ok(test_grid_make(client, 60, &grid));
     for (int i = 0; i < 2; i++) {
         alone[i] = turn(&grid);
     }
@@ -304,7 +298,7 @@ static struct pccd_client *take_part(uint32_t *scene)
     struct pccd_client *client = test_connect(test_shared.url);
 
     assert_non_null(client);
-    assert_int_equal(pccd_scene_create(client, &settings, scene), 0);
+    assert_ok(pccd_scene_create(client, &settings, scene));
     return client;
 }
 
@@ -314,18 +308,15 @@ static void add_stack(struct pccd_client *client, uint32_t scene, uint32_t trian
     static const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     float(*x)[3] = malloc(3 * triangles * sizeof *x);
     uint32_t(*indices)[3] = malloc(triangles * sizeof *indices);
-    uint32_t mesh = 0;
-    uint32_t object = 0;
 
     assert_true(x != NULL && indices != NULL);
     for (uint32_t i = 0; i < 3 * triangles; i++) {
         memcpy(x[i], corners[i % 3], sizeof *x);
         indices[i / 3][i % 3] = i;
     }
-    assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3 * triangles, indices,
-                                      triangles, &mesh, NULL),
-                     0);
-    assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
+    uint32_t mesh =
+        test_mesh(client, x, PCCD_FORMAT_F32, 3 * triangles, indices, triangles);
+    (void)test_object(client, scene, mesh);
     free(x);
     free(indices);
 }
@@ -335,8 +326,8 @@ static void cancel(struct pccd_client *client, uint64_t step)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    assert_int_equal(pccd_cancel(client, step), 0);
-    assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+    assert_ok(pccd_cancel(client, step));
+    assert_ok(pccd_wait(client, step, 60000, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
     pccd_answer_release(client, &answer);
 }
@@ -354,14 +345,13 @@ CASE_WITH(long__step_of_a_shared_scene_holds_up_only_its_members, open_daemon,
     struct pccd_client *client = test_connect(test_shared.url);
 
     assert_non_null(client);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &crossing));
     for (int i = 0; i < 2; i++) {
         clients[i] = take_part(&scenes[i]);
     }
     add_stack(clients[0], scenes[0], sizes_checked[HOG_COINCIDENT]);
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(pccd_submit_still(clients[i], scenes[i], NULL, &submitted[i]),
-                         0);
+        assert_ok(pccd_submit_still(clients[i], scenes[i], NULL, &submitted[i]));
     }
     for (int i = 0; i < STEPS; i++) {
         assert_true(test_crossing_turn(&crossing));
@@ -392,8 +382,8 @@ static enum pccd_incomplete step_stack(struct pccd_client *client, uint32_t scen
     uint64_t begin_ms = test_now_ms();
     uint64_t step = 0;
 
-    assert_int_equal(pccd_submit_still(client, scene, &settings, &step), 0);
-    assert_int_equal(pccd_wait(client, step, 600000, &answer), 0);
+    assert_ok(pccd_submit_still(client, scene, &settings, &step));
+    assert_ok(pccd_wait(client, step, 600000, &answer));
     *taken_ms = test_now_ms() - begin_ms;
     pccd_answer_release(client, &answer);
     return answer.incomplete;
@@ -409,12 +399,11 @@ CASE(long__step_ends_when_the_operator_says)
     struct test_daemon daemon;
     struct pccd_client *client;
     uint64_t taken_ms = 0;
-    uint32_t scene = 0;
 
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    uint32_t scene = test_scene(client);
     add_stack(client, scene, sizes_checked[HOG_COINCIDENT]);
     assert_int_equal(step_stack(client, scene, 0, &taken_ms), PCCD_INCOMPLETE_DEADLINE);
     assert_true(taken_ms >= 300);
@@ -422,18 +411,18 @@ CASE(long__step_ends_when_the_operator_says)
                      PCCD_INCOMPLETE_DEADLINE);
     assert_true(taken_ms >= 300 && taken_ms < 30000);
     /* The client's own one is sooner; then the operator's is later, and sooner again. */
-    assert_int_equal(pccd_config_set(client, "step-max-ms", "60000"), 0);
+    assert_ok(pccd_config_set(client, "step-max-ms", "60000"));
     assert_int_equal(step_stack(client, scene, 50, &taken_ms), PCCD_INCOMPLETE_DEADLINE);
     assert_true(taken_ms >= 50 && taken_ms < 30000);
-    assert_int_equal(pccd_config_set(client, "step-max-ms", "20"), 0);
+    assert_ok(pccd_config_set(client, "step-max-ms", "20"));
     assert_int_equal(step_stack(client, scene, 0, &taken_ms), PCCD_INCOMPLETE_DEADLINE);
     assert_true(taken_ms >= 20 && taken_ms < 30000);
     assert_int_equal(pccd_config_set(client, "step-max-ms", "86400001"), PCCD_E_INVAL);
     /* Whatever it is, what needs less time is whole; 0 bounds nothing. */
-    assert_int_equal(pccd_config_set(client, "step-max-ms", "5000"), 0);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(pccd_config_set(client, "step-max-ms", "5000"));
+    assert_ok(test_crossing_make(client, &crossing));
     assert_true(test_crossing_turn(&crossing));
-    assert_int_equal(pccd_config_set(client, "step-max-ms", "0"), 0);
+    assert_ok(pccd_config_set(client, "step-max-ms", "0"));
     assert_int_equal(step_stack(client, scene, 700, &taken_ms), PCCD_INCOMPLETE_DEADLINE);
     assert_true(taken_ms >= 700);
     pccd_close(client);
@@ -508,7 +497,7 @@ CASE_WITH(long__requests_leave_others_their_share, open_daemon, close_daemon)
         struct test_grid grid;
 
         assert_non_null(client);
-        assert_int_equal(test_grid_make(client, sides[i], &grid), 0);
+        assert_ok(test_grid_make(client, sides[i], &grid));
         for (enum hog_kind kind = 0; kind < HOG_KINDS; kind++) {
             measure_kind(&grid, kind, false);
             if (geteuid() == 0) {

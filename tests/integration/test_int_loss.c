@@ -1,8 +1,4 @@
-/* test_int_loss.c - what the library promises while its daemon is late, lost or lying.
- *
- * Waits end in time whatever interrupts them; the descriptor says when there is something
- * to do; every call tells of a daemon that is gone.
- */
+/* test_int_loss.c - what the library promises while its daemon is late, lost or lying. */
 #include "cases.h"
 
 #include <poll.h>
@@ -15,6 +11,7 @@
 #include "daemon.h"
 #include "false_daemon.h"
 #include "messages.h"
+#include "must.h"
 #include "pccd.h"
 #include "seqpacket.h"
 
@@ -22,14 +19,9 @@
 
 static struct pccd_client *connect_for(int timeout_ms)
 {
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
 
-    pccd_options_init(&options);
-    options.url = false_daemon.url;
-    options.timeout_ms = timeout_ms;
-    options.reconnect_ms = PATIENT_MS;
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    struct pccd_client *client = test_client(&(struct pccd_options){
+        .url = false_daemon.url, .timeout_ms = timeout_ms, .reconnect_ms = PATIENT_MS});
     return client;
 }
 
@@ -190,7 +182,7 @@ CASE_WITH(loss__a_handle_is_wanted_of_the_next_daemon_too, NULL, false_stop)
 
     false_start(end_over_a_mesh);
     client = connect_for(5000);
-    assert_int_equal(pccd_request_handle(client, WANTED), 0);
+    assert_ok(pccd_request_handle(client, WANTED));
     assert_int_equal(
         pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL),
         PCCD_E_BUSY);
@@ -217,7 +209,7 @@ CASE_WITH(loss__a_watcher_that_does_not_wait_is_told_so, NULL, false_stop)
 
     false_start(watch_and_end);
     client = connect_for(300);
-    assert_int_equal(pccd_watch_start(client, 0, 0), 0);
+    assert_ok(pccd_watch_start(client, 0, 0));
     while (!is_readable(client)) {
         test_sleep_ms(1);
     }

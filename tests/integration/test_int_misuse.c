@@ -1,9 +1,4 @@
-/* test_int_misuse.c - calls in an order that few programs have them in.
- *
- * Hold on to answers while others are asked for; name scenes that are not there; call
- * twice, too late, or while another thread does. It is an error or nothing, and what
- * others asked for stays right.
- */
+/* test_int_misuse.c - calls in an order that few programs have them in. */
 #include "cases.h"
 
 #include <stdio.h>
@@ -16,6 +11,7 @@
 #include <time.h>
 
 #include "fixture.h"
+#include "must.h"
 
 #define PAGES 300 /* more than the library keeps account of */
 
@@ -28,9 +24,8 @@ static void turn(struct test_crossing *crossing, struct pccd_answer *answer)
 
     crossing->z = -crossing->z;
     test_crossing_positions(x, crossing->z);
-    assert_int_equal(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
-                                  PCCD_FORMAT_F32, 3, NULL, answer),
-                     0);
+    assert_ok(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
+                           PCCD_FORMAT_F32, 3, NULL, answer));
     assert_true(answer->count > 0);
 }
 
@@ -53,10 +48,10 @@ CASE_CROSSING(misuse__pages_that_are_held_take_no_step_its_answer)
     assert_int_equal(status, PCCD_E_BUSY);
     assert_non_null(strstr(pccd_error_text(client), "release"));
     pccd_answer_release(client, &held);
-    assert_int_equal(pccd_mesh_edges(client, crossing->mesh, edges, 3), 0);
+    assert_ok(pccd_mesh_edges(client, crossing->mesh, edges, 3));
 
     turn(crossing, &held);
-    assert_int_equal(pccd_submit_still(client, crossing->scene, NULL, &step), 0);
+    assert_ok(pccd_submit_still(client, crossing->scene, NULL, &step));
     for (int i = 0; i < PAGES; i++) {
         uint32_t count = 0;
         struct pccd_box box;
@@ -65,7 +60,7 @@ CASE_CROSSING(misuse__pages_that_are_held_take_no_step_its_answer)
                                &count);
         (void)pccd_mesh_edges(client, crossing->mesh, edges, 3);
     }
-    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_ok(pccd_wait(client, step, -1, &answer));
     pccd_answer_release(client, &answer);
     pccd_answer_release(client, &held);
     assert_true(test_crossing_turn(crossing));
@@ -117,10 +112,9 @@ CASE_CROSSING(misuse__a_forked_copy_touches_nothing)
     turn(crossing, &held);
     crossing->z = -crossing->z;
     test_crossing_positions(x, crossing->z);
-    assert_int_equal(pccd_frame_begin(client, crossing->scene, 2, sizeof x, &frame), 0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &to),
-                     0);
-    assert_int_equal(pccd_submit_still(client, crossing->scene, NULL, &still), 0);
+    assert_ok(pccd_frame_begin(client, crossing->scene, 2, sizeof x, &frame));
+    assert_ok(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &to));
+    assert_ok(pccd_submit_still(client, crossing->scene, NULL, &still));
     child = fork();
     assert_true(child >= 0);
     if (child == 0) {
@@ -130,11 +124,11 @@ CASE_CROSSING(misuse__a_forked_copy_touches_nothing)
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_true(WIFEXITED(status));
     assert_int_equal(WEXITSTATUS(status), 0);
-    assert_int_equal(pccd_wait(client, still, -1, &answer), 0);
+    assert_ok(pccd_wait(client, still, -1, &answer));
     pccd_answer_release(client, &answer);
     memcpy(to, x, sizeof x);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
-    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
+    assert_ok(pccd_wait(client, step, -1, &answer));
     assert_true(test_crossing_is_right(crossing, &answer));
     pccd_answer_release(client, &held);
 }
@@ -146,7 +140,7 @@ static uint32_t share(struct pccd_client *client, const char *name)
     const struct pccd_scene_settings settings = {.name = name, .share = PCCD_SHARE_OPEN};
     uint32_t scene = 0;
 
-    assert_int_equal(pccd_scene_create(client, &settings, &scene), 0);
+    assert_ok(pccd_scene_create(client, &settings, &scene));
     return scene;
 }
 
@@ -154,10 +148,8 @@ static uint32_t share(struct pccd_client *client, const char *name)
 static void step(struct pccd_client *client, uint32_t scene)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint64_t number = 0;
 
-    assert_int_equal(pccd_submit_still(client, scene, NULL, &number), 0);
-    assert_int_equal(pccd_wait(client, number, -1, &answer), 0);
+    test_still(client, scene, NULL, &answer);
     pccd_answer_release(client, &answer);
 }
 
@@ -174,9 +166,9 @@ CASE(misuse__a_scene_that_is_not_there_has_nothing_to_forget)
     assert_non_null(writer);
     scene = share(reader, "news");
     step(writer, share(writer, "news"));
-    assert_int_equal(pccd_ping(reader, NULL), 0); /* the news have come */
+    assert_ok(pccd_ping(reader, NULL)); /* the news have come */
     assert_int_equal(pccd_scene_destroy(reader, 0), PCCD_E_HANDLE);
-    assert_int_equal(pccd_scene_wait(reader, scene, 0, &news), 0);
+    assert_ok(pccd_scene_wait(reader, scene, 0, &news));
     assert_int_equal(news.number, 1);
     pccd_close(writer);
     pccd_close(reader);
@@ -201,14 +193,14 @@ CASE(misuse__scenes_that_are_left_while_others_step_are_forgotten)
         scene = share(reader, name);
         theirs = share(writer, name);
         step(writer, theirs); /* what it says is not taken in yet */
-        assert_int_equal(pccd_scene_destroy(reader, scene), 0);
-        assert_int_equal(pccd_scene_destroy(writer, theirs), 0);
+        assert_ok(pccd_scene_destroy(reader, scene));
+        assert_ok(pccd_scene_destroy(writer, theirs));
     }
     {
         uint32_t scene = share(reader, "last");
 
         step(writer, share(writer, "last"));
-        assert_int_equal(pccd_scene_wait(reader, scene, -1, &news), 0);
+        assert_ok(pccd_scene_wait(reader, scene, -1, &news));
         assert_int_equal(news.number, 1);
     }
     pccd_close(writer);
@@ -231,11 +223,11 @@ CASE_CROSSING(misuse__a_copy_of_a_frame_is_over_when_it_is)
     float x[3][3];
 
     for (int i = 0; i < 40; i++) { /* more often than there are slots */
-        assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 512, &frame), 0);
+        assert_ok(pccd_frame_begin(client, crossing->scene, 1, 512, &frame));
         copy = frame;
         pccd_frame_abort(&frame);
         pccd_frame_abort(&frame);
-        assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 512, &next), 0);
+        assert_ok(pccd_frame_begin(client, crossing->scene, 1, 512, &next));
         assert_int_equal(
             pccd_frame_x1(&copy, crossing->object, PCCD_FORMAT_F32, 0, 3, &to),
             PCCD_E_INVAL);
@@ -244,15 +236,14 @@ CASE_CROSSING(misuse__a_copy_of_a_frame_is_over_when_it_is)
         assert_non_null(strstr(pccd_error_text(client), "not begun"));
         crossing->z = -crossing->z;
         test_crossing_positions(x, crossing->z);
-        assert_int_equal(
-            pccd_frame_x1(&next, crossing->object, PCCD_FORMAT_F32, 0, 3, &to), 0);
+        assert_ok(pccd_frame_x1(&next, crossing->object, PCCD_FORMAT_F32, 0, 3, &to));
         memcpy(to, x, sizeof x);
-        assert_int_equal(pccd_frame_commit(&next, NULL, &step), 0);
+        assert_ok(pccd_frame_commit(&next, NULL, &step));
         assert_int_equal(pccd_frame_commit(&next, NULL, &step), PCCD_E_INVAL);
         {
             struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-            assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+            assert_ok(pccd_wait(client, step, -1, &answer));
             assert_true(test_crossing_is_right(crossing, &answer));
         }
     }
@@ -273,14 +264,14 @@ CASE(misuse__a_batch_outlives_its_client)
     uint64_t step = 0;
 
     assert_non_null(client);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &crossing));
     part.scene = crossing.scene;
     part.object = crossing.object;
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(pccd_batch_create(client, &part, 1, &batches[i]), 0);
+        assert_ok(pccd_batch_create(client, &part, 1, &batches[i]));
     }
     pccd_batch_destroy(batches[1]); /* between the others */
-    assert_int_equal(pccd_batch_begin(batches[0], NULL, x1), 0);
+    assert_ok(pccd_batch_begin(batches[0], NULL, x1));
     assert_int_equal(pccd_batch_begin(batches[0], NULL, x1), PCCD_E_STATE);
     assert_int_equal(pccd_batch_commit(batches[2], NULL, &step), PCCD_E_STATE);
     pccd_batch_abort(batches[2]);
@@ -310,7 +301,7 @@ CASE_CROSSING(misuse__a_callback_does_not_close_its_client)
 {
     struct test_crossing *crossing = *state;
 
-    assert_int_equal(pccd_stats(crossing->client, close_there, crossing->client), 0);
+    assert_ok(pccd_stats(crossing->client, close_there, crossing->client));
     assert_true(test_crossing_turn(crossing));
 }
 
@@ -387,13 +378,13 @@ CASE(misuse__a_second_thread_is_refused_or_waits)
     pthread_t thread;
 
     assert_non_null(client);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &crossing));
     call.scene = share(client, "threads");
     turn(&crossing, &held);
     part.scene = crossing.scene;
     part.object = crossing.object;
-    assert_int_equal(pccd_batch_create(client, &part, 1, &batch), 0);
-    assert_int_equal(pccd_frame_begin(client, crossing.scene, 1, 64, &frame), 0);
+    assert_ok(pccd_batch_create(client, &part, 1, &batch));
+    assert_ok(pccd_frame_begin(client, crossing.scene, 1, 64, &frame));
     double begin = now();
     assert_int_equal(pthread_create(&thread, NULL, be_in_a_call, &call), 0);
     sleep_ms(IN_CALL_MS / 4);
@@ -409,7 +400,7 @@ CASE(misuse__a_second_thread_is_refused_or_waits)
     assert_true(now() - begin >= 0.9e-3 * IN_CALL_MS);
     assert_int_equal(pthread_join(thread, NULL), 0);
     assert_int_equal(call.status, PCCD_E_TIMEOUT);
-    assert_int_equal(pccd_ping(client, NULL), 0);
+    assert_ok(pccd_ping(client, NULL));
     pccd_frame_abort(&frame);
     assert_true(test_crossing_turn(&crossing));
 
@@ -478,7 +469,7 @@ CASE_CROSSING(misuse__threads_that_crowd_are_answered_or_refused)
     assert_true(atomic_load(&crowd.done) > 0);
     assert_int_equal(atomic_load(&crowd.done) + atomic_load(&crowd.busy),
                      THREADS * TURNS);
-    assert_int_equal(pccd_ping(crowd.crossing.client, NULL), 0);
+    assert_ok(pccd_ping(crowd.crossing.client, NULL));
 }
 
 CASES_WITH(test_shared_start, test_shared_stop);

@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 
 #include "fixture.h"
+#include "must.h"
 #include "pccd.h"
 
 static const uint32_t triangle[1][3] = {{0, 1, 2}};
@@ -21,13 +22,11 @@ struct yard {
 static void make_yard(struct pccd_client *client, struct yard *yard)
 {
     static const double ground[3][3] = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
-    uint32_t mesh, object;
+    uint32_t mesh;
 
-    assert_int_equal(pccd_scene_create(client, NULL, &yard->scene), 0);
-    assert_int_equal(
-        pccd_mesh_create(client, ground, PCCD_FORMAT_F64, 3, triangle, 1, &mesh, NULL),
-        0);
-    assert_int_equal(pccd_scene_add(client, yard->scene, mesh, &object), 0);
+    yard->scene = test_scene(client);
+    mesh = test_mesh(client, ground, PCCD_FORMAT_F64, 3, triangle, 1);
+    (void)test_object(client, yard->scene, mesh);
     for (int i = 0; i < 3; i++) {
         const double x[3][3] = {{i, 0, 1}, {i + 0.25, 0, 2}, {i, 0.25, 2}};
 
@@ -36,9 +35,8 @@ static void make_yard(struct pccd_client *client, struct yard *yard)
         for (int v = 0; v < 3; v++) {
             yard->x1[i][v][2] -= 2;
         }
-        assert_int_equal(
-            pccd_mesh_create(client, x, PCCD_FORMAT_F64, 3, triangle, 1, &mesh, NULL), 0);
-        assert_int_equal(pccd_scene_add(client, yard->scene, mesh, &yard->bodies[i]), 0);
+        mesh = test_mesh(client, x, PCCD_FORMAT_F64, 3, triangle, 1);
+        yard->bodies[i] = test_object(client, yard->scene, mesh);
     }
 }
 
@@ -53,24 +51,22 @@ CASE_CROSSING(motions__give_the_bytes_of_a_frame)
     void *x0, *x1;
 
     make_yard(client, &yard);
-    assert_int_equal(pccd_frame_begin(client, yard.scene, 3, 3 * 72 + 192, &frame), 0);
-    assert_int_equal(pccd_frame_x1(&frame, yard.bodies[0], PCCD_FORMAT_F64, 0, 3, &x1),
-                     0);
+    assert_ok(pccd_frame_begin(client, yard.scene, 3, 3 * 72 + 192, &frame));
+    assert_ok(pccd_frame_x1(&frame, yard.bodies[0], PCCD_FORMAT_F64, 0, 3, &x1));
     memcpy(x1, yard.x1[0], 72);
-    assert_int_equal(
-        pccd_frame_x0x1(&frame, yard.bodies[1], PCCD_FORMAT_F64, 0, 3, &x0, &x1), 0);
+    assert_ok(pccd_frame_x0x1(&frame, yard.bodies[1], PCCD_FORMAT_F64, 0, 3, &x0, &x1));
     memcpy(x0, yard.x0[1], 72);
     memcpy(x1, yard.x1[1], 72);
-    assert_int_equal(pccd_frame_rigid(&frame, yard.bodies[2], 0, 3, still, lowered), 0);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
-    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_ok(pccd_frame_rigid(&frame, yard.bodies[2], 0, 3, still, lowered));
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
+    assert_ok(pccd_wait(client, step, -1, &answer));
     assert_true(answer.total >= 3);
     memcpy(hash, answer.hash, sizeof hash);
     pccd_answer_release(client, &answer);
 
     const struct pccd_motion back = {
         .object = yard.bodies[0], .count = 3, .format = PCCD_FORMAT_F64, .x1 = yard.x0};
-    assert_int_equal(pccd_step(client, yard.scene, &back, 1, NULL, &answer), 0);
+    assert_ok(pccd_step(client, yard.scene, &back, 1, NULL, &answer));
     pccd_answer_release(client, &answer);
     const struct pccd_motion motions[3] = {
         {.object = yard.bodies[0],
@@ -83,15 +79,14 @@ CASE_CROSSING(motions__give_the_bytes_of_a_frame)
          .x0 = yard.x0[1],
          .x1 = yard.x1[1]},
         {.object = yard.bodies[2], .count = 3, .m0 = still, .m1 = lowered}};
-    assert_int_equal(pccd_step(client, yard.scene, motions, 3, NULL, &answer), 0);
+    assert_ok(pccd_step(client, yard.scene, motions, 3, NULL, &answer));
     assert_memory_equal(answer.hash, hash, sizeof hash);
     pccd_answer_release(client, &answer);
-    assert_int_equal(pccd_submit(client, yard.scene, NULL, 0, NULL, &step), 0);
-    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_ok(pccd_submit(client, yard.scene, NULL, 0, NULL, &step));
+    assert_ok(pccd_wait(client, step, -1, &answer));
     memcpy(hash, answer.hash, sizeof hash);
     pccd_answer_release(client, &answer);
-    assert_int_equal(pccd_submit_still(client, yard.scene, NULL, &step), 0);
-    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    test_still(client, yard.scene, NULL, &answer);
     assert_memory_equal(answer.hash, hash, sizeof hash);
     pccd_answer_release(client, &answer);
 }
@@ -122,7 +117,7 @@ CASE_CROSSING(motions__in_no_way_or_in_two_are_refused)
     assert_int_equal(pccd_submit(NULL, yard.scene, bad, 1, NULL, &step), PCCD_E_INVAL);
     assert_int_equal(pccd_step(client, yard.scene, bad, 1, NULL, NULL), PCCD_E_INVAL);
     assert_int_equal(step, 0);
-    assert_int_equal(pccd_step(client, yard.scene, NULL, 0, NULL, &answer), 0);
+    assert_ok(pccd_step(client, yard.scene, NULL, 0, NULL, &answer));
     pccd_answer_release(client, &answer); /* the slots of the refused are free */
 }
 
@@ -136,7 +131,7 @@ CASE_CROSSING(abandon__drops_the_answer)
     uint64_t step = 0;
 
     for (int i = 0; i < 100; i++) {
-        assert_int_equal(pccd_submit_still(client, crossing->scene, NULL, &step), 0);
+        assert_ok(pccd_submit_still(client, crossing->scene, NULL, &step));
         pccd_abandon(client, step);
     }
     assert_int_equal(pccd_wait(client, step, -1, &answer), PCCD_E_INVAL);
@@ -180,8 +175,6 @@ static bool is_within(const struct orphans *orphans, const void *at)
 CASE(memory__outlives_a_growing_ring_and_a_close)
 {
     struct orphans orphans = {0};
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
     struct test_crossing crossing;
     struct pccd_answer held = PCCD_ANSWER_INIT;
     struct pccd_answer other = PCCD_ANSWER_INIT;
@@ -189,28 +182,23 @@ CASE(memory__outlives_a_growing_ring_and_a_close)
     const struct pccd_contact *contacts;
     struct pccd_contact first;
 
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.unmap = take_orphan;
-    options.unmap_context = &orphans;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    struct pccd_client *client = test_client(&(struct pccd_options){
+        .url = test_shared.url, .unmap = take_orphan, .unmap_context = &orphans});
+    assert_ok(test_crossing_make(client, &crossing));
     float x[3][3];
     test_crossing_positions(x, -crossing.z);
-    assert_int_equal(pccd_step_x1(client, crossing.scene, crossing.object, x,
-                                  PCCD_FORMAT_F32, 3, NULL, &held),
-                     0);
+    assert_ok(pccd_step_x1(client, crossing.scene, crossing.object, x, PCCD_FORMAT_F32, 3,
+                           NULL, &held));
     assert_true(held.count > 0);
     contacts = held.contacts;
     first = contacts[0];
-    assert_int_equal(pccd_frame_begin(client, crossing.scene, 1, 1u << 22, &frame), 0);
+    assert_ok(pccd_frame_begin(client, crossing.scene, 1, 1u << 22, &frame));
     pccd_frame_abort(&frame);
     assert_int_equal(orphans.count, 1); /* the slots; the records are in use */
     assert_memory_equal(&contacts[0], &first, sizeof first);
     test_crossing_positions(x, crossing.z);
-    assert_int_equal(pccd_step_x1(client, crossing.scene, crossing.object, x,
-                                  PCCD_FORMAT_F32, 3, NULL, &other),
-                     0);
+    assert_ok(pccd_step_x1(client, crossing.scene, crossing.object, x, PCCD_FORMAT_F32, 3,
+                           NULL, &other));
     assert_int_equal(other.count, held.count);
     pccd_answer_release(client, &held);
     assert_int_equal(orphans.count, 2);

@@ -1,8 +1,4 @@
-/* test_int_near.c - what is near, asked of a real daemon and of this process.
- *
- * Distances that are known, in every way that there is; pages beside those of steps;
- * shared scenes; every refusal by its text.
- */
+/* test_int_near.c - what is near, asked of a real daemon and of this process. */
 #include "cases.h"
 
 #include <math.h>
@@ -13,6 +9,7 @@
 
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "record_hash.h"
 #include "skip.h"
 
@@ -32,23 +29,10 @@ static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
 
 static struct pccd_client *connect_to(const char *url, uint64_t result_bytes)
 {
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
 
-    pccd_options_init(&options);
-    options.url = url;
-    options.timeout_ms = 60000;
-    options.result_bytes = result_bytes;
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    struct pccd_client *client = test_client(&(struct pccd_options){
+        .url = url, .timeout_ms = 60000, .result_bytes = result_bytes});
     return client;
-}
-
-static void good(struct pccd_client *client, int status)
-{
-    if (status != 0) {
-        print_error("%s: %s\n", pccd_status_name(status), pccd_error_text(client));
-    }
-    assert_int_equal(status, 0);
 }
 
 static size_t record_bytes(const struct pccd_answer *answer)
@@ -91,7 +75,7 @@ static struct whole read_all(struct pccd_client *client, uint32_t scene,
             return whole;
         }
         assert_int_equal(page->incomplete, PCCD_INCOMPLETE_RESULT_FULL);
-        good(client, pccd_fetch(client, scene, whole.answer.step, got, page));
+        assert_ok(pccd_fetch(client, scene, whole.answer.step, got, page));
     }
 }
 
@@ -100,7 +84,7 @@ static struct whole ask(struct pccd_client *client, uint32_t scene,
 {
     struct pccd_answer page = PCCD_ANSWER_INIT;
 
-    good(client, pccd_ask_near(client, scene, NULL, 0, settings, &page));
+    assert_ok(pccd_ask_near(client, scene, NULL, 0, settings, &page));
     return read_all(client, scene, &page);
 }
 
@@ -131,7 +115,7 @@ static void open_grid(struct test_grid *grid, const char *url, uint64_t result_b
 {
     struct pccd_client *client = connect_to(url, result_bytes);
 
-    good(client, test_grid_make(client, SIDE, grid));
+    assert_ok(test_grid_make(client, SIDE, grid));
 }
 
 static void close_grid(struct test_grid *grid)
@@ -144,8 +128,8 @@ static void close_grid(struct test_grid *grid)
 static void step_to(struct test_grid *grid, float z, struct pccd_answer *answer)
 {
     test_grid_positions(grid, z);
-    good(grid->client, pccd_step_x1(grid->client, grid->scene, grid->object, grid->x,
-                                    PCCD_FORMAT_F32, grid->vertex_count, NULL, answer));
+    assert_ok(pccd_step_x1(grid->client, grid->scene, grid->object, grid->x,
+                           PCCD_FORMAT_F32, grid->vertex_count, NULL, answer));
 }
 
 static void move_to(struct test_grid *grid, float z)
@@ -267,8 +251,7 @@ CASE(near__moves_and_asks_at_once)
                                            .count = once.vertex_count,
                                            .format = PCCD_FORMAT_F32,
                                            .x1 = once.x};
-        good(once.client,
-             pccd_ask_near(once.client, once.scene, &motion, 1, &settings, &page));
+        assert_ok(pccd_ask_near(once.client, once.scene, &motion, 1, &settings, &page));
         expect_same(ask(apart.client, apart.scene, &settings),
                     read_all(once.client, once.scene, &page));
         settings.end = !settings.end; /* of the same movement, which is the last */
@@ -298,26 +281,26 @@ CASE_CROSSING(near__is_asked_with_a_frame)
 
     settings.distance = 0.5;
     test_crossing_positions(x, 0.5f);
-    good(client, pccd_frame_begin(client, crossing->scene, 1, sizeof x, &frame));
-    good(client, pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &to));
+    assert_ok(pccd_frame_begin(client, crossing->scene, 1, sizeof x, &frame));
+    assert_ok(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &to));
     memcpy(to, x, sizeof x);
-    good(client, pccd_submit_near(client, crossing->scene, NULL, 0, &settings, steps));
-    good(client, pccd_frame_commit_near(&frame, &settings, &steps[1]));
+    assert_ok(pccd_submit_near(client, crossing->scene, NULL, 0, &settings, steps));
+    assert_ok(pccd_frame_commit_near(&frame, &settings, &steps[1]));
     assert_int_equal(pccd_frame_commit_near(&frame, &settings, &steps[1]), PCCD_E_INVAL);
     assert_int_equal(steps[1], steps[0] + 1);
     for (uint32_t i = 0; i < 2; i++) {
-        good(client, pccd_wait(client, steps[i], -1, &answer));
+        assert_ok(pccd_wait(client, steps[i], -1, &answer));
         assert_int_equal(answer.step, steps[i]);
         assert_int_equal(answer.total, i * 3);
         pccd_answer_release(client, &answer);
     }
     settings.tuning[0] = 'x';
-    good(client, pccd_frame_begin(client, crossing->scene, 1, sizeof x, &frame));
+    assert_ok(pccd_frame_begin(client, crossing->scene, 1, sizeof x, &frame));
     memset(settings.tuning, 'x', sizeof settings.tuning);
     assert_int_equal(pccd_frame_commit_near(&frame, &settings, &steps[1]), PCCD_E_INVAL);
     test_crossing_positions(x, 1); /* no slot is lost */
-    good(client, pccd_step_x1(client, crossing->scene, crossing->object, x,
-                              PCCD_FORMAT_F32, 3, NULL, &answer));
+    assert_ok(pccd_step_x1(client, crossing->scene, crossing->object, x, PCCD_FORMAT_F32,
+                           3, NULL, &answer));
     pccd_answer_release(client, &answer);
     assert_true(test_crossing_turn(crossing));
 }
@@ -337,17 +320,14 @@ CASE(near__tells_how_deep_a_mesh_is_in_another)
     for (int i = 0; i < 2; i++) {
         struct pccd_client *client = connect_to(urls[i], 65536);
         struct pccd_answer page = PCCD_ANSWER_INIT;
-        uint32_t scene = 0;
-        uint32_t mesh = 0;
         uint32_t objects[2];
-        good(client, pccd_scene_create(client, NULL, &scene));
-        good(client,
-             pccd_mesh_create(client, x, PCCD_FORMAT_F64, 4, faces, 4, &mesh, NULL));
-        good(client, pccd_scene_add(client, scene, mesh, &objects[0]));
-        good(client, pccd_scene_add(client, scene, mesh, &objects[1]));
+        uint32_t scene = test_scene(client);
+        uint32_t mesh = test_mesh(client, x, PCCD_FORMAT_F64, 4, faces, 4);
+        objects[0] = test_object(client, scene, mesh);
+        objects[1] = test_object(client, scene, mesh);
         const struct pccd_motion motion = {
             .object = objects[1], .count = 4, .m0 = still, .m1 = off};
-        good(client, pccd_ask_near(client, scene, &motion, 1, &settings, &page));
+        assert_ok(pccd_ask_near(client, scene, &motion, 1, &settings, &page));
         wholes[i] = read_all(client, scene, &page);
         pccd_close(client);
     }
@@ -378,12 +358,11 @@ CASE(near__keeps_an_answer_beside_that_of_the_step)
     struct whole first = ask(grid.client, grid.scene, &settings);
     assert_true(first.answer.total > 2);
     for (int turn = 0; turn < 2; turn++) {
-        good(grid.client, pccd_fetch(grid.client, grid.scene, number, 1, &page));
+        assert_ok(pccd_fetch(grid.client, grid.scene, number, 1, &page));
         assert_false(page.is_near);
         assert_memory_equal(page.contacts, &second, sizeof second);
         pccd_answer_release(grid.client, &page);
-        good(grid.client,
-             pccd_fetch(grid.client, grid.scene, first.answer.step, 2, &page));
+        assert_ok(pccd_fetch(grid.client, grid.scene, first.answer.step, 2, &page));
         assert_true(page.is_near);
         assert_memory_equal(page.near, first.records + 2 * sizeof *page.near,
                             page.count * sizeof *page.near);
@@ -392,7 +371,7 @@ CASE(near__keeps_an_answer_beside_that_of_the_step)
     /* Another step takes the place of the step's answer alone, */
     move_to(&grid, 0.5f);
     assert_int_equal(pccd_fetch(grid.client, grid.scene, number, 1, &page), PCCD_E_STATE);
-    good(grid.client, pccd_fetch(grid.client, grid.scene, first.answer.step, 0, &page));
+    assert_ok(pccd_fetch(grid.client, grid.scene, first.answer.step, 0, &page));
     pccd_answer_release(grid.client, &page);
     assert_int_equal(pccd_fetch(grid.client, grid.scene, first.answer.step,
                                 first.answer.total + 1, &page),
@@ -402,7 +381,7 @@ CASE(near__keeps_an_answer_beside_that_of_the_step)
     struct whole other = ask(grid.client, grid.scene, &settings);
     assert_int_equal(pccd_fetch(grid.client, grid.scene, first.answer.step, 0, &page),
                      PCCD_E_STATE);
-    good(grid.client, pccd_scene_remove(grid.client, grid.scene, grid.floor));
+    assert_ok(pccd_scene_remove(grid.client, grid.scene, grid.floor));
     assert_int_equal(pccd_fetch(grid.client, grid.scene, other.answer.step, 0, &page),
                      PCCD_E_STATE);
     assert_non_null(strstr(pccd_error_text(grid.client), "no answer to scene.near"));
@@ -540,8 +519,8 @@ static double distance_at(struct test_crossing *crossing, uint32_t end)
     settings.what = PCCD_NEAR_NEAREST;
     settings.distance = INFINITY;
     settings.end = end;
-    good(crossing->client,
-         pccd_ask_near(crossing->client, crossing->scene, NULL, 0, &settings, &answer));
+    assert_ok(
+        pccd_ask_near(crossing->client, crossing->scene, NULL, 0, &settings, &answer));
     pccd_answer_release(crossing->client, &answer);
     return answer.distance_min;
 }
@@ -555,9 +534,8 @@ CASE_CROSSING(near__forgets_the_beginning_when_a_step_fails)
     float x[3][3];
 
     test_crossing_positions(x, -3);
-    good(crossing->client,
-         pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
-                      PCCD_FORMAT_F32, 3, NULL, &answer));
+    assert_ok(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
+                           PCCD_FORMAT_F32, 3, NULL, &answer));
     pccd_answer_release(crossing->client, &answer);
     assert_true(distance_at(crossing, 0) == 1); /* as it was registered */
     assert_true(distance_at(crossing, 1) == 3);
@@ -587,8 +565,7 @@ CASE_CROSSING(near__forgets_the_beginning_of_all_that_a_failed_step_names)
     for (int i = 0; i < 3; i++) {
         floor[i][2] = 0.5F;
     }
-    good(crossing->client,
-         pccd_step(crossing->client, crossing->scene, motions, 2, NULL, &answer));
+    assert_ok(pccd_step(crossing->client, crossing->scene, motions, 2, NULL, &answer));
     pccd_answer_release(crossing->client, &answer);
     assert_true(distance_at(crossing, 0) == 1);
     x[2][1] = NAN;
@@ -618,14 +595,11 @@ static struct member open_member(const char *name, const float x[3][3])
     struct member member = {.client = test_connect(test_shared.url)};
     const struct pccd_scene_settings settings = {
         .name = name, .share = PCCD_SHARE_OPEN, .rights = 0644};
-    uint32_t mesh = 0;
 
     assert_non_null(member.client);
-    good(member.client, pccd_scene_create(member.client, &settings, &member.scene));
-    good(member.client, pccd_mesh_create(member.client, x, PCCD_FORMAT_F32, 3,
-                                         test_triangle, 1, &mesh, NULL));
-    good(member.client,
-         pccd_scene_add(member.client, member.scene, mesh, &member.object));
+    assert_ok(pccd_scene_create(member.client, &settings, &member.scene));
+    uint32_t mesh = test_mesh(member.client, x, PCCD_FORMAT_F32, 3, test_triangle, 1);
+    member.object = test_object(member.client, member.scene, mesh);
     return member;
 }
 
@@ -646,24 +620,22 @@ CASE(near__leaves_held_frames_where_they_are)
     settings_t settings = defaults;
     uint64_t step = 0;
 
-    good(obstacle.client,
-         pccd_submit(obstacle.client, obstacle.scene, &lift, 1, &hold, &step));
-    good(obstacle.client, pccd_wait_held(obstacle.client, step, -1));
+    assert_ok(pccd_submit(obstacle.client, obstacle.scene, &lift, 1, &hold, &step));
+    assert_ok(pccd_wait_held(obstacle.client, step, -1));
     settings.distance = 10;
     for (uint32_t moves = 0; moves < 2; moves++) { /* of either member */
         struct member *member = moves == 0 ? &obstacle : &cloth;
-        good(member->client, pccd_ask_near(member->client, member->scene, &stay, moves,
-                                           &settings, &answer));
+        assert_ok(pccd_ask_near(member->client, member->scene, &stay, moves, &settings,
+                                &answer));
         assert_true(answer.distance_min == 1);
         pccd_answer_release(member->client, &answer);
         assert_int_equal(pccd_wait(obstacle.client, step, 0, &answer), PCCD_E_AGAIN);
     }
-    good(cloth.client, pccd_step(cloth.client, cloth.scene, &stay, 1, NULL, &answer));
+    assert_ok(pccd_step(cloth.client, cloth.scene, &stay, 1, NULL, &answer));
     assert_int_equal(answer.number, 1); /* no question was a step */
     pccd_answer_release(cloth.client, &answer);
-    good(obstacle.client, pccd_wait(obstacle.client, step, -1, &answer));
-    good(cloth.client,
-         pccd_ask_near(cloth.client, cloth.scene, NULL, 0, &settings, &answer));
+    assert_ok(pccd_wait(obstacle.client, step, -1, &answer));
+    assert_ok(pccd_ask_near(cloth.client, cloth.scene, NULL, 0, &settings, &answer));
     assert_true(answer.distance_min == 0.25);
     pccd_answer_release(cloth.client, &answer);
     pccd_close(cloth.client);
@@ -673,12 +645,11 @@ CASE(near__leaves_held_frames_where_they_are)
 /* A client of another user. */
 static struct pccd_client *connect_as_other(void)
 {
-    struct pccd_client *client;
 
     assert_int_equal(chmod(test_shared.directory, 0755), 0);
     assert_int_equal(chmod(test_shared.socket, 0666), 0);
     assert_int_equal(seteuid(OTHER_USER), 0);
-    client = test_connect(test_shared.url);
+    struct pccd_client *client = test_connect(test_shared.url);
     assert_int_equal(seteuid(0), 0);
     assert_int_equal(chmod(test_shared.directory, 0700), 0);
     assert_int_equal(chmod(test_shared.socket, 0600), 0);
@@ -702,10 +673,9 @@ CASE(near__is_asked_by_every_member)
     owner = open_member("near read", test_triangle_x);
     reader.client = connect_as_other();
     assert_non_null(reader.client);
-    good(reader.client, pccd_scene_join(reader.client, 0, "near read", &reader.scene));
+    assert_ok(pccd_scene_join(reader.client, 0, "near read", &reader.scene));
     settings.distance = 1;
-    good(reader.client,
-         pccd_ask_near(reader.client, reader.scene, NULL, 0, &settings, &answer));
+    assert_ok(pccd_ask_near(reader.client, reader.scene, NULL, 0, &settings, &answer));
     assert_int_equal(answer.total, 0); /* there is nothing but the triangle */
     const uint64_t number = answer.step;
     test_crossing_positions(x, 0);
@@ -715,8 +685,7 @@ CASE(near__is_asked_by_every_member)
         pccd_ask_near(reader.client, reader.scene, &motion, 1, &settings, &answer),
         PCCD_E_ACCESS);
     assert_non_null(strstr(pccd_error_text(reader.client), "may only read"));
-    good(owner.client,
-         pccd_ask_near(owner.client, owner.scene, &motion, 1, &settings, &answer));
+    assert_ok(pccd_ask_near(owner.client, owner.scene, &motion, 1, &settings, &answer));
     assert_int_equal(pccd_fetch(reader.client, reader.scene, number, 0, &answer),
                      PCCD_E_STATE);
     assert_non_null(strstr(pccd_error_text(reader.client), "another session's"));
@@ -757,12 +726,12 @@ CASE_CROSSING(near__shows_in_counters_and_traces)
     const uint64_t steps = test_stat(client, "steps");
 
     settings.distance = 1;
-    good(client, pccd_trace_start(client, 0, 0, NULL));
+    assert_ok(pccd_trace_start(client, 0, 0, NULL));
     for (int i = 0; i < 2; i++) {
         free(ask(client, crossing->scene, &settings).records);
     }
-    good(client, pccd_trace_stop(client, &info));
-    good(client, pccd_trace_dump(client, see, &seen));
+    assert_ok(pccd_trace_stop(client, &info));
+    assert_ok(pccd_trace_dump(client, see, &seen));
     assert_int_equal(seen.requests, 2);
     assert_int_equal(test_stat(client, "nears"), nears + 2);
     assert_int_equal(test_stat(client, "near_records"), records + 6);

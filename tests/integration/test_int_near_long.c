@@ -1,9 +1,5 @@
 /* test_int_near_long.c - questions about what is near that end early, or whose daemon
- * does.
- *
- * Deadlines, cancels and limits; a daemon that is killed while it computes, a connection
- * that is lost, a daemon of before.
- */
+ * does. */
 #include "cases.h"
 
 #include <math.h>
@@ -16,6 +12,7 @@
 #include "daemon.h"
 #include "false_daemon.h"
 #include "grid.h"
+#include "must.h"
 #include "raw.h"
 
 #define SIDE        250u /* a step of 20 ms and more; its slot is copied: 750 KB */
@@ -35,25 +32,13 @@ static struct test_daemon daemon_;
 static struct pccd_client *client;
 static struct test_grid grid;
 
-static void good(int status)
-{
-    if (status != 0) {
-        print_error("%s: %s\n", pccd_status_name(status), pccd_error_text(client));
-    }
-    assert_int_equal(status, 0);
-}
-
 static void start_with(const char *const *options, uint32_t side)
 {
-    struct pccd_options asked;
 
     assert_true(test_daemon_start(&daemon_, options));
-    pccd_options_init(&asked);
-    asked.url = daemon_.url;
-    asked.timeout_ms = 60000;
-    asked.result_bytes = 32u << 20;
-    assert_int_equal(pccd_connect(&asked, &client), 0);
-    good(test_grid_make(client, side, &grid));
+    client = test_client(&(struct pccd_options){
+        .url = daemon_.url, .timeout_ms = 60000, .result_bytes = 32u << 20});
+    assert_ok(test_grid_make(client, side, &grid));
 }
 
 static int teardown(void **state)
@@ -80,7 +65,7 @@ static void expect_nothing(uint64_t step, enum pccd_incomplete why)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    good(pccd_wait(client, step, -1, &answer));
+    assert_ok(pccd_wait(client, step, -1, &answer));
     assert_true(answer.is_near);
     assert_int_equal(answer.incomplete, why);
     assert_int_equal(answer.total, 0);
@@ -92,7 +77,7 @@ static void expect_turn(uint64_t step)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    good(pccd_wait(client, step, -1, &answer));
+    assert_ok(pccd_wait(client, step, -1, &answer));
     assert_true(test_grid_is_right(&grid, &answer));
     pccd_answer_release(client, &answer);
 }
@@ -113,16 +98,17 @@ CASE_WITH(near__is_answered_at_its_deadline_and_cancel, NULL, teardown)
         for (uint32_t cancels = 0; cancels < 2; cancels++) {
             const float from = grid.z;
             settings.deadline_ns = cancels ? 0 : MS;
-            good(test_grid_submit(&grid, NULL, &before[0]));
-            good(test_grid_submit(&grid, NULL, &before[1]));
+            assert_ok(test_grid_submit(&grid, NULL, &before[0]));
+            assert_ok(test_grid_submit(&grid, NULL, &before[1]));
             /* The way of one turn, so that the next one is as the others. */
             const struct pccd_motion motion = motion_to(-grid.z);
-            good(pccd_submit_near(client, grid.scene, &motion, moves, &settings,
-                                  &asked[0]));
-            good(pccd_submit_near(client, grid.scene, NULL, 0, &settings, &asked[1]));
+            assert_ok(pccd_submit_near(client, grid.scene, &motion, moves, &settings,
+                                       &asked[0]));
+            assert_ok(
+                pccd_submit_near(client, grid.scene, NULL, 0, &settings, &asked[1]));
             for (uint32_t i = 0; i < 2; i++) {
                 if (cancels) {
-                    good(pccd_cancel(client, asked[i]));
+                    assert_ok(pccd_cancel(client, asked[i]));
                 }
                 expect_nothing(asked[i], cancels ? PCCD_INCOMPLETE_CANCELLED
                                                  : PCCD_INCOMPLETE_DEADLINE);
@@ -131,7 +117,7 @@ CASE_WITH(near__is_answered_at_its_deadline_and_cancel, NULL, teardown)
             assert_int_equal(pccd_wait(client, before[1], 0, &answer), PCCD_E_AGAIN);
             assert_true(grid.z == from);
             grid.z = moves ? -grid.z : grid.z;
-            good(test_grid_submit(&grid, NULL, &after));
+            assert_ok(test_grid_submit(&grid, NULL, &after));
             expect_turn(before[0]);
             expect_turn(before[1]);
             expect_turn(after);
@@ -154,27 +140,27 @@ CASE_WITH(near__ends_while_it_computes, NULL, teardown)
     settings.distance = FAR; /* 10^10 pairs */
     settings.deadline_ns = 50 * MS;
     begin_ms = test_now_ms();
-    good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
+    assert_ok(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
     assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
     assert_true(answer.incomplete == PCCD_INCOMPLETE_DEADLINE ||
                 answer.incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT);
     pccd_answer_release(client, &answer);
     settings.what = PCCD_NEAR_VERTICES; /* none of which is proved then */
-    good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
+    assert_ok(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(answer.total, 0);
     settings.deadline_ns = 0;
-    good(pccd_submit_near(client, grid.scene, NULL, 0, &settings, &step));
+    assert_ok(pccd_submit_near(client, grid.scene, NULL, 0, &settings, &step));
     test_sleep_ms(50);
     begin_ms = test_now_ms();
-    good(pccd_cancel(client, step));
-    good(pccd_wait(client, step, -1, &answer));
+    assert_ok(pccd_cancel(client, step));
+    assert_ok(pccd_wait(client, step, -1, &answer));
     assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
     /* What the daemon lets anybody compute. */
-    good(pccd_config_set(client, "step-max-ms", "50"));
+    assert_ok(pccd_config_set(client, "step-max-ms", "50"));
     begin_ms = test_now_ms();
-    good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
+    assert_ok(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
     assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(test_stat(client, "nears_incomplete"), 4);
@@ -185,8 +171,6 @@ static uint32_t add_ring(uint32_t scene, double thickness)
 {
     double(*x)[3] = malloc(RING * RING * sizeof *x);
     uint32_t(*faces)[3] = malloc(2 * RING * RING * sizeof *faces);
-    uint32_t mesh = 0;
-    uint32_t object = 0;
 
     assert_true(x != NULL && faces != NULL);
     for (uint32_t i = 0; i < RING * RING; i++) {
@@ -207,9 +191,9 @@ static uint32_t add_ring(uint32_t scene, double thickness)
         memcpy(faces[2 * i + 1], (uint32_t[]){corner[0], corner[2], corner[3]},
                sizeof *faces);
     }
-    good(pccd_mesh_create(client, x, PCCD_FORMAT_F64, RING * RING, faces, 2 * RING * RING,
-                          &mesh, NULL));
-    good(pccd_scene_add(client, scene, mesh, &object));
+    uint32_t mesh =
+        test_mesh(client, x, PCCD_FORMAT_F64, RING * RING, faces, 2 * RING * RING);
+    uint32_t object = test_object(client, scene, mesh);
     free(x);
     free(faces);
     return object;
@@ -224,10 +208,9 @@ CASE_WITH(near__of_objects_ends_while_it_computes, NULL, teardown)
     settings_t settings = defaults;
     uint64_t step = 0;
     uint64_t begin_ms;
-    uint32_t scene = 0;
 
     start_with(NULL, SIDE_SMALL);
-    good(pccd_scene_create(client, NULL, &scene));
+    uint32_t scene = test_scene(client);
     (void)add_ring(scene, .5);
     (void)add_ring(scene, .25); /* in the first, with the same middle */
     settings.distance = INFINITY;
@@ -236,17 +219,17 @@ CASE_WITH(near__of_objects_ends_while_it_computes, NULL, teardown)
         settings.threads = 1 + i % 2;
         settings.deadline_ns = 10 * MS;
         begin_ms = test_now_ms();
-        good(pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
+        assert_ok(pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
         assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
         assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
         assert_true(answer.total < RING * RING); /* of DEPTH there would be so many */
         pccd_answer_release(client, &answer);
         settings.deadline_ns = 0;
-        good(pccd_submit_near(client, scene, NULL, 0, &settings, &step));
+        assert_ok(pccd_submit_near(client, scene, NULL, 0, &settings, &step));
         test_sleep_ms(10);
         begin_ms = test_now_ms();
-        good(pccd_cancel(client, step));
-        good(pccd_wait(client, step, -1, &answer));
+        assert_ok(pccd_cancel(client, step));
+        assert_ok(pccd_wait(client, step, -1, &answer));
         assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
         assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
         pccd_answer_release(client, &answer);
@@ -254,7 +237,7 @@ CASE_WITH(near__of_objects_ends_while_it_computes, NULL, teardown)
     assert_int_equal(test_stat(client, "nears_incomplete"), 8);
     /* And whole they are long, or nothing was ended here. */
     begin_ms = test_now_ms();
-    good(pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
+    assert_ok(pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
     print_message("# depth in %u ms\n", (unsigned)(test_now_ms() - begin_ms));
     assert_int_equal(answer.incomplete, PCCD_COMPLETE);
     assert_int_equal(answer.total, RING * RING);
@@ -270,13 +253,13 @@ CASE_WITH(near__keeps_the_first_records_at_the_limit, NULL, teardown)
 
     start_with(NULL, SIDE_SMALL);
     settings.distance = 0.08;
-    good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &whole));
+    assert_ok(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &whole));
     assert_int_equal(whole.incomplete, PCCD_COMPLETE);
     assert_true(whole.total > 4000);
-    good(pccd_config_set(client, "contacts-max", "2000"));
+    assert_ok(pccd_config_set(client, "contacts-max", "2000"));
     for (uint32_t threads = 1; threads < 3; threads++) {
         settings.threads = threads;
-        good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &cut));
+        assert_ok(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &cut));
         assert_int_equal(cut.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
         assert_int_equal(cut.total, 2000);
         assert_int_equal(cut.count, 2000);
@@ -308,7 +291,7 @@ CASE_WITH(near__is_bounded_by_the_users_memory, NULL, teardown)
         assert_true(test_stat(client, "engine_bytes_now") <= least + (24u << 20));
     }
     settings.distance = 0.02; /* and what fits is whole */
-    good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
+    assert_ok(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
     assert_int_equal(answer.incomplete, PCCD_COMPLETE);
     assert_true(answer.total > 1000);
     pccd_answer_release(client, &answer);
@@ -327,7 +310,8 @@ static void kill_worker(void)
 static void ask_whole(const struct pccd_motion *motion, const settings_t *settings,
                       struct pccd_answer *answer)
 {
-    good(pccd_ask_near(client, grid.scene, motion, motion != NULL, settings, answer));
+    assert_ok(
+        pccd_ask_near(client, grid.scene, motion, motion != NULL, settings, answer));
     assert_int_equal(answer->incomplete, PCCD_COMPLETE);
     assert_int_equal(answer->count, answer->total);
     assert_true(answer->total > 1000);
@@ -353,17 +337,17 @@ CASE_WITH(near__has_the_same_bytes_after_a_crash, NULL, teardown)
             pccd_answer_release(client, &after);
             motion = motion_to(0.02f);
         }
-        good(pccd_submit_near(client, grid.scene, &motion, moves, &settings, &step));
+        assert_ok(pccd_submit_near(client, grid.scene, &motion, moves, &settings, &step));
         test_sleep_ms(2); /* it computes, most likely */
         kill_worker();
-        good(pccd_wait(client, step, -1, &after));
+        assert_ok(pccd_wait(client, step, -1, &after));
         assert_int_equal(after.total, before.total);
         assert_memory_equal(after.near, before.near, before.count * sizeof *before.near);
         assert_memory_equal(after.hash, before.hash, sizeof before.hash);
         pccd_answer_release(client, &before);
         pccd_answer_release(client, &after);
     }
-    good(pccd_link(client, &info));
+    assert_ok(pccd_link(client, &info));
     assert_true(info.reconnects >= 2);
 }
 
@@ -382,7 +366,7 @@ CASE_WITH(near__knows_no_beginning_after_a_crash, NULL, teardown)
     ask_whole(NULL, &settings, &answer); /* nothing has moved: as registered */
     pccd_answer_release(client, &answer);
     struct pccd_motion motion = motion_to(0.1f);
-    good(pccd_step(client, grid.scene, &motion, 1, NULL, &answer));
+    assert_ok(pccd_step(client, grid.scene, &motion, 1, NULL, &answer));
     pccd_answer_release(client, &answer);
     kill_worker();
     assert_int_equal(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer),
@@ -397,14 +381,14 @@ CASE_WITH(near__knows_no_beginning_after_a_crash, NULL, teardown)
         if (asks) {
             ask_whole(&motion, &settings, &answer);
         } else {
-            good(pccd_step(client, grid.scene, &motion, 1, NULL, &answer));
+            assert_ok(pccd_step(client, grid.scene, &motion, 1, NULL, &answer));
         }
         pccd_answer_release(client, &answer);
         ask_whole(NULL, &settings, &answer);
         pccd_answer_release(client, &answer);
         kill_worker();
-        good(pccd_submit_still(client, grid.scene, NULL, &step));
-        good(pccd_wait(client, step, -1, &answer));
+        assert_ok(pccd_submit_still(client, grid.scene, NULL, &step));
+        assert_ok(pccd_wait(client, step, -1, &answer));
         pccd_answer_release(client, &answer);
         ask_whole(NULL, &settings, &answer);
         pccd_answer_release(client, &answer);
@@ -438,14 +422,13 @@ static uint32_t open_raw_scene(uint32_t *scene)
     struct proto_SCENE_ADD_request add = {.mesh = 0};
     struct proto_SCENE_ADD_result object = {.object = 0};
 
-    assert_int_equal(test_raw_attach(&raw, 2, 4096), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made), 0);
+    assert_ok(test_raw_attach(&raw, 2, 4096));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made));
     *scene = add.scene = made.scene;
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(test_raw_mesh(&raw, i == 0 ? test_floor_x : test_triangle_x, 3,
-                                       test_triangle, 1, &add.mesh),
-                         0);
-        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &object), 0);
+        assert_ok(test_raw_mesh(&raw, i == 0 ? test_floor_x : test_triangle_x, 3,
+                                test_triangle, 1, &add.mesh));
+        assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &object));
     }
     return object.object;
 }
@@ -479,8 +462,7 @@ CASE_WITH(near__is_answered_once_over_a_connection_that_is_lost, NULL, teardown)
     for (uint32_t i = 0; i < 2; i++) {
         ids[i] = test_raw_request(&raw, PROTO_METHOD_SCENE_NEAR, &asked[i]);
     }
-    assert_int_equal(test_raw_answer(&raw, ids[0], PROTO_METHOD_SCENE_NEAR, &answers[0]),
-                     0);
+    assert_ok(test_raw_answer(&raw, ids[0], PROTO_METHOD_SCENE_NEAR, &answers[0]));
     assert_int_equal(answers[0].total, 3);
     for (int turn = 0; turn < 2; turn++) {
         (void)close(raw.socket);
@@ -488,12 +470,10 @@ CASE_WITH(near__is_answered_once_over_a_connection_that_is_lost, NULL, teardown)
         assert_int_equal(say_hello(&session, &again), 0);
         assert_true(again.resumed);
         for (uint32_t i = 0; i < 2; i++) {
-            assert_int_equal(proto_encode_request(&raw.encoder, ids[i],
-                                                  PROTO_METHOD_SCENE_NEAR, &asked[i]),
-                             0);
+            assert_ok(proto_encode_request(&raw.encoder, ids[i], PROTO_METHOD_SCENE_NEAR,
+                                           &asked[i]));
             assert_true(test_raw_send(&raw, raw.encoder.data, raw.encoder.bytes, 0));
-            assert_int_equal(
-                test_raw_answer(&raw, ids[i], PROTO_METHOD_SCENE_NEAR, &repeated), 0);
+            assert_ok(test_raw_answer(&raw, ids[i], PROTO_METHOD_SCENE_NEAR, &repeated));
             assert_int_equal(repeated.total, 3);
             if (i == 0 || turn == 1) {
                 assert_memory_equal(&repeated, &answers[i], sizeof repeated);
@@ -515,11 +495,10 @@ CASE_WITH(near__counts_among_the_steps_in_flight, NULL, teardown)
     uint32_t ids[3];
 
     start_with(NULL, SIDE);
-    assert_true(test_raw_open(&raw, daemon_.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_session(&raw, daemon_.socket, 0, 0));
     (void)open_raw_scene(&asked.scene);
     assert_int_equal(raw.ring.inflight_max, 2);
-    good(test_grid_submit(&grid, NULL, &long_step)); /* before which they wait */
+    assert_ok(test_grid_submit(&grid, NULL, &long_step)); /* before which they wait */
     for (uint32_t i = 0; i < 3; i++) {
         ids[i] = test_raw_request(&raw, PROTO_METHOD_SCENE_NEAR, &asked);
     }
@@ -543,7 +522,7 @@ CASE_WITH(near__needs_a_daemon_that_knows_it, NULL, false_stop)
     struct pccd_client *old = NULL;
 
     false_start(speak_as_before);
-    assert_int_equal(false_connect(&old), 0);
+    assert_ok(false_connect(&old));
     assert_int_equal(pccd_ask_near(old, 1, NULL, 0, NULL, &answer), PCCD_E_VERSION);
     assert_non_null(strstr(pccd_error_text(old), "scene.near: the daemon at"));
     pccd_close(old);

@@ -141,7 +141,7 @@ static void says_ready(bool is_abstract)
     assert_true(test_raw_open(&raw, f.socket)); /* at once */
     (void)snprintf(main_pid, sizeof main_pid, "\nMAINPID=%ld", (long)f.daemon);
     assert_non_null(strstr(f.lines, main_pid));
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_hello(&raw));
     test_raw_close(&raw);
     expect_end();
 }
@@ -213,8 +213,7 @@ CASE_WITH(notify__tells_how_many_clients_there_are, set_up, tear_down)
     manage(false);
     start(NULL, NULL);
     assert_true(hear_of("STATUS=0 clients, 0 steps", END_MS));
-    assert_true(test_raw_open(&raw, f.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_session(&raw, f.socket, 0, 0));
     assert_true(hear_of("STATUS=1 client, ", END_MS));
     test_raw_close(&raw);
     expect_end();
@@ -501,7 +500,7 @@ CASE_WITH(notify__private_daemon_is_silent, set_up, tear_down)
     for (int i = 0; i < END_MS / 10 && !test_raw_open(&raw, f.socket); i++) {
         test_sleep_ms(10);
     }
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_hello(&raw));
     assert_false(hear(SILENCE_MS));
     test_raw_close(&raw);
     int status = -1;

@@ -1,8 +1,4 @@
-/* test_int_null.c - calls with NULL in the place of a client, or of another argument.
- *
- * Every public function without a client; each argument that must be given. It is an
- * error that names what was missing.
- */
+/* test_int_null.c - calls with NULL in the place of a client, or of another argument. */
 #include "cases.h"
 
 #include <string.h>
@@ -150,8 +146,8 @@ CASE_CROSSING(null__arguments_that_are_null_are_named)
     uint32_t count = 0;
     void *x = NULL;
 
-    assert_int_equal(pccd_frame_begin(client, crossing->scene, 2, 512, &frame), 0);
-    assert_int_equal(pccd_batch_create(client, &part, 1, &batch), 0);
+    assert_ok(pccd_frame_begin(client, crossing->scene, 2, 512, &frame));
+    assert_ok(pccd_batch_create(client, &part, 1, &batch));
 #define NAMED(call)                                                                      \
     assert_int_equal(call, PCCD_E_INVAL);                                                \
     assert_non_null(strstr(pccd_error_text(client), "NULL"));                            \

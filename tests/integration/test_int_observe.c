@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "fixture.h"
+#include "must.h"
 #include "proto_limits.h"
 #include "raw.h"
 #include "skip.h"
@@ -97,10 +98,10 @@ CASE_CROSSING(list__has_what_a_session_has)
     for (int i = 0; i < TURNS; i++) {
         assert_true(test_crossing_turn(crossing));
     }
-    assert_int_equal(pccd_daemon(crossing->client, &self), 0);
+    assert_ok(pccd_daemon(crossing->client, &self));
     assert_true(strncmp(self.name, "pccdd ", 6) == 0);
     sessions.wanted = self.session;
-    assert_int_equal(pccd_list_sessions(other, take_session, &sessions), 0);
+    assert_ok(pccd_list_sessions(other, take_session, &sessions));
     assert_int_equal(sessions.count, 2);
     assert_int_equal(sessions.found.session, self.session);
     assert_int_equal(sessions.found.pid, getpid());
@@ -117,34 +118,31 @@ CASE_CROSSING(list__has_what_a_session_has)
     assert_true(sessions.found.ns_step > 0 && sessions.found.ns_open > 0);
     assert_false(sessions.found.waiting);
 
-    assert_int_equal(pccd_list_scenes(other, self.session, take_scene, &scenes), 0);
+    assert_ok(pccd_list_scenes(other, self.session, take_scene, &scenes));
     assert_int_equal(scenes.count, 1);
     assert_int_equal(scenes.last.scene, crossing->scene);
     assert_int_equal(scenes.last.objects, 2);
     assert_int_equal(scenes.last.steps, TURNS);
     assert_true(scenes.last.number >= TURNS && scenes.last.total > 0);
 
-    assert_int_equal(
-        pccd_list_objects(other, self.session, crossing->scene, take_object, &objects),
-        0);
+    assert_ok(
+        pccd_list_objects(other, self.session, crossing->scene, take_object, &objects));
     assert_int_equal(objects.count, 2);
     assert_int_equal(objects.handles[0], crossing->floor);
     assert_int_equal(objects.handles[1], crossing->object);
     assert_int_equal(objects.meshes[0], crossing->floor_mesh);
     assert_int_equal(objects.meshes[1], crossing->mesh);
-    assert_int_equal(pccd_list_meshes(other, self.session, take_mesh, &meshes), 0);
+    assert_ok(pccd_list_meshes(other, self.session, take_mesh, &meshes));
     assert_int_equal(meshes, 2);
 
-    assert_int_equal(pccd_mesh_destroy(crossing->client, crossing->mesh), 0);
-    assert_int_equal(
-        pccd_scene_remove(crossing->client, crossing->scene, crossing->floor), 0);
+    assert_ok(pccd_mesh_destroy(crossing->client, crossing->mesh));
+    assert_ok(pccd_scene_remove(crossing->client, crossing->scene, crossing->floor));
     objects.count = 0;
-    assert_int_equal(
-        pccd_list_objects(crossing->client, 0, crossing->scene, take_object, &objects),
-        0);
+    assert_ok(
+        pccd_list_objects(crossing->client, 0, crossing->scene, take_object, &objects));
     assert_int_equal(objects.count, 1);
     assert_int_equal(objects.meshes[0], 0);
-    assert_int_equal(pccd_list_sessions(other, take_session, &sessions), 0);
+    assert_ok(pccd_list_sessions(other, take_session, &sessions));
     assert_int_equal(sessions.found.triangles, 1);
     assert_int_equal(pccd_list_scenes(other, self.session + 1000, take_scene, &scenes),
                      PCCD_E_HANDLE);
@@ -172,17 +170,15 @@ CASE_CROSSING(histogram__counts_every_step_and_request)
     struct pccd_histogram_info steps0, steps1, requests0, requests1;
     uint64_t span_ns;
 
-    assert_int_equal(pccd_histogram(crossing->client, PCCD_HISTOGRAM_STEPS, &steps0), 0);
-    assert_int_equal(
-        pccd_histogram(crossing->client, PCCD_HISTOGRAM_REQUESTS, &requests0), 0);
+    assert_ok(pccd_histogram(crossing->client, PCCD_HISTOGRAM_STEPS, &steps0));
+    assert_ok(pccd_histogram(crossing->client, PCCD_HISTOGRAM_REQUESTS, &requests0));
     uint64_t begin_us = test_now_us();
     for (int i = 0; i < TURNS; i++) {
         assert_true(test_crossing_turn(crossing));
     }
     span_ns = (test_now_us() - begin_us + 1) * 1000;
-    assert_int_equal(pccd_histogram(crossing->client, PCCD_HISTOGRAM_STEPS, &steps1), 0);
-    assert_int_equal(
-        pccd_histogram(crossing->client, PCCD_HISTOGRAM_REQUESTS, &requests1), 0);
+    assert_ok(pccd_histogram(crossing->client, PCCD_HISTOGRAM_STEPS, &steps1));
+    assert_ok(pccd_histogram(crossing->client, PCCD_HISTOGRAM_REQUESTS, &requests1));
     assert_int_equal(steps1.count - steps0.count, TURNS);
     assert_int_equal(sum_of(&steps1), steps1.count);
     assert_true(steps1.ns_sum > steps0.ns_sum);
@@ -216,7 +212,7 @@ static void expect_setting(struct pccd_client *client, const char *name,
 {
     struct settings settings = {.count = 0};
 
-    assert_int_equal(pccd_config_get(client, name, take_setting, &settings), 0);
+    assert_ok(pccd_config_get(client, name, take_setting, &settings));
     assert_int_equal(settings.count, 1);
     assert_string_equal(settings.value, value);
     assert_int_equal(settings.changed, changed);
@@ -230,7 +226,7 @@ static void expect_scenes(uint32_t count)
 
     assert_non_null(client);
     for (uint32_t i = 0; i < count; i++) {
-        assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+        scene = test_scene(client);
     }
     assert_int_equal(pccd_scene_create(client, NULL, &scene),
                      count < 100 ? PCCD_E_LIMIT : 0);
@@ -249,46 +245,44 @@ CASE_CROSSING(config__settings_change_and_hold)
     if (test_is_direct()) {
         test_skip("with direct: there are other quotas to begin with");
     }
-    assert_int_equal(pccd_config_get(client, NULL, take_setting, &settings), 0);
+    assert_ok(pccd_config_get(client, NULL, take_setting, &settings));
     assert_true(settings.count >= 14);
     assert_int_equal(pccd_config_get(client, "no-such", take_setting, &settings),
                      PCCD_E_INVAL);
     expect_setting(client, "meshes-max", "131072", false);
-    assert_int_equal(pccd_config_set(client, "meshes-max", "2"), 0); /* as it has */
+    assert_ok(pccd_config_set(client, "meshes-max", "2")); /* as it has */
     expect_setting(client, "meshes-max", "2", true);
     assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
                                       test_triangle, 1, &mesh, NULL),
                      PCCD_E_QUOTA);
-    assert_int_equal(pccd_config_set(client, "meshes-max", "1"), 0); /* less than that */
+    assert_ok(pccd_config_set(client, "meshes-max", "1")); /* less than that */
     assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
                                       test_triangle, 1, &mesh, NULL),
                      PCCD_E_QUOTA);
     assert_true(test_crossing_turn(crossing));
-    assert_int_equal(pccd_config_set(client, "meshes-max", "131072"), 0);
+    assert_ok(pccd_config_set(client, "meshes-max", "131072"));
     expect_setting(client, "meshes-max", "131072", false);
-    assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &mesh, NULL),
-                     0);
+    mesh = test_mesh(client, test_triangle_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
 
     expect_setting(client, "scenes-max", "65536", false);
-    assert_int_equal(pccd_config_set(client, "scenes-max", "2"), 0);
+    assert_ok(pccd_config_set(client, "scenes-max", "2"));
     expect_scenes(2); /* of whoever connects from now on */
-    assert_int_equal(pccd_config_set(client, "scenes-max", "65536"), 0);
+    assert_ok(pccd_config_set(client, "scenes-max", "65536"));
     expect_scenes(100);
 
-    assert_int_equal(pccd_config_set(client, "log-level", "debug"), 0);
+    assert_ok(pccd_config_set(client, "log-level", "debug"));
     expect_setting(client, "log-level", "debug", true);
     assert_int_equal(pccd_config_set(client, "log-level", "loud"), PCCD_E_INVAL);
-    assert_int_equal(pccd_config_set(client, "log-level", "info"), 0);
+    assert_ok(pccd_config_set(client, "log-level", "info"));
     assert_int_equal(pccd_config_set(client, "threads", "0"), PCCD_E_INVAL);
     assert_int_equal(pccd_config_set(client, "threads", "4096"), PCCD_E_INVAL);
-    assert_int_equal(pccd_config_set(client, "threads", "1"), 0);
+    assert_ok(pccd_config_set(client, "threads", "1"));
     assert_true(test_crossing_turn(crossing));
     assert_int_equal(pccd_config_set(client, "queue-max", "-1"), PCCD_E_INVAL);
     assert_int_equal(pccd_config_set(client, "queue-max", "9 "), PCCD_E_INVAL);
-    assert_int_equal(pccd_config_set(client, "contacts-max", "1"), 0);
+    assert_ok(pccd_config_set(client, "contacts-max", "1"));
     assert_true(test_daemon_logged(&test_shared, "meshes-max: 131072, was 1"));
-    assert_int_equal(pccd_config_set(client, "contacts-max", "16777216"), 0);
+    assert_ok(pccd_config_set(client, "contacts-max", "16777216"));
 }
 
 /* ---- watching ---------------------------------------------------------------------- */
@@ -303,15 +297,15 @@ CASE_CROSSING(watch__tells_every_step_of_another_session)
     uint64_t number = 0;
 
     assert_non_null(other);
-    assert_int_equal(pccd_daemon(crossing->client, &self), 0);
+    assert_ok(pccd_daemon(crossing->client, &self));
     assert_int_equal(pccd_watch_next(other, 0, &event), PCCD_E_STATE);
     assert_int_equal(pccd_watch_start(other, self.session + 1000, 0), PCCD_E_HANDLE);
-    assert_int_equal(pccd_watch_start(other, self.session, 0), 0);
+    assert_ok(pccd_watch_start(other, self.session, 0));
     assert_int_equal(pccd_watch_next(other, 0, &event), PCCD_E_AGAIN);
     assert_int_equal(pccd_watch_next(other, 20, &event), PCCD_E_TIMEOUT);
     for (int i = 0; i < TURNS; i++) {
         assert_true(test_crossing_turn(crossing));
-        assert_int_equal(pccd_watch_next(other, -1, &event), 0);
+        assert_ok(pccd_watch_next(other, -1, &event));
         assert_int_equal(event.session, self.session);
         assert_int_equal(event.scene, crossing->scene);
         assert_int_equal(event.status, 0);
@@ -320,11 +314,10 @@ CASE_CROSSING(watch__tells_every_step_of_another_session)
         assert_true(event.ns_step > 0 && event.number > number);
         number = event.number;
     }
-    assert_int_equal(pccd_watch_start(other, 0, 77),
-                     0); /* of a scene that is not there */
+    assert_ok(pccd_watch_start(other, 0, 77)); /* of a scene that is not there */
     assert_true(test_crossing_turn(crossing));
     assert_int_equal(pccd_watch_next(other, 20, &event), PCCD_E_TIMEOUT);
-    assert_int_equal(pccd_watch_stop(other), 0);
+    assert_ok(pccd_watch_stop(other));
     pccd_close(other);
 }
 
@@ -339,14 +332,14 @@ CASE_CROSSING(watch__who_does_not_read_hears_what_was_lost)
     uint64_t told = 0, lost = 0;
 
     assert_non_null(other);
-    assert_int_equal(pccd_watch_start(other, 0, 0), 0);
+    assert_ok(pccd_watch_start(other, 0, 0));
     for (int i = 0; i < turns; i++) {
         assert_true(test_crossing_turn(crossing));
     }
     while (told + lost < (uint64_t)turns) {
         if (pccd_watch_next(other, 500, &event) != 0) { /* the last are told with one */
             assert_true(test_crossing_turn(crossing));
-            assert_int_equal(pccd_watch_next(other, -1, &event), 0);
+            assert_ok(pccd_watch_next(other, -1, &event));
             told--;
         }
         told++;
@@ -354,7 +347,7 @@ CASE_CROSSING(watch__who_does_not_read_hears_what_was_lost)
     }
     assert_int_equal(told + lost, turns);
     assert_true(lost > 0 && told >= PROTO_WATCH_ROOM);
-    assert_int_equal(pccd_watch_stop(other), 0);
+    assert_ok(pccd_watch_stop(other));
     assert_true(test_crossing_turn(crossing));
     pccd_close(other);
 }
@@ -368,12 +361,12 @@ CASE_CROSSING(watch__who_reads_late_hears_of_all_that_fits)
     const int turns = 300; /* less than what the way and the daemon keep */
 
     assert_non_null(other);
-    assert_int_equal(pccd_watch_start(other, 0, 0), 0);
+    assert_ok(pccd_watch_start(other, 0, 0));
     for (int i = 0; i < turns; i++) {
         assert_true(test_crossing_turn(crossing));
     }
     for (int i = 0; i < turns; i++) {
-        assert_int_equal(pccd_watch_next(other, -1, &event), 0);
+        assert_ok(pccd_watch_next(other, -1, &event));
         assert_int_equal(event.lost, 0);
     }
     pccd_close(other);
@@ -395,7 +388,7 @@ static int ask_as_nobody(uint64_t session)
     int status = 0;
 
     if (setgroups(0, NULL) != 0 || setgid(NOBODY) != 0 || setuid(NOBODY) != 0 ||
-        !test_raw_open(&raw, test_shared.socket) || test_raw_hello(&raw) != 0) {
+        test_raw_session(&raw, test_shared.socket, 0, 0) != 0) {
         return 1;
     }
     if (test_raw_call(&raw, PROTO_METHOD_LIST_SESSION, &list, &listed) != 0 ||
@@ -432,7 +425,7 @@ CASE_CROSSING(observe__other_users_are_refused)
     if (geteuid() != 0 || test_is_direct()) {
         test_skip("only root can act as another user, and only to a daemon");
     }
-    assert_int_equal(pccd_daemon(crossing->client, &self), 0);
+    assert_ok(pccd_daemon(crossing->client, &self));
     assert_int_equal(chmod(test_shared.directory, 0711), 0);
     assert_int_equal(chmod(test_shared.socket, 0666), 0);
     pid_t child = fork();
@@ -453,18 +446,17 @@ CASE(config__outlives_a_crash)
 {
     static const char *const options[] = {"--supervise", NULL};
     struct test_daemon daemon;
-    struct pccd_client *client;
     pid_t worker;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
-    assert_int_equal(pccd_config_set(client, "clients-max", "7"), 0);
-    assert_int_equal(pccd_config_set(client, "log-level", "warn"), 0);
+    assert_ok(pccd_config_set(client, "clients-max", "7"));
+    assert_ok(pccd_config_set(client, "log-level", "warn"));
     for (int i = 0; i < 2; i++) {
         worker = (pid_t)pccd_daemon_pid(client);
         assert_int_equal(kill(worker, SIGKILL), 0);
-        assert_int_equal(pccd_ping(client, NULL), 0);
+        assert_ok(pccd_ping(client, NULL));
         assert_true((pid_t)pccd_daemon_pid(client) != worker);
         expect_setting(client, "clients-max", "7", true);
         expect_setting(client, "log-level", "warn", true);

@@ -1,8 +1,4 @@
-/* test_int_overdue.c - steps that have to end before their turn.
- *
- * Let steps wait behind long ones, with deadlines that come too soon and with cancels:
- * they are answered at once, move what they move, and what goes wrong later is not lost.
- */
+/* test_int_overdue.c - steps that have to end before their turn. */
 #include "cases.h"
 
 #include <stdio.h>
@@ -49,7 +45,7 @@ static int teardown(void **state)
 
 static void take(uint64_t step, struct pccd_answer *answer)
 {
-    assert_int_equal(pccd_wait(client, step, 60000, answer), 0);
+    assert_ok(pccd_wait(client, step, 60000, answer));
     assert_int_equal(answer->status, 0);
 }
 
@@ -97,9 +93,9 @@ CASE_WITH(overdue__step_is_answered_at_its_deadline, start, teardown)
     uint64_t begin_us;
 
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(test_grid_submit(&grid, NULL, &before[0]), 0);
-        assert_int_equal(test_grid_submit(&grid, NULL, &before[1]), 0);
-        assert_int_equal(test_grid_submit(&grid, &settings, &overdue), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &before[0]));
+        assert_ok(test_grid_submit(&grid, NULL, &before[1]));
+        assert_ok(test_grid_submit(&grid, &settings, &overdue));
         begin_us = test_now_us();
         expect_nothing(overdue, PCCD_INCOMPLETE_DEADLINE);
         begin_us += DEADLINE_NS / 1000;
@@ -108,7 +104,7 @@ CASE_WITH(overdue__step_is_answered_at_its_deadline, start, teardown)
         assert_false(is_answered(before[1]));
         assert_true((int64_t)(test_now_us() - begin_us) <= GENEROUS_US);
         /* Through a slot that was free again, and from where the motion has led. */
-        assert_int_equal(test_grid_submit(&grid, NULL, &after), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &after));
         expect_whole(before[0]);
         expect_whole(before[1]);
         expect_whole(after);
@@ -122,13 +118,13 @@ CASE_WITH(overdue__step_is_answered_when_it_is_cancelled, start, teardown)
     uint64_t cancelled;
     uint64_t after;
 
-    assert_int_equal(test_grid_submit(&grid, NULL, &before[0]), 0);
-    assert_int_equal(test_grid_submit(&grid, NULL, &before[1]), 0);
-    assert_int_equal(test_grid_submit(&grid, NULL, &cancelled), 0);
-    assert_int_equal(pccd_cancel(client, cancelled), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &before[0]));
+    assert_ok(test_grid_submit(&grid, NULL, &before[1]));
+    assert_ok(test_grid_submit(&grid, NULL, &cancelled));
+    assert_ok(pccd_cancel(client, cancelled));
     expect_nothing(cancelled, PCCD_INCOMPLETE_CANCELLED);
     assert_false(is_answered(before[1]));
-    assert_int_equal(test_grid_submit(&grid, NULL, &after), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &after));
     expect_whole(before[0]);
     expect_whole(before[1]);
     expect_whole(after);
@@ -145,13 +141,13 @@ CASE_WITH(overdue__large_step_is_answered_in_its_turn, start_large, teardown)
     uint64_t after;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    assert_int_equal(test_grid_submit(&grid, NULL, &before), 0);
-    assert_int_equal(test_grid_submit(&grid, &settings, &overdue), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &before));
+    assert_ok(test_grid_submit(&grid, &settings, &overdue));
     take(overdue, &answer);
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     pccd_answer_release(client, &answer);
     expect_whole(before);
-    assert_int_equal(test_grid_submit(&grid, NULL, &after), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &after));
     expect_whole(after);
 }
 
@@ -164,7 +160,7 @@ static uint32_t add_object(uint32_t scene, uint32_t mesh)
     struct proto_SCENE_ADD_request add = {.scene = scene, .mesh = mesh};
     struct proto_SCENE_ADD_result added;
 
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
     return added.object;
 }
 
@@ -198,19 +194,16 @@ CASE_WITH(overdue__what_goes_wrong_later_is_said_by_the_next_step, start, teardo
     uint32_t mesh = 0;
     int status = PCCD_E_HANDLE;
 
-    assert_true(test_raw_open(&raw, test_shared.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
-    assert_int_equal(test_raw_attach(&raw, 2, 65536), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
-                     0);
-    assert_int_equal(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh), 0);
+    assert_ok(test_raw_session(&raw, test_shared.socket, 2, 65536));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
+    assert_ok(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh));
     still.scene = created.scene;
     /* Once in a while the long step ends at once, and it is told in its turn. */
     for (int i = 0; i < TRIES && status == PCCD_E_HANDLE; i++) {
         uint32_t object = add_object(created.scene, mesh);
         uint64_t step;
 
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &step));
         status = submit_doomed(created.scene, object, &result);
         expect_whole(step);
     }
@@ -218,7 +211,7 @@ CASE_WITH(overdue__what_goes_wrong_later_is_said_by_the_next_step, start, teardo
     assert_int_equal(result.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &still, &result),
                      PCCD_E_HANDLE);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &still, &result), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &still, &result));
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     test_raw_close(&raw);
 }

@@ -1,8 +1,4 @@
-/* test_int_owner.c - whose a shared scene is.
- *
- * Scenes of one name that two users have, each asked for as its own or as the other's,
- * also after the daemon was killed. Needs root: nobody else can be somebody else.
- */
+/* test_int_owner.c - whose a shared scene is. */
 #include "cases.h"
 
 #include <signal.h>
@@ -31,10 +27,9 @@ static int take_part(struct pccd_client *client, const char *name, enum pccd_sha
 
 static struct pccd_client *connect_as_other(void)
 {
-    struct pccd_client *client;
 
     assert_int_equal(seteuid(OTHER_USER), 0);
-    client = test_connect(test_shared.url);
+    struct pccd_client *client = test_connect(test_shared.url);
     assert_int_equal(seteuid(0), 0);
     return client;
 }
@@ -73,7 +68,7 @@ static struct listing list(struct pccd_client *client)
 {
     struct listing listing = {.count = 0};
 
-    assert_int_equal(pccd_list_scenes(client, 0, note_scene, &listing), 0);
+    assert_ok(pccd_list_scenes(client, 0, note_scene, &listing));
     return listing;
 }
 
@@ -82,7 +77,6 @@ static struct listing list(struct pccd_client *client)
 CASE(owner__names_belong_to_their_users)
 {
     struct pccd_scene_settings other = {.name = "arena", .share = PCCD_SHARE_OTHER};
-    struct pccd_client *mine;
     struct pccd_client *theirs;
     struct listing listing;
     uint32_t first = 0;
@@ -92,7 +86,7 @@ CASE(owner__names_belong_to_their_users)
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
-    mine = test_connect(test_shared.url);
+    struct pccd_client *mine = test_connect(test_shared.url);
     theirs = connect_as_other();
     assert_non_null(mine);
     assert_non_null(theirs);
@@ -106,11 +100,11 @@ CASE(owner__names_belong_to_their_users)
     assert_int_equal(listing.uids[0], 0);
     /* Each is in the scene that was asked for; the other's is to be named. */
     assert_int_equal(pccd_scene_join(theirs, 0, "arena", &scene), PCCD_E_ACCESS);
-    assert_int_equal(pccd_scene_join(mine, OTHER_USER, "arena", &scene), 0);
+    assert_ok(pccd_scene_join(mine, OTHER_USER, "arena", &scene));
     listing = list(mine);
     assert_int_equal(listing.count, 2);
     assert_true(listing.uids[0] == OTHER_USER || listing.uids[1] == OTHER_USER);
-    assert_int_equal(pccd_scene_destroy(theirs, first), 0);
+    assert_ok(pccd_scene_destroy(theirs, first));
     assert_int_equal(take_part(theirs, "arena", PCCD_SHARE_CREATE, 0, &first),
                      PCCD_E_STATE); /* it lives on with whom it is shared */
     assert_int_equal(pccd_scene_create(mine, &other, &scene), PCCD_E_INVAL);
@@ -138,12 +132,12 @@ CASE(owner__a_killed_daemon_keeps_whose_scene_it_was)
     assert_non_null(mine);
     assert_non_null(theirs);
     assert_int_equal(take_part(mine, "again", PCCD_SHARE_CREATE, 0666, &first), 0);
-    assert_int_equal(pccd_scene_join(theirs, 0, "again", &joined), 0);
+    assert_ok(pccd_scene_join(theirs, 0, "again", &joined));
     assert_true(WIFSIGNALED(test_daemon_end(&test_shared, SIGKILL, 10000)));
     assert_true(test_daemon_restart(&test_shared, options));
-    assert_int_equal(pccd_ping(mine, NULL), 0);
+    assert_ok(pccd_ping(mine, NULL));
     assert_int_equal(seteuid(OTHER_USER), 0); /* it connects anew */
-    assert_int_equal(pccd_ping(theirs, NULL), 0);
+    assert_ok(pccd_ping(theirs, NULL));
     assert_int_equal(seteuid(0), 0);
     listing = list(theirs);
     assert_int_equal(listing.count, 1);
@@ -167,7 +161,7 @@ CASE(owner__answer_says_whose_it_is)
     bool is_open = test_raw_open(&raw, test_shared.socket);
     assert_int_equal(seteuid(0), 0);
     assert_true(is_open);
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_hello(&raw));
     create.owner = 7;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL),
                      PCCD_E_INVAL);
@@ -175,7 +169,7 @@ CASE(owner__answer_says_whose_it_is)
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL),
                      PCCD_E_AGAIN);
     create = (struct proto_SCENE_CREATE_request){.name = "raw", .share = PCCD_SHARE_OPEN};
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &result), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &result));
     assert_false(result.existed);
     assert_int_equal(result.owner, OTHER_USER);
     test_raw_close(&raw);

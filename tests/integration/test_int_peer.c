@@ -1,12 +1,4 @@
-/* test_int_peer.c - the library and a daemon that misbehaves.
- *
- * A false daemon in a child process, played from a script: wrong versions, answers out of
- * order, to nobody, with pages and memories that are not there, silence and sudden ends.
- * Whatever it does, the library returns in time with an error.
- *
- * Threads: one in each process. More than 600 lines: each lie has its script and its
- * test, on one fake daemon.
- */
+/* test_int_peer.c - the library and a daemon that misbehaves. */
 #include "cases.h"
 
 #include <signal.h>
@@ -24,6 +16,7 @@
 #include "false_daemon.h"
 #include "memfd.h"
 #include "messages.h"
+#include "must.h"
 #include "pccd.h"
 #include "seqpacket.h"
 #include "shm.h"
@@ -224,13 +217,12 @@ CASE_WITH(peer__that_lies_about_pages_is_not_believed, NULL, false_stop)
     false_start(lie_about_pages);
     client = false_connect_good();
     for (int i = 0; i < 10; i++) {
-        assert_int_equal(pccd_submit_still(client, 1, NULL, &step), 0);
+        assert_ok(pccd_submit_still(client, 1, NULL, &step));
         assert_int_equal(pccd_wait(client, step, -1, &answered), PCCD_E_BADMSG);
         assert_null(answered.contacts);
         pccd_answer_release(client, &answered);
     }
-    assert_int_equal(pccd_submit_still(client, 1, NULL, &step), 0);
-    assert_int_equal(pccd_wait(client, step, -1, &answered), 0);
+    test_still(client, 1, NULL, &answered);
     assert_int_equal(answered.count, 1024);
     assert_int_equal(answered.contacts[1023].reserved, 0); /* readable to the end */
     pccd_answer_release(client, &answered);
@@ -292,12 +284,12 @@ CASE_WITH(peer__that_gives_no_handle_is_refused, NULL, false_stop)
     assert_int_equal(
         pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL),
         PCCD_E_BADMSG);
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    scene = test_scene(client);
     assert_int_equal(scene, 7);
     assert_int_equal(pccd_scene_add(client, scene, 1, &object), PCCD_E_BADMSG);
     assert_int_equal(mesh, 99);
     assert_int_equal(object, 99);
-    assert_int_equal(pccd_ask_near(client, 0, NULL, 0, &settings, &answer), 0);
+    assert_ok(pccd_ask_near(client, 0, NULL, 0, &settings, &answer));
     pccd_answer_release(client, &answer);
     pccd_close(client);
 }
@@ -330,10 +322,10 @@ CASE_WITH(peer__that_answers_in_any_order_is_understood, NULL, false_stop)
     false_start(answer_backwards);
     client = false_connect_good();
     for (int i = 0; i < 4; i++) {
-        assert_int_equal(pccd_submit_still(client, 1, NULL, &steps[i]), 0);
+        assert_ok(pccd_submit_still(client, 1, NULL, &steps[i]));
     }
     for (uint64_t i = 0; i < 4; i++) {
-        assert_int_equal(pccd_wait(client, steps[i], -1, &answered), 0);
+        assert_ok(pccd_wait(client, steps[i], -1, &answered));
         assert_int_equal(answered.count, i + 1);
         pccd_answer_release(client, &answered);
     }
@@ -359,7 +351,7 @@ CASE_WITH(peer__that_stops_answering_bounds_what_is_begun, NULL, false_stop)
     false_start(stop_answering);
     client = false_connect_good();
     for (int i = 0; i < 4; i++) {
-        assert_int_equal(pccd_submit_still(client, 1, NULL, &steps[i]), 0);
+        assert_ok(pccd_submit_still(client, 1, NULL, &steps[i]));
     }
     begin_ms = test_now_ms();
     assert_int_equal(pccd_submit_still(client, 1, NULL, &steps[4]), PCCD_E_TIMEOUT);
@@ -460,16 +452,13 @@ static void refuse_once(void)
  * lost, or have the refusal for its answer. */
 CASE_WITH(peer__that_refuses_hello_has_not_answered_what_came_behind, NULL, false_stop)
 {
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
     struct pccd_link_info info;
 
     false_start(refuse_once);
-    pccd_options_init(&options);
-    options.url = false_daemon.url;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(pccd_ping(client, NULL), 0);
-    assert_int_equal(pccd_link(client, &info), 0);
+    struct pccd_client *client =
+        test_client(&(struct pccd_options){.url = false_daemon.url});
+    assert_ok(pccd_ping(client, NULL));
+    assert_ok(pccd_link(client, &info));
     assert_int_equal(info.reconnects, 1);
     assert_int_equal(info.resent, 2);
     pccd_close(client);
@@ -544,22 +533,19 @@ CASE_WITH(peer__that_takes_over_holds_what_it_says_itself, NULL, false_stop)
 {
     const struct pccd_step_settings hold = {
         .struct_bytes = sizeof(struct pccd_step_settings), .hold = true};
-    struct pccd_options options;
     struct pccd_client *client = NULL;
     struct pccd_link_info info;
     uint64_t step = 0;
 
     false_start(hold_once_more);
-    pccd_options_init(&options);
-    options.url = false_daemon.url;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(pccd_submit_still(client, 1, &hold, &step), 0);
-    assert_int_equal(pccd_wait_held(client, step, -1), 0);
-    assert_int_equal(pccd_ping(client, NULL), 0);
-    assert_int_equal(pccd_link(client, &info), 0);
+    client = test_client(&(struct pccd_options){.url = false_daemon.url});
+    assert_ok(pccd_submit_still(client, 1, &hold, &step));
+    assert_ok(pccd_wait_held(client, step, -1));
+    assert_ok(pccd_ping(client, NULL));
+    assert_ok(pccd_link(client, &info));
     assert_int_equal(info.reconnects, 1);
     assert_int_equal(pccd_wait_held(client, step, 0), PCCD_E_AGAIN);
-    assert_int_equal(pccd_ping(client, NULL), 0);
-    assert_int_equal(pccd_wait_held(client, step, 0), 0);
+    assert_ok(pccd_ping(client, NULL));
+    assert_ok(pccd_wait_held(client, step, 0));
     pccd_close(client);
 }

@@ -1,8 +1,4 @@
-/* test_int_protocol.c - sentences of PROTOCOL.md, held against a real daemon.
- *
- * Say over a socket what the document says, without the library, and look at the bytes of
- * what comes back.
- */
+/* test_int_protocol.c - sentences of PROTOCOL.md, held against a real daemon. */
 #include "cases.h"
 
 #include <math.h>
@@ -65,10 +61,10 @@ static void make_scene_with(const char *name, const float (*small)[3])
     struct proto_SCENE_ADD_request add = {0};
     struct proto_SCENE_ADD_result added;
     uint32_t floor = 0;
-    assert_int_equal(test_raw_hello(&raw), 0);
-    assert_int_equal(test_raw_attach(&raw, 2, SLOT_BYTES), 0);
-    assert_int_equal(test_raw_mesh(&raw, test_floor_x, 3, test_triangle, 1, &floor), 0);
-    assert_int_equal(test_raw_mesh(&raw, small, 3, test_triangle, 1, &mesh), 0);
+    assert_ok(test_raw_hello(&raw));
+    assert_ok(test_raw_attach(&raw, 2, SLOT_BYTES));
+    assert_ok(test_raw_mesh(&raw, test_floor_x, 3, test_triangle, 1, &floor));
+    assert_ok(test_raw_mesh(&raw, small, 3, test_triangle, 1, &mesh));
     strcpy(create.name, name);
     call(PROTO_METHOD_SCENE_CREATE, &create, &created);
     add.scene = scene = created.scene;
@@ -111,11 +107,10 @@ CASE_WITH(status__a_shared_scene_that_is_not_there_is_again, open_raw, close_raw
     const struct proto_SCENE_CREATE_request make = {.name = "later", .share = 0};
     struct proto_SCENE_CREATE_result result;
     struct test_raw other;
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_hello(&raw));
     refuse(PROTO_METHOD_SCENE_CREATE, &attach, PCCD_E_AGAIN, "later");
-    assert_true(test_raw_open(&other, test_shared.socket));
-    assert_int_equal(test_raw_hello(&other), 0);
-    assert_int_equal(test_raw_call(&other, PROTO_METHOD_SCENE_CREATE, &make, &result), 0);
+    assert_ok(test_raw_session(&other, test_shared.socket, 0, 0));
+    assert_ok(test_raw_call(&other, PROTO_METHOD_SCENE_CREATE, &make, &result));
     call(PROTO_METHOD_SCENE_CREATE, &attach, &result);
     assert_true(result.existed);
     test_raw_close(&other);
@@ -128,7 +123,7 @@ CASE_WITH(status__what_needs_the_ring_is_refused_before_it, open_raw, close_raw)
     struct proto_SCENE_CREATE_result created;
     struct proto_MESH_CREATE_request announce = {.vertex_count = 3, .triangle_count = 1};
     struct proto_MESH_CREATE_result announced;
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_hello(&raw));
     call(PROTO_METHOD_SCENE_CREATE, &create, &created);
     call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
     const struct proto_MESH_DATA_request data = {
@@ -153,7 +148,7 @@ CASE_WITH(status__a_handle_that_cannot_be_had_says_why, open_raw, close_raw)
     struct proto_SCENE_CREATE_request create = {.share = 0};
     struct proto_MESH_CREATE_request announce = {.vertex_count = 3, .triangle_count = 1};
     struct proto_MESH_CREATE_result announced;
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_hello(&raw));
     call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
     announce.want = announced.mesh;
     refuse(PROTO_METHOD_MESH_CREATE, &announce, PCCD_E_HANDLE, "place is taken");
@@ -183,7 +178,7 @@ CASE_WITH(stats__leave_out_what_is_zero_and_not_needed, open_raw, close_raw)
     struct proto_STATS_result result;
     uint32_t zeros = 0;
     uint32_t absent = 0;
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_hello(&raw));
     memset(raw.message, 0, sizeof raw.message); /* nothing of older messages */
     call(PROTO_METHOD_STATS, &request, &result);
     for (uint32_t i = 0; i < fields->count; i++) {

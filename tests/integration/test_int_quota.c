@@ -1,8 +1,4 @@
-/* test_int_quota.c - the quota of the engine's memory, and the bound of all users.
- *
- * Meshes, objects and answers that do not fit, and what is left afterwards; the bound of
- * all users. Other quotas are in test_int_session.c and test_int_replace.c.
- */
+/* test_int_quota.c - the quota of the engine's memory, and the bound of all users. */
 #include "cases.h"
 
 #include <grp.h>
@@ -66,13 +62,12 @@ CASE(memory__of_answers_is_bounded)
 {
     static const char *const options[] = {"--memory-max-mib", "24", NULL};
     struct test_daemon daemon;
-    struct pccd_client *client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct stack stack;
     uint64_t before;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
     before = test_stat(client, "engine_bytes_now");
     assert_int_equal(make_stack(client, &stack), 0);
@@ -83,7 +78,7 @@ CASE(memory__of_answers_is_bounded)
         pccd_answer_release(client, &answer);
         assert_true(test_stat(client, "engine_bytes_now") <= before + (24u << 20));
     }
-    assert_int_equal(pccd_scene_destroy(client, stack.grid.scene), 0);
+    assert_ok(pccd_scene_destroy(client, stack.grid.scene));
     pccd_close(client);
     test_grid_free(&stack.grid);
     client = test_connect(daemon.url);
@@ -98,12 +93,11 @@ CASE(memory__within_the_quota_answers_are_whole)
 {
     static const char *const options[] = {"--memory-max-mib", "256", NULL};
     struct test_daemon daemon;
-    struct pccd_client *client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct stack stack;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
     assert_int_equal(make_stack(client, &stack), 0);
     for (int i = 0; i < 2; i++) {
@@ -125,16 +119,15 @@ CASE(memory__of_meshes_and_hierarchies_is_bounded)
     static const char *const options[] = {"--memory-max-mib", "16", NULL};
     struct test_daemon daemon;
     struct pccd_client *client;
-    struct pccd_client *other;
     struct test_crossing crossing;
     struct test_grid grid;
 
     assert_true(test_daemon_start(&daemon, options));
-    other = test_connect(daemon.url);
+    struct pccd_client *other = test_connect(daemon.url);
     client = test_connect(daemon.url);
     assert_non_null(client);
     assert_non_null(other);
-    assert_int_equal(test_crossing_make(other, &crossing), 0);
+    assert_ok(test_crossing_make(other, &crossing));
     assert_true(test_crossing_turn(&crossing));
     assert_true(test_crossing_turn(&crossing));
     for (int i = 0; i < 3; i++) {
@@ -157,7 +150,7 @@ CASE(memory__of_meshes_and_hierarchies_is_bounded)
     }
     /* Everything of the refused ones has been given back. */
     assert_int_equal(test_stat_await(other, "meshes_now", 2), 2);
-    assert_int_equal(test_grid_make(client, 30, &grid), 0);
+    assert_ok(test_grid_make(client, 30, &grid));
     test_grid_free(&grid);
     pccd_close(client);
     pccd_close(other);
@@ -173,15 +166,14 @@ CASE(objects__share_the_triangles_of_their_mesh)
     static const char *const options[] = {"--triangles-max", "19", NULL};
     struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
     struct test_daemon daemon;
-    struct pccd_client *client;
     struct test_farm farm;
     uint32_t mesh = 0;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
-    assert_int_equal(test_farm_make(client, 50, 4, &farm), 0); /* 18 triangles and 1 */
-    assert_int_equal(test_farm_turn(&farm, 1, NULL, &answer), 0);
+    assert_ok(test_farm_make(client, 50, 4, &farm)); /* 18 triangles and 1 */
+    assert_ok(test_farm_turn(&farm, 1, NULL, &answer));
     assert_int_equal(answer.failed, 0);
     pccd_batch_release(client, &answer);
     assert_int_equal(test_stat(client, "triangles_now"), 19);
@@ -206,7 +198,7 @@ static uint32_t fill_scenes(struct pccd_client *client, uint32_t mesh, uint32_t 
         if (status == 0) {
             status = pccd_scene_add(client, scenes[count], mesh, &object);
             if (status != 0) {
-                assert_int_equal(pccd_scene_destroy(client, scenes[count]), 0);
+                assert_ok(pccd_scene_destroy(client, scenes[count]));
             }
         }
         if (status != 0) {
@@ -234,7 +226,7 @@ CASE(objects__cost_the_memory_that_they_take)
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
-    assert_int_equal(test_farm_make(client, 1, 24, &farm), 0);
+    assert_ok(test_farm_make(client, 1, 24, &farm));
     for (int i = 0; i < 2; i++) {
         most[i] = fill_scenes(client, farm.mesh, scenes, MOST);
         /* Two ends of 576 vertices are 27 KB. */
@@ -244,7 +236,7 @@ CASE(objects__cost_the_memory_that_they_take)
                                          &(struct pccd_answer)PCCD_ANSWER_INIT),
                          PCCD_E_QUOTA);
         for (uint32_t k = 0; k < most[i]; k++) {
-            assert_int_equal(pccd_scene_destroy(client, scenes[k]), 0);
+            assert_ok(pccd_scene_destroy(client, scenes[k]));
         }
         assert_int_equal(test_stat_await(client, "scenes_now", 1), 1);
         before = i == 0 ? test_stat(client, "engine_bytes_now") : before;
@@ -283,7 +275,6 @@ CASE(memory__of_all_users_is_bounded)
                                           "65534", NULL};
     static struct test_raw raw;
     struct test_daemon daemon;
-    struct pccd_client *client;
     struct test_grid grid;
     struct test_crossing crossing;
     uint64_t max_mib;
@@ -299,8 +290,7 @@ CASE(memory__of_all_users_is_bounded)
         take_ring(&daemon, told[1]);
     }
     assert_int_equal(read(told[0], &byte, 1), 1);
-    assert_true(test_raw_open(&raw, daemon.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_session(&raw, daemon.socket, 0, 0));
     assert_int_equal(test_raw_attach(&raw, 1, RING_MIB << 20), PCCD_E_QUOTA);
     assert_non_null(strstr(raw.error.text, "all users have "));
     assert_non_null(strstr(raw.error.text, "the bound of 96 MiB"));
@@ -308,16 +298,16 @@ CASE(memory__of_all_users_is_bounded)
 
     /* The engine's memory counts, too: what is shared leaves less for it. */
     struct proto_CONFIG_SET_request more = {.name = "memory-total-mib", .value = "256"};
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &more, NULL), 0);
-    client = test_connect(daemon.url);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &more, NULL));
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
     assert_int_equal(test_stat(client, "memory_bytes_max"), 256u << 20);
     assert_int_equal(test_stat(client, "memory_refusals"), 1);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &crossing));
     assert_true(test_crossing_turn(&crossing)); /* its ring is there */
     max_mib = (test_stat(client, "shm_bytes_now") >> 20) + 12;
     (void)snprintf(text, sizeof text, "%llu", (unsigned long long)max_mib);
-    assert_int_equal(pccd_config_set(client, "memory-total-mib", text), 0);
+    assert_ok(pccd_config_set(client, "memory-total-mib", text));
     int status = test_grid_make(client, 300, &grid); /* 178 802 triangles */
     if (status == 0) {
         struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -338,8 +328,8 @@ CASE(memory__of_all_users_is_bounded)
     test_grid_free(&grid);
     pccd_close(client);
     (void)strcpy(more.value, "400");
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &more, NULL), 0);
-    assert_int_equal(test_raw_attach(&raw, 1, RING_MIB << 20), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &more, NULL));
+    assert_ok(test_raw_attach(&raw, 1, RING_MIB << 20));
     test_raw_close(&raw);
     assert_int_equal(kill(child, SIGKILL), 0);
     assert_int_equal(waitpid(child, NULL, 0), child);
@@ -368,10 +358,9 @@ CASE(meshes__cost_memory_before_they_are_filled)
     client = test_connect(daemon.url);
     assert_non_null(client);
     before = test_stat(client, "engine_bytes_now");
-    assert_true(test_raw_open(&raw, daemon.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_session(&raw, daemon.socket, 0, 0));
     for (; meshes < MESHES; meshes++) {
-        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL), 0);
+        assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL));
     }
     assert_true(test_stat(client, "engine_bytes_now") >=
                 before + MESHES * MESH_BYTES_LEAST);
@@ -399,9 +388,8 @@ static void attach_sparsely(struct test_raw *raw, const char *socket)
                                                      .result_bytes = SLOT_BYTES,
                                                      .slots_now = 1};
 
-    assert_true(test_raw_open(raw, socket));
-    assert_int_equal(test_raw_hello(raw), 0);
-    assert_int_equal(test_raw_attach_as(raw, &request), 0);
+    assert_ok(test_raw_session(raw, socket, 0, 0));
+    assert_ok(test_raw_attach_as(raw, &request));
 }
 
 /* Write to slots that it was not given, and read where no record is. */
@@ -429,12 +417,11 @@ CASE(memory__that_nobody_was_given_is_charged_and_freed)
 {
     static struct test_raw raw;
     struct test_daemon daemon;
-    struct pccd_client *client;
     uint64_t before;
     uint64_t most = 0;
 
     assert_true(test_daemon_start(&daemon, NULL));
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
     attach_sparsely(&raw, daemon.socket);
     before = test_stat(client, "shm_bytes_now");

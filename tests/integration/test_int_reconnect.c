@@ -1,9 +1,4 @@
-/* test_int_reconnect.c - clients that outlive their daemon.
- *
- * Kill -9 of workers under a supervisor, and of private daemons, at every stage of a
- * client's work; cut connections; compare every answer with those of a client that nobody
- * disturbs.
- */
+/* test_int_reconnect.c - clients that outlive their daemon. */
 #include "cases.h"
 
 #include <signal.h>
@@ -17,6 +12,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "must.h"
 
 #define SIDE  40u
 #define DEPTH 3u /* steps in flight */
@@ -80,7 +76,7 @@ static struct pccd_link_info link_of(const struct pccd_client *client)
 {
     struct pccd_link_info info;
 
-    assert_int_equal(pccd_link(client, &info), 0);
+    assert_ok(pccd_link(client, &info));
     return info;
 }
 
@@ -95,7 +91,7 @@ static void expect_same(struct pccd_client *a, uint64_t step_a, struct pccd_clie
     if (status != 0) {
         fail_msg("step %llu: %s", (unsigned long long)step_a, pccd_error_text(a));
     }
-    assert_int_equal(pccd_wait(b, step_b, -1, &of_b), 0);
+    assert_ok(pccd_wait(b, step_b, -1, &of_b));
     assert_int_equal(of_a.status, 0);
     assert_int_equal(of_a.step, step_a);
     assert_int_equal(of_a.incomplete, PCCD_COMPLETE);
@@ -115,15 +111,15 @@ static void turn_both(struct test_grid *a, struct test_grid *b)
     uint64_t step_a = 0;
     uint64_t step_b = 0;
 
-    assert_int_equal(test_grid_submit(a, NULL, &step_a), 0);
-    assert_int_equal(test_grid_submit(b, NULL, &step_b), 0);
+    assert_ok(test_grid_submit(a, NULL, &step_a));
+    assert_ok(test_grid_submit(b, NULL, &step_b));
     expect_same(a->client, step_a, b->client, step_b);
 }
 
 static void make_both(struct test_grid *a, struct test_grid *b, uint32_t side)
 {
-    assert_int_equal(test_grid_make(fixture.client, side, a), 0);
-    assert_int_equal(test_grid_make(fixture.other, side, b), 0);
+    assert_ok(test_grid_make(fixture.client, side, a));
+    assert_ok(test_grid_make(fixture.other, side, b));
     assert_int_equal(a->object, b->object);
 }
 
@@ -140,7 +136,7 @@ CASE_WITH(reconnect__goes_on_after_a_kill_while_idle, setup, teardown)
         turn_both(&a, &b); /* x1 begins where the last step ended */
         kill_worker(fixture.client);
     }
-    assert_int_equal(pccd_ping(fixture.client, NULL), 0);
+    assert_ok(pccd_ping(fixture.client, NULL));
     assert_int_equal(link_of(fixture.client).reconnects, 7);
     assert_int_equal(link_of(fixture.client).resumed, 0);
     assert_int_equal(link_of(fixture.other).reconnects, 0);
@@ -163,8 +159,8 @@ CASE_WITH(reconnect__answers_steps_in_flight_once, setup, teardown)
         pid_t killer = kill_worker_later(fixture.client, round % 6);
 
         for (unsigned i = 0; i < DEPTH; i++) {
-            assert_int_equal(test_grid_submit(&a, NULL, &steps_a[i]), 0);
-            assert_int_equal(test_grid_submit(&b, NULL, &steps_b[i]), 0);
+            assert_ok(test_grid_submit(&a, NULL, &steps_a[i]));
+            assert_ok(test_grid_submit(&b, NULL, &steps_b[i]));
         }
         for (unsigned i = 0; i < DEPTH; i++) {
             expect_same(fixture.client, steps_a[i], fixture.other, steps_b[i]);
@@ -188,10 +184,8 @@ CASE_WITH(reconnect__answers_steps_in_flight_once, setup, teardown)
 static void turn_right(struct test_grid *grid)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint64_t step = 0;
 
-    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(grid->client, step, -1, &answer), 0);
+    assert_ok(test_grid_turn(grid, NULL, &answer));
     assert_true(test_grid_is_right(grid, &answer));
     pccd_answer_release(grid->client, &answer);
 }
@@ -203,10 +197,10 @@ static void give_slots_memory(struct test_grid *grid)
     uint64_t steps[3];
 
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(test_grid_submit(grid, NULL, &steps[i]), 0);
+        assert_ok(test_grid_submit(grid, NULL, &steps[i]));
     }
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(test_grid_await(grid, steps[i]), 0);
+        assert_ok(test_grid_await(grid, steps[i]));
     }
 }
 
@@ -254,14 +248,14 @@ CASE_WITH(reconnect__gives_up_a_step_that_ends_every_daemon, setup, teardown)
     int attempts = 0;
 
     /* Large: a step must not be done between its submission and the kill. */
-    assert_int_equal(test_grid_make(fixture.client, 300, &grid), 0);
+    assert_ok(test_grid_make(fixture.client, 300, &grid));
     for (bool is_over = false; !is_over; attempts++) {
         assert_true(attempts < 20);
         is_over = give_to_four_daemons(&grid, steps);
-        assert_int_equal(test_grid_await(&grid, steps[1]), 0); /* the one behind it */
+        assert_ok(test_grid_await(&grid, steps[1])); /* the one behind it */
     }
-    assert_int_equal(test_grid_submit(&grid, NULL, &steps[1]), 0);
-    assert_int_equal(test_grid_await(&grid, steps[1]), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &steps[1]));
+    assert_ok(test_grid_await(&grid, steps[1]));
     test_grid_free(&grid);
 }
 
@@ -273,14 +267,14 @@ CASE_WITH(reconnect__registers_through_a_kill, setup, teardown)
     for (unsigned round = 0; round < 6; round++) {
         pid_t killer = kill_worker_later(fixture.client, 2 * round);
 
-        assert_int_equal(test_grid_make(fixture.client, 60, &grid), 0);
+        assert_ok(test_grid_make(fixture.client, 60, &grid));
         assert_int_equal(waitpid(killer, NULL, 0), killer);
         turn_right(&grid);
         killer = kill_worker_later(fixture.client, round);
-        assert_int_equal(test_grid_replace(&grid), 0);
+        assert_ok(test_grid_replace(&grid));
         assert_int_equal(waitpid(killer, NULL, 0), killer);
         turn_right(&grid);
-        assert_int_equal(pccd_scene_destroy(fixture.client, grid.scene), 0);
+        assert_ok(pccd_scene_destroy(fixture.client, grid.scene));
         test_grid_free(&grid);
     }
     assert_int_equal(link_of(fixture.client).reconnects, 12);
@@ -297,7 +291,7 @@ CASE_WITH(reconnect__brings_every_kind_of_position_back, setup, teardown)
     struct pccd_client *clients[2] = {fixture.client, fixture.other};
 
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(test_crossing_make(clients[i], &scenes[i]), 0);
+        assert_ok(test_crossing_make(clients[i], &scenes[i]));
     }
     for (unsigned round = 0; round < 16; round++) {
         uint64_t steps[2];
@@ -311,28 +305,23 @@ CASE_WITH(reconnect__brings_every_kind_of_position_back, setup, teardown)
             float x32[2][3] = {{1, 0, (float)z}, {0, 1, (float)z}};
             void *x1 = NULL;
 
-            assert_int_equal(
-                pccd_frame_begin(clients[i], scenes[i].scene, 2, 300, &frame), 0);
+            assert_ok(pccd_frame_begin(clients[i], scenes[i].scene, 2, 300, &frame));
             if (round % 4 < 2) { /* of the whole object; two rounds later in parts */
-                assert_int_equal(
-                    pccd_frame_rigid(&frame, scenes[i].object, 0, 3, from, to), 0);
+                assert_ok(pccd_frame_rigid(&frame, scenes[i].object, 0, 3, from, to));
             } else {
-                assert_int_equal(
-                    pccd_frame_x1(&frame, scenes[i].object, PCCD_FORMAT_F64, 0, 1, &x1),
-                    0);
+                assert_ok(
+                    pccd_frame_x1(&frame, scenes[i].object, PCCD_FORMAT_F64, 0, 1, &x1));
                 memcpy(x1, x64, sizeof x64);
                 if (round % 8 == 2) {
-                    assert_int_equal(
-                        pccd_frame_rigid(&frame, scenes[i].object, 1, 2, still, turned),
-                        0);
+                    assert_ok(
+                        pccd_frame_rigid(&frame, scenes[i].object, 1, 2, still, turned));
                 } else {
-                    assert_int_equal(pccd_frame_x1(&frame, scenes[i].object,
-                                                   PCCD_FORMAT_F32, 1, 2, &x1),
-                                     0);
+                    assert_ok(pccd_frame_x1(&frame, scenes[i].object, PCCD_FORMAT_F32, 1,
+                                            2, &x1));
                     memcpy(x1, x32, sizeof x32);
                 }
             }
-            assert_int_equal(pccd_frame_commit(&frame, NULL, &steps[i]), 0);
+            assert_ok(pccd_frame_commit(&frame, NULL, &steps[i]));
         }
         expect_same(clients[0], steps[0], clients[1], steps[1]);
         if (round % 3 != 1) {
@@ -355,29 +344,27 @@ CASE_WITH(reconnect__keeps_what_the_user_holds, setup, teardown)
     void *x1 = NULL;
 
     make_both(&a, &b, SIDE);
-    assert_int_equal(test_grid_submit(&a, NULL, &steps[0]), 0);
-    assert_int_equal(test_grid_submit(&b, NULL, &steps[1]), 0);
-    assert_int_equal(pccd_wait(fixture.client, steps[0], -1, &held), 0);
+    assert_ok(test_grid_submit(&a, NULL, &steps[0]));
+    assert_ok(test_grid_submit(&b, NULL, &steps[1]));
+    assert_ok(pccd_wait(fixture.client, steps[0], -1, &held));
     copy = malloc(held.count * sizeof *copy);
     assert_non_null(copy);
     memcpy(copy, held.contacts, held.count * sizeof *copy);
     /* Half before, half after: the pointer must lead to the memory of the new daemon. */
-    assert_int_equal(pccd_frame_begin(fixture.client, a.scene, 1,
-                                      a.vertex_count * sizeof *a.x, &frame),
-                     0);
-    assert_int_equal(
-        pccd_frame_x1(&frame, a.object, PCCD_FORMAT_F32, 0, a.vertex_count, &x1), 0);
+    assert_ok(pccd_frame_begin(fixture.client, a.scene, 1, a.vertex_count * sizeof *a.x,
+                               &frame));
+    assert_ok(pccd_frame_x1(&frame, a.object, PCCD_FORMAT_F32, 0, a.vertex_count, &x1));
     test_grid_positions(&a, -a.z);
     memcpy(x1, a.x, a.vertex_count / 2 * sizeof *a.x);
     kill_worker(fixture.client);
-    assert_int_equal(pccd_ping(fixture.client, NULL), 0);
+    assert_ok(pccd_ping(fixture.client, NULL));
     assert_int_equal(link_of(fixture.client).reconnects, 1);
     memcpy((float(*)[3])x1 + a.vertex_count / 2, a.x + a.vertex_count / 2,
            (a.vertex_count - a.vertex_count / 2) * sizeof *a.x);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &steps[0]), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, &steps[0]));
     a.z = -a.z;
-    assert_int_equal(pccd_wait(fixture.other, steps[1], -1, &(struct pccd_answer){0}), 0);
-    assert_int_equal(test_grid_submit(&b, NULL, &steps[1]), 0);
+    assert_ok(pccd_wait(fixture.other, steps[1], -1, &(struct pccd_answer){0}));
+    assert_ok(test_grid_submit(&b, NULL, &steps[1]));
     expect_same(fixture.client, steps[0], fixture.other, steps[1]);
     assert_memory_equal(held.contacts, copy, held.count * sizeof *copy);
     pccd_answer_release(fixture.client, &held);
@@ -398,20 +385,16 @@ CASE_WITH(reconnect__brings_back_what_is_left, setup, teardown)
     uint32_t spare = 0;
 
     for (int i = 0; i < 2; i++) {
-        uint32_t gone = 0;
 
-        assert_int_equal(pccd_scene_create(clients[i], NULL, &gone), 0);
-        assert_int_equal(test_crossing_make(clients[i], &scenes[i]), 0);
-        assert_int_equal(pccd_scene_destroy(clients[i], gone), 0);
+        uint32_t gone = test_scene(clients[i]);
+        assert_ok(test_crossing_make(clients[i], &scenes[i]));
+        assert_ok(pccd_scene_destroy(clients[i], gone));
         for (int j = 0; j < 5; j++) {
-            assert_int_equal(
-                pccd_scene_add(clients[i], scenes[i].scene, scenes[i].floor_mesh, &spare),
-                0);
-            assert_int_equal(
-                pccd_scene_remove(clients[i], scenes[i].scene, scenes[i].floor), 0);
+            spare = test_object(clients[i], scenes[i].scene, scenes[i].floor_mesh);
+            assert_ok(pccd_scene_remove(clients[i], scenes[i].scene, scenes[i].floor));
             scenes[i].floor = spare;
         }
-        assert_int_equal(pccd_mesh_destroy(clients[i], scenes[i].floor_mesh), 0);
+        assert_ok(pccd_mesh_destroy(clients[i], scenes[i].floor_mesh));
         assert_true(test_crossing_turn(&scenes[i]));
     }
     for (int round = 0; round < 3; round++) {
@@ -437,8 +420,8 @@ CASE_WITH(reconnect__resumes_after_a_cut, setup, teardown)
     make_both(&a, &b, SIDE);
     for (unsigned round = 0; round < 10; round++) {
         for (unsigned i = 0; i < DEPTH; i++) {
-            assert_int_equal(test_grid_submit(&a, NULL, &steps_a[i]), 0);
-            assert_int_equal(test_grid_submit(&b, NULL, &steps_b[i]), 0);
+            assert_ok(test_grid_submit(&a, NULL, &steps_a[i]));
+            assert_ok(test_grid_submit(&b, NULL, &steps_b[i]));
             if (i == round % (DEPTH + 1)) {
                 test_sleep_ms(round % 3);
                 assert_int_equal(shutdown(pccd_fd(fixture.client), SHUT_RDWR), 0);
@@ -467,8 +450,8 @@ CASE_WITH(reconnect__works_by_polling, setup, teardown)
     int fd = pccd_fd(fixture.client);
     int status;
 
-    assert_int_equal(test_grid_make(fixture.client, SIDE, &a), 0);
-    assert_int_equal(test_grid_submit(&a, NULL, &step), 0);
+    assert_ok(test_grid_make(fixture.client, SIDE, &a));
+    assert_ok(test_grid_submit(&a, NULL, &step));
     kill_worker(fixture.client);
     do {
         status = pccd_poll(fixture.client, &answer);
@@ -484,17 +467,12 @@ CASE_WITH(reconnect__works_by_polling, setup, teardown)
 /* If it failed, programs with a daemon of their own would end with it. */
 CASE_WITH(reconnect__starts_a_private_daemon_again, setup, teardown)
 {
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
     struct test_crossing crossing;
     uint32_t pid;
 
-    pccd_options_init(&options);
-    options.private_daemon = true;
-    options.daemon = getenv("PCCDD");
-    options.result_bytes = 65536;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    struct pccd_client *client = test_client(&(struct pccd_options){
+        .private_daemon = true, .daemon = getenv("PCCDD"), .result_bytes = 65536});
+    assert_ok(test_crossing_make(client, &crossing));
     for (int i = 0; i < 3; i++) {
         assert_true(test_crossing_turn(&crossing));
         pid = pccd_daemon_pid(client);
@@ -511,9 +489,7 @@ CASE_WITH(reconnect__starts_a_private_daemon_again, setup, teardown)
  * whose daemon never comes back would wait for ever and not know why. */
 CASE_WITH(reconnect__ends_with_the_patience, setup, teardown)
 {
-    struct pccd_options options;
     struct pccd_client *client = NULL;
-    struct pccd_client *once = NULL;
     struct test_daemon daemon;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
@@ -521,14 +497,11 @@ CASE_WITH(reconnect__ends_with_the_patience, setup, teardown)
     uint64_t step = 0;
 
     assert_true(test_daemon_start(&daemon, NULL));
-    pccd_options_init(&options);
-    options.url = daemon.url;
-    options.reconnect_ms = 300;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    once = test_connect_once(daemon.url);
+    client = test_client(&(struct pccd_options){.url = daemon.url, .reconnect_ms = 300});
+    struct pccd_client *once = test_connect_once(daemon.url);
     assert_non_null(once);
-    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
-    assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+    assert_ok(test_grid_make(client, SIDE, &grid));
+    assert_ok(test_grid_submit(&grid, NULL, &step));
     (void)test_daemon_end(&daemon, SIGKILL, 5000);
     assert_int_equal(pccd_ping(once, NULL), PCCD_E_DISCONNECTED);
     begin_ms = test_now_ms();
@@ -551,15 +524,11 @@ CASE_WITH(reconnect__ends_with_the_patience, setup, teardown)
  * registered is gone; or it could not even go on with its session. */
 CASE_WITH(reconnect__without_copies_resumes_only, setup, teardown)
 {
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
     struct test_crossing crossing;
 
-    pccd_options_init(&options);
-    options.url = fixture.daemon.url;
-    options.no_keep = true;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    struct pccd_client *client =
+        test_client(&(struct pccd_options){.url = fixture.daemon.url, .no_keep = true});
+    assert_ok(test_crossing_make(client, &crossing));
     assert_int_equal(shutdown(pccd_fd(client), SHUT_RDWR), 0);
     assert_true(test_crossing_turn(&crossing));
     assert_int_equal(link_of(client).resumed, 1);

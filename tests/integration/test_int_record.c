@@ -1,8 +1,4 @@
-/* test_int_record.c - sessions that are recorded, and repeated by another daemon.
- *
- * Record sessions of every kind of request, over the death of daemons and of the program
- * itself, and has `pccdctl replay` compare every answer.
- */
+/* test_int_record.c - sessions that are recorded, and repeated by another daemon. */
 #include "cases.h"
 
 #include <fcntl.h>
@@ -19,6 +15,7 @@
 #include "daemon.h"
 #include "farm.h"
 #include "grid.h"
+#include "must.h"
 #include "recording.h"
 #include "run_ctl.h"
 
@@ -69,8 +66,8 @@ static void take(struct stage *stage, struct pccd_frame *frame)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
-    assert_int_equal(pccd_frame_commit(frame, &settings, &step), 0);
-    assert_int_equal(pccd_wait(stage->client, step, -1, &answer), 0);
+    assert_ok(pccd_frame_commit(frame, &settings, &step));
+    assert_ok(pccd_wait(stage->client, step, -1, &answer));
     pccd_answer_release(stage->client, &answer);
     stage->steps++;
 }
@@ -78,18 +75,14 @@ static void take(struct stage *stage, struct pccd_frame *frame)
 static void make_stage(struct pccd_client *client, struct stage *stage)
 {
     *stage = (struct stage){.client = client};
-    assert_int_equal(pccd_scene_create(client, NULL, &stage->scene), 0);
-    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &stage->floor_mesh, NULL),
-                     0);
-    assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &stage->mesh, NULL),
-                     0);
-    assert_int_equal(
-        pccd_scene_add(client, stage->scene, stage->floor_mesh, &stage->floor), 0);
-    assert_int_equal(pccd_scene_add(client, stage->scene, stage->mesh, &stage->body), 0);
-    assert_int_equal(pccd_scene_add(client, stage->scene, stage->mesh, &stage->second),
-                     0);
+    stage->scene = test_scene(client);
+    stage->floor_mesh =
+        test_mesh(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
+    stage->mesh =
+        test_mesh(client, test_triangle_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
+    stage->floor = test_object(client, stage->scene, stage->floor_mesh);
+    stage->body = test_object(client, stage->scene, stage->mesh);
+    stage->second = test_object(client, stage->scene, stage->mesh);
 }
 
 /* x1 in float, x0 and x1 in double, a part, a transform, all objects at once, nothing. */
@@ -102,31 +95,26 @@ static void move_stage(struct stage *stage, float z)
     double(*d0)[3], (*d1)[3];
     float at[3][3];
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint64_t step = 0;
 
     test_crossing_positions(at, z);
-    assert_int_equal(pccd_frame_begin(stage->client, stage->scene, 2, 512, &frame), 0);
-    assert_int_equal(
-        pccd_frame_x1(&frame, stage->body, PCCD_FORMAT_F32, 0, 3, (void **)&x1), 0);
+    assert_ok(pccd_frame_begin(stage->client, stage->scene, 2, 512, &frame));
+    assert_ok(pccd_frame_x1(&frame, stage->body, PCCD_FORMAT_F32, 0, 3, (void **)&x1));
     memcpy(x1, at, sizeof at);
-    assert_int_equal(pccd_frame_x0x1(&frame, stage->second, PCCD_FORMAT_F64, 0, 3,
-                                     (void **)&d0, (void **)&d1),
-                     0);
+    assert_ok(pccd_frame_x0x1(&frame, stage->second, PCCD_FORMAT_F64, 0, 3, (void **)&d0,
+                              (void **)&d1));
     for (int i = 0; i < 9; i++) {
         d0[i / 3][i % 3] = (double)at[i / 3][i % 3] + 0.1;
         d1[i / 3][i % 3] = -(double)at[i / 3][i % 3] / 3;
     }
     take(stage, &frame);
-    assert_int_equal(pccd_frame_begin(stage->client, stage->scene, 2, 512, &frame), 0);
-    assert_int_equal(pccd_frame_rigid(&frame, stage->body, 0, 3, as_it_was, turned), 0);
-    assert_int_equal(
-        pccd_frame_x1(&frame, stage->second, PCCD_FORMAT_F32, 1, 1, (void **)&x1), 0);
+    assert_ok(pccd_frame_begin(stage->client, stage->scene, 2, 512, &frame));
+    assert_ok(pccd_frame_rigid(&frame, stage->body, 0, 3, as_it_was, turned));
+    assert_ok(pccd_frame_x1(&frame, stage->second, PCCD_FORMAT_F32, 1, 1, (void **)&x1));
     x1[0][0] = 0.25f;
     x1[0][1] = -0.25f;
     x1[0][2] = z;
     take(stage, &frame);
-    assert_int_equal(pccd_submit_still(stage->client, stage->scene, NULL, &step), 0);
-    assert_int_equal(pccd_wait(stage->client, step, -1, &answer), 0);
+    test_still(stage->client, stage->scene, NULL, &answer);
     pccd_answer_release(stage->client, &answer);
     stage->steps++;
 }
@@ -137,17 +125,14 @@ static void change_stage(struct stage *stage)
 {
     static const float larger[4][3] = {{-1, -1, 1}, {2, 0, 1}, {0, 2, 1}, {1, 1, 2}};
     static const uint32_t two[2][3] = {{0, 1, 2}, {1, 2, 3}};
-    uint32_t scene = 0;
 
-    assert_int_equal(pccd_scene_create(stage->client, NULL, &scene), 0);
-    assert_int_equal(pccd_mesh_replace(stage->client, stage->mesh, larger,
-                                       PCCD_FORMAT_F32, 4, two, 2, NULL),
-                     0);
-    assert_int_equal(pccd_mesh_destroy(stage->client, stage->floor_mesh), 0);
-    assert_int_equal(pccd_scene_remove(stage->client, stage->scene, stage->second), 0);
-    assert_int_equal(
-        pccd_scene_add(stage->client, stage->scene, stage->mesh, &stage->second), 0);
-    assert_int_equal(pccd_scene_destroy(stage->client, scene), 0);
+    uint32_t scene = test_scene(stage->client);
+    assert_ok(pccd_mesh_replace(stage->client, stage->mesh, larger, PCCD_FORMAT_F32, 4,
+                                two, 2, NULL));
+    assert_ok(pccd_mesh_destroy(stage->client, stage->floor_mesh));
+    assert_ok(pccd_scene_remove(stage->client, stage->scene, stage->second));
+    stage->second = test_object(stage->client, stage->scene, stage->mesh);
+    assert_ok(pccd_scene_destroy(stage->client, scene));
 }
 
 /* Steps that the daemon must refuse leave everything where it was. The second is refused
@@ -180,14 +165,14 @@ CASE(record__holds_every_kind_of_request)
     struct stage stage;
 
     test_recording_clear();
-    assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
+    assert_ok(pccd_record_start(client, test_recording, NULL));
     make_stage(client, &stage);
     move_stage(&stage, -1);
     fail_steps(&stage);
     move_stage(&stage, 1);
     change_stage(&stage);
     move_stage(&stage, -0.5f);
-    assert_int_equal(pccd_record_stop(client, &info), 0);
+    assert_ok(pccd_record_stop(client, &info));
     assert_int_equal(info.frames, stage.steps);
     assert_int_equal(info.answers, stage.steps);
     assert_int_equal(info.status, 0);
@@ -209,10 +194,10 @@ CASE(record__begins_with_what_there_is)
     change_stage(&stage);
     move_stage(&stage, 1);
     before = stage.steps;
-    assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
+    assert_ok(pccd_record_start(client, test_recording, NULL));
     move_stage(&stage, -0.5f);
     move_stage(&stage, 0.25f);
-    assert_int_equal(pccd_record_stop(client, NULL), 0);
+    assert_ok(pccd_record_stop(client, NULL));
     move_stage(&stage, 1);
     pccd_close(client);
     test_recording_repeats("--json", test_recording, stage.steps - 3 - before);
@@ -225,7 +210,7 @@ CASE(record__goes_on_when_the_daemon_is_killed)
     struct stage stage;
 
     test_recording_clear();
-    assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
+    assert_ok(pccd_record_start(client, test_recording, NULL));
     make_stage(client, &stage);
     for (int round = 0; round < 3; round++) {
         move_stage(&stage, round % 2 == 0 ? -1.0f : 1.0f);
@@ -253,28 +238,28 @@ CASE(record__has_a_step_for_each_scene_of_a_batch)
     char said[4096];
 
     test_recording_clear();
-    assert_int_equal(pccd_record_start(client, test_recording, &with_contacts), 0);
-    assert_int_equal(test_farm_make(client, 6, 6, &farm), 0);
+    assert_ok(pccd_record_start(client, test_recording, &with_contacts));
+    assert_ok(test_farm_make(client, 6, 6, &farm));
     for (uint32_t turn = 1; turn <= 4; turn++) {
         settings.mode = (enum pccd_mode)(turn % PCCD_MODE_COUNT);
         settings.separation = turn == 2 ? 0.125 : 0;
-        assert_int_equal(test_farm_turn(&farm, turn, &settings, &answer), 0);
+        assert_ok(test_farm_turn(&farm, turn, &settings, &answer));
         assert_int_equal(answer.failed, 0);
         pccd_batch_release(client, &answer);
     }
     assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
-    assert_int_equal(pccd_batch_begin(farm.batch, NULL, x1), 0);
+    assert_ok(pccd_batch_begin(farm.batch, NULL, x1));
     for (uint32_t i = 0; i < 6; i++) {
         test_farm_positions(&farm, i, 5, x1[i]);
     }
     ((float *)x1[3])[0] = 1e30f;
-    assert_int_equal(pccd_batch_commit(farm.batch, NULL, &step), 0);
-    assert_int_equal(pccd_batch_wait(client, step, -1, &answer), 0);
+    assert_ok(pccd_batch_commit(farm.batch, NULL, &step));
+    assert_ok(pccd_batch_wait(client, step, -1, &answer));
     assert_int_equal(answer.failed, 1);
     pccd_batch_release(client, &answer);
-    assert_int_equal(test_farm_turn(&farm, 6, NULL, &answer), 0);
+    assert_ok(test_farm_turn(&farm, 6, NULL, &answer));
     pccd_batch_release(client, &answer);
-    assert_int_equal(pccd_record(client, &info), 0);
+    assert_ok(pccd_record(client, &info));
     assert_int_equal(info.status, 0);
     assert_int_equal(info.frames, 36);
     assert_int_equal(info.answers, 36);
@@ -354,10 +339,8 @@ static void turn_grid(struct test_grid *grid, unsigned times)
 {
     for (unsigned i = 0; i < times; i++) {
         struct pccd_answer answer = PCCD_ANSWER_INIT;
-        uint64_t step = 0;
 
-        assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
-        assert_int_equal(pccd_wait(grid->client, step, -1, &answer), 0);
+        assert_ok(test_grid_turn(grid, NULL, &answer));
         pccd_answer_release(grid->client, &answer);
     }
 }
@@ -379,10 +362,10 @@ CASE(record__keeps_its_bound)
     struct test_grid grid;
 
     test_recording_clear();
-    assert_int_equal(pccd_record_start(client, test_recording, &settings), 0);
-    assert_int_equal(test_grid_make(client, 16, &grid), 0);
+    assert_ok(pccd_record_start(client, test_recording, &settings));
+    assert_ok(test_grid_make(client, 16, &grid));
     turn_grid(&grid, 40);
-    assert_int_equal(pccd_record(client, &info), 0);
+    assert_ok(pccd_record(client, &info));
     assert_int_equal(info.status, PCCD_E_LIMIT);
     assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_LIMIT);
     assert_in_range(bytes_of(test_recording), 32768, 65536);
@@ -402,10 +385,10 @@ CASE(record__keeps_the_newest_segments)
     char name[128];
 
     test_recording_clear();
-    assert_int_equal(pccd_record_start(client, test_recording, &settings), 0);
-    assert_int_equal(test_grid_make(client, 16, &grid), 0);
+    assert_ok(pccd_record_start(client, test_recording, &settings));
+    assert_ok(test_grid_make(client, 16, &grid));
     turn_grid(&grid, 200);
-    assert_int_equal(pccd_record_stop(client, &info), 0);
+    assert_ok(pccd_record_stop(client, &info));
     assert_in_range(info.segments, 4, 100);
     assert_int_equal(info.frames, 200);
     test_recording_repeats("--json", test_recording, 1);
@@ -443,9 +426,8 @@ static void reshape(struct stage *stage, uint32_t count, float by)
         x[i][1] = (float)(i / 64);
         x[i][2] = by;
     }
-    assert_int_equal(pccd_mesh_replace(stage->client, stage->mesh, x, PCCD_FORMAT_F32,
-                                       count, test_triangle, 1, NULL),
-                     0);
+    assert_ok(pccd_mesh_replace(stage->client, stage->mesh, x, PCCD_FORMAT_F32, count,
+                                test_triangle, 1, NULL));
 }
 
 /* If this failed, a ring of segments would fill a disk with what is made between two
@@ -460,14 +442,14 @@ CASE(record__meshes_keep_the_bound_of_a_ring)
     char older[128];
 
     test_recording_clear();
-    assert_int_equal(pccd_record_start(client, test_recording, &settings), 0);
+    assert_ok(pccd_record_start(client, test_recording, &settings));
     make_stage(client, &stage);
     for (int i = 0; i < 40; i++) {
         reshape(&stage, 1024, (float)i / 8);
         assert_in_range(bytes_of_ring(), 1, settings.max_bytes);
     }
     move_stage(&stage, -1);
-    assert_int_equal(pccd_record(client, &info), 0);
+    assert_ok(pccd_record(client, &info));
     assert_int_equal(info.status, 0);
     assert_in_range(info.segments, 4, 20);
     test_recording_repeats("--json", test_recording, 3);
@@ -496,21 +478,21 @@ CASE(record__is_refused_where_it_could_not_be_whole)
     assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_STATE);
     assert_int_equal(pccd_record_start(client, test_recording, &too_small), PCCD_E_INVAL);
     assert_int_equal(pccd_record_start(client, test_recording, &unbounded), PCCD_E_INVAL);
-    assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
+    assert_ok(pccd_record_start(client, test_recording, NULL));
     assert_int_equal(pccd_record_start(client, test_recording, NULL), PCCD_E_STATE);
-    assert_int_equal(pccd_record_stop(client, NULL), 0);
+    assert_ok(pccd_record_stop(client, NULL));
     assert_int_equal(pccd_record_start(client, test_recording, NULL), PCCD_E_SYSTEM);
     pccd_options_init(&options);
     options.url = daemon_.url;
     options.no_keep = true;
-    assert_int_equal(pccd_connect(&options, &careless), 0);
-    assert_int_equal(pccd_record_start(careless, beside, NULL), 0); /* nothing yet */
+    assert_ok(pccd_connect(&options, &careless));
+    assert_ok(pccd_record_start(careless, beside, NULL)); /* nothing yet */
     make_stage(careless, &stage);
     move_stage(&stage, -1);
-    assert_int_equal(pccd_record_stop(careless, NULL), 0);
+    assert_ok(pccd_record_stop(careless, NULL));
     test_recording_repeats("--json", beside, stage.steps);
     pccd_close(careless);
-    assert_int_equal(pccd_connect(&options, &careless), 0);
+    assert_ok(pccd_connect(&options, &careless));
     make_stage(careless, &stage);
     assert_int_equal(unlink(beside), 0);
     assert_int_equal(pccd_record_start(careless, beside, NULL), PCCD_E_STATE);
@@ -536,7 +518,7 @@ CASE(environment__records_every_client)
     assert_int_equal(pccd_connect(&options, &clients[0]), PCCD_E_INVAL);
     assert_int_equal(setenv("PCCD_RECORD_OPTIONS", "contacts=1,level=3", 1), 0);
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(pccd_connect(&options, &clients[i]), 0);
+        assert_ok(pccd_connect(&options, &clients[i]));
     }
     assert_int_equal(unsetenv("PCCD_RECORD"), 0);
     for (int i = 0; i < 2; i++) {

@@ -1,8 +1,4 @@
-/* test_int_record_filter.c - what objects may meet, in recordings.
- *
- * Record sessions that change masks and pairs, from the beginning and from the middle,
- * and have pccdctl repeat and verify them, with a daemon and without.
- */
+/* test_int_record_filter.c - what objects may meet, in recordings. */
 #include "cases.h"
 
 #include <stdio.h>
@@ -10,6 +6,7 @@
 #include <unistd.h>
 
 #include "fixture.h"
+#include "must.h"
 #include "recording.h"
 #include "run_ctl.h"
 
@@ -45,13 +42,10 @@ static void make_play(struct play *play)
     float x[6][3];
 
     positions(x, 0, 1);
-    assert_int_equal(pccd_scene_create(play->client, NULL, &play->scene), 0);
-    assert_int_equal(pccd_mesh_create(play->client, x, PCCD_FORMAT_F32, 6, triangles, 2,
-                                      &play->mesh, NULL),
-                     0);
+    play->scene = test_scene(play->client);
+    play->mesh = test_mesh(play->client, x, PCCD_FORMAT_F32, 6, triangles, 2);
     for (uint32_t i = 0; i < BODIES; i++) {
-        assert_int_equal(
-            pccd_scene_add(play->client, play->scene, play->mesh, &play->bodies[i]), 0);
+        play->bodies[i] = test_object(play->client, play->scene, play->mesh);
     }
 }
 
@@ -67,7 +61,7 @@ static void begin_play(struct play *play, const struct pccd_record_settings *set
 {
     *play = (struct play){.client = test_connect(test_shared.url), .z = 1};
     assert_non_null(play->client);
-    assert_int_equal(pccd_record_start(play->client, test_recording, settings), 0);
+    assert_ok(pccd_record_start(play->client, test_recording, settings));
     make_play(play);
 }
 
@@ -78,18 +72,16 @@ static void step(struct play *play)
     uint64_t number;
 
     play->z = -play->z;
-    assert_int_equal(pccd_frame_begin(play->client, play->scene, BODIES,
-                                      BODIES * sizeof(float[6][3]), &frame),
-                     0);
+    assert_ok(pccd_frame_begin(play->client, play->scene, BODIES,
+                               BODIES * sizeof(float[6][3]), &frame));
     for (uint32_t i = 0; i < BODIES; i++) {
         void *x1;
 
-        assert_int_equal(
-            pccd_frame_x1(&frame, play->bodies[i], PCCD_FORMAT_F32, 0, 6, &x1), 0);
+        assert_ok(pccd_frame_x1(&frame, play->bodies[i], PCCD_FORMAT_F32, 0, 6, &x1));
         positions(x1, i, play->z);
     }
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &number), 0);
-    assert_int_equal(pccd_wait(play->client, number, -1, &answer), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, &number));
+    assert_ok(pccd_wait(play->client, number, -1, &answer));
     assert_int_equal(answer.incomplete, PCCD_COMPLETE);
     play->total = answer.total;
     play->steps++;
@@ -102,15 +94,13 @@ static void set(struct play *play, uint32_t body, uint32_t what, uint64_t group,
     const struct pccd_object_settings settings = {
         .what = what, .self_collision = self, .group = group, .mask = mask};
 
-    assert_int_equal(
-        pccd_object_set(play->client, play->scene, play->bodies[body], &settings), 0);
+    assert_ok(pccd_object_set(play->client, play->scene, play->bodies[body], &settings));
 }
 
 static void ignore(struct play *play, uint32_t a, uint32_t b, bool ignored)
 {
-    assert_int_equal(pccd_pair_ignore(play->client, play->scene, play->bodies[a],
-                                      play->bodies[b], ignored),
-                     0);
+    assert_ok(pccd_pair_ignore(play->client, play->scene, play->bodies[a],
+                               play->bodies[b], ignored));
 }
 
 /* All that there is to be set, with a step after each: so that the masks of one would be
@@ -140,9 +130,8 @@ static void change(struct play *play)
 /* One object goes, and what it ignored with it. */
 static void exchange(struct play *play)
 {
-    assert_int_equal(pccd_scene_remove(play->client, play->scene, play->bodies[2]), 0);
-    assert_int_equal(
-        pccd_scene_add(play->client, play->scene, play->mesh, &play->bodies[2]), 0);
+    assert_ok(pccd_scene_remove(play->client, play->scene, play->bodies[2]));
+    play->bodies[2] = test_object(play->client, play->scene, play->mesh);
     step(play);
     step(play);
 }
@@ -181,7 +170,7 @@ CASE(record__holds_masks_and_pairs)
     begin_play(&play, &settings);
     change(&play);
     exchange(&play);
-    assert_int_equal(pccd_record_stop(play.client, &info), 0);
+    assert_ok(pccd_record_stop(play.client, &info));
     assert_int_equal(info.status, 0);
     pccd_close(play.client);
     assert_repeats(test_recording, play.steps);
@@ -205,7 +194,7 @@ CASE(record__begins_with_masks_and_pairs)
         pccd_close(play.client);
         return;
     }
-    assert_int_equal(pccd_record_start(play.client, test_recording, &settings), 0);
+    assert_ok(pccd_record_start(play.client, test_recording, &settings));
     step(&play);
     step(&play);
     exchange(&play);
@@ -228,7 +217,7 @@ CASE(record__segments_have_masks_and_pairs)
     do {
         step(&play);
         ignore(&play, 0, 1, play.steps % 2 == 0);
-        assert_int_equal(pccd_record(play.client, &info), 0);
+        assert_ok(pccd_record(play.client, &info));
     } while (info.segments < 4 && play.steps < 1000);
     step(&play);
     pccd_close(play.client);

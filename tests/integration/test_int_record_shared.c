@@ -1,8 +1,4 @@
-/* test_int_record_shared.c - recordings of sessions that share a scene with others.
- *
- * Two clients move a scene in every way that there is, and one of them is recorded;
- * pccdctl repeats and verifies what it was answered, with a daemon and without.
- */
+/* test_int_record_shared.c - recordings of sessions that share a scene with others. */
 #include "cases.h"
 
 #include <signal.h>
@@ -11,6 +7,7 @@
 #include <unistd.h>
 
 #include "fixture.h"
+#include "must.h"
 #include "prng.h"
 #include "recording.h"
 #include "run_ctl.h"
@@ -61,13 +58,9 @@ static void enter(struct member *member, const char *name)
     float x[BODY][3];
 
     shape(x, member->height);
-    assert_int_equal(pccd_scene_create(member->client, &settings, &member->scene), 0);
-    assert_int_equal(pccd_mesh_create(member->client, x, PCCD_FORMAT_F32, BODY, triangles,
-                                      2, &member->mesh, NULL),
-                     0);
-    assert_int_equal(
-        pccd_scene_add(member->client, member->scene, member->mesh, &member->bodies[0]),
-        0);
+    assert_ok(pccd_scene_create(member->client, &settings, &member->scene));
+    member->mesh = test_mesh(member->client, x, PCCD_FORMAT_F32, BODY, triangles, 2);
+    member->bodies[0] = test_object(member->client, member->scene, member->mesh);
 }
 
 static void connect_member(struct member *member, float height)
@@ -90,10 +83,10 @@ static void write_way(struct pccd_frame *frame, uint32_t body)
     shape(x, near());
     switch (draw(4)) {
     case 0:
-        assert_int_equal(pccd_frame_rigid(frame, body, 0, BODY, from, to), 0);
+        assert_ok(pccd_frame_rigid(frame, body, 0, BODY, from, to));
         break;
     case 1:
-        assert_int_equal(pccd_frame_x1(frame, body, PCCD_FORMAT_F32, 2, 3, &x1), 0);
+        assert_ok(pccd_frame_x1(frame, body, PCCD_FORMAT_F32, 2, 3, &x1));
         memcpy(x1, x + 2, 3 * sizeof x[0]);
         break;
     case 2:
@@ -101,13 +94,12 @@ static void write_way(struct pccd_frame *frame, uint32_t body)
             wide[0][i / 3][i % 3] = (double)x[i / 3][i % 3] / 3;
             wide[1][i / 3][i % 3] = (double)near() / 7;
         }
-        assert_int_equal(pccd_frame_x0x1(frame, body, PCCD_FORMAT_F64, 0, BODY, &x0, &x1),
-                         0);
+        assert_ok(pccd_frame_x0x1(frame, body, PCCD_FORMAT_F64, 0, BODY, &x0, &x1));
         memcpy(x0, wide[0], sizeof wide[0]);
         memcpy(x1, wide[1], sizeof wide[1]);
         break;
     default:
-        assert_int_equal(pccd_frame_x1(frame, body, PCCD_FORMAT_F32, 0, BODY, &x1), 0);
+        assert_ok(pccd_frame_x1(frame, body, PCCD_FORMAT_F32, 0, BODY, &x1));
         memcpy(x1, x, sizeof x);
         break;
     }
@@ -123,13 +115,13 @@ static uint64_t submit(struct member *member, bool hold)
     struct pccd_frame frame;
     uint64_t step = 0;
 
-    assert_int_equal(pccd_frame_begin(member->client, member->scene, 2, 1024, &frame), 0);
+    assert_ok(pccd_frame_begin(member->client, member->scene, 2, 1024, &frame));
     for (uint32_t i = 0; i < 2; i++) {
         if (member->bodies[i] != 0 && (i == 0 || draw(2) == 0)) {
             write_way(&frame, member->bodies[i]);
         }
     }
-    assert_int_equal(pccd_frame_commit(&frame, &settings, &step), 0);
+    assert_ok(pccd_frame_commit(&frame, &settings, &step));
     return step;
 }
 
@@ -137,10 +129,10 @@ static void collect(struct member *member, uint64_t step)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    assert_int_equal(pccd_wait(member->client, step, -1, &answer), 0);
+    assert_ok(pccd_wait(member->client, step, -1, &answer));
     if (answer.count == 0 && answer.total > 0 && draw(2) == 0) { /* it was held */
-        assert_int_equal(
-            pccd_scene_read(member->client, member->scene, answer.number, 0, &answer), 0);
+        assert_ok(
+            pccd_scene_read(member->client, member->scene, answer.number, 0, &answer));
     }
     member->with_contacts += answer.counts[PCCD_VF] + answer.counts[PCCD_EE] > 0;
     pccd_answer_release(member->client, &answer);
@@ -152,7 +144,7 @@ static void hold(struct member *member)
 {
     if (member->held == 0) {
         member->held = submit(member, true);
-        assert_int_equal(pccd_wait_held(member->client, member->held, -1), 0);
+        assert_ok(pccd_wait_held(member->client, member->held, -1));
     }
 }
 
@@ -167,8 +159,8 @@ static void step_batch(struct member *member)
     const void *x1 = x;
 
     shape(x, near());
-    assert_int_equal(pccd_batch_create(member->client, &part, 1, &batch), 0);
-    assert_int_equal(pccd_batch_step(batch, NULL, &x1, NULL, &answer), 0);
+    assert_ok(pccd_batch_create(member->client, &part, 1, &batch));
+    assert_ok(pccd_batch_step(batch, NULL, &x1, NULL, &answer));
     assert_int_equal(answer.scenes[0].status, 0);
     member->with_contacts += answer.scenes[0].total > 0;
     member->answered++;
@@ -186,8 +178,7 @@ static void step(struct member *member, struct member *other)
     } else if (member->held == 0) {
         number = submit(member, false);
     } else {
-        assert_int_equal(pccd_submit_still(member->client, member->scene, NULL, &number),
-                         0);
+        assert_ok(pccd_submit_still(member->client, member->scene, NULL, &number));
     }
     if (number != 0) {
         collect(member, number);
@@ -211,8 +202,8 @@ static void set(struct member *member)
                                                   .group = 1 + draw(3),
                                                   .mask = 1 + draw(3)};
 
-    assert_int_equal(
-        pccd_object_set(member->client, member->scene, member->bodies[0], &settings), 0);
+    assert_ok(
+        pccd_object_set(member->client, member->scene, member->bodies[0], &settings));
 }
 
 static void change(struct member *member, const struct member *other)
@@ -225,18 +216,15 @@ static void change(struct member *member, const struct member *other)
             break; /* or what it holds could not go along */
         }
         shape(x, near());
-        assert_int_equal(pccd_mesh_replace(member->client, member->mesh, x,
-                                           PCCD_FORMAT_F32, BODY, triangles, 2, NULL),
-                         0);
+        assert_ok(pccd_mesh_replace(member->client, member->mesh, x, PCCD_FORMAT_F32,
+                                    BODY, triangles, 2, NULL));
         break;
     case 1:
         if (member->bodies[1] == 0 && member->held == 0) {
-            assert_int_equal(pccd_scene_add(member->client, member->scene, member->mesh,
-                                            &member->bodies[1]),
-                             0);
+            member->bodies[1] = test_object(member->client, member->scene, member->mesh);
         } else if (member->held == 0) {
-            assert_int_equal(
-                pccd_scene_remove(member->client, member->scene, member->bodies[1]), 0);
+            assert_ok(
+                pccd_scene_remove(member->client, member->scene, member->bodies[1]));
             member->bodies[1] = 0;
         }
         break;
@@ -244,10 +232,8 @@ static void change(struct member *member, const struct member *other)
         set(member);
         break;
     default:
-        assert_int_equal(pccd_pair_ignore(member->client, member->scene,
-                                          member->bodies[0], other->bodies[0],
-                                          draw(3) == 0),
-                         0);
+        assert_ok(pccd_pair_ignore(member->client, member->scene, member->bodies[0],
+                                   other->bodies[0], draw(3) == 0));
         break;
     }
 }
@@ -307,7 +293,7 @@ CASE(record__holds_what_others_do)
         test_recording_clear();
         connect_member(&a, 0);
         connect_member(&b, 1);
-        assert_int_equal(pccd_record_start(a.client, test_recording, &settings), 0);
+        assert_ok(pccd_record_start(a.client, test_recording, &settings));
         if (round % 2 == 0) {
             enter(&a, "both");
             enter(&b, "both");
@@ -316,15 +302,15 @@ CASE(record__holds_what_others_do)
             enter(&a, "both");
         }
         play(&a, &b, 100);
-        assert_int_equal(pccd_record(a.client, &info), 0);
+        assert_ok(pccd_record(a.client, &info));
         assert_int_equal(info.status, 0);
         if (round % 3 == 0) { /* who leaves has been recorded until then */
-            assert_int_equal(pccd_scene_destroy(a.client, a.scene), 0);
+            assert_ok(pccd_scene_destroy(a.client, a.scene));
         } else if (round % 3 == 1) {
             pccd_close(b.client);
             b.client = NULL;
         }
-        assert_int_equal(pccd_record_stop(a.client, &info), 0);
+        assert_ok(pccd_record_stop(a.client, &info));
         assert_int_equal(info.status, 0);
         pccd_close(a.client);
         pccd_close(b.client);
@@ -356,9 +342,9 @@ CASE(record__begins_with_what_others_have_done)
             hold(round == 1 ? &a : &b);
         }
         before = a.answered;
-        assert_int_equal(pccd_record_start(a.client, test_recording, NULL), 0);
+        assert_ok(pccd_record_start(a.client, test_recording, NULL));
         play(&a, &b, 60);
-        assert_int_equal(pccd_record_stop(a.client, &info), 0);
+        assert_ok(pccd_record_stop(a.client, &info));
         play(&a, &b, 5); /* the daemon keeps nothing more */
         pccd_close(a.client);
         pccd_close(b.client);
@@ -375,8 +361,7 @@ static void ask_start(struct member *member)
     settings.what = PCCD_NEAR_PAIRS;
     settings.distance = 1.5;
     settings.end = 0;
-    assert_int_equal(
-        pccd_ask_near(member->client, member->scene, NULL, 0, &settings, &answer), 0);
+    assert_ok(pccd_ask_near(member->client, member->scene, NULL, 0, &settings, &answer));
     assert_true(answer.total > 0);
     pccd_answer_release(member->client, &answer);
     member->answered++;
@@ -412,14 +397,14 @@ CASE(record__knows_where_the_last_step_began)
         enter(&b, "start");
         move_both(&a, &b);
         a.answered = 0;
-        assert_int_equal(pccd_record_start(a.client, test_recording, NULL), 0);
+        assert_ok(pccd_record_start(a.client, test_recording, NULL));
         if (still != 0) {
             move_both(&a, &b);
-            assert_int_equal(pccd_submit_still(b.client, b.scene, NULL, &number), 0);
+            assert_ok(pccd_submit_still(b.client, b.scene, NULL, &number));
             collect(&b, number);
         }
         ask_start(&a);
-        assert_int_equal(pccd_record_stop(a.client, &info), 0);
+        assert_ok(pccd_record_stop(a.client, &info));
         pccd_close(a.client);
         pccd_close(b.client);
         assert_repeats(a.answered);
@@ -435,7 +420,7 @@ CASE(record__ends_where_it_would_not_be_whole)
 
     test_recording_clear();
     connect_member(&a, 0);
-    assert_int_equal(pccd_record_start(a.client, test_recording, &ring), 0);
+    assert_ok(pccd_record_start(a.client, test_recording, &ring));
     enter(&a, "ring");
     assert_int_equal(pccd_record_stop(a.client, &info), PCCD_E_STATE);
     assert_non_null(strstr(pccd_error_text(a.client), "ring of segments"));
@@ -460,13 +445,13 @@ CASE(record__ends_when_the_daemon_is_lost)
     assert_true(test_daemon_start(&daemon, options));
     a = (struct member){.client = test_connect(daemon.url)};
     b = (struct member){.client = test_connect(daemon.url), .height = 1};
-    assert_int_equal(pccd_record_start(a.client, test_recording, NULL), 0);
+    assert_ok(pccd_record_start(a.client, test_recording, NULL));
     enter(&a, "lost");
     enter(&b, "lost");
     play(&a, &b, 20);
     (void)pccd_record(a.client, &info);
     (void)pccd_poll(a.client, &(struct pccd_answer){0}); /* what is due is asked for */
-    assert_int_equal(pccd_ping(a.client, &(uint64_t){0}), 0); /* and comes before this */
+    assert_ok(pccd_ping(a.client, &(uint64_t){0}));      /* and comes before this */
     assert_int_equal(kill((pid_t)pccd_daemon_pid(a.client), SIGKILL), 0);
     collect(&a, submit(&a, false));
     assert_int_equal(pccd_record_stop(a.client, &info), PCCD_E_DISCONNECTED);

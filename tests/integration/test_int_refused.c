@@ -11,6 +11,7 @@
 
 #include "crossing.h"
 #include "daemon.h"
+#include "must.h"
 #include "pccd.h"
 #include "raw.h"
 #include "skip.h"
@@ -26,12 +27,11 @@ CASE(refused__every_client_beyond_the_quota_hears_so)
     static struct test_raw late;
     struct proto_HELLO_request hello = {.version_min = 1, .version_max = 1};
     struct test_daemon daemon;
-    struct pccd_client *client;
     unsigned heard = 0;
     unsigned told = 0;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
     for (unsigned i = 0; i < BEYOND; i++) { /* the first seven have a place */
         assert_true(test_raw_open(&raws[i], daemon.socket));
@@ -42,7 +42,7 @@ CASE(refused__every_client_beyond_the_quota_hears_so)
             heard += status == PCCD_E_QUOTA;
         }
     }
-    assert_int_equal(pccd_ping(client, NULL), 0);
+    assert_ok(pccd_ping(client, NULL));
     for (unsigned i = 8; i < BEYOND; i += 2) {
         uint32_t id = test_raw_request(&raws[i], PROTO_METHOD_HELLO, &hello);
         int status = id != 0 ? test_raw_answer(&raws[i], id, PROTO_METHOD_HELLO, NULL)
@@ -63,7 +63,7 @@ CASE(refused__every_client_beyond_the_quota_hears_so)
     for (unsigned i = 0; i < BEYOND; i++) {
         test_raw_close(&raws[i]);
     }
-    assert_int_equal(pccd_ping(client, NULL), 0);
+    assert_ok(pccd_ping(client, NULL));
     pccd_close(client);
     assert_true(test_daemon_finish(&daemon));
 }
@@ -114,8 +114,7 @@ CASE(refused__give_way_when_descriptors_are_short)
     }
     assert_int_equal(read(told[0], &byte, 1), 1);
     for (unsigned i = 0; i < 40; i++) {
-        assert_true(test_raw_open(&clients[i], daemon.socket));
-        assert_int_equal(test_raw_hello(&clients[i]), 0);
+        assert_ok(test_raw_session(&clients[i], daemon.socket, 0, 0));
     }
     assert_int_equal(kill(child, SIGKILL), 0);
     assert_int_equal(waitpid(child, &status, 0), child);
@@ -160,15 +159,15 @@ CASE(refused__who_observes_takes_no_place)
     }
     assert_int_equal(observe(daemon.url, &other), PCCD_E_QUOTA); /* these have a bound */
     assert_int_equal(pccd_scene_create(clients[0], NULL, &scene), PCCD_E_STATE);
-    assert_int_equal(pccd_config_set(clients[0], "clients-max", "2"), 0);
+    assert_ok(pccd_config_set(clients[0], "clients-max", "2"));
     other = test_connect(daemon.url);
     assert_non_null(other);
-    assert_int_equal(pccd_scene_create(other, NULL, &scene), 0);
+    scene = test_scene(other);
     pccd_close(clients[0]); /* its place is another observer's */
     for (int i = 0; i < 1000 && observe(daemon.url, &clients[0]) != 0; i++) {
         test_sleep_ms(10);
     }
-    assert_int_equal(pccd_ping(clients[0], NULL), 0);
+    assert_ok(pccd_ping(clients[0], NULL));
     for (int i = 0; i < OBSERVERS_MAX; i++) {
         pccd_close(clients[i]);
     }
@@ -199,17 +198,17 @@ CASE(refused__owner_is_heard_when_all_connections_are_taken)
     assert_non_null(strstr(pccd_error_text(NULL), "--connections-max"));
     assert_int_equal(observe(daemon.url, &owner), 0);
     assert_int_equal(test_stat(owner, "sessions_now"), 4);
-    assert_int_equal(pccd_config_set(owner, "connections-max", "2"), 0);
+    assert_ok(pccd_config_set(owner, "connections-max", "2"));
     assert_int_equal(pccd_connect(&wanted, &other), PCCD_E_QUOTA);
     pccd_close(clients[2]);
     pccd_close(owner);
     assert_int_equal(observe(daemon.url, &owner), 0); /* also below what there are */
-    assert_int_equal(pccd_config_set(owner, "connections-max", "3"), 0);
+    assert_ok(pccd_config_set(owner, "connections-max", "3"));
     pccd_close(owner);
     for (int i = 0; i < 1000 && pccd_connect(&wanted, &clients[2]) != 0; i++) {
         test_sleep_ms(10);
     }
-    assert_int_equal(pccd_ping(clients[2], NULL), 0);
+    assert_ok(pccd_ping(clients[2], NULL));
     for (int i = 0; i < 3; i++) {
         pccd_close(clients[i]);
     }
@@ -231,7 +230,6 @@ CASE(refused__others_have_no_connection_kept_back)
 {
     const char *const options[] = {"--connections-max", "1", "--allow-uid", "65534",
                                    NULL};
-    struct pccd_client *client;
     struct test_daemon daemon;
     int status = 0;
 
@@ -240,7 +238,7 @@ CASE(refused__others_have_no_connection_kept_back)
     }
     assert_true(test_daemon_start(&daemon, options));
     assert_int_equal(chmod(daemon.directory, 0755), 0);
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
     pid_t child = fork();
     if (child == 0) {

@@ -1,8 +1,4 @@
-/* test_int_replace.c - meshes that change their topology while they are in use.
- *
- * Bodies break between steps, in time and out of it, with and without room for it; an
- * honest client gets right answers all the while.
- */
+/* test_int_replace.c - meshes that change their topology while they are in use. */
 #include "cases.h"
 
 #include <math.h>
@@ -10,6 +6,7 @@
 #include <string.h>
 
 #include "grid.h"
+#include "must.h"
 #include "skip.h"
 #include "witness.h"
 
@@ -57,9 +54,8 @@ static void move_pieces(struct test_grid *grid, uint32_t object, float z,
     static struct pieces pieces;
 
     break_grid(grid, z, &pieces);
-    assert_int_equal(pccd_step_x1(grid->client, grid->scene, object, pieces.x,
-                                  PCCD_FORMAT_F32, CORNERS, NULL, answer),
-                     0);
+    assert_ok(pccd_step_x1(grid->client, grid->scene, object, pieces.x, PCCD_FORMAT_F32,
+                           CORNERS, NULL, answer));
     assert_int_equal(answer->incomplete, PCCD_COMPLETE);
     assert_int_equal(answer->total, CORNERS);
     assert_int_equal(answer->counts[PCCD_VF], CORNERS);
@@ -78,10 +74,8 @@ static int break_mesh(struct test_grid *grid, struct pccd_mesh_info *info)
 static void turn(struct test_grid *grid)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint64_t step = 0;
 
-    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(grid->client, step, -1, &answer), 0);
+    assert_ok(test_grid_turn(grid, NULL, &answer));
     assert_true(test_grid_is_right(grid, &answer));
     pccd_answer_release(grid->client, &answer);
 }
@@ -92,7 +86,6 @@ static void open_fresh(struct test_grid *grid)
 {
     static struct pieces pieces;
     struct pccd_client *client = test_connect(test_witness.daemon.url);
-    uint32_t floor_mesh = 0;
 
     assert_non_null(client);
     *grid = (struct test_grid){.client = client,
@@ -101,16 +94,13 @@ static void open_fresh(struct test_grid *grid)
                                .x = calloc((size_t)SIDE * SIDE, sizeof *grid->x)};
     assert_non_null(grid->x);
     break_grid(grid, 1, &pieces);
-    assert_int_equal(pccd_scene_create(client, NULL, &grid->scene), 0);
-    assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &floor_mesh, NULL),
-                     0);
-    assert_int_equal(pccd_scene_add(client, grid->scene, floor_mesh, &grid->floor), 0);
-    assert_int_equal(pccd_mesh_create(client, pieces.x, PCCD_FORMAT_F32, CORNERS,
-                                      (const uint32_t(*)[3])pieces.triangles, TRIANGLES,
-                                      &grid->mesh, NULL),
-                     0);
-    assert_int_equal(pccd_scene_add(client, grid->scene, grid->mesh, &grid->object), 0);
+    grid->scene = test_scene(client);
+    uint32_t floor_mesh =
+        test_mesh(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
+    grid->floor = test_object(client, grid->scene, floor_mesh);
+    grid->mesh = test_mesh(client, pieces.x, PCCD_FORMAT_F32, CORNERS,
+                           (const uint32_t(*)[3])pieces.triangles, TRIANGLES);
+    grid->object = test_object(client, grid->scene, grid->mesh);
 }
 
 static void open_grid(struct test_grid *grid)
@@ -118,7 +108,7 @@ static void open_grid(struct test_grid *grid)
     struct pccd_client *client = test_connect(test_witness.daemon.url);
 
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, SIDE, grid), 0);
+    assert_ok(test_grid_make(client, SIDE, grid));
 }
 
 static void close_grid(struct test_grid *grid)
@@ -157,7 +147,7 @@ CASE(replace__a_broken_body_answers_as_a_fresh_one)
         test_witness_turn();
     }
     /* Whole again, and broken again. */
-    assert_int_equal(test_grid_replace(&grid), 0);
+    assert_ok(test_grid_replace(&grid));
     turn(&grid);
     assert_int_equal(break_mesh(&grid, &info), 0);
     assert_int_equal(info.generation, 4);
@@ -184,17 +174,15 @@ CASE(replace__reaches_every_object_made_of_the_mesh)
     before = test_stat_await(test_witness.crossing.client, "triangles_now", 2);
     assert_int_equal(before, 2);
     open_grid(&grid);
-    assert_int_equal(test_grid_make(grid.client, SIDE, &other), 0);
-    assert_int_equal(pccd_scene_add(grid.client, grid.scene, grid.mesh, &gone), 0);
+    assert_ok(test_grid_make(grid.client, SIDE, &other));
+    gone = test_object(grid.client, grid.scene, grid.mesh);
     for (int i = 0; i < SCENES; i++) {
         scenes[i] = grid;
-        assert_int_equal(pccd_scene_create(grid.client, NULL, &scenes[i].scene), 0);
-        assert_int_equal(
-            pccd_scene_add(grid.client, scenes[i].scene, grid.mesh, &scenes[i].object),
-            0);
+        scenes[i].scene = test_scene(grid.client);
+        scenes[i].object = test_object(grid.client, scenes[i].scene, grid.mesh);
     }
-    assert_int_equal(pccd_scene_remove(grid.client, grid.scene, gone), 0);
-    assert_int_equal(pccd_scene_destroy(grid.client, scenes[2].scene), 0);
+    assert_ok(pccd_scene_remove(grid.client, grid.scene, gone));
+    assert_ok(pccd_scene_destroy(grid.client, scenes[2].scene));
     assert_int_equal(break_mesh(&grid, NULL), 0);
     assert_int_equal(test_stat(grid.client, "meshes_replaced"), replaced + 1);
     move_pieces(&grid, grid.object, -1, &answer);
@@ -202,9 +190,8 @@ CASE(replace__reaches_every_object_made_of_the_mesh)
         static struct pieces pieces;
 
         break_grid(&grid, 3, &pieces);
-        assert_int_equal(pccd_step_x1(grid.client, scenes[i].scene, scenes[i].object,
-                                      pieces.x, PCCD_FORMAT_F32, CORNERS, NULL, &answer),
-                         0);
+        assert_ok(pccd_step_x1(grid.client, scenes[i].scene, scenes[i].object, pieces.x,
+                               PCCD_FORMAT_F32, CORNERS, NULL, &answer));
         pccd_answer_release(grid.client, &answer);
     }
     turn(&other);
@@ -261,15 +248,14 @@ CASE(replace__without_quota_changes_nothing)
     static uint32_t doubled[2 * TRIANGLES][3];
     struct test_daemon daemon;
     struct test_grid grid;
-    struct pccd_client *client;
 
     if (test_is_direct()) {
         test_skip("with direct: there are no quotas");
     }
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE, &grid));
     assert_int_equal(test_stat(client, "triangles_now"), TRIANGLES + 1);
     break_grid(&grid, 1, &pieces);
     memcpy(doubled, pieces.triangles, sizeof pieces.triangles);
@@ -299,7 +285,7 @@ CASE(replace__without_memory_changes_nothing)
     struct test_grid grid, large;
     struct pccd_client *client;
     uint32_t(*triangles)[3];
-    uint32_t scenes[3], object;
+    uint32_t scenes[3];
 
     if (test_is_direct()) {
         test_skip("with direct: there are no quotas");
@@ -307,13 +293,13 @@ CASE(replace__without_memory_changes_nothing)
     assert_true(test_daemon_start(&daemon, options));
     client = test_connect(daemon.url);
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, 80, &large), 0); /* 12482 triangles */
-    assert_int_equal(pccd_scene_destroy(client, large.scene), 0);
-    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    assert_ok(test_grid_make(client, 80, &large)); /* 12482 triangles */
+    assert_ok(pccd_scene_destroy(client, large.scene));
+    assert_ok(test_grid_make(client, SIDE, &grid));
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(pccd_scene_create(client, NULL, &scenes[i]), 0);
+        scenes[i] = test_scene(client);
         for (int k = 0; k < 20; k++) {
-            assert_int_equal(pccd_scene_add(client, scenes[i], grid.mesh, &object), 0);
+            (void)test_object(client, scenes[i], grid.mesh);
         }
     }
     turn(&grid);
@@ -336,7 +322,7 @@ CASE(replace__without_memory_changes_nothing)
         }
     }
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(pccd_scene_destroy(client, scenes[i]), 0);
+        assert_ok(pccd_scene_destroy(client, scenes[i]));
     }
     free(triangles);
     pccd_close(client);
@@ -352,20 +338,17 @@ CASE(replace__charges_the_mesh_once)
     const char *const options[] = {"--triangles-max", "901", NULL}; /* 2 x 450 + 1 */
     struct test_daemon daemon;
     struct test_grid grid;
-    struct pccd_client *client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint32_t scene = 0;
-    uint32_t second = 0;
 
     if (test_is_direct()) {
         test_skip("with direct: there are no quotas");
     }
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
-    assert_int_equal(pccd_scene_add(client, scene, grid.mesh, &second), 0);
+    assert_ok(test_grid_make(client, SIDE, &grid));
+    uint32_t scene = test_scene(client);
+    (void)test_object(client, scene, grid.mesh);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(break_mesh(&grid, NULL), 0);
         move_pieces(&grid, grid.object, -1, &answer);
@@ -373,11 +356,10 @@ CASE(replace__charges_the_mesh_once)
                          TRIANGLES + 1);
     }
     /* By something smaller: what it is less is given back. */
-    assert_int_equal(pccd_mesh_replace(client, grid.mesh, test_triangle_x,
-                                       PCCD_FORMAT_F32, 3, test_triangle, 1, NULL),
-                     0);
+    assert_ok(pccd_mesh_replace(client, grid.mesh, test_triangle_x, PCCD_FORMAT_F32, 3,
+                                test_triangle, 1, NULL));
     assert_int_equal(test_stat_await(client, "triangles_now", 2), 2);
-    assert_int_equal(pccd_scene_destroy(client, scene), 0);
+    assert_ok(pccd_scene_destroy(client, scene));
     assert_int_equal(test_stat_await(client, "triangles_now", 2), 2);
     pccd_close(client);
     test_grid_free(&grid);
@@ -406,13 +388,11 @@ static void open_bare(struct bare *bare)
     struct proto_SCENE_ADD_result added;
 
     test_witness_open_raw(&raw, 65536);
-    assert_int_equal(
-        test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &bare->mesh), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
-                     0);
+    assert_ok(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &bare->mesh));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
     add.scene = bare->scene = created.scene;
     add.mesh = bare->mesh;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
     bare->object = added.object;
 }
 
@@ -467,7 +447,7 @@ CASE(replace__steps_run_on_the_topology_of_their_turn)
     open_bare(&bare);
     assert_int_equal(announce(bare.mesh, 6, 2, &generation), 0);
     assert_int_equal(generation, 2);
-    assert_int_equal(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2), 0);
+    assert_ok(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2));
     /* The old triangle serves until the commit. */
     ids[0] = submit(&bare, 0, two_x, 6);
     assert_int_equal(test_raw_answer(&raw, ids[0], PROTO_METHOD_FRAME_SUBMIT, &answer),
@@ -478,14 +458,11 @@ CASE(replace__steps_run_on_the_topology_of_their_turn)
     ids[1] = submit(&bare, 0, test_triangle_x, 3);
     ids[2] = test_raw_request(&raw, PROTO_METHOD_MESH_COMMIT, &request);
     ids[3] = submit(&bare, 1, two_x, 6);
-    assert_int_equal(test_raw_answer(&raw, ids[1], PROTO_METHOD_FRAME_SUBMIT, &answer),
-                     0);
-    assert_int_equal(test_raw_answer(&raw, ids[2], PROTO_METHOD_MESH_COMMIT, &committed),
-                     0);
+    assert_ok(test_raw_answer(&raw, ids[1], PROTO_METHOD_FRAME_SUBMIT, &answer));
+    assert_ok(test_raw_answer(&raw, ids[2], PROTO_METHOD_MESH_COMMIT, &committed));
     assert_int_equal(committed.generation, 2);
     assert_int_equal(committed.triangle_count, 2);
-    assert_int_equal(test_raw_answer(&raw, ids[3], PROTO_METHOD_FRAME_SUBMIT, &answer),
-                     0);
+    assert_ok(test_raw_answer(&raw, ids[3], PROTO_METHOD_FRAME_SUBMIT, &answer));
     ids[0] = submit(&bare, 0, two_x, 7);
     assert_int_equal(test_raw_answer(&raw, ids[0], PROTO_METHOD_FRAME_SUBMIT, &answer),
                      PCCD_E_SEGMENT);
@@ -514,7 +491,7 @@ CASE(replace__wrong_order_is_refused)
         assert_int_equal(announce(bare.mesh, 6, PROTO_TRIANGLES_PER_UID, &generation),
                          PCCD_E_QUOTA);
     }
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created));
     assert_int_equal(announce(created.mesh, 6, 2, &generation), PCCD_E_STATE);
     /* Nothing was announced: it is committed already. */
     assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
@@ -523,7 +500,7 @@ CASE(replace__wrong_order_is_refused)
     assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
     assert_non_null(strstr(raw.error.text, "0 of 6 vertices"));
     /* Announced anew: what came before counts no more. */
-    assert_int_equal(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2), 0);
+    assert_ok(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2));
     assert_int_equal(announce(bare.mesh, 5, 1, &generation), 0);
     assert_int_equal(generation, 2);
     assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
@@ -534,9 +511,8 @@ CASE(replace__wrong_order_is_refused)
         assert_int_equal(generation, 1);
     }
     assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
-    assert_int_equal(test_raw_answer(&raw, submit(&bare, 0, test_triangle_x, 3),
-                                     PROTO_METHOD_FRAME_SUBMIT, NULL),
-                     0);
+    assert_ok(test_raw_answer(&raw, submit(&bare, 0, test_triangle_x, 3),
+                              PROTO_METHOD_FRAME_SUBMIT, NULL));
     test_raw_close(&raw);
     test_witness_turn();
 }
@@ -558,7 +534,7 @@ CASE(replace__mesh_is_busy_while_it_is_committed)
     }
     open_bare(&bare);
     assert_int_equal(announce(bare.mesh, 6, 2, &generation), 0);
-    assert_int_equal(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2), 0);
+    assert_ok(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2));
     cancel.id = test_witness_long_step(&raw);
     request.mesh = destroy.mesh = add.mesh = bare.mesh;
     add.scene = bare.scene;
@@ -579,8 +555,8 @@ CASE(replace__mesh_is_busy_while_it_is_committed)
     assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel), 0);
     assert_int_equal(commit(bare.mesh, &committed), 0);
     assert_int_equal(committed.generation, 2);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL));
     test_raw_close(&raw);
     test_witness_turn();
 }

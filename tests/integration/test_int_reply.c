@@ -1,8 +1,4 @@
-/* test_int_reply.c - steps that are answered by the thread that has computed them.
- *
- * Which steps those are, that whoever has an answer finds the step ended, that answers
- * keep their order, and clients that are killed meanwhile.
- */
+/* test_int_reply.c - steps that are answered by the thread that has computed them. */
 #include "cases.h"
 
 #include <signal.h>
@@ -14,6 +10,7 @@
 #include "daemon.h"
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "skip.h"
 
 #define TURNS  100
@@ -29,8 +26,8 @@ static void turn(struct test_grid *grid)
 {
     uint64_t step;
 
-    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
-    assert_int_equal(test_grid_await(grid, step), 0);
+    assert_ok(test_grid_submit(grid, NULL, &step));
+    assert_ok(test_grid_await(grid, step));
 }
 
 /* If it failed: every step would wait for one more processor to wake; or a client that
@@ -41,7 +38,7 @@ CASE_CROSSING(reply__comes_from_where_it_was_computed)
     struct test_grid grid;
     uint64_t before;
 
-    assert_int_equal(test_grid_make(test_connect(test_shared.url), SIDE, &grid), 0);
+    assert_ok(test_grid_make(test_connect(test_shared.url), SIDE, &grid));
     before = replied(crossing);
     for (int i = 0; i < TURNS; i++) {
         uint64_t steps = test_stat(crossing->client, "steps");
@@ -64,31 +61,26 @@ CASE_CROSSING(reply__comes_from_where_it_was_computed)
 CASE_CROSSING(reply__leaves_room_for_the_next_step)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
     struct test_grid grid;
     uint64_t steps[4];
 
     (void)crossing;
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.slot_count = 4;
-    options.spin_us = 20;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    struct pccd_client *client = test_client(
+        &(struct pccd_options){.url = test_shared.url, .slot_count = 4, .spin_us = 20});
+    assert_ok(test_grid_make(client, SIDE, &grid));
     for (int i = 0; i < 4; i++) {
-        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &steps[i]));
     }
     for (int i = 0; i < 10 * TURNS; i++) {
         struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-        assert_int_equal(pccd_wait(client, steps[i % 4], -1, &answer), 0);
+        assert_ok(pccd_wait(client, steps[i % 4], -1, &answer));
         assert_true(test_grid_is_right(&grid, &answer));
         pccd_answer_release(client, &answer);
-        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i % 4]), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &steps[i % 4]));
     }
     for (int i = 0; i < 4; i++) {
-        assert_int_equal(test_grid_await(&grid, steps[i]), 0);
+        assert_ok(test_grid_await(&grid, steps[i]));
     }
     pccd_close(client);
     grid.client = NULL;

@@ -1,8 +1,4 @@
-/* test_int_restore.c - what another daemon is told, and daemons that end meanwhile.
- *
- * Many meshes through few slots, a queue that is full, kills while a daemon is told, and
- * a mesh over which every daemon ends.
- */
+/* test_int_restore.c - what another daemon is told, and daemons that end meanwhile. */
 #include "cases.h"
 
 #include <signal.h>
@@ -15,6 +11,7 @@
 #include "daemon.h"
 #include "farm.h"
 #include "messages.h"
+#include "must.h"
 #include "raw.h"
 
 #define CROSSINGS 8u
@@ -40,25 +37,20 @@ static void finish(struct pccd_client *client)
 
 static struct pccd_client *connect_with(uint32_t slots, uint64_t slot_bytes)
 {
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
 
-    pccd_options_init(&options);
-    options.url = daemon_.url;
-    options.slot_count = slots;
-    options.slot_bytes = slot_bytes;
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    struct pccd_client *client = test_client(&(struct pccd_options){
+        .url = daemon_.url, .slot_count = slots, .slot_bytes = slot_bytes});
     return client;
 }
 
 static void make_crossings(struct pccd_client *client)
 {
     for (unsigned i = 0; i < CROSSINGS; i++) {
-        assert_int_equal(test_crossing_make(client, &crossings[i]), 0);
+        assert_ok(test_crossing_make(client, &crossings[i]));
     }
     /* Meshes without a name, of which objects are left, are told in another way. */
-    assert_int_equal(pccd_mesh_destroy(client, crossings[1].mesh), 0);
-    assert_int_equal(pccd_mesh_destroy(client, crossings[2].floor_mesh), 0);
+    assert_ok(pccd_mesh_destroy(client, crossings[1].mesh));
+    assert_ok(pccd_mesh_destroy(client, crossings[2].floor_mesh));
 }
 
 static void turn_crossings(void)
@@ -72,7 +64,7 @@ static struct pccd_link_info link_of(const struct pccd_client *client)
 {
     struct pccd_link_info info;
 
-    assert_int_equal(pccd_link(client, &info), 0);
+    assert_ok(pccd_link(client, &info));
     return info;
 }
 
@@ -217,9 +209,8 @@ CASE(restore__gives_up_a_mesh_that_ends_every_daemon)
     assert_int_equal(status, PCCD_E_DISCONNECTED);
     assert_non_null(strstr(pccd_error_text(client), "daemon after daemon"));
     assert_int_equal(mesh, 0);
-    assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F32, VERTICES, triangles,
-                                      VERTICES, &mesh, NULL),
-                     0); /* that one is not to blame any more */
+    mesh = test_mesh(client, x, PCCD_FORMAT_F32, VERTICES, triangles,
+                     VERTICES); /* that one is not to blame any more */
     make_crossings(client);
     turn_crossings();
     free(x);
@@ -241,16 +232,16 @@ static void turn_over_a_kill(struct test_farm *farm, struct test_farm *other,
     uint64_t records = 0;
 
     /* The last daemon may have answered before it ended. */
-    assert_int_equal(pccd_ping(farm->client, NULL), 0);
-    assert_int_equal(test_farm_submit(farm, turn, NULL, &step), 0);
+    assert_ok(pccd_ping(farm->client, NULL));
+    assert_ok(test_farm_submit(farm, turn, NULL, &step));
     usleep(after_us);
     assert_int_equal(kill((pid_t)pccd_daemon_pid(farm->client), SIGKILL), 0);
-    assert_int_equal(pccd_batch_wait(farm->client, step, -1, &all), 0);
+    assert_ok(pccd_batch_wait(farm->client, step, -1, &all));
     assert_int_equal(all.failed, 0);
     for (uint32_t i = 0; i < WORLDS; i++) {
         struct pccd_answer alone = PCCD_ANSWER_INIT;
 
-        assert_int_equal(test_farm_alone(other, i, turn, NULL, &alone), 0);
+        assert_ok(test_farm_alone(other, i, turn, NULL, &alone));
         assert_memory_equal(all.scenes[i].hash, alone.hash, sizeof alone.hash);
         records += alone.total;
         pccd_answer_release(other->client, &alone);
@@ -271,19 +262,19 @@ CASE(restore__answers_batches_as_if_nothing_had_happened)
 
     start("4096");
     client = connect_with(3, 4096);
-    assert_int_equal(test_farm_make(client, WORLDS, 12, &farm), 0);
-    assert_int_equal(test_farm_make(direct, WORLDS, 12, &other), 0);
+    assert_ok(test_farm_make(client, WORLDS, 12, &farm));
+    assert_ok(test_farm_make(direct, WORLDS, 12, &other));
     for (uint32_t turn = 1; turn <= 8; turn++) {
         turn_over_a_kill(&farm, &other, turn, (turn - 1) * (turn - 1) * 200);
     }
     /* A scene that fails was not moved, and the others were: so it is after a crash. */
-    assert_int_equal(pccd_batch_begin(farm.batch, NULL, x1), 0);
+    assert_ok(pccd_batch_begin(farm.batch, NULL, x1));
     for (uint32_t i = 0; i < WORLDS; i++) {
         test_farm_positions(&farm, i, 9, x1[i]);
     }
     ((float *)x1[5])[0] = 1e30f; /* beyond 1e18 */
-    assert_int_equal(pccd_batch_commit(farm.batch, NULL, &step), 0);
-    assert_int_equal(pccd_batch_wait(client, step, -1, &all), 0);
+    assert_ok(pccd_batch_commit(farm.batch, NULL, &step));
+    assert_ok(pccd_batch_wait(client, step, -1, &all));
     assert_int_equal(all.failed, 1);
     assert_int_equal(all.scenes[5].status, PCCD_E_NOTFINITE);
     pccd_batch_release(client, &all);
@@ -291,12 +282,12 @@ CASE(restore__answers_batches_as_if_nothing_had_happened)
         struct pccd_answer alone = PCCD_ANSWER_INIT;
 
         if (i != 5) {
-            assert_int_equal(test_farm_alone(&other, i, 9, NULL, &alone), 0);
+            assert_ok(test_farm_alone(&other, i, 9, NULL, &alone));
             pccd_answer_release(direct, &alone);
         }
     }
     turn_over_a_kill(&farm, &other, 10, 0); /* the fifth one from 8, the others from 9 */
-    assert_int_equal(pccd_ping(client, NULL), 0);
+    assert_ok(pccd_ping(client, NULL));
     assert_int_equal(link_of(client).reconnects, 9);
     test_farm_free(&farm);
     test_farm_free(&other);
@@ -317,30 +308,26 @@ CASE(restore__brings_back_scenes_that_have_lost_objects)
 {
     static uint32_t scenes[LOSERS], left[LOSERS];
     struct pccd_client *client;
-    uint32_t mesh;
 
     start("4096");
     client = connect_with(4, 4096);
-    assert_int_equal(pccd_mesh_create(client, corners, PCCD_FORMAT_F32, 3, one_triangle,
-                                      1, &mesh, NULL),
-                     0);
+    uint32_t mesh = test_mesh(client, corners, PCCD_FORMAT_F32, 3, one_triangle, 1);
     for (uint32_t i = 0; i < LOSERS; i++) {
         uint32_t lost[2];
 
-        assert_int_equal(pccd_scene_create(client, NULL, &scenes[i]), 0);
-        assert_int_equal(pccd_scene_add(client, scenes[i], mesh, &lost[0]), 0);
-        assert_int_equal(pccd_scene_add(client, scenes[i], mesh, &lost[1]), 0);
-        assert_int_equal(pccd_scene_add(client, scenes[i], mesh, &left[i]), 0);
-        assert_int_equal(pccd_scene_remove(client, scenes[i], lost[0]), 0);
-        assert_int_equal(pccd_scene_remove(client, scenes[i], lost[1]), 0);
+        scenes[i] = test_scene(client);
+        lost[0] = test_object(client, scenes[i], mesh);
+        lost[1] = test_object(client, scenes[i], mesh);
+        left[i] = test_object(client, scenes[i], mesh);
+        assert_ok(pccd_scene_remove(client, scenes[i], lost[0]));
+        assert_ok(pccd_scene_remove(client, scenes[i], lost[1]));
     }
     assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
     for (uint32_t i = 0; i < LOSERS; i += LOSERS / 3) {
         struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-        assert_int_equal(pccd_step_x1(client, scenes[i], left[i], corners,
-                                      PCCD_FORMAT_F32, 3, NULL, &answer),
-                         0);
+        assert_ok(pccd_step_x1(client, scenes[i], left[i], corners, PCCD_FORMAT_F32, 3,
+                               NULL, &answer));
         pccd_answer_release(client, &answer);
     }
     assert_int_equal(link_of(client).reconnects, 1);
@@ -357,17 +344,15 @@ CASE(restore__wanted_places_cost_nothing_when_their_scene_is_gone)
 
     start("4096");
     client = connect_with(4, 4096);
-    assert_int_equal(pccd_mesh_create(client, corners, PCCD_FORMAT_F32, 3, one_triangle,
-                                      1, &mesh, NULL),
-                     0);
+    mesh = test_mesh(client, corners, PCCD_FORMAT_F32, 3, one_triangle, 1);
     for (uint32_t i = 0; i < 100; i++) {
         uint32_t scene, object;
 
-        assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
-        assert_int_equal(pccd_request_handle(client, want), 0);
-        assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
+        scene = test_scene(client);
+        assert_ok(pccd_request_handle(client, want));
+        object = test_object(client, scene, mesh);
         assert_int_equal(object, want);
-        assert_int_equal(pccd_scene_destroy(client, scene), 0);
+        assert_ok(pccd_scene_destroy(client, scene));
     }
     finish(client);
 }
@@ -406,21 +391,18 @@ CASE(restore__lists_are_those_of_one_daemon)
 
     start("4096");
     client = connect_with(4, 4096);
-    assert_int_equal(pccd_mesh_create(client, corners, PCCD_FORMAT_F32, 3, one_triangle,
-                                      1, &mesh, NULL),
-                     0);
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    mesh = test_mesh(client, corners, PCCD_FORMAT_F32, 3, one_triangle, 1);
+    scene = test_scene(client);
     for (uint32_t a = 0; a < IGNORING; a++) {
-        assert_int_equal(pccd_scene_add(client, scene, mesh, &pairs.objects[a]), 0);
+        pairs.objects[a] = test_object(client, scene, mesh);
     }
     for (uint32_t n = 0; n < IGNORING * IGNORING; n++) { /* in no order */
         uint32_t a = n * 29 % (IGNORING * IGNORING) / IGNORING;
         uint32_t b = n * 29 % IGNORING;
 
         if (a < b) {
-            assert_int_equal(
-                pccd_pair_ignore(client, scene, pairs.objects[a], pairs.objects[b], true),
-                0);
+            assert_ok(pccd_pair_ignore(client, scene, pairs.objects[a], pairs.objects[b],
+                                       true));
         }
     }
     /* A busy machine lets us see few of the daemons that are killed. */
@@ -433,7 +415,7 @@ CASE(restore__lists_are_those_of_one_daemon)
 
         pairs.count = 0;
         memset(pairs.seen, 0, sizeof pairs.seen);
-        assert_int_equal(pccd_list_pairs(client, 0, scene, see_pair, &pairs), 0);
+        assert_ok(pccd_list_pairs(client, 0, scene, see_pair, &pairs));
         for (uint32_t n = 0; n < IGNORING * IGNORING; n++) {
             uint32_t a = n / IGNORING, b = n % IGNORING;
 

@@ -1,8 +1,4 @@
-/* test_int_resume.c - sessions that outlive their connections, seen from the wire.
- *
- * Lose connections for real and come back with the right secret, a wrong one, too late,
- * or while the old connection still stands; say requests twice.
- */
+/* test_int_resume.c - sessions that outlive their connections, seen from the wire. */
 #include "cases.h"
 
 #include <signal.h>
@@ -109,18 +105,15 @@ static void open_named(struct fixture *f, const char *name)
     assert_true((f->session.features & PROTO_FEATURE_RESUME) != 0);
     assert_true((f->session.token_hi | f->session.token_lo) != 0);
     assert_true(f->session.linger_ms > 0);
-    assert_int_equal(test_raw_attach(&f->raw, 2, 4096), 0);
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &create, &scene),
-                     0);
+    assert_ok(test_raw_attach(&f->raw, 2, 4096));
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &create, &scene));
     f->scene = scene.scene;
-    assert_int_equal(test_raw_mesh(&f->raw, test_floor_x, 3, test_triangle, 1, &floor),
-                     0);
-    assert_int_equal(
-        test_raw_mesh(&f->raw, test_triangle_x, 3, test_triangle, 1, &f->mesh), 0);
+    assert_ok(test_raw_mesh(&f->raw, test_floor_x, 3, test_triangle, 1, &floor));
+    assert_ok(test_raw_mesh(&f->raw, test_triangle_x, 3, test_triangle, 1, &f->mesh));
     add = (struct proto_SCENE_ADD_request){.scene = f->scene, .mesh = floor};
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &object), 0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &object));
     add.mesh = f->mesh;
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &object), 0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &object));
     f->object = object.object;
 }
 
@@ -148,7 +141,7 @@ static struct proto_FRAME_SUBMIT_request turn(struct fixture *f, uint32_t slot, 
 /* Send a request under an id that was used before. */
 static void say_again(struct fixture *f, uint32_t id, int method, const void *request)
 {
-    assert_int_equal(proto_encode_request(&f->raw.encoder, id, method, request), 0);
+    assert_ok(proto_encode_request(&f->raw.encoder, id, method, request));
     assert_true(test_raw_send(&f->raw, f->raw.encoder.data, f->raw.encoder.bytes, 0));
 }
 
@@ -182,8 +175,7 @@ CASE_WITH(resume__goes_on_with_everything, setup, teardown)
     open_scene(f);
     for (int i = 0; i < 4; i++) {
         struct proto_FRAME_SUBMIT_request request = turn(f, 0, i % 2 == 0 ? -1.0f : 1.0f);
-        assert_int_equal(
-            test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &request, &answer), 0);
+        assert_ok(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &request, &answer));
         assert_int_equal(answer.total, 3);
         atomic_store(&test_raw_upload(&f->raw)->result_head.value, answer.release);
         lose(f);
@@ -208,19 +200,17 @@ CASE_WITH(resume__runs_what_is_said_twice_once, setup, teardown)
     first = turn(f, 0, -1.0f);
     second = turn(f, 1, 1.0f);
     ids[0] = test_raw_request(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &first);
-    assert_int_equal(
-        test_raw_answer(&f->raw, ids[0], PROTO_METHOD_FRAME_SUBMIT, &answers[0]), 0);
+    assert_ok(test_raw_answer(&f->raw, ids[0], PROTO_METHOD_FRAME_SUBMIT, &answers[0]));
     ids[1] = test_raw_request(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &second);
     lose(f); /* while the second is in flight, most likely; its answer is not read */
     assert_true(come_back(f));
     for (int i = 0; i < 2; i++) { /* also what was answered: as if that had been lost */
         say_again(f, ids[0], PROTO_METHOD_FRAME_SUBMIT, &first);
         say_again(f, ids[1], PROTO_METHOD_FRAME_SUBMIT, &second);
-        assert_int_equal(
-            test_raw_answer(&f->raw, ids[0], PROTO_METHOD_FRAME_SUBMIT, &again), 0);
+        assert_ok(test_raw_answer(&f->raw, ids[0], PROTO_METHOD_FRAME_SUBMIT, &again));
         assert_memory_equal(&again, &answers[0], sizeof again);
-        assert_int_equal(
-            test_raw_answer(&f->raw, ids[1], PROTO_METHOD_FRAME_SUBMIT, &answers[1]), 0);
+        assert_ok(
+            test_raw_answer(&f->raw, ids[1], PROTO_METHOD_FRAME_SUBMIT, &answers[1]));
         assert_int_equal(answers[1].total, 3);
     }
     assert_true(answers[1].release > answers[0].release);
@@ -245,8 +235,7 @@ CASE_WITH(resume__tells_again_what_nobody_has_read, setup, teardown)
         lose(f);
         assert_true(come_back(f));
         say_again(f, id, PROTO_METHOD_FRAME_SUBMIT, &request);
-        assert_int_equal(test_raw_answer(&f->raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer),
-                         0);
+        assert_ok(test_raw_answer(&f->raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer));
         assert_int_equal(answer.total, 3);
         atomic_store(&test_raw_upload(&f->raw)->result_head.value, answer.release);
     }
@@ -276,13 +265,11 @@ CASE_WITH(resume__answers_only_what_is_asked_again, setup, teardown)
             say_again(f, ids[i], PROTO_METHOD_FRAME_SUBMIT, &requests[i]);
         }
         for (uint32_t i = 0; i < 2; i++) {
-            assert_int_equal(test_raw_receive(&f->raw), 0);
+            assert_ok(test_raw_receive(&f->raw));
             assert_int_equal(f->raw.envelope.id, ids[i]);
-            assert_int_equal(
-                proto_decode_body(&f->raw.envelope,
-                                  &proto_messages[PROTO_METHOD_FRAME_SUBMIT].result,
-                                  &answers[i], &f->raw.error),
-                0);
+            assert_ok(proto_decode_body(&f->raw.envelope,
+                                        &proto_messages[PROTO_METHOD_FRAME_SUBMIT].result,
+                                        &answers[i], &f->raw.error));
             assert_int_equal(answers[i].total, 3);
         }
         assert_true(answers[1].release > answers[0].release);
@@ -297,12 +284,10 @@ static uint64_t await_held(struct fixture *f)
     struct proto_SCENE_HELD_request note = {.step = 0};
     struct proto_error error;
     do {
-        assert_int_equal(test_raw_receive(&f->raw), 0);
+        assert_ok(test_raw_receive(&f->raw));
     } while (f->raw.envelope.method != PROTO_NOTE_SCENE_HELD);
-    assert_int_equal(proto_decode_body(&f->raw.envelope,
-                                       &proto_messages[PROTO_NOTE_SCENE_HELD].request,
-                                       &note, &error),
-                     0);
+    assert_ok(proto_decode_body(
+        &f->raw.envelope, &proto_messages[PROTO_NOTE_SCENE_HELD].request, &note, &error));
     assert_int_equal(note.scene, f->scene);
     return note.step;
 }
@@ -329,8 +314,7 @@ CASE_WITH(resume__tells_again_what_is_held, setup, teardown)
         assert_int_equal(await_held(f), 7);
     }
     step.scene = f->scene;
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &step, &answer),
-                     0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &step, &answer));
     assert_true(answer.total > 0); /* it went along, and is not told any more */
     lose(f);
     assert_int_equal(await_counter("sessions_waiting_now", 1), 1);
@@ -352,11 +336,11 @@ CASE_WITH(resume__creates_once, setup, teardown)
     uint32_t id;
     open_scene(f);
     id = test_raw_request(&f->raw, PROTO_METHOD_MESH_CREATE, &create);
-    assert_int_equal(test_raw_answer(&f->raw, id, PROTO_METHOD_MESH_CREATE, &made), 0);
+    assert_ok(test_raw_answer(&f->raw, id, PROTO_METHOD_MESH_CREATE, &made));
     lose(f);
     assert_true(come_back(f));
     say_again(f, id, PROTO_METHOD_MESH_CREATE, &create);
-    assert_int_equal(test_raw_answer(&f->raw, id, PROTO_METHOD_MESH_CREATE, &again), 0);
+    assert_ok(test_raw_answer(&f->raw, id, PROTO_METHOD_MESH_CREATE, &again));
     assert_int_equal(again.mesh, made.mesh);
     assert_int_equal(counter("meshes_now"), meshes + 3);
     test_raw_close(&f->raw);
@@ -405,8 +389,7 @@ CASE_WITH(resume__takes_the_session_from_a_connection_that_stands, setup, teardo
     proto_decoder_free(old.decoder);
     (void)close(old.socket);
     request = turn(f, 0, -1.0f);
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &request, &answer),
-                     0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &request, &answer));
     assert_int_equal(answer.total, 3);
     test_raw_close(&f->raw);
 }
@@ -431,7 +414,7 @@ CASE_WITH(resume__is_over_after_bye, setup, teardown)
     struct fixture *f = &fixture;
     struct proto_BYE_request bye = {0};
     open_scene(f);
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_BYE, &bye, NULL), 0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_BYE, &bye, NULL));
     lose(f);
     assert_false(come_back(f));
     test_raw_close(&f->raw);
@@ -493,17 +476,17 @@ CASE_WITH(resume__tells_of_steps_that_were_watched, setup, teardown)
     open_scene(f);
     assert_true(test_raw_open(&watcher, f->daemon.socket));
     assert_int_equal(say_hello(&watcher, NULL, &session), 0);
-    assert_int_equal(test_raw_call(&watcher, PROTO_METHOD_WATCH_START, &watch, NULL), 0);
+    assert_ok(test_raw_call(&watcher, PROTO_METHOD_WATCH_START, &watch, NULL));
     (void)close(watcher.socket);
     while (stats.sessions_waiting_now == 0) { /* until it has been noticed */
-        assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &stats), 0);
+        assert_ok(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &stats));
     }
     step = turn(f, 0, -1.0f);
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &step, NULL), 0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &step, NULL));
     watcher.socket = connect_socket();
     assert_int_equal(say_hello(&watcher, &session, &again), 0);
     assert_true(again.resumed);
-    assert_int_equal(test_raw_receive(&watcher), 0);
+    assert_ok(test_raw_receive(&watcher));
     assert_int_equal(watcher.envelope.kind, PROTO_NOTIFICATION);
     assert_int_equal(watcher.envelope.method, PROTO_NOTE_STEP);
     test_raw_close(&watcher);
@@ -525,7 +508,7 @@ CASE_WITH(resume__handles_can_be_wanted, setup, teardown)
     struct proto_STATS_request ask = {0};
     struct proto_STATS_result before, after;
     open_scene(f);
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made), 0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made));
     assert_int_equal(made.scene, 7u << 20 | 3);
     assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made),
                      PCCD_E_HANDLE);
@@ -533,23 +516,21 @@ CASE_WITH(resume__handles_can_be_wanted, setup, teardown)
     assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made),
                      PCCD_E_HANDLE);
     scene.want = 0; /* a place that was left empty */
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made), 0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made));
     assert_int_equal(made.scene & 0xfffff, 1);
     add = (struct proto_SCENE_ADD_request){
         .scene = 7u << 20 | 3, .mesh = f->mesh, .want = 5u << 20 | 2};
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &added));
     assert_int_equal(added.object, add.want);
     assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &added),
                      PCCD_E_HANDLE);
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_MESH_CREATE, &mesh, &mesh_made),
-                     0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_MESH_CREATE, &mesh, &mesh_made));
     assert_int_equal(mesh_made.mesh, mesh.want);
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &before), 0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &before));
     mesh.want = 9u << 20 | 300000; /* far above the others */
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_MESH_CREATE, &mesh, &mesh_made),
-                     0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_MESH_CREATE, &mesh, &mesh_made));
     assert_int_equal(mesh_made.mesh, mesh.want);
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &after), 0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &after));
     assert_true(after.engine_bytes_now - before.engine_bytes_now >= 298500 * 24);
     test_raw_close(&f->raw);
 }

@@ -1,9 +1,4 @@
-/* test_int_rivals.c - clients that share a scene and do each other no good.
- *
- * What one may say to a shared scene at a moment when nobody would: leave and come back
- * in one breath, fail where others step, hold while the daemon ends. Whoever else takes
- * part gets what is due to him.
- */
+/* test_int_rivals.c - clients that share a scene and do each other no good. */
 #include "cases.h"
 
 #include <poll.h>
@@ -61,11 +56,9 @@ static void enter(struct rival *rival, const char *name, const float x[3][3])
     struct proto_SCENE_ADD_result added;
 
     strcpy(create.name, name);
-    assert_true(test_raw_open(&rival->raw, test_shared.socket));
-    assert_int_equal(test_raw_hello(&rival->raw), 0);
-    assert_int_equal(test_raw_attach(&rival->raw, 2, SLOT_BYTES), 0);
+    assert_ok(test_raw_session(&rival->raw, test_shared.socket, 2, SLOT_BYTES));
     assert_int_equal(call(rival, PROTO_METHOD_SCENE_CREATE, &create, &created), 0);
-    assert_int_equal(test_raw_mesh(&rival->raw, x, 3, test_triangle, 1, &rival->mesh), 0);
+    assert_ok(test_raw_mesh(&rival->raw, x, 3, test_triangle, 1, &rival->mesh));
     add.scene = rival->scene = created.scene;
     add.mesh = rival->mesh;
     assert_int_equal(call(rival, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
@@ -204,8 +197,7 @@ CASE_WITH(rivals__one_who_comes_back_has_what_it_adds, start, teardown)
             add.mesh = second.mesh;
             id = request(&second, PROTO_METHOD_SCENE_ADD, &add);
         }
-        assert_int_equal(test_raw_answer(&second.raw, id, PROTO_METHOD_SCENE_ADD, &added),
-                         0);
+        assert_ok(test_raw_answer(&second.raw, id, PROTO_METHOD_SCENE_ADD, &added));
         second.object = added.object;
         submit = write_step(&second, 0, test_floor_x);
         assert_int_equal(call(&second, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer), 0);
@@ -263,7 +255,7 @@ static void ignore_many(struct rival *rival, const uint32_t *objects, uint32_t c
 
             (void)request(rival, PROTO_METHOD_SCENE_IGNORE, &ignore);
         }
-        assert_int_equal(test_raw_receive(&rival->raw), 0);
+        assert_ok(test_raw_receive(&rival->raw));
         assert_false(rival->raw.envelope.failed);
     }
 }
@@ -314,7 +306,7 @@ static bool receive_both(struct rival *rival, uint32_t first_id, uint32_t last_i
     bool is_early = false;
 
     do {
-        assert_int_equal(test_raw_receive(&rival->raw), 0);
+        assert_ok(test_raw_receive(&rival->raw));
         assert_false(rival->raw.envelope.failed);
         is_early = is_early || rival->raw.envelope.id == first_id;
     } while (rival->raw.envelope.id != last_id);
@@ -339,26 +331,23 @@ CASE_WITH(rivals__one_who_is_looked_at_may_leave, start_with_grid, teardown_grid
         uint32_t id;
         bool is_early;
 
-        assert_true(test_raw_open(&second.raw, test_shared.socket));
-        assert_int_equal(test_raw_hello(&second.raw), 0);
-        assert_true(test_raw_open(&first.raw, test_shared.socket));
-        assert_int_equal(test_raw_hello(&first.raw), 0);
+        assert_ok(test_raw_session(&second.raw, test_shared.socket, 0, 0));
+        assert_ok(test_raw_session(&first.raw, test_shared.socket, 0, 0));
         assert_int_equal(call(&first, PROTO_METHOD_SCENE_CREATE, &alone, &created), 0);
         assert_int_equal(call(&second, PROTO_METHOD_LIST_SESSION, &newest, &listed), 0);
         pairs.session = listed.session;
         pairs.scene = created.scene;
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &step));
         id = request(&second, PROTO_METHOD_LIST_PAIR, &pairs); /* behind it, mostly */
         is_early = receive_both(&second, id,
                                 request(&second, PROTO_METHOD_LIST_SESSION, &newest));
         test_raw_close(&first.raw);
         if (!is_early) {
-            assert_int_equal(
-                test_raw_answer(&second.raw, id, PROTO_METHOD_LIST_PAIR, &pair), 0);
+            assert_ok(test_raw_answer(&second.raw, id, PROTO_METHOD_LIST_PAIR, &pair));
             assert_int_equal(pair.a, 0);
             late_count++;
         }
-        assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+        assert_ok(pccd_wait(grid.client, step, -1, &answer));
         pccd_answer_release(grid.client, &answer);
         test_raw_close(&second.raw);
         assert_int_equal(test_stat_await(client, "sessions_now", 1), 1);
@@ -421,11 +410,11 @@ CASE_WITH(rivals__an_error_is_told_to_whose_it_is, start_with_grid, teardown_gri
         uint32_t id;
 
         submit.deadline_ns = DEADLINE_NS;
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &step));
         (void)request(&second, PROTO_METHOD_SCENE_REMOVE, &remove);
         id = request(&second, PROTO_METHOD_FRAME_SUBMIT, &submit);
         status = test_raw_answer(&second.raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer);
-        assert_int_equal(pccd_wait(grid.client, step, 60000, &whole), 0);
+        assert_ok(pccd_wait(grid.client, step, 60000, &whole));
         pccd_answer_release(grid.client, &whole);
         assert_int_equal(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
         second.object = added.object;
@@ -460,12 +449,11 @@ static void take_news(struct rival *rival, uint64_t *told)
     struct proto_SCENE_STEP_request note;
 
     while (poll(&watched, 1, 0) > 0) {
-        assert_int_equal(test_raw_receive(&rival->raw), 0);
+        assert_ok(test_raw_receive(&rival->raw));
         assert_int_equal(rival->raw.envelope.kind, PROTO_NOTIFICATION);
-        assert_int_equal(proto_decode_body(&rival->raw.envelope,
-                                           &proto_messages[PROTO_NOTE_SCENE_STEP].request,
-                                           &note, &rival->raw.error),
-                         0);
+        assert_ok(proto_decode_body(&rival->raw.envelope,
+                                    &proto_messages[PROTO_NOTE_SCENE_STEP].request, &note,
+                                    &rival->raw.error));
         assert_int_equal(note.number, ++*told);
     }
 }
@@ -528,8 +516,7 @@ CASE_WITH(rivals__a_held_frame_does_not_delay_the_end, start, teardown)
     status = test_daemon_end(&test_shared, SIGTERM, 25000);
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
     assert_true(test_now_ms() - begin_ms < 8000); /* its grace time: 20 s */
-    assert_int_equal(test_raw_answer(&second.raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer),
-                     0);
+    assert_ok(test_raw_answer(&second.raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
     leave_both();
 }

@@ -1,6 +1,5 @@
 /* test_int_room.c - what a session that waits for its client holds of its user's
- * quotas.
- */
+ * quotas. */
 #include "cases.h"
 
 #include <stdio.h>
@@ -61,8 +60,7 @@ static int hello(bool again)
 
 static void open_second(void)
 {
-    assert_true(test_raw_open(&fixture.second, fixture.daemon.socket));
-    assert_int_equal(test_raw_hello(&fixture.second), 0);
+    assert_ok(test_raw_session(&fixture.second, fixture.daemon.socket, 0, 0));
 }
 
 /* A daemon that has all the patience in the world, and both clients. */
@@ -84,8 +82,7 @@ static void lose_first(void)
     (void)close(fixture.first.socket);
     fixture.first.socket = -1;
     do {
-        assert_int_equal(
-            test_raw_call(&fixture.second, PROTO_METHOD_STATS, &request, &stats), 0);
+        assert_ok(test_raw_call(&fixture.second, PROTO_METHOD_STATS, &request, &stats));
     } while (stats.sessions_waiting_now == 0 && test_now_ms() < until_ms);
     assert_int_equal(stats.sessions_waiting_now, 1);
 }
@@ -117,10 +114,10 @@ static int create_mesh(struct test_raw *raw, uint32_t triangle_count)
 CASE(room__of_shared_memory_is_made)
 {
     open_both("--shm-max-mib", "96");
-    assert_int_equal(test_raw_attach(&fixture.first, 4, 16u << 20), 0);
+    assert_ok(test_raw_attach(&fixture.first, 4, 16u << 20));
     assert_int_equal(test_raw_attach(&fixture.second, 4, 16u << 20), PCCD_E_QUOTA);
     lose_first();
-    assert_int_equal(test_raw_attach(&fixture.second, 4, 16u << 20), 0);
+    assert_ok(test_raw_attach(&fixture.second, 4, 16u << 20));
     assert_false(first_comes_back());
     close_both();
 }
@@ -149,8 +146,8 @@ CASE(room__of_the_engine_is_made)
     int status = 0;
     make_grid();
     open_both("--memory-max-mib", "16");
-    assert_int_equal(test_raw_attach(&fixture.first, 2, sizeof triangles), 0);
-    assert_int_equal(test_raw_attach(&fixture.second, 2, sizeof triangles), 0);
+    assert_ok(test_raw_attach(&fixture.first, 2, sizeof triangles));
+    assert_ok(test_raw_attach(&fixture.second, 2, sizeof triangles));
     while (status == 0 && held < 100) {
         status = test_raw_mesh(&fixture.first, x, VERTICES, triangles, TRIANGLES, &mesh);
         held += status == 0;
@@ -161,7 +158,7 @@ CASE(room__of_the_engine_is_made)
     assert_int_equal(status, PCCD_E_QUOTA);
     test_raw_close(&fixture.second); /* with what the refused mesh has of data */
     open_second();
-    assert_int_equal(test_raw_attach(&fixture.second, 2, sizeof triangles), 0);
+    assert_ok(test_raw_attach(&fixture.second, 2, sizeof triangles));
     lose_first();
     for (uint32_t i = 0; i < held; i++) {
         status = test_raw_mesh(&fixture.second, x, VERTICES, triangles, TRIANGLES, &mesh);

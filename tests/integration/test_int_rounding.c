@@ -1,11 +1,4 @@
-/* test_int_rounding.c - direct: in a program that computes with floats in its own way.
- *
- * Every direction of rounding, subnormal numbers flushed or taken for zeros, exceptions
- * that trap; in the thread that calls, and in those that OpenMP has made of it: the same
- * bytes, and everything is given back.
- *
- * Threads: a new one for each way to compute, as a team keeps what its first call had.
- */
+/* test_int_rounding.c - direct: in a program that computes with floats in its own way. */
 #include "cases.h"
 
 #include <stdlib.h>

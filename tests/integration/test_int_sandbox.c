@@ -1,9 +1,4 @@
-/* test_int_sandbox.c - what a serving daemon may still do.
- *
- * Look at every thread of a daemon in the sandbox, and use all that a client can: rings,
- * meshes, steps by a team, recordings, the orderly end. Have each thread try to remove
- * and to read a file, as whoever takes one over would.
- */
+/* test_int_sandbox.c - what a serving daemon may still do. */
 #include "cases.h"
 
 #include <dirent.h>
@@ -24,6 +19,7 @@
 
 #include "daemon.h"
 #include "grid.h"
+#include "must.h"
 #include "skip.h"
 
 #if defined HAVE_SECCOMP && !defined PCCD_SANITIZED
@@ -236,20 +232,14 @@ CASE(sandbox__leaves_all_that_clients_use)
 {
     need_sandbox();
     const struct test_daemon *daemon = *state;
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
     struct test_grid grid;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint64_t step = 0;
-    pccd_options_init(&options);
-    options.url = daemon->url;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_grid_make(client, 60, &grid), 0);
+    struct pccd_client *client = test_client(&(struct pccd_options){.url = daemon->url});
+    assert_ok(test_grid_make(client, 60, &grid));
     for (int i = 0; i < 20; i++) {
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-        assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+        assert_ok(test_grid_turn(&grid, NULL, &answer));
         pccd_answer_release(client, &answer);
-        assert_int_equal(test_grid_replace(&grid), 0);
+        assert_ok(test_grid_replace(&grid));
     }
     test_grid_free(&grid);
     pccd_close(client);

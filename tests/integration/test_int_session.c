@@ -12,6 +12,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "must.h"
 #include "pccd.h"
 #include "raw.h"
 
@@ -39,9 +40,9 @@ CASE(session__hello_and_ping_reach_the_daemon)
     assert_int_equal(pccd_daemon_pid(client), shared.pid);
     assert_string_equal(pccd_url(client), shared.url);
     assert_true(pccd_fd(client) >= 0);
-    assert_int_equal(pccd_ping(client, &round_trip_ns), 0);
+    assert_ok(pccd_ping(client, &round_trip_ns));
     assert_true(round_trip_ns > 0 && round_trip_ns < 10000000000u);
-    assert_int_equal(pccd_ping(client, NULL), 0);
+    assert_ok(pccd_ping(client, NULL));
     assert_string_equal(pccd_error_text(client), "");
     pccd_close(client);
 }
@@ -70,7 +71,7 @@ CASE(session__version_range_that_overlaps_is_agreed)
     static struct test_raw raw;
 
     assert_true(test_raw_open(&raw, shared.socket));
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_HELLO, &request, &result), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_HELLO, &request, &result));
     assert_int_equal(result.version, PROTO_VERSION_MAX);
     assert_int_equal(result.pid, shared.pid);
     test_raw_close(&raw);
@@ -85,13 +86,13 @@ CASE(session__requests_before_hello_are_refused)
     static struct test_raw raw;
 
     assert_true(test_raw_open(&raw, shared.socket));
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_PING, &ping, &pong), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_PING, &ping, &pong));
     assert_int_equal(pong.token, 77);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL),
                      PCCD_E_NOHELLO);
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_hello(&raw));
     assert_int_equal(test_raw_hello(&raw), PCCD_E_STATE);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL));
     test_raw_close(&raw);
 }
 
@@ -112,11 +113,11 @@ CASE(session__stats_count_what_happens)
     uint64_t contacts;
 
     assert_non_null(client);
-    assert_int_equal(pccd_stats(client, count_stat, &count), 0);
+    assert_ok(pccd_stats(client, count_stat, &count));
     assert_true(count >= 30);
     assert_int_equal(test_stat(client, "pid"), shared.pid);
     assert_int_equal(test_stat_await(client, "sessions_now", 1), 1);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &crossing));
     assert_int_equal(test_stat(client, "meshes_now"), 2);
     assert_int_equal(test_stat(client, "scenes_now"), 1);
     assert_int_equal(test_stat(client, "objects_now"), 2);
@@ -145,7 +146,7 @@ CASE(session__second_daemon_says_who_holds_the_path)
     (void)snprintf(pid, sizeof pid, "%ld", (long)shared.pid);
     assert_int_not_equal(test_daemon_start_second(&shared), 0);
     assert_true(test_daemon_logged(&shared, pid));
-    assert_int_equal(pccd_ping(client, NULL), 0);
+    assert_ok(pccd_ping(client, NULL));
     pccd_close(client);
 }
 
@@ -161,7 +162,7 @@ CASE(session__handles_of_another_client_are_refused)
 
     assert_non_null(owner);
     assert_non_null(stranger);
-    assert_int_equal(test_crossing_make(owner, &crossing), 0);
+    assert_ok(test_crossing_make(owner, &crossing));
     assert_int_equal(pccd_mesh_destroy(stranger, crossing.mesh), PCCD_E_HANDLE);
     assert_int_equal(pccd_scene_destroy(stranger, crossing.scene), PCCD_E_HANDLE);
     assert_int_equal(pccd_scene_remove(stranger, crossing.scene, crossing.object),
@@ -171,7 +172,7 @@ CASE(session__handles_of_another_client_are_refused)
     assert_int_equal(pccd_step_x1(stranger, crossing.scene, crossing.object,
                                   test_triangle_x, PCCD_FORMAT_F32, 3, NULL, &answer),
                      PCCD_E_HANDLE);
-    assert_int_equal(pccd_scene_create(stranger, NULL, &scene), 0);
+    scene = test_scene(stranger);
     assert_int_equal(pccd_scene_add(stranger, scene, crossing.mesh, &object),
                      PCCD_E_HANDLE);
     assert_int_equal(pccd_step_x1(stranger, scene, crossing.object, test_triangle_x,
@@ -192,10 +193,10 @@ CASE(session__handles_die_with_what_they_name)
     uint32_t object = 0;
 
     assert_non_null(client);
-    assert_int_equal(test_crossing_make(client, &old), 0);
-    assert_int_equal(pccd_scene_destroy(client, old.scene), 0);
-    assert_int_equal(pccd_mesh_destroy(client, old.mesh), 0);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &old));
+    assert_ok(pccd_scene_destroy(client, old.scene));
+    assert_ok(pccd_mesh_destroy(client, old.mesh));
+    assert_ok(test_crossing_make(client, &crossing));
     assert_int_equal(pccd_scene_destroy(client, old.scene), PCCD_E_HANDLE);
     assert_int_equal(pccd_mesh_destroy(client, old.mesh), PCCD_E_HANDLE);
     assert_int_equal(pccd_scene_add(client, crossing.scene, old.mesh, &object),
@@ -216,7 +217,7 @@ CASE(session__many_clients_take_turns)
         struct pccd_client *client = test_connect(shared.url);
 
         assert_non_null(client);
-        assert_int_equal(test_crossing_make(client, &crossings[i]), 0);
+        assert_ok(test_crossing_make(client, &crossings[i]));
     }
     for (int turn = 0; turn < TURNS; turn++) {
         for (int i = 0; i < CLIENTS; i++)
@@ -232,18 +233,16 @@ CASE(session__clients_beyond_the_quota_are_refused)
     const char *const options[] = {"--clients-max", "2", NULL};
     struct pccd_options connect = {.struct_bytes = 0};
     struct test_daemon daemon;
-    struct pccd_client *first;
-    struct pccd_client *second;
     struct pccd_client *third = NULL;
     struct test_crossing crossing;
     int status = 0;
 
     assert_true(test_daemon_start(&daemon, options));
-    first = test_connect(daemon.url);
-    second = test_connect(daemon.url);
+    struct pccd_client *first = test_connect(daemon.url);
+    struct pccd_client *second = test_connect(daemon.url);
     assert_non_null(first);
     assert_non_null(second);
-    assert_int_equal(test_crossing_make(first, &crossing), 0);
+    assert_ok(test_crossing_make(first, &crossing));
     connect.url = daemon.url;
     for (int i = 0; i < 20; i++) {
         assert_int_equal(pccd_connect(&connect, &third), PCCD_E_QUOTA);
@@ -260,7 +259,7 @@ CASE(session__clients_beyond_the_quota_are_refused)
         test_sleep_ms(5);
     }
     assert_int_equal(status, 0);
-    assert_int_equal(pccd_ping(third, NULL), 0);
+    assert_ok(pccd_ping(third, NULL));
     assert_true(test_crossing_turn(&crossing));
     pccd_close(third);
     pccd_close(first);
@@ -272,43 +271,36 @@ CASE(session__meshes_triangles_and_memory_have_quotas)
 {
     const char *const options[] = {
         "--meshes-max", "4", "--triangles-max", "1000", "--shm-max-mib", "8", NULL};
-    struct pccd_options large;
     struct test_daemon daemon;
-    struct pccd_client *client;
-    struct pccd_client *greedy = NULL;
     struct test_crossing crossing;
     struct test_grid grid;
     uint32_t meshes[2] = {0, 0};
     uint32_t extra = 0;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
-    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_ok(test_crossing_make(client, &crossing));
     for (int i = 0; i < 2; i++)
-        assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3,
-                                          test_triangle, 1, &meshes[i], NULL),
-                         0);
+        meshes[i] = test_mesh(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
     assert_int_equal(pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3,
                                       test_triangle, 1, &extra, NULL),
                      PCCD_E_QUOTA);
     assert_non_null(strstr(pccd_error_text(client), "meshes"));
     for (int i = 0; i < 2; i++)
-        assert_int_equal(pccd_mesh_destroy(client, meshes[i]), 0);
+        assert_ok(pccd_mesh_destroy(client, meshes[i]));
     assert_int_equal(test_stat_await(client, "meshes_now", 2),
                      2); /* freed a little later */
     assert_int_equal(test_grid_make(client, 40, &grid),
                      PCCD_E_QUOTA); /* 3042 triangles */
     assert_non_null(strstr(pccd_error_text(client), "triangles"));
     test_grid_free(&grid);
-    pccd_options_init(&large);
-    large.url = daemon.url;
-    large.result_bytes = 32u << 20;
-    assert_int_equal(pccd_connect(&large, &greedy), 0);
+    struct pccd_client *greedy =
+        test_client(&(struct pccd_options){.url = daemon.url, .result_bytes = 32u << 20});
     assert_int_equal(pccd_mesh_create(greedy, test_floor_x, PCCD_FORMAT_F32, 3,
                                       test_triangle, 1, &extra, NULL),
                      PCCD_E_QUOTA);
-    assert_int_equal(pccd_ping(greedy, NULL), 0);
+    assert_ok(pccd_ping(greedy, NULL));
     pccd_close(greedy);
     assert_true(test_crossing_turn(&crossing));
     pccd_close(client);
@@ -320,23 +312,21 @@ CASE(session__sigterm_answers_what_is_in_flight)
 {
     enum { STEPS = 4 };
     struct test_daemon daemon;
-    struct pccd_client *client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t steps[STEPS];
     int status;
 
     assert_true(test_daemon_start(&daemon, NULL));
-    client = test_connect_once(daemon.url);
+    struct pccd_client *client = test_connect_once(daemon.url);
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, 60, &grid), 0);
+    assert_ok(test_grid_make(client, 60, &grid));
     for (int i = 0; i < STEPS; i++)
-        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
-    assert_int_equal(pccd_ping(client, NULL),
-                     0); /* behind the steps: they have been read */
+        assert_ok(test_grid_submit(&grid, NULL, &steps[i]));
+    assert_ok(pccd_ping(client, NULL)); /* behind the steps: they have been read */
     assert_int_equal(kill(daemon.pid, SIGTERM), 0);
     for (int i = 0; i < STEPS; i++) {
-        assert_int_equal(pccd_wait(client, steps[i], -1, &answer), 0);
+        assert_ok(pccd_wait(client, steps[i], -1, &answer));
         assert_true(test_grid_is_right(&grid, &answer));
         pccd_answer_release(client, &answer);
     }
@@ -363,7 +353,7 @@ CASE(session__idle_daemon_ends_by_itself)
     client = test_connect(daemon.url);
     assert_non_null(client);
     test_sleep_ms(1500);
-    assert_int_equal(pccd_ping(client, NULL), 0); /* a silent client is a client */
+    assert_ok(pccd_ping(client, NULL)); /* a silent client is a client */
     pccd_close(client);
     status = test_daemon_end(&daemon, 0, 8000);
     assert_true(WIFEXITED(status));
@@ -436,7 +426,7 @@ CASE(session__wrong_options_are_refused)
                 "it/has/more/than/one/hundred/and/seven/bytes/in/it");
 #undef REFUSED
     assert_null(client);
-    assert_int_equal(pccd_connect(&good, &client), 0);
+    assert_ok(pccd_connect(&good, &client));
     assert_string_equal(pccd_error_text(NULL), "");
     pccd_close(client);
     pccd_close(NULL);
@@ -490,17 +480,16 @@ CASE(session__limit_that_is_raised_lets_in_who_waits)
 {
     static const char *const options[] = {"--connections-max", "8", NULL};
     struct test_daemon daemon;
-    struct pccd_client *client;
     struct test_raw raw;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(daemon.url);
     assert_non_null(client);
-    assert_int_equal(pccd_config_set(client, "connections-max", "1"), 0);
+    assert_ok(pccd_config_set(client, "connections-max", "1"));
     assert_true(test_raw_open(&raw, daemon.socket)); /* has not said hello */
-    assert_int_equal(pccd_ping(client, NULL), 0);    /* the daemon has looked at it */
-    assert_int_equal(pccd_config_set(client, "connections-max", "2"), 0);
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(pccd_ping(client, NULL));              /* the daemon has looked at it */
+    assert_ok(pccd_config_set(client, "connections-max", "2"));
+    assert_ok(test_raw_hello(&raw));
     test_raw_close(&raw);
     pccd_close(client);
     assert_true(test_daemon_finish(&daemon));
@@ -514,16 +503,14 @@ static bool is_told_meanwhile(struct pccd_client *other)
     struct pccd_client *client = test_connect(shared.url);
     uint64_t before = test_stat(other, "objects_now");
     uint64_t left;
-    uint32_t scene, mesh, object;
+    uint32_t scene, mesh;
     bool is_told = false;
 
     assert_non_null(client);
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
-    assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &mesh, NULL),
-                     0);
+    scene = test_scene(client);
+    mesh = test_mesh(client, test_triangle_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
     for (uint32_t i = 0; i < MANY; i++) {
-        assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
+        (void)test_object(client, scene, mesh);
     }
     pccd_close(client);
     while ((left = test_stat(other, "objects_now")) > before && !is_told) {

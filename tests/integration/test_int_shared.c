@@ -1,8 +1,4 @@
-/* test_int_shared.c - scenes that clients share.
- *
- * Several clients of a real daemon in one scene: who moves what and when, who hears of
- * it, who may; clients that leave and a daemon that is killed.
- */
+/* test_int_shared.c - scenes that clients share. */
 #include "cases.h"
 
 #include <math.h>
@@ -15,6 +11,7 @@
 #include <unistd.h>
 
 #include "fixture.h"
+#include "must.h"
 #include "skip.h"
 
 #define OTHER_USER 65534
@@ -43,11 +40,8 @@ static void open_member(struct member *member, const char *name, const float res
     assert_non_null(member->client);
     assert_int_equal(take_part(member->client, name, PCCD_SHARE_OPEN, 0, &member->scene),
                      0);
-    assert_int_equal(pccd_mesh_create(member->client, rest, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &member->mesh, NULL),
-                     0);
-    assert_int_equal(
-        pccd_scene_add(member->client, member->scene, member->mesh, &member->object), 0);
+    member->mesh = test_mesh(member->client, rest, PCCD_FORMAT_F32, 3, test_triangle, 1);
+    member->object = test_object(member->client, member->scene, member->mesh);
 }
 
 /* Submit its object's way to `up` above where it was registered. */
@@ -89,7 +83,7 @@ static uint64_t hold(struct member *member, float up, uint64_t deadline_ns)
     uint64_t step = 0;
 
     assert_int_equal(submit(member, member->object, up, &settings, &step), 0);
-    assert_int_equal(pccd_wait_held(member->client, step, -1), 0);
+    assert_ok(pccd_wait_held(member->client, step, -1));
     return step;
 }
 
@@ -121,15 +115,14 @@ CASE(shared__held_frames_move_over_the_same_time)
     for (uint64_t i = 0; i < answer.count; i++) {
         assert_true(fabs(answer.contacts[i].toi - 2.0 / 3.0) < 1e-5);
     }
-    assert_int_equal(pccd_wait(obstacle.client, step, -1, &held), 0);
+    assert_ok(pccd_wait(obstacle.client, step, -1, &held));
     assert_int_equal(held.step, step);
     assert_int_equal(held.number, 1);
     assert_int_equal(held.total, answer.total);
     assert_int_equal(held.count, 0);
     assert_int_equal(held.incomplete, PCCD_INCOMPLETE_RESULT_FULL);
     assert_memory_equal(held.hash, answer.hash, sizeof held.hash);
-    assert_int_equal(
-        pccd_scene_read(obstacle.client, obstacle.scene, held.number, 0, &held), 0);
+    assert_ok(pccd_scene_read(obstacle.client, obstacle.scene, held.number, 0, &held));
     assert_int_equal(held.count, answer.count);
     assert_memory_equal(held.contacts, answer.contacts,
                         answer.count * sizeof *answer.contacts);
@@ -172,12 +165,11 @@ CASE(shared__a_batch_steps_it_as_a_step_does)
     struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
     struct pccd_answer held = PCCD_ANSWER_INIT;
     struct pccd_scene_news news = {.number = 0};
-    uint32_t own = 0;
     uint64_t step;
 
     open_member(&cloth, "of many", test_triangle_x);
     open_member(&obstacle, "of many", test_floor_x);
-    assert_int_equal(pccd_scene_create(cloth.client, NULL, &own), 0);
+    uint32_t own = test_scene(cloth.client);
     /* As above: the cloth comes from 1 to 0.5, the obstacle from 0 to 1. */
     step = hold(&obstacle, 1, 0);
     assert_int_equal(move_by_batch(&cloth, own, obstacle.object, 0, &all), 0);
@@ -193,21 +185,20 @@ CASE(shared__a_batch_steps_it_as_a_step_does)
     for (uint64_t i = 0; i < all.scenes[1].count; i++) {
         assert_true(fabs(pccd_batch_contacts(&all, 1)[i].toi - 2.0 / 3.0) < 1e-5);
     }
-    assert_int_equal(pccd_wait(obstacle.client, step, -1, &held), 0);
+    assert_ok(pccd_wait(obstacle.client, step, -1, &held));
     assert_int_equal(held.number, 1);
     assert_int_equal(held.total, all.scenes[1].total);
     assert_memory_equal(held.hash, all.scenes[1].hash, sizeof held.hash);
-    assert_int_equal(pccd_scene_wait(obstacle.client, obstacle.scene, -1, &news), 0);
+    assert_ok(pccd_scene_wait(obstacle.client, obstacle.scene, -1, &news));
     assert_int_equal(news.number, 1);
     assert_int_equal(news.total, all.scenes[1].total);
-    assert_int_equal(
-        pccd_scene_read(obstacle.client, obstacle.scene, held.number, 0, &held), 0);
+    assert_ok(pccd_scene_read(obstacle.client, obstacle.scene, held.number, 0, &held));
     assert_memory_equal(held.contacts, pccd_batch_contacts(&all, 1),
                         held.count * sizeof *held.contacts);
     pccd_answer_release(obstacle.client, &held);
     pccd_batch_release(cloth.client, &all);
     /* Both stay where they are now, whoever steps. */
-    assert_int_equal(pccd_scene_create(obstacle.client, NULL, &own), 0);
+    own = test_scene(obstacle.client);
     assert_int_equal(move_by_batch(&obstacle, own, obstacle.object, 1, &all), 0);
     assert_int_equal(all.failed, 0);
     assert_int_equal(all.scenes[1].number, 2);
@@ -244,7 +235,7 @@ CASE(shared__an_object_has_one_writer)
     assert_int_equal(move(&cloth, -0.5f, &answer), 0);
     assert_true(answer.total > 0);
     pccd_answer_release(cloth.client, &answer);
-    assert_int_equal(pccd_wait(obstacle.client, held, -1, &answer), 0);
+    assert_ok(pccd_wait(obstacle.client, held, -1, &answer));
     /* What is not finite is refused when it comes. */
     assert_int_equal(submit(&obstacle, obstacle.object, NAN, &settings, &step), 0);
     assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), PCCD_E_NOTFINITE);
@@ -266,14 +257,14 @@ CASE(shared__a_held_frame_is_answered_at_its_deadline_and_cancel)
     open_member(&cloth, "late", test_triangle_x);
     open_member(&obstacle, "late", test_floor_x);
     step = hold(&obstacle, 2, 1000000);
-    assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), 0);
+    assert_ok(pccd_wait(obstacle.client, step, -1, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(move(&cloth, 0, &answer), 0);
     assert_true(answer.total > 0); /* from 0 to 2, through it */
     pccd_answer_release(cloth.client, &answer);
     step = hold(&obstacle, 0, 0);
-    assert_int_equal(pccd_cancel(obstacle.client, step), 0);
-    assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), 0);
+    assert_ok(pccd_cancel(obstacle.client, step));
+    assert_ok(pccd_wait(obstacle.client, step, -1, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
     assert_int_equal(move(&cloth, 0, &answer), 0);
     assert_true(answer.total > 0);
@@ -299,7 +290,7 @@ CASE(shared__a_held_frames_deadline_makes_readable)
     (void)hold(&obstacle, 1, 50000000);
     assert_int_equal(poll(&ready, 1, 10000), 1);
     assert_in_range(test_now_ms() - begin_ms, 49, 9000);
-    assert_int_equal(pccd_poll(obstacle.client, &answer), 0);
+    assert_ok(pccd_poll(obstacle.client, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(poll(&ready, 1, 0), 0);
     ready.fd = pccd_fd(cloth.client);
@@ -321,16 +312,16 @@ CASE(shared__a_held_frame_is_told)
     open_member(&obstacle, "told", test_floor_x);
     assert_int_equal(submit(&cloth, cloth.object, 0, NULL, &step), 0);
     assert_int_equal(pccd_wait_held(cloth.client, step, 0), PCCD_E_INVAL);
-    assert_int_equal(pccd_wait(cloth.client, step, -1, &answer), 0);
+    assert_ok(pccd_wait(cloth.client, step, -1, &answer));
     pccd_answer_release(cloth.client, &answer);
     for (int i = 0; i < 2; i++) {
         step = hold(&obstacle, 1, 0);
-        assert_int_equal(pccd_wait_held(obstacle.client, step, 0), 0); /* still */
+        assert_ok(pccd_wait_held(obstacle.client, step, 0)); /* still */
         assert_int_equal(pccd_wait_held(obstacle.client, step + 1, 0), PCCD_E_INVAL);
         assert_int_equal(move(&cloth, 1, &answer), 0);
         pccd_answer_release(cloth.client, &answer);
-        assert_int_equal(pccd_wait_held(obstacle.client, step, 0), 0);
-        assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), 0);
+        assert_ok(pccd_wait_held(obstacle.client, step, 0));
+        assert_ok(pccd_wait(obstacle.client, step, -1, &answer));
         assert_int_equal(pccd_wait_held(obstacle.client, step, 0), PCCD_E_INVAL);
     }
     pccd_close(cloth.client);
@@ -376,9 +367,9 @@ CASE(shared__is_listed)
     open_member(&cloth, "listed", test_triangle_x);
     open_member(&obstacle, "listed", test_floor_x);
     step = hold(&obstacle, 1, 0);
-    assert_int_equal(pccd_daemon(cloth.client, &daemon), 0);
+    assert_ok(pccd_daemon(cloth.client, &daemon));
     seen.owner = daemon.session;
-    assert_int_equal(pccd_list_scenes(reader, daemon.session, see_scene, &seen), 0);
+    assert_ok(pccd_list_scenes(reader, daemon.session, see_scene, &seen));
     assert_int_equal(seen.scenes, 1);
     assert_int_equal(seen.info.objects, 2);
     assert_int_equal(seen.info.rights, 0600);
@@ -386,14 +377,13 @@ CASE(shared__is_listed)
     assert_int_equal(seen.info.members, 2);
     assert_int_equal(seen.info.held, 1);
     assert_true(seen.info.writable);
-    assert_int_equal(
-        pccd_list_objects(reader, daemon.session, cloth.scene, see_object, &seen), 0);
+    assert_ok(pccd_list_objects(reader, daemon.session, cloth.scene, see_object, &seen));
     assert_int_equal(seen.objects, 2);
     assert_int_equal(seen.foreign, 1);
     assert_int_equal(move(&cloth, 0, &answer), 0);
     pccd_answer_release(cloth.client, &answer);
-    assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), 0);
-    assert_int_equal(pccd_list_scenes(reader, daemon.session, see_scene, &seen), 0);
+    assert_ok(pccd_wait(obstacle.client, step, -1, &answer));
+    assert_ok(pccd_list_scenes(reader, daemon.session, see_scene, &seen));
     assert_int_equal(seen.info.held, 0);
     pccd_close(obstacle.client);
     pccd_close(cloth.client);
@@ -412,8 +402,8 @@ CASE(shared__leaving_ends_what_is_held)
     open_member(&cloth, "left", test_triangle_x);
     open_member(&obstacle, "left", test_floor_x);
     step = hold(&obstacle, 2, 0);
-    assert_int_equal(pccd_scene_destroy(obstacle.client, obstacle.scene), 0);
-    assert_int_equal(pccd_wait(obstacle.client, step, -1, &answer), 0);
+    assert_ok(pccd_scene_destroy(obstacle.client, obstacle.scene));
+    assert_ok(pccd_wait(obstacle.client, step, -1, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
     assert_int_equal(move(&cloth, -2, &answer), 0); /* the floor has gone, too */
     assert_int_equal(answer.total, 0);
@@ -440,11 +430,11 @@ CASE(shared__readers_hear_of_every_last_step)
     assert_int_equal(take_part(reader, "news", PCCD_SHARE_ATTACH, 0, &scene), 0);
     assert_int_equal(pccd_scene_wait(reader, scene, 0, &news), PCCD_E_AGAIN);
     assert_int_equal(move(&cloth, -2, &answer), 0);
-    assert_int_equal(pccd_scene_wait(reader, scene, -1, &news), 0);
+    assert_ok(pccd_scene_wait(reader, scene, -1, &news));
     assert_int_equal(news.number, answer.number);
     assert_int_equal(news.total, answer.total);
     assert_memory_equal(news.hash, answer.hash, sizeof news.hash);
-    assert_int_equal(pccd_scene_read(reader, scene, news.number, 0, &read), 0);
+    assert_ok(pccd_scene_read(reader, scene, news.number, 0, &read));
     assert_int_equal(read.count, answer.count);
     assert_memory_equal(read.contacts, answer.contacts,
                         answer.count * sizeof *answer.contacts);
@@ -457,12 +447,12 @@ CASE(shared__readers_hear_of_every_last_step)
         pccd_answer_release(cloth.client, &answer);
     }
     while (news.number < STEPS + 1) {
-        assert_int_equal(pccd_scene_wait(reader, scene, -1, &news), 0);
+        assert_ok(pccd_scene_wait(reader, scene, -1, &news));
     }
     assert_int_equal(news.number, STEPS + 1);
     assert_int_equal(pccd_scene_read(reader, scene, news.number - 1, 0, &read),
                      PCCD_E_STATE);
-    assert_int_equal(pccd_scene_read(reader, scene, news.number, 0, &read), 0);
+    assert_ok(pccd_scene_read(reader, scene, news.number, 0, &read));
     assert_memory_equal(read.hash, answer.hash, sizeof read.hash);
     pccd_answer_release(reader, &read);
     pccd_close(reader);
@@ -504,7 +494,7 @@ CASE(shared__a_scene_lives_as_long_as_anybody_takes_part)
                      PCCD_E_STATE);
     assert_int_equal(take_part(maker.client, "home", PCCD_SHARE_OPEN, 0, &scene),
                      PCCD_E_STATE);
-    assert_int_equal(pccd_scene_destroy(other.client, other.scene), 0);
+    assert_ok(pccd_scene_destroy(other.client, other.scene));
     assert_int_equal(move(&maker, 4, &answer), 0);
     assert_int_equal(answer.total, 0);
     pccd_close(maker.client);
@@ -515,19 +505,18 @@ CASE(shared__a_scene_lives_as_long_as_anybody_takes_part)
     assert_int_equal(take_part(watcher, "home", PCCD_SHARE_ATTACH, 0, &scene),
                      PCCD_E_AGAIN);
     assert_int_equal(take_part(watcher, "home", PCCD_SHARE_CREATE, 0, &scene), 0);
-    assert_int_equal(pccd_scene_destroy(watcher, scene), 0);
+    assert_ok(pccd_scene_destroy(watcher, scene));
     pccd_close(watcher);
 }
 
 /* A client of another user. */
 static struct pccd_client *connect_as_other(void)
 {
-    struct pccd_client *client;
 
     assert_int_equal(chmod(test_shared.directory, 0755), 0);
     assert_int_equal(chmod(test_shared.socket, 0666), 0);
     assert_int_equal(seteuid(OTHER_USER), 0);
-    client = test_connect(test_shared.url);
+    struct pccd_client *client = test_connect(test_shared.url);
     assert_int_equal(seteuid(0), 0);
     assert_int_equal(chmod(test_shared.directory, 0700), 0);
     assert_int_equal(chmod(test_shared.socket, 0600), 0);
@@ -558,10 +547,8 @@ CASE(shared__rights_are_as_of_a_file)
     uint32_t secret = 0;
     uint32_t seen = 0;
     uint32_t open = 0;
-    uint32_t own = 0;
     struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
     uint32_t scene = 0;
-    uint32_t mesh = 0;
     uint32_t object = 0;
 
     connect_two_users(&mine, &theirs);
@@ -572,40 +559,36 @@ CASE(shared__rights_are_as_of_a_file)
                      PCCD_E_INVAL);
     assert_int_equal(pccd_scene_join(theirs, 0, "secret", &scene), PCCD_E_ACCESS);
     assert_int_equal(pccd_scene_join(theirs, 0, "odd", &scene), PCCD_E_AGAIN);
-    assert_int_equal(pccd_mesh_create(theirs, test_floor_x, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &mesh, NULL),
-                     0);
-    assert_int_equal(pccd_scene_join(theirs, 0, "seen", &scene), 0);
+    uint32_t mesh = test_mesh(theirs, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
+    assert_ok(pccd_scene_join(theirs, 0, "seen", &scene));
     assert_int_equal(pccd_scene_add(theirs, scene, mesh, &object), PCCD_E_ACCESS);
-    assert_int_equal(pccd_scene_create(theirs, NULL, &own), 0);
+    uint32_t own = test_scene(theirs);
     member = (struct member){.client = theirs, .scene = own, .rest = test_floor_x};
     assert_int_equal(move_by_batch(&member, scene, 1, 0, &all), 0);
     assert_int_equal(all.scenes[0].status, PCCD_E_ACCESS);
     assert_non_null(strstr(all.scenes[0].why, "only read"));
     pccd_batch_release(theirs, &all);
-    assert_int_equal(pccd_submit_still(theirs, scene, NULL, &step), 0);
+    assert_ok(pccd_submit_still(theirs, scene, NULL, &step));
     assert_int_equal(pccd_wait(theirs, step, -1, &answer), PCCD_E_ACCESS);
-    assert_int_equal(pccd_scene_join(theirs, 0, "open", &scene), 0);
+    assert_ok(pccd_scene_join(theirs, 0, "open", &scene));
     /* The memory is that of who made the scene: the guest's triangles bound it. */
     uint64_t triangles = test_stat(mine, "triangles_now");
-    assert_int_equal(pccd_scene_add(theirs, scene, mesh, &object), 0);
+    object = test_object(theirs, scene, mesh);
     assert_int_equal(test_stat(mine, "triangles_now"), triangles + 1);
     /* The object outlives its mesh; a mesh lent to another user's scene keeps its
      * shape. */
     assert_int_equal(pccd_mesh_replace(theirs, mesh, test_floor_x, PCCD_FORMAT_F32, 3,
                                        test_triangle, 1, NULL),
                      PCCD_E_STATE);
-    assert_int_equal(pccd_mesh_destroy(theirs, mesh), 0);
-    assert_int_equal(pccd_mesh_create(mine, test_triangle_x, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &mesh, NULL),
-                     0);
+    assert_ok(pccd_mesh_destroy(theirs, mesh));
+    mesh = test_mesh(mine, test_triangle_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
     member = (struct member){
         .client = mine, .scene = open, .mesh = mesh, .rest = test_triangle_x};
-    assert_int_equal(pccd_scene_add(mine, open, mesh, &member.object), 0);
+    member.object = test_object(mine, open, mesh);
     assert_int_equal(move(&member, -2, &answer), 0);
     assert_true(answer.total > 0);
     pccd_answer_release(mine, &answer);
-    assert_int_equal(pccd_scene_remove(theirs, scene, object), 0);
+    assert_ok(pccd_scene_remove(theirs, scene, object));
     assert_int_equal(test_stat_await(mine, "triangles_now", triangles), triangles);
     assert_int_equal(move(&member, 0, &answer), 0);
     assert_int_equal(answer.total, 0);
@@ -626,17 +609,13 @@ CASE(shared__a_guest_pays_for_what_is_his)
     struct pccd_client *mine;
     struct pccd_client *theirs;
     uint32_t scene = 0;
-    uint32_t mesh = 0;
-    uint32_t object = 0;
 
     connect_two_users(&mine, &theirs);
     assert_int_equal(take_part(mine, "guests", PCCD_SHARE_CREATE, 0666, &scene), 0);
-    assert_int_equal(pccd_scene_join(theirs, 0, "guests", &scene), 0);
-    assert_int_equal(pccd_mesh_create(theirs, test_floor_x, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &mesh, NULL),
-                     0);
-    assert_int_equal(pccd_scene_add(theirs, scene, mesh, &object), 0);
-    assert_int_equal(pccd_object_set(theirs, scene, object, &settings), 0);
+    assert_ok(pccd_scene_join(theirs, 0, "guests", &scene));
+    uint32_t mesh = test_mesh(theirs, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
+    uint32_t object = test_object(theirs, scene, mesh);
+    assert_ok(pccd_object_set(theirs, scene, object, &settings));
     pccd_close(theirs);
     pccd_close(mine);
     mine = test_connect(test_shared.url);
@@ -666,8 +645,8 @@ CASE(shared__a_killed_daemon_loses_nothing)
     held = hold(&obstacle, 2, 0);
     assert_true(WIFSIGNALED(test_daemon_end(&test_shared, SIGKILL, 10000)));
     assert_true(test_daemon_restart(&test_shared, NULL));
-    assert_int_equal(pccd_ping(obstacle.client, NULL), 0);
-    assert_int_equal(pccd_link(obstacle.client, &link), 0);
+    assert_ok(pccd_ping(obstacle.client, NULL));
+    assert_ok(pccd_link(obstacle.client, &link));
     assert_int_equal(link.reconnects, 1);
     /* The cloth stood at 2, and comes to 1; the obstacle from 0 to 2. */
     assert_int_equal(move(&cloth, 0, &answer), 0);
@@ -676,7 +655,7 @@ CASE(shared__a_killed_daemon_loses_nothing)
         assert_true(fabs(answer.contacts[i].toi - 2.0 / 3.0) < 1e-5);
     }
     pccd_answer_release(cloth.client, &answer);
-    assert_int_equal(pccd_wait(obstacle.client, held, -1, &answer), 0);
+    assert_ok(pccd_wait(obstacle.client, held, -1, &answer));
     assert_int_equal(answer.status, 0);
     pccd_close(cloth.client);
     pccd_close(obstacle.client);

@@ -1,9 +1,4 @@
-/* test_int_slot.c - nonsense in the memory that is shared with a real daemon.
- *
- * Stale and torn slots, lying segment tables, bad positions and indices, scribbled
- * headers and counters, holes, slots without memory. Each is answered with its named
- * error, and an honest client gets right answers all the while.
- */
+/* test_int_slot.c - nonsense in the memory that is shared with a real daemon. */
 #include "cases.h"
 
 #include <errno.h>
@@ -37,15 +32,14 @@ static int open_raw(void **state)
 
     (void)state;
     test_witness_open_raw(&raw, SLOT_BYTES);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
-                     0);
-    assert_int_equal(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
+    assert_ok(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh));
     add.scene = remove.scene = scene = created.scene;
     add.mesh = mesh;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
     remove.object = removed = added.object;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &remove, NULL), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &remove, NULL));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
     object = added.object;
     return 0;
 }
@@ -123,9 +117,9 @@ CASE_WITH(slot__answers_come_in_the_order_of_the_steps, open_raw, close_raw)
         uint32_t first = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &stale);
         uint32_t second = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &good);
 
-        assert_int_equal(test_raw_receive(&raw), 0);
+        assert_ok(test_raw_receive(&raw));
         assert_int_equal(raw.envelope.id, first);
-        assert_int_equal(test_raw_receive(&raw), 0);
+        assert_ok(test_raw_receive(&raw));
         assert_int_equal(raw.envelope.id, second);
     }
 }
@@ -139,8 +133,7 @@ CASE_WITH(slot__without_a_ring_is_refused, open_raw, close_raw)
 
     test_raw_close(&raw);
     test_witness_open_raw(&raw, 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created),
-                     0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
     request.scene = created.scene;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, NULL),
                      PCCD_E_STATE);
@@ -351,7 +344,7 @@ CASE_WITH(mesh__chunks_that_do_not_fit_are_refused, open_raw, close_raw)
     uint32_t handle;
 
     memset(triangles, 0, SLOT_BYTES);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created));
     handle = commit.mesh = add.mesh = created.mesh;
     add.scene = scene;
     assert_int_equal(send_chunk(handle, 0, 0, 0), PCCD_E_INVAL);
@@ -376,12 +369,12 @@ CASE_WITH(mesh__chunks_that_do_not_fit_are_refused, open_raw, close_raw)
     assert_int_equal(send_chunk(handle, 1, 0, 2), PCCD_E_INDEX);
     triangles[5] = 19999;
     assert_int_equal(send_chunk(handle, 1, 0, 2), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL));
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL),
                      PCCD_E_STATE);
     assert_int_equal(send_chunk(handle, 1, 0, 2), PCCD_E_STATE);
     test_witness_turn();
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL));
     create.vertex_count = 0;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL),
                      PCCD_E_INVAL);
@@ -430,7 +423,7 @@ CASE_WITH(memory__wrong_result_head_is_refused, open_raw, close_raw)
         test_witness_turn();
     }
     atomic_store(&upload->result_head.value, 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_EDGES, &edges, &result), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_EDGES, &edges, &result));
     assert_int_equal(result.count, 3);
     assert_true(result.offset >= PROTO_SHM_PAGE);
     expect_good_step();

@@ -1,8 +1,4 @@
-/* test_int_socketfile.c - a daemon whose socket's file is removed or replaced.
- *
- * Remove the file, its lock, its folder, or put something else there, under a daemon
- * alone, one with a supervisor and one that was given its socket.
- */
+/* test_int_socketfile.c - a daemon whose socket's file is removed or replaced. */
 #include "cases.h"
 
 #include <fcntl.h>
@@ -66,7 +62,7 @@ static pid_t say_hello(struct test_raw *raw)
 {
     struct proto_HELLO_request hello = {.version_min = 1, .version_max = 1};
     struct proto_HELLO_result result;
-    assert_int_equal(test_raw_call(raw, PROTO_METHOD_HELLO, &hello, &result), 0);
+    assert_ok(test_raw_call(raw, PROTO_METHOD_HELLO, &hello, &result));
     return (pid_t)result.pid;
 }
 
@@ -91,7 +87,7 @@ static void assert_serves(struct test_raw *raw)
 {
     struct proto_PING_request request = {0};
     struct proto_PING_result result;
-    assert_int_equal(test_raw_call(raw, PROTO_METHOD_PING, &request, &result), 0);
+    assert_ok(test_raw_call(raw, PROTO_METHOD_PING, &request, &result));
 }
 
 static void assert_logs_soon(const struct fixture *f, const char *text)

@@ -1,10 +1,5 @@
-/* test_int_standing.c - steps of which little moves, through everything that lies between
- * a client and the engine.
- *
- * Move a part of a grid that rests on a floor, all of it, or nothing, by every kind of
- * frame; kill the daemon and cut the connection between steps and in them; compare every
- * answer with that of a scene which is made for that one step.
- */
+/* test_int_standing.c - steps of which little moves, through everything that lies
+ * between a client and the engine. */
 #include "cases.h"
 
 #include <signal.h>
@@ -55,27 +50,23 @@ static uint64_t submit(struct world *world, enum manner manner, uint32_t first,
     uint64_t step = 0;
 
     if (manner == STILL) {
-        assert_int_equal(pccd_submit_still(world->client, world->grid.scene, NULL, &step),
-                         0);
+        assert_ok(pccd_submit_still(world->client, world->grid.scene, NULL, &step));
         return step;
     }
     first = manner == WHOLE ? 0 : first;
     count = manner == WHOLE ? COUNT : count;
-    assert_int_equal(pccd_frame_begin(world->client, world->grid.scene, 1,
-                                      2 * sizeof world->x1, &frame),
-                     0);
+    assert_ok(pccd_frame_begin(world->client, world->grid.scene, 1, 2 * sizeof world->x1,
+                               &frame));
     if (manner == BOTH_ENDS) {
-        assert_int_equal(pccd_frame_x0x1(&frame, world->grid.object, PCCD_FORMAT_F32,
-                                         first, count, &x0, &x1),
-                         0);
+        assert_ok(pccd_frame_x0x1(&frame, world->grid.object, PCCD_FORMAT_F32, first,
+                                  count, &x0, &x1));
         memcpy(x0, world->x0[first], count * sizeof *world->x0);
     } else {
-        assert_int_equal(
-            pccd_frame_x1(&frame, world->grid.object, PCCD_FORMAT_F32, first, count, &x1),
-            0);
+        assert_ok(pccd_frame_x1(&frame, world->grid.object, PCCD_FORMAT_F32, first, count,
+                                &x1));
     }
     memcpy(x1, world->x1[first], count * sizeof *world->x1);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
     return step;
 }
 
@@ -83,20 +74,20 @@ static uint64_t submit(struct world *world, enum manner manner, uint32_t first,
 static void make_fresh(struct world *world, struct test_grid *fresh,
                        struct pccd_answer *answer)
 {
-    assert_int_equal(test_grid_make(world->other, SIDE, fresh), 0);
+    assert_ok(test_grid_make(world->other, SIDE, fresh));
     struct pccd_frame frame;
     void *x0 = NULL;
     void *x1 = NULL;
     uint64_t step = 0;
 
-    assert_int_equal(
-        pccd_frame_begin(world->other, fresh->scene, 1, 2 * sizeof world->x1, &frame), 0);
-    assert_int_equal(
-        pccd_frame_x0x1(&frame, fresh->object, PCCD_FORMAT_F32, 0, COUNT, &x0, &x1), 0);
+    assert_ok(
+        pccd_frame_begin(world->other, fresh->scene, 1, 2 * sizeof world->x1, &frame));
+    assert_ok(
+        pccd_frame_x0x1(&frame, fresh->object, PCCD_FORMAT_F32, 0, COUNT, &x0, &x1));
     memcpy(x0, world->x0, sizeof world->x0);
     memcpy(x1, world->x1, sizeof world->x1);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
-    assert_int_equal(pccd_wait(world->other, step, -1, answer), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
+    assert_ok(pccd_wait(world->other, step, -1, answer));
 }
 
 /* Records but for the names of the objects, which come in the same order. */
@@ -126,12 +117,12 @@ static void check_step(struct world *world, uint64_t step)
     struct pccd_answer wanted = PCCD_ANSWER_INIT;
     struct test_grid fresh;
 
-    assert_int_equal(pccd_wait(world->client, step, -1, &answer), 0);
+    assert_ok(pccd_wait(world->client, step, -1, &answer));
     make_fresh(world, &fresh, &wanted);
     check_same(world, &answer, &fresh, &wanted);
     pccd_answer_release(world->client, &answer);
     pccd_answer_release(world->other, &wanted);
-    assert_int_equal(pccd_scene_destroy(world->other, fresh.scene), 0);
+    assert_ok(pccd_scene_destroy(world->other, fresh.scene));
     test_grid_free(&fresh);
 }
 
@@ -143,7 +134,7 @@ static void begin(struct world *world)
     world->other = test_connect(world->daemon.url);
     assert_non_null(world->client);
     assert_non_null(world->other);
-    assert_int_equal(test_grid_make(world->client, SIDE, &world->grid), 0);
+    assert_ok(test_grid_make(world->client, SIDE, &world->grid));
     memcpy(world->x1, world->grid.x, sizeof world->x1);
     move(world, 0, COUNT, 0); /* down to the floor, where it rests */
     check_step(world, submit(world, WHOLE, 0, COUNT));
@@ -227,7 +218,7 @@ CASE(standing__goes_on_with_a_resumed_session)
         }
         check_step(&world, step);
     }
-    assert_int_equal(pccd_link(world.client, &info), 0);
+    assert_ok(pccd_link(world.client, &info));
     assert_true(info.resumed > 0);
     end(&world);
 }
@@ -247,7 +238,7 @@ CASE(standing__is_counted_in_answers_and_totals)
     }
     move(&world, COUNT / 2, 1, 0.25f);
     uint64_t step = submit(&world, PART, COUNT / 2, 1);
-    assert_int_equal(pccd_wait(world.client, step, -1, &answer), 0);
+    assert_ok(pccd_wait(world.client, step, -1, &answer));
     assert_true(answer.counters.still_features > COUNT);
     assert_true(answer.counters.still_pairs > 0);
     assert_true(answer.counters.kept_records > 0);

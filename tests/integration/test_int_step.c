@@ -7,15 +7,15 @@
 
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "pccd.h"
 
 /* A whole step of one object with x1 positions; asserts that it succeeds. */
 static void step_x1(struct test_crossing *crossing, uint32_t object, const float (*x1)[3],
                     const struct pccd_step_settings *settings, struct pccd_answer *answer)
 {
-    assert_int_equal(pccd_step_x1(crossing->client, crossing->scene, object, x1,
-                                  PCCD_FORMAT_F32, 3, settings, answer),
-                     0);
+    assert_ok(pccd_step_x1(crossing->client, crossing->scene, object, x1, PCCD_FORMAT_F32,
+                           3, settings, answer));
 }
 
 /* ---- meshes ------------------------------------------------------------------------ */
@@ -35,29 +35,26 @@ CASE_CROSSING(mesh__counts_and_edges_are_those_of_the_data)
     struct pccd_edge edges[8];
     uint32_t mesh = 0;
 
-    assert_int_equal(pccd_mesh_create(crossing->client, x, PCCD_FORMAT_F64, 6, triangles,
-                                      6, &mesh, &info),
-                     0);
+    assert_ok(pccd_mesh_create(crossing->client, x, PCCD_FORMAT_F64, 6, triangles, 6,
+                               &mesh, &info));
     assert_int_equal(info.vertex_count, 6);
     assert_int_equal(info.triangle_count, 6);
     assert_int_equal(info.edge_count, 8);
     assert_int_equal(info.duplicate_count, 1);  /* (3, 2, 1) is (1, 2, 3) again */
     assert_int_equal(info.degenerate_count, 1); /* (0, 1, 5) lies on a line */
     assert_int_equal(info.isolated_count, 1);   /* vertex 4 */
-    assert_int_equal(pccd_mesh_edges(crossing->client, mesh, edges, 8), 0);
+    assert_ok(pccd_mesh_edges(crossing->client, mesh, edges, 8));
     assert_memory_equal(edges, expected, sizeof expected);
-    assert_int_equal(pccd_mesh_edges(crossing->client, mesh, edges, 0), 0);
+    assert_ok(pccd_mesh_edges(crossing->client, mesh, edges, 0));
     assert_int_equal(pccd_mesh_edges(crossing->client, mesh + 77, edges, 8),
                      PCCD_E_HANDLE);
-    assert_int_equal(pccd_mesh_destroy(crossing->client, mesh), 0);
+    assert_ok(pccd_mesh_destroy(crossing->client, mesh));
 }
 
 /* If it failed, a mesh that needs several slots would arrive damaged. */
 CASE_CROSSING(mesh__larger_than_a_slot_arrives_whole)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_edge *edges;
     struct pccd_mesh_info info;
@@ -66,33 +63,31 @@ CASE_CROSSING(mesh__larger_than_a_slot_arrives_whole)
     uint32_t mesh = 0;
     uint32_t edge_count = 3 * 89 * 89 + 2 * 89; /* of a grid of 90 x 90 vertices */
 
-    pccd_options_init(&options);
-    options.url = test_shared.url;
-    options.slot_bytes = 4096;
-    options.slot_count = 3;
-    options.result_bytes = 65536;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_grid_make(client, 90, &grid), 0);
+    struct pccd_client *client =
+        test_client(&(struct pccd_options){.url = test_shared.url,
+                                           .slot_bytes = 4096,
+                                           .slot_count = 3,
+                                           .result_bytes = 65536});
+    assert_ok(test_grid_make(client, 90, &grid));
     /* The edges need several pages of the result region. */
     edges = calloc(edge_count, sizeof *edges);
     assert_non_null(edges);
-    assert_int_equal(pccd_mesh_edges(client, grid.mesh, edges, edge_count), 0);
+    assert_ok(pccd_mesh_edges(client, grid.mesh, edges, edge_count));
     for (uint32_t i = 1; i < edge_count; i++) {
         assert_true(edges[i - 1].b < edges[i].b ||
                     (edges[i - 1].b == edges[i].b && edges[i - 1].a < edges[i].a));
     }
     free(edges);
     /* The step needs a ring with larger slots. */
-    assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &step));
+    assert_ok(pccd_wait(client, step, -1, &answer));
     assert_int_equal(answer.total, 8100);
     assert_int_equal(answer.counts[PCCD_VF], 8100);
     pccd_answer_release(client, &answer);
     test_grid_free(&grid);
     pccd_close(client);
-    assert_int_equal(pccd_mesh_create(crossing->client, test_floor_x, PCCD_FORMAT_F32, 3,
-                                      test_triangle, 1, &mesh, &info),
-                     0);
+    assert_ok(pccd_mesh_create(crossing->client, test_floor_x, PCCD_FORMAT_F32, 3,
+                               test_triangle, 1, &mesh, &info));
     assert_int_equal(info.edge_count, 3);
 }
 
@@ -142,9 +137,8 @@ CASE_CROSSING(step__x1_in_double_meets_the_floor)
     struct test_crossing *crossing = *state;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    assert_int_equal(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x1,
-                                  PCCD_FORMAT_F64, 3, NULL, &answer),
-                     0);
+    assert_ok(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x1,
+                           PCCD_FORMAT_F64, 3, NULL, &answer));
     assert_int_equal(answer.counts[PCCD_VF], 3);
     assert_int_equal(answer.counts[PCCD_EE], 0);
     assert_true(answer.toi_first <= 0.25 && answer.toi_first > 0.249998);
@@ -165,16 +159,14 @@ CASE_CROSSING(step__x0x1_gives_both_ends)
     struct test_crossing *crossing = *state;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    assert_int_equal(pccd_step_x0x1(crossing->client, crossing->scene, crossing->object,
-                                    far0, far1, PCCD_FORMAT_F64, 3, NULL, &answer),
-                     0);
+    assert_ok(pccd_step_x0x1(crossing->client, crossing->scene, crossing->object, far0,
+                             far1, PCCD_FORMAT_F64, 3, NULL, &answer));
     assert_int_equal(answer.count, 0);
     assert_null(answer.contacts);
     assert_true(answer.toi_first == 2.0);
     pccd_answer_release(crossing->client, &answer);
-    assert_int_equal(pccd_step_x0x1(crossing->client, crossing->scene, crossing->object,
-                                    up0, up1, PCCD_FORMAT_F64, 3, NULL, &answer),
-                     0);
+    assert_ok(pccd_step_x0x1(crossing->client, crossing->scene, crossing->object, up0,
+                             up1, PCCD_FORMAT_F64, 3, NULL, &answer));
     assert_int_equal(answer.counts[PCCD_VF], 3);
     assert_true(answer.toi_first <= 0.25 && answer.toi_first > 0.249998);
     pccd_answer_release(crossing->client, &answer);
@@ -195,27 +187,22 @@ CASE_CROSSING(step__ranges_move_only_their_vertices)
     void *x1 = NULL;
 
     /* Vertex 1 alone goes through the floor. */
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 12, &frame),
-                     0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 1, 1, &x1),
-                     0);
+    assert_ok(pccd_frame_begin(crossing->client, crossing->scene, 1, 12, &frame));
+    assert_ok(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 1, 1, &x1));
     memcpy(x1, (const float[3]){1, 0, -1}, 12);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
-    assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
+    assert_ok(pccd_wait(crossing->client, step, -1, &answer));
     assert_int_equal(answer.counts[PCCD_VF], 1);
     assert_int_equal(answer.contacts[0].feature_a, 1);
     pccd_answer_release(crossing->client, &answer);
     /* Then the other two, in two segments of different formats. */
-    assert_int_equal(
-        pccd_frame_begin(crossing->client, crossing->scene, 2, 12 + 24, &frame), 0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 2, 1, &x1),
-                     0);
+    assert_ok(pccd_frame_begin(crossing->client, crossing->scene, 2, 12 + 24, &frame));
+    assert_ok(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 2, 1, &x1));
     memcpy(x1, (const float[3]){0, 1, -1}, 12);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F64, 0, 1, &x1),
-                     0);
+    assert_ok(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F64, 0, 1, &x1));
     memcpy(x1, (const double[3]){0, 0, -1}, 24);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
-    assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
+    assert_ok(pccd_wait(crossing->client, step, -1, &answer));
     assert_int_equal(answer.counts[PCCD_VF], 2);
     assert_int_equal(answer.contacts[0].feature_a, 0);
     assert_int_equal(answer.contacts[1].feature_a, 2);
@@ -235,20 +222,18 @@ CASE_CROSSING(step__rigid_transforms_the_registered_positions)
     struct pccd_frame frame;
     uint64_t step = 0;
 
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 192, &frame),
-                     0);
-    assert_int_equal(pccd_frame_rigid(&frame, crossing->object, 0, 3, from, to), 0);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
-    assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
+    assert_ok(pccd_frame_begin(crossing->client, crossing->scene, 1, 192, &frame));
+    assert_ok(pccd_frame_rigid(&frame, crossing->object, 0, 3, from, to));
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
+    assert_ok(pccd_wait(crossing->client, step, -1, &answer));
     assert_int_equal(answer.counts[PCCD_VF], 3);
     assert_true(answer.toi_first <= 0.25 && answer.toi_first > 0.249998);
     pccd_answer_release(crossing->client, &answer);
     /* Registered, not last: the same transform again ends where it ended. */
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 1, 192, &frame),
-                     0);
-    assert_int_equal(pccd_frame_rigid(&frame, crossing->object, 0, 3, to, from), 0);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
-    assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
+    assert_ok(pccd_frame_begin(crossing->client, crossing->scene, 1, 192, &frame));
+    assert_ok(pccd_frame_rigid(&frame, crossing->object, 0, 3, to, from));
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
+    assert_ok(pccd_wait(crossing->client, step, -1, &answer));
     assert_int_equal(answer.counts[PCCD_VF], 3);
     assert_true(answer.toi_first <= 0.75 && answer.toi_first > 0.749998);
     pccd_answer_release(crossing->client, &answer);
@@ -268,38 +253,30 @@ CASE_CROSSING(step__still_objects_stand_and_two_can_move)
     void *x1 = NULL;
     float high[3][3];
 
-    assert_int_equal(pccd_submit_still(crossing->client, crossing->scene, NULL, &step),
-                     0);
-    assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
+    test_still(crossing->client, crossing->scene, NULL, &answer);
     assert_int_equal(answer.count, 0);
     pccd_answer_release(crossing->client, &answer);
     /* The floor from 0 to -1 while the triangle goes from 1 to 0: they keep their
      * distance. */
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 2, 72, &frame),
-                     0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->floor, PCCD_FORMAT_F32, 0, 3, &x1),
-                     0);
+    assert_ok(pccd_frame_begin(crossing->client, crossing->scene, 2, 72, &frame));
+    assert_ok(pccd_frame_x1(&frame, crossing->floor, PCCD_FORMAT_F32, 0, 3, &x1));
     memcpy(x1, low, sizeof low);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1),
-                     0);
+    assert_ok(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1));
     memcpy(x1, middle, sizeof middle);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
-    assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
+    assert_ok(pccd_wait(crossing->client, step, -1, &answer));
     assert_int_equal(answer.count, 0);
     pccd_answer_release(crossing->client, &answer);
     /* Now they swap: they meet at half time. */
     memcpy(high, low, sizeof high);
     high[0][2] = high[1][2] = high[2][2] = 0;
-    assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 2, 72, &frame),
-                     0);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->floor, PCCD_FORMAT_F32, 0, 3, &x1),
-                     0);
+    assert_ok(pccd_frame_begin(crossing->client, crossing->scene, 2, 72, &frame));
+    assert_ok(pccd_frame_x1(&frame, crossing->floor, PCCD_FORMAT_F32, 0, 3, &x1));
     memcpy(x1, high, sizeof high);
-    assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1),
-                     0);
+    assert_ok(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1));
     test_crossing_positions(x1, -1);
-    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
-    assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
+    assert_ok(pccd_frame_commit(&frame, NULL, &step));
+    assert_ok(pccd_wait(crossing->client, step, -1, &answer));
     assert_int_equal(answer.counts[PCCD_VF], 3);
     assert_true(answer.toi_first <= 0.5 && answer.toi_first > 0.499998);
     pccd_answer_release(crossing->client, &answer);
@@ -311,10 +288,8 @@ CASE_CROSSING(step__objects_come_and_go)
     struct test_crossing *crossing = *state;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     float x1[3][3];
-    uint32_t second = 0;
 
-    assert_int_equal(
-        pccd_scene_add(crossing->client, crossing->scene, crossing->mesh, &second), 0);
+    uint32_t second = test_object(crossing->client, crossing->scene, crossing->mesh);
     assert_int_not_equal(second, crossing->object);
     test_crossing_positions(x1, -1);
     step_x1(crossing, second, (const float(*)[3])x1, NULL, &answer);
@@ -323,23 +298,21 @@ CASE_CROSSING(step__objects_come_and_go)
     assert_true(answer.initial > 0);
     assert_true(answer.count >= 3 + answer.initial);
     pccd_answer_release(crossing->client, &answer);
-    assert_int_equal(pccd_scene_remove(crossing->client, crossing->scene, second), 0);
+    assert_ok(pccd_scene_remove(crossing->client, crossing->scene, second));
     assert_int_equal(pccd_scene_remove(crossing->client, crossing->scene, second),
                      PCCD_E_HANDLE);
     assert_true(test_crossing_turn(crossing));
-    assert_int_equal(
-        pccd_scene_remove(crossing->client, crossing->scene, crossing->floor), 0);
+    assert_ok(pccd_scene_remove(crossing->client, crossing->scene, crossing->floor));
     test_crossing_positions(x1, 1);
     step_x1(crossing, crossing->object, (const float(*)[3])x1, NULL, &answer);
     assert_int_equal(answer.count, 0);
     pccd_answer_release(crossing->client, &answer);
-    assert_int_equal(pccd_scene_add(crossing->client, crossing->scene,
-                                    crossing->floor_mesh, &crossing->floor),
-                     0);
+    crossing->floor =
+        test_object(crossing->client, crossing->scene, crossing->floor_mesh);
     crossing->z = 1;
     assert_true(test_crossing_turn(crossing));
     /* The mesh may go; the objects made of it stay. */
-    assert_int_equal(pccd_mesh_destroy(crossing->client, crossing->mesh), 0);
+    assert_ok(pccd_mesh_destroy(crossing->client, crossing->mesh));
     assert_true(test_crossing_turn(crossing));
 }
 
@@ -373,15 +346,13 @@ CASE_CROSSING(step__settings_of_another_release_are_read_or_refused)
                      PCCD_E_INVAL);
     assert_non_null(strstr(pccd_error_text(client), "does not know"));
     settings.added = 0;
-    assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
-                                  PCCD_FORMAT_F32, 3, &settings.known, &answer),
-                     0);
+    assert_ok(pccd_step_x1(client, crossing->scene, crossing->object, x1, PCCD_FORMAT_F32,
+                           3, &settings.known, &answer));
     pccd_answer_release(client, &answer);
     settings.known.struct_bytes = 0;
     settings.added = 1; /* is not looked at */
-    assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
-                                  PCCD_FORMAT_F32, 3, &settings.known, &answer),
-                     0);
+    assert_ok(pccd_step_x1(client, crossing->scene, crossing->object, x1, PCCD_FORMAT_F32,
+                           3, &settings.known, &answer));
     pccd_answer_release(client, &answer);
 }
 
@@ -421,13 +392,11 @@ CASE_CROSSING(step__answers_of_another_release_are_filled_or_refused)
         memset(&answer, 0x5a, sizeof answer);
         answer.known.struct_bytes = added == 0 ? 0 : bytes;
         test_crossing_positions(x1, added % 2 == 0 ? -1 : 1);
-        assert_int_equal(
-            pccd_submit(
-                client, crossing->scene,
-                &(struct pccd_motion){.object = crossing->object, .count = 3, .x1 = x1},
-                1, NULL, &step),
-            0);
-        assert_int_equal(pccd_wait(client, step, -1, &answer.known), 0);
+        assert_ok(pccd_submit(
+            client, crossing->scene,
+            &(struct pccd_motion){.object = crossing->object, .count = 3, .x1 = x1}, 1,
+            NULL, &step));
+        assert_ok(pccd_wait(client, step, -1, &answer.known));
         assert_int_equal(answer.known.struct_bytes, added == 0 ? 0 : bytes);
         assert_int_equal(answer.known.step, step);
         assert_int_equal(answer.known.counts[PCCD_VF], 3);
@@ -508,7 +477,6 @@ CASE_CROSSING(step__modes_answer_what_they_say)
                                           .threads = 1};
     struct pccd_client *client = crossing->client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint64_t step = 0;
     float x0[3][3];
     float x1[3][3];
 
@@ -543,8 +511,7 @@ CASE_CROSSING(step__modes_answer_what_they_say)
     assert_int_equal(answer.count, 0);
     assert_null(answer.contacts);
     pccd_answer_release(client, &answer);
-    assert_int_equal(pccd_submit_still(client, crossing->scene, &settings, &step), 0);
-    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    test_still(client, crossing->scene, &settings, &answer);
     assert_int_equal(answer.verdict, PCCD_VERDICT_NO); /* it ends under the floor */
     pccd_answer_release(client, &answer);
 
@@ -576,14 +543,12 @@ CASE_CROSSING(step__threads_do_not_change_the_hash)
         .struct_bytes = sizeof(struct pccd_step_settings), .threads = 1};
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
-    uint64_t step = 0;
     uint64_t hash[2][2] = {{0, 0}, {0, 0}};
 
-    assert_int_equal(test_grid_make(crossing->client, 50, &grid), 0);
+    assert_ok(test_grid_make(crossing->client, 50, &grid));
     for (uint32_t i = 0; i < 8; i++) {
         settings.threads = 1 + i / 2;
-        assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
-        assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+        assert_ok(test_grid_turn(&grid, &settings, &answer));
         assert_true(test_grid_is_right(&grid, &answer));
         if (i < 2) {
             memcpy(hash[i], answer.hash, sizeof hash[i]);

@@ -1,6 +1,5 @@
 /* test_int_supervise.c - a daemon that is started again, and one that is given a
- * socket.
- */
+ * socket. */
 #include "cases.h"
 
 #include <errno.h>
@@ -36,7 +35,7 @@ static pid_t meet(struct fixture *f)
     struct proto_HELLO_request hello = {.version_min = 1, .version_max = 1};
     struct proto_HELLO_result result;
     assert_true(test_raw_open(&f->raw, f->daemon.socket));
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_HELLO, &hello, &result), 0);
+    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_HELLO, &hello, &result));
     return (pid_t)result.pid;
 }
 

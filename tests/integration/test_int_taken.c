@@ -1,10 +1,5 @@
-/* test_int_taken.c - shared memory is charged as it is taken, and given back when idle.
- *
- * Many clients with default settings within the quota of one user; answers larger than
- * what the result region has taken; what that and the slots give back when the client is
- * idle, and take again; a quota that refuses more of either. What the daemon says is
- * compared with what the kernel says. PCCD_CLIENTS is how many clients connect (100).
- */
+/* test_int_taken.c - shared memory is charged as it is taken, and given back when
+ * idle. */
 #include "cases.h"
 
 #include <signal.h>
@@ -17,6 +12,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "must.h"
 #include "taken.h"
 
 #define CLIENTS     100u
@@ -35,7 +31,7 @@ static struct pccd_client *connect_by_default(const char *url)
 
     memset(&options, 0, sizeof options);
     options.url = url;
-    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_ok(pccd_connect(&options, &client));
     return client;
 }
 
@@ -43,8 +39,8 @@ static void turn(struct test_grid *grid)
 {
     uint64_t step = 0;
 
-    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
-    assert_int_equal(test_grid_await(grid, step), 0);
+    assert_ok(test_grid_submit(grid, NULL, &step));
+    assert_ok(test_grid_await(grid, step));
 }
 
 /* If it failed, the eighth client of a user would be refused for memory that nobody
@@ -68,7 +64,7 @@ CASE(clients__with_small_scenes_take_little)
     for (uint32_t i = 0; i < count; i++) {
         struct pccd_client *client = connect_by_default(daemon.url);
 
-        assert_int_equal(test_grid_make(client, SIDE_SMALL, &grids[i]), 0);
+        assert_ok(test_grid_make(client, SIDE_SMALL, &grids[i]));
         turn(&grids[i]);
     }
     for (int round = 0; round < 20; round++) {
@@ -97,9 +93,6 @@ CASE(slots__hold_a_frame_of_the_first_mesh)
     static uint32_t triangles[SOUP][3];
     struct test_daemon daemon;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint32_t mesh = 0;
-    uint32_t scene = 0;
-    uint32_t object = 0;
 
     for (uint32_t i = 0; i < 3 * SOUP; i++) {
         x[i][0] = i / 3 * 4 + i % 3; /* they do not meet */
@@ -109,16 +102,14 @@ CASE(slots__hold_a_frame_of_the_first_mesh)
     assert_true(test_daemon_start(&daemon, NULL));
     struct pccd_client *client = connect_by_default(daemon.url);
 
-    assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F64, 3 * SOUP,
-                                      (const uint32_t(*)[3])triangles, SOUP, &mesh, NULL),
-                     0);
+    uint32_t mesh = test_mesh(client, x, PCCD_FORMAT_F64, 3 * SOUP,
+                              (const uint32_t(*)[3])triangles, SOUP);
     uint64_t before = test_stat(client, "shm_bytes_now");
 
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
-    assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
-    assert_int_equal(
-        pccd_step_x1(client, scene, object, x, PCCD_FORMAT_F64, 3 * SOUP, NULL, &answer),
-        0);
+    uint32_t scene = test_scene(client);
+    uint32_t object = test_object(client, scene, mesh);
+    assert_ok(
+        pccd_step_x1(client, scene, object, x, PCCD_FORMAT_F64, 3 * SOUP, NULL, &answer));
     pccd_answer_release(client, &answer);
     assert_int_equal(test_stat(client, "shm_bytes_now"), before);
     assert_true(before < (512u << 20) / CLIENTS_MAX);
@@ -138,11 +129,11 @@ CASE(region__takes_what_an_answer_needs)
     assert_true(test_daemon_start(&daemon, NULL));
     struct pccd_client *client = connect_by_default(daemon.url);
 
-    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     uint64_t before = test_stat(client, "shm_bytes_now");
 
-    assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
+    assert_ok(test_grid_submit(&grid, NULL, &step));
+    assert_ok(pccd_wait(client, step, 60000, &answer));
     assert_int_equal(answer.incomplete, PCCD_COMPLETE);
     assert_int_equal(answer.total, SIDE_LARGE * SIDE_LARGE);
     assert_int_equal(answer.count, answer.total);
@@ -171,8 +162,8 @@ static void ask(struct test_grid *grid, struct pccd_answer *answer)
 {
     uint64_t step = 0;
 
-    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(grid->client, step, 60000, answer), 0);
+    assert_ok(test_grid_submit(grid, NULL, &step));
+    assert_ok(pccd_wait(grid->client, step, 60000, answer));
 }
 
 /* If it failed, a client that once had a large answer would hold its memory for as long
@@ -186,7 +177,7 @@ CASE(region__gives_memory_back_when_idle)
     assert_true(test_daemon_start(&daemon, NULL));
     struct pccd_client *client = connect_by_default(daemon.url);
 
-    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     turn(&grid); /* slots are as large as they will be */
     uint64_t idle = bytes_when_idle(client);
 
@@ -223,7 +214,7 @@ static uint32_t ask_by_pages(struct test_grid *grid)
 
         assert_true(answer.count > 0);
         pccd_answer_release(grid->client, &answer);
-        assert_int_equal(pccd_fetch(grid->client, grid->scene, step, cursor, &answer), 0);
+        assert_ok(pccd_fetch(grid->client, grid->scene, step, cursor, &answer));
         records += answer.count;
         pages++;
     }
@@ -248,7 +239,7 @@ CASE(region__is_as_large_as_the_quota_allows)
     assert_true(test_daemon_start(&daemon, options));
     struct pccd_client *client = connect_by_default(daemon.url);
 
-    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     assert_int_equal(ask_by_pages(&grid), 1);
     assert_true(bytes_when_idle(client) < 5u << 20);
     memset(&hoard, 0, sizeof hoard); /* takes what was given back, and more */
@@ -256,8 +247,8 @@ CASE(region__is_as_large_as_the_quota_allows)
     hoard.slot_count = 1;
     hoard.slot_bytes = HOARD_BYTES;
     hoard.result_bytes = 1u << 20;
-    assert_int_equal(pccd_connect(&hoard, &hoarder), 0);
-    assert_int_equal(test_grid_make(hoarder, SIDE_SMALL, &other), 0);
+    assert_ok(pccd_connect(&hoard, &hoarder));
+    assert_ok(test_grid_make(hoarder, SIDE_SMALL, &other));
     assert_true(ask_by_pages(&grid) > 1);
     assert_true(test_stat(client, "shm_bytes_now") <= 76u << 20);
     turn(&other);
@@ -277,10 +268,10 @@ static void turn_in_all_slots(struct test_grid *grid)
     uint64_t steps[SLOTS];
 
     for (uint32_t i = 0; i < SLOTS; i++) {
-        assert_int_equal(test_grid_submit(grid, NULL, &steps[i]), 0);
+        assert_ok(test_grid_submit(grid, NULL, &steps[i]));
     }
     for (uint32_t i = 0; i < SLOTS; i++) {
-        assert_int_equal(pccd_wait(grid->client, steps[i], 60000, &answer), 0);
+        assert_ok(pccd_wait(grid->client, steps[i], 60000, &answer));
         assert_int_equal(answer.total, SIDE_LARGE * SIDE_LARGE);
         pccd_answer_release(grid->client, &answer);
     }
@@ -299,7 +290,7 @@ CASE(slots__give_memory_back_when_idle)
     assert_true(test_daemon_start(&daemon, NULL));
     struct pccd_client *client = connect_by_default(daemon.url);
 
-    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     turn(&grid);
     uint64_t idle = bytes_when_idle(client);
 
@@ -337,7 +328,7 @@ CASE(slots__that_have_memory_do_when_more_is_refused)
     assert_true(test_daemon_start(&daemon, options));
     struct pccd_client *client = connect_by_default(daemon.url);
 
-    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     turn(&grid);
     uint64_t idle = bytes_when_idle(client);
 
@@ -346,8 +337,8 @@ CASE(slots__that_have_memory_do_when_more_is_refused)
     hoard.slot_count = 1;
     hoard.slot_bytes = (76u << 20) - idle - (512u << 10);
     hoard.result_bytes = 1u << 16;
-    assert_int_equal(pccd_connect(&hoard, &hoarder), 0);
-    assert_int_equal(test_grid_make(hoarder, SIDE_SMALL, &other), 0);
+    assert_ok(pccd_connect(&hoard, &hoarder));
+    assert_ok(test_grid_make(hoarder, SIDE_SMALL, &other));
     for (int round = 0; round < 3; round++) {
         assert_true(ask_by_pages(&grid) > 1);
     }
@@ -376,17 +367,17 @@ CASE(slots__grow_into_the_memory_that_they_give_back)
     asked.url = daemon.url;
     asked.slot_count = 2;
     asked.result_bytes = 1u << 16;
-    assert_int_equal(pccd_connect(&asked, &client), 0);
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
-    assert_int_equal(pccd_frame_begin(client, scene, 1, 20u << 20, &frame), 0);
+    assert_ok(pccd_connect(&asked, &client));
+    scene = test_scene(client);
+    assert_ok(pccd_frame_begin(client, scene, 1, 20u << 20, &frame));
     pccd_frame_abort(&frame);
     assert_true(test_stat(client, "shm_bytes_now") > 40u << 20);
-    assert_int_equal(pccd_frame_begin(client, scene, 1, 30u << 20, &frame), 0);
+    assert_ok(pccd_frame_begin(client, scene, 1, 30u << 20, &frame));
     pccd_frame_abort(&frame);
     assert_true(test_stat(client, "shm_bytes_now") > 60u << 20);
     /* What is too much is refused, and what was there can be used again. */
     assert_int_equal(pccd_frame_begin(client, scene, 1, 40u << 20, &frame), PCCD_E_QUOTA);
-    assert_int_equal(pccd_frame_begin(client, scene, 1, 30u << 20, &frame), 0);
+    assert_ok(pccd_frame_begin(client, scene, 1, 30u << 20, &frame));
     pccd_frame_abort(&frame);
     pccd_close(client);
     assert_true(test_daemon_finish(&daemon));

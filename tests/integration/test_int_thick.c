@@ -1,9 +1,5 @@
 /* test_int_thick.c - thickness through a real daemon: radii, separation, approach, and
- * the step that is safe.
- *
- * Two triangles that come near each other, as every client can ask for them; what is
- * refused; a daemon that is killed; shared scenes; recordings.
- */
+ * the step that is safe. */
 #include "cases.h"
 
 #include <math.h>
@@ -15,6 +11,7 @@
 #include "daemon.h"
 #include "fixture.h"
 #include "format.h"
+#include "must.h"
 #include "raw.h"
 #include "recording.h"
 #include "run_ctl.h"
@@ -45,14 +42,10 @@ static void make(struct pile *pile)
     float x[3][3];
 
     triangle_at(x, 0);
-    assert_int_equal(pccd_scene_create(pile->client, NULL, &pile->scene), 0);
-    assert_int_equal(pccd_mesh_create(pile->client, x, PCCD_FORMAT_F32, 3, triangle, 1,
-                                      &pile->mesh, NULL),
-                     0);
-    assert_int_equal(pccd_scene_add(pile->client, pile->scene, pile->mesh, &pile->lower),
-                     0);
-    assert_int_equal(pccd_scene_add(pile->client, pile->scene, pile->mesh, &pile->upper),
-                     0);
+    pile->scene = test_scene(pile->client);
+    pile->mesh = test_mesh(pile->client, x, PCCD_FORMAT_F32, 3, triangle, 1);
+    pile->lower = test_object(pile->client, pile->scene, pile->mesh);
+    pile->upper = test_object(pile->client, pile->scene, pile->mesh);
 }
 
 static void begin(struct pile *pile, const char *url)
@@ -214,7 +207,7 @@ CASE(thick__refuses_what_cannot_be)
         assert_int_equal(move(&pile, 1, 1, &step, &answer, NULL), PCCD_E_INVAL);
         assert_non_null(strstr(pccd_error_text(pile.client), "approach"));
     }
-    assert_int_equal(pccd_object_get(pile.client, pile.scene, pile.lower, &settings), 0);
+    assert_ok(pccd_object_get(pile.client, pile.scene, pile.lower, &settings));
     assert_true(settings.radius == 0.125 && settings.rest_distance == 0 &&
                 settings.rest_rings == 0);
     assert_int_equal(set_radius(&pile, pile.lower, 1e18), 0); /* the greatest there is */
@@ -241,9 +234,8 @@ CASE(thick__goes_as_far_as_is_safe)
     assert_int_equal(set_radius(&pile, pile.lower, 0.3), 0);
     triangle_at(x0, 1);
     triangle_at(x1, -1);
-    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to,
-                                    &part, &answer),
-                     0);
+    assert_ok(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to, &part,
+                             &answer));
     assert_int_equal(answer.total, PAIRS);
     assert_true(part > 0.35 - 1e-6 && part < 0.35);
     for (int v = 0; v < 3; v++) {
@@ -251,19 +243,17 @@ CASE(thick__goes_as_far_as_is_safe)
     }
     pccd_answer_release(pile.client, &answer);
     /* Nothing meets where it stands now. */
-    assert_int_equal(pccd_step(pile.client, pile.scene, NULL, 0, NULL, &answer), 0);
+    assert_ok(pccd_step(pile.client, pile.scene, NULL, 0, NULL, &answer));
     assert_int_equal(answer.total, 0);
     pccd_answer_release(pile.client, &answer);
     triangle_at(x0, 0.25f); /* within the radius: no way, but by an approach */
-    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to,
-                                    &part, &answer),
-                     0);
+    assert_ok(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to, &part,
+                             &answer));
     pccd_answer_release(pile.client, &answer);
     assert_true(part == 0 && memcmp(x, x0, sizeof x) == 0);
     settings.approach = 0.5;
-    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to,
-                                    &part, &answer),
-                     0);
+    assert_ok(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to, &part,
+                             &answer));
     assert_int_equal(answer.inside, PAIRS);
     pccd_answer_release(pile.client, &answer);
     assert_true((double)x[0][2] > 0.125 && (double)x[0][2] < 0.125 + 1e-6);
@@ -356,8 +346,7 @@ CASE(thick__comes_back_with_another_daemon)
     assert_true(test_daemon_start(&daemon, options));
     begin(&pile, daemon.url);
     assert_int_equal(set_radius(&pile, pile.lower, 0.75), 0);
-    assert_int_equal(pccd_list_objects(pile.client, 0, pile.scene, note_radius, &listed),
-                     0);
+    assert_ok(pccd_list_objects(pile.client, 0, pile.scene, note_radius, &listed));
     assert_true(listed == 0.75);
     assert_int_equal(move(&pile, 1, 0.5f, NULL, &answer, NULL), 0);
     assert_int_equal(answer.total, PAIRS);
@@ -396,12 +385,12 @@ CASE(thick__is_recorded_repeated_and_verified)
 
     assert_non_null(pile.client);
     test_recording_clear();
-    assert_int_equal(pccd_record_start(pile.client, test_recording, &kept), 0);
+    assert_ok(pccd_record_start(pile.client, test_recording, &kept));
     make(&pile);
     assert_int_equal(move(&pile, 1, 0.5f, NULL, &answer, NULL), 0);
     assert_int_equal(features_of(test_recording) & RECORD_FEATURE_THICK, 0);
     assert_int_equal(set_radius(&pile, pile.lower, 0.25), 0);
-    assert_int_equal(pccd_object_set(pile.client, pile.scene, pile.lower, &rest), 0);
+    assert_ok(pccd_object_set(pile.client, pile.scene, pile.lower, &rest));
     settings.separation = 0.5;
     assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, NULL), 0);
     assert_int_equal(answer.total, PAIRS);
@@ -453,12 +442,11 @@ static void make_knot(struct test_raw *raw, struct proto_OBJECT_SET_request *set
             memcpy(triangles[count], (uint32_t[3]){i, j, j + 1}, sizeof triangles[0]);
         }
     }
-    assert_int_equal(test_raw_call(raw, PROTO_METHOD_SCENE_CREATE, &create, &created), 0);
-    assert_int_equal(test_raw_mesh(raw, (const float(*)[3])x, vertices,
-                                   (const uint32_t(*)[3])triangles, count, &add.mesh),
-                     0);
+    assert_ok(test_raw_call(raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
+    assert_ok(test_raw_mesh(raw, (const float(*)[3])x, vertices,
+                            (const uint32_t(*)[3])triangles, count, &add.mesh));
     set->scene = add.scene = created.scene;
-    assert_int_equal(test_raw_call(raw, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    assert_ok(test_raw_call(raw, PROTO_METHOD_SCENE_ADD, &add, &added));
     set->object = added.object;
     free(triangles);
     free(x);
@@ -476,9 +464,7 @@ CASE(thick__rings_are_not_looked_for_to_the_end_if_cancelled)
     struct proto_OBJECT_SET_result is = {.radius = -1};
     struct proto_CANCEL_request cancel;
 
-    assert_true(test_raw_open(&raw, test_shared.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
-    assert_int_equal(test_raw_attach(&raw, 2, 8 << 20), 0);
+    assert_ok(test_raw_session(&raw, test_shared.socket, 2, 8 << 20));
     make_knot(&raw, &set);
     cancel.id = test_raw_request(&raw, PROTO_METHOD_OBJECT_SET, &set);
     assert_true(cancel.id != 0);
@@ -487,7 +473,7 @@ CASE(thick__rings_are_not_looked_for_to_the_end_if_cancelled)
     assert_int_equal(test_raw_answer(&raw, cancel.id, PROTO_METHOD_OBJECT_SET, NULL),
                      PCCD_E_CANCELLED);
     set.what = 0; /* nothing has changed */
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &set, &is), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &set, &is));
     assert_true(is.radius == 0 && is.rest_rings == 0);
     test_raw_close(&raw);
 }

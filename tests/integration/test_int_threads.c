@@ -1,8 +1,4 @@
-/* test_int_threads.c - the daemon's threads, seen from outside.
- *
- * Reads /proc of a real daemon: which thread may run where, that the team is there before
- * the first step, and that nothing wakes up without a request.
- */
+/* test_int_threads.c - the daemon's threads, seen from outside. */
 #include "cases.h"
 
 #include <dirent.h>
@@ -91,11 +87,10 @@ static struct pccd_client *start(struct test_daemon *daemon, const char *pin, in
 {
     char number[16];
     const char *const options[] = {"--pin", pin, "--threads", number, NULL};
-    struct pccd_client *client;
 
     (void)snprintf(number, sizeof number, "%d", threads);
     assert_true(test_daemon_start(daemon, options));
-    client = test_connect(daemon->url);
+    struct pccd_client *client = test_connect(daemon->url);
     assert_non_null(client);
     return client;
 }
@@ -104,12 +99,10 @@ static void step(struct pccd_client *client, int threads)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
-    uint64_t number = 0;
 
-    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE, &grid));
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(test_grid_submit(&grid, NULL, &number), 0);
-        assert_int_equal(pccd_wait(client, number, -1, &answer), 0);
+        assert_ok(test_grid_turn(&grid, NULL, &answer));
         assert_true(test_grid_is_right(&grid, &answer));
         assert_int_equal(answer.threads, threads);
         pccd_answer_release(client, &answer);

@@ -1,8 +1,4 @@
-/* test_int_verify.c - answers that are wrong, and whether pccdctl verify finds that.
- *
- * Record a session with its contacts, forge the recording in ways that leave it whole,
- * and have each judged by exact arithmetic.
- */
+/* test_int_verify.c - answers that are wrong, and whether pccdctl verify finds that. */
 #include "cases.h"
 
 #include <stdio.h>
@@ -13,6 +9,7 @@
 #include "daemon.h"
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "reader.h"
 #include "record_hash.h"
 #include "run_ctl.h"
@@ -104,9 +101,8 @@ static void put(struct forger *forger, uint16_t kind, uint64_t time_ns, const vo
 {
     const struct record_part parts[2] = {{head, head_bytes}, {rest, rest_bytes}};
 
-    assert_int_equal(record_writer_add(&forger->writer, (enum record_kind)kind, time_ns,
-                                       parts, rest_bytes > 0 ? 2 : 1),
-                     0);
+    assert_ok(record_writer_add(&forger->writer, (enum record_kind)kind, time_ns, parts,
+                                rest_bytes > 0 ? 2 : 1));
 }
 
 static void put_answer(struct forger *forger)
@@ -291,14 +287,14 @@ static void forge(enum forgery forgery)
     int got;
 
     (void)unlink(forged);
-    assert_int_equal(record_writer_open(&forger.writer, forged), 0);
-    assert_int_equal(record_reader_open(&reader, honest), 0);
+    assert_ok(record_writer_open(&forger.writer, forged));
+    assert_ok(record_reader_open(&reader, honest));
     assert_int_equal(record_reader_hash_version(&reader), 2);
     if (forgery != FORGE_OLD_HASH && forgery != FORGE_OLD_WRONG) {
-        assert_int_equal(record_writer_need(&forger.writer, reader.features), 0);
+        assert_ok(record_writer_need(&forger.writer, reader.features));
     }
     if (forgery == FORGE_UNKNOWN) {
-        assert_int_equal(record_writer_need(&forger.writer, 1u << 20), 0);
+        assert_ok(record_writer_need(&forger.writer, 1u << 20));
         forger.is_done = true;
     }
     while ((got = record_reader_next(&reader, &view)) == 1) {
@@ -379,14 +375,13 @@ CASE(verify__takes_an_unused_vertex_for_no_point)
 
     assert_int_equal(test_shared_connect(state, 0, &client), 0);
     (void)unlink(forged);
-    assert_int_equal(pccd_record_start(client, forged, NULL), 0);
-    assert_int_equal(pccd_mesh_put(client, &data, &mesh, NULL), 0);
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
-    assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
-    assert_int_equal(pccd_object_set(client, scene, object, &thick), 0);
-    assert_int_equal(
-        pccd_step_x0x1(client, scene, object, x, x, PCCD_FORMAT_F64, 4, NULL, &answer),
-        0);
+    assert_ok(pccd_record_start(client, forged, NULL));
+    assert_ok(pccd_mesh_put(client, &data, &mesh, NULL));
+    scene = test_scene(client);
+    object = test_object(client, scene, mesh);
+    assert_ok(pccd_object_set(client, scene, object, &thick));
+    assert_ok(
+        pccd_step_x0x1(client, scene, object, x, x, PCCD_FORMAT_F64, 4, NULL, &answer));
     assert_int_equal(answer.total, 1);
     assert_int_equal(answer.counts[PCCD_VV], 1);
     pccd_close(client);

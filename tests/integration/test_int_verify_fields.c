@@ -1,12 +1,5 @@
 /* test_int_verify_fields.c - each number of each kind of answer, changed, and whether
- * pccdctl verify finds that.
- *
- * Record an answer of each mode, of thick objects, of a batch, of several pages, and of
- * each question about what is near; change one field of one struct of the recording, with
- * all checksums and all sums over records made right; have it judged. The tables below
- * name every byte of these structs, so that a new field is either judged or said not to
- * be.
- */
+ * pccdctl verify finds that. */
 #include "cases.h"
 
 #include <math.h>
@@ -19,6 +12,7 @@
 #include "fixture.h"
 #include "forge.h"
 #include "grid.h"
+#include "must.h"
 #include "record_hash.h"
 #include "run_ctl.h"
 
@@ -184,18 +178,12 @@ static void begin(void **state, struct stage *stage, const char *name, char path
     (void)snprintf(path, 96, "%s/%s.rec", folder, name);
     (void)unlink(path);
     assert_int_equal(test_shared_connect(state, result_bytes, &stage->client), 0);
-    assert_int_equal(pccd_record_start(stage->client, path, &settings), 0);
-    assert_int_equal(pccd_scene_create(stage->client, NULL, &stage->scene), 0);
-    assert_int_equal(pccd_mesh_create(stage->client, floor_x, PCCD_FORMAT_F64, 3, face, 1,
-                                      &mesh[0], NULL),
-                     0);
-    assert_int_equal(pccd_mesh_create(stage->client, above, PCCD_FORMAT_F64, 3, face, 1,
-                                      &mesh[1], NULL),
-                     0);
-    assert_int_equal(pccd_scene_add(stage->client, stage->scene, mesh[0], &stage->floor),
-                     0);
-    assert_int_equal(pccd_scene_add(stage->client, stage->scene, mesh[1], &stage->needle),
-                     0);
+    assert_ok(pccd_record_start(stage->client, path, &settings));
+    stage->scene = test_scene(stage->client);
+    mesh[0] = test_mesh(stage->client, floor_x, PCCD_FORMAT_F64, 3, face, 1);
+    mesh[1] = test_mesh(stage->client, above, PCCD_FORMAT_F64, 3, face, 1);
+    stage->floor = test_object(stage->client, stage->scene, mesh[0]);
+    stage->needle = test_object(stage->client, stage->scene, mesh[1]);
 }
 
 /* From above to x; *total records. */
@@ -203,16 +191,15 @@ static void step(struct stage *stage, const struct pccd_step_settings *settings,
                  const double (*x)[3], bool is_empty)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    assert_int_equal(pccd_step_x0x1(stage->client, stage->scene, stage->needle, above, x,
-                                    PCCD_FORMAT_F64, 3, settings, &answer),
-                     0);
+    assert_ok(pccd_step_x0x1(stage->client, stage->scene, stage->needle, above, x,
+                             PCCD_FORMAT_F64, 3, settings, &answer));
     assert_true(is_empty == (answer.total == 0));
     pccd_answer_release(stage->client, &answer);
 }
 
 static void end(struct stage *stage)
 {
-    assert_int_equal(pccd_record_stop(stage->client, NULL), 0);
+    assert_ok(pccd_record_stop(stage->client, NULL));
     pccd_close(stage->client);
 }
 
@@ -500,9 +487,9 @@ CASE(batches__have_no_number_that_is_not_judged)
     part.scene = stage.scene;
     part.object = stage.needle;
     part.way = PCCD_BATCH_X0X1;
-    assert_int_equal(pccd_batch_create(stage.client, &part, 1, &batch), 0);
+    assert_ok(pccd_batch_create(stage.client, &part, 1, &batch));
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(pccd_batch_step(batch, x0, x1, NULL, &answer), 0);
+        assert_ok(pccd_batch_step(batch, x0, x1, NULL, &answer));
         assert_true(answer.total > 0);
         pccd_batch_release(stage.client, &answer);
     }
@@ -524,17 +511,17 @@ CASE(pages__have_no_number_that_is_not_judged)
     uint32_t pages = 0;
     (void)snprintf(path, sizeof path, "%s/pages.rec", folder);
     assert_int_equal(test_shared_connect(state, 65536, &client), 0);
-    assert_int_equal(pccd_record_start(client, path, &settings), 0);
-    assert_int_equal(test_grid_make(client, 40, &grid), 0);
+    assert_ok(pccd_record_start(client, path, &settings));
+    assert_ok(test_grid_make(client, 40, &grid));
     for (int i = 0; i < 2; i++) {
         struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t number = 0;
-        assert_int_equal(test_grid_submit(&grid, NULL, &number), 0);
-        assert_int_equal(pccd_wait(client, number, -1, &answer), 0);
+        assert_ok(test_grid_submit(&grid, NULL, &number));
+        assert_ok(pccd_wait(client, number, -1, &answer));
         for (pages = 1; answer.cursor < answer.total; pages++) {
             uint64_t cursor = answer.cursor;
             pccd_answer_release(client, &answer);
-            assert_int_equal(pccd_fetch(client, grid.scene, number, cursor, &answer), 0);
+            assert_ok(pccd_fetch(client, grid.scene, number, cursor, &answer));
         }
         pccd_answer_release(client, &answer);
     }
@@ -568,7 +555,7 @@ static void ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what 
     settings.what = what;
     settings.distance = what == PCCD_NEAR_CROSSINGS ? 0 : 1.5;
     settings.gap = gap;
-    assert_int_equal(pccd_ask_near(client, scene, NULL, 0, &settings, &answer), 0);
+    assert_ok(pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
     assert_true(answer.total > 0);
     pccd_answer_release(client, &answer);
 }
@@ -584,22 +571,18 @@ static void change_questions(void **state, double radius)
     char path[96];
     for (uint32_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         struct stage stage;
-        uint32_t scene, mesh, object;
+        uint32_t scene, mesh;
         enum pccd_near_what what = i == 6 ? PCCD_NEAR_NEAREST : (enum pccd_near_what)i;
         begin(state, &stage, names[i], path, 0);
-        assert_int_equal(pccd_object_set(stage.client, stage.scene, stage.floor, &thick),
-                         0);
-        assert_int_equal(pccd_object_set(stage.client, stage.scene, stage.needle, &thick),
-                         0);
+        assert_ok(pccd_object_set(stage.client, stage.scene, stage.floor, &thick));
+        assert_ok(pccd_object_set(stage.client, stage.scene, stage.needle, &thick));
         scene = stage.scene;
         if (what == PCCD_NEAR_CROSSINGS || what == PCCD_NEAR_DEPTH) {
-            assert_int_equal(pccd_scene_create(stage.client, NULL, &scene), 0);
+            scene = test_scene(stage.client);
             for (int k = 0; k < 2; k++) {
-                assert_int_equal(pccd_mesh_create(stage.client, closed_x[k],
-                                                  PCCD_FORMAT_F64, 4, closed_faces, 4,
-                                                  &mesh, NULL),
-                                 0);
-                assert_int_equal(pccd_scene_add(stage.client, scene, mesh, &object), 0);
+                mesh = test_mesh(stage.client, closed_x[k], PCCD_FORMAT_F64, 4,
+                                 closed_faces, 4);
+                (void)test_object(stage.client, scene, mesh);
             }
         }
         for (int k = 0; k < 2; k++) {

@@ -1,9 +1,5 @@
 /* test_int_verify_near.c - wrong answers about what is near, and whether pccdctl verify
- * and replay find that.
- *
- * Record questions of every sort, two of which move the scene and some of which are about
- * thick objects; forge the recording in ways that leave it whole; have it judged.
- */
+ * and replay find that. */
 #include "cases.h"
 
 #include <math.h>
@@ -14,7 +10,7 @@
 
 #include "daemon.h"
 #include "fixture.h"
-#include "reader.h"
+#include "forge.h"
 #include "run_ctl.h"
 
 static char folder[] = "/tmp/pccd-test-verify-near-XXXXXX";
@@ -266,54 +262,48 @@ static bool forge_motion(uint8_t *payload)
     return true;
 }
 
-/* Chunks as they were but for one of them; FORGE_MISSING: an answer and its records. */
+/* Chunks stay as they were but for one of them; FORGE_MISSING: an answer and its
+ * records. */
+struct forger {
+    enum forgery forgery;
+    struct record_near asked; /* the last question, which the next answer is to */
+    bool is_done, is_short;
+};
+
+static bool forge_chunk(void *context, struct forge_chunk *chunk)
+{
+    struct forger *forger = context;
+    const enum forgery forgery = forger->forgery;
+
+    if (chunk->kind == RECORD_NEAR_RECORDS && forger->is_done &&
+        forgery == FORGE_MISSING && !forger->is_short) {
+        struct record_records head;
+        memcpy(&head, chunk->payload, sizeof head);
+        head.count--;
+        chunk->bytes -= head.record_bytes;
+        memcpy(chunk->payload, &head, sizeof head);
+        forger->is_short = true;
+    }
+    if (chunk->kind == RECORD_NEAR) {
+        memcpy(&forger->asked, chunk->payload, sizeof forger->asked);
+    }
+    if (!forger->is_done && is_about(forgery, &forger->asked)) {
+        forger->is_done =
+            chunk->kind == RECORD_NEAR_RECORDS  ? forge_records(forgery, chunk->payload)
+            : chunk->kind == RECORD_NEAR_ANSWER ? forge_answer(forgery, chunk->payload)
+            : chunk->kind == RECORD_NEAR && forgery == FORGE_MOTION
+                ? forge_motion(chunk->payload)
+                : false;
+    }
+    return true;
+}
+
 static void forge(enum forgery forgery)
 {
-    struct record_writer writer = {.fd = -1};
-    struct record_reader reader;
-    struct record_view view;
-    struct record_near asked = {0}; /* the last question, which the next answer is to */
-    bool is_done = false, is_short = false;
-    int got;
+    struct forger forger = {.forgery = forgery};
 
-    (void)unlink(forged);
-    assert_int_equal(record_writer_open(&writer, forged), 0);
-    assert_int_equal(record_reader_open(&reader, honest), 0);
-    assert_int_equal(record_writer_need(&writer, reader.features), 0);
-    while ((got = record_reader_next(&reader, &view)) == 1) {
-        uint8_t *copy = malloc(view.bytes + 1);
-        uint64_t bytes = view.bytes;
-        assert_non_null(copy);
-        memcpy(copy, view.payload, bytes);
-        if (view.kind == RECORD_NEAR_RECORDS && is_done && forgery == FORGE_MISSING &&
-            !is_short) {
-            struct record_records head;
-            memcpy(&head, copy, sizeof head);
-            head.count--;
-            bytes -= head.record_bytes;
-            memcpy(copy, &head, sizeof head);
-            is_short = true;
-        }
-        if (view.kind == RECORD_NEAR) {
-            memcpy(&asked, copy, sizeof asked);
-        }
-        if (!is_done && is_about(forgery, &asked)) {
-            is_done = view.kind == RECORD_NEAR_RECORDS  ? forge_records(forgery, copy)
-                      : view.kind == RECORD_NEAR_ANSWER ? forge_answer(forgery, copy)
-                      : view.kind == RECORD_NEAR && forgery == FORGE_MOTION
-                          ? forge_motion(copy)
-                          : false;
-        }
-        const struct record_part part = {copy, bytes};
-        assert_int_equal(record_writer_add(&writer, (enum record_kind)view.kind,
-                                           view.time_ns, &part, 1),
-                         0);
-        free(copy);
-    }
-    assert_int_equal(got, 0);
-    assert_true(is_done);
-    record_reader_deinit(&reader);
-    record_writer_deinit(&writer);
+    forge_recording(honest, forged, forge_chunk, &forger);
+    assert_true(forger.is_done);
 }
 
 /* ---- judging ----------------------------------------------------------------------- */

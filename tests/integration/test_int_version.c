@@ -1,8 +1,4 @@
-/* test_int_version.c - clients and daemons of different ages.
- *
- * Say hello to a daemon as clients of other releases would; let the library meet peers
- * that speak other versions or lack features, which a script plays.
- */
+/* test_int_version.c - clients and daemons of different ages. */
 #include "cases.h"
 
 #include <signal.h>
@@ -86,10 +82,9 @@ CASE(requests__of_later_releases_are_answered)
     struct proto_PING_result result;
     struct test_raw raw;
 
-    assert_true(test_raw_open(&raw, daemon_.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_ok(test_raw_session(&raw, daemon_.socket, 0, 0));
     assert_true(test_raw_send(&raw, ping_of_later, sizeof ping_of_later, 0));
-    assert_int_equal(test_raw_answer(&raw, 9, PROTO_METHOD_PING, &result), 0);
+    assert_ok(test_raw_answer(&raw, 9, PROTO_METHOD_PING, &result));
     assert_int_equal(result.token, 7);
     assert_true(test_raw_send(&raw, method_of_later, sizeof method_of_later, 0));
     assert_int_equal(test_raw_answer(&raw, 10, PROTO_METHOD_PING, NULL), PCCD_E_NOMETHOD);
@@ -208,7 +203,7 @@ CASE(daemon__with_unknown_features_is_used)
 
     begin_script(&script, &hello);
     assert_int_equal(connect_to(script.url, &client), 0);
-    assert_int_equal(pccd_ping(client, &ns), 0);
+    assert_ok(pccd_ping(client, &ns));
     /* Its methods are not ours: what it does not know it says. */
     assert_int_equal(pccd_scene_destroy(client, 1), PCCD_E_NOMETHOD);
     assert_non_null(strstr(pccd_error_text(client), "scene.destroy"));
@@ -250,7 +245,7 @@ CASE(daemon__that_lacks_features_is_named)
     assert_too_old(client, pccd_list_scenes(client, 0, ignore_scene, NULL), "list.scene");
     assert_too_old(client, pccd_watch_start(client, 0, 0), "watch");
     assert_too_old(client, pccd_wait_held(client, 1, -1), "holds");
-    assert_int_equal(pccd_ping(client, &ns), 0); /* the rest goes on */
+    assert_ok(pccd_ping(client, &ns)); /* the rest goes on */
     pccd_close(client);
     end_script(&script);
 }

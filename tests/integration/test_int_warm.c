@@ -1,8 +1,4 @@
-/* test_int_warm.c - what the client library asks of malloc in a warm frame: nothing.
- *
- * Count the allocations of this process while frames of every kind are submitted, waited
- * for and read, with a daemon and without.
- */
+/* test_int_warm.c - what the client library asks of malloc in a warm frame: nothing. */
 #include "cases.h"
 
 #include <stdio.h>
@@ -13,6 +9,7 @@
 #include "allocations.h"
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "skip.h"
 
 /* A recording's zstd gives memory back after 128 chunks that were smaller than its first,
@@ -42,12 +39,11 @@ static void assert_asks_for_nothing(frame_fn frame, void *context)
 
 static struct pccd_client *open_client(void)
 {
-    struct pccd_client *client;
 
     if (!TEST_COUNTS_ALLOCATIONS) {
         test_skip("allocations are not counted in this build");
     }
-    client = test_connect(test_shared.url);
+    struct pccd_client *client = test_connect(test_shared.url);
     assert_non_null(client);
     return client;
 }
@@ -64,11 +60,9 @@ static void wait_for_one(void *context, int number)
 {
     struct test_grid *grid = context;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    uint64_t step = 0;
 
     (void)number;
-    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(grid->client, step, -1, &answer), 0);
+    assert_ok(test_grid_turn(grid, NULL, &answer));
     assert_int_equal(answer.total, grid->vertex_count);
     read_contacts(&answer);
     pccd_answer_release(grid->client, &answer);
@@ -79,7 +73,7 @@ CASE(warm__frames_allocate_nothing)
 {
     struct test_grid grid;
 
-    assert_int_equal(test_grid_make(open_client(), 20, &grid), 0);
+    assert_ok(test_grid_make(open_client(), 20, &grid));
     assert_asks_for_nothing(wait_for_one, &grid);
     pccd_close(grid.client);
     test_grid_free(&grid);
@@ -102,20 +96,17 @@ static void poll_for_two(void *context, int number)
         uint64_t step;
 
         test_grid_positions(grid, (number + i) % 2 == 0 ? 1.0f : -1.0f);
-        assert_int_equal(pccd_frame_begin(grid->client, grid->scene, 3,
-                                          3 * grid->vertex_count * sizeof *grid->x + 192,
-                                          &frame),
-                         0);
-        assert_int_equal(
-            pccd_frame_x1(&frame, grid->object, PCCD_FORMAT_F32, 0, half, &x1), 0);
+        assert_ok(pccd_frame_begin(grid->client, grid->scene, 3,
+                                   3 * grid->vertex_count * sizeof *grid->x + 192,
+                                   &frame));
+        assert_ok(pccd_frame_x1(&frame, grid->object, PCCD_FORMAT_F32, 0, half, &x1));
         memcpy(x1, grid->x, half * sizeof *grid->x);
-        assert_int_equal(pccd_frame_x0x1(&frame, grid->object, PCCD_FORMAT_F32, half,
-                                         grid->vertex_count - half, &x0, &x1),
-                         0);
+        assert_ok(pccd_frame_x0x1(&frame, grid->object, PCCD_FORMAT_F32, half,
+                                  grid->vertex_count - half, &x0, &x1));
         memcpy(x0, grid->x + half, (grid->vertex_count - half) * sizeof *grid->x);
         memcpy(x1, grid->x + half, (grid->vertex_count - half) * sizeof *grid->x);
-        assert_int_equal(pccd_frame_rigid(&frame, grid->floor, 0, 3, still, still), 0);
-        assert_int_equal(pccd_frame_commit(&frame, &settings, &step), 0);
+        assert_ok(pccd_frame_rigid(&frame, grid->floor, 0, 3, still, still));
+        assert_ok(pccd_frame_commit(&frame, &settings, &step));
     }
     while (collected < 2) {
         int status = pccd_poll(grid->client, &answer);
@@ -135,7 +126,7 @@ CASE(warm__polled_frames_allocate_nothing)
 {
     struct test_grid grid;
 
-    assert_int_equal(test_grid_make(open_client(), 20, &grid), 0);
+    assert_ok(test_grid_make(open_client(), 20, &grid));
     assert_asks_for_nothing(poll_for_two, &grid);
     pccd_close(grid.client);
     test_grid_free(&grid);
@@ -152,8 +143,8 @@ CASE(warm__recorded_frames_allocate_nothing)
 
     assert_non_null(mkdtemp(folder));
     (void)snprintf(path, sizeof path, "%s/rec", folder);
-    assert_int_equal(pccd_record_start(client, path, &settings), 0);
-    assert_int_equal(test_grid_make(client, 20, &grid), 0);
+    assert_ok(pccd_record_start(client, path, &settings));
+    assert_ok(test_grid_make(client, 20, &grid));
     assert_asks_for_nothing(wait_for_one, &grid);
     pccd_close(client);
     test_grid_free(&grid);
@@ -177,12 +168,10 @@ static uint64_t submit(struct pair *pair, int who, float z, bool hold)
     void *x1;
 
     test_crossing_positions(x, z);
-    assert_int_equal(
-        pccd_frame_begin(pair->client[who], pair->scene[who], 1, sizeof x, &frame), 0);
-    assert_int_equal(pccd_frame_x1(&frame, pair->object[who], PCCD_FORMAT_F32, 0, 3, &x1),
-                     0);
+    assert_ok(pccd_frame_begin(pair->client[who], pair->scene[who], 1, sizeof x, &frame));
+    assert_ok(pccd_frame_x1(&frame, pair->object[who], PCCD_FORMAT_F32, 0, 3, &x1));
     memcpy(x1, x, sizeof x);
-    assert_int_equal(pccd_frame_commit(&frame, &settings, &step), 0);
+    assert_ok(pccd_frame_commit(&frame, &settings, &step));
     return step;
 }
 
@@ -195,16 +184,15 @@ static void share(void *context, int number)
     uint64_t held = submit(pair, 0, z, true);
     uint64_t step;
 
-    assert_int_equal(pccd_wait_held(pair->client[0], held, -1), 0);
+    assert_ok(pccd_wait_held(pair->client[0], held, -1));
     step = submit(pair, 1, -z, false);
-    assert_int_equal(pccd_wait(pair->client[1], step, -1, &answer), 0);
+    assert_ok(pccd_wait(pair->client[1], step, -1, &answer));
     read_contacts(&answer);
     pccd_answer_release(pair->client[1], &answer);
-    assert_int_equal(pccd_wait(pair->client[0], held, -1, &answer), 0);
-    assert_int_equal(pccd_scene_wait(pair->client[0], pair->scene[0], -1, &news), 0);
+    assert_ok(pccd_wait(pair->client[0], held, -1, &answer));
+    assert_ok(pccd_scene_wait(pair->client[0], pair->scene[0], -1, &news));
     assert_int_equal(news.number, answer.number);
-    assert_int_equal(
-        pccd_scene_read(pair->client[0], pair->scene[0], news.number, 0, &answer), 0);
+    assert_ok(pccd_scene_read(pair->client[0], pair->scene[0], news.number, 0, &answer));
     read_contacts(&answer);
     pccd_answer_release(pair->client[0], &answer);
 }
@@ -222,13 +210,10 @@ CASE(warm__shared_frames_allocate_nothing)
     }
     for (int i = 0; i < 2; i++) {
         pair.client[i] = open_client();
-        assert_int_equal(pccd_scene_create(pair.client[i], &settings, &pair.scene[i]), 0);
-        assert_int_equal(pccd_mesh_create(pair.client[i], test_triangle_x,
-                                          PCCD_FORMAT_F32, 3, test_triangle, 1, &mesh,
-                                          NULL),
-                         0);
-        assert_int_equal(
-            pccd_scene_add(pair.client[i], pair.scene[i], mesh, &pair.object[i]), 0);
+        assert_ok(pccd_scene_create(pair.client[i], &settings, &pair.scene[i]));
+        mesh = test_mesh(pair.client[i], test_triangle_x, PCCD_FORMAT_F32, 3,
+                         test_triangle, 1);
+        pair.object[i] = test_object(pair.client[i], pair.scene[i], mesh);
     }
     assert_asks_for_nothing(share, &pair);
     pccd_close(pair.client[0]);

@@ -32,7 +32,7 @@ static void open_grid(void)
     struct pccd_client *client = test_connect(test_shared.url);
 
     assert_non_null(client);
-    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    assert_ok(test_grid_make(client, SIDE, &grid));
 }
 
 static void close_grid(void)
@@ -49,10 +49,8 @@ static void turn(uint32_t threads, struct pccd_answer *answer)
                                                     sizeof(struct pccd_step_settings),
                                                 .threads = threads,
                                                 .method = PCCD_METHOD_PAPER};
-    uint64_t step = 0;
 
-    assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
-    assert_int_equal(pccd_wait(grid.client, step, -1, answer), 0);
+    assert_ok(test_grid_turn(&grid, &settings, answer));
     assert_true(test_grid_is_right(&grid, answer));
     assert_int_equal(answer->threads, threads);
     pccd_answer_release(grid.client, answer);
@@ -91,8 +89,7 @@ CASE(threads__records_add_up_to_the_answer)
 
         turn(threads, &answer);
         for (uint32_t i = 0; i < threads; i++) {
-            assert_int_equal(
-                pccd_stats_thread(grid.client, i % 2 == 1, i, add, &sums, NULL), 0);
+            assert_ok(pccd_stats_thread(grid.client, i % 2 == 1, i, add, &sums, NULL));
         }
         assert_int_equal(sums.threads, threads * threads);
         assert_int_equal(sums.number % threads, 0);
@@ -124,13 +121,13 @@ CASE(threads__records_are_of_the_session_that_asks)
     assert_non_null(stranger);
     open_grid();
     turn(2, &answer);
-    assert_int_equal(pccd_stats_thread(stranger, false, 0, add, &own, NULL), 0);
+    assert_ok(pccd_stats_thread(stranger, false, 0, add, &own, NULL));
     assert_int_equal(own.threads, 0);
     assert_int_equal(own.number, 0);
     assert_int_equal(own.ns_step, 0);
     assert_int_equal(pccd_stats_thread(stranger, false, 1, add, &own, NULL),
                      PCCD_E_INVAL);
-    assert_int_equal(pccd_stats_thread(stranger, true, 0, add, &others, NULL), 0);
+    assert_ok(pccd_stats_thread(stranger, true, 0, add, &others, NULL));
     assert_int_equal(others.threads, 2); /* the daemon's user may see it */
     assert_int_equal(pccd_stats_thread(NULL, false, 0, add, &own, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_stats_thread(stranger, false, 0, NULL, &own, NULL),
@@ -138,7 +135,7 @@ CASE(threads__records_are_of_the_session_that_asks)
     /* It outlives the session that made it. */
     close_grid();
     others.threads = 0;
-    assert_int_equal(pccd_stats_thread(stranger, true, 1, add, &others, NULL), 0);
+    assert_ok(pccd_stats_thread(stranger, true, 1, add, &others, NULL));
     assert_int_equal(others.threads, 2);
     pccd_close(stranger);
 }
@@ -173,13 +170,13 @@ static void start_recording(struct recording *recording, uint32_t events)
     memset(recording, 0, sizeof *recording);
     recording->events = calloc(EVENTS_MAX, sizeof *recording->events);
     assert_non_null(recording->events);
-    assert_int_equal(pccd_trace_start(grid.client, events, 0, &recording->info), 0);
+    assert_ok(pccd_trace_start(grid.client, events, 0, &recording->info));
 }
 
 static void end_recording(struct recording *recording)
 {
-    assert_int_equal(pccd_trace_stop(grid.client, &recording->info), 0);
-    assert_int_equal(pccd_trace_dump(grid.client, collect, recording), 0);
+    assert_ok(pccd_trace_stop(grid.client, &recording->info));
+    assert_ok(pccd_trace_dump(grid.client, collect, recording));
     assert_int_equal(recording->count, recording->info.events);
 }
 
@@ -268,13 +265,11 @@ CASE(trace__has_one_event_for_each_task_unit)
                 .tuning = tunings[i]};
             struct recording recording;
             struct pccd_answer answer = PCCD_ANSWER_INIT;
-            uint64_t step = 0;
 
             start_recording(&recording, 0);
             assert_int_equal(recording.info.threads, THREADS);
             assert_int_equal(recording.info.events_max, PROTO_TRACE_EVENTS);
-            assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
-            assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
+            assert_ok(test_grid_turn(&grid, &settings, &answer));
             pccd_answer_release(grid.client, &answer);
             end_recording(&recording);
             assert_int_equal(recording.info.lost, 0);
@@ -306,13 +301,13 @@ CASE(trace__has_every_request_of_every_client)
     uint32_t pings = 0;
 
     assert_non_null(other);
-    assert_int_equal(test_crossing_make(other, &crossing), 0);
+    assert_ok(test_crossing_make(other, &crossing));
     open_grid();
     start_recording(&recording, 0);
     for (int i = 0; i < 5; i++) {
         turn(2, &answer);
         assert_true(test_crossing_turn(&crossing));
-        assert_int_equal(pccd_ping(other, NULL), 0);
+        assert_ok(pccd_ping(other, NULL));
     }
     end_recording(&recording);
     assert_int_equal(recording.info.lost, 0);
@@ -434,19 +429,18 @@ CASE(trace__pages_beyond_the_end_are_refused)
     struct proto_TRACE_DUMP_request dump = {.cursor = 0, .count = UINT32_MAX};
     struct proto_TRACE_DUMP_result page;
 
-    assert_true(test_raw_open(&raw, test_shared.socket));
-    assert_int_equal(test_raw_hello(&raw), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_START, &begin, NULL), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_STOP, &end, &ended), 0);
+    assert_ok(test_raw_session(&raw, test_shared.socket, 0, 0));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_TRACE_START, &begin, NULL));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_TRACE_STOP, &end, &ended));
     assert_true(ended.events > 0); /* the answer to trace.start */
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page),
                      PCCD_E_STATE); /* nowhere to write to */
-    assert_int_equal(test_raw_attach(&raw, 2, 65536), 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page), 0);
+    assert_ok(test_raw_attach(&raw, 2, 65536));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page));
     assert_int_equal(page.count, ended.events);
     assert_int_equal(page.events, ended.events);
     dump.cursor = ended.events;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page), 0);
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page));
     assert_int_equal(page.count, 0);
     dump.cursor = ended.events + 1;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page),
@@ -469,7 +463,7 @@ static int ask_as_nobody(void)
     int status = 0;
 
     if (setgid(NOBODY) != 0 || setuid(NOBODY) != 0 ||
-        !test_raw_open(&raw, test_shared.socket) || test_raw_hello(&raw) != 0) {
+        test_raw_session(&raw, test_shared.socket, 0, 0) != 0) {
         return 1;
     }
     if (test_raw_call(&raw, PROTO_METHOD_STATS_THREAD, &any, NULL) != PCCD_E_ACCESS) {

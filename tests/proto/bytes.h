@@ -1,7 +1,4 @@
-/* bytes.h - writes MessagePack by hand, so that the tests do not trust the encoder.
- *
- * Threads: one per buffer.
- */
+/* bytes.h - writes MessagePack by hand, so that the tests do not trust the encoder. */
 #ifndef TEST_PROTO_BYTES_H
 #define TEST_PROTO_BYTES_H
 

@@ -1,6 +1,5 @@
-/* crossing.h - the smallest scene with a known answer, and a client that keeps asking for
- * it.
- */
+/* crossing.h - the smallest scene with a known answer, and a client that keeps asking
+ * for it. */
 #ifndef TEST_CROSSING_H
 #define TEST_CROSSING_H
 

@@ -1,9 +1,4 @@
-/* daemon.c - a real pccdd for a test.
- *
- * Fork and exec, a pipe for "listening", a folder of its own under $TMPDIR. A daemon is a
- * process group: its supervisor may be gone while a worker is stopped, which then has the
- * end that it was told of before it.
- */
+/* daemon.c - a real pccdd for a test. */
 #include "daemon.h"
 
 #include <dirent.h>

@@ -1,5 +1,5 @@
-/* fixture.h - starts one daemon for all tests of a program, and one client for each test.
- */
+/* fixture.h - starts one daemon for all tests of a program, and one client for each
+ * test. */
 #ifndef TEST_FIXTURE_H
 #define TEST_FIXTURE_H
 

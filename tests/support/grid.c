@@ -132,6 +132,15 @@ int test_grid_submit(struct test_grid *grid, const struct pccd_step_settings *se
     return pccd_frame_commit(&frame, settings, step);
 }
 
+int test_grid_turn(struct test_grid *grid, const struct pccd_step_settings *settings,
+                   struct pccd_answer *answer)
+{
+    uint64_t step = 0;
+    int status = test_grid_submit(grid, settings, &step);
+
+    return status == 0 ? pccd_wait(grid->client, step, -1, answer) : status;
+}
+
 int test_grid_await(struct test_grid *grid, uint64_t step)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;

@@ -42,6 +42,10 @@ void test_grid_positions(struct test_grid *grid, float z);
 int test_grid_submit(struct test_grid *grid, const struct pccd_step_settings *settings,
                      uint64_t *step);
 
+/* The same, and wait for its answer. */
+int test_grid_turn(struct test_grid *grid, const struct pccd_step_settings *settings,
+                   struct pccd_answer *answer);
+
 /* Wait for a turn's answer, whatever it is. Returns a status. */
 int test_grid_await(struct test_grid *grid, uint64_t step);
 

@@ -111,8 +111,7 @@ bool test_hog_open(struct hog *hog, const char *socket, enum hog_kind kind,
     hog->id = 0;
     hog->deadline_ns = 0;
     test_raw_wait_ms = WAIT_MS;
-    if (!test_raw_open(&hog->raw, socket) || test_raw_hello(&hog->raw) != 0 ||
-        test_raw_attach(&hog->raw, 2, SEGMENT_ROOM + 36ull * triangles) != 0 ||
+    if (test_raw_session(&hog->raw, socket, 2, SEGMENT_ROOM + 36ull * triangles) != 0 ||
         test_raw_call(&hog->raw, PROTO_METHOD_SCENE_CREATE, &create, &created) != 0) {
         return false;
     }

@@ -1,6 +1,5 @@
 /* hog.h - a client whose request computes for seconds, to test that others are still
- * served.
- */
+ * served. */
 #ifndef TEST_HOG_H
 #define TEST_HOG_H
 

@@ -1,5 +1,5 @@
-/* play_actor.h - the objects of a play: meshes of integers, and what may happen to them.
- */
+/* play_actor.h - the objects of a play: meshes of integers, and what may happen to
+ * them. */
 #ifndef TESTS_PLAY_ACTOR_H
 #define TESTS_PLAY_ACTOR_H
 

@@ -286,6 +286,18 @@ int test_raw_attach_as(struct test_raw *raw,
     return proto_memory_map(&raw->result, raw->result.fd, raw->ring.result_bytes, true);
 }
 
+int test_raw_session(struct test_raw *raw, const char *socket_path, uint32_t slot_count,
+                     uint64_t slot_bytes)
+{
+    if (!test_raw_open(raw, socket_path)) {
+        return PCCD_E_NODAEMON;
+    }
+    int status = test_raw_hello(raw);
+
+    return status == 0 && slot_bytes > 0 ? test_raw_attach(raw, slot_count, slot_bytes)
+                                         : status;
+}
+
 struct proto_upload *test_raw_upload(const struct test_raw *raw)
 {
     return raw->upload.base;

@@ -66,6 +66,10 @@ int test_raw_attach(struct test_raw *raw, uint32_t slot_count, uint64_t slot_byt
 int test_raw_attach_as(struct test_raw *raw,
                        const struct proto_SHM_ATTACH_request *request);
 
+/* Connect, say hello, and attach a ring; slot_bytes 0: none. As test_raw_call. */
+int test_raw_session(struct test_raw *raw, const char *socket_path, uint32_t slot_count,
+                     uint64_t slot_bytes);
+
 struct proto_upload *test_raw_upload(const struct test_raw *raw);
 uint8_t *test_raw_payload(const struct test_raw *raw, uint32_t slot);
 /* Store the next even sequence number in the slot's descriptor. */

@@ -1,5 +1,5 @@
-/* recording.h - gives each test a folder for its recordings, and checks that they repeat.
- */
+/* recording.h - gives each test a folder for its recordings, and checks that they
+ * repeat. */
 #ifndef TEST_RECORDING_H
 #define TEST_RECORDING_H
 

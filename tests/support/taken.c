@@ -1,6 +1,5 @@
 /* taken.c - how much memory the kernel has taken for what a test shares with its
- * daemon.
- */
+ * daemon. */
 #include "taken.h"
 
 #include <dirent.h>

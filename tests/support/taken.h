@@ -1,6 +1,5 @@
 /* taken.h - measures how much memory the kernel has allocated for what a test shares
- * with its daemon.
- */
+ * with its daemon. */
 #ifndef TEST_TAKEN_H
 #define TEST_TAKEN_H
 

@@ -1,15 +1,11 @@
 /* witness.c - an honest client that watches while another one misbehaves. */
+#include "witness.h"
+
 #include <dirent.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
-#include <cmocka.h>
-
+#include "cases.h"
 #include "prng.h"
-#include "witness.h"
 
 #define SOUP      1000 /* triangles of the long step */
 #define PROMPT_MS 5000
@@ -50,11 +46,7 @@ void test_witness_turn(void)
 
 void test_witness_open_raw(struct test_raw *raw, uint64_t slot_bytes)
 {
-    assert_true(test_raw_open(raw, test_witness.daemon.socket));
-    assert_int_equal(test_raw_hello(raw), 0);
-    if (slot_bytes > 0) {
-        assert_int_equal(test_raw_attach(raw, 2, slot_bytes), 0);
-    }
+    assert_ok(test_raw_session(raw, test_witness.daemon.socket, 2, slot_bytes));
 }
 
 uint32_t test_witness_long_step(struct test_raw *raw)

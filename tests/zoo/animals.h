@@ -1,7 +1,5 @@
-/* animals.h - the misdeeds of hostile clients, and what the daemon must answer to each.
- *
- * Threads: one, of the animal's process.
- */
+/* animals.h - the misdeeds of hostile clients, and what the daemon must answer to
+ * each. */
 #ifndef ZOO_ANIMALS_H
 #define ZOO_ANIMALS_H
 

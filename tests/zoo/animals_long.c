@@ -1,8 +1,4 @@
-/* animals_long.c - hostile clients: what takes the daemon seconds.
- *
- * See animals.h; each request gets its whole answer, however long that takes, or, where
- * it has a deadline, what there is by then; and others get theirs meanwhile.
- */
+/* animals_long.c - hostile clients: what takes the daemon seconds. */
 #include <math.h>
 
 #include "animals.h"

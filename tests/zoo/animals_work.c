@@ -1,7 +1,4 @@
-/* animals_work.c - hostile clients: what is asked to be computed.
- *
- * Threads: one, of the animal's process, and children that are killed or wake it.
- */
+/* animals_work.c - hostile clients: what is asked to be computed. */
 #include <signal.h>
 #include <string.h>
 #include <sys/wait.h>

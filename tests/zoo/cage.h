@@ -1,7 +1,4 @@
-/* cage.h - runs one hostile client in a process of its own.
- *
- * Threads: the keeper's; an animal has one of its own process.
- */
+/* cage.h - runs one hostile client in a process of its own. */
 #ifndef ZOO_CAGE_H
 #define ZOO_CAGE_H
 

@@ -78,14 +78,13 @@ bool zoo_keeper_start(struct zoo_keeper *keeper, uint32_t requests_max)
     /* What the answers of a stack of triangles take is not the point. */
     static const char *const options[] = {"--contacts-max", "1000000", "--scenes-max",
                                           "64", NULL};
-    struct pccd_client *client;
 
     memset(keeper, 0, sizeof *keeper);
     keeper->taken_us = calloc(requests_max, sizeof *keeper->taken_us);
     if (keeper->taken_us == NULL || !test_daemon_start(&keeper->daemon, options)) {
         return false;
     }
-    client = test_connect(keeper->daemon.url);
+    struct pccd_client *client = test_connect(keeper->daemon.url);
     if (client == NULL || test_grid_make(client, SIDE, &keeper->grid) != 0) {
         return false;
     }

@@ -1,11 +1,4 @@
-/* test_zoo_animals.c - hostile clients beside an honest one.
- *
- * For each animal: several of them in front of a real daemon, each seeing that it gets
- * what its act must get; beside them an honest client whose answers are the same bytes as
- * alone. Measured: the honest client's p99 beside against its p99 alone, just before; the
- * daemon's heap for each of them. With --long: many requests, and a table for people
- * (make zoo).
- */
+/* test_zoo_animals.c - hostile clients beside an honest one. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

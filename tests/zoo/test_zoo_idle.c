@@ -1,9 +1,4 @@
-/* test_zoo_idle.c - a daemon that nobody asks anything does nothing.
- *
- * Many clients that have said hello and are silent, and one that has had a large answer,
- * whose memory the daemon has given back; the context switches of all threads of the
- * daemon are counted over some seconds. IDLE_CLIENTS, and IDLE_SECONDS.
- */
+/* test_zoo_idle.c - a daemon that nobody asks anything does nothing. */
 #include "cases.h"
 
 #include <dirent.h>
@@ -100,10 +95,10 @@ static struct pccd_client *have_large_answer(const char *url, struct test_grid *
 
     memset(&options, 0, sizeof options);
     options.url = url;
-    assert_int_equal(pccd_connect(&options, &client), 0);
-    assert_int_equal(test_grid_make(client, 300, grid), 0);
-    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
-    assert_int_equal(test_grid_await(grid, step), 0);
+    assert_ok(pccd_connect(&options, &client));
+    assert_ok(test_grid_make(client, 300, grid));
+    assert_ok(test_grid_submit(grid, NULL, &step));
+    assert_ok(test_grid_await(grid, step));
     return client;
 }
 
@@ -129,8 +124,7 @@ CASE(idle__daemon_is_not_woken_by_silent_clients)
     assert_non_null(sockets);
     assert_true(test_daemon_start(&daemon, options));
     for (uint32_t i = 0; i < count; i++) {
-        assert_true(test_raw_open(&raw, daemon.socket));
-        assert_int_equal(test_raw_hello(&raw), 0);
+        assert_ok(test_raw_session(&raw, daemon.socket, 0, 0));
         sockets[i] = dup(raw.socket); /* the rest of a peer is not needed any more */
         assert_true(sockets[i] >= 0);
         test_raw_close(&raw);

@@ -1,0 +1,54 @@
+/* must.c - what a client does that must work. */
+#include "must.h"
+
+/* Fail the case unless the status is 0, with what the library says of the call. */
+static void expect_done(const struct pccd_client *client, int status)
+{
+    if (status != 0) {
+        fail_msg("%s: %s", pccd_status_name(status), pccd_error_text(client));
+    }
+}
+
+struct pccd_client *test_client(const struct pccd_options *options)
+{
+    struct pccd_client *client = NULL;
+
+    expect_done(NULL, pccd_connect(options, &client));
+    return client;
+}
+
+uint32_t test_scene(struct pccd_client *client)
+{
+    uint32_t scene = 0;
+
+    expect_done(client, pccd_scene_create(client, NULL, &scene));
+    return scene;
+}
+
+uint32_t test_mesh(struct pccd_client *client, const void *x, enum pccd_format format,
+                   uint32_t vertex_count, const uint32_t (*triangles)[3],
+                   uint32_t triangle_count)
+{
+    uint32_t mesh = 0;
+
+    expect_done(client, pccd_mesh_create(client, x, format, vertex_count, triangles,
+                                         triangle_count, &mesh, NULL));
+    return mesh;
+}
+
+uint32_t test_object(struct pccd_client *client, uint32_t scene, uint32_t mesh)
+{
+    uint32_t object = 0;
+
+    expect_done(client, pccd_scene_add(client, scene, mesh, &object));
+    return object;
+}
+
+void test_still(struct pccd_client *client, uint32_t scene,
+                const struct pccd_step_settings *settings, struct pccd_answer *answer)
+{
+    uint64_t step = 0;
+
+    expect_done(client, pccd_submit_still(client, scene, settings, &step));
+    expect_done(client, pccd_wait(client, step, -1, answer));
+}

@@ -1,0 +1,24 @@
+/* must.h - what a client does that must work: what does not fails the case. */
+#ifndef TEST_MUST_H
+#define TEST_MUST_H
+
+#include <stdint.h>
+
+#include "cases.h"
+#include "pccd.h"
+
+/* Connect; what is 0 in the options is as pccd_connect has it. */
+struct pccd_client *test_client(const struct pccd_options *options);
+
+/* Make a scene without settings, a mesh, and an object of a mesh. Return the handle. */
+uint32_t test_scene(struct pccd_client *client);
+uint32_t test_mesh(struct pccd_client *client, const void *x, enum pccd_format format,
+                   uint32_t vertex_count, const uint32_t (*triangles)[3],
+                   uint32_t triangle_count);
+uint32_t test_object(struct pccd_client *client, uint32_t scene, uint32_t mesh);
+
+/* Step with nothing moved. */
+void test_still(struct pccd_client *client, uint32_t scene,
+                const struct pccd_step_settings *settings, struct pccd_answer *answer);
+
+#endif
