@@ -9,6 +9,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "must.h"
 
 #define USER 61367u /* nobody's; the bound counts all threads of a user */
 #define SIDE 60u    /* of a grid that a step shares among threads */
@@ -61,8 +62,7 @@ CASE(threads__that_are_granted_are_enough)
     bound(0, 2 + 6); /* this one, the daemon, and six more: its guard may be one */
     assert_true(test_daemon_start(&daemon, options));
     bound(0, RLIM_INFINITY);
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     assert_true(test_daemon_logged(&daemon, " threads instead of 8: "));
     assert_ok(test_grid_make(client, SIDE, &grid));
     assert_in_range(step(&grid, 8), 3, 4);
@@ -82,8 +82,7 @@ CASE(threads__that_are_refused_cost_a_restart)
         test_skip("only root can become another user");
     }
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     assert_ok(test_grid_make(client, SIDE, &grid));
     assert_int_equal(step(&grid, 4), 4);
     assert_int_equal(step(&grid, 2), 2); /* two threads of the team may go */

@@ -1,12 +1,7 @@
 #!/bin/sh
 # make_files.sh - has the programs that are here write the scenes of scenes.py.
 #
-# Room:     tests/files.
-# Does:     FOLDER/scenes, and beside it FOLDER/PROGRAM-VERSION for each program. Says what was not
-#           written. Programs of another Debian are asked in a chroot of it, with the same FOLDER.
 # Usage:    make_files.sh FOLDER
-# Needs:    python3; $NODE_MODULES: a folder of npm's that has what write_gltf.mjs and
-#           write_three.mjs name, pinned in package.json here.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$1"

@@ -1,11 +1,5 @@
 #!/bin/bash
 # test_files_programs.sh - what is said of files that real programs wrote is right (TAP).
-#
-# Room:     tests/files.
-# Does:     have the programs that are here write the scenes of scenes.py, or take those that
-#           $PCCD_FILES has, and compare what pccdctl says of each file with what is right. A
-#           program that is absent is skipped by name.
-# Needs:    PCCDCTL, top_srcdir and top_builddir, set by `make check`; programs as make_files.sh says.
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}"
 # shellcheck source=tests/support/tap.sh

@@ -1,7 +1,6 @@
 #!/bin/sh
 # write_tools.sh - has assimp, gmsh, admesh, OpenSCAD and meshlab write the scenes, those that are here.
 #
-# Room:     tests/files. Needs the OBJ files of scenes.py; meshlabserver also needs xvfb-run.
 # Usage:    write_tools.sh SCENES FOLDER
 set -u
 source=$(cd "$1" && pwd)

@@ -19,10 +19,7 @@
 
 static struct pccd_client *open_client(const char *url)
 {
-
-    struct pccd_client *client =
-        test_client(&(struct pccd_options){.url = url, .timeout_ms = 120000});
-    return client;
+    return test_client(&(struct pccd_options){.url = url, .timeout_ms = 120000});
 }
 
 static void make_farm(struct pccd_client *client, uint32_t count, uint32_t side,

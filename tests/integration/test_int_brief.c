@@ -37,8 +37,7 @@ static struct pccd_answer move(struct test_crossing *crossing, float z,
 
     crossing->z = z;
     test_crossing_positions(x, z);
-    assert_ok(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
-                           PCCD_FORMAT_F32, 3, settings, &answer));
+    assert_ok(test_crossing_step(crossing, x, settings, &answer));
     pccd_answer_release(crossing->client, &answer);
     rest();
     return answer;
@@ -146,13 +145,12 @@ CASE_CROSSING(brief__nothing_is_the_loops_while_another_step_runs)
     struct test_crossing *crossing = *state;
     struct pccd_step_settings wide = by(PCCD_METHOD_WIDE);
     struct pccd_step_settings slow = by(PCCD_METHOD_PAPER);
-    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_client *other = test_client_at(test_shared.url);
     struct test_grid grid;
     uint32_t behind = 0;
     uint64_t step;
 
     slow.threads = 1; /* so many milliseconds that we go on before it has ended */
-    assert_non_null(other);
     assert_ok(test_grid_make(other, 400, &grid));
     for (int i = 0; i < 10; i++) {
         move(crossing, -crossing->z, &wide);

@@ -161,8 +161,7 @@ CASE_CROSSING(choice__unknown_values_are_refused_by_name)
         struct pccd_step_settings settings = wrong[i].settings;
 
         settings.struct_bytes = sizeof settings;
-        assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
-                                      PCCD_FORMAT_F32, 3, &settings, &answer),
+        assert_int_equal(test_crossing_step(crossing, x1, &settings, &answer),
                          PCCD_E_INVAL);
         assert_non_null(strstr(pccd_error_text(client), wrong[i].text));
     }

@@ -39,8 +39,7 @@ static void make(struct place *place)
 
 static void begin(struct place *place, const char *url)
 {
-    *place = (struct place){.client = test_connect(url)};
-    assert_non_null(place->client);
+    *place = (struct place){.client = test_client_at(url)};
     make(place);
 }
 
@@ -198,11 +197,10 @@ CASE(crossed__is_recorded_repeated_and_verified)
 {
     const struct pccd_record_settings kept = {.contacts = 1};
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
-    struct place place = {.client = test_connect(test_shared.url)};
+    struct place place = {.client = test_client_at(test_shared.url)};
     struct pccd_answer answer;
     char said[4096];
 
-    assert_non_null(place.client);
     test_recording_clear();
     assert_ok(pccd_record_start(place.client, test_recording, &kept));
     make(&place);

@@ -121,8 +121,7 @@ CASE_WITH(incomplete__at_the_limit_keeps_some_of_the_first, open_client, close_c
         crossing.z = -crossing.z;
         test_crossing_positions(x, crossing.z);
         assert_ok(pccd_config_set(client, "contacts-max", turn < 2 ? "16777216" : "2"));
-        assert_ok(pccd_step_x1(client, crossing.scene, crossing.object, x,
-                               PCCD_FORMAT_F32, 3, &settings, &answer));
+        assert_ok(test_crossing_step(&crossing, x, &settings, &answer));
         if (turn == 0) {
             assert_int_equal(answer.incomplete, PCCD_COMPLETE);
             assert_int_equal(answer.count, 3);
@@ -157,8 +156,7 @@ CASE_WITH(answer__is_kept_until_a_step_or_until_its_objects_change, open_client,
     for (int change = 0; change < 4; change++) {
         crossing.z = -crossing.z;
         test_crossing_positions(x, crossing.z);
-        assert_ok(pccd_step_x1(client, crossing.scene, crossing.object, x,
-                               PCCD_FORMAT_F32, 3, NULL, &answer));
+        assert_ok(test_crossing_step(&crossing, x, NULL, &answer));
         uint64_t step = answer.step;
         pccd_answer_release(client, &answer);
         if (change == 0) { /* an object that comes takes nothing away */

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "grid.h"
+#include "must.h"
 #include "witness.h"
 
 #define CLIENTS_KILLED 50
@@ -123,12 +124,11 @@ CASE(death__by_close_with_steps_in_flight_is_clean)
     uint64_t shm = test_stat(witness, "shm_bytes_now");
 
     for (int round = 0; round < 10; round++) {
-        struct pccd_client *client = test_connect(test_witness.daemon.url);
+        struct pccd_client *client = test_client_at(test_witness.daemon.url);
         struct pccd_frame frame;
         struct test_grid grid;
         uint64_t step = 0;
 
-        assert_non_null(client);
         assert_ok(test_grid_make(client, 50, &grid));
         for (int i = 0; i < 3; i++) {
             assert_ok(test_grid_submit(&grid, NULL, &step));

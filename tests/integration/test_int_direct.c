@@ -21,24 +21,16 @@
 #include "prng.h"
 #include "skip.h"
 
-static struct pccd_client *connect_direct(void)
-{
-    struct pccd_options options;
-    struct pccd_client *client = NULL;
-
-    pccd_options_init(&options);
-    options.url = "direct:";
-    return pccd_connect(&options, &client) == 0 ? client : NULL;
-}
-
 static struct pccd_client *connect_to(const char *url)
 {
-    struct pccd_options options;
     struct pccd_client *client = NULL;
 
-    pccd_options_init(&options);
-    options.url = url;
-    return pccd_connect(&options, &client) == 0 ? client : NULL;
+    return pccd_connect(&(struct pccd_options){.url = url}, &client) == 0 ? client : NULL;
+}
+
+static struct pccd_client *connect_direct(void)
+{
+    return connect_to(TEST_DIRECT_URL);
 }
 
 static uint32_t count_entries(const char *path)

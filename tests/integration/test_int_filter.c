@@ -216,10 +216,9 @@ static struct seen look(struct pccd_client *at)
 /* If it failed, nobody could see why two objects do not meet. */
 CASE_WITH(filter__is_listed, setup, teardown)
 {
-    struct pccd_client *other = test_connect(daemon_.url);
+    struct pccd_client *other = test_client_at(daemon_.url);
     struct seen seen;
 
-    assert_non_null(other);
     seen = look(other);
     assert_true(seen.objects == 2 && seen.filtered == 1 && seen.pairs == 0);
     set(PCCD_OBJECT_ALL, 6, 9, false);

@@ -82,8 +82,7 @@ static void begin(struct play *play, const char *url,
     const struct pccd_mesh_data data = data_below();
     double x[ABOVE][3];
 
-    *play = (struct play){.client = test_connect(url)};
-    assert_non_null(play->client);
+    *play = (struct play){.client = test_client_at(url)};
     assert_ok(pccd_scene_create(play->client, settings, &play->scene));
     above_at(x, 2);
     const struct pccd_mesh_data above = data_above((const double(*)[3])x);
@@ -230,18 +229,6 @@ CASE(free__comes_back_with_another_daemon)
 
 /* ---- recordings -------------------------------------------------------------------- */
 
-/* The feature bits of a recording. */
-static uint32_t features_of(const char *path)
-{
-    uint32_t head[4] = {0};
-    FILE *file = fopen(path, "rb");
-
-    assert_non_null(file);
-    assert_int_equal(fread(head, sizeof head, 1, file), 1);
-    (void)fclose(file);
-    return head[3];
-}
-
 static void ask(struct play *play, enum pccd_near_what what, uint64_t count)
 {
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
@@ -265,7 +252,7 @@ CASE(free__is_recorded_repeated_and_verified)
     test_recording_clear();
     begin(&play, test_shared.url, NULL);
     assert_ok(pccd_record_start(play.client, test_recording, &kept));
-    assert_int_equal(features_of(test_recording) & RECORD_FEATURE_FREE,
+    assert_int_equal(test_recording_features(test_recording) & RECORD_FEATURE_FREE,
                      RECORD_FEATURE_FREE);
     const struct pccd_mesh_data data = data_below();
     assert_ok(pccd_mesh_put(play.client, &data, &play.mesh[0], NULL));
@@ -293,10 +280,9 @@ CASE(free__of_others_is_recorded_in_shared_scenes)
     const struct pccd_scene_settings shared = {.name = "rods", .share = PCCD_SHARE_OPEN};
     const struct pccd_record_settings kept = {.contacts = 1};
     struct play play;
-    struct play other = {.client = test_connect(test_shared.url)};
+    struct play other = {.client = test_client_at(test_shared.url)};
     char said[4096];
 
-    assert_non_null(other.client);
     test_recording_clear();
     assert_ok(pccd_record_start(other.client, test_recording, &kept));
     assert_ok(pccd_scene_create(other.client, &shared, &other.scene));

@@ -167,10 +167,9 @@ static uint32_t step_beside(struct test_crossing *crossing, const struct sty *st
 static void check_beside(enum hog_kind kind, bool is_other)
 {
     struct test_crossing crossing;
-    struct pccd_client *client = test_connect(test_shared.url);
+    struct pccd_client *client = test_client_at(test_shared.url);
     uint32_t most = 0;
 
-    assert_non_null(client);
     assert_ok(test_crossing_make(client, &crossing));
     let_in(0, kind, sizes_checked[kind], is_other ? OTHER_USER : 0);
     /* What prepares it is over soon after, as a commit is: some rounds of these. */
@@ -211,9 +210,8 @@ CASE_WITH(long__three_at_once_hold_up_nobody, open_daemon, close_daemon)
 {
     bool is_other = geteuid() == 0;
     struct test_crossing crossing;
-    struct pccd_client *client = test_connect(test_shared.url);
+    struct pccd_client *client = test_client_at(test_shared.url);
 
-    assert_non_null(client);
     assert_ok(test_crossing_make(client, &crossing));
     for (int i = 0; i < 3; i++) {
         let_in(i, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT],
@@ -239,8 +237,7 @@ CASE_WITH(long__nine_users_shut_nobody_out, open_daemon, close_daemon)
     for (int i = 0; i < HOGS_MAX; i++) {
         let_in(i, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT], OTHER_USER - (uid_t)i);
     }
-    struct pccd_client *client = test_connect(test_shared.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(test_shared.url);
     assert_ok(test_crossing_make(client, &crossing));
     assert_true(test_crossing_turn(&crossing));
     for (int i = 0; i < HOGS_MAX; i++) {
@@ -266,11 +263,10 @@ static struct pccd_answer turn(struct test_grid *grid)
  * computed meanwhile. */
 CASE_WITH(long__answers_beside_it_are_the_same_bytes, open_daemon, close_daemon)
 {
-    struct pccd_client *client = test_connect(test_shared.url);
+    struct pccd_client *client = test_client_at(test_shared.url);
     struct pccd_answer alone[2] = {PCCD_ANSWER_INIT, PCCD_ANSWER_INIT};
     struct test_grid grid;
 
-    assert_non_null(client);
     assert_ok(test_grid_make(client, 60, &grid));
     for (int i = 0; i < 2; i++) {
         alone[i] = turn(&grid);
@@ -295,9 +291,8 @@ static struct pccd_client *take_part(uint32_t *scene)
 {
     const struct pccd_scene_settings settings = {.name = "stack",
                                                  .share = PCCD_SHARE_OPEN};
-    struct pccd_client *client = test_connect(test_shared.url);
+    struct pccd_client *client = test_client_at(test_shared.url);
 
-    assert_non_null(client);
     assert_ok(pccd_scene_create(client, &settings, scene));
     return client;
 }
@@ -342,9 +337,8 @@ CASE_WITH(long__step_of_a_shared_scene_holds_up_only_its_members, open_daemon,
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t scenes[2];
     uint64_t submitted[2];
-    struct pccd_client *client = test_connect(test_shared.url);
+    struct pccd_client *client = test_client_at(test_shared.url);
 
-    assert_non_null(client);
     assert_ok(test_crossing_make(client, &crossing));
     for (int i = 0; i < 2; i++) {
         clients[i] = take_part(&scenes[i]);
@@ -401,8 +395,7 @@ CASE(long__step_ends_when_the_operator_says)
     uint64_t taken_ms = 0;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
-    assert_non_null(client);
+    client = test_client_at(daemon.url);
     uint32_t scene = test_scene(client);
     add_stack(client, scene, sizes_checked[HOG_COINCIDENT]);
     assert_int_equal(step_stack(client, scene, 0, &taken_ms), PCCD_INCOMPLETE_DEADLINE);
@@ -493,10 +486,9 @@ CASE_WITH(long__requests_leave_others_their_share, open_daemon, close_daemon)
         test_skip("LONG_STEPS is not set");
     }
     for (size_t i = 0; i < sizeof sides / sizeof sides[0]; i++) {
-        struct pccd_client *client = test_connect(test_shared.url);
+        struct pccd_client *client = test_client_at(test_shared.url);
         struct test_grid grid;
 
-        assert_non_null(client);
         assert_ok(test_grid_make(client, sides[i], &grid));
         for (enum hog_kind kind = 0; kind < HOG_KINDS; kind++) {
             measure_kind(&grid, kind, false);

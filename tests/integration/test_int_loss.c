@@ -19,10 +19,8 @@
 
 static struct pccd_client *connect_for(int timeout_ms)
 {
-
-    struct pccd_client *client = test_client(&(struct pccd_options){
+    return test_client(&(struct pccd_options){
         .url = false_daemon.url, .timeout_ms = timeout_ms, .reconnect_ms = PATIENT_MS});
-    return client;
 }
 
 static void say_nothing(void)

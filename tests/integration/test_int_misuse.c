@@ -24,8 +24,7 @@ static void turn(struct test_crossing *crossing, struct pccd_answer *answer)
 
     crossing->z = -crossing->z;
     test_crossing_positions(x, crossing->z);
-    assert_ok(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
-                           PCCD_FORMAT_F32, 3, NULL, answer));
+    assert_ok(test_crossing_step(crossing, x, NULL, answer));
     assert_true(answer->count > 0);
 }
 
@@ -157,13 +156,11 @@ static void step(struct pccd_client *client, uint32_t scene)
  * take news of other scenes along. */
 CASE(misuse__a_scene_that_is_not_there_has_nothing_to_forget)
 {
-    struct pccd_client *reader = test_connect(test_shared.url);
-    struct pccd_client *writer = test_connect(test_shared.url);
+    struct pccd_client *reader = test_client_at(test_shared.url);
+    struct pccd_client *writer = test_client_at(test_shared.url);
     struct pccd_scene_news news;
     uint32_t scene;
 
-    assert_non_null(reader);
-    assert_non_null(writer);
     scene = share(reader, "news");
     step(writer, share(writer, "news"));
     assert_ok(pccd_ping(reader, NULL)); /* the news have come */
@@ -178,13 +175,11 @@ CASE(misuse__a_scene_that_is_not_there_has_nothing_to_forget)
  * more steps in the end. */
 CASE(misuse__scenes_that_are_left_while_others_step_are_forgotten)
 {
-    struct pccd_client *reader = test_connect(test_shared.url);
-    struct pccd_client *writer = test_connect(test_shared.url);
+    struct pccd_client *reader = test_client_at(test_shared.url);
+    struct pccd_client *writer = test_client_at(test_shared.url);
     struct pccd_scene_news news;
     char name[16];
 
-    assert_non_null(reader);
-    assert_non_null(writer);
     for (int i = 0; i < 80; i++) {
         uint32_t scene;
         uint32_t theirs;
@@ -253,7 +248,7 @@ CASE_CROSSING(misuse__a_copy_of_a_frame_is_over_when_it_is)
  * first, would end by a signal. */
 CASE(misuse__a_batch_outlives_its_client)
 {
-    struct pccd_client *client = test_connect(test_shared.url);
+    struct pccd_client *client = test_client_at(test_shared.url);
     struct test_crossing crossing;
     struct pccd_batch *batches[3] = {NULL};
     struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
@@ -263,7 +258,6 @@ CASE(misuse__a_batch_outlives_its_client)
     void *x1[1] = {NULL};
     uint64_t step = 0;
 
-    assert_non_null(client);
     assert_ok(test_crossing_make(client, &crossing));
     part.scene = crossing.scene;
     part.object = crossing.object;
@@ -365,7 +359,7 @@ static void *be_in_a_call(void *context)
 /* If it failed, a second thread would break what the first is at, and not be told. */
 CASE(misuse__a_second_thread_is_refused_or_waits)
 {
-    struct pccd_client *client = test_connect(test_shared.url);
+    struct pccd_client *client = test_client_at(test_shared.url);
     struct in_call call = {.client = client};
     struct test_crossing crossing;
     struct pccd_answer held = PCCD_ANSWER_INIT;
@@ -377,7 +371,6 @@ CASE(misuse__a_second_thread_is_refused_or_waits)
     void *to = NULL;
     pthread_t thread;
 
-    assert_non_null(client);
     assert_ok(test_crossing_make(client, &crossing));
     call.scene = share(client, "threads");
     turn(&crossing, &held);

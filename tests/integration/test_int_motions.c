@@ -187,8 +187,7 @@ CASE(memory__outlives_a_growing_ring_and_a_close)
     assert_ok(test_crossing_make(client, &crossing));
     float x[3][3];
     test_crossing_positions(x, -crossing.z);
-    assert_ok(pccd_step_x1(client, crossing.scene, crossing.object, x, PCCD_FORMAT_F32, 3,
-                           NULL, &held));
+    assert_ok(test_crossing_step(&crossing, x, NULL, &held));
     assert_true(held.count > 0);
     contacts = held.contacts;
     first = contacts[0];
@@ -197,8 +196,7 @@ CASE(memory__outlives_a_growing_ring_and_a_close)
     assert_int_equal(orphans.count, 1); /* the slots; the records are in use */
     assert_memory_equal(&contacts[0], &first, sizeof first);
     test_crossing_positions(x, crossing.z);
-    assert_ok(pccd_step_x1(client, crossing.scene, crossing.object, x, PCCD_FORMAT_F32, 3,
-                           NULL, &other));
+    assert_ok(test_crossing_step(&crossing, x, NULL, &other));
     assert_int_equal(other.count, held.count);
     pccd_answer_release(client, &held);
     assert_int_equal(orphans.count, 2);

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "fixture.h"
@@ -13,9 +12,8 @@
 #include "record_hash.h"
 #include "skip.h"
 
-#define OTHER_USER 65534
-#define SIDE       16u
-#define WITHIN     0.08 /* of a grid over a floor: some thousand pairs */
+#define SIDE   16u
+#define WITHIN 0.08 /* of a grid over a floor: some thousand pairs */
 
 typedef struct pccd_near_settings settings_t;
 
@@ -29,10 +27,8 @@ static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
 
 static struct pccd_client *connect_to(const char *url, uint64_t result_bytes)
 {
-
-    struct pccd_client *client = test_client(&(struct pccd_options){
+    return test_client(&(struct pccd_options){
         .url = url, .timeout_ms = 60000, .result_bytes = result_bytes});
-    return client;
 }
 
 static size_t record_bytes(const struct pccd_answer *answer)
@@ -299,8 +295,7 @@ CASE_CROSSING(near__is_asked_with_a_frame)
     memset(settings.tuning, 'x', sizeof settings.tuning);
     assert_int_equal(pccd_frame_commit_near(&frame, &settings, &steps[1]), PCCD_E_INVAL);
     test_crossing_positions(x, 1); /* no slot is lost */
-    assert_ok(pccd_step_x1(client, crossing->scene, crossing->object, x, PCCD_FORMAT_F32,
-                           3, NULL, &answer));
+    assert_ok(test_crossing_step(crossing, x, NULL, &answer));
     pccd_answer_release(client, &answer);
     assert_true(test_crossing_turn(crossing));
 }
@@ -534,16 +529,13 @@ CASE_CROSSING(near__forgets_the_beginning_when_a_step_fails)
     float x[3][3];
 
     test_crossing_positions(x, -3);
-    assert_ok(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
-                           PCCD_FORMAT_F32, 3, NULL, &answer));
+    assert_ok(test_crossing_step(crossing, x, NULL, &answer));
     pccd_answer_release(crossing->client, &answer);
     assert_true(distance_at(crossing, 0) == 1); /* as it was registered */
     assert_true(distance_at(crossing, 1) == 3);
     test_crossing_positions(x, -5);
     x[2][1] = NAN;
-    assert_int_equal(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
-                                  PCCD_FORMAT_F32, 3, NULL, &answer),
-                     PCCD_E_NOTFINITE);
+    assert_int_equal(test_crossing_step(crossing, x, NULL, &answer), PCCD_E_NOTFINITE);
     assert_true(distance_at(crossing, 0) == 3);
     assert_true(distance_at(crossing, 1) == 3);
 }
@@ -592,11 +584,10 @@ struct member {
 
 static struct member open_member(const char *name, const float x[3][3])
 {
-    struct member member = {.client = test_connect(test_shared.url)};
+    struct member member = {.client = test_client_at(test_shared.url)};
     const struct pccd_scene_settings settings = {
         .name = name, .share = PCCD_SHARE_OPEN, .rights = 0644};
 
-    assert_non_null(member.client);
     assert_ok(pccd_scene_create(member.client, &settings, &member.scene));
     uint32_t mesh = test_mesh(member.client, x, PCCD_FORMAT_F32, 3, test_triangle, 1);
     member.object = test_object(member.client, member.scene, mesh);
@@ -642,20 +633,6 @@ CASE(near__leaves_held_frames_where_they_are)
     pccd_close(obstacle.client);
 }
 
-/* A client of another user. */
-static struct pccd_client *connect_as_other(void)
-{
-
-    assert_int_equal(chmod(test_shared.directory, 0755), 0);
-    assert_int_equal(chmod(test_shared.socket, 0666), 0);
-    assert_int_equal(seteuid(OTHER_USER), 0);
-    struct pccd_client *client = test_connect(test_shared.url);
-    assert_int_equal(seteuid(0), 0);
-    assert_int_equal(chmod(test_shared.directory, 0700), 0);
-    assert_int_equal(chmod(test_shared.socket, 0600), 0);
-    return client;
-}
-
 /* If it failed, who may only read could move, or could not ask; or would read the pages
  * of another's question as its own. */
 CASE(near__is_asked_by_every_member)
@@ -671,7 +648,7 @@ CASE(near__is_asked_by_every_member)
         test_skip("only root can act as another user, and only to a daemon");
     }
     owner = open_member("near read", test_triangle_x);
-    reader.client = connect_as_other();
+    reader.client = test_connect_as_other();
     assert_non_null(reader.client);
     assert_ok(pccd_scene_join(reader.client, 0, "near read", &reader.scene));
     settings.distance = 1;

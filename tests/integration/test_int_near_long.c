@@ -34,7 +34,6 @@ static struct test_grid grid;
 
 static void start_with(const char *const *options, uint32_t side)
 {
-
     assert_true(test_daemon_start(&daemon_, options));
     client = test_client(&(struct pccd_options){
         .url = daemon_.url, .timeout_ms = 60000, .result_bytes = 32u << 20});

@@ -163,8 +163,7 @@ CASE_CROSSING(null__arguments_that_are_null_are_named)
     NAMED(pccd_ask_near(client, crossing->scene, NULL, 0, NULL, NULL));
     NAMED(pccd_step(client, crossing->scene, NULL, 0, NULL, NULL));
     NAMED(pccd_step_safe(client, crossing->scene, NULL, 0, NULL, NULL, NULL, &answer));
-    NAMED(pccd_step_x1(client, crossing->scene, crossing->object, NULL, PCCD_FORMAT_F32,
-                       3, NULL, &answer));
+    NAMED(test_crossing_step(crossing, NULL, NULL, &answer));
     NAMED(pccd_poll(client, NULL));
     NAMED(pccd_wait(client, 1, 0, NULL));
     NAMED(pccd_fetch(client, crossing->scene, 1, 0, NULL));

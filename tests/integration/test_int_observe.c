@@ -87,14 +87,13 @@ static void take_mesh(void *context, const struct pccd_registered_mesh *info)
 CASE_CROSSING(list__has_what_a_session_has)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_client *other = test_client_at(test_shared.url);
     struct pccd_daemon_info self;
     struct sessions sessions = {.count = 0};
     struct scenes scenes = {.count = 0};
     struct objects objects = {.count = 0};
     uint32_t meshes = 0;
 
-    assert_non_null(other);
     for (int i = 0; i < TURNS; i++) {
         assert_true(test_crossing_turn(crossing));
     }
@@ -221,10 +220,9 @@ static void expect_setting(struct pccd_client *client, const char *name,
 /* A new client may have so many scenes, or, if that is 100, more. */
 static void expect_scenes(uint32_t count)
 {
-    struct pccd_client *client = test_connect(test_shared.url);
+    struct pccd_client *client = test_client_at(test_shared.url);
     uint32_t scene = 0;
 
-    assert_non_null(client);
     for (uint32_t i = 0; i < count; i++) {
         scene = test_scene(client);
     }
@@ -291,12 +289,11 @@ CASE_CROSSING(config__settings_change_and_hold)
 CASE_CROSSING(watch__tells_every_step_of_another_session)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_client *other = test_client_at(test_shared.url);
     struct pccd_daemon_info self;
     struct pccd_step_event event;
     uint64_t number = 0;
 
-    assert_non_null(other);
     assert_ok(pccd_daemon(crossing->client, &self));
     assert_int_equal(pccd_watch_next(other, 0, &event), PCCD_E_STATE);
     assert_int_equal(pccd_watch_start(other, self.session + 1000, 0), PCCD_E_HANDLE);
@@ -326,12 +323,11 @@ CASE_CROSSING(watch__tells_every_step_of_another_session)
 CASE_CROSSING(watch__who_does_not_read_hears_what_was_lost)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_client *other = test_client_at(test_shared.url);
     struct pccd_step_event event;
     const int turns = 3000;
     uint64_t told = 0, lost = 0;
 
-    assert_non_null(other);
     assert_ok(pccd_watch_start(other, 0, 0));
     for (int i = 0; i < turns; i++) {
         assert_true(test_crossing_turn(crossing));
@@ -356,11 +352,10 @@ CASE_CROSSING(watch__who_does_not_read_hears_what_was_lost)
 CASE_CROSSING(watch__who_reads_late_hears_of_all_that_fits)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_client *other = test_client_at(test_shared.url);
     struct pccd_step_event event;
     const int turns = 300; /* less than what the way and the daemon keep */
 
-    assert_non_null(other);
     assert_ok(pccd_watch_start(other, 0, 0));
     for (int i = 0; i < turns; i++) {
         assert_true(test_crossing_turn(crossing));
@@ -449,8 +444,7 @@ CASE(config__outlives_a_crash)
     pid_t worker;
 
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     assert_ok(pccd_config_set(client, "clients-max", "7"));
     assert_ok(pccd_config_set(client, "log-level", "warn"));
     for (int i = 0; i < 2; i++) {

@@ -9,26 +9,15 @@
 
 #include "fixture.h"
 #include "messages.h"
+#include "must.h"
 #include "raw.h"
 #include "skip.h"
 
-#define OTHER_USER 65534
-
 static const char *const options[] = {"--allow-uid", "65534", NULL};
-
-static int take_part(struct pccd_client *client, const char *name, enum pccd_share share,
-                     uint32_t rights, uint32_t *scene)
-{
-    struct pccd_scene_settings settings = {
-        .name = name, .share = share, .rights = rights};
-
-    return pccd_scene_create(client, &settings, scene);
-}
 
 static struct pccd_client *connect_as_other(void)
 {
-
-    assert_int_equal(seteuid(OTHER_USER), 0);
+    assert_int_equal(seteuid(TEST_OTHER_USER), 0);
     struct pccd_client *client = test_connect(test_shared.url);
     assert_int_equal(seteuid(0), 0);
     return client;
@@ -86,30 +75,29 @@ CASE(owner__names_belong_to_their_users)
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
-    struct pccd_client *mine = test_connect(test_shared.url);
+    struct pccd_client *mine = test_client_at(test_shared.url);
     theirs = connect_as_other();
-    assert_non_null(mine);
     assert_non_null(theirs);
-    assert_int_equal(take_part(theirs, "arena", PCCD_SHARE_OPEN, 0666, &first), 0);
-    assert_int_equal(take_part(mine, "arena", PCCD_SHARE_ATTACH, 0, &scene),
+    assert_int_equal(test_take_part(theirs, "arena", PCCD_SHARE_OPEN, 0666, &first), 0);
+    assert_int_equal(test_take_part(mine, "arena", PCCD_SHARE_ATTACH, 0, &scene),
                      PCCD_E_AGAIN);
     assert_non_null(strstr(pccd_error_text(mine), "user 65534 has one"));
-    assert_int_equal(take_part(mine, "arena", PCCD_SHARE_CREATE, 0600, &second), 0);
+    assert_int_equal(test_take_part(mine, "arena", PCCD_SHARE_CREATE, 0600, &second), 0);
     listing = list(mine);
     assert_int_equal(listing.count, 1);
     assert_int_equal(listing.uids[0], 0);
     /* Each is in the scene that was asked for; the other's is to be named. */
     assert_int_equal(pccd_scene_join(theirs, 0, "arena", &scene), PCCD_E_ACCESS);
-    assert_ok(pccd_scene_join(mine, OTHER_USER, "arena", &scene));
+    assert_ok(pccd_scene_join(mine, TEST_OTHER_USER, "arena", &scene));
     listing = list(mine);
     assert_int_equal(listing.count, 2);
-    assert_true(listing.uids[0] == OTHER_USER || listing.uids[1] == OTHER_USER);
+    assert_true(listing.uids[0] == TEST_OTHER_USER || listing.uids[1] == TEST_OTHER_USER);
     assert_ok(pccd_scene_destroy(theirs, first));
-    assert_int_equal(take_part(theirs, "arena", PCCD_SHARE_CREATE, 0, &first),
+    assert_int_equal(test_take_part(theirs, "arena", PCCD_SHARE_CREATE, 0, &first),
                      PCCD_E_STATE); /* it lives on with whom it is shared */
     assert_int_equal(pccd_scene_create(mine, &other, &scene), PCCD_E_INVAL);
     assert_non_null(strstr(pccd_error_text(mine), "pccd_scene_join"));
-    assert_int_equal(pccd_scene_join(mine, OTHER_USER, NULL, &scene), PCCD_E_INVAL);
+    assert_int_equal(pccd_scene_join(mine, TEST_OTHER_USER, NULL, &scene), PCCD_E_INVAL);
     pccd_close(theirs);
     pccd_close(mine);
 }
@@ -127,16 +115,15 @@ CASE(owner__a_killed_daemon_keeps_whose_scene_it_was)
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
-    mine = test_connect(test_shared.url);
+    mine = test_client_at(test_shared.url);
     theirs = connect_as_other();
-    assert_non_null(mine);
     assert_non_null(theirs);
-    assert_int_equal(take_part(mine, "again", PCCD_SHARE_CREATE, 0666, &first), 0);
+    assert_int_equal(test_take_part(mine, "again", PCCD_SHARE_CREATE, 0666, &first), 0);
     assert_ok(pccd_scene_join(theirs, 0, "again", &joined));
     assert_true(WIFSIGNALED(test_daemon_end(&test_shared, SIGKILL, 10000)));
     assert_true(test_daemon_restart(&test_shared, options));
     assert_ok(pccd_ping(mine, NULL));
-    assert_int_equal(seteuid(OTHER_USER), 0); /* it connects anew */
+    assert_int_equal(seteuid(TEST_OTHER_USER), 0); /* it connects anew */
     assert_ok(pccd_ping(theirs, NULL));
     assert_int_equal(seteuid(0), 0);
     listing = list(theirs);
@@ -157,7 +144,7 @@ CASE(owner__answer_says_whose_it_is)
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
-    assert_int_equal(seteuid(OTHER_USER), 0);
+    assert_int_equal(seteuid(TEST_OTHER_USER), 0);
     bool is_open = test_raw_open(&raw, test_shared.socket);
     assert_int_equal(seteuid(0), 0);
     assert_true(is_open);
@@ -171,7 +158,7 @@ CASE(owner__answer_says_whose_it_is)
     create = (struct proto_SCENE_CREATE_request){.name = "raw", .share = PCCD_SHARE_OPEN};
     assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &result));
     assert_false(result.existed);
-    assert_int_equal(result.owner, OTHER_USER);
+    assert_int_equal(result.owner, TEST_OTHER_USER);
     test_raw_close(&raw);
 }
 

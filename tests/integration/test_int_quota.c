@@ -14,6 +14,7 @@
 #include "farm.h"
 #include "grid.h"
 #include "messages.h"
+#include "must.h"
 #include "raw.h"
 
 #define FLOORS   200u
@@ -67,8 +68,7 @@ CASE(memory__of_answers_is_bounded)
     uint64_t before;
 
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     before = test_stat(client, "engine_bytes_now");
     assert_int_equal(make_stack(client, &stack), 0);
     for (int i = 0; i < 4; i++) {
@@ -81,8 +81,7 @@ CASE(memory__of_answers_is_bounded)
     assert_ok(pccd_scene_destroy(client, stack.grid.scene));
     pccd_close(client);
     test_grid_free(&stack.grid);
-    client = test_connect(daemon.url);
-    assert_non_null(client);
+    client = test_client_at(daemon.url);
     assert_int_equal(test_stat_await(client, "engine_bytes_now", before), before);
     pccd_close(client);
     assert_true(test_daemon_finish(&daemon));
@@ -97,8 +96,7 @@ CASE(memory__within_the_quota_answers_are_whole)
     struct stack stack;
 
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     assert_int_equal(make_stack(client, &stack), 0);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(fall(&stack, &answer), 0);
@@ -123,10 +121,8 @@ CASE(memory__of_meshes_and_hierarchies_is_bounded)
     struct test_grid grid;
 
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *other = test_connect(daemon.url);
-    client = test_connect(daemon.url);
-    assert_non_null(client);
-    assert_non_null(other);
+    struct pccd_client *other = test_client_at(daemon.url);
+    client = test_client_at(daemon.url);
     assert_ok(test_crossing_make(other, &crossing));
     assert_true(test_crossing_turn(&crossing));
     assert_true(test_crossing_turn(&crossing));
@@ -145,8 +141,7 @@ CASE(memory__of_meshes_and_hierarchies_is_bounded)
         assert_true(test_crossing_turn(&crossing));
         test_grid_free(&grid);
         pccd_close(client);
-        client = test_connect(daemon.url);
-        assert_non_null(client);
+        client = test_client_at(daemon.url);
     }
     /* Everything of the refused ones has been given back. */
     assert_int_equal(test_stat_await(other, "meshes_now", 2), 2);
@@ -170,8 +165,7 @@ CASE(objects__share_the_triangles_of_their_mesh)
     uint32_t mesh = 0;
 
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     assert_ok(test_farm_make(client, 50, 4, &farm)); /* 18 triangles and 1 */
     assert_ok(test_farm_turn(&farm, 1, NULL, &answer));
     assert_int_equal(answer.failed, 0);
@@ -224,8 +218,7 @@ CASE(objects__cost_the_memory_that_they_take)
     uint32_t most[2];
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
-    assert_non_null(client);
+    client = test_client_at(daemon.url);
     assert_ok(test_farm_make(client, 1, 24, &farm));
     for (int i = 0; i < 2; i++) {
         most[i] = fill_scenes(client, farm.mesh, scenes, MOST);
@@ -355,8 +348,7 @@ CASE(meshes__cost_memory_before_they_are_filled)
     uint64_t before;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
-    assert_non_null(client);
+    client = test_client_at(daemon.url);
     before = test_stat(client, "engine_bytes_now");
     assert_ok(test_raw_session(&raw, daemon.socket, 0, 0));
     for (; meshes < MESHES; meshes++) {
@@ -421,8 +413,7 @@ CASE(memory__that_nobody_was_given_is_charged_and_freed)
     uint64_t most = 0;
 
     assert_true(test_daemon_start(&daemon, NULL));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     attach_sparsely(&raw, daemon.socket);
     before = test_stat(client, "shm_bytes_now");
     assert_in_range(held_by(&raw), SLOT_BYTES, before);

@@ -72,14 +72,6 @@ static pid_t kill_worker_later(struct pccd_client *client, unsigned ms)
     return killer;
 }
 
-static struct pccd_link_info link_of(const struct pccd_client *client)
-{
-    struct pccd_link_info info;
-
-    assert_ok(pccd_link(client, &info));
-    return info;
-}
-
 /* Wait for a step of each client; both answers must have the same bytes. */
 static void expect_same(struct pccd_client *a, uint64_t step_a, struct pccd_client *b,
                         uint64_t step_b)
@@ -137,9 +129,9 @@ CASE_WITH(reconnect__goes_on_after_a_kill_while_idle, setup, teardown)
         kill_worker(fixture.client);
     }
     assert_ok(pccd_ping(fixture.client, NULL));
-    assert_int_equal(link_of(fixture.client).reconnects, 7);
-    assert_int_equal(link_of(fixture.client).resumed, 0);
-    assert_int_equal(link_of(fixture.other).reconnects, 0);
+    assert_int_equal(test_link(fixture.client).reconnects, 7);
+    assert_int_equal(test_link(fixture.client).resumed, 0);
+    assert_int_equal(test_link(fixture.other).reconnects, 0);
     test_grid_free(&a);
     test_grid_free(&b);
 }
@@ -169,12 +161,12 @@ CASE_WITH(reconnect__answers_steps_in_flight_once, setup, teardown)
         assert_int_equal(waitpid(killer, NULL, 0), killer);
     }
     turn_both(&a, &b);
-    assert_true(link_of(fixture.client).reconnects >= 1);
-    assert_true(link_of(fixture.client).resent >= 1);
+    assert_true(test_link(fixture.client).reconnects >= 1);
+    assert_true(test_link(fixture.client).resent >= 1);
     print_message("# %llu reconnects, %llu requests sent again, the last gap %llu us\n",
-                  (unsigned long long)link_of(fixture.client).reconnects,
-                  (unsigned long long)link_of(fixture.client).resent,
-                  (unsigned long long)link_of(fixture.client).gap_ns / 1000);
+                  (unsigned long long)test_link(fixture.client).reconnects,
+                  (unsigned long long)test_link(fixture.client).resent,
+                  (unsigned long long)test_link(fixture.client).gap_ns / 1000);
     test_grid_free(&a);
     test_grid_free(&b);
 }
@@ -214,13 +206,13 @@ static bool give_to_four_daemons(struct test_grid *grid, uint64_t steps[2])
     int refused;
 
     give_slots_memory(grid);
-    before = link_of(fixture.client).reconnects;
+    before = test_link(fixture.client).reconnects;
     assert_int_equal(kill((pid_t)pccd_daemon_pid(fixture.client), SIGSTOP), 0);
     refused = test_grid_submit(grid, NULL, &steps[0]);
     refused += test_grid_submit(grid, NULL, &steps[1]);
     for (uint64_t daemons = 1; daemons <= 3 && status != 0; daemons++) {
         kill_worker(fixture.client);
-        while (link_of(fixture.client).reconnects < before + daemons && status != 0) {
+        while (test_link(fixture.client).reconnects < before + daemons && status != 0) {
             status = pccd_poll(fixture.client, &answer);
             assert_true(status == PCCD_E_AGAIN || (status == 0 && daemons > 1));
         }
@@ -277,7 +269,7 @@ CASE_WITH(reconnect__registers_through_a_kill, setup, teardown)
         assert_ok(pccd_scene_destroy(fixture.client, grid.scene));
         test_grid_free(&grid);
     }
-    assert_int_equal(link_of(fixture.client).reconnects, 12);
+    assert_int_equal(test_link(fixture.client).reconnects, 12);
     assert_int_equal(test_stat_await(fixture.client, "objects_now", 0), 0);
 }
 
@@ -328,7 +320,7 @@ CASE_WITH(reconnect__brings_every_kind_of_position_back, setup, teardown)
             kill_worker(clients[0]);
         }
     }
-    assert_true(link_of(fixture.client).reconnects >= 8);
+    assert_true(test_link(fixture.client).reconnects >= 8);
 }
 
 /* If it failed, a frame being written or an answer being read would change, or be gone,
@@ -358,7 +350,7 @@ CASE_WITH(reconnect__keeps_what_the_user_holds, setup, teardown)
     memcpy(x1, a.x, a.vertex_count / 2 * sizeof *a.x);
     kill_worker(fixture.client);
     assert_ok(pccd_ping(fixture.client, NULL));
-    assert_int_equal(link_of(fixture.client).reconnects, 1);
+    assert_int_equal(test_link(fixture.client).reconnects, 1);
     memcpy((float(*)[3])x1 + a.vertex_count / 2, a.x + a.vertex_count / 2,
            (a.vertex_count - a.vertex_count / 2) * sizeof *a.x);
     assert_ok(pccd_frame_commit(&frame, NULL, &steps[0]));
@@ -432,8 +424,9 @@ CASE_WITH(reconnect__resumes_after_a_cut, setup, teardown)
         }
     }
     assert_int_equal(pccd_daemon_pid(fixture.client), pid);
-    assert_true(link_of(fixture.client).reconnects >= 7);
-    assert_int_equal(link_of(fixture.client).resumed, link_of(fixture.client).reconnects);
+    assert_true(test_link(fixture.client).reconnects >= 7);
+    assert_int_equal(test_link(fixture.client).resumed,
+                     test_link(fixture.client).reconnects);
     assert_int_equal(test_stat(fixture.client, "steps"), 10 * DEPTH);
     assert_int_equal(test_stat(fixture.client, "sessions_now"), 1);
     test_grid_free(&a);
@@ -531,7 +524,7 @@ CASE_WITH(reconnect__without_copies_resumes_only, setup, teardown)
     assert_ok(test_crossing_make(client, &crossing));
     assert_int_equal(shutdown(pccd_fd(client), SHUT_RDWR), 0);
     assert_true(test_crossing_turn(&crossing));
-    assert_int_equal(link_of(client).resumed, 1);
+    assert_int_equal(test_link(client).resumed, 1);
     kill_worker(client);
     assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
     assert_non_null(strstr(pccd_error_text(client), "nothing was kept"));

@@ -42,10 +42,7 @@ static int tear_down(void **state)
 
 static struct pccd_client *open_client(void)
 {
-    struct pccd_client *client = test_connect(daemon_.url);
-
-    assert_non_null(client);
-    return client;
+    return test_client_at(daemon_.url);
 }
 
 /* ---- a session with everything in it --------------------------------------------- */

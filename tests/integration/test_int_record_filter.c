@@ -51,16 +51,14 @@ static void make_play(struct play *play)
 
 static void open_play(struct play *play)
 {
-    *play = (struct play){.client = test_connect(test_shared.url), .z = 1};
-    assert_non_null(play->client);
+    *play = (struct play){.client = test_client_at(test_shared.url), .z = 1};
     make_play(play);
 }
 
 /* The same, recorded from the beginning. */
 static void begin_play(struct play *play, const struct pccd_record_settings *settings)
 {
-    *play = (struct play){.client = test_connect(test_shared.url), .z = 1};
-    assert_non_null(play->client);
+    *play = (struct play){.client = test_client_at(test_shared.url), .z = 1};
     assert_ok(pccd_record_start(play->client, test_recording, settings));
     make_play(play);
 }

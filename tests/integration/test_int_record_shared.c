@@ -65,8 +65,8 @@ static void enter(struct member *member, const char *name)
 
 static void connect_member(struct member *member, float height)
 {
-    *member = (struct member){.client = test_connect(test_shared.url), .height = height};
-    assert_non_null(member->client);
+    *member =
+        (struct member){.client = test_client_at(test_shared.url), .height = height};
 }
 
 /* ---- steps ------------------------------------------------------------------------- */

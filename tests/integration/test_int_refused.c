@@ -31,8 +31,7 @@ CASE(refused__every_client_beyond_the_quota_hears_so)
     unsigned told = 0;
 
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     for (unsigned i = 0; i < BEYOND; i++) { /* the first seven have a place */
         assert_true(test_raw_open(&raws[i], daemon.socket));
         if (i % 2 == 1 || i < 7) { /* the others wait, silent */
@@ -151,8 +150,7 @@ CASE(refused__who_observes_takes_no_place)
     uint32_t scene = 0;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
-    assert_non_null(client);
+    client = test_client_at(daemon.url);
     for (int i = 0; i < OBSERVERS_MAX; i++) {
         assert_int_equal(observe(daemon.url, &clients[i]), 0);
         assert_int_equal(test_stat(clients[i], "sessions_now"), i + 2);
@@ -160,8 +158,7 @@ CASE(refused__who_observes_takes_no_place)
     assert_int_equal(observe(daemon.url, &other), PCCD_E_QUOTA); /* these have a bound */
     assert_int_equal(pccd_scene_create(clients[0], NULL, &scene), PCCD_E_STATE);
     assert_ok(pccd_config_set(clients[0], "clients-max", "2"));
-    other = test_connect(daemon.url);
-    assert_non_null(other);
+    other = test_client_at(daemon.url);
     scene = test_scene(other);
     pccd_close(clients[0]); /* its place is another observer's */
     for (int i = 0; i < 1000 && observe(daemon.url, &clients[0]) != 0; i++) {
@@ -189,8 +186,7 @@ CASE(refused__owner_is_heard_when_all_connections_are_taken)
 
     assert_true(test_daemon_start(&daemon, options));
     for (int i = 0; i < 3; i++) {
-        clients[i] = test_connect(daemon.url);
-        assert_non_null(clients[i]);
+        clients[i] = test_client_at(daemon.url);
     }
     pccd_options_init(&wanted);
     wanted.url = daemon.url;
@@ -238,8 +234,7 @@ CASE(refused__others_have_no_connection_kept_back)
     }
     assert_true(test_daemon_start(&daemon, options));
     assert_int_equal(chmod(daemon.directory, 0755), 0);
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     pid_t child = fork();
     if (child == 0) {
         observe_as_another(&daemon);

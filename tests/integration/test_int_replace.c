@@ -85,9 +85,8 @@ static void turn(struct test_grid *grid)
 static void open_fresh(struct test_grid *grid)
 {
     static struct pieces pieces;
-    struct pccd_client *client = test_connect(test_witness.daemon.url);
+    struct pccd_client *client = test_client_at(test_witness.daemon.url);
 
-    assert_non_null(client);
     *grid = (struct test_grid){.client = client,
                                .side = SIDE,
                                .vertex_count = SIDE * SIDE,
@@ -105,9 +104,8 @@ static void open_fresh(struct test_grid *grid)
 
 static void open_grid(struct test_grid *grid)
 {
-    struct pccd_client *client = test_connect(test_witness.daemon.url);
+    struct pccd_client *client = test_client_at(test_witness.daemon.url);
 
-    assert_non_null(client);
     assert_ok(test_grid_make(client, SIDE, grid));
 }
 
@@ -253,8 +251,7 @@ CASE(replace__without_quota_changes_nothing)
         test_skip("with direct: there are no quotas");
     }
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     assert_ok(test_grid_make(client, SIDE, &grid));
     assert_int_equal(test_stat(client, "triangles_now"), TRIANGLES + 1);
     break_grid(&grid, 1, &pieces);
@@ -291,8 +288,7 @@ CASE(replace__without_memory_changes_nothing)
         test_skip("with direct: there are no quotas");
     }
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
-    assert_non_null(client);
+    client = test_client_at(daemon.url);
     assert_ok(test_grid_make(client, 80, &large)); /* 12482 triangles */
     assert_ok(pccd_scene_destroy(client, large.scene));
     assert_ok(test_grid_make(client, SIDE, &grid));
@@ -344,8 +340,7 @@ CASE(replace__charges_the_mesh_once)
         test_skip("with direct: there are no quotas");
     }
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     assert_ok(test_grid_make(client, SIDE, &grid));
     uint32_t scene = test_scene(client);
     (void)test_object(client, scene, grid.mesh);

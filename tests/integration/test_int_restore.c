@@ -37,10 +37,8 @@ static void finish(struct pccd_client *client)
 
 static struct pccd_client *connect_with(uint32_t slots, uint64_t slot_bytes)
 {
-
-    struct pccd_client *client = test_client(&(struct pccd_options){
+    return test_client(&(struct pccd_options){
         .url = daemon_.url, .slot_count = slots, .slot_bytes = slot_bytes});
-    return client;
 }
 
 static void make_crossings(struct pccd_client *client)
@@ -60,14 +58,6 @@ static void turn_crossings(void)
     }
 }
 
-static struct pccd_link_info link_of(const struct pccd_client *client)
-{
-    struct pccd_link_info info;
-
-    assert_ok(pccd_link(client, &info));
-    return info;
-}
-
 /* If requests that are sent one behind the other mixed their slots, handles or order, a
  * scene would come back wrong, or not at all. */
 CASE(restore__brings_many_meshes_back_through_any_ring)
@@ -83,7 +73,7 @@ CASE(restore__brings_many_meshes_back_through_any_ring)
             turn_crossings();
             assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
             turn_crossings();
-            assert_int_equal(link_of(client).reconnects, round);
+            assert_int_equal(test_link(client).reconnects, round);
         }
         pccd_close(client);
     }
@@ -103,8 +93,7 @@ static void turn_despite_refusals(void)
 
         test_crossing_positions(x1, -crossing->z);
         do {
-            status = pccd_step_x1(crossing->client, crossing->scene, crossing->object, x1,
-                                  PCCD_FORMAT_F32, 3, NULL, &answer);
+            status = test_crossing_step(crossing, x1, NULL, &answer);
         } while (status == PCCD_E_BUSY && test_now_ms() < until_ms);
         assert_int_equal(status, 0);
         crossing->z = -crossing->z;
@@ -125,7 +114,7 @@ CASE(restore__goes_on_after_a_refusal_for_want_of_room)
         turn_despite_refusals();
         assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
         turn_despite_refusals();
-        assert_int_equal(link_of(client).reconnects, round);
+        assert_int_equal(test_link(client).reconnects, round);
     }
     finish(client);
 }
@@ -176,7 +165,7 @@ CASE(restore__begins_anew_when_the_daemon_ends_meanwhile)
         }
     }
     turn_crossings();
-    assert_true(link_of(client).reconnects >= 4);
+    assert_true(test_link(client).reconnects >= 4);
     finish(client);
 }
 
@@ -288,7 +277,7 @@ CASE(restore__answers_batches_as_if_nothing_had_happened)
     }
     turn_over_a_kill(&farm, &other, 10, 0); /* the fifth one from 8, the others from 9 */
     assert_ok(pccd_ping(client, NULL));
-    assert_int_equal(link_of(client).reconnects, 9);
+    assert_int_equal(test_link(client).reconnects, 9);
     test_farm_free(&farm);
     test_farm_free(&other);
     pccd_close(direct);
@@ -330,7 +319,7 @@ CASE(restore__brings_back_scenes_that_have_lost_objects)
                                NULL, &answer));
         pccd_answer_release(client, &answer);
     }
-    assert_int_equal(link_of(client).reconnects, 1);
+    assert_int_equal(test_link(client).reconnects, 1);
     finish(client);
 }
 
@@ -406,7 +395,7 @@ CASE(restore__lists_are_those_of_one_daemon)
         }
     }
     /* A busy machine lets us see few of the daemons that are killed. */
-    for (int round = 0; round < 8 && link_of(client).reconnects <= 2;) {
+    for (int round = 0; round < 8 && test_link(client).reconnects <= 2;) {
         uint32_t once = 0;
 
         if (killer == 0) {
@@ -431,6 +420,6 @@ CASE(restore__lists_are_those_of_one_daemon)
     if (killer != 0) {
         assert_int_equal(waitpid(killer, NULL, 0), killer);
     }
-    assert_true(link_of(client).reconnects > 2);
+    assert_true(test_link(client).reconnects > 2);
     finish(client);
 }

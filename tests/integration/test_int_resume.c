@@ -11,6 +11,7 @@
 
 #include "crossing.h"
 #include "daemon.h"
+#include "must.h"
 #include "raw.h"
 
 /* A raw client with a scene: a floor, and a triangle that passes through it. */
@@ -148,9 +149,8 @@ static void say_again(struct fixture *f, uint32_t id, int method, const void *re
 /* A counter of the daemon, over a connection of its own. */
 static uint64_t counter(const char *name)
 {
-    struct pccd_client *client = test_connect(fixture.daemon.url);
+    struct pccd_client *client = test_client_at(fixture.daemon.url);
     uint64_t value;
-    assert_non_null(client);
     value = test_stat(client, name);
     pccd_close(client);
     return value;

@@ -33,10 +33,9 @@ static int stop_shared(void **state)
 /* If it failed, a client could not tell which daemon it talks to, or not at all. */
 CASE(session__hello_and_ping_reach_the_daemon)
 {
-    struct pccd_client *client = test_connect(shared.url);
+    struct pccd_client *client = test_client_at(shared.url);
     uint64_t round_trip_ns = 0;
 
-    assert_non_null(client);
     assert_int_equal(pccd_daemon_pid(client), shared.pid);
     assert_string_equal(pccd_url(client), shared.url);
     assert_true(pccd_fd(client) >= 0);
@@ -106,13 +105,12 @@ static void count_stat(void *context, const char *name, uint64_t value, const ch
 /* If it failed, the counters that every other test relies on would be wrong. */
 CASE(session__stats_count_what_happens)
 {
-    struct pccd_client *client = test_connect(shared.url);
+    struct pccd_client *client = test_client_at(shared.url);
     struct test_crossing crossing;
     unsigned count = 0;
     uint64_t steps;
     uint64_t contacts;
 
-    assert_non_null(client);
     assert_ok(pccd_stats(client, count_stat, &count));
     assert_true(count >= 30);
     assert_int_equal(test_stat(client, "pid"), shared.pid);
@@ -139,10 +137,9 @@ CASE(session__stats_count_what_happens)
  * it. */
 CASE(session__second_daemon_says_who_holds_the_path)
 {
-    struct pccd_client *client = test_connect(shared.url);
+    struct pccd_client *client = test_client_at(shared.url);
     char pid[32];
 
-    assert_non_null(client);
     (void)snprintf(pid, sizeof pid, "%ld", (long)shared.pid);
     assert_int_not_equal(test_daemon_start_second(&shared), 0);
     assert_true(test_daemon_logged(&shared, pid));
@@ -153,15 +150,13 @@ CASE(session__second_daemon_says_who_holds_the_path)
 /* If it failed, one client's objects could be seen or moved by another. */
 CASE(session__handles_of_another_client_are_refused)
 {
-    struct pccd_client *owner = test_connect(shared.url);
-    struct pccd_client *stranger = test_connect(shared.url);
+    struct pccd_client *owner = test_client_at(shared.url);
+    struct pccd_client *stranger = test_client_at(shared.url);
     struct test_crossing crossing;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t object = 0;
     uint32_t scene = 0;
 
-    assert_non_null(owner);
-    assert_non_null(stranger);
     assert_ok(test_crossing_make(owner, &crossing));
     assert_int_equal(pccd_mesh_destroy(stranger, crossing.mesh), PCCD_E_HANDLE);
     assert_int_equal(pccd_scene_destroy(stranger, crossing.scene), PCCD_E_HANDLE);
@@ -187,12 +182,11 @@ CASE(session__handles_of_another_client_are_refused)
 /* If it failed, a stale handle could reach what took its place. */
 CASE(session__handles_die_with_what_they_name)
 {
-    struct pccd_client *client = test_connect(shared.url);
+    struct pccd_client *client = test_client_at(shared.url);
     struct test_crossing old;
     struct test_crossing crossing;
     uint32_t object = 0;
 
-    assert_non_null(client);
     assert_ok(test_crossing_make(client, &old));
     assert_ok(pccd_scene_destroy(client, old.scene));
     assert_ok(pccd_mesh_destroy(client, old.mesh));
@@ -214,9 +208,8 @@ CASE(session__many_clients_take_turns)
     struct test_crossing crossings[CLIENTS];
 
     for (int i = 0; i < CLIENTS; i++) {
-        struct pccd_client *client = test_connect(shared.url);
+        struct pccd_client *client = test_client_at(shared.url);
 
-        assert_non_null(client);
         assert_ok(test_crossing_make(client, &crossings[i]));
     }
     for (int turn = 0; turn < TURNS; turn++) {
@@ -238,10 +231,8 @@ CASE(session__clients_beyond_the_quota_are_refused)
     int status = 0;
 
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *first = test_connect(daemon.url);
-    struct pccd_client *second = test_connect(daemon.url);
-    assert_non_null(first);
-    assert_non_null(second);
+    struct pccd_client *first = test_client_at(daemon.url);
+    struct pccd_client *second = test_client_at(daemon.url);
     assert_ok(test_crossing_make(first, &crossing));
     connect.url = daemon.url;
     for (int i = 0; i < 20; i++) {
@@ -278,8 +269,7 @@ CASE(session__meshes_triangles_and_memory_have_quotas)
     uint32_t extra = 0;
 
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     assert_ok(test_crossing_make(client, &crossing));
     for (int i = 0; i < 2; i++)
         meshes[i] = test_mesh(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
@@ -350,8 +340,7 @@ CASE(session__idle_daemon_ends_by_itself)
     int status;
 
     assert_true(test_daemon_start(&daemon, options));
-    client = test_connect(daemon.url);
-    assert_non_null(client);
+    client = test_client_at(daemon.url);
     test_sleep_ms(1500);
     assert_ok(pccd_ping(client, NULL)); /* a silent client is a client */
     pccd_close(client);
@@ -435,13 +424,12 @@ CASE(session__wrong_options_are_refused)
 /* If it failed, a call without a client would crash the program. */
 CASE(session__null_arguments_are_refused)
 {
-    struct pccd_client *client = test_connect(shared.url);
+    struct pccd_client *client = test_client_at(shared.url);
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_frame frame;
     uint64_t step = 0;
     uint32_t handle = 0;
 
-    assert_non_null(client);
     assert_int_equal(pccd_ping(NULL, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_stats(NULL, count_stat, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_stats(client, NULL, NULL), PCCD_E_INVAL);
@@ -483,8 +471,7 @@ CASE(session__limit_that_is_raised_lets_in_who_waits)
     struct test_raw raw;
 
     assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_connect(daemon.url);
-    assert_non_null(client);
+    struct pccd_client *client = test_client_at(daemon.url);
     assert_ok(pccd_config_set(client, "connections-max", "1"));
     assert_true(test_raw_open(&raw, daemon.socket)); /* has not said hello */
     assert_ok(pccd_ping(client, NULL));              /* the daemon has looked at it */
@@ -500,13 +487,12 @@ CASE(session__limit_that_is_raised_lets_in_who_waits)
 /* Whether another client is told how many objects are left while they go. */
 static bool is_told_meanwhile(struct pccd_client *other)
 {
-    struct pccd_client *client = test_connect(shared.url);
+    struct pccd_client *client = test_client_at(shared.url);
     uint64_t before = test_stat(other, "objects_now");
     uint64_t left;
     uint32_t scene, mesh;
     bool is_told = false;
 
-    assert_non_null(client);
     scene = test_scene(client);
     mesh = test_mesh(client, test_triangle_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
     for (uint32_t i = 0; i < MANY; i++) {
@@ -523,9 +509,8 @@ static bool is_told_meanwhile(struct pccd_client *other)
  * for a scene that is full, and there may be 64 of them. */
 CASE(session__that_had_much_leaves_by_turns)
 {
-    struct pccd_client *other = test_connect(shared.url);
+    struct pccd_client *other = test_client_at(shared.url);
     bool is_told = false;
-    assert_non_null(other);
     for (int i = 0; i < 4 && !is_told; i++) {
         is_told = is_told_meanwhile(other);
     }

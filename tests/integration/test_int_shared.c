@@ -6,15 +6,12 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "fixture.h"
 #include "must.h"
 #include "skip.h"
-
-#define OTHER_USER 65534
 
 /* One client in the scene, with a triangle or the floor in it. */
 struct member {
@@ -25,21 +22,11 @@ struct member {
     const float (*rest)[3]; /* at height 0 for the floor, 1 for the triangle */
 };
 
-static int take_part(struct pccd_client *client, const char *name, enum pccd_share share,
-                     uint32_t rights, uint32_t *scene)
-{
-    struct pccd_scene_settings settings = {
-        .name = name, .share = share, .rights = rights};
-
-    return pccd_scene_create(client, &settings, scene);
-}
-
 static void open_member(struct member *member, const char *name, const float rest[3][3])
 {
-    *member = (struct member){.client = test_connect(test_shared.url), .rest = rest};
-    assert_non_null(member->client);
-    assert_int_equal(take_part(member->client, name, PCCD_SHARE_OPEN, 0, &member->scene),
-                     0);
+    *member = (struct member){.client = test_client_at(test_shared.url), .rest = rest};
+    assert_int_equal(
+        test_take_part(member->client, name, PCCD_SHARE_OPEN, 0, &member->scene), 0);
     member->mesh = test_mesh(member->client, rest, PCCD_FORMAT_F32, 3, test_triangle, 1);
     member->object = test_object(member->client, member->scene, member->mesh);
 }
@@ -418,16 +405,15 @@ CASE(shared__readers_hear_of_every_last_step)
     enum { STEPS = 300 };
     struct member cloth;
     struct member obstacle;
-    struct pccd_client *reader = test_connect(test_shared.url);
+    struct pccd_client *reader = test_client_at(test_shared.url);
     struct pccd_scene_news news = {.number = 0};
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_answer read = PCCD_ANSWER_INIT;
     uint32_t scene = 0;
 
-    assert_non_null(reader);
     open_member(&cloth, "news", test_triangle_x);
     open_member(&obstacle, "news", test_floor_x);
-    assert_int_equal(take_part(reader, "news", PCCD_SHARE_ATTACH, 0, &scene), 0);
+    assert_int_equal(test_take_part(reader, "news", PCCD_SHARE_ATTACH, 0, &scene), 0);
     assert_int_equal(pccd_scene_wait(reader, scene, 0, &news), PCCD_E_AGAIN);
     assert_int_equal(move(&cloth, -2, &answer), 0);
     assert_ok(pccd_scene_wait(reader, scene, -1, &news));
@@ -464,7 +450,7 @@ CASE(shared__readers_hear_of_every_last_step)
  * it; or a scene would end with who made it, or never. */
 CASE(shared__a_scene_lives_as_long_as_anybody_takes_part)
 {
-    struct pccd_client *watcher = test_connect(test_shared.url);
+    struct pccd_client *watcher = test_client_at(test_shared.url);
     struct member maker;
     struct member other;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -472,7 +458,6 @@ CASE(shared__a_scene_lives_as_long_as_anybody_takes_part)
                                            "shm_bytes_now"};
     uint32_t scene = 0;
 
-    assert_non_null(watcher);
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++) {
         assert_int_equal(test_stat_await(watcher, counters[i], 0), 0);
     }
@@ -490,9 +475,9 @@ CASE(shared__a_scene_lives_as_long_as_anybody_takes_part)
     assert_true(answer.total > 0); /* the floor is at 2 */
     pccd_answer_release(maker.client, &answer);
     /* A name is taken once, and free again in the end. */
-    assert_int_equal(take_part(watcher, "home", PCCD_SHARE_CREATE, 0, &scene),
+    assert_int_equal(test_take_part(watcher, "home", PCCD_SHARE_CREATE, 0, &scene),
                      PCCD_E_STATE);
-    assert_int_equal(take_part(maker.client, "home", PCCD_SHARE_OPEN, 0, &scene),
+    assert_int_equal(test_take_part(maker.client, "home", PCCD_SHARE_OPEN, 0, &scene),
                      PCCD_E_STATE);
     assert_ok(pccd_scene_destroy(other.client, other.scene));
     assert_int_equal(move(&maker, 4, &answer), 0);
@@ -502,25 +487,11 @@ CASE(shared__a_scene_lives_as_long_as_anybody_takes_part)
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++) {
         assert_int_equal(test_stat_await(watcher, counters[i], 0), 0);
     }
-    assert_int_equal(take_part(watcher, "home", PCCD_SHARE_ATTACH, 0, &scene),
+    assert_int_equal(test_take_part(watcher, "home", PCCD_SHARE_ATTACH, 0, &scene),
                      PCCD_E_AGAIN);
-    assert_int_equal(take_part(watcher, "home", PCCD_SHARE_CREATE, 0, &scene), 0);
+    assert_int_equal(test_take_part(watcher, "home", PCCD_SHARE_CREATE, 0, &scene), 0);
     assert_ok(pccd_scene_destroy(watcher, scene));
     pccd_close(watcher);
-}
-
-/* A client of another user. */
-static struct pccd_client *connect_as_other(void)
-{
-
-    assert_int_equal(chmod(test_shared.directory, 0755), 0);
-    assert_int_equal(chmod(test_shared.socket, 0666), 0);
-    assert_int_equal(seteuid(OTHER_USER), 0);
-    struct pccd_client *client = test_connect(test_shared.url);
-    assert_int_equal(seteuid(0), 0);
-    assert_int_equal(chmod(test_shared.directory, 0700), 0);
-    assert_int_equal(chmod(test_shared.socket, 0600), 0);
-    return client;
 }
 
 /* Nobody but root may act as another user, and only to a daemon: else skip the test. */
@@ -530,7 +501,7 @@ static void connect_two_users(struct pccd_client **mine, struct pccd_client **th
         test_skip("only root can act as another user, and only to a daemon");
     }
     *mine = test_connect(test_shared.url);
-    *theirs = connect_as_other();
+    *theirs = test_connect_as_other();
     assert_non_null(*mine);
     assert_non_null(*theirs);
 }
@@ -552,10 +523,10 @@ CASE(shared__rights_are_as_of_a_file)
     uint32_t object = 0;
 
     connect_two_users(&mine, &theirs);
-    assert_int_equal(take_part(mine, "secret", PCCD_SHARE_CREATE, 0, &secret), 0);
-    assert_int_equal(take_part(mine, "seen", PCCD_SHARE_CREATE, 0644, &seen), 0);
-    assert_int_equal(take_part(mine, "open", PCCD_SHARE_CREATE, 0666, &open), 0);
-    assert_int_equal(take_part(mine, "odd", PCCD_SHARE_CREATE, 0755, &scene),
+    assert_int_equal(test_take_part(mine, "secret", PCCD_SHARE_CREATE, 0, &secret), 0);
+    assert_int_equal(test_take_part(mine, "seen", PCCD_SHARE_CREATE, 0644, &seen), 0);
+    assert_int_equal(test_take_part(mine, "open", PCCD_SHARE_CREATE, 0666, &open), 0);
+    assert_int_equal(test_take_part(mine, "odd", PCCD_SHARE_CREATE, 0755, &scene),
                      PCCD_E_INVAL);
     assert_int_equal(pccd_scene_join(theirs, 0, "secret", &scene), PCCD_E_ACCESS);
     assert_int_equal(pccd_scene_join(theirs, 0, "odd", &scene), PCCD_E_AGAIN);
@@ -611,15 +582,14 @@ CASE(shared__a_guest_pays_for_what_is_his)
     uint32_t scene = 0;
 
     connect_two_users(&mine, &theirs);
-    assert_int_equal(take_part(mine, "guests", PCCD_SHARE_CREATE, 0666, &scene), 0);
+    assert_int_equal(test_take_part(mine, "guests", PCCD_SHARE_CREATE, 0666, &scene), 0);
     assert_ok(pccd_scene_join(theirs, 0, "guests", &scene));
     uint32_t mesh = test_mesh(theirs, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
     uint32_t object = test_object(theirs, scene, mesh);
     assert_ok(pccd_object_set(theirs, scene, object, &settings));
     pccd_close(theirs);
     pccd_close(mine);
-    mine = test_connect(test_shared.url);
-    assert_non_null(mine);
+    mine = test_client_at(test_shared.url);
     assert_int_equal(test_stat_await(mine, "sessions_now", 1), 1);
     assert_int_equal(test_stat_await(mine, "meshes_now", 0), 0);
     pccd_close(mine);

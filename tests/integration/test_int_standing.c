@@ -10,6 +10,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "must.h"
 
 #define SIDE   20u
 #define COUNT  (SIDE * SIDE)
@@ -130,10 +131,8 @@ static void begin(struct world *world)
 {
     memset(world, 0, sizeof *world);
     assert_true(test_daemon_start(&world->daemon, supervised));
-    world->client = test_connect(world->daemon.url);
-    world->other = test_connect(world->daemon.url);
-    assert_non_null(world->client);
-    assert_non_null(world->other);
+    world->client = test_client_at(world->daemon.url);
+    world->other = test_client_at(world->daemon.url);
     assert_ok(test_grid_make(world->client, SIDE, &world->grid));
     memcpy(world->x1, world->grid.x, sizeof world->x1);
     move(world, 0, COUNT, 0); /* down to the floor, where it rests */

@@ -333,26 +333,22 @@ CASE_CROSSING(step__settings_of_another_release_are_read_or_refused)
     test_crossing_positions(x1, -1);
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         settings.known.struct_bytes = sizes[i];
-        assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
-                                      PCCD_FORMAT_F32, 3, &settings.known, &answer),
+        assert_int_equal(test_crossing_step(crossing, x1, &settings.known, &answer),
                          PCCD_E_INVAL);
         assert_non_null(
             strstr(pccd_error_text(client), "settings of the step: struct_bytes"));
     }
     settings.known.struct_bytes = sizeof settings;
     settings.added = 1;
-    assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
-                                  PCCD_FORMAT_F32, 3, &settings.known, &answer),
+    assert_int_equal(test_crossing_step(crossing, x1, &settings.known, &answer),
                      PCCD_E_INVAL);
     assert_non_null(strstr(pccd_error_text(client), "does not know"));
     settings.added = 0;
-    assert_ok(pccd_step_x1(client, crossing->scene, crossing->object, x1, PCCD_FORMAT_F32,
-                           3, &settings.known, &answer));
+    assert_ok(test_crossing_step(crossing, x1, &settings.known, &answer));
     pccd_answer_release(client, &answer);
     settings.known.struct_bytes = 0;
     settings.added = 1; /* is not looked at */
-    assert_ok(pccd_step_x1(client, crossing->scene, crossing->object, x1, PCCD_FORMAT_F32,
-                           3, &settings.known, &answer));
+    assert_ok(test_crossing_step(crossing, x1, &settings.known, &answer));
     pccd_answer_release(client, &answer);
 }
 
@@ -374,8 +370,7 @@ CASE_CROSSING(step__answers_of_another_release_are_filled_or_refused)
         memset(&answer, 0x5a, sizeof answer);
         answer.known.struct_bytes = wrong[i];
         test_crossing_positions(x1, -1);
-        assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
-                                      PCCD_FORMAT_F32, 3, NULL, &answer.known),
+        assert_int_equal(test_crossing_step(crossing, x1, NULL, &answer.known),
                          PCCD_E_INVAL); /* and nothing was submitted */
         assert_non_null(strstr(pccd_error_text(client), "answer: struct_bytes"));
         assert_int_equal(pccd_poll(client, &answer.known), PCCD_E_INVAL);
@@ -428,16 +423,13 @@ CASE_CROSSING(step__refused_steps_change_nothing)
         settings.struct_bytes = sizeof settings;
         memset(&answer, 0xa5, sizeof answer);
         answer.struct_bytes = sizeof answer;
-        assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
-                                      PCCD_FORMAT_F32, 3, &settings, &answer),
+        assert_int_equal(test_crossing_step(crossing, x1, &settings, &answer),
                          PCCD_E_INVAL);
         assert_true(pccd_error_text(client)[0] != '\0');
         pccd_answer_release(client, &answer); /* safe, whatever it holds */
     }
     x1[2][0] = INFINITY;
-    assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
-                                  PCCD_FORMAT_F32, 3, NULL, &answer),
-                     PCCD_E_NOTFINITE);
+    assert_int_equal(test_crossing_step(crossing, x1, NULL, &answer), PCCD_E_NOTFINITE);
     assert_int_equal(answer.status, PCCD_E_NOTFINITE);
     x1[2][0] = 0;
     assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,

@@ -50,8 +50,7 @@ static void make(struct pile *pile)
 
 static void begin(struct pile *pile, const char *url)
 {
-    *pile = (struct pile){.client = test_connect(url)};
-    assert_non_null(pile->client);
+    *pile = (struct pile){.client = test_client_at(url)};
     make(pile);
 }
 
@@ -359,18 +358,6 @@ CASE(thick__comes_back_with_another_daemon)
     assert_true(test_daemon_finish(&daemon));
 }
 
-/* The feature bits of a recording. */
-static uint32_t features_of(const char *path)
-{
-    uint32_t head[4] = {0};
-    FILE *file = fopen(path, "rb");
-
-    assert_non_null(file);
-    assert_int_equal(fread(head, sizeof head, 1, file), 1);
-    (void)fclose(file);
-    return head[3];
-}
-
 /* If it failed, a session with thickness would be repeated without it, found right though
  * it is not, or be read by a program that knows of none. */
 CASE(thick__is_recorded_repeated_and_verified)
@@ -380,21 +367,20 @@ CASE(thick__is_recorded_repeated_and_verified)
     struct pccd_object_settings rest = {
         .struct_bytes = sizeof rest, .what = PCCD_OBJECT_REST_RINGS, .rest_rings = 2};
     struct pccd_answer answer;
-    struct pile pile = {.client = test_connect(test_shared.url)};
+    struct pile pile = {.client = test_client_at(test_shared.url)};
     char said[4096];
 
-    assert_non_null(pile.client);
     test_recording_clear();
     assert_ok(pccd_record_start(pile.client, test_recording, &kept));
     make(&pile);
     assert_int_equal(move(&pile, 1, 0.5f, NULL, &answer, NULL), 0);
-    assert_int_equal(features_of(test_recording) & RECORD_FEATURE_THICK, 0);
+    assert_int_equal(test_recording_features(test_recording) & RECORD_FEATURE_THICK, 0);
     assert_int_equal(set_radius(&pile, pile.lower, 0.25), 0);
     assert_ok(pccd_object_set(pile.client, pile.scene, pile.lower, &rest));
     settings.separation = 0.5;
     assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, NULL), 0);
     assert_int_equal(answer.total, PAIRS);
-    assert_int_equal(features_of(test_recording) & RECORD_FEATURE_THICK,
+    assert_int_equal(test_recording_features(test_recording) & RECORD_FEATURE_THICK,
                      RECORD_FEATURE_THICK);
     settings.separation = 1; /* within it at first */
     assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, NULL), 0);

@@ -10,6 +10,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "must.h"
 #include "skip.h"
 #include "taken.h"
 
@@ -90,9 +91,7 @@ static struct pccd_client *start(struct test_daemon *daemon, const char *pin, in
 
     (void)snprintf(number, sizeof number, "%d", threads);
     assert_true(test_daemon_start(daemon, options));
-    struct pccd_client *client = test_connect(daemon->url);
-    assert_non_null(client);
-    return client;
+    return test_client_at(daemon->url);
 }
 
 static void step(struct pccd_client *client, int threads)

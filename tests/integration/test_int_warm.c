@@ -39,13 +39,10 @@ static void assert_asks_for_nothing(frame_fn frame, void *context)
 
 static struct pccd_client *open_client(void)
 {
-
     if (!TEST_COUNTS_ALLOCATIONS) {
         test_skip("allocations are not counted in this build");
     }
-    struct pccd_client *client = test_connect(test_shared.url);
-    assert_non_null(client);
-    return client;
+    return test_client_at(test_shared.url);
 }
 
 /* Its records, as who reads them does. */

@@ -9,6 +9,7 @@
 
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "pccd.h"
 #include "raw.h"
 #include "skip.h"
@@ -29,9 +30,8 @@ static struct test_grid grid;
 
 static void open_grid(void)
 {
-    struct pccd_client *client = test_connect(test_shared.url);
+    struct pccd_client *client = test_client_at(test_shared.url);
 
-    assert_non_null(client);
     assert_ok(test_grid_make(client, SIDE, &grid));
 }
 
@@ -113,12 +113,11 @@ CASE(threads__records_add_up_to_the_answer)
  * a step that never was. */
 CASE(threads__records_are_of_the_session_that_asks)
 {
-    struct pccd_client *stranger = test_connect(test_shared.url);
+    struct pccd_client *stranger = test_client_at(test_shared.url);
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct sums own = {.threads = 0};
     struct sums others = {.threads = 0};
 
-    assert_non_null(stranger);
     open_grid();
     turn(2, &answer);
     assert_ok(pccd_stats_thread(stranger, false, 0, add, &own, NULL));
@@ -293,14 +292,13 @@ CASE(trace__has_one_event_for_each_task_unit)
 /* If it failed, nobody could tell how long a client waited for what. */
 CASE(trace__has_every_request_of_every_client)
 {
-    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_client *other = test_client_at(test_shared.url);
     struct test_crossing crossing;
     struct recording recording;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t submits = 0;
     uint32_t pings = 0;
 
-    assert_non_null(other);
     assert_ok(test_crossing_make(other, &crossing));
     open_grid();
     start_recording(&recording, 0);
@@ -374,12 +372,11 @@ CASE(trace__ring_that_overflows_keeps_the_newest_and_counts_the_lost)
 /* If it failed, recordings would get into each other's way, or be read half-made. */
 CASE(trace__is_one_at_a_time_and_of_its_session)
 {
-    struct pccd_client *other = test_connect(test_shared.url);
+    struct pccd_client *other = test_client_at(test_shared.url);
     struct recording recording;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     int status = PCCD_E_BUSY;
 
-    assert_non_null(other);
     /* What the sessions before had may still be on its way out. */
     assert_int_equal(test_stat_await(other, "engine_bytes_now", 0), 0);
     open_grid();
@@ -413,8 +410,7 @@ CASE(trace__is_one_at_a_time_and_of_its_session)
     }
     assert_int_equal(status, 0);
     pccd_close(other);
-    other = test_connect(test_shared.url);
-    assert_non_null(other);
+    other = test_client_at(test_shared.url);
     assert_int_equal(test_stat_await(other, "engine_bytes_now", 0), 0);
     pccd_close(other);
 }

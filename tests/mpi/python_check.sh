@@ -1,9 +1,5 @@
 #!/bin/bash
 # python_check.sh - pccd.mpi: a Python program over ranks, beside one process (TAP).
-#
-# Room:     tests/mpi.
-# Does:     run python_ranks.py with 1, 2 and 3 ranks; make a wheel, and run it by that.
-# Needs:    what make check sets; mpi4py of the MPI of this build.
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}"
 # shellcheck source=tests/support/tap.sh

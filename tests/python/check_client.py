@@ -17,6 +17,7 @@ import warnings
 import numpy as np
 
 import pccd
+import support
 from support import (TENT, TENT_TRIANGLES, Scene, cloth, cloth_triangles, dropped)
 
 Settings = pccd.StepSettings
@@ -36,7 +37,7 @@ def write_ply(path, x, triangles):
         file.write(faces.tobytes())
 
 
-class Case(unittest.TestCase):
+class Case(support.Case):
     """With a private daemon for all cases of a class, and a client for each."""
 
     @classmethod
@@ -74,15 +75,6 @@ class Case(unittest.TestCase):
         scene = client.scene_create()
         mesh = client.mesh_create(TENT, TENT_TRIANGLES)
         return scene, mesh, client.scene_add(scene, mesh)
-
-    def fails(self, status, call, *arguments, **named):
-        """The error that a call must raise."""
-        with self.assertRaises(pccd.PccdError) as caught:
-            call(*arguments, **named)
-        self.assertEqual(caught.exception.status, status)
-        self.assertEqual(caught.exception.name, status.name)
-        self.assertTrue(caught.exception.text)
-        return caught.exception
 
 
 class Answers(Case):

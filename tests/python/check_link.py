@@ -24,21 +24,10 @@ import numpy as np
 
 import pccd
 import support
-from support import (TENT, TENT_TRIANGLES, Daemon, Scene, cloth, cloth_triangles, dropped,
-                     ends, is_running)
+from support import (TENT, TENT_TRIANGLES, Case, Daemon, Scene, Supervised, cloth,
+                     cloth_triangles, dropped, ends, is_running)
 
 SMALL = {"result_bytes": 1 << 18}  # a region that is quickly made
-
-
-class Case(unittest.TestCase):
-    """With helpers."""
-
-    def fails(self, status, call, *arguments, **named):
-        """The error that a call must raise."""
-        with self.assertRaises(pccd.PccdError) as caught:
-            call(*arguments, **named)
-        self.assertEqual(caught.exception.status, status, caught.exception)
-        return caught.exception
 
 
 class Patience(unittest.TestCase):
@@ -194,22 +183,11 @@ class Ways(Case):
             self.assertGreater(client.ping(), 0)
 
 
-class Losses(Case):
+class Losses(Supervised):
     """A daemon under a supervisor, whose workers are killed."""
 
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon("--supervise", "--threads", "1", "--crashes-max", "1000")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.stop()
-
-    def connect(self, **options):
-        """Closed when the case is over."""
-        client = pccd.connect(self.daemon.url, **{**SMALL, **options})
-        self.addCleanup(client.close)
-        return client
+    options = ("--threads", "1", "--crashes-max", "1000")
+    result_bytes = SMALL["result_bytes"]
 
     @staticmethod
     def kill(client):

@@ -11,8 +11,8 @@ import unittest
 
 import pccd
 from raw_client import CONTACT, RawClient, Refused
-from support import (TENT, TENT_TRIANGLES, Daemon, Scene, cloth, cloth_triangles, dropped,
-                     ends, floor)
+from support import (TENT, TENT_TRIANGLES, Scene, Supervised, cloth, cloth_triangles,
+                     dropped, ends, floor)
 
 STILL = [(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0)]
 LOWERED = [(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, -2)]
@@ -27,16 +27,10 @@ def indices(triangles):
     return [tuple(map(int, row)) for row in triangles]
 
 
-class Case(unittest.TestCase):
-    """With a supervised daemon for all cases of a class, and a raw client for each."""
+class Case(Supervised):
+    """With a raw client for each case."""
 
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon("--supervise", "--threads", "1")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.stop()
+    options = ("--threads", "1")
 
     def setUp(self):
         self.client = RawClient(self.daemon.url[5:])

@@ -12,7 +12,7 @@ import unittest
 import numpy as np
 
 import pccd
-from support import TENT, TENT_TRIANGLES, Daemon, dropped, ends
+from support import TENT, TENT_TRIANGLES, Supervised, dropped, ends
 
 FLOOR, FACE = TENT[:3], TENT_TRIANGLES[:1]
 UPPER = TENT[3:] + np.float32([0, 0, 0])
@@ -42,31 +42,7 @@ class Member:
         return step
 
 
-class Case(unittest.TestCase):
-    """With a supervised daemon for all cases of a class, and clients for each."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = Daemon("--supervise")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.stop()
-
-    def connect(self, **options):
-        client = pccd.connect(self.daemon.url, result_bytes=1 << 20, **options)
-        self.addCleanup(client.close)
-        return client
-
-    def fails(self, status, call, *arguments, **named):
-        """The error that a call must raise."""
-        with self.assertRaises(pccd.PccdError) as caught:
-            call(*arguments, **named)
-        self.assertEqual(caught.exception.status, status)
-        return caught.exception
-
-
-class Filters(Case):
+class Filters(Supervised):
     """object_set, object_get, pair_ignore."""
 
     def setUp(self):
@@ -135,7 +111,7 @@ class Filters(Case):
                              (6, 2**64 - 1, False, 0, 0, 0))
 
 
-class Shared(Case):
+class Shared(Supervised):
     """Scenes with names."""
 
     # If this failed, objects of two processes would be moved one after the other, or who

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import tempfile
 import time
+import unittest
 
 import numpy as np
 
@@ -104,6 +105,41 @@ class Daemon:
         status = self.process.wait(20)
         shutil.rmtree(self.folder)
         return status
+
+
+class Case(unittest.TestCase):
+    """With calls that must fail."""
+
+    def fails(self, status, call, *arguments, **named):
+        """The error that a call must raise."""
+        with self.assertRaises(pccd.PccdError) as caught:
+            call(*arguments, **named)
+        self.assertEqual(caught.exception.status, status, caught.exception)
+        self.assertEqual(caught.exception.name, status.name)
+        self.assertTrue(caught.exception.text)
+        return caught.exception
+
+
+class Supervised(Case):
+    """With a supervised daemon for all cases of a class, and clients for each."""
+
+    options = ()  # of the daemon
+    result_bytes = 1 << 20  # of clients
+
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = Daemon("--supervise", *cls.options)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.stop()
+
+    def connect(self, **options):
+        """Closed when the case is over."""
+        client = pccd.connect(self.daemon.url,
+                              **{"result_bytes": self.result_bytes, **options})
+        self.addCleanup(client.close)
+        return client
 
 
 def is_running(pid):

@@ -1,10 +1,5 @@
 #!/bin/bash
 # test_python_client.sh - the Python module against real daemons (TAP).
-#
-# Room:     tests/python.
-# Does:     run the cases of check_*.py with the first Python that has msgpack and numpy;
-#           without one, skip them by name.
-# Needs:    PCCDD, PCCD_DAEMON, PCCDCTL, top_srcdir and top_builddir, set by `make check`.
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDD:?}" "${PCCD_DAEMON:?}" "${PCCDCTL:?}"
 # shellcheck source=tests/support/tap.sh

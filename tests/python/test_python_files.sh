@@ -1,9 +1,5 @@
 #!/bin/bash
 # test_python_files.sh - python3 -m pccd check of files that meshio reads (TAP).
-#
-# Room:     tests/python.
-# Does:     run check_files.py with a Python that has meshio; without one, skip it by name.
-# Needs:    PCCD_DAEMON, PCCDCTL, top_srcdir and top_builddir, set by `make check`.
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCD_DAEMON:?}" "${PCCDCTL:?}"
 # shellcheck source=tests/support/tap.sh

@@ -1,9 +1,5 @@
 #!/bin/bash
 # test_python_use.sh - what a user of the Python module sees (TAP).
-#
-# Room:     tests/python.
-# Does:     the example, the lines of README.md as written, an installation, the types.
-# Needs:    PCCD_DAEMON, top_srcdir and top_builddir, set by `make check`.
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCD_DAEMON:?}"
 # shellcheck source=tests/support/tap.sh

@@ -1,9 +1,5 @@
 #!/bin/bash
 # test_python_vtk.sh - the reader of recordings for VTK and ParaView (TAP).
-#
-# Room:     tests/python.
-# Does:     run check_vtk.py with a Python that has VTK 9; without one, skip it by name.
-# Needs:    PCCD_DAEMON, PCCDCTL, top_srcdir and top_builddir, set by `make check`.
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCD_DAEMON:?}" "${PCCDCTL:?}"
 # shellcheck source=tests/support/tap.sh

@@ -101,6 +101,14 @@ bool test_crossing_is_right(struct test_crossing *crossing, struct pccd_answer *
     return right;
 }
 
+int test_crossing_step(struct test_crossing *crossing, const void *x1,
+                       const struct pccd_step_settings *settings,
+                       struct pccd_answer *answer)
+{
+    return pccd_step_x1(crossing->client, crossing->scene, crossing->object, x1,
+                        PCCD_FORMAT_F32, 3, settings, answer);
+}
+
 bool test_crossing_turn(struct test_crossing *crossing)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -108,8 +116,7 @@ bool test_crossing_turn(struct test_crossing *crossing)
     int status;
 
     test_crossing_positions(x1, -crossing->z);
-    status = pccd_step_x1(crossing->client, crossing->scene, crossing->object, x1,
-                          PCCD_FORMAT_F32, 3, NULL, &answer);
+    status = test_crossing_step(crossing, x1, NULL, &answer);
     if (status != 0) {
         fprintf(stderr, "# turn: %s\n", pccd_error_text(crossing->client));
         return false;

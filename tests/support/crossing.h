@@ -39,6 +39,11 @@ int test_crossing_make(struct pccd_client *client, struct test_crossing *crossin
 /* Positions of the triangle at height z. */
 void test_crossing_positions(float x[3][3], float z);
 
+/* A step in which the triangle goes to x1. Returns a status. */
+int test_crossing_step(struct test_crossing *crossing, const void *x1,
+                       const struct pccd_step_settings *settings,
+                       struct pccd_answer *answer);
+
 /* One turn through the floor. True when the answer is what it must be. */
 bool test_crossing_turn(struct test_crossing *crossing);
 

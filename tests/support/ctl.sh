@@ -4,8 +4,9 @@
 # what the last `ctl` has said; `report` shows them after $log.
 #
 #   ctl ARGUMENT...                whether it succeeds; 100 s at most
-#   fails STATUS TEXT ARGUMENT...  whether it ends so, with nothing in out and TEXT in err:
-#                                  2 is wrong usage, 3 no daemon, 4 any other error
+#   ends STATUS TEXT ARGUMENT...   whether it ends so, with TEXT in err: 2 is wrong usage, 3 no
+#                                  daemon, 4 any other error
+#   fails STATUS TEXT ARGUMENT...  the same, with nothing in out
 #   check STATUS ARGUMENT...       pccdctl check --private ends so
 #   says PATTERN...                whether each is in a line of out
 #   json_value KEY                 of the JSON object in out
@@ -31,12 +32,14 @@ log=$work/log
 
 ctl() { timeout 100 "$PCCDCTL" "$@" >out 2>err; }
 
-fails() {
+ends() {
     local status=$1 text=$2
     shift 2
     ctl "$@"
-    [ $? -eq "$status" ] && [ ! -s out ] && grep -qF -- "$text" err
+    [ $? -eq "$status" ] && grep -qF -- "$text" err
 }
+
+fails() { ends "$@" && [ ! -s out ]; }
 
 check() {
     local status=$1

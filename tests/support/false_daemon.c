@@ -1,10 +1,7 @@
 /* false_daemon.c - a daemon that is played from a script. */
 #include "false_daemon.h"
 
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/socket.h>
@@ -12,8 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "cases.h"
 #include "daemon.h"
 #include "seqpacket.h"
 #include "shm.h"

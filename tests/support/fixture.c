@@ -2,6 +2,8 @@
 #include "fixture.h"
 
 #include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 struct test_daemon test_shared;
 
@@ -38,6 +40,27 @@ int test_shared_connect(void **state, uint64_t result_bytes, struct pccd_client 
     options.timeout_ms = 60000;
     options.result_bytes = result_bytes;
     return pccd_connect(&options, client) == 0 ? 0 : -1;
+}
+
+struct pccd_client *test_connect_as_other(void)
+{
+    assert_int_equal(chmod(test_shared.directory, 0755), 0);
+    assert_int_equal(chmod(test_shared.socket, 0666), 0);
+    assert_int_equal(seteuid(TEST_OTHER_USER), 0);
+    struct pccd_client *client = test_connect(test_shared.url);
+    assert_int_equal(seteuid(0), 0);
+    assert_int_equal(chmod(test_shared.directory, 0700), 0);
+    assert_int_equal(chmod(test_shared.socket, 0600), 0);
+    return client;
+}
+
+int test_take_part(struct pccd_client *client, const char *name, enum pccd_share share,
+                   uint32_t rights, uint32_t *scene)
+{
+    struct pccd_scene_settings settings = {
+        .name = name, .share = share, .rights = rights};
+
+    return pccd_scene_create(client, &settings, scene);
 }
 
 int test_crossing_open(void **state)

@@ -18,6 +18,14 @@ int test_shared_stop(void **state);
  * bytes. Returns 0 or -1. */
 int test_shared_connect(void **state, uint64_t result_bytes, struct pccd_client **client);
 
+/* A client of that daemon as TEST_OTHER_USER; only root can. */
+#define TEST_OTHER_USER 65534
+struct pccd_client *test_connect_as_other(void);
+
+/* Make a scene that is shared, or take part in it. Returns a status. */
+int test_take_part(struct pccd_client *client, const char *name, enum pccd_share share,
+                   uint32_t rights, uint32_t *scene);
+
 /* Of a test: a client of that daemon and the smallest scene of its own; *state is a
  * struct test_crossing. */
 int test_crossing_open(void **state);

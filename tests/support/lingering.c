@@ -2,14 +2,10 @@
 #include "lingering.h"
 
 #include <netinet/in.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <cmocka.h>
+#include "cases.h"
 
 int test_lingering_new(int seconds, int *peer)
 {

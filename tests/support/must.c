@@ -1,6 +1,8 @@
 /* must.c - what a client does that must work. */
 #include "must.h"
 
+#include "crossing.h"
+
 /* Fail the case unless the status is 0, with what the library says of the call. */
 static void expect_done(const struct pccd_client *client, int status)
 {
@@ -15,6 +17,22 @@ struct pccd_client *test_client(const struct pccd_options *options)
 
     expect_done(NULL, pccd_connect(options, &client));
     return client;
+}
+
+struct pccd_client *test_client_at(const char *url)
+{
+    struct pccd_client *client = test_connect(url);
+
+    assert_non_null(client);
+    return client;
+}
+
+struct pccd_link_info test_link(const struct pccd_client *client)
+{
+    struct pccd_link_info info;
+
+    expect_done(client, pccd_link(client, &info));
+    return info;
 }
 
 uint32_t test_scene(struct pccd_client *client)

@@ -1,15 +1,11 @@
 /* recording.c - where a test's recordings are, and whether they repeat. */
 #include "recording.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "cases.h"
 #include "fixture.h"
 #include "run_ctl.h"
 
@@ -68,4 +64,15 @@ uint64_t test_recording_repeats(const char *options, const char *file, uint64_t 
     assert_int_equal(test_ctl_number(said, "differ"), 0);
     assert_in_range(test_ctl_number(said, "same"), least, ANSWERS_MAX);
     return test_ctl_number(said, "same");
+}
+
+uint32_t test_recording_features(const char *path)
+{
+    uint32_t head[4] = {0};
+    FILE *file = fopen(path, "rb");
+
+    assert_non_null(file);
+    assert_int_equal(fread(head, sizeof head, 1, file), 1);
+    (void)fclose(file);
+    return head[3];
 }

@@ -1,15 +1,10 @@
 /* test_zoo_animals.c - hostile clients beside an honest one. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "animals.h"
+#include "cases.h"
 #include "keeper.h"
 
 #define HEAP_MAX  (256u << 10) /* of each, besides what its user's quotas are charged */
