@@ -12,10 +12,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pccd_types.h"
 #include "seqpacket.h"
 
 /* Changes when a member of struct proto_direct does. */
-#define PROTO_DIRECT_VERSION 8u
+#define PROTO_DIRECT_VERSION 9u
 
 /* The file, and what it exports: a proto_direct_fn. */
 #define PROTO_DIRECT_LIBRARY "libpccd-direct.so.0"
@@ -73,6 +74,13 @@ struct proto_direct {
     void (*write)(struct proto_direct_inbox *line,
                   void (*write)(void *writer, void *to, const void *from, uint64_t count),
                   void *writer);
+
+    /* Likewise, steps tell weigh(weigher, pairs, count) of the pairs that they have to
+     * decide one by one, and have no records. NULL: they have. [owner] */
+    void (*weigh)(struct proto_direct_inbox *line,
+                  void (*weigh)(void *weigher, const struct pccd_pair *pairs,
+                                uint32_t count),
+                  void *weigher);
 
     /* For libpccd-mpi, too. Of all vertices of an object of the client's scene, which it
      * does not share: where their positions at the end of the next step go, and, unless

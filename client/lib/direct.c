@@ -223,6 +223,14 @@ int cli_mpi_write(struct pccd_client *client,
     return 0;
 }
 
+void cli_mpi_weigh(struct pccd_client *client,
+                   void (*weigh)(void *weigher, const struct pccd_pair *pairs,
+                                 uint32_t count),
+                   void *weigher)
+{
+    client->direct.host->weigh(client->direct.line, weigh, weigher);
+}
+
 int cli_direct_descriptor(const struct pccd_client *client)
 {
     return client->direct.host->descriptor(client->direct.line);

@@ -70,4 +70,12 @@ cli_mpi_write(struct pccd_client *client,
               void (*write)(void *writer, void *to, const void *from, uint64_t count),
               void *writer);
 
+/* With the url direct:, the client's steps tell weigh(weigher, pairs, count) of the pairs
+ * that no box, axis or plane rejects, from any thread of theirs, and have no records.
+ * NULL: they have. */
+__attribute__((visibility("default"))) void
+cli_mpi_weigh(struct pccd_client *client,
+              void (*weigh)(void *weigher, const struct pccd_pair *pairs, uint32_t count),
+              void *weigher);
+
 #endif

@@ -1,12 +1,16 @@
-/* balance.c - work of the ranks. */
+/* balance.c - how evenly the work lies on the ranks, and what each leaf adds to it. */
 #include "cut.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+#include "kinds.h"
+#include "mpi_hooks.h"
+#include "parts.h"
+
 /* Beyond this the scene is cut anew, as soon as what was lost by it since the last cut is
  * as long as a cut takes. At once after a cut that knew nothing of work, and as long as
- * there were fewer than three cuts, as weights are a guess before work was counted. */
+ * there were fewer than three cuts, as a cut changes what is to be done. */
 #define IMBALANCE_MAX 1.05
 
 /* What passes the filter takes some times as long as a box test: in one process 102 and
@@ -16,15 +20,195 @@
 /* Positions and boxes take 40 ns for each leaf and ghost, in both. */
 #define LEAF_WORK 3u
 
-void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *counters)
+static uint64_t work_of(const struct pccd_mpi *world,
+                        const struct pccd_step_counters *counters)
 {
     uint64_t leaves = 0;
     for (uint32_t o = 0; o < world->object_count; o++) {
         const struct ranks_object *object = world->objects[o];
         leaves += (uint64_t)object->own_count + object->ghost_count;
     }
-    world->share.work = counters->box_tests + LEAF_WORK * leaves +
-                        SURVIVOR_WORK * (counters->survivors + counters->thick_survivors);
+    return counters->box_tests + LEAF_WORK * leaves +
+           SURVIVOR_WORK * (counters->survivors + counters->thick_survivors);
+}
+
+/* ---- weights of leaves ------------------------------------------------------------ */
+
+/* For cli_mpi_weigh. The first feature of each pair is this rank's own. [team] */
+static void count_pairs(void *weigher, const struct pccd_pair *pairs, uint32_t count)
+{
+    const struct pccd_mpi *world = weigher;
+    uint32_t at = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct ranks_object *object =
+            ranks_find_object_from(world, pairs[i].object_a, &at);
+        bool is_vertex = common_kinds[pairs[i].kind].points[0] == 1;
+        uint32_t *pairs_of = is_vertex ? object->vertex_pairs : object->edge_pairs;
+#pragma omp atomic
+        pairs_of[pairs[i].feature_a]++;
+    }
+}
+
+static void forget_pairs(struct pccd_mpi *world)
+{
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        struct ranks_object *object = world->objects[o];
+        free(object->vertex_pairs);
+        free(object->edge_pairs);
+        object->vertex_pairs = object->edge_pairs = NULL;
+    }
+}
+
+int balance_weigh_begin(struct pccd_mpi *world)
+{
+    bool is_short = false;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        struct ranks_object *object = world->objects[o];
+        size_t vertices = (size_t)object->local.vertex_count + 1;
+        size_t edges = (size_t)object->local.edge_count + 1;
+        object->vertex_pairs = calloc(vertices, sizeof *object->vertex_pairs);
+        object->edge_pairs = calloc(edges, sizeof *object->edge_pairs);
+        is_short |= object->vertex_pairs == NULL || object->edge_pairs == NULL;
+    }
+    if (is_short) {
+        forget_pairs(world);
+        return ranks_no_memory(world);
+    }
+    cli_mpi_weigh(world->client, count_pairs, world);
+    return PCCD_OK;
+}
+
+void balance_weigh_stop(struct pccd_mpi *world)
+{
+    cli_mpi_weigh(world->client, NULL, NULL);
+}
+
+/* How many pairs begin with features of an own leaf; corners: its local vertices. */
+static uint32_t pairs_of(const struct ranks_object *object, uint32_t leaf,
+                         const uint32_t corners[3])
+{
+    const struct ranks_leaf *own = &object->own[leaf];
+    const struct ranks_local *local = &object->local;
+    uint32_t pairs = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        if (own->owns & RANKS_OWNS_CORNER(k)) {
+            pairs += object->vertex_pairs[corners[k]];
+        }
+        if (own->owns & RANKS_OWNS_SIDE(k)) {
+            pairs += object->edge_pairs[ranks_place_of(local->edges, local->edge_count,
+                                                       own->side[k])];
+        }
+    }
+    return pairs;
+}
+
+/* object->weights are the pairs of each own leaf, for now; they are added to *sum. */
+static int sum_pairs(struct pccd_mpi *world, struct ranks_object *object, uint64_t *sum)
+{
+    uint32_t count = object->own_count;
+    uint32_t(*corners)[3] = ranks_array(count, sizeof *corners);
+    object->weights = ranks_array(count, sizeof *object->weights);
+    int status =
+        corners == NULL || object->weights == NULL
+            ? ranks_no_memory(world)
+            : ranks_local_corners(world, &object->local, object->own, count, corners);
+    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
+        object->weights[i] = pairs_of(object, i, corners[i]);
+        *sum += object->weights[i];
+    }
+    free(corners);
+    return status;
+}
+
+/* What a rank has, and what work that was. */
+struct load {
+    double leaves, pairs, work;
+};
+
+/* Work as nearly as that can be for all ranks = *alone * leaves + *meeting * pairs (least
+ * squares); neither is less than what is known of it. */
+static void fit(const struct load *loads, int size, double *alone, double *meeting)
+{
+    struct load sum = {.work = 0};
+    double ll = 0, lp = 0, pp = 0, lw = 0, pw = 0;
+    for (int r = 0; r < size; r++) {
+        const struct load *load = &loads[r];
+        sum.leaves += load->leaves;
+        sum.pairs += load->pairs;
+        sum.work += load->work;
+        ll += load->leaves * load->leaves;
+        lp += load->leaves * load->pairs;
+        pp += load->pairs * load->pairs;
+        lw += load->leaves * load->work;
+        pw += load->pairs * load->work;
+    }
+    double determinant = ll * pp - lp * lp;
+    *meeting = determinant > 1e-9 * ll * pp ? (pw * ll - lw * lp) / determinant : 0;
+    *meeting = fmax(*meeting, SURVIVOR_WORK);
+    *alone = (sum.work - *meeting * sum.pairs) / fmax(sum.leaves, 1);
+    if (*alone < LEAF_WORK) {
+        *alone = LEAF_WORK;
+        *meeting = fmax((sum.work - *alone * sum.leaves) / fmax(sum.pairs, 1), 0);
+    }
+}
+
+/* Collective: from pairs of own leaves to what they weigh. */
+static int scale(struct pccd_mpi *world, struct load mine, uint64_t *sum)
+{
+    struct ranks_link *link = &world->link;
+    struct load *loads = NULL;
+    double alone, meeting;
+    uint64_t *first = ranks_array((uint64_t)link->size + 1, sizeof *first);
+    int status = ranks_agree_memory(world, first != NULL);
+    if (status == PCCD_OK) {
+        status = ranks_spread(link, sizeof mine, &mine, 1, (void **)&loads, first);
+    }
+    *sum = 0;
+    if (status == PCCD_OK) {
+        fit(loads, link->size, &alone, &meeting);
+    }
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        for (uint32_t i = 0; i < world->objects[o]->own_count; i++) {
+            uint32_t *weight = &world->objects[o]->weights[i];
+            *weight = (uint32_t)fmin(ceil(alone + meeting * *weight), UINT32_MAX);
+            *sum += *weight;
+        }
+    }
+    free(first);
+    free(loads);
+    return status;
+}
+
+int balance_weigh_end(struct pccd_mpi *world, const struct pccd_step_counters *counters,
+                      uint64_t *sum)
+{
+    uint64_t leaves = 0, pairs = 0;
+    int status = PCCD_OK;
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        leaves += world->objects[o]->own_count;
+        status = sum_pairs(world, world->objects[o], &pairs);
+    }
+    forget_pairs(world);
+    status = ranks_agree_on(&world->link, status);
+    const struct load mine = {(double)leaves, (double)pairs,
+                              (double)work_of(world, counters)};
+    return status == PCCD_OK ? scale(world, mine, sum) : status;
+}
+
+void balance_forget_weights(struct pccd_mpi *world)
+{
+    forget_pairs(world);
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        free(world->objects[o]->weights);
+        world->objects[o]->weights = NULL;
+    }
+}
+
+/* ---- balance ----------------------------------------------------------------------- */
+
+void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *counters)
+{
+    world->share.work = work_of(world, counters);
 }
 
 /* The most of all ranks, and what that is beside the mean. */
@@ -32,7 +216,7 @@ static int compare(struct pccd_mpi *world, uint64_t mine, double *most, double *
 {
     struct ranks_link *link = &world->link;
     uint64_t *all = ranks_array((uint64_t)link->size, sizeof *all);
-    int status = ranks_agree_on(link, all == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_memory(world, all != NULL);
     if (status == PCCD_OK) {
         status = ranks_tell_all(link, mine, all);
     }
@@ -59,7 +243,6 @@ int balance_tell(struct pccd_mpi *world)
 {
     double most;
     int status = compare(world, world->share.work, &most, &world->share.imbalance);
-    world->known_work = world->share.work;
     world->right_work += most;
     return status;
 }
@@ -76,8 +259,6 @@ void balance_note_times(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_n
 
 bool balance_wants_cut(const struct pccd_mpi *world)
 {
-    return world->link.size > 1 &&
-           world->is_covered && /* else leaves cannot be weighed */
-           world->share.imbalance > IMBALANCE_MAX &&
+    return world->link.size > 1 && world->share.imbalance > IMBALANCE_MAX &&
            (world->share.cuts < 3 || world->lost_ns > (double)world->cut_ns);
 }

@@ -24,32 +24,23 @@ static int find_numbers(struct pccd_mpi *world, struct ranks_mesh *mesh)
     uint32_t base = (uint32_t)link->rank * mesh->span;
     uint32_t end = mesh->vertex_total;
     uint32_t count = base < end ? (end - base < mesh->span ? end - base : mesh->span) : 0;
-    uint64_t *first = calloc(2 * ((size_t)link->size + 1), sizeof *first);
+    uint64_t in_count = 0;
     struct numbered *out = ranks_array(count, sizeof *out), *in = NULL;
+    uint32_t *to = ranks_array(count, sizeof *to);
     uint32_t *numbers = ranks_array(mesh->vertex_count, sizeof *numbers);
-    int status = ranks_agree_on(link, first == NULL || out == NULL || numbers == NULL
-                                          ? ranks_no_memory(world)
-                                          : PCCD_OK);
-    if (status == PCCD_OK) {
-        uint64_t *first_in = first + link->size + 1;
-        for (uint32_t i = 0; i < count; i++) {
-            first[mesh->places[i].rank + 1]++;
-        }
-        for (int r = 0; r < link->size; r++) {
-            first[r + 1] += first[r];
-        }
-        for (uint32_t i = 0; i < count; i++) { /* ends become begins of the next */
-            const struct ranks_place *place = &mesh->places[i];
-            out[first[place->rank]++] = (struct numbered){place->index, base + i};
-        }
-        memmove(first + 1, first, (size_t)link->size * sizeof *first);
-        first[0] = 0;
-        status = ranks_deal(link, sizeof *out, out, first, (void **)&in, first_in);
-        for (uint64_t i = 0; status == PCCD_OK && i < first_in[link->size]; i++) {
-            numbers[in[i].index] = in[i].number;
-        }
+    int status = ranks_agree_memory(world, out != NULL && to != NULL && numbers != NULL);
+    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
+        out[i] = (struct numbered){mesh->places[i].index, base + i};
+        to[i] = (uint32_t)mesh->places[i].rank;
     }
-    free(first);
+    if (status == PCCD_OK) {
+        status =
+            ranks_deal_to(link, sizeof *out, out, to, count, (void **)&in, &in_count);
+    }
+    for (uint64_t i = 0; i < in_count; i++) {
+        numbers[in[i].index] = in[i].number;
+    }
+    free(to);
     free(out);
     free(in);
     if (status != PCCD_OK) {
@@ -80,9 +71,7 @@ static int bring_back(struct pccd_mpi *world, const double *const *local, double
     uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
     double *out = ranks_array(plan->in_first[cells], sizeof *out);
     double *in = ranks_array(plan->out_first[cells], sizeof *in);
-    int status = ranks_agree_on(link, first == NULL || out == NULL || in == NULL
-                                          ? ranks_no_memory(world)
-                                          : PCCD_OK);
+    int status = ranks_agree_memory(world, first != NULL && out != NULL && in != NULL);
     if (status == PCCD_OK) {
         for (uint64_t cell = 0; cell < cells; cell++) {
             const double *from = local[cell % plan->object_count];
@@ -200,9 +189,7 @@ static double greatest(const struct pccd_mpi *world, double *const *given)
 
 static int sum_up(struct pccd_mpi *world, struct ranks_sums *sums, double *most)
 {
-    *most = -*most;
-    int status = ranks_min_doubles(&world->link, most, 1);
-    *most = *most < 0 ? -*most : 0;
+    int status = ranks_max_doubles(&world->link, most, 1);
     return status == PCCD_OK
                ? ranks_sum(&world->link, (uint64_t *)(void *)sums,
                            (int)(offsetof(struct ranks_sums, toi_first) / 8))
@@ -256,9 +243,7 @@ int ranks_bounds_make(struct pccd_mpi *world, const struct pccd_near_settings *n
     const double **local = calloc(objects, sizeof *local);
     uint32_t *order = calloc(objects, sizeof *order);
     int status =
-        ranks_agree_on(&world->link, given == NULL || local == NULL || order == NULL
-                                         ? ranks_no_memory(world)
-                                         : PCCD_OK);
+        ranks_agree_memory(world, given != NULL && local != NULL && order != NULL);
     if (status == PCCD_OK) {
         status = make(world, near, given, local, order, answer);
     }

@@ -62,13 +62,11 @@ uint64_t ranks_curve_place(const double x[3], const double low[3], const double 
 
 /* ---- where leaves are ------------------------------------------------------------- */
 
-/* Positions of the own leaves' vertices: a plan for them alone, then x[object]. */
-static int fetch_own(struct pccd_mpi *world, double (**x)[3])
+/* A plan for the vertices of own leaves alone, and where they are: x[object]. */
+static int fetch_own(struct pccd_mpi *world, double (***x)[3])
 {
-    uint32_t count = world->object_count;
-    const double(**given)[3] = ranks_array(count, sizeof *given);
-    int status = given == NULL ? ranks_no_memory(world) : PCCD_OK;
-    for (uint32_t o = 0; o < count && status == PCCD_OK; o++) {
+    int status = PCCD_OK;
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         struct ranks_object *object = world->objects[o];
         free(object->ghosts);
         object->ghosts = NULL;
@@ -78,22 +76,13 @@ static int fetch_own(struct pccd_mpi *world, double (**x)[3])
         object->neighbour_count = 0;
         object->neighbour_rings = 0;
         object->is_built = false;
-        given[o] = (const double(*)[3])object->x;
         status = ranks_local_make(world, object);
-        if (status == PCCD_OK) {
-            x[o] = ranks_array(object->local.vertex_count, sizeof *x[o]);
-            status = x[o] == NULL ? ranks_no_memory(world) : PCCD_OK;
-        }
     }
     status = ranks_agree_on(&world->link, status);
     if (status == PCCD_OK) {
         status = ranks_plan_make(world);
     }
-    if (status == PCCD_OK) {
-        status = ranks_plan_send(world, given, x);
-    }
-    free((void *)given);
-    return status;
+    return status == PCCD_OK ? ranks_positions_fetch(world, RANKS_LAST_END, x) : status;
 }
 
 /* The box of all vertices: low, then -high. */
@@ -202,59 +191,32 @@ static int settle(struct pccd_mpi *world, const struct ranks_traveller *leaves,
     return status;
 }
 
-/* Leaves in order of the ranks that get them, first[size + 1]; in the same memory. */
-static int sort_by_rank(struct pccd_mpi *world, struct ranks_traveller **leaves,
-                        uint64_t count, const struct ranks_pieces *pieces,
-                        uint64_t *first)
-{
-    struct ranks_traveller *sorted = ranks_array(count, sizeof *sorted);
-    uint64_t slice = 0, end = 0;
-    if (sorted == NULL) {
-        return ranks_no_memory(world);
-    }
-    memset(first, 0, ((size_t)world->link.size + 1) * sizeof *first);
-    for (uint64_t i = 0; i < count; i++) {
-        while ((*leaves)[i].place >= pieces->ends[slice]) {
-            slice++;
-        }
-        first[pieces->rank[slice]]++;
-    }
-    for (int r = 0; r <= world->link.size; r++) {
-        end += first[r];
-        first[r] = end;
-    }
-    for (uint64_t i = count; i-- > 0;) {
-        while (slice > 0 && (*leaves)[i].place < pieces->ends[slice - 1]) {
-            slice--;
-        }
-        sorted[--first[pieces->rank[slice]]] = (*leaves)[i];
-    }
-    free(*leaves);
-    *leaves = sorted;
-    return PCCD_OK;
-}
-
 /* Each leaf to its rank; *leaves are gone then. */
 static int move(struct pccd_mpi *world, struct ranks_traveller **leaves, uint64_t count,
                 const struct ranks_pieces *pieces)
 {
     struct ranks_link *link = &world->link;
-    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
     struct ranks_traveller *came = NULL;
-    int status = first == NULL ? ranks_no_memory(world)
-                               : sort_by_rank(world, leaves, count, pieces, first);
-    status = ranks_agree_on(link, status);
-    if (status == PCCD_OK) {
-        uint64_t *first_in = first + link->size + 1;
-        status = ranks_deal(link, sizeof *came, *leaves, first, (void **)&came, first_in);
-        free(*leaves);
-        *leaves = NULL;
-        if (status == PCCD_OK) {
-            status = ranks_agree_on(link, settle(world, came, first_in[link->size]));
-            link->broken = status; /* leaves may be lost */
+    uint64_t came_count = 0, slice = 0;
+    uint32_t *to = ranks_array(count, sizeof *to);
+    int status = ranks_agree_memory(world, to != NULL);
+    for (uint64_t i = 0; i < count && status == PCCD_OK; i++) {
+        while ((*leaves)[i].place >= pieces->ends[slice]) {
+            slice++;
         }
+        to[i] = pieces->rank[slice];
     }
-    free(first);
+    if (status == PCCD_OK) {
+        status = ranks_deal_to(link, sizeof *came, *leaves, to, count, (void **)&came,
+                               &came_count);
+    }
+    free(to);
+    free(*leaves);
+    *leaves = NULL;
+    if (status == PCCD_OK) {
+        status = ranks_agree_on(link, settle(world, came, came_count));
+        link->broken = status; /* leaves may be lost */
+    }
     free(came);
     return status;
 }
@@ -290,7 +252,7 @@ static int take_leaves(struct pccd_mpi *world)
     return PCCD_OK;
 }
 
-static int cut(struct pccd_mpi *world, double (**x)[3])
+static int cut(struct pccd_mpi *world, double (***x)[3])
 {
     struct ranks_link *link = &world->link;
     struct ranks_pieces pieces = {.count = 0};
@@ -298,7 +260,7 @@ static int cut(struct pccd_mpi *world, double (**x)[3])
     uint64_t count = 0;
     int status = fetch_own(world, x);
     if (status == PCCD_OK) {
-        status = bound(world, x, box);
+        status = bound(world, *x, box);
     }
     if (status != PCCD_OK) {
         return status;
@@ -308,7 +270,7 @@ static int cut(struct pccd_mpi *world, double (**x)[3])
     }
     struct ranks_traveller *leaves = ranks_array(count, sizeof *leaves);
     status = leaves == NULL ? ranks_no_memory(world)
-                            : place_leaves(world, x, box, count, leaves);
+                            : place_leaves(world, *x, box, count, leaves);
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
         status = ranks_pieces_find(world, leaves, count, &pieces);
@@ -336,25 +298,19 @@ static int look_around(struct pccd_mpi *world)
 int ranks_cut(struct pccd_mpi *world)
 {
     struct ranks_link *link = &world->link;
-    uint32_t objects = world->object_count;
-    double(**x)[3] = calloc((size_t)objects + 1, sizeof *x);
-    int status = x == NULL ? ranks_no_memory(world) : take_leaves(world);
+    double(**x)[3] = NULL;
     world->is_cut = world->is_covered = false;
-    status = ranks_agree_on(link, status);
+    int status = ranks_agree_on(link, take_leaves(world));
     if (status == PCCD_OK) {
-        status = cut(world, x);
+        status = cut(world, &x);
     }
-    for (uint32_t o = 0; o < objects && x != NULL; o++) {
-        free(x[o]);
-    }
-    free((void *)x);
+    ranks_positions_free(world, x);
     if (status == PCCD_OK) {
         status = look_around(world);
     }
     if (status == PCCD_OK) {
         world->is_cut = true;
         world->share.imbalance = 1; /* nothing is known of this one */
-        world->known_work = 0;
         world->share.cuts++;
     }
     return status;

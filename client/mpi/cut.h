@@ -16,16 +16,8 @@
  * Points beyond it have the place of the nearest in it. 63 bits. */
 uint64_t ranks_curve_place(const double x[3], const double low[3], const double high[3]);
 
-/* ---- How much work a leaf is in a step. */
-
-/* Collective, while there are ghosts, which may be those of another step:
- * object->weights, for a step from object->from to object->to, and this rank's sum. */
-int ranks_weigh(struct pccd_mpi *world, double separation, uint64_t *sum);
-/* In this rank alone: all leaves weigh the same again. */
-void ranks_weights_forget(struct pccd_mpi *world);
-
 /* Collective: deal out the leaves by where their given vertices are (object->x), and by
- * their weights (weigh.c), which are of no use then. Afterwards there are no ghosts. */
+ * their weights (balance.c), which are of no use then. Afterwards there are no ghosts. */
 int ranks_cut(struct pccd_mpi *world);
 
 /* ---- Which rank gets which pieces of the curve. */
@@ -52,13 +44,24 @@ void ranks_pieces_deinit(struct ranks_pieces *pieces);
 
 /* ---- How evenly the work of steps lies on the ranks, and when it is cut anew. */
 
+/* In this rank alone: libpccd's next steps have no records; they count the pairs that
+ * begin with each own feature. PCCD_E_NOMEM. */
+int balance_weigh_begin(struct pccd_mpi *world);
+/* In this rank alone: they have records again. */
+void balance_weigh_stop(struct pccd_mpi *world);
+/* Collective, after that: object->weights are what own leaves add to the work, by such a
+ * step, and *sum is all of them. */
+int balance_weigh_end(struct pccd_mpi *world, const struct pccd_step_counters *counters,
+                      uint64_t *sum);
+/* In this rank alone: all leaves weigh the same again. */
+void balance_forget_weights(struct pccd_mpi *world);
+
 /* After a step of libpccd in this rank. */
 void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *counters);
 /* Collective: are the weights of what the ranks have so uneven that a cut pays? */
 int balance_guess(struct pccd_mpi *world, uint64_t weight, bool *is_uneven);
-/* Collective, after a step that each rank did all its work for: world->share.imbalance,
- * and what this rank's work was to world->known_work; the most work of a rank goes to
- * world->right_work. */
+/* Collective, after a step that each rank did all its work for: world->share.imbalance;
+ * the most work of a rank is added to world->right_work. */
 int balance_tell(struct pccd_mpi *world);
 
 /* The same on every rank: is the scene to be cut anew before the next step? step_ns,

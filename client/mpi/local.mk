@@ -33,7 +33,6 @@ ranks_sources = \
     client/mpi/sending.c \
     client/mpi/sides.c \
     client/mpi/step.c \
-    client/mpi/weigh.c \
     client/mpi/world.c
 mpi_program_sources = \
     client/mpi/program/check.c \

@@ -100,8 +100,7 @@ static int count_before(struct pccd_mpi *world, uint32_t count, uint64_t *before
 {
     struct ranks_link *link = &world->link;
     uint64_t *counts = ranks_array((uint64_t)link->size, sizeof *counts);
-    int status = counts == NULL ? ranks_no_memory(world) : PCCD_OK;
-    status = ranks_agree_on(link, status);
+    int status = ranks_agree_memory(world, counts != NULL);
     if (status == PCCD_OK) {
         status = ranks_tell_all(link, count, counts);
     }
@@ -114,83 +113,84 @@ static int count_before(struct pccd_mpi *world, uint32_t count, uint64_t *before
     return status;
 }
 
-/* A number, and where it lies in its part. */
-struct named {
-    uint32_t number;
-    uint32_t index;
+/* Each number 0 .. total - 1 is to be in exactly one part. */
+struct claim {
+    const char *what;        /* it is a number of */
+    const uint32_t *numbers; /* of this rank's part; NULL: those after the ranks before */
+    uint32_t count;          /* of these */
+    uint32_t total, span;
+    struct ranks_place *places; /* [span] of the directory, which are written */
 };
 
-/* In order of the rank that is asked about each: first[size + 1]. */
-static void deal_out(const uint32_t *numbers, uint64_t before, uint32_t count,
-                     uint32_t span, int size, struct named *out, uint64_t *first)
-{
-    memset(first, 0, ((size_t)size + 1) * sizeof *first);
-    for (uint32_t i = 0; i < count; i++) {
-        first[(numbers ? numbers[i] : before + i) / span]++;
-    }
-    uint64_t end = 0;
-    for (int r = 0; r <= size; r++) {
-        end += first[r];
-        first[r] = end;
-    }
-    for (uint32_t i = count; i-- > 0;) {
-        uint32_t number = numbers ? numbers[i] : (uint32_t)(before + i);
-        out[--first[number / span]] = (struct named){number, i};
-    }
-}
+/* A number, and where it lies in whose part. */
+struct named {
+    uint32_t number;
+    struct ranks_place place;
+};
 
-/* Each number 0 .. total - 1 is to be in exactly one part: `what` has two owners or none.
- * places[span] is written. `numbers` NULL: those after the ranks before. */
-static int claim(struct pccd_mpi *world, const uint32_t *numbers, uint32_t count,
-                 uint32_t total, uint32_t span, const char *what,
-                 struct ranks_place *places)
+/* In this rank alone. PCCD_E_INVAL: it has two owners or none. */
+static int note_owners(struct pccd_mpi *world, const struct claim *claim,
+                       const struct named *in, uint64_t in_count)
 {
     struct ranks_link *link = &world->link;
-    uint64_t before, all;
-    int status = count_before(world, count, &before, &all);
-    if (status == PCCD_OK && numbers == NULL && before + count > total) {
+    uint32_t base = (uint32_t)link->rank * claim->span;
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < claim->span; i++) {
+        claim->places[i].rank = -1;
+    }
+    for (uint64_t i = 0; i < in_count; i++) {
+        struct ranks_place *place = &claim->places[in[i].number - base];
+        if (place->rank >= 0 && status == PCCD_OK) {
+            status = ranks_fail(link, PCCD_E_INVAL,
+                                "two owners of %s %" PRIu32 ": ranks %d and %d",
+                                claim->what, in[i].number, place->rank, in[i].place.rank);
+        }
+        *place = in[i].place;
+    }
+    uint64_t end = (uint64_t)base + claim->span;
+    end = end < claim->total ? end : claim->total;
+    for (uint64_t i = base; i < end && status == PCCD_OK; i++) {
+        if (claim->places[i - base].rank < 0) {
+            status = ranks_fail(link, PCCD_E_INVAL, "%s %" PRIu64 " is in no rank's part",
+                                claim->what, i);
+        }
+    }
+    return status;
+}
+
+/* Collective: the numbers of all parts to their directories. */
+static int make_claim(struct pccd_mpi *world, const struct claim *claim)
+{
+    struct ranks_link *link = &world->link;
+    const uint32_t *numbers = claim->numbers;
+    uint64_t before, all, in_count;
+    int status = count_before(world, claim->count, &before, &all);
+    if (status == PCCD_OK && numbers == NULL && before + claim->count > claim->total) {
         status = ranks_fail(link, PCCD_E_INVAL,
                             "the parts have more than the %" PRIu32 " %s of the mesh",
-                            total, what);
+                            claim->total, claim->what);
     }
-    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
-    struct named *out = ranks_array(count, sizeof *out);
-    struct named *in = NULL;
-    if (status == PCCD_OK && (first == NULL || out == NULL)) {
+    struct named *out = ranks_array(claim->count, sizeof *out), *in = NULL;
+    uint32_t *to = ranks_array(claim->count, sizeof *to);
+    if (status == PCCD_OK && (out == NULL || to == NULL)) {
         status = ranks_no_memory(world);
     }
     status = ranks_agree_on(link, status);
+    for (uint32_t i = 0; i < claim->count && status == PCCD_OK; i++) {
+        uint32_t number = numbers ? numbers[i] : (uint32_t)(before + i);
+        out[i] = (struct named){number, {link->rank, i}};
+        to[i] = number / claim->span;
+    }
     if (status == PCCD_OK) {
-        uint64_t *first_in = first + link->size + 1;
-        deal_out(numbers, before, count, span, link->size, out, first);
-        status = ranks_deal(link, sizeof *out, out, first, (void **)&in, first_in);
-        uint32_t base = (uint32_t)link->rank * span;
-        for (uint32_t i = 0; i < span; i++) {
-            places[i].rank = -1;
-        }
-        int bad = PCCD_OK;
-        for (int r = 0; r < link->size && status == PCCD_OK; r++) {
-            for (uint64_t i = first_in[r]; i < first_in[r + 1]; i++) {
-                struct ranks_place *place = &places[in[i].number - base];
-                if (place->rank >= 0 && bad == PCCD_OK) {
-                    bad = ranks_fail(link, PCCD_E_INVAL,
-                                     "two owners of %s %" PRIu32 ": ranks %d and %d",
-                                     what, in[i].number, place->rank, r);
-                }
-                *place = (struct ranks_place){r, in[i].index};
-            }
-        }
-        for (uint64_t i = base; i < (uint64_t)base + span && i < total; i++) {
-            if (bad == PCCD_OK && places[i - base].rank < 0) {
-                bad = ranks_fail(link, PCCD_E_INVAL,
-                                 "%s %" PRIu64 " is in no rank's part", what, i);
-            }
-        }
-        status = status == PCCD_OK ? ranks_agree_on(link, bad) : status;
+        status = ranks_deal_to(link, sizeof *out, out, to, claim->count, (void **)&in,
+                               &in_count);
+    }
+    if (status == PCCD_OK) {
+        status = ranks_agree_on(link, note_owners(world, claim, in, in_count));
     }
     free(in);
     free(out);
-    free(first);
+    free(to);
     return status;
 }
 
@@ -315,8 +315,13 @@ static int claim_triangles(struct pccd_mpi *world, const struct pccd_mpi_part *p
     }
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
-        status = claim(world, part->triangle_numbers, part->triangle_count, total, span,
-                       "triangle", places);
+        const struct claim claim = {.what = "triangle",
+                                    .numbers = part->triangle_numbers,
+                                    .count = part->triangle_count,
+                                    .total = total,
+                                    .span = span,
+                                    .places = places};
+        status = make_claim(world, &claim);
     }
     free(places);
     return status;
@@ -335,9 +340,7 @@ static int make(struct pccd_mpi *world, const struct pccd_mpi_part *part,
     for (uint32_t i = 0; part->radii != NULL && i < part->vertex_count; i++) {
         mesh->radius_max = fmax(mesh->radius_max, part->radii[i]);
     }
-    mesh->radius_max = -mesh->radius_max;
-    status = ranks_min_doubles(link, &mesh->radius_max, 1);
-    mesh->radius_max = -mesh->radius_max;
+    status = ranks_max_doubles(link, &mesh->radius_max, 1);
     if (status != PCCD_OK) {
         return status;
     }
@@ -353,8 +356,13 @@ static int make(struct pccd_mpi *world, const struct pccd_mpi_part *part,
         status = number_named(world, part, mesh, named);
     }
     if (status == PCCD_OK) {
-        status = claim(world, part->vertices, part->vertex_count, mesh->vertex_total,
-                       mesh->span, "vertex", mesh->places);
+        const struct claim claim = {.what = "vertex",
+                                    .numbers = part->vertices,
+                                    .count = part->vertex_count,
+                                    .total = mesh->vertex_total,
+                                    .span = mesh->span,
+                                    .places = mesh->places};
+        status = make_claim(world, &claim);
     }
     if (status == PCCD_OK) {
         status = claim_triangles(world, part, mesh->triangle_total);
@@ -367,8 +375,7 @@ int ranks_mesh_make(struct pccd_mpi *world, const struct pccd_mpi_part *part,
 {
     struct ranks_mesh *made = calloc(1, sizeof *made);
     struct ranks_named named = {.leaves = NULL};
-    int status =
-        ranks_agree_on(&world->link, made == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_memory(world, made != NULL);
     if (status == PCCD_OK) {
         status = make(world, part, made, &named);
     }

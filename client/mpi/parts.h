@@ -51,6 +51,13 @@ int ranks_plan_make(struct pccd_mpi *world);
 int ranks_plan_send(struct pccd_mpi *world, const double (*const *given)[3],
                     double (*const *local)[3]);
 
+/* Collective: the same to (*x)[i], which are allocated: where objects begin or end by
+ * object->from and object->to, or where they ended in the last step. */
+enum ranks_when { RANKS_BEGIN, RANKS_END, RANKS_LAST_END };
+int ranks_positions_fetch(struct pccd_mpi *world, enum ranks_when when, double (***x)[3]);
+/* Also of NULL. */
+void ranks_positions_free(const struct pccd_mpi *world, double (**x)[3]);
+
 /* ---- The mesh that libpccd has of an object in this rank. */
 
 /* object->local from own and ghosts. In this rank alone. PCCD_E_NOMEM. */

@@ -14,7 +14,7 @@ int ranks_places(struct pccd_mpi *world, const struct ranks_mesh *mesh,
     uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
     uint32_t *asked = NULL;
     struct ranks_place *found = NULL;
-    int status = ranks_agree_on(link, first == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_memory(world, first != NULL);
     if (status == PCCD_OK) {
         uint64_t *first_in = first + link->size + 1;
         memset(first, 0, ((size_t)link->size + 1) * sizeof *first);
@@ -58,8 +58,7 @@ static int fetch(struct pccd_mpi *world, const double *given, uint32_t width,
     uint64_t out_count = first_asked[link->size], in_count = first_wanted[link->size];
     double *out = ranks_array(out_count * width, sizeof *out);
     double *in = ranks_array(in_count * width, sizeof *in);
-    int status = ranks_agree_on(link, out == NULL || in == NULL ? ranks_no_memory(world)
-                                                                : PCCD_OK);
+    int status = ranks_agree_memory(world, out != NULL && in != NULL);
     if (status == PCCD_OK) {
         for (uint64_t i = 0; i < out_count; i++) {
             memcpy(out + i * width, given + (size_t)asked[i] * width,
@@ -182,8 +181,7 @@ static int find_places(struct pccd_mpi *world, struct ranks_place **places)
         total += world->objects[o]->local.vertex_count;
     }
     *places = ranks_array(total, sizeof **places);
-    int status =
-        ranks_agree_on(&world->link, *places == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_memory(world, *places != NULL);
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         const struct ranks_object *object = world->objects[o];
         status = ranks_places(world, object->mesh, object->local.vertices,
@@ -227,7 +225,7 @@ static int hear_requests(struct pccd_mpi *world, const struct request *requests,
     uint32_t objects = plan->object_count;
     uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
     struct request *asked = NULL;
-    int status = ranks_agree_on(link, first == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_memory(world, first != NULL);
     if (status == PCCD_OK) {
         uint64_t *first_in = first + link->size + 1;
         for (int r = 0; r <= link->size; r++) {
@@ -238,8 +236,7 @@ static int hear_requests(struct pccd_mpi *world, const struct request *requests,
         if (status == PCCD_OK) {
             uint64_t count = first_in[link->size];
             plan->out = ranks_array(count, sizeof *plan->out);
-            status = ranks_agree_on(link,
-                                    plan->out == NULL ? ranks_no_memory(world) : PCCD_OK);
+            status = ranks_agree_memory(world, plan->out != NULL);
         }
         for (int r = 0; r < link->size && status == PCCD_OK; r++) {
             for (uint64_t i = first_in[r]; i < first_in[r + 1]; i++) {
@@ -279,11 +276,9 @@ int ranks_plan_make(struct pccd_mpi *world)
         plan.in = ranks_array(total, sizeof *plan.in);
         plan.is_run = ranks_array((uint64_t)link->size, sizeof *plan.is_run);
         requests = ranks_array(total, sizeof *requests);
-        status = ranks_agree_on(link, plan.in_first == NULL || plan.out_first == NULL ||
-                                              plan.in == NULL || plan.is_run == NULL ||
-                                              requests == NULL
-                                          ? ranks_no_memory(world)
-                                          : PCCD_OK);
+        status = ranks_agree_memory(
+            world, plan.in_first != NULL && plan.out_first != NULL && plan.in != NULL &&
+                       plan.is_run != NULL && requests != NULL);
     }
     if (status == PCCD_OK) {
         uint64_t at = 0;
@@ -493,5 +488,36 @@ int ranks_plan_send(struct pccd_mpi *world, const double (*const *given)[3],
     }
     free(first);
     free((void *)in);
+    return status;
+}
+
+void ranks_positions_free(const struct pccd_mpi *world, double (**x)[3])
+{
+    for (uint32_t o = 0; o < world->object_count && x != NULL; o++) {
+        free(x[o]);
+    }
+    free((void *)x);
+}
+
+int ranks_positions_fetch(struct pccd_mpi *world, enum ranks_when when, double (***x)[3])
+{
+    uint32_t objects = world->object_count;
+    const double(**given)[3] = calloc((size_t)objects + 1, sizeof *given);
+    double(**local)[3] = calloc((size_t)objects + 1, sizeof *local);
+    bool has_memory = given != NULL && local != NULL;
+    for (uint32_t o = 0; o < objects && has_memory; o++) {
+        const struct ranks_object *object = world->objects[o];
+        given[o] = when == RANKS_BEGIN ? object->from
+                   : when == RANKS_END ? object->to
+                                       : (const double(*)[3])object->x;
+        local[o] = ranks_array(object->local.vertex_count, sizeof **local);
+        has_memory = local[o] != NULL;
+    }
+    int status = ranks_agree_memory(world, has_memory);
+    if (status == PCCD_OK) {
+        status = ranks_plan_send(world, given, local);
+    }
+    free((void *)given);
+    *x = local;
     return status;
 }

@@ -168,6 +168,11 @@ int ranks_min_doubles(struct ranks_link *link, double *numbers, int count)
     return reduce(link, numbers, count, sizeof *numbers, MPI_DOUBLE, MPI_MIN);
 }
 
+int ranks_max_doubles(struct ranks_link *link, double *numbers, int count)
+{
+    return reduce(link, numbers, count, sizeof *numbers, MPI_DOUBLE, MPI_MAX);
+}
+
 /* ---- agreement -------------------------------------------------------------------- */
 
 /* What a rank says at the beginning of a call. */
@@ -403,6 +408,39 @@ int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
     if (status != PCCD_OK && link->broken == PCCD_OK) {
         free(*in);
         *in = NULL;
+    }
+    return status;
+}
+
+int ranks_deal_to(struct ranks_link *link, size_t item_bytes, const void *items,
+                  const uint32_t *to, uint64_t count, void **in, uint64_t *in_count)
+{
+    const size_t size = (size_t)link->size;
+    uint64_t *first = shared_array(link, 3 * (size + 1), sizeof *first);
+    char *out = shared_array(link, count, item_bytes);
+    int status = link->broken;
+    *in = NULL;
+    *in_count = 0;
+    if (status == PCCD_OK) {
+        uint64_t *next = first + size + 1, *first_in = next + size + 1;
+        memset(first, 0, (size + 1) * sizeof *first);
+        for (uint64_t i = 0; i < count; i++) {
+            first[to[i] + 1]++;
+        }
+        for (size_t r = 0; r < size; r++) {
+            first[r + 1] += first[r];
+        }
+        memcpy(next, first, size * sizeof *next);
+        for (uint64_t i = 0; i < count; i++) {
+            memcpy(out + next[to[i]]++ * item_bytes, (const char *)items + i * item_bytes,
+                   item_bytes);
+        }
+        status = ranks_deal(link, item_bytes, out, first, in, first_in);
+        *in_count = status == PCCD_OK ? first_in[size] : 0;
+    }
+    if (link->broken == PCCD_OK) {
+        free(out);
+        free(first);
     }
     return status;
 }

@@ -65,10 +65,11 @@ int ranks_agree_on(struct ranks_link *link, int status);
 
 /* One number of each rank, from all to all. */
 int ranks_tell_all(struct ranks_link *link, uint64_t mine, uint64_t *all);
-/* Sums, or the largest, of count numbers, in place. */
+/* Sums, or the largest or least, of count numbers, in place. */
 int ranks_sum(struct ranks_link *link, uint64_t *numbers, int count);
 int ranks_max_bytes(struct ranks_link *link, uint8_t *bytes, int count);
 int ranks_min_doubles(struct ranks_link *link, double *numbers, int count);
+int ranks_max_doubles(struct ranks_link *link, double *numbers, int count);
 
 /* Send out[first_out[r]] to out[first_out[r + 1] - 1] to rank r, items of item_bytes, and
  * get what the others have for this rank, one rank after the other. The sizes are known
@@ -84,7 +85,11 @@ int ranks_swap_apart(struct ranks_link *link, size_t item_bytes, const void *out
  * written. */
 int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
                const uint64_t *first_out, void **in, uint64_t *first_in);
-/* Of each rank `count` items, to all; likewise. */
+/* items[i] to rank to[i]; what comes is in the order of the ranks and of their items. *in
+ * is allocated. */
+int ranks_deal_to(struct ranks_link *link, size_t item_bytes, const void *items,
+                  const uint32_t *to, uint64_t count, void **in, uint64_t *in_count);
+/* Of each rank `count` items, to all; as ranks_deal. */
 int ranks_spread(struct ranks_link *link, size_t item_bytes, const void *mine,
                  uint64_t count, void **all, uint64_t *first);
 

@@ -122,25 +122,24 @@ static int find_ways(struct pccd_mpi *world, uint32_t steps, double *ways)
 {
     uint32_t count = WAYS * world->object_count;
     uint64_t *sums = ranks_array(count, sizeof *sums);
-    int status =
-        ranks_agree_on(&world->link, sums == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_memory(world, sums != NULL);
     for (uint32_t w = 0; w < count && status == PCCD_OK; w++) {
         const struct ranks_object *object = world->objects[w / WAYS];
         ways[w] = 0;
         for (uint32_t j = 0; j < sample_count(object); j++) {
-            ways[w] = fmin(ways[w], -way_of(object, steps, j, w % WAYS));
+            ways[w] = fmax(ways[w], way_of(object, steps, j, w % WAYS));
         }
     }
     if (status == PCCD_OK) {
-        status = ranks_min_doubles(&world->link, ways, (int)count);
+        status = ranks_max_doubles(&world->link, ways, (int)count);
     }
     for (uint32_t w = 0; w < count && status == PCCD_OK; w++) {
         const struct ranks_object *object = world->objects[w / WAYS];
         uint64_t samples = sample_count(object);
         sums[w] = 0;
-        for (uint32_t j = 0; j < samples && ways[w] < 0; j++) {
+        for (uint32_t j = 0; j < samples && ways[w] > 0; j++) {
             sums[w] +=
-                (uint64_t)(way_of(object, steps, j, w % WAYS) / -ways[w] * WAY_UNITS);
+                (uint64_t)(way_of(object, steps, j, w % WAYS) / ways[w] * WAY_UNITS);
         }
         sums[w] = samples > 0 ? sums[w] * object->mesh->vertex_count / samples : 0;
     }
@@ -149,7 +148,7 @@ static int find_ways(struct pccd_mpi *world, uint32_t steps, double *ways)
     }
     for (uint32_t w = 0; w < count && status == PCCD_OK; w++) {
         uint32_t vertices = world->objects[w / WAYS]->mesh->vertex_total;
-        ways[w] = -ways[w] * (double)sums[w] / WAY_UNITS / vertices;
+        ways[w] = ways[w] * (double)sums[w] / WAY_UNITS / vertices;
     }
     free(sums);
     return status;
@@ -338,10 +337,9 @@ int ranks_rooms_learn(struct pccd_mpi *world)
         leaves[0] += world->objects[o]->own_count;
         leaves[1] += world->objects[o]->local.leaf_count - world->objects[o]->own_count;
     }
-    world->choice_work = -CHOICE_WORK * (double)(leaves[0] + leaves[1]);
+    world->choice_work = CHOICE_WORK * (double)(leaves[0] + leaves[1]);
     world->right_work = 0;
-    int status = ranks_min_doubles(&world->link, &world->choice_work, 1);
-    world->choice_work = -world->choice_work;
+    int status = ranks_max_doubles(&world->link, &world->choice_work, 1);
     if (status == PCCD_OK) {
         status = ranks_sum(&world->link, leaves, 2);
     }

@@ -163,10 +163,8 @@ static int ask(struct pccd_mpi *world, const struct ranks_mesh *mesh,
     question->first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof(uint64_t));
     question->said = ranks_array(most, sizeof *question->said);
     int status =
-        question->memory == NULL || question->first == NULL || question->said == NULL
-            ? ranks_no_memory(world)
-            : PCCD_OK;
-    status = ranks_agree_on(link, status);
+        ranks_agree_memory(world, question->memory != NULL && question->first != NULL &&
+                                      question->said != NULL);
     if (status != PCCD_OK) {
         return status;
     }
@@ -256,33 +254,24 @@ static int count_duplicates(struct pccd_mpi *world, const struct ranks_mesh *mes
 {
     struct ranks_link *link = &world->link;
     uint32_t(*out)[3] = ranks_array(count, sizeof *out), (*in)[3] = NULL;
-    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
-    int status = ranks_agree_on(
-        link, out == NULL || first == NULL ? ranks_no_memory(world) : PCCD_OK);
-    if (status == PCCD_OK) {
-        uint64_t *first_in = first + link->size + 1;
-        memset(first, 0, ((size_t)link->size + 1) * sizeof *first);
-        for (uint32_t t = 0; t < count; t++) {
-            order_corners(leaves[t].v, out[t]);
-        }
-        qsort(out, count, sizeof *out, compare_corners);
-        for (uint32_t t = 0; t < count; t++) {
-            first[ranks_directory(mesh, out[t][0]) + 1]++;
-        }
-        for (int r = 0; r < link->size; r++) {
-            first[r + 1] += first[r];
-        }
-        status = ranks_deal(link, sizeof *out, out, first, (void **)&in, first_in);
-        uint64_t all = status == PCCD_OK ? first_in[link->size] : 0;
-        if (all > 1) {
-            qsort(in, all, sizeof *in, compare_corners);
-        }
-        *duplicates = 0;
-        for (uint64_t i = 1; i < all; i++) {
-            *duplicates += compare_corners(in[i], in[i - 1]) == 0;
-        }
+    uint32_t *to = ranks_array(count, sizeof *to);
+    uint64_t all = 0;
+    int status = ranks_agree_memory(world, out != NULL && to != NULL);
+    for (uint32_t t = 0; t < count && status == PCCD_OK; t++) {
+        order_corners(leaves[t].v, out[t]);
+        to[t] = (uint32_t)ranks_directory(mesh, out[t][0]);
     }
-    free(first);
+    if (status == PCCD_OK) {
+        status = ranks_deal_to(link, sizeof *out, out, to, count, (void **)&in, &all);
+    }
+    if (all > 1) {
+        qsort(in, all, sizeof *in, compare_corners);
+    }
+    *duplicates = 0;
+    for (uint64_t i = 1; i < all; i++) {
+        *duplicates += compare_corners(in[i], in[i - 1]) == 0;
+    }
+    free(to);
     free(out);
     free(in);
     return status;

@@ -265,6 +265,7 @@ static int commit(struct pccd_mpi *world, const struct ranks_moment *moment,
     if (status == PCCD_OK) {
         status = pccd_wait(world->client, step, -1, answer);
     }
+    answer->number -= world->weighings;
     return status == PCCD_OK ? PCCD_OK
                              : ranks_fail_local(world, status, "the step failed");
 }
@@ -304,11 +305,13 @@ static void move_on(struct pccd_mpi *world, const struct ranks_moment *moment,
     }
 }
 
-/* libpccd's meshes would only lie there while the leaves are weighed and travel: ghosts
- * are chosen anew then, and it gets others. */
-static int drop_meshes(struct pccd_mpi *world)
+/* libpccd's meshes would only lie there while the leaves travel: ghosts are chosen anew
+ * then, and it gets others. */
+static int cut_leaves(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     int status = PCCD_OK;
+    cli_mpi_expect(world->client, world->scene,
+                   world->found / (uint64_t)world->link.size);
     world->is_covered = false;
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         struct ranks_object *object = world->objects[o];
@@ -317,50 +320,97 @@ static int drop_meshes(struct pccd_mpi *world)
             status = ranks_local_put_nothing(world, &object->local_mesh);
         }
     }
-    return ranks_agree_on(&world->link, status);
-}
-
-/* Cut by what leaves meet in this step, as ghosts tell; if that is uneven, or always. */
-static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool always)
-{
-    uint64_t weight;
-    bool is_uneven = always;
-    int status = ranks_weigh(world, moment->settings.separation, &weight);
-    if (status == PCCD_OK && !always) {
-        status = balance_guess(world, weight, &is_uneven);
-    }
-    if (status == PCCD_OK && is_uneven) {
+    status = ranks_agree_on(&world->link, status);
+    if (status == PCCD_OK) {
         status = ranks_cut(world);
     }
-    ranks_weights_forget(world);
     return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
 }
 
-/* The scene is cut, as that is due or it never was. By work, so that ranks have about as
- * many records, too; first by leaves, if there are no ghosts to weigh by. */
-static int cut(struct pccd_mpi *world, struct ranks_moment *moment, bool is_of_leaves)
+/* libpccd makes the step of what was sent, and counts the pairs of each leaf. */
+static int count_pairs(struct pccd_mpi *world, const struct ranks_moment *moment,
+                       const struct ranks_sending *sending, struct pccd_frame *frame,
+                       struct pccd_answer *answer)
 {
-    bool has_ghosts = world->is_covered;
-    cli_mpi_expect(world->client, world->scene,
-                   world->found / (uint64_t)world->link.size);
-    int status = drop_meshes(world);
-    if (status == PCCD_OK && has_ghosts) {
-        return cut_by_work(world, moment, true);
+    struct pccd_step_settings settings = moment->settings;
+    uint64_t step = 0;
+    settings.mode = PCCD_MODE_ALL;
+    settings.deadline_ns = ranks_stop_rest(&world->stop);
+    world->weighings++;
+    int status = ranks_sending_commit(world, sending, frame, &settings, &step);
+    if (status == PCCD_OK) {
+        status = pccd_wait(world->client, step, -1, answer);
+    }
+    balance_weigh_stop(world);
+    if (status != PCCD_OK) {
+        return ranks_fail_local(world, status, "the leaves were not weighed");
+    }
+    pccd_answer_release(world->client, answer);
+    return PCCD_OK;
+}
+
+/* Collective: what own leaves weigh in this step. Ghosts for it are there. */
+static int weigh(struct pccd_mpi *world, struct ranks_moment *moment, uint64_t *sum)
+{
+    struct ranks_sending sending = sending_of(world, moment);
+    struct pccd_frame frame;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    sending.is_question = false;
+    int status = ranks_ghosts_build(world);
+    if (status == PCCD_OK) {
+        status = ranks_agree_on(&world->link, balance_weigh_begin(world));
     }
     if (status == PCCD_OK) {
-        status = ranks_cut(world);
+        status = ranks_sending_make(world, &sending, &frame);
     }
-    if (status == PCCD_OK) {
-        status = ranks_stop_agree(&world->stop, &moment->stopped);
-    }
-    if (status != PCCD_OK || moment->stopped != PCCD_COMPLETE || world->link.size == 1 ||
-        !is_of_leaves) {
+    if (status != PCCD_OK) {
+        balance_weigh_stop(world);
         return status;
     }
-    status = choose_ghosts(world, moment);
-    return status == PCCD_OK && moment->stopped == PCCD_COMPLETE
-               ? cut_by_work(world, moment, false)
-               : status;
+    ranks_stop_open(&world->stop);
+    status = ranks_agree_on(&world->link,
+                            count_pairs(world, moment, &sending, &frame, &answer));
+    ranks_stop_close(&world->stop);
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        world->objects[o]->is_elsewhere = true;
+        moment->local[o] = NULL;
+    }
+    if (status == PCCD_OK) {
+        status = balance_weigh_end(world, &answer.counters, sum);
+    }
+    return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
+}
+
+/* Cut by the work of each leaf in this step; if that is uneven, or always. */
+static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool always)
+{
+    uint64_t weight = 0;
+    bool is_uneven = always;
+    int status = choose_ghosts(world, moment);
+    if (status == PCCD_OK && moment->stopped == PCCD_COMPLETE) {
+        status = weigh(world, moment, &weight);
+    }
+    bool is_weighed = status == PCCD_OK && moment->stopped == PCCD_COMPLETE;
+    if (is_weighed && !always) {
+        status = balance_guess(world, weight, &is_uneven);
+    }
+    if (is_weighed && status == PCCD_OK && is_uneven) {
+        status = cut_leaves(world, moment);
+    }
+    balance_forget_weights(world);
+    return status;
+}
+
+/* The scene is cut, as that is due or it never was. By work, so that ranks have about as
+ * many records, too; first by leaves, if it never was. A step of mode any mostly ends
+ * long before all leaves are weighed. */
+static int cut(struct pccd_mpi *world, struct ranks_moment *moment, bool is_of_leaves)
+{
+    bool was_cut = world->is_cut;
+    int status = was_cut ? PCCD_OK : cut_leaves(world, moment);
+    bool ends = moment->stopped != PCCD_COMPLETE || world->link.size == 1 ||
+                !is_of_leaves || (!was_cut && moment->settings.mode == PCCD_MODE_ANY);
+    return status == PCCD_OK && !ends ? cut_by_work(world, moment, was_cut) : status;
 }
 
 static int make_answer(struct pccd_mpi *world, const struct ranks_moment *moment,

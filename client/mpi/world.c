@@ -25,6 +25,11 @@ int ranks_no_memory(struct pccd_mpi *world)
                       world->link.rank);
 }
 
+int ranks_agree_memory(struct pccd_mpi *world, bool has_memory)
+{
+    return ranks_agree_on(&world->link, has_memory ? PCCD_OK : ranks_no_memory(world));
+}
+
 int ranks_fail_local(struct pccd_mpi *world, int status, const char *what)
 {
     const char *text = pccd_error_text(world->client);

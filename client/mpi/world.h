@@ -111,7 +111,9 @@ struct ranks_object {
     double (*guess)[6];
     bool has_guess;
     struct ranks_leaf *own; /* along the curve */
-    uint32_t *weights;      /* of own leaves (weigh.c); NULL: each weighs the same */
+    uint32_t *weights;      /* of own leaves (balance.c); NULL: each weighs the same */
+    /* While they are weighed: pairs that begin with each local vertex, or edge. */
+    uint32_t *vertex_pairs, *edge_pairs;
     uint32_t own_count;
     uint32_t own_vertex_count;
     struct ranks_leaf *ghosts;
@@ -193,8 +195,7 @@ struct pccd_mpi {
     double *bound_values;
     uint64_t bound_count;
     struct pccd_mpi_share share;
-    uint64_t known_work; /* share.work of the last whole step of this cut; 0: there was
-                            none */
+    uint64_t weighings; /* steps of libpccd that nobody has asked for */
     /* How long the last cut took, and what was lost since because some ranks waited. */
     uint64_t cut_ns;
     double lost_ns;
@@ -221,6 +222,8 @@ void **ranks_room_for_one(void **array, uint32_t count);
 int ranks_fail_local(struct pccd_mpi *world, int status, const char *what);
 /* "out of memory". Returns PCCD_E_NOMEM. */
 int ranks_no_memory(struct pccd_mpi *world);
+/* Collective: that of the lowest rank that has none, or PCCD_OK. */
+int ranks_agree_memory(struct pccd_mpi *world, bool has_memory);
 
 /* A hash of arguments that have to be the same: goes on from `hash`. */
 uint64_t ranks_hash(uint64_t hash, const void *bytes, size_t count);

@@ -42,6 +42,8 @@ struct proto_direct_inbox {
     void *asked;
     void (*write)(void *writer, void *to, const void *from, uint64_t count);
     void *writer;
+    void (*weigh)(void *weigher, const struct pccd_pair *pairs, uint32_t count);
+    void *weigher;
     uint32_t threads; /* at most, for its messages; 0: as many as others */
 };
 
@@ -384,10 +386,13 @@ static int send_message(struct proto_direct_inbox *line, const void *message,
     the_service->asked = line->asked;
     the_service->write = line->write;
     the_service->writer = line->writer;
+    the_service->weigh = line->weigh;
+    the_service->weigher = line->weigher;
     srv_dispatch(line->conn.session, message, bytes);
     work_off(the_service);
     the_service->is_stopped = NULL;
     the_service->write = NULL;
+    the_service->weigh = NULL;
     if (is_limited && the_service->live.threads_max == line->threads) {
         the_service->live.threads_max = threads; /* else the message has set it */
     }
@@ -553,6 +558,15 @@ static void write_line(struct proto_direct_inbox *line,
     line->writer = writer;
 }
 
+static void weigh_line(struct proto_direct_inbox *line,
+                       void (*weigh)(void *weigher, const struct pccd_pair *pairs,
+                                     uint32_t count),
+                       void *weigher)
+{
+    line->weigh = weigh;
+    line->weigher = weigher;
+}
+
 static void close_line(struct proto_direct_inbox *line)
 {
     if (is_forked) {
@@ -591,6 +605,7 @@ const struct proto_direct *pccd_direct_host(uint32_t version)
                                              .limit = limit_line,
                                              .expect = expect,
                                              .write = write_line,
+                                             .weigh = weigh_line,
                                              .close = close_line};
     return version == PROTO_DIRECT_VERSION ? &host : NULL;
 }

@@ -140,7 +140,7 @@ bool eng_answer_cache_begin(struct eng_answer_cache *cache, const struct eng_sce
            records->count == cache->count);
     (void)records;
     if (!eng_answer_cache_fits(cache, scene, question, scene->moving.number - 1) ||
-        (question->brief && !eng_answer_cache_is_brief(cache)) ||
+        (question->brief && !eng_answer_cache_is_brief(cache)) || question->weigh ||
         !eng_moves_little(scene)) {
         return false;
     }
@@ -339,7 +339,7 @@ void eng_answer_cache_finish(struct eng_answer_cache *cache,
                              const struct eng_counts *counts,
                              const struct pccd_pair *proof)
 {
-    cache->is_valid = result->incomplete == PCCD_COMPLETE;
+    cache->is_valid = result->incomplete == PCCD_COMPLETE && !question->weigh;
     cache->number = scene->moving.number;
     cache->mode = question->mode;
     cache->tolerance = question->tolerance;

@@ -43,7 +43,7 @@
 static bool can_be_brief(const struct eng_question *question)
 {
     return question->mode != PCCD_MODE_PAIRS && question->distance == 0 &&
-           !question->tells_start && !eng_asks_part(question) &&
+           !question->tells_start && !eng_asks_part(question) && !question->weigh &&
            eng_method_of(question) == PCCD_METHOD_WIDE;
 }
 

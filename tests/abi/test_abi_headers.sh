@@ -69,9 +69,9 @@ if [ -e "$library" ]; then
     nm -D --defined-only "$library" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' |
         LC_ALL=C sort >"$work/exported"
     # Those of client/lib/mpi_hooks.h, which are for libpccd-mpi alone, have a version of their own.
-    { cat "$work/map" && printf 'cli_mpi_%s\n' expect lend lent own threads watch write; } | LC_ALL=C sort |
+    { cat "$work/map" && printf 'cli_mpi_%s\n' expect lend lent own threads watch weigh write; } | LC_ALL=C sort |
         diff - "$work/exported" >"$work/log" 2>&1 &&
-        [ "$(nm -D "$library" | grep -c 'cli_mpi_[a-z]*@@PCCD_PRIVATE$')" -eq 7 ]
+        [ "$(nm -D "$library" | grep -c 'cli_mpi_[a-z]*@@PCCD_PRIVATE$')" -eq 8 ]
     # If this failed, a symbol came or went unnoticed, or a private one leaked.
     tap_result $? symbols__are_those_of_the_map "$work/log"
     readelf -d "$library" >"$work/log" && grep -q 'SONAME.*\[libpccd\.so\.0\]' "$work/log" &&

@@ -150,6 +150,24 @@ static void keep(struct eng_worker *worker, const struct eng_pairs *pairs,
     }
 }
 
+/* Tell who weighs of those that the lanes did not reject, in the place of keeping any. Of
+ * pairs that meet at a distance as many, whichever the lanes have advanced. */
+static void weigh(struct eng_worker *worker, const struct eng_pairs *pairs,
+                  const uint32_t *number, eng_names_fn names)
+{
+    struct eng_batch *batch = &worker->narrow->batch;
+    const struct eng_question *question = worker->question;
+    for (uint32_t i = 0; i < batch->survivors && number; i++) {
+        batch->left[i] = number[batch->left[i]];
+    }
+    for (uint32_t i = 0; i < batch->survivors; i += NAMES) {
+        struct pccd_pair name[NAMES];
+        uint32_t count = batch->survivors - i < NAMES ? batch->survivors - i : NAMES;
+        names(worker, (enum pccd_kind)pairs->kind, batch->left + i, count, name);
+        question->weigh(question->weigher, name, count);
+    }
+}
+
 static void test_contacts(struct eng_worker *worker, const struct eng_pairs *pairs,
                           const uint32_t *number, eng_names_fn names)
 {
@@ -165,7 +183,11 @@ static void test_contacts(struct eng_worker *worker, const struct eng_pairs *pai
     if (worker->question->brief && (pairs->radius || batch->unsure_count > 0)) {
         eng_worker_give_up(worker);
     }
-    keep(worker, pairs, number, names);
+    if (worker->question->weigh) {
+        weigh(worker, pairs, number, names);
+    } else {
+        keep(worker, pairs, number, names);
+    }
 }
 
 /* Those that meet at a distance, then the others. */

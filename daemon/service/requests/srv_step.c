@@ -111,6 +111,8 @@ void srv_step_ask(struct srv_request *request, struct eng_question *question)
     question->cancel = &request->job.cancel;
     question->is_stopped = service->is_stopped;
     question->asked = service->asked;
+    question->weigh = service->weigh;
+    question->weigher = service->weigher;
     question->contact_max = service->options->contacts_max;
     question->brief = srv_request_state(request) == SRV_REQUEST_BRIEF;
     if (service->is_pinned) {

@@ -60,6 +60,9 @@ struct srv_service {
      * and reads no hash of them; NULL: no. */
     void (*write)(void *writer, void *to, const void *from, uint64_t count);
     void *writer;
+    /* Likewise: who is told of candidates, in the place of records (question.h). */
+    void (*weigh)(void *weigher, const struct pccd_pair *pairs, uint32_t count);
+    void *weigher;
     struct srv_timer *stray;  /* looks at what rings hold (stray.h); NULL: nobody does */
     bool is_stray_soon;       /* it fires within a second */
     struct srv_timer *linger; /* runs while sessions wait for their clients (linger.h) */
