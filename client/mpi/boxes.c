@@ -1,4 +1,4 @@
-/* boxes.c - boxes around leaves. */
+/* boxes.c - boxes around leaves, and who needs which leaves. */
 #include "boxes.h"
 
 #include <stdlib.h>
@@ -49,7 +49,7 @@ double ranks_reach(const struct ranks_object *object, double separation)
     return reach > 0 ? nextafter(reach, INFINITY) : 0;
 }
 
-static void grow(float box[6], double growth)
+void ranks_box_grow(float box[6], double growth)
 {
     for (int k = 0; k < 3; k++) {
         box[k] = grow_low(box[k], growth);
@@ -58,22 +58,24 @@ static void grow(float box[6], double growth)
 }
 
 /* Of one object: all of its local vertices, each for all leaves that have it. */
-static int bound(struct pccd_mpi *world, const struct ranks_object *object, double growth,
-                 const double (*x0)[3], const double (*x1)[3],
-                 struct ranks_moving_box **vertices, uint32_t (**corners)[3])
+static int bound(struct pccd_mpi *world, uint32_t o, const struct ranks_room *room,
+                 double growth, const double (*x0)[3], const double (*x1)[3],
+                 struct ranks_boxes *boxes)
 {
+    const struct ranks_object *object = world->objects[o];
     uint32_t count = object->local.vertex_count;
-    *vertices = ranks_array(count, sizeof **vertices);
-    *corners = ranks_array(object->own_count, sizeof **corners);
-    if (*vertices == NULL || *corners == NULL) {
+    struct ranks_moving_box *vertices = ranks_array(count, sizeof *vertices);
+    boxes->vertices[o] = vertices;
+    boxes->corners[o] = ranks_array(object->own_count, sizeof **boxes->corners);
+    if (vertices == NULL || boxes->corners[o] == NULL) {
         return ranks_no_memory(world);
     }
     for (uint32_t i = 0; i < count; i++) {
-        ranks_vertex_box(x0[i], x1[i], &object->room, &(*vertices)[i]);
-        grow((*vertices)[i].box, growth);
+        ranks_vertex_box(x0[i], x1[i], room, &vertices[i]);
+        ranks_box_grow(vertices[i].box, growth);
     }
     return ranks_local_corners(world, &object->local, object->own, object->own_count,
-                               *corners);
+                               boxes->corners[o]);
 }
 
 /* How far apart two boxes are along the axis along which they are farthest apart. */
@@ -98,14 +100,19 @@ static double side_of(const float box[6])
 
 /* Where the curve leaves the scene and comes back elsewhere, a box around both places
  * would be as large as the jump, and meet whatever lies in between. */
-static void make_blocks(const struct pccd_mpi *world, uint64_t leaf_count,
-                        struct ranks_boxes *boxes)
+static int make_blocks(struct pccd_mpi *world, uint64_t most, struct ranks_boxes *boxes)
 {
-    uint64_t most = BLOCKS_OF_ALL / (uint32_t)world->link.size;
-    most = most < BLOCKS_MIN ? BLOCKS_MIN : most < BLOCKS_MAX ? most : BLOCKS_MAX;
-    uint64_t size = leaf_count / most + 1;
-    uint32_t jumps = 0;
+    uint64_t leaf_count = 0;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        leaf_count += world->objects[o]->own_count;
+    }
+    uint64_t size = leaf_count / most + 1, jumps = 0;
     size = size < BLOCK_LEAVES_MIN ? BLOCK_LEAVES_MIN : size;
+    boxes->blocks = ranks_array(most + world->object_count + leaf_count / size,
+                                sizeof *boxes->blocks);
+    if (boxes->blocks == NULL) {
+        return ranks_no_memory(world);
+    }
     for (uint32_t o = 0; o < world->object_count; o++) {
         uint32_t count = world->objects[o]->own_count;
         struct ranks_block *block = NULL;
@@ -127,34 +134,283 @@ static void make_blocks(const struct pccd_mpi *world, uint64_t leaf_count,
             ranks_moving_box_add(&block->box, &leaf);
         }
     }
+    return PCCD_OK;
 }
 
-int ranks_boxes_make(struct pccd_mpi *world, double separation,
-                     const double (*const *x0)[3], const double (*const *x1)[3],
-                     struct ranks_boxes *boxes)
+static int begin(struct pccd_mpi *world, struct ranks_boxes *boxes)
 {
     uint32_t objects = world->object_count;
-    uint64_t count = 0;
-    boxes->vertices = calloc((size_t)objects + 1, sizeof *boxes->vertices);
-    boxes->corners = calloc((size_t)objects + 1, sizeof *boxes->corners);
+    *boxes = (struct ranks_boxes){
+        .vertices = calloc((size_t)objects + 1, sizeof *boxes->vertices),
+        .corners = calloc((size_t)objects + 1, sizeof *boxes->corners)};
     if (boxes->vertices == NULL || boxes->corners == NULL) {
         return ranks_no_memory(world);
     }
     boxes->object_count = objects;
-    for (uint32_t o = 0; o < objects; o++) {
+    return PCCD_OK;
+}
+
+int ranks_boxes_make(struct pccd_mpi *world, double separation, uint64_t block_count,
+                     const double (*const *x0)[3], const double (*const *x1)[3],
+                     struct ranks_boxes *boxes)
+{
+    int status = begin(world, boxes);
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         const struct ranks_object *object = world->objects[o];
-        count += object->own_count;
-        int status = bound(world, object, ranks_reach(object, separation), x0[o], x1[o],
-                           &boxes->vertices[o], &boxes->corners[o]);
-        if (status != PCCD_OK) {
-            return status;
+        status = bound(world, o, &object->room, ranks_reach(object, separation), x0[o],
+                       x1[o], boxes);
+    }
+    return status == PCCD_OK ? make_blocks(world, block_count, boxes) : status;
+}
+
+int ranks_boxes_make_still(struct pccd_mpi *world, uint64_t block_count,
+                           const double (*const *x)[3], struct ranks_boxes *boxes)
+{
+    const struct ranks_room none = {.steps = 1};
+    int status = begin(world, boxes);
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        status = bound(world, o, &none, 0, x[o], x[o], boxes);
+    }
+    return status == PCCD_OK ? make_blocks(world, block_count, boxes) : status;
+}
+
+uint64_t ranks_block_count(const struct pccd_mpi *world)
+{
+    uint64_t most = BLOCKS_OF_ALL / (uint32_t)world->link.size;
+    return most < BLOCKS_MIN ? BLOCKS_MIN : most < BLOCKS_MAX ? most : BLOCKS_MAX;
+}
+
+/* ---- who needs what --------------------------------------------------------------- */
+
+/* Blocks of a rank that follow each other, and so are near each other as a rule: with one
+ * box, so that not each block is compared with each one. */
+#define BAND_BLOCKS 32u
+
+struct band {
+    struct ranks_moving_box box;
+    uint64_t begin, end; /* of its blocks */
+};
+
+struct search {
+    const struct ranks_need *need;
+    struct ranks_block *all; /* boxes of all ranks that may meet own leaves */
+    uint64_t *first;         /* [size + 1] of these */
+    struct band *bands;      /* of these, rank by rank */
+    uint64_t *band_first;    /* [size + 1] */
+    struct band *own_bands;  /* of need->leaves->blocks */
+    uint64_t own_band_count;
+    /* What is near an own band, or a block of it; scratch. */
+    const struct band **near_bands;
+    const struct ranks_block **near_blocks;
+    char *out; /* items of need->item_bytes */
+    uint64_t out_count, out_capacity;
+    uint64_t *out_first; /* [size + 1] */
+};
+
+static void search_deinit(struct search *search)
+{
+    free(search->all);
+    free(search->first);
+    free(search->bands);
+    free(search->band_first);
+    free(search->own_bands);
+    free((void *)search->near_bands);
+    free((void *)search->near_blocks);
+    free(search->out);
+    free(search->out_first);
+}
+
+static bool meet(const struct search *search, const struct ranks_moving_box *a,
+                 const struct ranks_moving_box *b)
+{
+    return ranks_moving_boxes_meet(a, b, search->need->steps);
+}
+
+/* Boxes far from all of this rank need not be looked at again and again. */
+static void forget_far(const struct pccd_mpi *world, struct search *search)
+{
+    const struct ranks_boxes *leaves = search->need->leaves;
+    struct ranks_moving_box whole;
+    ranks_moving_box_begin(&whole);
+    for (uint32_t b = 0; b < leaves->block_count; b++) {
+        ranks_moving_box_add(&whole, &leaves->blocks[b].box);
+    }
+    uint64_t kept = 0;
+    for (int r = 0; r < world->link.size; r++) {
+        uint64_t begin = search->first[r];
+        bool is_asked = r != world->link.rank || search->need->is_of_self;
+        search->first[r] = kept;
+        for (uint64_t i = begin; i < search->first[r + 1] && is_asked; i++) {
+            if (meet(search, &whole, &search->all[i].box)) {
+                search->all[kept++] = search->all[i];
+            }
         }
     }
-    boxes->blocks = ranks_array(2 * BLOCKS_MAX + objects + count / BLOCK_LEAVES_MIN,
-                                sizeof *boxes->blocks);
-    if (boxes->blocks == NULL) {
+    search->first[world->link.size] = kept;
+}
+
+/* Bands of the blocks begin .. end - 1, to bands[]. Returns how many. */
+static uint64_t band_up(const struct ranks_block *blocks, uint64_t begin, uint64_t end,
+                        struct band *bands)
+{
+    uint64_t count = 0;
+    for (uint64_t i = begin; i < end; i++) {
+        if ((i - begin) % BAND_BLOCKS == 0) {
+            bands[count] = (struct band){.begin = i};
+            ranks_moving_box_begin(&bands[count++].box);
+        }
+        ranks_moving_box_add(&bands[count - 1].box, &blocks[i].box);
+        bands[count - 1].end = i + 1;
+    }
+    return count;
+}
+
+static int make_bands(struct pccd_mpi *world, struct search *search)
+{
+    const uint32_t size = (uint32_t)world->link.size;
+    const uint32_t own = search->need->leaves->block_count;
+    uint64_t count = 0, most = search->first[size] / BAND_BLOCKS + size;
+    search->bands = ranks_array(most, sizeof *search->bands);
+    search->band_first = ranks_array((uint64_t)size + 1, sizeof *search->band_first);
+    search->own_bands = ranks_array(own / BAND_BLOCKS + 1, sizeof *search->own_bands);
+    search->near_bands = ranks_array(most, sizeof *search->near_bands);
+    search->near_blocks = ranks_array(search->first[size], sizeof *search->near_blocks);
+    search->out_first = ranks_array((uint64_t)size + 1, sizeof *search->out_first);
+    if (search->bands == NULL || search->band_first == NULL ||
+        search->own_bands == NULL || search->near_bands == NULL ||
+        search->near_blocks == NULL || search->out_first == NULL) {
         return ranks_no_memory(world);
     }
-    make_blocks(world, count, boxes);
+    for (uint32_t r = 0; r < size; r++) {
+        search->band_first[r] = count;
+        count += band_up(search->all, search->first[r], search->first[r + 1],
+                         search->bands + count);
+    }
+    search->band_first[size] = count;
+    search->own_band_count =
+        band_up(search->need->leaves->blocks, 0, own, search->own_bands);
     return PCCD_OK;
+}
+
+/* The blocks of a band that this one meets: to near[]. */
+static uint32_t find_near(const struct pccd_mpi *world, const struct search *search,
+                          const struct ranks_block *block, const struct band *band,
+                          const struct ranks_block **near)
+{
+    uint32_t count = 0;
+    if (!meet(search, &block->box, &band->box)) {
+        return 0;
+    }
+    for (uint64_t i = band->begin; i < band->end; i++) {
+        const struct ranks_block *theirs = &search->all[i];
+        if (meet(search, &block->box, &theirs->box) &&
+            search->need->wants(world, theirs->object, block->object)) {
+            near[count++] = theirs;
+        }
+    }
+    return count;
+}
+
+/* A place for one more that goes out; NULL: no memory. */
+static void *next_place(struct search *search)
+{
+    const size_t bytes = search->need->item_bytes;
+    if (search->out_count == search->out_capacity) {
+        uint64_t capacity = search->out_capacity + search->out_capacity / 2 + 1024;
+        char *out = realloc(search->out, capacity * bytes);
+        if (out == NULL) {
+            return NULL;
+        }
+        search->out = out;
+        search->out_capacity = capacity;
+    }
+    return search->out + search->out_count++ * bytes;
+}
+
+/* The leaves of an own block that meet any of those near: out they go. */
+static bool choose_of(struct search *search, const struct ranks_block *block,
+                      uint32_t near_count)
+{
+    const struct ranks_need *need = search->need;
+    for (uint32_t i = 0; i < block->count && near_count > 0; i++) {
+        const uint32_t leaf = block->begin + i;
+        struct ranks_moving_box box;
+        uint32_t n = 0;
+        ranks_leaf_box(need->leaves, block->object, leaf, &box);
+        while (n < near_count && !meet(search, &box, &search->near_blocks[n]->box)) {
+            n++;
+        }
+        void *item = n < near_count ? next_place(search) : NULL;
+        if (n < near_count && item == NULL) {
+            return false;
+        }
+        if (item != NULL) {
+            need->put(need->context, block->object, leaf, item);
+        }
+    }
+    return true;
+}
+
+/* Which of the own leaves go to rank r; false: no memory. */
+static bool choose_for(const struct pccd_mpi *world, struct search *search, int r)
+{
+    const struct ranks_block *blocks = search->need->leaves->blocks;
+    bool has_memory = true;
+    for (uint64_t m = 0; m < search->own_band_count && has_memory; m++) {
+        const struct band *own = &search->own_bands[m];
+        uint64_t bands = 0;
+        for (uint64_t i = search->band_first[r]; i < search->band_first[r + 1]; i++) {
+            search->near_bands[bands] = &search->bands[i];
+            bands += meet(search, &own->box, &search->bands[i].box);
+        }
+        for (uint64_t b = own->begin; b < own->end && bands > 0 && has_memory; b++) {
+            uint32_t count = 0;
+            for (uint64_t i = 0; i < bands; i++) {
+                count += find_near(world, search, &blocks[b], search->near_bands[i],
+                                   search->near_blocks + count);
+            }
+            has_memory = choose_of(search, &blocks[b], count);
+        }
+    }
+    return has_memory;
+}
+
+static int choose(struct pccd_mpi *world, struct search *search)
+{
+    int status = make_bands(world, search);
+    for (int r = 0; r < world->link.size && status == PCCD_OK; r++) {
+        search->out_first[r] = search->out_count;
+        status = choose_for(world, search, r) ? PCCD_OK : ranks_no_memory(world);
+        search->out_first[r + 1] = search->out_count;
+    }
+    return status;
+}
+
+int ranks_need_leaves(struct pccd_mpi *world, const struct ranks_need *need, void **in,
+                      uint64_t *in_count)
+{
+    struct ranks_link *link = &world->link;
+    struct search search = {.need = need};
+    uint64_t *first_in = ranks_array((uint64_t)link->size + 1, sizeof *first_in);
+    search.first = ranks_array((uint64_t)link->size + 1, sizeof *search.first);
+    int status = ranks_agree_memory(world, first_in != NULL && search.first != NULL);
+    *in_count = 0;
+    if (status == PCCD_OK) {
+        status = ranks_spread(link, sizeof *need->boxes, need->boxes, need->box_count,
+                              (void **)&search.all, search.first);
+    }
+    if (status == PCCD_OK) {
+        forget_far(world, &search);
+        status = ranks_agree_on(link, choose(world, &search));
+    }
+    if (status == PCCD_OK) {
+        status = ranks_deal(link, need->item_bytes, search.out, search.out_first, in,
+                            first_in);
+    }
+    if (status == PCCD_OK) {
+        *in_count = first_in[link->size];
+    }
+    free(first_in);
+    search_deinit(&search);
+    return status;
 }

@@ -23,23 +23,20 @@ struct run {
     uint32_t vertex[2]; /* from, to */
 };
 
-/* The runs of own faces, by the rank that counts an edge. */
-static void list_runs(const struct ranks_object *object, int size, struct run *runs,
-                      uint64_t *first)
+/* The runs of own faces, and the rank that counts each edge. Returns how many. */
+static uint64_t list_runs(const struct ranks_object *object, uint32_t size,
+                          struct run *runs, uint32_t *to)
 {
     uint64_t count = 0;
-    for (int r = 0; r < size; r++) {
-        first[r] = count;
-        for (uint32_t i = 0; i < 3 * object->own_count; i++) {
-            const struct ranks_leaf *leaf = &object->own[i / 3];
-            uint32_t edge = leaf->side[i % 3];
-            if (edge != RANKS_NONE && (int)(edge % (uint32_t)size) == r) {
-                runs[count++] =
-                    (struct run){edge, {leaf->v[i % 3], leaf->v[(i + 1) % 3]}};
-            }
+    for (uint32_t i = 0; i < 3 * object->own_count; i++) {
+        const struct ranks_leaf *leaf = &object->own[i / 3];
+        uint32_t edge = leaf->side[i % 3];
+        if (edge != RANKS_NONE) {
+            to[count] = edge % size;
+            runs[count++] = (struct run){edge, {leaf->v[i % 3], leaf->v[(i + 1) % 3]}};
         }
     }
-    first[size] = count;
+    return count;
 }
 
 static int compare_runs(const void *a, const void *b)
@@ -76,20 +73,19 @@ static uint32_t find_open(struct run *runs, uint64_t count, uint64_t open[4])
 static int find_out(struct pccd_mpi *world, const struct ranks_object *object)
 {
     struct ranks_link *link = &world->link;
-    uint64_t open[4] = {0};
-    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
+    uint64_t open[4] = {0}, in_count = 0;
     struct run *out = ranks_array(3 * (uint64_t)object->own_count, sizeof *out);
     struct run *in = NULL;
+    uint32_t *to = ranks_array(3 * (uint64_t)object->own_count, sizeof *to);
     double least = RANKS_NONE;
-    int status = ranks_agree_on(
-        link, first == NULL || out == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_memory(world, out != NULL && to != NULL);
     if (status == PCCD_OK) {
-        list_runs(object, link->size, out, first);
-        status = ranks_deal(link, sizeof *out, out, first, (void **)&in,
-                            first + link->size + 1);
+        uint64_t count = list_runs(object, (uint32_t)link->size, out, to);
+        status =
+            ranks_deal_to(link, sizeof *out, out, to, count, (void **)&in, &in_count);
     }
     if (status == PCCD_OK) {
-        uint32_t mine = find_open(in, first[2 * link->size + 1], open);
+        uint32_t mine = find_open(in, in_count, open);
         least = mine;
         status = ranks_min_doubles(link, &least, 1);
         for (int i = 0; i < 4; i++) {
@@ -106,7 +102,7 @@ static int find_out(struct pccd_mpi *world, const struct ranks_object *object)
             mesh->open[i] = (uint32_t)open[i];
         }
     }
-    free(first);
+    free(to);
     free(out);
     free(in);
     return status;
@@ -142,150 +138,12 @@ static int check_closed(const struct ranks_pairing *pairing)
                       wrong->handle, open[2], open[0], open[1], open[3]);
 }
 
-/* ---- who needs which faces --------------------------------------------------------- */
-
-/* A box of a rank: faces of the object that meet it are needed there. */
-struct need {
-    double low[3], high[3];
-    uint32_t object;
-};
-
-static bool meets(const struct need *need, const double low[3], const double high[3])
-{
-    return low[0] <= need->high[0] && low[1] <= need->high[1] &&
-           low[2] <= need->high[2] && need->low[0] <= high[0] &&
-           need->low[1] <= high[1] && need->low[2] <= high[2];
-}
-
-/* Does any of needs[count] want the leaf? */
-static bool is_needed(const struct need *needs, uint64_t count,
-                      const struct ranks_visitor *leaf)
-{
-    double low[3], high[3];
-    ranks_leaf_bounds(leaf, low, high);
-    for (uint64_t i = 0; i < count; i++) {
-        if (needs[i].object == leaf->object && meets(&needs[i], low, high)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* What the two questions share. */
 struct search {
     const struct ranks_pairing *pairing;
-    struct ranks_spot *spots;
-    uint32_t spot_count;
     double (*boxes)[6]; /* of all objects: low, and high with the other sign */
-    struct ranks_visitor *leaves;
-    uint64_t leaf_count;
+    struct ranks_wanted wanted;
 };
-
-/* Own leaves that go to a rank: counts, or with out != NULL writes them. near[] is
- * scratch for as many needs. */
-static uint64_t choose_for(const struct search *search, const struct need *needs,
-                           uint64_t need_count, struct need *near,
-                           struct ranks_visitor *out)
-{
-    const struct ranks_spot *spots = search->spots;
-    uint64_t count = 0;
-    for (uint32_t s = 0; s < search->spot_count; s++) {
-        uint64_t near_count = 0;
-        for (uint64_t i = 0; i < need_count; i++) {
-            if (needs[i].object == spots[s].object &&
-                meets(&needs[i], spots[s].low, spots[s].high)) {
-                near[near_count++] = needs[i];
-            }
-        }
-        for (uint32_t k = 0; k < spots[s].count && near_count > 0; k++) {
-            struct ranks_visitor leaf;
-            ranks_visitor_make(search->pairing, spots[s].object, spots[s].begin + k,
-                               &leaf);
-            leaf.is_ghost = true;
-            if (is_needed(near, near_count, &leaf)) {
-                if (out != NULL) {
-                    out[count] = leaf;
-                }
-                count++;
-            }
-        }
-    }
-    return count;
-}
-
-/* Two lists, one behind the other, in *to. */
-static int append(struct pccd_mpi *world, struct ranks_visitor **to, uint64_t *count,
-                  const struct ranks_visitor *more, uint64_t more_count)
-{
-    struct ranks_visitor *all = realloc(*to, (*count + more_count + 1) * sizeof **to);
-    if (all == NULL) {
-        return ranks_no_memory(world);
-    }
-    memcpy(all + *count, more, more_count * sizeof *more);
-    *to = all;
-    *count += more_count;
-    return PCCD_OK;
-}
-
-/* The leaves that go to each rank, to *out; first[size + 1]. */
-static int choose(const struct search *search, const struct need *needs,
-                  const uint64_t *first_need, struct ranks_visitor **out, uint64_t *first)
-{
-    struct pccd_mpi *world = search->pairing->world;
-    int size = world->link.size;
-    struct need *near = ranks_array(first_need[size], sizeof *near);
-    for (int pass = 0; pass < 2 && near != NULL; pass++) {
-        uint64_t count = 0;
-        for (int r = 0; r < size; r++) {
-            first[r] = count;
-            count += choose_for(search, needs + first_need[r],
-                                first_need[r + 1] - first_need[r], near,
-                                *out != NULL ? *out + count : NULL);
-        }
-        first[size] = count;
-        if (pass == 0) {
-            *out = ranks_array(count, sizeof **out);
-        }
-        if (*out == NULL) {
-            break;
-        }
-    }
-    free(near);
-    return *out == NULL ? ranks_no_memory(world) : PCCD_OK;
-}
-
-/* Collective: own leaves that meet what other ranks need, and what meets what this one
- * needs; it is behind the leaves of the search, and does not belong to this rank. */
-static int exchange(struct search *search, const struct need *needs, uint64_t need_count)
-{
-    struct pccd_mpi *world = search->pairing->world;
-    struct ranks_link *link = &world->link;
-    uint64_t cells = (uint64_t)link->size + 1;
-    uint64_t *first = ranks_array(3 * cells, sizeof *first);
-    struct need *all = NULL;
-    struct ranks_visitor *out = NULL, *came = NULL;
-    int status = ranks_agree_on(link, first == NULL ? ranks_no_memory(world) : PCCD_OK);
-    if (status == PCCD_OK) {
-        status =
-            ranks_spread(link, sizeof *needs, needs, need_count, (void **)&all, first);
-    }
-    if (status == PCCD_OK) {
-        status = ranks_agree_on(link, choose(search, all, first, &out, first + cells));
-    }
-    if (status == PCCD_OK) {
-        status = ranks_deal(link, sizeof *out, out, first + cells, (void **)&came,
-                            first + 2 * cells);
-    }
-    if (status == PCCD_OK) {
-        status = ranks_agree_on(link, append(world, &search->leaves, &search->leaf_count,
-                                             came, first[3 * cells - 1]));
-    }
-    free(first);
-    free(all);
-    free(out);
-    free(came);
-    return status;
-}
 
 /* ---- the first question: who is inside --------------------------------------------- */
 
@@ -293,98 +151,93 @@ static int exchange(struct search *search, const struct need *needs, uint64_t ne
 static int bound_objects(const struct search *search)
 {
     struct pccd_mpi *world = search->pairing->world;
-    const struct ranks_spot *spots = search->spots;
+    const struct ranks_boxes *mine = &search->pairing->boxes;
     double(*boxes)[6] = search->boxes;
     for (uint32_t o = 0; o < world->object_count; o++) {
         for (int k = 0; k < 6; k++) {
             boxes[o][k] = INFINITY;
         }
     }
-    for (uint32_t s = 0; s < search->spot_count; s++) {
-        double *box = boxes[spots[s].object];
+    for (uint32_t i = 0; i < mine->block_count; i++) {
+        const struct ranks_block *own = &mine->blocks[i];
+        double *box = boxes[own->object];
         for (int k = 0; k < 3; k++) {
-            box[k] = fmin(box[k], spots[s].low[k]);
-            box[k + 3] = fmin(box[k + 3], -spots[s].high[k]);
+            box[k] = fmin(box[k], (double)own->box.box[k]);
+            box[k + 3] = fmin(box[k + 3], -(double)own->box.box[k + 3]);
         }
     }
     return ranks_min_doubles(&world->link, boxes[0], (int)(6 * world->object_count));
 }
 
-/* Own spots that may have a vertex inside another object, or an edge through a face: what
- * is needed of that object is what a ray from the spot meets. Their own leaves go to
- * those of the search. */
-static int need_rays(struct search *search, struct need **needs, uint64_t *need_count)
+static bool meets(const float box[6], const double other[6])
+{
+    bool is_met = true;
+    for (int k = 0; k < 3; k++) {
+        is_met =
+            is_met && (double)box[k] <= -other[k + 3] && other[k] <= (double)box[k + 3];
+    }
+    return is_met;
+}
+
+/* Own blocks that may have a vertex inside another object, or an edge through a face, are
+ * wanted; so is what a ray from the block meets of that object. */
+static int want_rays(struct search *search)
 {
     const struct ranks_pairing *pairing = search->pairing;
-    double(*boxes)[6] = search->boxes;
-    uint32_t objects = pairing->world->object_count;
-    for (uint32_t s = 0; s < search->spot_count; s++) {
-        const struct ranks_spot *spot = &search->spots[s];
-        struct need *more = realloc(*needs, (*need_count + objects + 1) * sizeof **needs);
-        struct ranks_visitor *room = realloc(
-            search->leaves, (search->leaf_count + spot->count + 1) * sizeof *room);
-        *needs = more != NULL ? more : *needs;
-        search->leaves = room != NULL ? room : search->leaves;
-        if (more == NULL || room == NULL) {
-            return ranks_no_memory(pairing->world);
-        }
-        uint64_t before = *need_count;
-        for (uint32_t b = 0; b < objects; b++) {
-            struct need ray = {.object = b};
-            double high[3] = {-boxes[b][3], -boxes[b][4], -boxes[b][5]};
-            memcpy(ray.low, spot->low, sizeof ray.low);
-            memcpy(ray.high, spot->high, sizeof ray.high);
-            if (meets(&ray, boxes[b], high) && ranks_is_asked(pairing, spot->object, b)) {
-                ray.high[0] = INFINITY;
-                (*needs)[(*need_count)++] = ray;
+    struct pccd_mpi *world = pairing->world;
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < pairing->boxes.block_count && status == PCCD_OK; i++) {
+        const struct ranks_block *own = &pairing->boxes.blocks[i];
+        uint64_t before = search->wanted.box_count;
+        for (uint32_t b = 0; b < world->object_count && status == PCCD_OK; b++) {
+            float ray[6];
+            memcpy(ray, own->box.box, sizeof ray);
+            if (meets(ray, search->boxes[b]) && ranks_is_asked(pairing, own->object, b)) {
+                ray[3] = INFINITY;
+                status = ranks_want(world, ray, b, &search->wanted);
             }
         }
-        uint32_t asked = *need_count > before ? spot->count : 0;
-        for (uint32_t k = 0; k < asked; k++) {
-            ranks_visitor_make(pairing, spot->object, spot->begin + k,
-                               &search->leaves[search->leaf_count++]);
+        if (search->wanted.box_count > before && status == PCCD_OK) {
+            status = ranks_want_own(pairing, own, &search->wanted);
         }
     }
-    return PCCD_OK;
+    return status;
 }
 
 /* ---- the second one: how deep ------------------------------------------------------ */
 
-#define RECORDS_OF_NEED 16u
+#define RECORDS_OF_BOX 16u
 
 /* What may be as near to vertices inside as the face that is known, some of them at a
  * time. */
-static int need_balls(struct pccd_mpi *world, const struct ranks_apart *inside,
-                      struct need **needs, uint64_t *count)
+static int want_balls(struct search *search, const struct ranks_apart *inside)
 {
-    *needs = ranks_array(inside->count, sizeof **needs);
-    *count = 0;
-    if (*needs == NULL) {
-        return ranks_no_memory(world);
-    }
-    const struct pccd_near *last = NULL;
-    for (uint64_t i = 0, of_need = 0; i < inside->count; i++, of_need++) {
-        const struct pccd_near *record = &inside->records[i];
-        double x[3];
-        ranks_apart_vertex(world, inside, record->object_a, record->feature_a, x);
-        if (last == NULL || of_need == RECORDS_OF_NEED ||
-            last->object_a != record->object_a || last->object_b != record->object_b) {
-            struct need *need = &(*needs)[(*count)++];
-            need->object = ranks_place_of_object(world, record->object_b);
-            for (int k = 0; k < 3; k++) {
-                need->low[k] = INFINITY;
-                need->high[k] = -INFINITY;
+    struct pccd_mpi *world = search->pairing->world;
+    int status = PCCD_OK;
+    for (uint64_t i = 0, next; i < inside->count && status == PCCD_OK; i = next) {
+        const struct pccd_near *first = &inside->records[i];
+        float box[6];
+        ranks_box_begin(box);
+        for (next = i; next < inside->count && next < i + RECORDS_OF_BOX; next++) {
+            const struct pccd_near *record = &inside->records[next];
+            float ball[6];
+            double x[3];
+            if (record->object_a != first->object_a ||
+                record->object_b != first->object_b) {
+                break;
             }
-            of_need = 0;
+            ranks_apart_vertex(world, inside, record->object_a, record->feature_a, x);
+            for (int k = 0; k < 3; k++) {
+                ball[k] = ranks_float_below(x[k]);
+                ball[k + 3] = ranks_float_above(x[k]);
+            }
+            ranks_box_grow(ball, record->d_hi);
+            ranks_box_add(box, ball);
         }
-        struct need *need = &(*needs)[*count - 1];
-        for (int k = 0; k < 3; k++) { /* rounded by less than the next double */
-            need->low[k] = fmin(need->low[k], nextafter(x[k] - record->d_hi, -INFINITY));
-            need->high[k] = fmax(need->high[k], nextafter(x[k] + record->d_hi, INFINITY));
-        }
-        last = record;
+        status = ranks_want(world, box, ranks_place_of_object(world, first->object_b),
+                            &search->wanted);
     }
-    return PCCD_OK;
+    return status;
 }
 
 /* Collective: all faces that may be the nearest to a vertex inside are among the leaves
@@ -392,46 +245,33 @@ static int need_balls(struct pccd_mpi *world, const struct ranks_apart *inside,
 static int add_balls(struct search *search, const struct ranks_apart *inside, bool *any)
 {
     struct pccd_mpi *world = search->pairing->world;
-    struct need *needs = NULL;
-    uint64_t count = 0;
     uint8_t has_any = inside->count > 0;
-    int status = ranks_agree_on(&world->link, need_balls(world, inside, &needs, &count));
+    int status = ranks_agree_on(&world->link, want_balls(search, inside));
     if (status == PCCD_OK) {
         status = ranks_max_bytes(&world->link, &has_any, 1);
     }
     *any = has_any;
-    if (status == PCCD_OK && has_any) {
-        status = exchange(search, needs, count);
-    }
-    free(needs);
-    return status;
+    return status == PCCD_OK && has_any
+               ? ranks_want_all(search->pairing, true, &search->wanted)
+               : status;
 }
 
 /* ---- all of it --------------------------------------------------------------------- */
-
-static int begin(struct search *search)
-{
-    struct pccd_mpi *world = search->pairing->world;
-    search->boxes = ranks_array(world->object_count, sizeof *search->boxes);
-    int status = search->boxes == NULL ? ranks_no_memory(world)
-                                       : ranks_spots_make(search->pairing, &search->spots,
-                                                          &search->spot_count);
-    status = ranks_agree_on(&world->link, status);
-    return status == PCCD_OK ? bound_objects(search) : status;
-}
 
 /* Collective: the own leaves that matter, and all that the first question needs. */
 static int gather_rays(struct search *search)
 {
     struct pccd_mpi *world = search->pairing->world;
-    struct need *needs = NULL;
-    uint64_t count = 0;
-    int status = ranks_agree_on(&world->link, need_rays(search, &needs, &count));
+    search->boxes = ranks_array(world->object_count, sizeof *search->boxes);
+    int status = ranks_agree_memory(world, search->boxes != NULL);
     if (status == PCCD_OK) {
-        status = exchange(search, needs, count);
+        status = bound_objects(search);
     }
-    free(needs);
-    return status;
+    if (status == PCCD_OK) {
+        status = ranks_agree_on(&world->link, want_rays(search));
+    }
+    return status == PCCD_OK ? ranks_want_all(search->pairing, true, &search->wanted)
+                             : status;
 }
 
 /* A vertex outside of another object's box is not inside of that, and nobody has sent all
@@ -460,8 +300,8 @@ static int ask(const struct search *search, struct ranks_apart *apart)
 {
     struct pccd_near_settings near;
     ranks_ask_rest(search->pairing, &near);
-    int status = ranks_apart_ask(search->pairing->world, search->leaves,
-                                 search->leaf_count, &near, apart);
+    int status = ranks_apart_ask(search->pairing->world, search->wanted.leaves,
+                                 search->wanted.leaf_count, &near, apart);
     if (status == PCCD_OK) {
         drop_outside(search, apart);
     }
@@ -490,8 +330,8 @@ static bool is_inside(const struct ranks_apart *inside, uint32_t handle, uint32_
 static void leave_out_answered(struct search *search, const struct ranks_apart *inside)
 {
     uint64_t kept = 0;
-    for (uint64_t i = 0; i < search->leaf_count; i++) {
-        struct ranks_visitor leaf = search->leaves[i];
+    for (uint64_t i = 0; i < search->wanted.leaf_count; i++) {
+        struct ranks_visitor leaf = search->wanted.leaves[i];
         uint32_t handle = search->pairing->world->objects[leaf.object]->handle;
         uint32_t owns = 0;
         for (uint32_t k = 0; k < 3 && !leaf.is_ghost; k++) {
@@ -500,10 +340,10 @@ static void leave_out_answered(struct search *search, const struct ranks_apart *
         }
         leaf.leaf.owns = owns;
         if (leaf.is_ghost || owns != 0) {
-            search->leaves[kept++] = leaf;
+            search->wanted.leaves[kept++] = leaf;
         }
     }
-    search->leaf_count = kept;
+    search->wanted.leaf_count = kept;
 }
 
 int ranks_depth(const struct ranks_pairing *pairing, struct ranks_apart *apart)
@@ -513,9 +353,6 @@ int ranks_depth(const struct ranks_pairing *pairing, struct ranks_apart *apart)
     struct ranks_apart inside = {.count = 0};
     bool any = false;
     int status = ranks_agree_on(&world->link, check_closed(pairing));
-    if (status == PCCD_OK) {
-        status = begin(&search);
-    }
     if (status == PCCD_OK) {
         status = gather_rays(&search);
     }
@@ -537,8 +374,7 @@ int ranks_depth(const struct ranks_pairing *pairing, struct ranks_apart *apart)
         inside = (struct ranks_apart){.count = 0};
     }
     ranks_apart_deinit(world, &inside);
-    free(search.spots);
     free(search.boxes);
-    free(search.leaves);
+    ranks_wanted_deinit(&search.wanted);
     return status;
 }

@@ -17,65 +17,6 @@ struct visitor {
     struct ranks_leaf leaf;
 };
 
-/* Blocks of a rank that follow each other, and so are near each other as a rule: with one
- * box, so that not each block is compared with each one. */
-#define BAND_BLOCKS 32u
-
-struct band {
-    struct ranks_moving_box box;
-    uint64_t begin, end; /* of its blocks */
-};
-
-/* What choosing ghosts needs for its time. */
-struct choice {
-    double separation;
-    bool is_still;               /* all stands where the last step ended */
-    double (**x0)[3], (**x1)[3]; /* [object] of local vertices */
-    double steps;                /* for which boxes go on */
-    struct ranks_boxes mine;     /* of own leaves, and their blocks */
-    struct ranks_block *all;     /* blocks of all ranks */
-    uint64_t *first;             /* [size + 1] of these */
-    struct band *bands;          /* of these, rank by rank */
-    uint64_t *band_first;        /* [size + 1] */
-    struct band *own_bands;      /* of mine.blocks */
-    uint64_t own_band_count;
-    struct visitor *out;
-    uint64_t out_count, out_capacity;
-    uint64_t *out_first;
-    struct visitor *in;
-    uint64_t *in_first;
-};
-
-static void forget_positions(const struct pccd_mpi *world, struct choice *choice)
-{
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        if (choice->x0 != NULL) {
-            free(choice->x0[o]);
-        }
-        if (choice->x1 != NULL) {
-            free(choice->x1[o]);
-        }
-    }
-    free((void *)choice->x0);
-    free((void *)choice->x1);
-    choice->x0 = choice->x1 = NULL;
-}
-
-static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
-{
-    forget_positions(world, choice);
-    ranks_boxes_deinit(&choice->mine);
-    free(choice->all);
-    free(choice->first);
-    free(choice->bands);
-    free(choice->band_first);
-    free(choice->own_bands);
-    free(choice->out);
-    free(choice->out_first);
-    free(choice->in);
-    free(choice->in_first);
-}
-
 /* ---- what ghosts are chosen by ----------------------------------------------------- */
 
 /* Of each given vertex of the object: where it may be. */
@@ -166,211 +107,6 @@ void ranks_ghosts_look(const struct pccd_mpi *world, double from, double to,
     }
 }
 
-/* Positions of all local vertices at both ends. */
-static int fetch(struct pccd_mpi *world, struct choice *choice)
-{
-    uint32_t objects = world->object_count;
-    const double(**given)[3] = calloc((size_t)objects + 1, sizeof *given);
-    choice->x0 = calloc((size_t)objects + 1, sizeof *choice->x0);
-    choice->x1 = calloc((size_t)objects + 1, sizeof *choice->x1);
-    int status = given == NULL || choice->x0 == NULL || choice->x1 == NULL
-                     ? ranks_no_memory(world)
-                     : PCCD_OK;
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        uint32_t count = world->objects[o]->local.vertex_count;
-        choice->x0[o] = ranks_array(count, sizeof **choice->x0);
-        choice->x1[o] = ranks_array(count, sizeof **choice->x1);
-        status = choice->x0[o] == NULL || choice->x1[o] == NULL ? ranks_no_memory(world)
-                                                                : PCCD_OK;
-    }
-    status = ranks_agree_on(&world->link, status);
-    for (int end = 0; end < 2 && status == PCCD_OK; end++) {
-        for (uint32_t o = 0; o < objects; o++) {
-            given[o] = end == 0 ? world->objects[o]->from : world->objects[o]->to;
-        }
-        status = ranks_plan_send(world, given, end == 0 ? choice->x0 : choice->x1);
-    }
-    free((void *)given);
-    return status == PCCD_OK ? ranks_rooms_find(world, choice->is_still, choice->x0)
-                             : status;
-}
-
-/* ---- who needs what --------------------------------------------------------------- */
-
-/* The blocks of a band that this one meets: to near[]. */
-static uint32_t find_near(const struct pccd_mpi *world, const struct choice *choice,
-                          const struct ranks_block *block, const struct band *band,
-                          const struct ranks_block **near)
-{
-    uint32_t count = 0;
-    if (!ranks_moving_boxes_meet(&block->box, &band->box, choice->steps)) {
-        return 0;
-    }
-    for (uint64_t i = band->begin; i < band->end; i++) {
-        const struct ranks_block *theirs = &choice->all[i];
-        if (ranks_moving_boxes_meet(&block->box, &theirs->box, choice->steps) &&
-            ranks_may_meet(world, block->object, theirs->object)) {
-            near[count++] = theirs;
-        }
-    }
-    return count;
-}
-
-/* A place for one more that goes out; false: no memory. */
-static bool has_place(struct choice *choice)
-{
-    if (choice->out_count < choice->out_capacity) {
-        return true;
-    }
-    uint64_t capacity = choice->out_capacity + choice->out_capacity / 2 + 1024;
-    struct visitor *out = realloc(choice->out, capacity * sizeof *out);
-    if (out != NULL) {
-        choice->out = out;
-        choice->out_capacity = capacity;
-    }
-    return out != NULL;
-}
-
-/* The leaves of an own block that meet any of those near: out they go. */
-static bool choose_of(const struct pccd_mpi *world, struct choice *choice,
-                      const struct ranks_block *block,
-                      const struct ranks_block *const *near, uint32_t near_count)
-{
-    const struct ranks_object *object = world->objects[block->object];
-    for (uint32_t i = 0; i < block->count && near_count > 0; i++) {
-        const uint32_t leaf = block->begin + i;
-        struct ranks_moving_box box;
-        uint32_t n = 0;
-        ranks_leaf_box(&choice->mine, block->object, leaf, &box);
-        while (n < near_count &&
-               !ranks_moving_boxes_meet(&box, &near[n]->box, choice->steps)) {
-            n++;
-        }
-        if (n == near_count) {
-            continue;
-        }
-        if (!has_place(choice)) {
-            return false;
-        }
-        choice->out[choice->out_count++] =
-            (struct visitor){block->object, object->own[leaf]};
-    }
-    return true;
-}
-
-/* What is near an own band, or a block of it. */
-struct near {
-    const struct band **bands;
-    const struct ranks_block **blocks;
-};
-
-/* Which of the own leaves go to rank r; false: no memory. */
-static bool choose_for(const struct pccd_mpi *world, struct choice *choice,
-                       const struct near *near, int r)
-{
-    bool has_memory = true;
-    for (uint64_t m = 0; m < choice->own_band_count && has_memory; m++) {
-        const struct band *own = &choice->own_bands[m];
-        uint64_t bands = 0;
-        for (uint64_t i = choice->band_first[r]; i < choice->band_first[r + 1]; i++) {
-            near->bands[bands] = &choice->bands[i];
-            bands +=
-                ranks_moving_boxes_meet(&own->box, &choice->bands[i].box, choice->steps);
-        }
-        for (uint64_t b = own->begin; b < own->end && bands > 0 && has_memory; b++) {
-            const struct ranks_block *block = &choice->mine.blocks[b];
-            uint32_t count = 0;
-            for (uint64_t i = 0; i < bands; i++) {
-                count +=
-                    find_near(world, choice, block, near->bands[i], near->blocks + count);
-            }
-            has_memory = choose_of(world, choice, block, near->blocks, count);
-        }
-    }
-    return has_memory;
-}
-
-/* Of the blocks of each rank those that meet none of this rank's stay out. */
-static int choose(struct pccd_mpi *world, struct choice *choice)
-{
-    struct ranks_link *link = &world->link;
-    uint64_t cells = (uint64_t)link->size + 1;
-    const struct near near = {
-        .bands = ranks_array(choice->band_first[link->size] + 1, sizeof *near.bands),
-        .blocks = ranks_array(choice->first[link->size], sizeof *near.blocks)};
-    choice->out_first = ranks_array(cells, sizeof(uint64_t));
-    choice->in_first = ranks_array(cells, sizeof(uint64_t));
-    bool has_memory = near.bands != NULL && near.blocks != NULL &&
-                      choice->out_first != NULL && choice->in_first != NULL;
-    for (int r = 0; r < link->size && has_memory; r++) {
-        choice->out_first[r] = choice->out_count;
-        has_memory = r == link->rank || choose_for(world, choice, &near, r);
-        choice->out_first[r + 1] = choice->out_count;
-    }
-    free((void *)near.bands);
-    free((void *)near.blocks);
-    return has_memory ? PCCD_OK : ranks_no_memory(world);
-}
-
-/* Blocks far from all of this rank need not be looked at again and again. */
-static void forget_far(const struct pccd_mpi *world, struct choice *choice)
-{
-    struct ranks_moving_box whole;
-    ranks_moving_box_begin(&whole);
-    for (uint32_t b = 0; b < choice->mine.block_count; b++) {
-        ranks_moving_box_add(&whole, &choice->mine.blocks[b].box);
-    }
-    uint64_t kept = 0;
-    for (int r = 0; r < world->link.size; r++) {
-        uint64_t begin = choice->first[r];
-        choice->first[r] = kept;
-        for (uint64_t i = begin; i < choice->first[r + 1]; i++) {
-            if (ranks_moving_boxes_meet(&whole, &choice->all[i].box, choice->steps)) {
-                choice->all[kept++] = choice->all[i];
-            }
-        }
-    }
-    choice->first[world->link.size] = kept;
-}
-
-/* Bands of the blocks begin .. end - 1, to bands[]. Returns how many. */
-static uint64_t band_up(const struct ranks_block *blocks, uint64_t begin, uint64_t end,
-                        struct band *bands)
-{
-    uint64_t count = 0;
-    for (uint64_t i = begin; i < end; i++) {
-        if ((i - begin) % BAND_BLOCKS == 0) {
-            bands[count] = (struct band){.begin = i};
-            ranks_moving_box_begin(&bands[count++].box);
-        }
-        ranks_moving_box_add(&bands[count - 1].box, &blocks[i].box);
-        bands[count - 1].end = i + 1;
-    }
-    return count;
-}
-
-static int make_bands(struct pccd_mpi *world, struct choice *choice)
-{
-    const uint32_t size = (uint32_t)world->link.size, own = choice->mine.block_count;
-    uint64_t count = 0;
-    choice->bands =
-        ranks_array(choice->first[size] / BAND_BLOCKS + size, sizeof *choice->bands);
-    choice->band_first = ranks_array((uint64_t)size + 1, sizeof *choice->band_first);
-    choice->own_bands = ranks_array(own / BAND_BLOCKS + 1, sizeof *choice->own_bands);
-    if (choice->bands == NULL || choice->band_first == NULL ||
-        choice->own_bands == NULL) {
-        return ranks_no_memory(world);
-    }
-    for (uint32_t r = 0; r < size; r++) {
-        choice->band_first[r] = count;
-        count += band_up(choice->all, choice->first[r], choice->first[r + 1],
-                         choice->bands + count);
-    }
-    choice->band_first[size] = count;
-    choice->own_band_count = band_up(choice->mine.blocks, 0, own, choice->own_bands);
-    return PCCD_OK;
-}
-
 /* ---- those that came -------------------------------------------------------------- */
 
 /* Are these the ghosts that the object has? The same leaf has the same number. */
@@ -421,15 +157,14 @@ static int settle_object(struct pccd_mpi *world, struct ranks_object *object,
 }
 
 /* Ghosts by object. Objects that have the same as before stay as they are. */
-static int settle(struct pccd_mpi *world, const struct choice *choice)
+static int settle(struct pccd_mpi *world, const struct visitor *in, uint64_t count)
 {
-    uint64_t count = choice->in_first[world->link.size];
     struct ranks_key *keys = ranks_array(2 * count, sizeof *keys);
     if (keys == NULL) {
         return ranks_no_memory(world);
     }
     for (uint64_t i = 0; i < count; i++) {
-        keys[i] = (struct ranks_key){choice->in[i].object, i};
+        keys[i] = (struct ranks_key){in[i].object, i};
     }
     const struct ranks_key *sorted = ranks_sort(keys, keys + count, count);
     uint64_t at = 0;
@@ -439,8 +174,7 @@ static int settle(struct pccd_mpi *world, const struct choice *choice)
         while (at < count && sorted[at].key == o) {
             at++;
         }
-        status = settle_object(world, world->objects[o], choice->in, sorted + begin,
-                               at - begin);
+        status = settle_object(world, world->objects[o], in, sorted + begin, at - begin);
     }
     free(keys);
     return status;
@@ -475,58 +209,76 @@ static int name_local(struct pccd_mpi *world)
     return status;
 }
 
-static int choose_all(struct pccd_mpi *world, struct choice *choice)
+/* Boxes of own leaves in this step and some more, and of what is in them. */
+static int make_boxes(struct pccd_mpi *world, double separation, bool is_still,
+                      struct ranks_boxes *boxes)
 {
-    struct ranks_link *link = &world->link;
-    int status = fetch(world, choice);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
-        choice->steps = ranks_room_time(&world->objects[o]->room);
-        status = cover(world, world->objects[o]);
+    double(**x0)[3] = NULL, (**x1)[3] = NULL;
+    int status = ranks_positions_fetch(world, RANKS_BEGIN, &x0);
+    if (status == PCCD_OK) {
+        status = ranks_positions_fetch(world, RANKS_END, &x1);
     }
     if (status == PCCD_OK) {
-        status = ranks_boxes_make(world, choice->separation,
-                                  (const double(*const *)[3])choice->x0,
-                                  (const double(*const *)[3])choice->x1, &choice->mine);
+        status = ranks_rooms_find(world, is_still, x0);
     }
-    forget_positions(world, choice);
-    choice->first = ranks_array((uint64_t)link->size + 1, sizeof(uint64_t));
-    if (status == PCCD_OK && choice->first == NULL) {
-        status = ranks_no_memory(world);
-    }
-    status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
-        status =
-            ranks_spread(link, sizeof(struct ranks_block), choice->mine.blocks,
-                         choice->mine.block_count, (void **)&choice->all, choice->first);
+        for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+            status = cover(world, world->objects[o]);
+        }
+        if (status == PCCD_OK) {
+            status = ranks_boxes_make(world, separation, ranks_block_count(world),
+                                      (const double(*const *)[3])x0,
+                                      (const double(*const *)[3])x1, boxes);
+        }
+        status = ranks_agree_on(&world->link, status);
     }
-    if (status != PCCD_OK) {
-        return status;
-    }
-    forget_far(world, choice);
-    status = make_bands(world, choice);
-    status = status == PCCD_OK ? choose(world, choice) : status;
-    status = ranks_agree_on(link, status);
+    ranks_positions_free(world, x0);
+    ranks_positions_free(world, x1);
+    return status;
+}
+
+static void put(const void *context, uint32_t object, uint32_t leaf, void *item)
+{
+    const struct pccd_mpi *world = context;
+    *(struct visitor *)item = (struct visitor){object, world->objects[object]->own[leaf]};
+}
+
+static int choose(struct pccd_mpi *world, double separation, bool is_still)
+{
+    struct ranks_boxes boxes = {.object_count = 0};
+    struct visitor *in = NULL;
+    uint64_t in_count = 0;
+    int status = make_boxes(world, separation, is_still, &boxes);
     if (status == PCCD_OK) {
-        status = ranks_deal(link, sizeof *choice->out, choice->out, choice->out_first,
-                            (void **)&choice->in, choice->in_first);
+        const struct ranks_need need = {
+            .leaves = &boxes,
+            .boxes = boxes.blocks,
+            .box_count = boxes.block_count,
+            .steps =
+                world->object_count > 0 ? ranks_room_time(&world->objects[0]->room) : 0,
+            .wants = ranks_may_meet,
+            .put = put,
+            .context = world,
+            .item_bytes = sizeof *in};
+        status = ranks_need_leaves(world, &need, (void **)&in, &in_count);
     }
+    ranks_boxes_deinit(&boxes);
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         status = ranks_neighbours_find(world, world->objects[o]);
     }
-    return status == PCCD_OK ? ranks_agree_on(link, settle(world, choice)) : status;
+    if (status == PCCD_OK) {
+        status = ranks_agree_on(&world->link, settle(world, in, in_count));
+    }
+    free(in);
+    return status;
 }
 
 int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool is_still,
                         bool has_missed)
 {
-    struct choice choice = {.separation = separation, .is_still = is_still};
     world->is_covered = false;
     ranks_rooms_choose(world, has_missed);
-    int status = choose_all(world, &choice);
-    choice_deinit(world, &choice);
+    int status = choose(world, separation, is_still);
     if (status == PCCD_OK) {
         status = name_local(world);
     }

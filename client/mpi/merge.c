@@ -10,7 +10,7 @@ static int take_own(struct pccd_mpi *world, struct pccd_near **own, uint64_t *ow
     struct ranks_link *link = &world->link;
     uint64_t *first = ranks_array((uint64_t)link->size + 1, sizeof *first);
     struct pccd_near *all = NULL;
-    int status = ranks_agree_on(link, first == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_memory(world, first != NULL);
     if (status == PCCD_OK) {
         status = ranks_spread(link, sizeof *all, world->strays, world->stray_count,
                               (void **)&all, first);
@@ -65,8 +65,7 @@ int ranks_merge(struct pccd_mpi *world)
     int status = take_own(world, &own, &own_count);
     if (status == PCCD_OK) {
         merged = ranks_array(world->record_count + own_count, sizeof *merged);
-        status = ranks_agree_on(&world->link,
-                                merged == NULL ? ranks_no_memory(world) : PCCD_OK);
+        status = ranks_agree_memory(world, merged != NULL);
     }
     if (status == PCCD_OK) {
         uint64_t room = world->record_count + own_count;

@@ -10,59 +10,8 @@
 #include "clock.h"
 #include "parts.h"
 
-/* ---- Where the leaves of objects are at one moment. */
-
-#define SPOTS_MAX       1024u /* of a rank, and one more for each object */
-#define SPOT_LEAVES_MIN 16u
-
-static void bound(const struct ranks_pairing *pairing, struct ranks_spot *spot)
-{
-    for (int k = 0; k < 3; k++) {
-        spot->low[k] = INFINITY;
-        spot->high[k] = -INFINITY;
-    }
-    for (uint32_t i = 0; i < spot->count; i++) {
-        struct ranks_visitor leaf;
-        double low[3], high[3];
-        ranks_visitor_make(pairing, spot->object, spot->begin + i, &leaf);
-        ranks_leaf_bounds(&leaf, low, high);
-        for (int k = 0; k < 3; k++) {
-            spot->low[k] = fmin(spot->low[k], low[k]);
-            spot->high[k] = fmax(spot->high[k], high[k]);
-        }
-        if (i == spot->count / 2) {
-            memcpy(spot->x, leaf.x[0], sizeof spot->x);
-        }
-    }
-}
-
-int ranks_spots_make(const struct ranks_pairing *pairing, struct ranks_spot **spots,
-                     uint32_t *count)
-{
-    struct pccd_mpi *world = pairing->world;
-    uint64_t leaves = 0;
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        leaves += world->objects[o]->own_count;
-    }
-    uint32_t each = (uint32_t)(leaves / SPOTS_MAX) + 1;
-    each = each < SPOT_LEAVES_MIN ? SPOT_LEAVES_MIN : each;
-    *spots = ranks_array(leaves / each + world->object_count, sizeof **spots);
-    *count = 0;
-    if (*spots == NULL) {
-        return ranks_no_memory(world);
-    }
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        uint32_t own = world->objects[o]->own_count;
-        bool is_asked = ranks_is_asked_with_any(pairing, o);
-        for (uint32_t begin = 0; begin < own && is_asked; begin += each) {
-            struct ranks_spot *spot = &(*spots)[(*count)++];
-            *spot = (struct ranks_spot){.object = o, .begin = begin};
-            spot->count = own - begin < each ? own - begin : each;
-            bound(pairing, spot);
-        }
-    }
-    return PCCD_OK;
-}
+/* Blocks of a rank: each is compared with each one of all ranks. */
+#define BLOCKS_MAX 1024u
 
 /* ---- who is asked ------------------------------------------------------------------ */
 
@@ -124,37 +73,108 @@ void ranks_ask_rest(const struct ranks_pairing *pairing, struct pccd_near_settin
     near->deadline_ns = ranks_stop_rest(&pairing->world->stop);
 }
 
-void ranks_visitor_make(const struct ranks_pairing *pairing, uint32_t object,
-                        uint32_t leaf, struct ranks_visitor *visitor)
+/* ---- what is wanted ---------------------------------------------------------------- */
+
+/* An own leaf with its corners. */
+static void make_visitor(const struct ranks_pairing *pairing, uint32_t object,
+                         uint32_t leaf, struct ranks_visitor *visitor)
 {
-    const struct ranks_object *of = pairing->world->objects[object];
-    *visitor = (struct ranks_visitor){.object = object, .leaf = of->own[leaf]};
+    const uint32_t *corners = pairing->boxes.corners[object][leaf];
+    *visitor = (struct ranks_visitor){.object = object,
+                                      .leaf = pairing->world->objects[object]->own[leaf]};
     for (int k = 0; k < 3; k++) {
-        uint32_t v = ranks_place_of(of->local.vertices, of->local.vertex_count,
-                                    visitor->leaf.v[k]);
-        memcpy(visitor->x[k], pairing->x[object][v], sizeof visitor->x[k]);
+        memcpy(visitor->x[k], pairing->x[object][corners[k]], sizeof visitor->x[k]);
     }
 }
 
-/* Collective: of all local vertices, at the end that is asked for. */
-static int fetch(const struct ranks_pairing *pairing)
+/* Room for `more` leaves. PCCD_E_NOMEM. */
+static int reserve(struct pccd_mpi *world, uint64_t more, struct ranks_wanted *wanted)
+{
+    if (wanted->leaf_count + more <= wanted->leaf_capacity) {
+        return PCCD_OK;
+    }
+    uint64_t capacity = 2 * (wanted->leaf_count + more);
+    struct ranks_visitor *leaves = realloc(wanted->leaves, capacity * sizeof *leaves);
+    if (leaves == NULL) {
+        return ranks_no_memory(world);
+    }
+    wanted->leaves = leaves;
+    wanted->leaf_capacity = capacity;
+    return PCCD_OK;
+}
+
+int ranks_want_own(const struct ranks_pairing *pairing, const struct ranks_block *block,
+                   struct ranks_wanted *wanted)
+{
+    int status = reserve(pairing->world, block->count, wanted);
+    for (uint32_t i = 0; i < block->count && status == PCCD_OK; i++) {
+        make_visitor(pairing, block->object, block->begin + i,
+                     &wanted->leaves[wanted->leaf_count++]);
+    }
+    return status;
+}
+
+int ranks_want(struct pccd_mpi *world, const float box[6], uint32_t object,
+               struct ranks_wanted *wanted)
+{
+    if (wanted->box_count == wanted->box_capacity) {
+        uint64_t capacity = 2 * wanted->box_capacity + 16;
+        struct ranks_block *boxes = realloc(wanted->boxes, capacity * sizeof *boxes);
+        if (boxes == NULL) {
+            return ranks_no_memory(world);
+        }
+        wanted->boxes = boxes;
+        wanted->box_capacity = capacity;
+    }
+    struct ranks_block *block = &wanted->boxes[wanted->box_count++];
+    *block = (struct ranks_block){.object = object};
+    memcpy(block->box.box, box, sizeof block->box.box);
+    return PCCD_OK;
+}
+
+static bool is_of(const struct pccd_mpi *world, uint32_t box_object, uint32_t object)
+{
+    (void)world;
+    return box_object == object;
+}
+
+static void put(const void *context, uint32_t object, uint32_t leaf, void *item)
+{
+    make_visitor(context, object, leaf, item);
+}
+
+int ranks_want_all(const struct ranks_pairing *pairing, bool are_ghosts,
+                   struct ranks_wanted *wanted)
 {
     struct pccd_mpi *world = pairing->world;
-    uint32_t objects = world->object_count;
-    const double(**given)[3] = calloc((size_t)objects + 1, sizeof *given);
-    int status = given == NULL ? ranks_no_memory(world) : PCCD_OK;
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        const struct ranks_object *object = world->objects[o];
-        given[o] = pairing->near->end == 1 ? object->to : object->from;
-        pairing->x[o] = ranks_array(object->local.vertex_count, sizeof **pairing->x);
-        status = pairing->x[o] == NULL ? ranks_no_memory(world) : PCCD_OK;
-    }
-    status = ranks_agree_on(&world->link, status);
+    const struct ranks_need need = {.leaves = &pairing->boxes,
+                                    .boxes = wanted->boxes,
+                                    .box_count = wanted->box_count,
+                                    .wants = is_of,
+                                    .is_of_self = true,
+                                    .put = put,
+                                    .context = pairing,
+                                    .item_bytes = sizeof(struct ranks_visitor)};
+    struct ranks_visitor *came = NULL;
+    uint64_t count = 0;
+    int status = ranks_need_leaves(world, &need, (void **)&came, &count);
     if (status == PCCD_OK) {
-        status = ranks_plan_send(world, given, pairing->x);
+        status = ranks_agree_on(&world->link, reserve(world, count, wanted));
     }
-    free((void *)given);
+    for (uint64_t i = 0; i < count && status == PCCD_OK; i++) {
+        struct ranks_visitor *leaf = &wanted->leaves[wanted->leaf_count++];
+        *leaf = came[i];
+        leaf->is_ghost = are_ghosts;
+    }
+    wanted->box_count = 0;
+    free(came);
     return status;
+}
+
+void ranks_wanted_deinit(struct ranks_wanted *wanted)
+{
+    free(wanted->leaves);
+    free(wanted->boxes);
 }
 
 /* ---- records ----------------------------------------------------------------------- */
@@ -178,8 +198,7 @@ static int keep_own(struct pccd_mpi *world, const struct ranks_apart *apart)
 {
     uint64_t *first = ranks_array((uint64_t)world->link.size + 1, sizeof *first);
     struct pccd_near *all = NULL;
-    int status =
-        ranks_agree_on(&world->link, first == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_memory(world, first != NULL);
     if (status == PCCD_OK) {
         status = ranks_spread(&world->link, sizeof *all, apart->records, apart->count,
                               (void **)&all, first);
@@ -207,11 +226,8 @@ static int answer_by(const struct ranks_pairing *pairing, struct ranks_apart *ap
                      struct pccd_answer *answer)
 {
     struct pccd_mpi *world = pairing->world;
-    int status = fetch(pairing);
-    if (status == PCCD_OK) {
-        status = pairing->near->what == PCCD_NEAR_NEAREST ? ranks_nearest(pairing, apart)
+    int status = pairing->near->what == PCCD_NEAR_NEAREST ? ranks_nearest(pairing, apart)
                                                           : ranks_depth(pairing, apart);
-    }
     if (status == PCCD_OK) {
         status = agree_on_complete(world, apart);
     }
@@ -234,16 +250,22 @@ int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_setting
     struct ranks_apart apart = {.count = 0};
     struct ranks_pairing pairing = {.world = world, .near = near};
     uint64_t begin_ns = common_now_ns();
-    pairing.x = calloc((size_t)world->object_count + 1, sizeof *pairing.x);
-    int status = pairing.x == NULL ? ranks_no_memory(world) : check_triangles(&pairing);
-    status = ranks_agree_on(&world->link, status);
+    int status = ranks_agree_on(&world->link, check_triangles(&pairing));
+    if (status == PCCD_OK) {
+        status = ranks_positions_fetch(world, near->end == 1 ? RANKS_END : RANKS_BEGIN,
+                                       &pairing.x);
+    }
+    if (status == PCCD_OK) {
+        status = ranks_agree_on(
+            &world->link,
+            ranks_boxes_make_still(world, BLOCKS_MAX,
+                                   (const double(*const *)[3])pairing.x, &pairing.boxes));
+    }
     if (status == PCCD_OK) {
         status = answer_by(&pairing, &apart, answer);
     }
-    for (uint32_t o = 0; o < world->object_count && pairing.x != NULL; o++) {
-        free(pairing.x[o]);
-    }
-    free((void *)pairing.x);
+    ranks_positions_free(world, pairing.x);
+    ranks_boxes_deinit(&pairing.boxes);
     ranks_apart_deinit(world, &apart);
     if (status == PCCD_OK) {
         answer->times.step = common_now_ns() - begin_ns;

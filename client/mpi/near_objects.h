@@ -5,8 +5,7 @@
 #ifndef RANKS_NEAR_OBJECTS_H
 #define RANKS_NEAR_OBJECTS_H
 
-#include <math.h>
-
+#include "boxes.h"
 #include "world.h"
 
 /* ---- A question about some leaves alone, in a scene of their own.
@@ -67,7 +66,8 @@ int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_setting
 struct ranks_pairing {
     struct pccd_mpi *world;
     const struct pccd_near_settings *near;
-    double (**x)[3]; /* [object_count]: of local vertices */
+    double (**x)[3];          /* [object_count]: of local vertices */
+    struct ranks_boxes boxes; /* around own leaves */
 };
 
 /* Is it asked of these two, by their places? */
@@ -80,37 +80,27 @@ static inline bool ranks_is_lower(const struct pccd_mpi *world, uint32_t a, uint
 }
 /* The question as it is asked of a part of the scene, with the time that is left. */
 void ranks_ask_rest(const struct ranks_pairing *pairing, struct pccd_near_settings *near);
-/* An own leaf with its corners. */
-void ranks_visitor_make(const struct ranks_pairing *pairing, uint32_t object,
-                        uint32_t leaf, struct ranks_visitor *visitor);
+
+/* What a question is asked of. */
+struct ranks_wanted {
+    struct ranks_visitor *leaves;
+    uint64_t leaf_count, leaf_capacity;
+    struct ranks_block *boxes; /* leaves of box.object that meet it are wanted, too */
+    uint64_t box_count, box_capacity;
+};
+/* In this rank alone: add own leaves of a block; a box. PCCD_E_NOMEM. */
+int ranks_want_own(const struct ranks_pairing *pairing, const struct ranks_block *block,
+                   struct ranks_wanted *wanted);
+int ranks_want(struct pccd_mpi *world, const float box[6], uint32_t object,
+               struct ranks_wanted *wanted);
+/* Collective: add what meets the boxes, of all ranks; then there are no boxes. */
+int ranks_want_all(const struct ranks_pairing *pairing, bool are_ghosts,
+                   struct ranks_wanted *wanted);
+void ranks_wanted_deinit(struct ranks_wanted *wanted);
 
 /* Collective: the answer is in *apart, each record on one rank: of DEPTH the one that
  * has its vertex. */
 int ranks_nearest(const struct ranks_pairing *pairing, struct ranks_apart *apart);
 int ranks_depth(const struct ranks_pairing *pairing, struct ranks_apart *apart);
-
-/* ---- Where the leaves of objects are at one moment, some at a time. */
-
-/* Own leaves of one object that lie one behind the other on the curve. */
-struct ranks_spot {
-    double low[3], high[3];
-    double x[3]; /* of one of their vertices */
-    uint32_t object;
-    uint32_t begin, count;
-};
-
-/* In this rank alone: of all objects that are asked about; *spots is allocated.
- * PCCD_E_NOMEM. */
-int ranks_spots_make(const struct ranks_pairing *pairing, struct ranks_spot **spots,
-                     uint32_t *count);
-
-static inline void ranks_leaf_bounds(const struct ranks_visitor *leaf, double low[3],
-                                     double high[3])
-{
-    for (int k = 0; k < 3; k++) {
-        low[k] = fmin(leaf->x[0][k], fmin(leaf->x[1][k], leaf->x[2][k]));
-        high[k] = fmax(leaf->x[0][k], fmax(leaf->x[1][k], leaf->x[2][k]));
-    }
-}
 
 #endif

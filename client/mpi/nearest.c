@@ -1,6 +1,6 @@
 /* nearest.c - the nearest pair of each two objects.
  *
- * Bound how far two objects are apart by distances of some of their vertices; send leaves
+ * Bound how far two objects are apart by boxes around some of their leaves; send leaves
  * that are not farther from the other object than that; have the nearest pair of each
  * rank found; decide between these.
  *
@@ -9,6 +9,7 @@
  */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "kinds.h"
 #include "near_objects.h"
@@ -25,38 +26,41 @@ struct bound {
 
 struct search {
     const struct ranks_pairing *pairing;
-    double reach; /* what is farther apart has no record */
-    struct ranks_spot *mine, *all;
-    uint64_t *first; /* [size + 1] of all; those of this rank are mine, too */
-    uint32_t mine_count;
-    struct bound *bounds; /* ascending */
+    double reach;            /* what is farther apart has no record */
+    struct ranks_block *all; /* blocks of all ranks */
+    uint64_t *first;         /* [size + 1] of these */
+    struct bound *bounds;    /* ascending */
     uint64_t bound_count;
-    /* Of the own spot that is looked at and each other object: how far they are apart at
-     * most, and which of the two has the lower handle. */
-    double *row;
-    bool *is_lower;
 };
 
 static void search_deinit(struct search *search)
 {
-    free(search->mine);
     free(search->all);
     free(search->first);
     free(search->bounds);
-    free(search->row);
-    free(search->is_lower);
 }
 
 /* ---- distances of boxes ------------------------------------------------------------ */
 
-/* The square of a distance that two boxes have at least. */
-static double square_between(const double low_a[3], const double high_a[3],
-                             const double low_b[3], const double high_b[3])
+/* The squares of the distances that points of two boxes have at least, and at most. */
+static double least_square(const float a[6], const float b[6])
 {
     double square = 0;
     for (int k = 0; k < 3; k++) {
-        double gap = fmax(low_a[k] - high_b[k], low_b[k] - high_a[k]);
+        double gap =
+            fmax((double)a[k] - (double)b[k + 3], (double)b[k] - (double)a[k + 3]);
         square += gap > 0 ? gap * gap : 0;
+    }
+    return square;
+}
+
+static double most_square(const float a[6], const float b[6])
+{
+    double square = 0;
+    for (int k = 0; k < 3; k++) {
+        double far =
+            fmax((double)a[k + 3] - (double)b[k], (double)b[k + 3] - (double)a[k]);
+        square += far * far;
     }
     return square;
 }
@@ -75,25 +79,24 @@ static double spread_of(const struct ranks_object *object)
     return object->settings.radius > 0 ? 0 : object->mesh->radius_max;
 }
 
-/* Own spots of object a beside all others: for each object b with a higher handle the
- * least distance of their vertices, and of their boxes. */
-static void compare_spots(const struct search *search, uint32_t a, double *nearest,
-                          double *gap)
+/* Own blocks of object a beside all others: for each object b the least that they can be
+ * apart at most, and at least. */
+static void compare_blocks(const struct search *search, uint32_t a, double *most,
+                           double *least)
 {
     const struct pccd_mpi *world = search->pairing->world;
+    const struct ranks_boxes *mine = &search->pairing->boxes;
     for (uint32_t b = 0; b < world->object_count; b++) {
-        nearest[b] = gap[b] = INFINITY;
+        most[b] = least[b] = INFINITY;
     }
-    for (uint32_t i = 0; i < search->mine_count; i++) {
-        const struct ranks_spot *mine = &search->mine[i];
-        for (uint64_t j = 0; mine->object == a && j < search->first[world->link.size];
+    for (uint32_t i = 0; i < mine->block_count; i++) {
+        const struct ranks_block *own = &mine->blocks[i];
+        for (uint64_t j = 0; own->object == a && j < search->first[world->link.size];
              j++) {
-            const struct ranks_spot *other = &search->all[j];
-            double square = square_between(mine->x, mine->x, other->x, other->x);
-            double between =
-                square_between(mine->low, mine->high, other->low, other->high);
-            nearest[other->object] = fmin(nearest[other->object], square);
-            gap[other->object] = fmin(gap[other->object], between);
+            const struct ranks_block *other = &search->all[j];
+            uint32_t b = other->object;
+            most[b] = fmin(most[b], most_square(own->box.box, other->box.box));
+            least[b] = fmin(least[b], least_square(own->box.box, other->box.box));
         }
     }
 }
@@ -111,26 +114,26 @@ static int find_bounds(struct search *search, struct bound **bounds, uint64_t *c
 {
     struct pccd_mpi *world = search->pairing->world;
     uint32_t objects = world->object_count;
-    double *nearest = ranks_array(2 * (uint64_t)objects, sizeof *nearest);
+    double *most = ranks_array(2 * (uint64_t)objects, sizeof *most);
     *count = 0;
-    for (uint32_t a = 0; a < objects && nearest != NULL; a++) {
+    for (uint32_t a = 0; a < objects && most != NULL; a++) {
         struct bound *more = realloc(*bounds, (*count + objects + 1) * sizeof **bounds);
         if (more == NULL) {
-            free(nearest);
+            free(most);
             return ranks_no_memory(world);
         }
         *bounds = more;
         if (world->objects[a]->own_count == 0) {
             continue;
         }
-        compare_spots(search, a, nearest, nearest + objects);
+        compare_blocks(search, a, most, most + objects);
         for (uint32_t b = 0; b < objects; b++) {
-            if (ranks_is_lower(world, a, b) && nearest[b] < INFINITY &&
-                is_within(nearest[objects + b], search->reach) &&
+            if (ranks_is_lower(world, a, b) && most[b] < INFINITY &&
+                is_within(most[objects + b], search->reach) &&
                 ranks_is_asked(search->pairing, a, b)) {
-                /* The surfaces of other features may be nearer than those of the two
-                 * vertices, though these are not. */
-                double distance = (sqrt(nearest[b]) + spread_of(world->objects[a]) +
+                /* The surfaces of other features may be nearer than those of the blocks,
+                 * though these are not. */
+                double distance = (sqrt(most[b]) + spread_of(world->objects[a]) +
                                    spread_of(world->objects[b])) *
                                   SLACK;
                 (*bounds)[(*count)++] =
@@ -138,8 +141,8 @@ static int find_bounds(struct search *search, struct bound **bounds, uint64_t *c
             }
         }
     }
-    free(nearest);
-    return nearest == NULL ? ranks_no_memory(world) : PCCD_OK;
+    free(most);
+    return most == NULL ? ranks_no_memory(world) : PCCD_OK;
 }
 
 /* Collective: of all ranks, the least for each two objects. */
@@ -190,121 +193,63 @@ static double bound_of(const struct search *search, uint32_t a, uint32_t b)
 
 /* ---- leaves ------------------------------------------------------------------------ */
 
-/* Spots that a leaf may have to come to. */
-struct target {
-    const struct ranks_spot *spot;
-    double distance;
-};
-
 /* Two objects are compared by the ranks that own leaves of the lower one: leaves of the
- * higher one come to them, and their own ones stay. So a leaf goes to rank r for the
- * spots of lower objects there, and stays for the spots of higher ones anywhere. */
-static uint32_t find_targets(const struct search *search, const struct ranks_spot *mine,
-                             int r, struct target *targets)
+ * higher one come to them, and their own ones stay. Of an own block: which objects it is
+ * near to, near[object_count], by how far they are from its own at most, row[]. */
+static void find_near(const struct search *search, const struct ranks_block *own,
+                      const double *row, bool *near)
 {
     const struct pccd_mpi *world = search->pairing->world;
-    uint32_t count = 0;
-    bool stays = r == world->link.rank;
-    uint64_t begin = stays ? 0 : search->first[r];
-    uint64_t end = stays ? search->first[world->link.size] : search->first[r + 1];
-    for (uint64_t i = begin; i < end; i++) {
-        const struct ranks_spot *other = &search->all[i];
-        bool is_there = i >= search->first[r] && i < search->first[r + 1];
-        double distance = search->row[other->object];
-        if (distance >= 0 && (search->is_lower[other->object] ? is_there : stays) &&
-            is_within(square_between(mine->low, mine->high, other->low, other->high),
-                      distance)) {
-            targets[count++] = (struct target){other, distance};
-        }
+    memset(near, 0, world->object_count * sizeof *near);
+    for (uint64_t i = 0; i < search->first[world->link.size]; i++) {
+        const struct ranks_block *other = &search->all[i];
+        double distance = row[other->object];
+        near[other->object] =
+            near[other->object] ||
+            (distance >= 0 &&
+             is_within(least_square(own->box.box, other->box.box), distance));
     }
-    return count;
 }
 
-/* The row of an object. */
-static void look_up(const struct search *search, uint32_t object)
+/* The row of an object: of those that are higher. */
+static void look_up(const struct search *search, uint32_t object, double *row)
 {
     const struct pccd_mpi *world = search->pairing->world;
     for (uint32_t o = 0; o < world->object_count; o++) {
-        search->is_lower[o] = ranks_is_lower(world, o, object);
-        search->row[o] = o == object           ? -1
-                         : search->is_lower[o] ? bound_of(search, o, object)
-                                               : bound_of(search, object, o);
+        row[o] = ranks_is_lower(world, object, o) ? bound_of(search, object, o) : -1;
     }
 }
 
-static bool is_near_any(const struct ranks_visitor *leaf, const struct target *targets,
-                        uint32_t count)
-{
-    double low[3], high[3];
-    ranks_leaf_bounds(leaf, low, high);
-    for (uint32_t i = 0; i < count; i++) {
-        if (is_within(
-                square_between(low, high, targets[i].spot->low, targets[i].spot->high),
-                targets[i].distance)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Which own leaves go to rank r: counts, or with out != NULL writes them. */
-static uint64_t choose_for(const struct search *search, int r, struct target *targets,
-                           struct ranks_visitor *out)
-{
-    struct ranks_visitor leaf;
-    uint64_t count = 0;
-    for (uint32_t i = 0; i < search->mine_count; i++) {
-        const struct ranks_spot *mine = &search->mine[i];
-        if (i == 0 || mine->object != mine[-1].object) {
-            look_up(search, mine->object);
-        }
-        uint32_t target_count = find_targets(search, mine, r, targets);
-        for (uint32_t k = 0; k < mine->count && target_count > 0; k++) {
-            ranks_visitor_make(search->pairing, mine->object, mine->begin + k, &leaf);
-            if (is_near_any(&leaf, targets, target_count)) {
-                if (out != NULL) {
-                    out[count] = leaf;
-                }
-                count++;
-            }
-        }
-    }
-    return count;
-}
-
-/* Collective: the leaves that this rank compares. */
-static int exchange(struct search *search, struct ranks_visitor **in, uint64_t *in_count)
+/* What this rank compares: own blocks, and what is near to them of higher objects. */
+static int want(const struct search *search, struct ranks_wanted *wanted)
 {
     struct pccd_mpi *world = search->pairing->world;
-    int size = world->link.size;
-    uint64_t *first = ranks_array(2 * ((uint64_t)size + 1), sizeof *first), count = 0;
-    struct target *targets = ranks_array(search->first[size], sizeof *targets);
-    struct ranks_visitor *out = NULL;
-    search->row = ranks_array(world->object_count, sizeof *search->row);
-    search->is_lower = ranks_array(world->object_count, sizeof *search->is_lower);
-    bool is_short = first == NULL || targets == NULL || search->row == NULL ||
-                    search->is_lower == NULL;
-    for (int pass = 0; pass < 2 && !is_short; pass++, count = 0) {
-        for (int r = 0; r < size; r++) {
-            first[r] = count;
-            count += choose_for(search, r, targets, out != NULL ? out + count : NULL);
+    const struct ranks_boxes *mine = &search->pairing->boxes;
+    double *row = ranks_array(world->object_count, sizeof *row);
+    bool *near = ranks_array(world->object_count, sizeof *near);
+    int status = row == NULL || near == NULL ? ranks_no_memory(world) : PCCD_OK;
+    for (uint32_t i = 0; i < mine->block_count && status == PCCD_OK; i++) {
+        const struct ranks_block *own = &mine->blocks[i];
+        bool is_near = false;
+        if (i == 0 || own->object != own[-1].object) {
+            look_up(search, own->object, row);
         }
-        first[size] = count;
-        if (pass == 0) {
-            out = ranks_array(count, sizeof *out);
-            is_short = out == NULL;
+        find_near(search, own, row, near);
+        for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+            float box[6];
+            memcpy(box, own->box.box, sizeof box);
+            if (near[o]) {
+                ranks_box_grow(box, row[o] * SLACK);
+                status = ranks_want(world, box, o, wanted);
+                is_near = true;
+            }
+        }
+        if (is_near && status == PCCD_OK) {
+            status = ranks_want_own(search->pairing, own, wanted);
         }
     }
-    int status =
-        ranks_agree_on(&world->link, is_short ? ranks_no_memory(world) : PCCD_OK);
-    if (status == PCCD_OK) {
-        status = ranks_deal(&world->link, sizeof *out, out, first, (void **)in,
-                            first + size + 1);
-        *in_count = first[2 * size + 1];
-    }
-    free(first);
-    free(targets);
-    free(out);
+    free(row);
+    free(near);
     return status;
 }
 
@@ -326,34 +271,23 @@ static int judge_of(const struct pccd_mpi *world, const struct pccd_near *record
 static int send_to_judges(struct pccd_mpi *world, const struct ranks_apart *found,
                           struct ranks_visitor **in, uint64_t *in_count)
 {
-    int size = world->link.size;
-    uint64_t *first = calloc(2 * ((size_t)size + 1), sizeof *first);
     struct ranks_visitor *out = ranks_array(2 * found->count, sizeof *out);
-    int status = ranks_agree_on(
-        &world->link, first == NULL || out == NULL ? ranks_no_memory(world) : PCCD_OK);
-    if (status == PCCD_OK) {
-        uint64_t count = 0;
-        for (int r = 0; r < size; r++) {
-            first[r] = count;
-            for (uint64_t i = 0; i < found->count; i++) {
-                const struct pccd_near *record = &found->records[i];
-                const uint32_t *points = common_kinds[record->kind].points;
-                if (judge_of(world, record) == r) {
-                    ranks_apart_find(found,
-                                     ranks_place_of_object(world, record->object_a),
-                                     points[0], record->feature_a, &out[count++]);
-                    ranks_apart_find(found,
-                                     ranks_place_of_object(world, record->object_b),
-                                     points[1], record->feature_b, &out[count++]);
-                }
-            }
-        }
-        first[size] = count;
-        status = ranks_deal(&world->link, sizeof *out, out, first, (void **)in,
-                            first + size + 1);
-        *in_count = first[2 * size + 1];
+    uint32_t *to = ranks_array(2 * found->count, sizeof *to);
+    int status = ranks_agree_memory(world, out != NULL && to != NULL);
+    for (uint64_t i = 0; i < found->count && status == PCCD_OK; i++) {
+        const struct pccd_near *record = &found->records[i];
+        const uint32_t *points = common_kinds[record->kind].points;
+        ranks_apart_find(found, ranks_place_of_object(world, record->object_a), points[0],
+                         record->feature_a, &out[2 * i]);
+        ranks_apart_find(found, ranks_place_of_object(world, record->object_b), points[1],
+                         record->feature_b, &out[2 * i + 1]);
+        to[2 * i] = to[2 * i + 1] = (uint32_t)judge_of(world, record);
     }
-    free(first);
+    if (status == PCCD_OK) {
+        status = ranks_deal_to(&world->link, sizeof *out, out, to, 2 * found->count,
+                               (void **)in, in_count);
+    }
+    free(to);
     free(out);
     return status;
 }
@@ -373,19 +307,22 @@ static void keep_judged(const struct pccd_mpi *world, struct ranks_apart *apart)
 /* ---- all of it --------------------------------------------------------------------- */
 
 /* However far away: the nearest of what is here. */
-static int find_here(struct search *search, struct ranks_apart *found)
+static int find_here(const struct search *search, struct ranks_apart *found)
 {
-    struct ranks_visitor *leaves = NULL;
+    struct ranks_wanted wanted = {.leaf_count = 0};
     struct pccd_near_settings near;
-    uint64_t count = 0;
-    int status = exchange(search, &leaves, &count);
+    int status = ranks_agree_on(&search->pairing->world->link, want(search, &wanted));
+    if (status == PCCD_OK) {
+        status = ranks_want_all(search->pairing, false, &wanted);
+    }
     if (status == PCCD_OK) {
         ranks_ask_rest(search->pairing, &near);
         near.distance = INFINITY;
         near.gap = 0;
-        status = ranks_apart_ask(search->pairing->world, leaves, count, &near, found);
+        status = ranks_apart_ask(search->pairing->world, wanted.leaves, wanted.leaf_count,
+                                 &near, found);
     }
-    free(leaves);
+    ranks_wanted_deinit(&wanted);
     return status;
 }
 
@@ -436,17 +373,15 @@ int ranks_nearest(const struct ranks_pairing *pairing, struct ranks_apart *apart
     struct search search = {.pairing = pairing};
     struct ranks_apart found = {.count = 0};
     int status = find_reach(pairing, &search.reach);
-    if (status == PCCD_OK) {
-        status = ranks_spots_make(pairing, &search.mine, &search.mine_count);
-    }
     search.first = ranks_array((uint64_t)world->link.size + 1, sizeof *search.first);
     if (status == PCCD_OK && search.first == NULL) {
         status = ranks_no_memory(world);
     }
     status = ranks_agree_on(&world->link, status);
     if (status == PCCD_OK) {
-        status = ranks_spread(&world->link, sizeof *search.mine, search.mine,
-                              search.mine_count, (void **)&search.all, search.first);
+        status =
+            ranks_spread(&world->link, sizeof *search.all, pairing->boxes.blocks,
+                         pairing->boxes.block_count, (void **)&search.all, search.first);
     }
     if (status == PCCD_OK) {
         status = agree_on_bounds(&search);

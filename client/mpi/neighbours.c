@@ -7,17 +7,16 @@
 #include "parts.h"
 #include "rank_sort.h"
 
-/* Somebody asks for what is at a vertex; or has something there. */
+/* A rank asks for what is at a vertex; or has something there. */
 struct at {
     uint32_t vertex;
-    int32_t rank;
+    uint32_t rank;
 };
 
 /* What one object needs for its time. */
 struct walk {
     struct pccd_mpi *world;
     struct ranks_object *object;
-    uint64_t *first, *first_in; /* [size + 1] each */
     /* The directory: who has leaves at its vertices, sorted by vertex. */
     struct at *holders;
     uint64_t holder_count;
@@ -33,7 +32,6 @@ struct walk {
 
 static void walk_deinit(struct walk *walk)
 {
-    free(walk->first);
     free(walk->holders);
     free(walk->at_memory);
     free(walk->seen);
@@ -41,31 +39,24 @@ static void walk_deinit(struct walk *walk)
     free(walk->found);
 }
 
-static int agree(const struct walk *walk, bool has_memory)
+/* The newest vertices of each rank, to their directories. */
+static int tell_directory(const struct walk *walk, struct at **in, uint64_t *in_count)
 {
-    return ranks_agree_on(&walk->world->link,
-                          has_memory ? PCCD_OK : ranks_no_memory(walk->world));
-}
-
-static void begins_of(uint64_t *first, int size)
-{
-    for (int r = 0; r < size; r++) {
-        first[r + 1] += first[r];
+    struct ranks_link *link = &walk->world->link;
+    struct at *out = ranks_array(walk->edge_count, sizeof *out);
+    uint32_t *to = ranks_array(walk->edge_count, sizeof *to);
+    int status = ranks_agree_memory(walk->world, out != NULL && to != NULL);
+    for (uint32_t i = 0; i < walk->edge_count && status == PCCD_OK; i++) {
+        out[i] = (struct at){walk->edge[i], (uint32_t)link->rank};
+        to[i] = (uint32_t)ranks_directory(walk->object->mesh, walk->edge[i]);
     }
-}
-
-/* Vertices of this rank, ascending, to the directory. */
-static int tell_directory(struct walk *walk, const uint32_t *vertices, uint32_t count,
-                          uint32_t **in)
-{
-    int size = walk->world->link.size;
-    memset(walk->first, 0, ((size_t)size + 1) * sizeof *walk->first);
-    for (uint32_t i = 0; i < count; i++) {
-        walk->first[ranks_directory(walk->object->mesh, vertices[i]) + 1]++;
+    if (status == PCCD_OK) {
+        status = ranks_deal_to(link, sizeof *out, out, to, walk->edge_count, (void **)in,
+                               in_count);
     }
-    begins_of(walk->first, size);
-    return ranks_deal(&walk->world->link, sizeof *vertices, vertices, walk->first,
-                      (void **)in, walk->first_in);
+    free(to);
+    free(out);
+    return status;
 }
 
 static int compare_at(const void *a, const void *b)
@@ -80,18 +71,15 @@ static int compare_at(const void *a, const void *b)
 static int begin(struct walk *walk)
 {
     const struct ranks_object *object = walk->object;
-    int size = walk->world->link.size;
     uint64_t corners = 3 * (uint64_t)object->own_count;
-    walk->first = ranks_array(2 * ((uint64_t)size + 1), sizeof *walk->first);
     walk->at_memory = ranks_array(2 * corners, sizeof *walk->at_memory);
     walk->seen = ranks_array(corners, sizeof *walk->seen);
     walk->edge = ranks_array(corners, sizeof *walk->edge);
-    int status = agree(walk, walk->first != NULL && walk->at_memory != NULL &&
-                                 walk->seen != NULL && walk->edge != NULL);
+    int status = ranks_agree_memory(
+        walk->world, walk->at_memory != NULL && walk->seen != NULL && walk->edge != NULL);
     if (status != PCCD_OK) {
         return status;
     }
-    walk->first_in = walk->first + size + 1;
     for (uint64_t i = 0; i < corners; i++) {
         walk->at_memory[i] = (struct ranks_key){object->own[i / 3].v[i % 3], i / 3};
     }
@@ -104,22 +92,10 @@ static int begin(struct walk *walk)
     }
     memcpy(walk->seen, walk->edge, walk->edge_count * sizeof *walk->seen);
     walk->seen_count = walk->edge_count;
-    uint32_t *in = NULL;
-    status = tell_directory(walk, walk->edge, walk->edge_count, &in);
-    if (status == PCCD_OK) {
-        walk->holder_count = walk->first_in[size];
-        walk->holders = ranks_array(walk->holder_count, sizeof *walk->holders);
-        status = agree(walk, walk->holders != NULL);
-    }
-    for (int r = 0; r < size && status == PCCD_OK; r++) {
-        for (uint64_t i = walk->first_in[r]; i < walk->first_in[r + 1]; i++) {
-            walk->holders[i] = (struct at){in[i], r};
-        }
-    }
-    if (status == PCCD_OK) {
+    status = tell_directory(walk, &walk->holders, &walk->holder_count);
+    if (status == PCCD_OK && walk->holder_count > 1) {
         qsort(walk->holders, walk->holder_count, sizeof *walk->holders, compare_at);
     }
-    free(in);
     return status;
 }
 
@@ -138,54 +114,46 @@ static uint64_t find_holder(const struct walk *walk, uint32_t vertex)
     return from;
 }
 
-/* Who asked in[] of this directory, to the others who have leaves there: out == NULL:
- * count them to first[r + 1]; else write them, from first[r] on. */
-static void pass_on(const struct walk *walk, const uint32_t *in, uint64_t *first,
-                    struct at *out)
+/* Who asked in[] of this directory, to the others who have leaves there: out[], and to
+ * whom; NULL: how many are only counted. */
+static uint64_t pass_on(const struct walk *walk, const struct at *in, uint64_t in_count,
+                        struct at *out, uint32_t *to)
 {
-    for (int r = 0; r < walk->world->link.size; r++) {
-        for (uint64_t i = walk->first_in[r]; i < walk->first_in[r + 1]; i++) {
-            for (uint64_t h = find_holder(walk, in[i]);
-                 h < walk->holder_count && walk->holders[h].vertex == in[i]; h++) {
-                int holder = walk->holders[h].rank;
-                if (holder != r && out == NULL) {
-                    first[holder + 1]++;
-                } else if (holder != r) {
-                    out[first[holder]++] = (struct at){in[i], r};
-                }
+    uint64_t count = 0;
+    for (uint64_t i = 0; i < in_count; i++) {
+        for (uint64_t h = find_holder(walk, in[i].vertex);
+             h < walk->holder_count && walk->holders[h].vertex == in[i].vertex; h++) {
+            if (walk->holders[h].rank != in[i].rank && out != NULL) {
+                out[count] = in[i];
+                to[count] = walk->holders[h].rank;
             }
+            count += walk->holders[h].rank != in[i].rank;
         }
     }
+    return count;
 }
 
 /* Ask the directory for the newest vertices; whoever has leaves there hears who asks. */
-static int ask(struct walk *walk, struct at **asked, uint64_t *asked_count)
+static int ask(const struct walk *walk, struct at **asked, uint64_t *asked_count)
 {
-    int size = walk->world->link.size;
-    uint32_t *in = NULL;
-    struct at *out = NULL;
-    uint64_t *first = calloc((size_t)size + 2, sizeof *first);
-    int status = agree(walk, first != NULL);
+    struct at *in = NULL, *out = NULL;
+    uint32_t *to = NULL;
+    uint64_t in_count = 0, count = 0;
+    int status = tell_directory(walk, &in, &in_count);
     if (status == PCCD_OK) {
-        status = tell_directory(walk, walk->edge, walk->edge_count, &in);
+        count = pass_on(walk, in, in_count, NULL, NULL);
+        out = ranks_array(count, sizeof *out);
+        to = ranks_array(count, sizeof *to);
+        status = ranks_agree_memory(walk->world, out != NULL && to != NULL);
     }
     if (status == PCCD_OK) {
-        pass_on(walk, in, first, NULL);
-        begins_of(first, size);
-        out = ranks_array(first[size], sizeof *out);
-        status = agree(walk, out != NULL);
-    }
-    if (status == PCCD_OK) {
-        pass_on(walk, in, first, out);
-        memmove(first + 1, first, (size_t)size * sizeof *first); /* ends to begins */
-        first[0] = 0;
-        status = ranks_deal(&walk->world->link, sizeof *out, out, first, (void **)asked,
-                            walk->first_in);
-        *asked_count = status == PCCD_OK ? walk->first_in[size] : 0;
+        (void)pass_on(walk, in, in_count, out, to);
+        status = ranks_deal_to(&walk->world->link, sizeof *out, out, to, count,
+                               (void **)asked, asked_count);
     }
     free(in);
     free(out);
-    free(first);
+    free(to);
     return status;
 }
 
@@ -204,44 +172,37 @@ static uint64_t find_at(const struct walk *walk, uint32_t vertex)
     return from;
 }
 
-/* The leaves that are asked for: out == NULL: count. */
-static void answer(const struct walk *walk, const struct at *asked, uint64_t asked_count,
-                   uint64_t *first, struct ranks_leaf *out)
+/* The leaves that are asked for: out[], and for whom; NULL: how many are only counted. */
+static uint64_t answer(const struct walk *walk, const struct at *asked,
+                       uint64_t asked_count, struct ranks_leaf *out, uint32_t *to)
 {
+    uint64_t count = 0;
     for (uint64_t i = 0; i < asked_count; i++) {
         for (uint64_t a = find_at(walk, asked[i].vertex);
-             a < walk->at_count && walk->at[a].key == asked[i].vertex; a++) {
-            if (out == NULL) {
-                first[asked[i].rank + 1]++;
-            } else {
-                out[first[asked[i].rank]++] = walk->object->own[walk->at[a].value];
+             a < walk->at_count && walk->at[a].key == asked[i].vertex; a++, count++) {
+            if (out != NULL) {
+                out[count] = walk->object->own[walk->at[a].value];
+                to[count] = asked[i].rank;
             }
         }
     }
+    return count;
 }
 
-static int hand_over(struct walk *walk, const struct at *asked, uint64_t asked_count,
-                     struct ranks_leaf **came, uint64_t *came_count)
+static int hand_over(const struct walk *walk, const struct at *asked,
+                     uint64_t asked_count, struct ranks_leaf **came, uint64_t *came_count)
 {
-    int size = walk->world->link.size;
-    uint64_t *first = calloc((size_t)size + 2, sizeof *first);
-    struct ranks_leaf *out = NULL;
-    if (first != NULL) {
-        answer(walk, asked, asked_count, first, NULL);
-        begins_of(first, size);
-        out = ranks_array(first[size], sizeof *out);
-    }
-    int status = agree(walk, first != NULL && out != NULL);
+    uint64_t count = answer(walk, asked, asked_count, NULL, NULL);
+    struct ranks_leaf *out = ranks_array(count, sizeof *out);
+    uint32_t *to = ranks_array(count, sizeof *to);
+    int status = ranks_agree_memory(walk->world, out != NULL && to != NULL);
     if (status == PCCD_OK) {
-        answer(walk, asked, asked_count, first, out);
-        memmove(first + 1, first, (size_t)size * sizeof *first);
-        first[0] = 0;
-        status = ranks_deal(&walk->world->link, sizeof *out, out, first, (void **)came,
-                            walk->first_in);
-        *came_count = status == PCCD_OK ? walk->first_in[size] : 0;
+        (void)answer(walk, asked, asked_count, out, to);
+        status = ranks_deal_to(&walk->world->link, sizeof *out, out, to, count,
+                               (void **)came, came_count);
     }
-    free(first);
     free(out);
+    free(to);
     return status;
 }
 

@@ -135,8 +135,7 @@ static int slice(struct pccd_mpi *world, const struct ranks_traveller *leaves,
     uint64_t found = sample(world, leaves, count, each, step, NULL);
     uint64_t *places = ranks_array(found, sizeof *places);
     uint64_t *first = ranks_array((uint64_t)link->size + 1, sizeof *first);
-    status = ranks_agree_on(link, places == NULL || first == NULL ? ranks_no_memory(world)
-                                                                  : PCCD_OK);
+    status = ranks_agree_memory(world, places != NULL && first != NULL);
     if (status == PCCD_OK) {
         (void)sample(world, leaves, count, each, step, places);
         status = ranks_spread(link, sizeof *places, places, found, (void **)&all, first);
@@ -159,10 +158,8 @@ static int fill(struct pccd_mpi *world, const struct ranks_traveller *leaves,
     table->weights = calloc(2 * slices, sizeof(uint64_t));
     table->order = ranks_array(2 * slices, sizeof(uint64_t));
     table->sums[0] = ranks_array(2 * (slices + 1), sizeof(uint64_t));
-    int status = table->weights == NULL || table->order == NULL || table->sums[0] == NULL
-                     ? ranks_no_memory(world)
-                     : PCCD_OK;
-    status = ranks_agree_on(&world->link, status);
+    int status = ranks_agree_memory(
+        world, table->weights != NULL && table->order != NULL && table->sums[0] != NULL);
     if (status != PCCD_OK) {
         return status;
     }
@@ -297,9 +294,7 @@ int ranks_pieces_find(struct pccd_mpi *world, const struct ranks_traveller *leav
         table.leaves_max = LEAVES_MAX(totals[1] / (uint64_t)link->size);
         waiting = ranks_array((uint64_t)link->size, sizeof *waiting);
         pieces->rank = ranks_array(pieces->count, sizeof *pieces->rank);
-        status = ranks_agree_on(link, waiting == NULL || pieces->rank == NULL
-                                          ? ranks_no_memory(world)
-                                          : PCCD_OK);
+        status = ranks_agree_memory(world, waiting != NULL && pieces->rank != NULL);
     }
     if (status == PCCD_OK) {
         deal(&table, waiting, (uint32_t)link->size, pieces);
