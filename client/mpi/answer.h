@@ -97,7 +97,7 @@ int ranks_merge(struct pccd_mpi *world);
  * part of.
  *
  * A pair is found by the rank that owns its first feature. A vertex of it may have been
- * given to another rank. So bounds go the way back on which positions came (places.c). */
+ * given to another rank. So bounds go the way back on which positions came. */
 
 /* Collective, after a question whose bounds of local vertices are world->records: to
  * world->bounds and world->bound_values, of the objects that were asked for. answer:

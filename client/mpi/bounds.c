@@ -30,8 +30,8 @@ static int find_numbers(struct pccd_mpi *world, struct ranks_mesh *mesh)
     uint32_t *numbers = ranks_array(mesh->vertex_count, sizeof *numbers);
     int status = ranks_agree_memory(world, out != NULL && to != NULL && numbers != NULL);
     for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
-        out[i] = (struct numbered){mesh->places[i].index, base + i};
-        to[i] = (uint32_t)mesh->places[i].rank;
+        out[i] = (struct numbered){mesh->owners[i].index, base + i};
+        to[i] = (uint32_t)mesh->owners[i].rank;
     }
     if (status == PCCD_OK) {
         status =

@@ -5,7 +5,7 @@
 #ifndef RANKS_BOXES_H
 #define RANKS_BOXES_H
 
-#include "moving.h"
+#include "moving_boxes.h"
 #include "world.h"
 
 /* Leaves of one object that lie one behind the other on the curve. */
@@ -30,8 +30,8 @@ struct ranks_boxes {
 double ranks_reach(const struct ranks_object *object, double separation);
 /* On all sides, or by a little more. */
 void ranks_box_grow(float box[6], double growth);
-/* In this rank alone: x0[o], x1[o] of the local vertices of object o, whose room is
- * object->room. block_count: at most so many blocks, and as many again where the curve
+/* In this rank alone: x0[o], x1[o] of the local vertices of object o, whose margin is
+ * object->margin. block_count: at most so many blocks, and as many again where the curve
  * jumps, and one more for each object. */
 int ranks_boxes_make(struct pccd_mpi *world, double separation, uint64_t block_count,
                      const double (*const *x0)[3], const double (*const *x1)[3],

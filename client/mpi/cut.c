@@ -109,11 +109,11 @@ static int bound(struct pccd_mpi *world, double (*const *x)[3], double box[6])
 /* All own leaves and their places, in the order of these. */
 static int place_leaves(struct pccd_mpi *world, double (*const *x)[3],
                         const double box[6], uint64_t count,
-                        struct ranks_traveller *leaves)
+                        struct ranks_leaf_in_transit *leaves)
 {
     uint64_t at = 0;
     int status = PCCD_OK;
-    struct ranks_traveller *sorted = ranks_array(count, sizeof *sorted);
+    struct ranks_leaf_in_transit *sorted = ranks_array(count, sizeof *sorted);
     struct ranks_key *keys = ranks_array(2 * count, sizeof *keys);
     uint32_t(*corners)[3] = ranks_array(count, sizeof *corners);
     if (sorted == NULL || keys == NULL || corners == NULL) {
@@ -130,7 +130,7 @@ static int place_leaves(struct pccd_mpi *world, double (*const *x)[3],
                              x[o][corners[i][2]][k]) /
                             3;
             }
-            sorted[at] = (struct ranks_traveller){
+            sorted[at] = (struct ranks_leaf_in_transit){
                 .place = ranks_curve_place(middle, box, box + 3),
                 .object = o,
                 .weight = object->weights != NULL ? object->weights[i] : 1,
@@ -153,7 +153,7 @@ static int place_leaves(struct pccd_mpi *world, double (*const *x)[3],
 /* ---- moving ----------------------------------------------------------------------- */
 
 /* The leaves that came, to their objects, along the curve. */
-static int settle(struct pccd_mpi *world, const struct ranks_traveller *leaves,
+static int settle(struct pccd_mpi *world, const struct ranks_leaf_in_transit *leaves,
                   uint64_t count)
 {
     struct ranks_key *keys = ranks_array(2 * count, sizeof *keys);
@@ -183,7 +183,7 @@ static int settle(struct pccd_mpi *world, const struct ranks_traveller *leaves,
         object->own_count = 0;
     }
     for (uint64_t i = 0; i < count && status == PCCD_OK; i++) {
-        const struct ranks_traveller *leaf = &leaves[sorted[i].value];
+        const struct ranks_leaf_in_transit *leaf = &leaves[sorted[i].value];
         struct ranks_object *object = world->objects[leaf->object];
         object->own[object->own_count++] = leaf->leaf;
     }
@@ -192,11 +192,11 @@ static int settle(struct pccd_mpi *world, const struct ranks_traveller *leaves,
 }
 
 /* Each leaf to its rank; *leaves are gone then. */
-static int move(struct pccd_mpi *world, struct ranks_traveller **leaves, uint64_t count,
-                const struct ranks_pieces *pieces)
+static int move(struct pccd_mpi *world, struct ranks_leaf_in_transit **leaves,
+                uint64_t count, const struct ranks_pieces *pieces)
 {
     struct ranks_link *link = &world->link;
-    struct ranks_traveller *came = NULL;
+    struct ranks_leaf_in_transit *came = NULL;
     uint64_t came_count = 0, slice = 0;
     uint32_t *to = ranks_array(count, sizeof *to);
     int status = ranks_agree_memory(world, to != NULL);
@@ -268,7 +268,7 @@ static int cut(struct pccd_mpi *world, double (***x)[3])
     for (uint32_t o = 0; o < world->object_count; o++) {
         count += world->objects[o]->own_count;
     }
-    struct ranks_traveller *leaves = ranks_array(count, sizeof *leaves);
+    struct ranks_leaf_in_transit *leaves = ranks_array(count, sizeof *leaves);
     status = leaves == NULL ? ranks_no_memory(world)
                             : place_leaves(world, *x, box, count, leaves);
     status = ranks_agree_on(link, status);

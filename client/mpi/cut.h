@@ -23,7 +23,7 @@ int ranks_cut(struct pccd_mpi *world);
 /* ---- Which rank gets which pieces of the curve. */
 
 /* A leaf under way. */
-struct ranks_traveller {
+struct ranks_leaf_in_transit {
     uint64_t place; /* on the curve */
     uint32_t object, weight;
     struct ranks_leaf leaf;
@@ -38,7 +38,7 @@ struct ranks_pieces {
 
 /* Collective: the same on every rank; each has leaves[count], in order of their places.
  */
-int ranks_pieces_find(struct pccd_mpi *world, const struct ranks_traveller *leaves,
+int ranks_pieces_find(struct pccd_mpi *world, const struct ranks_leaf_in_transit *leaves,
                       uint64_t count, struct ranks_pieces *pieces);
 void ranks_pieces_deinit(struct ranks_pieces *pieces);
 

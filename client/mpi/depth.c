@@ -210,7 +210,7 @@ static int want_rays(struct search *search)
 
 /* What may be as near to vertices inside as the face that is known, some of them at a
  * time. */
-static int want_balls(struct search *search, const struct ranks_apart *inside)
+static int want_balls(struct search *search, const struct ranks_side_scene *inside)
 {
     struct pccd_mpi *world = search->pairing->world;
     int status = PCCD_OK;
@@ -226,7 +226,8 @@ static int want_balls(struct search *search, const struct ranks_apart *inside)
                 record->object_b != first->object_b) {
                 break;
             }
-            ranks_apart_vertex(world, inside, record->object_a, record->feature_a, x);
+            ranks_side_scene_vertex(world, inside, record->object_a, record->feature_a,
+                                    x);
             for (int k = 0; k < 3; k++) {
                 ball[k] = ranks_float_below(x[k]);
                 ball[k + 3] = ranks_float_above(x[k]);
@@ -242,7 +243,8 @@ static int want_balls(struct search *search, const struct ranks_apart *inside)
 
 /* Collective: all faces that may be the nearest to a vertex inside are among the leaves
  * now; *any: there are such on any rank. */
-static int add_balls(struct search *search, const struct ranks_apart *inside, bool *any)
+static int add_balls(struct search *search, const struct ranks_side_scene *inside,
+                     bool *any)
 {
     struct pccd_mpi *world = search->pairing->world;
     uint8_t has_any = inside->count > 0;
@@ -276,40 +278,41 @@ static int gather_rays(struct search *search)
 
 /* A vertex outside of another object's box is not inside of that, and nobody has sent all
  * faces that its ray meets. */
-static void drop_outside(const struct search *search, struct ranks_apart *apart)
+static void drop_outside(const struct search *search, struct ranks_side_scene *side)
 {
     const struct pccd_mpi *world = search->pairing->world;
     uint64_t kept = 0;
-    for (uint64_t i = 0; i < apart->count; i++) {
-        const struct pccd_near *record = &apart->records[i];
+    for (uint64_t i = 0; i < side->count; i++) {
+        const struct pccd_near *record = &side->records[i];
         const double *box = search->boxes[ranks_place_of_object(world, record->object_b)];
         double x[3];
         bool is_within = true;
-        ranks_apart_vertex(world, apart, record->object_a, record->feature_a, x);
+        ranks_side_scene_vertex(world, side, record->object_a, record->feature_a, x);
         for (int k = 0; k < 3; k++) {
             is_within = is_within && x[k] >= box[k] && x[k] <= -box[k + 3];
         }
         if (is_within) {
-            apart->records[kept++] = *record;
+            side->records[kept++] = *record;
         }
     }
-    apart->count = kept;
+    side->count = kept;
 }
 
-static int ask(const struct search *search, struct ranks_apart *apart)
+static int ask(const struct search *search, struct ranks_side_scene *side)
 {
     struct pccd_near_settings near;
     ranks_ask_rest(search->pairing, &near);
-    int status = ranks_apart_ask(search->pairing->world, search->wanted.leaves,
-                                 search->wanted.leaf_count, &near, apart);
+    int status = ranks_side_scene_ask(search->pairing->world, search->wanted.leaves,
+                                      search->wanted.leaf_count, &near, side);
     if (status == PCCD_OK) {
-        drop_outside(search, apart);
+        drop_outside(search, side);
     }
     return status;
 }
 
 /* Is anything known to be around a vertex? */
-static bool is_inside(const struct ranks_apart *inside, uint32_t handle, uint32_t vertex)
+static bool is_inside(const struct ranks_side_scene *inside, uint32_t handle,
+                      uint32_t vertex)
 {
     uint64_t from = 0, end = inside->count;
     while (from < end) {
@@ -327,11 +330,12 @@ static bool is_inside(const struct ranks_apart *inside, uint32_t handle, uint32_
 }
 
 /* The second question is about vertices that are inside; edges have been counted. */
-static void leave_out_answered(struct search *search, const struct ranks_apart *inside)
+static void leave_out_answered(struct search *search,
+                               const struct ranks_side_scene *inside)
 {
     uint64_t kept = 0;
     for (uint64_t i = 0; i < search->wanted.leaf_count; i++) {
-        struct ranks_visitor leaf = search->wanted.leaves[i];
+        struct ranks_remote_leaf leaf = search->wanted.leaves[i];
         uint32_t handle = search->pairing->world->objects[leaf.object]->handle;
         uint32_t owns = 0;
         for (uint32_t k = 0; k < 3 && !leaf.is_ghost; k++) {
@@ -346,11 +350,11 @@ static void leave_out_answered(struct search *search, const struct ranks_apart *
     search->wanted.leaf_count = kept;
 }
 
-int ranks_depth(const struct ranks_pairing *pairing, struct ranks_apart *apart)
+int ranks_depth(const struct ranks_pairing *pairing, struct ranks_side_scene *side)
 {
     struct pccd_mpi *world = pairing->world;
     struct search search = {.pairing = pairing};
-    struct ranks_apart inside = {.count = 0};
+    struct ranks_side_scene inside = {.count = 0};
     bool any = false;
     int status = ranks_agree_on(&world->link, check_closed(pairing));
     if (status == PCCD_OK) {
@@ -364,16 +368,16 @@ int ranks_depth(const struct ranks_pairing *pairing, struct ranks_apart *apart)
     }
     if (status == PCCD_OK && any) {
         leave_out_answered(&search, &inside);
-        status = ask(&search, apart);
+        status = ask(&search, side);
         if (status == PCCD_OK) {
-            ranks_apart_add(apart, &inside);
-            apart->answer.crossings = inside.answer.crossings;
+            ranks_side_scene_add(side, &inside);
+            side->answer.crossings = inside.answer.crossings;
         }
     } else if (status == PCCD_OK) {
-        *apart = inside;
-        inside = (struct ranks_apart){.count = 0};
+        *side = inside;
+        inside = (struct ranks_side_scene){.count = 0};
     }
-    ranks_apart_deinit(world, &inside);
+    ranks_side_scene_deinit(world, &inside);
     free(search.boxes);
     ranks_wanted_deinit(&search.wanted);
     return status;

@@ -12,7 +12,7 @@
 #include "team.h"
 
 /* A ghost under way. */
-struct visitor {
+struct remote_leaf {
     uint32_t object;
     struct ranks_leaf leaf;
 };
@@ -30,14 +30,15 @@ static int cover(struct pccd_mpi *world, struct ranks_object *object)
         return ranks_no_memory(world);
     }
     for (uint32_t i = 0; i < count; i++) {
-        ranks_cover(object->from[i], object->to[i], &object->room, object->cover[i]);
+        ranks_cover(object->from[i], object->to[i], &object->margin, object->cover[i]);
     }
     return PCCD_OK;
 }
 
 static bool follows(const struct ranks_object *object)
 {
-    return object->room.follows[0] || object->room.follows[1] || object->room.follows[2];
+    return object->margin.follows[0] || object->margin.follows[1] ||
+           object->margin.follows[2];
 }
 
 /* A look at vertices: which steps have been made where they begin and end. */
@@ -52,12 +53,12 @@ struct look {
 static bool has_left(const struct ranks_object *object, const struct look *look,
                      uint64_t begin, uint64_t end)
 {
-    const struct ranks_room room = object->room;
+    const struct ranks_margin margin = object->margin;
     const bool starts = look->is_anew || object->from != (const double(*)[3])object->x;
     for (uint64_t i = begin; i < end; i++) {
         const float *cover = object->cover[i];
-        if (!ranks_is_covered(object->to[i], look->to, &room, cover) ||
-            (starts && !ranks_is_covered(object->from[i], look->from, &room, cover))) {
+        if (!ranks_is_covered(object->to[i], look->to, &margin, cover) ||
+            (starts && !ranks_is_covered(object->from[i], look->from, &margin, cover))) {
             return true;
         }
     }
@@ -122,7 +123,7 @@ static bool has_ghosts(const struct ranks_object *object, const struct ranks_lea
 
 /* Those of one object that came, and its neighbours, each once and by their numbers. */
 static int settle_object(struct pccd_mpi *world, struct ranks_object *object,
-                         const struct visitor *in, const struct ranks_key *came,
+                         const struct remote_leaf *in, const struct ranks_key *came,
                          uint64_t came_count)
 {
     uint64_t count = came_count + object->neighbour_count;
@@ -157,7 +158,7 @@ static int settle_object(struct pccd_mpi *world, struct ranks_object *object,
 }
 
 /* Ghosts by object. Objects that have the same as before stay as they are. */
-static int settle(struct pccd_mpi *world, const struct visitor *in, uint64_t count)
+static int settle(struct pccd_mpi *world, const struct remote_leaf *in, uint64_t count)
 {
     struct ranks_key *keys = ranks_array(2 * count, sizeof *keys);
     if (keys == NULL) {
@@ -219,7 +220,7 @@ static int make_boxes(struct pccd_mpi *world, double separation, bool is_still,
         status = ranks_positions_fetch(world, RANKS_END, &x1);
     }
     if (status == PCCD_OK) {
-        status = ranks_rooms_find(world, is_still, x0);
+        status = ranks_margins_find(world, is_still, x0);
     }
     if (status == PCCD_OK) {
         for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
@@ -240,13 +241,14 @@ static int make_boxes(struct pccd_mpi *world, double separation, bool is_still,
 static void put(const void *context, uint32_t object, uint32_t leaf, void *item)
 {
     const struct pccd_mpi *world = context;
-    *(struct visitor *)item = (struct visitor){object, world->objects[object]->own[leaf]};
+    *(struct remote_leaf *)item =
+        (struct remote_leaf){object, world->objects[object]->own[leaf]};
 }
 
 static int choose(struct pccd_mpi *world, double separation, bool is_still)
 {
     struct ranks_boxes boxes = {.object_count = 0};
-    struct visitor *in = NULL;
+    struct remote_leaf *in = NULL;
     uint64_t in_count = 0;
     int status = make_boxes(world, separation, is_still, &boxes);
     if (status == PCCD_OK) {
@@ -254,8 +256,9 @@ static int choose(struct pccd_mpi *world, double separation, bool is_still)
             .leaves = &boxes,
             .boxes = boxes.blocks,
             .box_count = boxes.block_count,
-            .steps =
-                world->object_count > 0 ? ranks_room_time(&world->objects[0]->room) : 0,
+            .steps = world->object_count > 0
+                         ? ranks_margin_time(&world->objects[0]->margin)
+                         : 0,
             .wants = ranks_may_meet,
             .put = put,
             .context = world,
@@ -277,13 +280,13 @@ int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool is_still
                         bool has_missed)
 {
     world->is_covered = false;
-    ranks_rooms_choose(world, has_missed);
+    ranks_margins_choose(world, has_missed);
     int status = choose(world, separation, is_still);
     if (status == PCCD_OK) {
         status = name_local(world);
     }
     if (status == PCCD_OK) {
-        status = ranks_rooms_learn(world);
+        status = ranks_margins_learn(world);
     }
     if (status == PCCD_OK) {
         world->is_covered = true;

@@ -7,7 +7,7 @@
  * that have them, at that time. So it suffices that each leaf goes to each rank of which
  * a block, some leaves one behind the other on the curve, meets it. A box is larger than
  * the leaf by what that reaches beyond itself, and then by some more. Where vertices go
- * on as they went it moves with them, else it stands around the whole step (moving.h). So
+ * on as they went it moves with them, else it stands around the whole step. So
  * ghosts are right for later steps, too, until a vertex leaves the box that was made for
  * it, or boxes have moved for long enough.
  *
@@ -19,19 +19,19 @@
 
 #include "world.h"
 
-/* ---- How much room boxes leave around what moves, so that ghosts stay right for
+/* ---- How much margin boxes leave around what moves, so that ghosts stay right for
  * some steps. */
 
-/* Before ghosts are chosen: more or less room than the last time. has_missed: a vertex
+/* Before ghosts are chosen: more or less margin than the last time. has_missed: a vertex
  * has left the box that was made for it then, or that was long ago. In this rank alone;
  * the same in all. */
-void ranks_rooms_choose(struct pccd_mpi *world, bool has_missed);
-/* Collective: object->room of each, and world->lasts, for a step from object->from to
+void ranks_margins_choose(struct pccd_mpi *world, bool has_missed);
+/* Collective: object->margin of each, and world->lasts, for a step from object->from to
  * object->to; x: where it begins, of local vertices. is_still: all stands where the last
  * step ended. */
-int ranks_rooms_find(struct pccd_mpi *world, bool is_still, double (*const *x)[3]);
+int ranks_margins_find(struct pccd_mpi *world, bool is_still, double (*const *x)[3]);
 /* Collective: ghosts were chosen: what that took, and how many ghosts all have. */
-int ranks_rooms_learn(struct pccd_mpi *world);
+int ranks_margins_learn(struct pccd_mpi *world);
 
 /* Collective: choose ghosts for a step from object->from to object->to and a
  * separation; afterwards world->is_covered, object->cover and the plan are right.

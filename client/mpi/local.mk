@@ -4,7 +4,7 @@
 
 ranks_sources = \
     client/mpi/answer.c \
-    client/mpi/apart.c \
+    client/mpi/side_scene.c \
     client/mpi/balance.c \
     client/mpi/bounds.c \
     client/mpi/boxes.c \
@@ -24,12 +24,12 @@ ranks_sources = \
     client/mpi/objects.c \
     client/mpi/parts.c \
     client/mpi/pieces.c \
-    client/mpi/places.c \
+    client/mpi/vertex_owners.c \
     client/mpi/rank_link.c \
     client/mpi/rank_sort.c \
     client/mpi/rank_stop.c \
     client/mpi/records.c \
-    client/mpi/rooms.c \
+    client/mpi/margins.c \
     client/mpi/sending.c \
     client/mpi/sides.c \
     client/mpi/step.c \

@@ -76,14 +76,14 @@ void ranks_ask_rest(const struct ranks_pairing *pairing, struct pccd_near_settin
 /* ---- what is wanted ---------------------------------------------------------------- */
 
 /* An own leaf with its corners. */
-static void make_visitor(const struct ranks_pairing *pairing, uint32_t object,
-                         uint32_t leaf, struct ranks_visitor *visitor)
+static void make_remote_leaf(const struct ranks_pairing *pairing, uint32_t object,
+                             uint32_t leaf, struct ranks_remote_leaf *remote)
 {
     const uint32_t *corners = pairing->boxes.corners[object][leaf];
-    *visitor = (struct ranks_visitor){.object = object,
-                                      .leaf = pairing->world->objects[object]->own[leaf]};
+    *remote = (struct ranks_remote_leaf){
+        .object = object, .leaf = pairing->world->objects[object]->own[leaf]};
     for (int k = 0; k < 3; k++) {
-        memcpy(visitor->x[k], pairing->x[object][corners[k]], sizeof visitor->x[k]);
+        memcpy(remote->x[k], pairing->x[object][corners[k]], sizeof remote->x[k]);
     }
 }
 
@@ -94,7 +94,7 @@ static int reserve(struct pccd_mpi *world, uint64_t more, struct ranks_wanted *w
         return PCCD_OK;
     }
     uint64_t capacity = 2 * (wanted->leaf_count + more);
-    struct ranks_visitor *leaves = realloc(wanted->leaves, capacity * sizeof *leaves);
+    struct ranks_remote_leaf *leaves = realloc(wanted->leaves, capacity * sizeof *leaves);
     if (leaves == NULL) {
         return ranks_no_memory(world);
     }
@@ -108,8 +108,8 @@ int ranks_want_own(const struct ranks_pairing *pairing, const struct ranks_block
 {
     int status = reserve(pairing->world, block->count, wanted);
     for (uint32_t i = 0; i < block->count && status == PCCD_OK; i++) {
-        make_visitor(pairing, block->object, block->begin + i,
-                     &wanted->leaves[wanted->leaf_count++]);
+        make_remote_leaf(pairing, block->object, block->begin + i,
+                         &wanted->leaves[wanted->leaf_count++]);
     }
     return status;
 }
@@ -140,7 +140,7 @@ static bool is_of(const struct pccd_mpi *world, uint32_t box_object, uint32_t ob
 
 static void put(const void *context, uint32_t object, uint32_t leaf, void *item)
 {
-    make_visitor(context, object, leaf, item);
+    make_remote_leaf(context, object, leaf, item);
 }
 
 int ranks_want_all(const struct ranks_pairing *pairing, bool are_ghosts,
@@ -154,15 +154,15 @@ int ranks_want_all(const struct ranks_pairing *pairing, bool are_ghosts,
                                     .is_of_self = true,
                                     .put = put,
                                     .context = pairing,
-                                    .item_bytes = sizeof(struct ranks_visitor)};
-    struct ranks_visitor *came = NULL;
+                                    .item_bytes = sizeof(struct ranks_remote_leaf)};
+    struct ranks_remote_leaf *came = NULL;
     uint64_t count = 0;
     int status = ranks_need_leaves(world, &need, (void **)&came, &count);
     if (status == PCCD_OK) {
         status = ranks_agree_on(&world->link, reserve(world, count, wanted));
     }
     for (uint64_t i = 0; i < count && status == PCCD_OK; i++) {
-        struct ranks_visitor *leaf = &wanted->leaves[wanted->leaf_count++];
+        struct ranks_remote_leaf *leaf = &wanted->leaves[wanted->leaf_count++];
         *leaf = came[i];
         leaf->is_ghost = are_ghosts;
     }
@@ -194,13 +194,13 @@ static int keep(struct pccd_mpi *world, const struct pccd_near *records, uint64_
 }
 
 /* Collective: of the records of all ranks, those whose first feature this rank has. */
-static int keep_own(struct pccd_mpi *world, const struct ranks_apart *apart)
+static int keep_own(struct pccd_mpi *world, const struct ranks_side_scene *side)
 {
     uint64_t *first = ranks_array((uint64_t)world->link.size + 1, sizeof *first);
     struct pccd_near *all = NULL;
     int status = ranks_agree_memory(world, first != NULL);
     if (status == PCCD_OK) {
-        status = ranks_spread(&world->link, sizeof *all, apart->records, apart->count,
+        status = ranks_spread(&world->link, sizeof *all, side->records, side->count,
                               (void **)&all, first);
     }
     if (status == PCCD_OK) {
@@ -212,42 +212,42 @@ static int keep_own(struct pccd_mpi *world, const struct ranks_apart *apart)
 }
 
 /* What the deadline or anything else cut short on any rank proves nothing. */
-static int agree_on_complete(struct pccd_mpi *world, struct ranks_apart *apart)
+static int agree_on_complete(struct pccd_mpi *world, struct ranks_side_scene *side)
 {
-    uint8_t incomplete = (uint8_t)apart->answer.incomplete;
+    uint8_t incomplete = (uint8_t)side->answer.incomplete;
     int status = ranks_max_bytes(&world->link, &incomplete, 1);
     if (incomplete != PCCD_COMPLETE) {
-        apart->count = apart->answer.crossings = 0;
+        side->count = side->answer.crossings = 0;
     }
     return status;
 }
 
-static int answer_by(const struct ranks_pairing *pairing, struct ranks_apart *apart,
+static int answer_by(const struct ranks_pairing *pairing, struct ranks_side_scene *side,
                      struct pccd_answer *answer)
 {
     struct pccd_mpi *world = pairing->world;
-    int status = pairing->near->what == PCCD_NEAR_NEAREST ? ranks_nearest(pairing, apart)
-                                                          : ranks_depth(pairing, apart);
+    int status = pairing->near->what == PCCD_NEAR_NEAREST ? ranks_nearest(pairing, side)
+                                                          : ranks_depth(pairing, side);
     if (status == PCCD_OK) {
-        status = agree_on_complete(world, apart);
+        status = agree_on_complete(world, side);
     }
     if (status == PCCD_OK) {
         /* Of DEPTH they are with their vertices already. */
         status = pairing->near->what == PCCD_NEAR_DEPTH
-                     ? keep(world, apart->records, apart->count)
-                     : keep_own(world, apart);
+                     ? keep(world, side->records, side->count)
+                     : keep_own(world, side);
     }
     if (status != PCCD_OK) {
         return status;
     }
-    *answer = apart->answer;
+    *answer = side->answer;
     return PCCD_OK;
 }
 
 int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_settings *near,
                           struct pccd_answer *answer)
 {
-    struct ranks_apart apart = {.count = 0};
+    struct ranks_side_scene side = {.count = 0};
     struct ranks_pairing pairing = {.world = world, .near = near};
     uint64_t begin_ns = common_now_ns();
     int status = ranks_agree_on(&world->link, check_triangles(&pairing));
@@ -262,11 +262,11 @@ int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_setting
                                    (const double(*const *)[3])pairing.x, &pairing.boxes));
     }
     if (status == PCCD_OK) {
-        status = answer_by(&pairing, &apart, answer);
+        status = answer_by(&pairing, &side, answer);
     }
     ranks_positions_free(world, pairing.x);
     ranks_boxes_deinit(&pairing.boxes);
-    ranks_apart_deinit(world, &apart);
+    ranks_side_scene_deinit(world, &side);
     if (status == PCCD_OK) {
         answer->times.step = common_now_ns() - begin_ns;
         status = ranks_answer_make_near(world, near, answer);

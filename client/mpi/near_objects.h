@@ -14,14 +14,14 @@
  * of equally near pairs the first one is the same, and so is all that a record says. */
 
 /* A leaf of an object, by its place in world->objects, and where its corners are. */
-struct ranks_visitor {
+struct ranks_remote_leaf {
     uint32_t object;
     bool is_ghost; /* no feature of it is this rank's, whatever leaf.owns says */
     struct ranks_leaf leaf;
     double x[3][3];
 };
 
-struct ranks_apart {
+struct ranks_side_scene {
     struct ranks_object *objects; /* [object_count]: mesh, leaves and local numbers */
     double (**x)[3];              /* [object_count]: of local vertices */
     struct pccd_near *records;    /* sorted; with handles and numbers of the whole */
@@ -33,20 +33,23 @@ struct ranks_apart {
  * vertex or edge is this rank's if any of its leaves that is no ghost owns it. `near`
  * says what is asked, with handles of the world; `end` is not looked at. Objects are as
  * thick as in the world, where that matters. */
-int ranks_apart_ask(struct pccd_mpi *world, const struct ranks_visitor *leaves,
-                    uint64_t count, const struct pccd_near_settings *near,
-                    struct ranks_apart *apart);
+int ranks_side_scene_ask(struct pccd_mpi *world, const struct ranks_remote_leaf *leaves,
+                         uint64_t count, const struct pccd_near_settings *near,
+                         struct ranks_side_scene *side);
 /* To the last of several answers, the work of an earlier one, and whether that was cut
  * short. */
-void ranks_apart_add(struct ranks_apart *last, const struct ranks_apart *earlier);
-void ranks_apart_deinit(const struct pccd_mpi *world, struct ranks_apart *apart);
+void ranks_side_scene_add(struct ranks_side_scene *last,
+                          const struct ranks_side_scene *earlier);
+void ranks_side_scene_deinit(const struct pccd_mpi *world, struct ranks_side_scene *side);
 
 /* A leaf of the answer's scene that has a feature of `points` vertices. */
-void ranks_apart_find(const struct ranks_apart *apart, uint32_t object, uint32_t points,
-                      uint32_t feature, struct ranks_visitor *visitor);
+void ranks_side_scene_find(const struct ranks_side_scene *side, uint32_t object,
+                           uint32_t points, uint32_t feature,
+                           struct ranks_remote_leaf *remote);
 /* Where a vertex of an object, by its handle, is in the answer's scene. */
-void ranks_apart_vertex(const struct pccd_mpi *world, const struct ranks_apart *apart,
-                        uint32_t handle, uint32_t vertex, double x[3]);
+void ranks_side_scene_vertex(const struct pccd_mpi *world,
+                             const struct ranks_side_scene *side, uint32_t handle,
+                             uint32_t vertex, double x[3]);
 /* The place of an object in world->objects, by its handle. */
 uint32_t ranks_place_of_object(const struct pccd_mpi *world, uint32_t handle);
 
@@ -83,7 +86,7 @@ void ranks_ask_rest(const struct ranks_pairing *pairing, struct pccd_near_settin
 
 /* What a question is asked of. */
 struct ranks_wanted {
-    struct ranks_visitor *leaves;
+    struct ranks_remote_leaf *leaves;
     uint64_t leaf_count, leaf_capacity;
     struct ranks_block *boxes; /* leaves of box.object that meet it are wanted, too */
     uint64_t box_count, box_capacity;
@@ -98,9 +101,9 @@ int ranks_want_all(const struct ranks_pairing *pairing, bool are_ghosts,
                    struct ranks_wanted *wanted);
 void ranks_wanted_deinit(struct ranks_wanted *wanted);
 
-/* Collective: the answer is in *apart, each record on one rank: of DEPTH the one that
+/* Collective: the answer is in *side, each record on one rank: of DEPTH the one that
  * has its vertex. */
-int ranks_nearest(const struct ranks_pairing *pairing, struct ranks_apart *apart);
-int ranks_depth(const struct ranks_pairing *pairing, struct ranks_apart *apart);
+int ranks_nearest(const struct ranks_pairing *pairing, struct ranks_side_scene *side);
+int ranks_depth(const struct ranks_pairing *pairing, struct ranks_side_scene *side);
 
 #endif

@@ -268,19 +268,19 @@ static int judge_of(const struct pccd_mpi *world, const struct pccd_near *record
 }
 
 /* Collective: for each record, a leaf of either side goes to the rank that decides. */
-static int send_to_judges(struct pccd_mpi *world, const struct ranks_apart *found,
-                          struct ranks_visitor **in, uint64_t *in_count)
+static int send_to_judges(struct pccd_mpi *world, const struct ranks_side_scene *found,
+                          struct ranks_remote_leaf **in, uint64_t *in_count)
 {
-    struct ranks_visitor *out = ranks_array(2 * found->count, sizeof *out);
+    struct ranks_remote_leaf *out = ranks_array(2 * found->count, sizeof *out);
     uint32_t *to = ranks_array(2 * found->count, sizeof *to);
     int status = ranks_agree_memory(world, out != NULL && to != NULL);
     for (uint64_t i = 0; i < found->count && status == PCCD_OK; i++) {
         const struct pccd_near *record = &found->records[i];
         const uint32_t *points = common_kinds[record->kind].points;
-        ranks_apart_find(found, ranks_place_of_object(world, record->object_a), points[0],
-                         record->feature_a, &out[2 * i]);
-        ranks_apart_find(found, ranks_place_of_object(world, record->object_b), points[1],
-                         record->feature_b, &out[2 * i + 1]);
+        ranks_side_scene_find(found, ranks_place_of_object(world, record->object_a),
+                              points[0], record->feature_a, &out[2 * i]);
+        ranks_side_scene_find(found, ranks_place_of_object(world, record->object_b),
+                              points[1], record->feature_b, &out[2 * i + 1]);
         to[2 * i] = to[2 * i + 1] = (uint32_t)judge_of(world, record);
     }
     if (status == PCCD_OK) {
@@ -293,21 +293,21 @@ static int send_to_judges(struct pccd_mpi *world, const struct ranks_apart *foun
 }
 
 /* Of the two objects of other records, this rank has not all candidates. */
-static void keep_judged(const struct pccd_mpi *world, struct ranks_apart *apart)
+static void keep_judged(const struct pccd_mpi *world, struct ranks_side_scene *side)
 {
     uint64_t kept = 0;
-    for (uint64_t i = 0; i < apart->count; i++) {
-        if (judge_of(world, &apart->records[i]) == world->link.rank) {
-            apart->records[kept++] = apart->records[i];
+    for (uint64_t i = 0; i < side->count; i++) {
+        if (judge_of(world, &side->records[i]) == world->link.rank) {
+            side->records[kept++] = side->records[i];
         }
     }
-    apart->count = kept;
+    side->count = kept;
 }
 
 /* ---- all of it --------------------------------------------------------------------- */
 
 /* However far away: the nearest of what is here. */
-static int find_here(const struct search *search, struct ranks_apart *found)
+static int find_here(const struct search *search, struct ranks_side_scene *found)
 {
     struct ranks_wanted wanted = {.leaf_count = 0};
     struct pccd_near_settings near;
@@ -319,29 +319,29 @@ static int find_here(const struct search *search, struct ranks_apart *found)
         ranks_ask_rest(search->pairing, &near);
         near.distance = INFINITY;
         near.gap = 0;
-        status = ranks_apart_ask(search->pairing->world, wanted.leaves, wanted.leaf_count,
-                                 &near, found);
+        status = ranks_side_scene_ask(search->pairing->world, wanted.leaves,
+                                      wanted.leaf_count, &near, found);
     }
     ranks_wanted_deinit(&wanted);
     return status;
 }
 
-static int decide(const struct search *search, const struct ranks_apart *found,
-                  struct ranks_apart *apart)
+static int decide(const struct search *search, const struct ranks_side_scene *found,
+                  struct ranks_side_scene *side)
 {
     struct pccd_mpi *world = search->pairing->world;
-    struct ranks_visitor *leaves = NULL;
+    struct ranks_remote_leaf *leaves = NULL;
     struct pccd_near_settings near;
     uint64_t count = 0;
     int status = send_to_judges(world, found, &leaves, &count);
     if (status == PCCD_OK) {
         ranks_ask_rest(search->pairing, &near);
-        status = ranks_apart_ask(world, leaves, count, &near, apart);
+        status = ranks_side_scene_ask(world, leaves, count, &near, side);
     }
     free(leaves);
     if (status == PCCD_OK) {
-        keep_judged(world, apart);
-        ranks_apart_add(apart, found);
+        keep_judged(world, side);
+        ranks_side_scene_add(side, found);
     }
     return status;
 }
@@ -367,11 +367,11 @@ static int find_reach(const struct ranks_pairing *pairing, double *reach)
                             "distance and the radii of a pair are together beyond 1e18");
 }
 
-int ranks_nearest(const struct ranks_pairing *pairing, struct ranks_apart *apart)
+int ranks_nearest(const struct ranks_pairing *pairing, struct ranks_side_scene *side)
 {
     struct pccd_mpi *world = pairing->world;
     struct search search = {.pairing = pairing};
-    struct ranks_apart found = {.count = 0};
+    struct ranks_side_scene found = {.count = 0};
     int status = find_reach(pairing, &search.reach);
     search.first = ranks_array((uint64_t)world->link.size + 1, sizeof *search.first);
     if (status == PCCD_OK && search.first == NULL) {
@@ -390,9 +390,9 @@ int ranks_nearest(const struct ranks_pairing *pairing, struct ranks_apart *apart
         status = find_here(&search, &found);
     }
     if (status == PCCD_OK) {
-        status = decide(&search, &found, apart);
+        status = decide(&search, &found, side);
     }
-    ranks_apart_deinit(world, &found);
+    ranks_side_scene_deinit(world, &found);
     search_deinit(&search);
     return status;
 }

@@ -119,13 +119,13 @@ struct claim {
     const uint32_t *numbers; /* of this rank's part; NULL: those after the ranks before */
     uint32_t count;          /* of these */
     uint32_t total, span;
-    struct ranks_place *places; /* [span] of the directory, which are written */
+    struct ranks_vertex_owner *owners; /* [span] of the directory, which are written */
 };
 
 /* A number, and where it lies in whose part. */
 struct named {
     uint32_t number;
-    struct ranks_place place;
+    struct ranks_vertex_owner place;
 };
 
 /* In this rank alone. PCCD_E_INVAL: it has two owners or none. */
@@ -136,10 +136,10 @@ static int note_owners(struct pccd_mpi *world, const struct claim *claim,
     uint32_t base = (uint32_t)link->rank * claim->span;
     int status = PCCD_OK;
     for (uint32_t i = 0; i < claim->span; i++) {
-        claim->places[i].rank = -1;
+        claim->owners[i].rank = -1;
     }
     for (uint64_t i = 0; i < in_count; i++) {
-        struct ranks_place *place = &claim->places[in[i].number - base];
+        struct ranks_vertex_owner *place = &claim->owners[in[i].number - base];
         if (place->rank >= 0 && status == PCCD_OK) {
             status = ranks_fail(link, PCCD_E_INVAL,
                                 "two owners of %s %" PRIu32 ": ranks %d and %d",
@@ -150,7 +150,7 @@ static int note_owners(struct pccd_mpi *world, const struct claim *claim,
     uint64_t end = (uint64_t)base + claim->span;
     end = end < claim->total ? end : claim->total;
     for (uint64_t i = base; i < end && status == PCCD_OK; i++) {
-        if (claim->places[i - base].rank < 0) {
+        if (claim->owners[i - base].rank < 0) {
             status = ranks_fail(link, PCCD_E_INVAL, "%s %" PRIu64 " is in no rank's part",
                                 claim->what, i);
         }
@@ -209,8 +209,8 @@ static int copy_positions(struct pccd_mpi *world, const struct pccd_mpi_part *pa
     mesh->vertex_count = count;
     mesh->x = ranks_array(count, sizeof *mesh->x);
     mesh->radii = mesh->has_radii ? ranks_array(count, sizeof *mesh->radii) : NULL;
-    mesh->places = ranks_array(mesh->span, sizeof *mesh->places);
-    if (mesh->x == NULL || mesh->places == NULL ||
+    mesh->owners = ranks_array(mesh->span, sizeof *mesh->owners);
+    if (mesh->x == NULL || mesh->owners == NULL ||
         (mesh->has_radii && mesh->radii == NULL)) {
         return ranks_no_memory(world);
     }
@@ -303,8 +303,8 @@ static int claim_triangles(struct pccd_mpi *world, const struct pccd_mpi_part *p
 {
     struct ranks_link *link = &world->link;
     uint32_t span = span_of(total, link->size);
-    struct ranks_place *places = ranks_array(span, sizeof *places);
-    int status = places == NULL ? ranks_no_memory(world) : PCCD_OK;
+    struct ranks_vertex_owner *owners = ranks_array(span, sizeof *owners);
+    int status = owners == NULL ? ranks_no_memory(world) : PCCD_OK;
     for (uint32_t t = 0; part->triangle_numbers && t < part->triangle_count; t++) {
         if (status == PCCD_OK && part->triangle_numbers[t] >= total) {
             status = ranks_fail(link, PCCD_E_INDEX,
@@ -320,10 +320,10 @@ static int claim_triangles(struct pccd_mpi *world, const struct pccd_mpi_part *p
                                     .count = part->triangle_count,
                                     .total = total,
                                     .span = span,
-                                    .places = places};
+                                    .owners = owners};
         status = make_claim(world, &claim);
     }
-    free(places);
+    free(owners);
     return status;
 }
 
@@ -361,7 +361,7 @@ static int make(struct pccd_mpi *world, const struct pccd_mpi_part *part,
                                     .count = part->vertex_count,
                                     .total = mesh->vertex_total,
                                     .span = mesh->span,
-                                    .places = mesh->places};
+                                    .owners = mesh->owners};
         status = make_claim(world, &claim);
     }
     if (status == PCCD_OK) {

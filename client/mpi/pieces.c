@@ -60,7 +60,7 @@ static void table_deinit(struct table *table)
 
 /* How much all leaves are, and how much a slice is to be at most, nearly: by weight, and
  * as much again by the number of leaves. */
-static int measure(struct pccd_mpi *world, const struct ranks_traveller *leaves,
+static int measure(struct pccd_mpi *world, const struct ranks_leaf_in_transit *leaves,
                    uint64_t count, uint64_t totals[2], uint64_t *each, uint64_t *step)
 {
     uint64_t size = (uint64_t)world->link.size;
@@ -80,8 +80,9 @@ static int measure(struct pccd_mpi *world, const struct ranks_traveller *leaves,
 
 /* The places at which slices begin, as far as this rank sees. Ranks begin at different
  * parts of a step, so that slices are short where all have leaves, too. */
-static uint64_t sample(const struct pccd_mpi *world, const struct ranks_traveller *leaves,
-                       uint64_t count, uint64_t each, uint64_t step, uint64_t *places)
+static uint64_t sample(const struct pccd_mpi *world,
+                       const struct ranks_leaf_in_transit *leaves, uint64_t count,
+                       uint64_t each, uint64_t step, uint64_t *places)
 {
     uint64_t found = 0;
     uint64_t at = step / (uint64_t)world->link.size * (uint64_t)world->link.rank;
@@ -122,7 +123,7 @@ static int sort_ends(struct pccd_mpi *world, const uint64_t *places, uint64_t co
     return PCCD_OK;
 }
 
-static int slice(struct pccd_mpi *world, const struct ranks_traveller *leaves,
+static int slice(struct pccd_mpi *world, const struct ranks_leaf_in_transit *leaves,
                  uint64_t count, uint64_t totals[2], struct ranks_pieces *pieces)
 {
     struct ranks_link *link = &world->link;
@@ -150,7 +151,7 @@ static int slice(struct pccd_mpi *world, const struct ranks_traveller *leaves,
 }
 
 /* What each slice has, of all ranks. */
-static int fill(struct pccd_mpi *world, const struct ranks_traveller *leaves,
+static int fill(struct pccd_mpi *world, const struct ranks_leaf_in_transit *leaves,
                 uint64_t count, const struct ranks_pieces *pieces, struct table *table)
 {
     uint64_t slices = pieces->count, at = 0;
@@ -278,7 +279,7 @@ static void deal(struct table *table, struct group *waiting, uint32_t ranks,
     }
 }
 
-int ranks_pieces_find(struct pccd_mpi *world, const struct ranks_traveller *leaves,
+int ranks_pieces_find(struct pccd_mpi *world, const struct ranks_leaf_in_transit *leaves,
                       uint64_t count, struct ranks_pieces *pieces)
 {
     struct ranks_link *link = &world->link;

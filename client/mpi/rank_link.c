@@ -319,8 +319,8 @@ static void give_up(MPI_Request *requests, int count)
     }
 }
 
-int ranks_swap_apart(struct ranks_link *link, size_t item_bytes, const void *out,
-                     const uint64_t *first_out, void *const *in, const uint64_t *first_in)
+int ranks_swap_into(struct ranks_link *link, size_t item_bytes, const void *out,
+                    const uint64_t *first_out, void *const *in, const uint64_t *first_in)
 {
     uint64_t count = count_messages(link, item_bytes, first_out) +
                      count_messages(link, item_bytes, first_in);
@@ -367,7 +367,7 @@ int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
         memcpy(places[own], (const char *)out + first_out[own] * item_bytes,
                (first_out[own + 1] - first_out[own]) * item_bytes);
     }
-    int status = ranks_swap_apart(link, item_bytes, out, first_out, places, first_in);
+    int status = ranks_swap_into(link, item_bytes, out, first_out, places, first_in);
     free((void *)places);
     return status;
 }

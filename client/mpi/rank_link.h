@@ -78,9 +78,8 @@ int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
                const uint64_t *first_out, void *in, const uint64_t *first_in);
 /* The same, but what comes from rank r goes to in[r], and nothing is copied of what this
  * rank has for itself. */
-int ranks_swap_apart(struct ranks_link *link, size_t item_bytes, const void *out,
-                     const uint64_t *first_out, void *const *in,
-                     const uint64_t *first_in);
+int ranks_swap_into(struct ranks_link *link, size_t item_bytes, const void *out,
+                    const uint64_t *first_out, void *const *in, const uint64_t *first_in);
 /* The same where the receiver does not know: *in is allocated, first_in[size + 1]
  * written. */
 int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,

@@ -111,7 +111,7 @@ void ranks_mesh_free(struct ranks_mesh *mesh)
     if (mesh != NULL) {
         free(mesh->x);
         free(mesh->radii);
-        free(mesh->places);
+        free(mesh->owners);
         free(mesh->numbers);
         free(mesh->leaves);
         free(mesh);

@@ -20,7 +20,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "moving.h"
+#include "moving_boxes.h"
 #include "pccd_mpi.h"
 #include "rank_link.h"
 #include "rank_stop.h"
@@ -39,7 +39,7 @@ struct ranks_leaf {
 };
 
 /* Where a vertex was given. */
-struct ranks_place {
+struct ranks_vertex_owner {
     int32_t rank; /* -1: nowhere */
     uint32_t index;
 };
@@ -61,7 +61,7 @@ struct ranks_mesh {
     double *radii; /* NULL unless has_radii */
     /* the directory of vertices span * rank to span * (rank + 1) - 1 */
     uint32_t span;
-    struct ranks_place *places;
+    struct ranks_vertex_owner *owners;
     uint32_t *numbers;        /* of given vertices; NULL until somebody asks (bounds.c) */
     enum ranks_closed closed; /* depth.c */
     uint32_t open[4]; /* the first edge that shows that it is not: its ends, and how often
@@ -102,12 +102,13 @@ struct ranks_object {
     const double (*begun)[3];
     uint64_t
         *written; /* a bit for each given vertex that the step moves; NULL: none yet */
-    /* Where each given vertex may be, in the room that was there when ghosts were chosen
-     * (boxes.h): they are right while both ends of a step are. NULL: none were yet. */
+    /* Where each given vertex may be, in the margin that was there when ghosts were
+     * chosen (boxes.h): they are right while both ends of a step are. NULL: none were
+     * yet. */
     float (*cover)[6];
-    struct ranks_room room;
+    struct ranks_margin margin;
     /* Of some given vertices, when ghosts were chosen: where they were, and their way in
-     * that step (rooms.c). */
+     * that step (margins.c). */
     double (*guess)[6];
     bool has_guess;
     struct ranks_leaf *own; /* along the curve */
@@ -202,9 +203,9 @@ struct pccd_mpi {
     /* In the unit of share.work: what the last choice of ghosts took, and the steps since
      * then. How many ghosts all ranks have beside what they own. */
     double choice_work, right_work, ghost_part;
-    /* How much room ghosts.c leaves around what moves (rooms.c): so many steps of what is
-     * fast, so many times as much as at first of what is slow. */
-    double fast_steps, slow_room;
+    /* How much margin ghosts.c leaves around what moves (margins.c): so many steps of
+     * what is fast, so many times as much as at first of what is slow. */
+    double fast_steps, slow_margin;
 };
 
 /* Of a handle; NULL: there is none. */

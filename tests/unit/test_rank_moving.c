@@ -1,6 +1,6 @@
 /* test_rank_moving.c - boxes that go on as vertices go. */
 #include "cases.h"
-#include "moving.h"
+#include "moving_boxes.h"
 #include "prng.h"
 
 #define ROUNDS   40000u
@@ -14,7 +14,7 @@ struct vertex {
 
 /* A leaf, and its promise. */
 struct leaf {
-    struct ranks_room room;
+    struct ranks_margin margin;
     struct vertex vertices[VERTICES];
     struct ranks_moving_box promise;
 };
@@ -30,11 +30,11 @@ static double random_size(void)
 
 static void make_leaf(struct leaf *leaf, bool is_whole, double scale, double far)
 {
-    *leaf = (struct leaf){.room.steps = STEPS, .room.is_whole = is_whole};
+    *leaf = (struct leaf){.margin.steps = STEPS, .margin.is_whole = is_whole};
     ranks_moving_box_begin(&leaf->promise);
     for (int k = 0; k < 3; k++) {
-        leaf->room.follows[k] = prng_below(&prng, 3) > 0;
-        leaf->room.more[k] = scale * (prng_below(&prng, 4) > 0 ? 0.1 : 0);
+        leaf->margin.follows[k] = prng_below(&prng, 3) > 0;
+        leaf->margin.more[k] = scale * (prng_below(&prng, 4) > 0 ? 0.1 : 0);
     }
     double way[3], at[3];
     for (int k = 0; k < 3; k++) {
@@ -49,8 +49,8 @@ static void make_leaf(struct leaf *leaf, bool is_whole, double scale, double far
             vertex->x1[k] =
                 vertex->x0[k] + way[k] + scale * prng_between(&prng, -0.1, 0.1);
         }
-        ranks_cover(vertex->x0, vertex->x1, &leaf->room, vertex->cover);
-        ranks_vertex_box(vertex->x0, vertex->x1, &leaf->room, &box);
+        ranks_cover(vertex->x0, vertex->x1, &leaf->margin, vertex->cover);
+        ranks_vertex_box(vertex->x0, vertex->x1, &leaf->margin, &box);
         ranks_moving_box_add(&leaf->promise, &box);
         memcpy(vertex->next, vertex->x0, sizeof vertex->next);
     }
@@ -62,10 +62,10 @@ static void place(const struct leaf *leaf, struct vertex *vertex, double t)
 {
     for (int k = 0; k < 3; k++) {
         double low = (double)vertex->cover[k], high = (double)vertex->cover[k + 3];
-        if (leaf->room.follows[k]) {
+        if (leaf->margin.follows[k]) {
             double near = low + t * high;
             double most =
-                leaf->room.more[k] + ranks_blur(vertex->cover[k], vertex->cover[k + 3]);
+                leaf->margin.more[k] + ranks_blur(vertex->cover[k], vertex->cover[k + 3]);
             low = near - most;
             high = near + most;
         }
@@ -85,8 +85,9 @@ static void go(struct leaf *leaf, uint32_t step)
         } else {
             place(leaf, vertex, step + 1);
         }
-        assert_true(ranks_is_covered(vertex->now, step, &leaf->room, vertex->cover));
-        assert_true(ranks_is_covered(vertex->next, step + 1, &leaf->room, vertex->cover));
+        assert_true(ranks_is_covered(vertex->now, step, &leaf->margin, vertex->cover));
+        assert_true(
+            ranks_is_covered(vertex->next, step + 1, &leaf->margin, vertex->cover));
     }
 }
 
@@ -139,7 +140,7 @@ CASE(rank_moving__boxes_meet_whenever_vertices_do)
                                            : meet(&a, &b, 0.25 * part, 0.25 * part));
             }
         }
-        double time = ranks_room_time(&a.room);
+        double time = ranks_margin_time(&a.margin);
         bool promised = ranks_moving_boxes_meet(&a.promise, &b.promise, time);
         assert_true(promised || !meets);
         assert_true(promised == ranks_moving_boxes_meet(&b.promise, &a.promise, time));
@@ -154,22 +155,22 @@ CASE(rank_moving__boxes_meet_whenever_vertices_do)
  * they are: boxes around their ways overlap. */
 CASE(rank_moving__what_goes_side_by_side_does_not_meet)
 {
-    const struct ranks_room room = {
+    const struct ranks_margin margin = {
         .more = {0.1, 0.1, 0.1}, .follows = {true, true, true}, .steps = 40};
     const double a0[3] = {0, 0, 10}, a1[3] = {0.1, 0, 9}, b0[3] = {0, 0, 8},
                  b1[3] = {0.1, 0, 7};
     const double up[3] = {0, 0, 9};
     struct ranks_moving_box a, b, c;
-    ranks_vertex_box(a0, a1, &room, &a);
-    ranks_vertex_box(b0, b1, &room, &b);
-    ranks_vertex_box(b0, up, &room, &c); /* against the others' way */
-    assert_false(ranks_moving_boxes_meet(&a, &b, room.steps));
-    assert_true(ranks_moving_boxes_meet(&b, &c, room.steps));
-    assert_true(ranks_moving_boxes_meet(&a, &c, room.steps));
+    ranks_vertex_box(a0, a1, &margin, &a);
+    ranks_vertex_box(b0, b1, &margin, &b);
+    ranks_vertex_box(b0, up, &margin, &c); /* against the others' way */
+    assert_false(ranks_moving_boxes_meet(&a, &b, margin.steps));
+    assert_true(ranks_moving_boxes_meet(&b, &c, margin.steps));
+    assert_true(ranks_moving_boxes_meet(&a, &c, margin.steps));
     const double away[3] = {0, 0, 7.5};
-    ranks_vertex_box(a0, up, &room, &a); /* slower than what is below it */
-    ranks_vertex_box(b0, away, &room, &b);
-    assert_true(ranks_moving_boxes_meet(&a, &b, room.steps));
+    ranks_vertex_box(a0, up, &margin, &a); /* slower than what is below it */
+    ranks_vertex_box(b0, away, &margin, &b);
+    assert_true(ranks_moving_boxes_meet(&a, &b, margin.steps));
     assert_false(ranks_moving_boxes_meet(&a, &b, 0));
 }
 

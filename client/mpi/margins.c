@@ -1,4 +1,4 @@
-/* rooms.c - how much larger than a step boxes are. */
+/* margins.c - how much larger than a step boxes are. */
 #include "ghosts.h"
 
 #include <float.h>
@@ -21,33 +21,33 @@
  * What does not go on like that has a box that stands. Ghosts are right for as many steps
  * as the object says that leaves its box first.
  *
- * What moves by less than a part of the size of its leaves has room on both sides for so
- * many steps, up to one such size. Along an axis along which little moves it is less, but
- * no less than a part.
+ * What moves by less than a part of the size of its leaves has margin on both sides for
+ * so many steps, up to one such size. Along an axis along which little moves it is less,
+ * but no less than a part.
  *
- * Twice the room, and ghosts are right for up to twice as many steps: that saves half of
- * the part of the time that choosing takes. Ghosts are then at most twice as many, and
- * each takes two fifths of the time of an own leaf. So the room is doubled if choosing
- * had taken more than four fifths of the ghosts' part of the leaves when vertices left
- * their boxes. If it was much less, there are too many ghosts, and the room is halved. It
- * stays if they left far too early: not room was missing, it was not known how they
- * go. */
-#define ROOM_SLOW  0.25
-#define ROOM_STEPS 32.0
-#define ROOM_LEAST 0.0625 /* of a leaf, where boxes follow */
-#define ASIDE_PART 0.25   /* of the room, along an axis along which little moves */
-#define ROOM_MIN   1.0    /* times as much */
-#define ROOM_MAX   64.0
-#define ROOM_DEAR  0.8
-#define ROOM_CHEAP 0.1
-#define SAMPLES    1024u
+ * Twice the margin, and ghosts are right for up to twice as many steps: that saves
+ * half of the part of the time that choosing takes. Ghosts are then at most twice as
+ * many, and each takes two fifths of the time of an own leaf. So the margin is doubled
+ * if choosing had taken more than four fifths of the ghosts' part of the leaves when
+ * vertices left their boxes. If it was much less, there are too many ghosts, and the
+ * margin is halved. It stays if they left far too early: not margin was missing, it
+ * was not known how they go. */
+#define MARGIN_SLOW  0.25
+#define MARGIN_STEPS 32.0
+#define MARGIN_LEAST 0.0625 /* of a leaf, where boxes follow */
+#define ASIDE_PART   0.25   /* of the margin, along an axis along which little moves */
+#define MARGIN_MIN   1.0    /* times as much */
+#define MARGIN_MAX   64.0
+#define MARGIN_DEAR  0.8
+#define MARGIN_CHEAP 0.1
+#define SAMPLES      1024u
 
-/* What moves fast, and not as it went, has the least room as long as nobody has left it:
- * ghosts are for that one step, and for the same one again. When that has happened, it
- * has room for a part of a step, at first the least: twice as much each time that the
- * choice of ghosts had taken more than this part of the steps for which they were right,
- * half as much if it was less than that. What moves fast goes on as it went if it will be
- * off by no more than its way in a step, FOLLOW_STEPS later. */
+/* What moves fast, and not as it went, has the least margin as long as nobody has left
+ * it: ghosts are for that one step, and for the same one again. When that has
+ * happened, it has margin for a part of a step, at first the least: twice as much each
+ * time that the choice of ghosts had taken more than this part of the steps for which
+ * they were right, half as much if it was less than that. What moves fast goes on as
+ * it went if it will be off by no more than its way in a step, FOLLOW_STEPS later. */
 #define FAST_STEPS_MIN  0.125
 #define FAST_STEPS_MAX  4.0
 #define FAST_STEPS_LAST 16.0 /* times as many, at most, do its boxes follow */
@@ -192,60 +192,60 @@ static double longest_of(const double *along)
     return fmax(along[0], fmax(along[1], along[2]));
 }
 
-/* The most room of an object, whose leaves have that size; along which axes its boxes
+/* The most margin of an object, whose leaves have that size; along which axes its boxes
  * follow, and for how many steps ghosts are right by this object. */
 static double find_steps(const struct pccd_mpi *world, const double *ways, double size,
-                         struct ranks_room *room, double *most)
+                         struct ranks_margin *margin, double *most)
 {
     double way = longest_of(ways + WAY), steps = INFINITY;
-    bool is_slow = way < ROOM_SLOW * size;
+    bool is_slow = way < MARGIN_SLOW * size;
     if (!(way > 0)) {
         *most = 0;
         return steps;
     }
-    *most = is_slow ? world->slow_room * fmin(ROOM_STEPS * way, size)
+    *most = is_slow ? world->slow_margin * fmin(MARGIN_STEPS * way, size)
                     : world->fast_steps * way;
     for (int k = 0; k < 3; k++) {
         double error = ways[OFF + k], gone = ways[GONE + k];
         double near = error > 0 ? sqrt(*most / error) : INFINITY;
         near = fmax(near, FOLLOW_STEPS);
         bool is_near = is_slow || FOLLOW_STEPS * FOLLOW_STEPS * error <= way;
-        room->follows[k] = is_near && !(error > 0 && near * error / 2 >= gone);
-        steps = fmin(steps, room->follows[k] ? near
-                            : gone > 0       ? *most / (2 * gone)
-                                             : INFINITY);
+        margin->follows[k] = is_near && !(error > 0 && near * error / 2 >= gone);
+        steps = fmin(steps, margin->follows[k] ? near
+                            : gone > 0         ? *most / (2 * gone)
+                                               : INFINITY);
     }
-    return fmin(steps, is_slow ? ROOM_STEPS * world->slow_room
+    return fmin(steps, is_slow ? MARGIN_STEPS * world->slow_margin
                                : FAST_STEPS_LAST * world->fast_steps);
 }
 
 /* Of an object that may have `most`, if ghosts are right for so many steps. */
-static void find_room(const double *ways, double size, double steps, double most,
-                      struct ranks_room *room)
+static void find_margin(const double *ways, double size, double steps, double most,
+                        struct ranks_margin *margin)
 {
     double way = longest_of(ways + WAY), error = 0;
     most = fmin(most, 2 * steps * way);
     for (int k = 0; k < 3; k++) {
-        error = room->follows[k] ? fmax(error, ways[OFF + k]) : error;
+        error = margin->follows[k] ? fmax(error, ways[OFF + k]) : error;
     }
     for (int k = 0; k < 3; k++) {
-        room->more[k] = way > 0 ? most * fmax(ways[WAY + k] / way, ASIDE_PART) : 0;
-        if (room->follows[k]) {
-            room->more[k] = steps * steps * fmax(ways[OFF + k], ASIDE_PART * error);
-            room->more[k] = fmax(room->more[k], ROOM_LEAST * size);
+        margin->more[k] = way > 0 ? most * fmax(ways[WAY + k] / way, ASIDE_PART) : 0;
+        if (margin->follows[k]) {
+            margin->more[k] = steps * steps * fmax(ways[OFF + k], ASIDE_PART * error);
+            margin->more[k] = fmax(margin->more[k], MARGIN_LEAST * size);
         }
     }
 }
 
 /* Does it move fast, and not as it went? */
-static bool is_fast(const double *ways, double size, const struct ranks_room *room)
+static bool is_fast(const double *ways, double size, const struct ranks_margin *margin)
 {
     double way = longest_of(ways + WAY);
-    return way >= ROOM_SLOW * size &&
-           !(room->follows[0] && room->follows[1] && room->follows[2]);
+    return way >= MARGIN_SLOW * size &&
+           !(margin->follows[0] && margin->follows[1] && margin->follows[2]);
 }
 
-/* From the mean ways of vertices to how much room they get; the smallest size of all
+/* From the mean ways of vertices to how much margin they get; the smallest size of all
  * ranks counts. sizes[object], mosts[object]: scratch. */
 static int find_by_ways(struct pccd_mpi *world, double (*const *x)[3], const double *ways,
                         double *sizes, double *mosts)
@@ -262,30 +262,30 @@ static int find_by_ways(struct pccd_mpi *world, double (*const *x)[3], const dou
         status = ranks_min_doubles(&world->link, sizes, (int)objects);
     }
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        struct ranks_room *room = &world->objects[o]->room;
-        *room = (struct ranks_room){.steps = 0};
-        steps = fmin(
-            steps, find_steps(world, ways + WAYS * (size_t)o, sizes[o], room, &mosts[o]));
-        any = any || room->follows[0] || room->follows[1] || room->follows[2];
-        has_fast = has_fast || is_fast(ways + WAYS * (size_t)o, sizes[o], room);
+        struct ranks_margin *margin = &world->objects[o]->margin;
+        *margin = (struct ranks_margin){.steps = 0};
+        steps = fmin(steps, find_steps(world, ways + WAYS * (size_t)o, sizes[o], margin,
+                                       &mosts[o]));
+        any = any || margin->follows[0] || margin->follows[1] || margin->follows[2];
+        has_fast = has_fast || is_fast(ways + WAYS * (size_t)o, sizes[o], margin);
     }
     world->is_once =
         has_fast && !world->is_for_pairs && world->fast_steps <= FAST_STEPS_MIN;
     steps = any ? floor(fmax(steps, FOLLOW_STEPS)) : INFINITY;
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        struct ranks_room *room = &world->objects[o]->room;
-        find_room(ways + WAYS * (size_t)o, sizes[o], steps, mosts[o], room);
-        room->steps = any ? steps : 1;
-        room->is_whole = world->is_for_pairs;
+        struct ranks_margin *margin = &world->objects[o]->margin;
+        find_margin(ways + WAYS * (size_t)o, sizes[o], steps, mosts[o], margin);
+        margin->steps = any ? steps : 1;
+        margin->is_whole = world->is_for_pairs;
         if (world->is_once) {
-            *room = (struct ranks_room){.follows = {true, true, true}, .steps = 1};
+            *margin = (struct ranks_margin){.follows = {true, true, true}, .steps = 1};
         }
     }
     world->lasts = any && !world->is_once ? (uint32_t)steps : UINT32_MAX;
     return status;
 }
 
-int ranks_rooms_find(struct pccd_mpi *world, bool is_still, double (*const *x)[3])
+int ranks_margins_find(struct pccd_mpi *world, bool is_still, double (*const *x)[3])
 {
     const uint64_t objects = world->object_count;
     const uint32_t steps = world->gone + (is_still ? 0 : 1);
@@ -309,8 +309,8 @@ int ranks_rooms_find(struct pccd_mpi *world, bool is_still, double (*const *x)[3
     return status;
 }
 
-/* How much room what moves gets from now on. */
-void ranks_rooms_choose(struct pccd_mpi *world, bool has_missed)
+/* How much margin what moves gets from now on. */
+void ranks_margins_choose(struct pccd_mpi *world, bool has_missed)
 {
     bool was_early = world->lasts < UINT32_MAX && world->gone < world->lasts / 2;
     has_missed = has_missed && !was_early;
@@ -321,16 +321,16 @@ void ranks_rooms_choose(struct pccd_mpi *world, bool has_missed)
     }
     world->fast_steps = fmax(world->fast_steps, FAST_STEPS_MIN);
     double ghosts_work = world->ghost_part * world->right_work;
-    if (has_missed && world->choice_work > ROOM_DEAR * ghosts_work) {
-        world->slow_room = fmin(2 * world->slow_room, ROOM_MAX);
-    } else if (has_missed && world->choice_work < ROOM_CHEAP * ghosts_work) {
-        world->slow_room = world->slow_room / 2;
+    if (has_missed && world->choice_work > MARGIN_DEAR * ghosts_work) {
+        world->slow_margin = fmin(2 * world->slow_margin, MARGIN_MAX);
+    } else if (has_missed && world->choice_work < MARGIN_CHEAP * ghosts_work) {
+        world->slow_margin = world->slow_margin / 2;
     }
-    world->slow_room = fmax(world->slow_room, ROOM_MIN);
+    world->slow_margin = fmax(world->slow_margin, MARGIN_MIN);
 }
 
 /* What it took the rank that has most, and how many ghosts all have. */
-int ranks_rooms_learn(struct pccd_mpi *world)
+int ranks_margins_learn(struct pccd_mpi *world)
 {
     uint64_t leaves[2] = {0, 0}; /* own ones, ghosts */
     for (uint32_t o = 0; o < world->object_count; o++) {

@@ -1,4 +1,4 @@
-/* moving.h - boxes that go on as what is in them does.
+/* moving_boxes.h - boxes that go on as what is in them does.
  *
  * Where vertices go on as they went, boxes do, too: two that fall side by side do not
  * meet, though one box around the whole way of each would meet the other one's. Such a
@@ -15,7 +15,7 @@
 #include <string.h>
 
 /* How much larger than a step the boxes of an object's vertices are. */
-struct ranks_room {
+struct ranks_margin {
     double more[3];  /* on both sides, by axis */
     bool follows[3]; /* boxes go on as vertices go in that step */
     bool is_whole;   /* they hold both ends of each step, not where it is at each time */
@@ -73,18 +73,18 @@ static inline double ranks_blur(float at, float pace)
 }
 
 /* Where a vertex that goes from x0 to x1 in a step may be then and later, by axis: if the
- * room follows, near cover[k] + t * cover[k + 3] at the begin of the t-th later step,
+ * margin follows, near cover[k] + t * cover[k + 3] at the begin of the t-th later step,
  * else between these two. */
 static inline void ranks_cover(const double x0[3], const double x1[3],
-                               const struct ranks_room *room, float cover[6])
+                               const struct ranks_margin *margin, float cover[6])
 {
     for (int k = 0; k < 3; k++) {
-        if (room->follows[k]) {
+        if (margin->follows[k]) {
             cover[k] = (float)x0[k];
             cover[k + 3] = (float)(x1[k] - x0[k]);
         } else {
-            cover[k] = ranks_float_below(ranks_least(x0[k], x1[k]) - room->more[k]);
-            cover[k + 3] = ranks_float_above(ranks_most(x0[k], x1[k]) + room->more[k]);
+            cover[k] = ranks_float_below(ranks_least(x0[k], x1[k]) - margin->more[k]);
+            cover[k + 3] = ranks_float_above(ranks_most(x0[k], x1[k]) + margin->more[k]);
         }
     }
 }
@@ -92,14 +92,15 @@ static inline void ranks_cover(const double x0[3], const double x1[3],
 /* Is a vertex where it may be, at the begin of the t-th later step? x0 is for t = 0, and
  * x1 for t = 1. */
 static inline bool ranks_is_covered(const double x[3], double t,
-                                    const struct ranks_room *room, const float cover[6])
+                                    const struct ranks_margin *margin,
+                                    const float cover[6])
 {
     bool is_in = true;
     for (int k = 0; k < 3; k++) {
         double low = (double)cover[k], high = (double)cover[k + 3];
-        if (room->follows[k]) {
+        if (margin->follows[k]) {
             double near = low + t * high;
-            double most = room->more[k] + ranks_blur(cover[k], cover[k + 3]);
+            double most = margin->more[k] + ranks_blur(cover[k], cover[k + 3]);
             low = near - most;
             high = near + most;
         }
@@ -110,20 +111,20 @@ static inline bool ranks_is_covered(const double x[3], double t,
 
 /* All that the cover allows, from the begin of the step from x0 to x1 on. */
 static inline void ranks_vertex_box(const double x0[3], const double x1[3],
-                                    const struct ranks_room *room,
+                                    const struct ranks_margin *margin,
                                     struct ranks_moving_box *moving)
 {
     float cover[6];
-    ranks_cover(x0, x1, room, cover);
+    ranks_cover(x0, x1, margin, cover);
     for (int k = 0; k < 3; k++) {
         moving->box[k] = cover[k];
         moving->box[k + 3] = cover[k + 3];
         moving->pace[k] = moving->pace[k + 3] = 0;
-        if (room->follows[k]) {
+        if (margin->follows[k]) {
             double at = (double)cover[k], pace = (double)cover[k + 3];
-            double most = room->more[k] + ranks_blur(cover[k], cover[k + 3]);
-            most += (double)FLT_EPSILON * (most + room->steps * fabs(pace));
-            double ahead = room->is_whole ? pace : 0;
+            double most = margin->more[k] + ranks_blur(cover[k], cover[k + 3]);
+            most += (double)FLT_EPSILON * (most + margin->steps * fabs(pace));
+            double ahead = margin->is_whole ? pace : 0;
             moving->box[k] = ranks_float_below(at + ranks_least(ahead, 0) - most);
             moving->box[k + 3] = ranks_float_above(at + ranks_most(ahead, 0) + most);
             moving->pace[k] = moving->pace[k + 3] = cover[k + 3];
@@ -132,9 +133,9 @@ static inline void ranks_vertex_box(const double x0[3], const double x1[3],
 }
 
 /* How long such boxes go on: whole ones are those of the begin of a step. */
-static inline double ranks_room_time(const struct ranks_room *room)
+static inline double ranks_margin_time(const struct ranks_margin *margin)
 {
-    return room->is_whole ? room->steps - 1 : room->steps;
+    return margin->is_whole ? margin->steps - 1 : margin->steps;
 }
 
 static inline void ranks_box_begin(float box[6])

@@ -1,4 +1,4 @@
-/* places.c - where vertices were given, and how their positions travel. */
+/* vertex_owners.c - where vertices were given, and how their positions travel. */
 #include "parts.h"
 
 #include <stdlib.h>
@@ -7,13 +7,14 @@
 #include "rank_sort.h"
 #include "team.h"
 
-int ranks_places(struct pccd_mpi *world, const struct ranks_mesh *mesh,
-                 const uint32_t *vertices, uint32_t count, struct ranks_place *places)
+int ranks_vertex_owners(struct pccd_mpi *world, const struct ranks_mesh *mesh,
+                        const uint32_t *vertices, uint32_t count,
+                        struct ranks_vertex_owner *owners)
 {
     struct ranks_link *link = &world->link;
     uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
     uint32_t *asked = NULL;
-    struct ranks_place *found = NULL;
+    struct ranks_vertex_owner *found = NULL;
     int status = ranks_agree_memory(world, first != NULL);
     if (status == PCCD_OK) {
         uint64_t *first_in = first + link->size + 1;
@@ -32,12 +33,12 @@ int ranks_places(struct pccd_mpi *world, const struct ranks_mesh *mesh,
             found = ranks_array(asked_count, sizeof *found);
             status = found == NULL ? ranks_no_memory(world) : PCCD_OK;
             for (uint64_t i = 0; status == PCCD_OK && i < asked_count; i++) {
-                found[i] = mesh->places[asked[i] - base];
+                found[i] = mesh->owners[asked[i] - base];
             }
             status = ranks_agree_on(link, status);
         }
         if (status == PCCD_OK) {
-            status = ranks_swap(link, sizeof *found, found, first_in, places, first);
+            status = ranks_swap(link, sizeof *found, found, first_in, owners, first);
         }
     }
     free(first);
@@ -76,12 +77,12 @@ static int fetch(struct pccd_mpi *world, const double *given, uint32_t width,
 }
 
 /* In order of the rank that has them: first[size + 1], index[count], place[count]. */
-static void order_by_rank(const struct ranks_place *places, uint32_t count, int size,
-                          uint64_t *first, uint32_t *index, uint32_t *place)
+static void order_by_rank(const struct ranks_vertex_owner *owners, uint32_t count,
+                          int size, uint64_t *first, uint32_t *index, uint32_t *place)
 {
     memset(first, 0, ((size_t)size + 1) * sizeof *first);
     for (uint32_t i = 0; i < count; i++) {
-        first[places[i].rank]++;
+        first[owners[i].rank]++;
     }
     uint64_t end = 0;
     for (int r = 0; r <= size; r++) {
@@ -89,8 +90,8 @@ static void order_by_rank(const struct ranks_place *places, uint32_t count, int 
         first[r] = end;
     }
     for (uint32_t i = count; i-- > 0;) {
-        uint64_t at = --first[places[i].rank];
-        index[at] = places[i].index;
+        uint64_t at = --first[owners[i].rank];
+        index[at] = owners[i].index;
         place[at] = i;
     }
 }
@@ -101,23 +102,23 @@ int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh
 {
     struct ranks_link *link = &world->link;
     bool with_radii = radii != NULL && mesh->has_radii;
-    struct ranks_place *places = ranks_array(count, sizeof *places);
+    struct ranks_vertex_owner *owners = ranks_array(count, sizeof *owners);
     uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
     uint32_t *index = ranks_array(2 * (uint64_t)count, sizeof *index), *asked = NULL;
     double *values = ranks_array(3 * (uint64_t)count, sizeof *values);
     double *some_radii = with_radii ? ranks_array(count, sizeof *some_radii) : NULL;
-    int status = places == NULL || first == NULL || index == NULL || values == NULL ||
+    int status = owners == NULL || first == NULL || index == NULL || values == NULL ||
                          (with_radii && some_radii == NULL)
                      ? ranks_no_memory(world)
                      : PCCD_OK;
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
-        status = ranks_places(world, mesh, vertices, count, places);
+        status = ranks_vertex_owners(world, mesh, vertices, count, owners);
     }
     if (status == PCCD_OK) {
         uint64_t *first_asked = first + link->size + 1;
         uint32_t *place = index + count;
-        order_by_rank(places, count, link->size, first, index, place);
+        order_by_rank(owners, count, link->size, first, index, place);
         status =
             ranks_deal(link, sizeof *index, index, first, (void **)&asked, first_asked);
         if (status == PCCD_OK) {
@@ -129,7 +130,7 @@ int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh
                            some_radii);
         }
     }
-    free(places);
+    free(owners);
     free(first);
     free(index);
     free(asked);
@@ -155,37 +156,37 @@ struct request {
 
 /* What the local vertices of object o need, in order of (rank, object) over all objects:
  * counting first, then placing. */
-static void count_needs(struct ranks_plan *plan, const struct ranks_place *places,
+static void count_needs(struct ranks_plan *plan, const struct ranks_vertex_owner *owners,
                         uint32_t count, uint32_t o)
 {
     for (uint32_t i = 0; i < count; i++) {
-        plan->in_first[(uint64_t)places[i].rank * plan->object_count + o]++;
+        plan->in_first[(uint64_t)owners[i].rank * plan->object_count + o]++;
     }
 }
 
-static void place_needs(struct ranks_plan *plan, const struct ranks_place *places,
+static void place_needs(struct ranks_plan *plan, const struct ranks_vertex_owner *owners,
                         uint32_t count, uint32_t o, struct request *requests)
 {
     for (uint32_t i = count; i-- > 0;) {
-        uint64_t at = --plan->in_first[(uint64_t)places[i].rank * plan->object_count + o];
-        requests[at] = (struct request){o, places[i].index};
+        uint64_t at = --plan->in_first[(uint64_t)owners[i].rank * plan->object_count + o];
+        requests[at] = (struct request){o, owners[i].index};
         plan->in[at] = i;
     }
 }
 
-static int find_places(struct pccd_mpi *world, struct ranks_place **places)
+static int find_owners(struct pccd_mpi *world, struct ranks_vertex_owner **owners)
 {
     uint64_t at = 0;
     uint64_t total = 0;
     for (uint32_t o = 0; o < world->object_count; o++) {
         total += world->objects[o]->local.vertex_count;
     }
-    *places = ranks_array(total, sizeof **places);
-    int status = ranks_agree_memory(world, *places != NULL);
+    *owners = ranks_array(total, sizeof **owners);
+    int status = ranks_agree_memory(world, *owners != NULL);
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         const struct ranks_object *object = world->objects[o];
-        status = ranks_places(world, object->mesh, object->local.vertices,
-                              object->local.vertex_count, *places + at);
+        status = ranks_vertex_owners(world, object->mesh, object->local.vertices,
+                                     object->local.vertex_count, *owners + at);
         at += object->local.vertex_count;
     }
     return status;
@@ -263,9 +264,9 @@ int ranks_plan_make(struct pccd_mpi *world)
     struct ranks_link *link = &world->link;
     struct ranks_plan plan = {.object_count = world->object_count};
     uint64_t cells = (uint64_t)link->size * plan.object_count;
-    struct ranks_place *places = NULL;
+    struct ranks_vertex_owner *owners = NULL;
     struct request *requests = NULL;
-    int status = find_places(world, &places);
+    int status = find_owners(world, &owners);
     if (status == PCCD_OK) {
         uint64_t total = 0;
         for (uint32_t o = 0; o < plan.object_count; o++) {
@@ -284,19 +285,19 @@ int ranks_plan_make(struct pccd_mpi *world)
         uint64_t at = 0;
         for (uint32_t o = 0; o < plan.object_count; o++) {
             uint32_t count = world->objects[o]->local.vertex_count;
-            count_needs(&plan, places + at, count, o);
+            count_needs(&plan, owners + at, count, o);
             at += count;
         }
         sum_up(plan.in_first, cells);
         for (uint32_t o = plan.object_count; o-- > 0;) {
             uint32_t count = world->objects[o]->local.vertex_count;
             at -= count;
-            place_needs(&plan, places + at, count, o, requests);
+            place_needs(&plan, owners + at, count, o, requests);
         }
         find_runs(link, &plan);
         status = hear_requests(world, requests, &plan);
     }
-    free(places);
+    free(owners);
     free(requests);
     if (status != PCCD_OK) {
         ranks_plan_deinit(&plan);
@@ -481,7 +482,7 @@ int ranks_plan_send(struct pccd_mpi *world, const double (*const *given)[3],
         pack_all(world, given, first[link->size]);
         choose_places(link, plan, local, first_in, in);
         status =
-            ranks_swap_apart(link, sizeof *plan->out_x, plan->out_x, first, in, first_in);
+            ranks_swap_into(link, sizeof *plan->out_x, plan->out_x, first, in, first_in);
     }
     if (status == PCCD_OK) {
         unpack_all(world, given, local, count_unpacked(link, plan, given));

@@ -1,4 +1,4 @@
-/* apart.c - a question about some leaves alone. */
+/* side_scene.c - a question about some leaves alone. */
 #include "near_objects.h"
 
 #include <stdlib.h>
@@ -12,8 +12,8 @@
 /* ---- leaves ------------------------------------------------------------------------ */
 
 /* Of each object its leaves, each once and in order; what any of them owns is owned. */
-static int sort_leaves(struct pccd_mpi *world, const struct ranks_visitor *leaves,
-                       uint64_t count, struct ranks_visitor **sorted, uint64_t *each)
+static int sort_leaves(struct pccd_mpi *world, const struct ranks_remote_leaf *leaves,
+                       uint64_t count, struct ranks_remote_leaf **sorted, uint64_t *each)
 {
     struct ranks_key *keys = ranks_array(2 * count, sizeof *keys);
     *sorted = ranks_array(count, sizeof **sorted);
@@ -28,7 +28,7 @@ static int sort_leaves(struct pccd_mpi *world, const struct ranks_visitor *leave
     }
     const struct ranks_key *order = ranks_sort(keys, keys + count, count);
     for (uint64_t i = 0; i < count; i++) {
-        const struct ranks_visitor *leaf = &leaves[order[i].value];
+        const struct ranks_remote_leaf *leaf = &leaves[order[i].value];
         uint32_t owns = leaf->is_ghost ? 0 : leaf->leaf.owns;
         if (i == 0 || order[i].key != order[i - 1].key) {
             (*sorted)[*each] = *leaf;
@@ -42,7 +42,7 @@ static int sort_leaves(struct pccd_mpi *world, const struct ranks_visitor *leave
 
 /* An object of leaves[count], whose numbers in this scene are found; where its vertices
  * are goes to *x. */
-static int make_object(struct pccd_mpi *world, const struct ranks_visitor *leaves,
+static int make_object(struct pccd_mpi *world, const struct ranks_remote_leaf *leaves,
                        uint32_t count, struct ranks_object *object, double (**x)[3])
 {
     uint32_t(*at)[3] = ranks_array(count, sizeof *at);
@@ -71,13 +71,13 @@ static int make_object(struct pccd_mpi *world, const struct ranks_visitor *leave
     return status;
 }
 
-static int make_objects(struct pccd_mpi *world, const struct ranks_visitor *leaves,
-                        uint64_t count, struct ranks_apart *apart)
+static int make_objects(struct pccd_mpi *world, const struct ranks_remote_leaf *leaves,
+                        uint64_t count, struct ranks_side_scene *side)
 {
     uint64_t begin = 0;
     for (uint32_t o = 0; o < world->object_count; o++) {
-        apart->objects[o].mesh = world->objects[o]->mesh;
-        apart->objects[o].settings = world->objects[o]->settings;
+        side->objects[o].mesh = world->objects[o]->mesh;
+        side->objects[o].settings = world->objects[o]->settings;
     }
     while (begin < count) {
         uint32_t o = leaves[begin].object;
@@ -86,7 +86,7 @@ static int make_objects(struct pccd_mpi *world, const struct ranks_visitor *leav
             end++;
         }
         int status = make_object(world, leaves + begin, (uint32_t)(end - begin),
-                                 &apart->objects[o], &apart->x[o]);
+                                 &side->objects[o], &side->x[o]);
         if (status != PCCD_OK) {
             return status;
         }
@@ -98,12 +98,12 @@ static int make_objects(struct pccd_mpi *world, const struct ranks_visitor *leav
 /* ---- the scene --------------------------------------------------------------------- */
 
 /* Collective: radii[o] of local vertices, where an object has them by vertex. */
-static int fetch_radii(struct pccd_mpi *world, const struct ranks_apart *apart,
+static int fetch_radii(struct pccd_mpi *world, const struct ranks_side_scene *side,
                        double **radii)
 {
     int status = PCCD_OK;
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
-        const struct ranks_object *object = &apart->objects[o];
+        const struct ranks_object *object = &side->objects[o];
         double(*x)[3] = NULL;
         if (object->mesh->has_radii && !(object->settings.radius > 0)) {
             status = ranks_fetch_registered(world, object->mesh, object->local.vertices,
@@ -131,14 +131,15 @@ static int add_object(struct pccd_mpi *world, uint32_t scene, const double *radi
     if (status == PCCD_OK) {
         status = pccd_object_set(world->client, scene, object->handle, &settings);
     }
-    return status == PCCD_OK ? PCCD_OK
-                             : ranks_fail_local(world, status, "no object apart");
+    return status == PCCD_OK
+               ? PCCD_OK
+               : ranks_fail_local(world, status, "no object of a scene beside");
 }
 
 /* Objects are added by increasing handles in the world, so that theirs are in the same
  * order. */
 static int add_objects(struct pccd_mpi *world, uint32_t scene, double *const *radii,
-                       struct ranks_apart *apart)
+                       struct ranks_side_scene *side)
 {
     uint32_t objects = world->object_count;
     struct ranks_key *keys = ranks_array(2 * (uint64_t)objects, sizeof *keys);
@@ -150,9 +151,9 @@ static int add_objects(struct pccd_mpi *world, uint32_t scene, double *const *ra
         const struct ranks_key *order = ranks_sort(keys, keys + objects, objects);
         for (uint32_t i = 0; i < objects && status == PCCD_OK; i++) {
             uint32_t o = (uint32_t)order[i].value;
-            if (apart->objects[o].own_count > 0) {
+            if (side->objects[o].own_count > 0) {
                 status = add_object(world, scene, radii[o],
-                                    (const double(*)[3])apart->x[o], &apart->objects[o]);
+                                    (const double(*)[3])side->x[o], &side->objects[o]);
             }
         }
     }
@@ -161,39 +162,42 @@ static int add_objects(struct pccd_mpi *world, uint32_t scene, double *const *ra
 }
 
 /* The object here of a handle in the world; NULL: it has no leaf here. */
-static struct ranks_object *find_here(struct pccd_mpi *world, struct ranks_apart *apart,
-                                      uint32_t handle)
+static struct ranks_object *find_here(struct pccd_mpi *world,
+                                      struct ranks_side_scene *side, uint32_t handle)
 {
     for (uint32_t o = 0; o < world->object_count; o++) {
         if (world->objects[o]->handle == handle) {
-            return apart->objects[o].handle != 0 ? &apart->objects[o] : NULL;
+            return side->objects[o].handle != 0 ? &side->objects[o] : NULL;
         }
     }
     return NULL;
 }
 
-static int ignore_pairs(struct pccd_mpi *world, uint32_t scene, struct ranks_apart *apart)
+static int ignore_pairs(struct pccd_mpi *world, uint32_t scene,
+                        struct ranks_side_scene *side)
 {
     int status = PCCD_OK;
     for (uint32_t i = 0; i < world->ignored_count && status == PCCD_OK; i++) {
-        const struct ranks_object *a = find_here(world, apart, world->ignored[i].a);
-        const struct ranks_object *b = find_here(world, apart, world->ignored[i].b);
+        const struct ranks_object *a = find_here(world, side, world->ignored[i].a);
+        const struct ranks_object *b = find_here(world, side, world->ignored[i].b);
         if (a != NULL && b != NULL) {
             status = pccd_pair_ignore(world->client, scene, a->handle, b->handle, true);
         }
     }
-    return status == PCCD_OK ? PCCD_OK
-                             : ranks_fail_local(world, status, "not ignored apart");
+    return status == PCCD_OK
+               ? PCCD_OK
+               : ranks_fail_local(world, status, "not ignored in a scene beside");
 }
 
 /* ---- the answer -------------------------------------------------------------------- */
 
 /* The place of an object, by its handle here: records have few, one after the other. */
-static uint32_t place_of(const struct pccd_mpi *world, const struct ranks_apart *apart,
-                         uint32_t handle, uint32_t last)
+static uint32_t place_of(const struct pccd_mpi *world,
+                         const struct ranks_side_scene *side, uint32_t handle,
+                         uint32_t last)
 {
     uint32_t o = last;
-    while (apart->objects[o].handle != handle) {
+    while (side->objects[o].handle != handle) {
         o = (o + 1) % world->object_count;
     }
     return o;
@@ -207,42 +211,42 @@ static uint32_t number_of(const struct ranks_local *local, uint32_t points,
                          : local->triangles[feature];
 }
 
-static int take_page(struct pccd_mpi *world, struct ranks_apart *apart,
+static int take_page(struct pccd_mpi *world, struct ranks_side_scene *side,
                      const struct pccd_answer *page)
 {
-    uint64_t bytes = (apart->count + page->count + 1) * sizeof *apart->records;
-    struct pccd_near *records = realloc(apart->records, bytes);
+    uint64_t bytes = (side->count + page->count + 1) * sizeof *side->records;
+    struct pccd_near *records = realloc(side->records, bytes);
     uint32_t a = 0, b = 0;
     if (records == NULL) {
         return ranks_no_memory(world);
     }
-    apart->records = records;
+    side->records = records;
     for (uint64_t i = 0; i < page->count; i++) {
-        struct pccd_near *record = &records[apart->count++];
+        struct pccd_near *record = &records[side->count++];
         *record = page->near[i];
         const uint32_t *points = common_kinds[record->kind].points;
-        a = place_of(world, apart, record->object_a, a);
-        b = place_of(world, apart, record->object_b, b);
+        a = place_of(world, side, record->object_a, a);
+        b = place_of(world, side, record->object_b, b);
         record->object_a = world->objects[a]->handle;
         record->object_b = world->objects[b]->handle;
         record->feature_a =
-            number_of(&apart->objects[a].local, points[0], record->feature_a);
+            number_of(&side->objects[a].local, points[0], record->feature_a);
         record->feature_b =
-            number_of(&apart->objects[b].local, points[1], record->feature_b);
+            number_of(&side->objects[b].local, points[1], record->feature_b);
     }
     return PCCD_OK;
 }
 
 static int take_pages(struct pccd_mpi *world, uint32_t scene, struct pccd_answer *answer,
-                      struct ranks_apart *apart)
+                      struct ranks_side_scene *side)
 {
     struct pccd_answer page = *answer;
     for (;;) {
         uint64_t cursor = page.cursor;
         bool has_more = page.incomplete == PCCD_INCOMPLETE_RESULT_FULL;
-        int status = take_page(world, apart, &page);
+        int status = take_page(world, side, &page);
         pccd_answer_release(world->client, &page);
-        apart->answer.incomplete = has_more ? PCCD_COMPLETE : page.incomplete;
+        side->answer.incomplete = has_more ? PCCD_COMPLETE : page.incomplete;
         if (status != PCCD_OK || !has_more || cursor >= answer->total) {
             return status;
         }
@@ -253,91 +257,91 @@ static int take_pages(struct pccd_mpi *world, uint32_t scene, struct pccd_answer
     }
 }
 
-/* With handles of the scene apart. False: an object that is named has no leaf here. */
-static bool name_here(struct pccd_mpi *world, struct ranks_apart *apart,
+/* With handles of that scene. False: an object that is named has no leaf here. */
+static bool name_here(struct pccd_mpi *world, struct ranks_side_scene *side,
                       struct pccd_near_settings *near)
 {
     uint32_t *const named[2] = {&near->object_a, &near->object_b};
     bool is_here = true;
-    for (int side = 0; side < 2; side++) {
+    for (int i = 0; i < 2; i++) {
         const struct ranks_object *object =
-            *named[side] != 0 ? find_here(world, apart, *named[side]) : NULL;
-        is_here = is_here && (*named[side] == 0 || object != NULL);
-        *named[side] = object != NULL ? object->handle : 0;
+            *named[i] != 0 ? find_here(world, side, *named[i]) : NULL;
+        is_here = is_here && (*named[i] == 0 || object != NULL);
+        *named[i] = object != NULL ? object->handle : 0;
     }
     return is_here;
 }
 
 /* In this rank alone. Records of others than those that are named are none. */
 static int ask(struct pccd_mpi *world, uint32_t scene,
-               const struct pccd_near_settings *near, struct ranks_apart *apart)
+               const struct pccd_near_settings *near, struct ranks_side_scene *side)
 {
     struct pccd_near_settings here = *near;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    bool is_here = name_here(world, apart, &here);
+    bool is_here = name_here(world, side, &here);
     here.end = 1;
     int status = pccd_ask_near(world->client, scene, NULL, 0, &here, &answer);
     if (status != PCCD_OK) {
         return ranks_fail_local(world, status, "the question failed");
     }
-    apart->answer = answer;
-    apart->answer.near = NULL;
-    status = take_pages(world, scene, &answer, apart);
+    side->answer = answer;
+    side->answer.near = NULL;
+    status = take_pages(world, scene, &answer, side);
     if (!is_here) {
-        apart->count = apart->answer.crossings = 0;
+        side->count = side->answer.crossings = 0;
     }
     return status;
 }
 
 /* In this rank alone: the scene, from its making to its end. */
 static int ask_in_scene(struct pccd_mpi *world, const struct pccd_near_settings *near,
-                        double *const *radii, struct ranks_apart *apart)
+                        double *const *radii, struct ranks_side_scene *side)
 {
     uint32_t scene = 0;
     int status = pccd_scene_create(world->client, NULL, &scene);
     if (status != PCCD_OK) {
-        return ranks_fail_local(world, status, "no scene apart");
+        return ranks_fail_local(world, status, "no scene beside");
     }
-    status = add_objects(world, scene, radii, apart);
+    status = add_objects(world, scene, radii, side);
     if (status == PCCD_OK) {
-        status = ignore_pairs(world, scene, apart);
+        status = ignore_pairs(world, scene, side);
     }
     if (status == PCCD_OK) {
-        status = ask(world, scene, near, apart);
+        status = ask(world, scene, near, side);
     }
     int ended = pccd_scene_destroy(world->client, scene);
     for (uint32_t o = 0; o < world->object_count; o++) {
-        if (apart->objects[o].local_mesh != 0 && ended == PCCD_OK) {
-            ended = pccd_mesh_destroy(world->client, apart->objects[o].local_mesh);
+        if (side->objects[o].local_mesh != 0 && ended == PCCD_OK) {
+            ended = pccd_mesh_destroy(world->client, side->objects[o].local_mesh);
         }
     }
     return status != PCCD_OK || ended == PCCD_OK
                ? status
-               : ranks_fail_local(world, ended, "a scene apart does not end");
+               : ranks_fail_local(world, ended, "a scene beside does not end");
 }
 
-int ranks_apart_ask(struct pccd_mpi *world, const struct ranks_visitor *leaves,
-                    uint64_t count, const struct pccd_near_settings *near,
-                    struct ranks_apart *apart)
+int ranks_side_scene_ask(struct pccd_mpi *world, const struct ranks_remote_leaf *leaves,
+                         uint64_t count, const struct pccd_near_settings *near,
+                         struct ranks_side_scene *side)
 {
     size_t objects = (size_t)world->object_count + 1;
-    struct ranks_visitor *sorted = NULL;
+    struct ranks_remote_leaf *sorted = NULL;
     double **radii = calloc(objects, sizeof *radii);
-    *apart = (struct ranks_apart){.objects = calloc(objects, sizeof *apart->objects),
-                                  .x = calloc(objects, sizeof *apart->x)};
-    int status = radii == NULL || apart->objects == NULL || apart->x == NULL
+    *side = (struct ranks_side_scene){.objects = calloc(objects, sizeof *side->objects),
+                                      .x = calloc(objects, sizeof *side->x)};
+    int status = radii == NULL || side->objects == NULL || side->x == NULL
                      ? ranks_no_memory(world)
                      : sort_leaves(world, leaves, count, &sorted, &count);
     if (status == PCCD_OK) {
-        status = make_objects(world, sorted, count, apart);
+        status = make_objects(world, sorted, count, side);
     }
     status = ranks_agree_on(&world->link, status);
     if (status == PCCD_OK && near->what == PCCD_NEAR_NEAREST) {
-        status = fetch_radii(world, apart, radii);
+        status = fetch_radii(world, side, radii);
     }
     if (status == PCCD_OK) {
         ranks_stop_open(&world->stop);
-        status = ranks_agree_on(&world->link, ask_in_scene(world, near, radii, apart));
+        status = ranks_agree_on(&world->link, ask_in_scene(world, near, radii, side));
         ranks_stop_close(&world->stop);
     }
     for (uint32_t o = 0; o < world->object_count && radii != NULL; o++) {
@@ -348,7 +352,8 @@ int ranks_apart_ask(struct pccd_mpi *world, const struct ranks_visitor *leaves,
     return status;
 }
 
-void ranks_apart_add(struct ranks_apart *last, const struct ranks_apart *earlier)
+void ranks_side_scene_add(struct ranks_side_scene *last,
+                          const struct ranks_side_scene *earlier)
 {
     struct pccd_answer *to = &last->answer;
     const struct pccd_answer *from = &earlier->answer;
@@ -361,20 +366,20 @@ void ranks_apart_add(struct ranks_apart *last, const struct ranks_apart *earlier
 #undef ADD
 }
 
-void ranks_apart_deinit(const struct pccd_mpi *world, struct ranks_apart *apart)
+void ranks_side_scene_deinit(const struct pccd_mpi *world, struct ranks_side_scene *side)
 {
     for (uint32_t o = 0; o < world->object_count; o++) {
-        if (apart->objects != NULL) {
-            ranks_local_deinit(&apart->objects[o].local);
-            free(apart->objects[o].own);
+        if (side->objects != NULL) {
+            ranks_local_deinit(&side->objects[o].local);
+            free(side->objects[o].own);
         }
-        if (apart->x != NULL) {
-            free(apart->x[o]);
+        if (side->x != NULL) {
+            free(side->x[o]);
         }
     }
-    free(apart->objects);
-    free((void *)apart->x);
-    free(apart->records);
+    free(side->objects);
+    free((void *)side->x);
+    free(side->records);
 }
 
 static bool has_feature(const struct ranks_leaf *leaf, uint32_t points, uint32_t feature)
@@ -384,19 +389,20 @@ static bool has_feature(const struct ranks_leaf *leaf, uint32_t points, uint32_t
                        : of[0] == feature || of[1] == feature || of[2] == feature;
 }
 
-void ranks_apart_find(const struct ranks_apart *apart, uint32_t object, uint32_t points,
-                      uint32_t feature, struct ranks_visitor *visitor)
+void ranks_side_scene_find(const struct ranks_side_scene *side, uint32_t object,
+                           uint32_t points, uint32_t feature,
+                           struct ranks_remote_leaf *remote)
 {
-    const struct ranks_object *of = &apart->objects[object];
+    const struct ranks_object *of = &side->objects[object];
     uint32_t i = 0;
     while (!has_feature(&of->own[i], points, feature)) {
         i++;
     }
-    *visitor = (struct ranks_visitor){.object = object, .leaf = of->own[i]};
+    *remote = (struct ranks_remote_leaf){.object = object, .leaf = of->own[i]};
     for (int k = 0; k < 3; k++) {
-        uint32_t v = ranks_place_of(of->local.vertices, of->local.vertex_count,
-                                    visitor->leaf.v[k]);
-        memcpy(visitor->x[k], apart->x[object][v], sizeof visitor->x[k]);
+        uint32_t v =
+            ranks_place_of(of->local.vertices, of->local.vertex_count, remote->leaf.v[k]);
+        memcpy(remote->x[k], side->x[object][v], sizeof remote->x[k]);
     }
 }
 
@@ -409,11 +415,12 @@ uint32_t ranks_place_of_object(const struct pccd_mpi *world, uint32_t handle)
     return o;
 }
 
-void ranks_apart_vertex(const struct pccd_mpi *world, const struct ranks_apart *apart,
-                        uint32_t handle, uint32_t vertex, double x[3])
+void ranks_side_scene_vertex(const struct pccd_mpi *world,
+                             const struct ranks_side_scene *side, uint32_t handle,
+                             uint32_t vertex, double x[3])
 {
     uint32_t o = ranks_place_of_object(world, handle);
-    const struct ranks_local *local = &apart->objects[o].local;
+    const struct ranks_local *local = &side->objects[o].local;
     uint32_t at = ranks_place_of(local->vertices, local->vertex_count, vertex);
-    memcpy(x, apart->x[o][at], 3 * sizeof *x);
+    memcpy(x, side->x[o][at], 3 * sizeof *x);
 }
