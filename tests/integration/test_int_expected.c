@@ -1,5 +1,4 @@
 /* test_int_expected.c - how many records libpccd-mpi says that a step will find. */
-
 #include "cases.h"
 
 #include <unistd.h>
