@@ -41,12 +41,7 @@ static void row(const char *scene, const char *what, const char *unit,
                 struct bench_samples *samples, double asked)
 {
     struct bench_samples base = {&asked, 1, 1};
-    bench_row(&(struct bench_row){.scene = scene,
-                                  .what = what,
-                                  .unit = unit,
-                                  .samples = samples,
-                                  .base_name = "asked",
-                                  .base = &base});
+    bench_row(scene, what, unit, samples, "asked", &base);
     bench_free(samples);
     *samples = (struct bench_samples){NULL, 0, 0};
 }

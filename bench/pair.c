@@ -207,8 +207,7 @@ static double ask_us(ask_fn ask, struct pair *pair)
 static void row_us(const char *scene, const char *what, struct bench_samples *us)
 {
     if (bench_check(us->count > 0, scene, "no pair took exact arithmetic")) {
-        bench_row(&(struct bench_row){
-            .scene = scene, .what = what, .unit = "us", .samples = us});
+        bench_row(scene, what, "us", us, NULL, NULL);
     }
     bench_free(us);
 }

@@ -214,62 +214,65 @@ static void print_text(const char *key, const char *text)
     printf("\",");
 }
 
-static void print_json(const struct bench_row *row, const struct bench_summary *s,
-                       const struct ratios *ratios)
+static void print_json(const char *scene, const struct bench_side *side,
+                       const struct bench_summary *s, const struct ratios *ratios)
 {
     putchar('{');
     print_text("program", report.program);
-    print_text("scene", row->scene);
-    print_text("what", row->what);
-    print_text("unit", row->unit);
+    print_text("scene", scene);
+    print_text("what", side->what);
+    print_text("unit", side->unit);
     printf("\"p50\":%.9g,\"min\":%.9g,\"max\":%.9g,\"p95\":%.9g,\"p99\":%.9g,\"n\":%zu,",
-           s->p50, s->min, s->max, s->p95, s->p99, row->samples->count);
-    if (row->base_name) {
+           s->p50, s->min, s->max, s->p95, s->p99, side->samples.count);
+    if (side->base_name) {
         printf("\"ratio\":%.6g,\"ratio_min\":%.6g,", ratios->p50, ratios->min);
-        print_text("to", row->base_name);
+        print_text("to", side->base_name);
     }
     print_text("compiler", COMPILER);
     print_text("flags", BENCH_FLAGS);
     print_text("cpu", bench_cpu());
-    printf("\"threads\":%u}\n", row->threads ? row->threads : 1);
+    printf("\"threads\":%u}\n", side->threads ? side->threads : 1);
 }
 
-void bench_row(const struct bench_row *row)
+void bench_side_row(const char *scene, const struct bench_side *side,
+                    const struct bench_samples *base_samples)
 {
-    struct bench_summary s = bench_summarise(row->samples);
+    struct bench_summary s = bench_summarise(&side->samples);
     struct ratios ratios = {0, 0};
-    if (row->base_name) {
-        struct bench_summary base = bench_summarise(row->base);
+    if (side->base_name) {
+        struct bench_summary base = bench_summarise(base_samples);
         ratios.p50 = base.p50 > 0 ? s.p50 / base.p50 : 0;
         ratios.min = base.min > 0 ? s.min / base.min : 0;
     }
     if (report.json) {
-        print_json(row, &s, &ratios);
+        print_json(scene, side, &s, &ratios);
     } else {
-        printf("%-18s %-26s %-8s %11.5g %11.5g %11.5g %11.5g %11.5g %6zu", row->scene,
-               row->what, row->unit, s.p50, s.min, s.max, s.p95, s.p99,
-               row->samples->count);
-        if (row->base_name) {
-            printf(" %8.3f %8.3f %s", ratios.p50, ratios.min, row->base_name);
+        printf("%-18s %-26s %-8s %11.5g %11.5g %11.5g %11.5g %11.5g %6zu", scene,
+               side->what, side->unit, s.p50, s.min, s.max, s.p95, s.p99,
+               side->samples.count);
+        if (side->base_name) {
+            printf(" %8.3f %8.3f %s", ratios.p50, ratios.min, side->base_name);
         }
         putchar('\n');
     }
     fflush(stdout);
 }
 
+void bench_row(const char *scene, const char *what, const char *unit,
+               const struct bench_samples *samples, const char *base_name,
+               const struct bench_samples *base)
+{
+    struct bench_side side = {.unit = unit, .base_name = base_name, .samples = *samples};
+    snprintf(side.what, sizeof side.what, "%s", what);
+    bench_side_row(scene, &side, base);
+}
+
 void bench_sides_end(const char *scene, struct bench_side *sides, size_t count,
                      bool are_right)
 {
     for (size_t i = 0; i < count && are_right; i++) {
-        const struct bench_side *side = &sides[i];
-        if (side->samples.count > 0) {
-            bench_row(&(struct bench_row){.scene = scene,
-                                          .what = side->what,
-                                          .unit = side->unit,
-                                          .samples = &side->samples,
-                                          .base_name = side->base_name,
-                                          .base = &sides[side->base].samples,
-                                          .threads = side->threads});
+        if (sides[i].samples.count > 0) {
+            bench_side_row(scene, &sides[i], &sides[sides[i].base].samples);
         }
     }
     for (size_t i = 0; i < count; i++) {
@@ -279,9 +282,7 @@ void bench_sides_end(const char *scene, struct bench_side *sides, size_t count,
 
 void bench_number(const char *scene, const char *what, const char *unit, double value)
 {
-    struct bench_samples one = {&value, 1, 1};
-    bench_row(
-        &(struct bench_row){.scene = scene, .what = what, .unit = unit, .samples = &one});
+    bench_row(scene, what, unit, &(struct bench_samples){&value, 1, 1}, NULL, NULL);
 }
 
 void bench_skip(const char *scene, const char *reason)

@@ -28,16 +28,6 @@ struct bench_summary {
     double min, p50, p95, p99, max;
 };
 
-struct bench_row {
-    const char *scene;
-    const char *what;
-    const char *unit;
-    const struct bench_samples *samples;
-    const char *base_name; /* what the ratio is to; NULL: no ratio */
-    const struct bench_samples *base;
-    uint32_t threads; /* 0 reads as 1 */
-};
-
 /* A quantity that is measured in turn with others. */
 struct bench_side {
     char what[80];
@@ -73,7 +63,12 @@ void bench_free(struct bench_samples *samples);
 struct bench_summary bench_summarise(const struct bench_samples *samples);
 
 void bench_heading(const char *text);
-void bench_row(const struct bench_row *row);
+void bench_row(const char *scene, const char *what, const char *unit,
+               const struct bench_samples *samples, const char *base_name,
+               const struct bench_samples *base);
+/* The same of a side; `base` NULL where it has no ratio. */
+void bench_side_row(const char *scene, const struct bench_side *side,
+                    const struct bench_samples *base);
 /* If they are right, a row of each side that was measured; their samples are freed. */
 void bench_sides_end(const char *scene, struct bench_side *sides, size_t count,
                      bool are_right);

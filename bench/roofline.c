@@ -566,12 +566,7 @@ static void print_beside(const struct bench *bench, const char *what, const char
         return;
     }
     snprintf(text, sizeof text, "%s, %s", what, eng_kernels_of(isa)->name);
-    bench_row(&(struct bench_row){.scene = bench->name,
-                                  .what = text,
-                                  .unit = unit,
-                                  .samples = of,
-                                  .base_name = "floor",
-                                  .base = &base});
+    bench_row(bench->name, text, unit, of, "floor", &base);
 }
 
 /* Refit: the kernels' floors, and the positions that are copied. */

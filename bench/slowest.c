@@ -327,10 +327,7 @@ static void run(const struct question *question, const struct bench_options *opt
             slowest = pair;
         }
     } while (common_now_ns() < end_ns);
-    bench_row(&(struct bench_row){.scene = question->name,
-                                  .what = "slowest found",
-                                  .unit = "us",
-                                  .samples = &longest_us});
+    bench_row(question->name, "slowest found", "us", &longest_us, NULL, NULL);
     bench_number(question->name, "changes tried", "", (double)tries);
     if (!options->json) {
         print(&slowest);

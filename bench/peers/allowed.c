@@ -136,15 +136,10 @@ static void print(const struct run *run, double latest)
     for (unsigned i = 0; i < NEAR_WAYS && run->theirs != NULL; i++) {
         print_share(run, way_names[i], run->allowed[i], latest);
     }
-    bench_row(&(struct bench_row){
-        .scene = run->name, .what = "ours", .unit = "ms", .samples = &run->ours.ms});
+    bench_row(run->name, "ours", "ms", &run->ours.ms, NULL, NULL);
     for (unsigned i = 0; i < NEAR_WAYS && run->theirs != NULL; i++) {
-        bench_row(&(struct bench_row){.scene = run->name,
-                                      .what = way_names[i],
-                                      .unit = "ms",
-                                      .samples = &run->others[i].ms,
-                                      .base_name = "ours",
-                                      .base = &run->ours.ms});
+        bench_row(run->name, way_names[i], "ms", &run->others[i].ms, "ours",
+                  &run->ours.ms);
     }
 }
 

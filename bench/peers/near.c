@@ -191,15 +191,12 @@ static void print_row(const struct run *run, const char *who, const char *what,
                       uint32_t threads, const struct near_quantity *quantity,
                       const char *base_name, const struct near_quantity *base)
 {
-    char text[100];
-    snprintf(text, sizeof text, "%s, %s, %u", who, what, threads);
-    bench_row(&(struct bench_row){.scene = run->name,
-                                  .what = text,
-                                  .unit = "ms",
-                                  .samples = &quantity->ms,
-                                  .base_name = base_name,
-                                  .base = base ? &base->ms : NULL,
-                                  .threads = threads});
+    struct bench_side side = {.unit = "ms",
+                              .base_name = base_name,
+                              .threads = threads,
+                              .samples = quantity->ms};
+    snprintf(side.what, sizeof side.what, "%s, %s, %u", who, what, threads);
+    bench_side_row(run->name, &side, base ? &base->ms : NULL);
 }
 
 static void print(const struct run *run, uint32_t most)

@@ -203,14 +203,8 @@ static void print(struct run *run, bool are_right)
 {
     for (unsigned i = 0; i < run->count && are_right; i++) {
         for (unsigned k = 0; k < (run->tests ? 1u : SIDES); k++) {
-            const struct bench_side *side = &run->sides[i][k];
-            bench_row(&(struct bench_row){.scene = run->world->source->name,
-                                          .what = side->what,
-                                          .unit = side->unit,
-                                          .samples = &side->samples,
-                                          .base_name = side->base_name,
-                                          .base = &run->sides[0][k].samples,
-                                          .threads = side->threads});
+            bench_side_row(run->world->source->name, &run->sides[i][k],
+                           &run->sides[0][k].samples);
         }
     }
     bench_sides_end("", run->sides[0], run->count * SIDES, false);
