@@ -37,7 +37,8 @@ int output_close(struct whole_file *file, const char *path, bool is_whole,
 
 bool output_json(json_t *value, bool ok, FILE *to)
 {
-    ok = ok && value != NULL && json_dumpf(value, to, JSON_TEXT_FLAGS) == 0;
+    ok = ok && value != NULL &&
+         json_dumpf(value, to, JSON_INDENT(2) | JSON_ENSURE_ASCII) == 0;
     ok = ok && fputc('\n', to) != EOF;
     json_decref(value);
     return ok;

@@ -58,12 +58,9 @@ static inline void json_append(json_t *array, json_t *value, bool *ok)
     }
 }
 
-/* How commands print JSON for people and programs: in ASCII, so that no terminal takes a
- * part of a string for a command. */
-#define JSON_TEXT_FLAGS (JSON_INDENT(2) | JSON_ENSURE_ASCII)
-
-/* Print an object or array that is ours to give back, and a newline. NULL or !ok: there
- * was no memory for all of it. False if it was not printed. */
+/* Print an object or array that is ours to give back, and a newline: in ASCII, so that no
+ * terminal takes a part of a string for a command. NULL or !ok: there was no memory for
+ * all of it. False if it was not printed. */
 bool output_json(json_t *value, bool ok, FILE *to);
 
 #endif

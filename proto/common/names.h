@@ -16,6 +16,8 @@ static const char *const common_method_names[PCCD_METHOD_COUNT + 1] = {"default"
 static const char *const common_near_names[PCCD_NEAR_COUNT + 1] = {
     "pairs", "features", "vertices", "nearest", "crossings", "depth"};
 
+static const char *const common_verdict_names[] = {"no", "possible", "yes", "none"};
+
 /* The name of a value; NULL if it has none, as what a newer daemon says may. */
 static inline const char *common_mode_name(uint32_t mode)
 {
@@ -30,6 +32,11 @@ static inline const char *common_method_name(uint32_t method)
 static inline const char *common_near_name(uint32_t what)
 {
     return what < PCCD_NEAR_COUNT ? common_near_names[what] : NULL;
+}
+
+static inline const char *common_verdict_name(uint32_t verdict)
+{
+    return verdict <= PCCD_VERDICT_NONE ? common_verdict_names[verdict] : NULL;
 }
 
 /* Return whether the question goes by a distance. */

@@ -33,6 +33,18 @@ done <"$work/commands" >"$log"
 # If it failed, a command or an option of pccdctl would be described nowhere.
 tap_result $? pages__pccdctl_has_every_command_and_option "$log"
 
+while read -r command; do
+    "$top_builddir/pccdctl" "$command" --help >"$work/help"
+    sed -n '/^Examples:/,$s/^  *pccdctl //p' "$work/help" >"$work/examples"
+    [ "$(grep -c "^$command" "$work/examples")" -eq 2 ] || echo "$command: not two examples"
+    options <"$work/examples" | while read -r option; do
+        grep -qE -- "^ .*$option([ =]|\$)" "$work/help" || echo "$command: no $option"
+    done
+done <"$work/commands" >"$log"
+[ ! -s "$log" ]
+# If it failed, help would show no use of a command, or one that is refused.
+tap_result $? help__shows_two_examples_of_each_command "$log"
+
 "$top_builddir/pccdd" --help | options | grep -vE -- '--(help|usage|version)' |
     missing pccdd.8.scd >"$log"
 [ ! -s "$log" ]

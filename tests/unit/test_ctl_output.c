@@ -7,6 +7,7 @@
 #include <png.h>
 
 #include "check_run.h"
+#include "columns.h"
 #include "output.h"
 #include "picture.h"
 #include "report.h"
@@ -92,6 +93,61 @@ CASE(csv__tells_when_the_disk_is_full)
     assert_ok(contacts_csv_open(&csv, &error));
     assert_int_equal(output_close(&csv.whole, csv.path, true, &error), PCCD_E_SYSTEM);
     assert_non_null(strstr(error.text, "/dev/full: cannot write"));
+}
+
+struct sample {
+    uint64_t wide;
+    uint32_t narrow;
+    bool is_so;
+    double exact, real;
+    char text[8];
+};
+#define OF(member) COLUMN_OF(struct sample, member)
+static const struct column sample_columns[] = {
+    {"wide", "WIDE", COLUMN_NUMBER, OF(wide), .rank = 1},
+    {"narrow", "NARROW", COLUMN_HANDLE, OF(narrow), .rank = 3},
+    {"flag", .type = COLUMN_FLAG, OF(is_so)},
+    {"bit", .type = COLUMN_NUMBER, OF(is_so)},
+    {"exact", "EXACT", COLUMN_EXACT, OF(exact), .rank = 4},
+    {"real", .type = COLUMN_REAL, OF(real)},
+    {"text", "TEXT", COLUMN_CHARS, OF(text), .is_left = true, .rank = 2},
+    {0}};
+#undef OF
+static const struct sample sample = {UINT64_MAX, 77, true, INFINITY, 0.1, "a\\b\"c"};
+
+/* If it failed: a run of pccd-mpi would go on with other results than it wrote. */
+CASE(columns__come_back_from_json_as_they_were)
+{
+    struct sample read;
+    memset(&read, 0, sizeof read);
+    json_t *object = columns_json(sample_columns, &sample);
+    assert_non_null(object);
+    assert_true(columns_read(object, sample_columns, &read));
+    assert_true(read.wide == sample.wide && read.narrow == 77 && read.is_so);
+    assert_true(isinf(read.exact) && read.real == 0.1);
+    assert_string_equal(read.text, sample.text);
+    assert_int_equal(json_object_set_new(object, "narrow", json_integer(1ll << 32)), 0);
+    assert_false(columns_read(object, sample_columns, &read)); /* it does not fit */
+    assert_int_equal(json_object_del(object, "narrow"), 0);
+    assert_false(columns_read(object, sample_columns, &read));
+    json_decref(object);
+}
+
+/* If it failed: a narrow terminal would wrap a table, or lose what matters most. */
+CASE(columns__that_matter_less_give_way)
+{
+    struct column columns[sizeof sample_columns / sizeof sample_columns[0]];
+    memcpy(columns, sample_columns, sizeof columns);
+    columns_fit(columns, &sample, sizeof sample, 1, 33);
+    assert_false(columns[0].is_hidden); /* 20 columns, and 6 of the text: 27 */
+    assert_true(columns[1].is_hidden);  /* 7 more are too much */
+    assert_true(columns[4].is_hidden);  /* and what matters less goes, too */
+    assert_false(columns[6].is_hidden);
+    assert_int_equal(columns[0].width, 20);
+    memcpy(columns, sample_columns, sizeof columns);
+    columns_fit(columns, &sample, sizeof sample, 1, 3);
+    assert_false(columns[0].is_hidden); /* one is shown always */
+    assert_true(columns[6].is_hidden);
 }
 
 static const struct report_mesh mesh = {

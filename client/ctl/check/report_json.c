@@ -144,9 +144,7 @@ static json_t *pairs_array(const struct report_mesh *mesh, const struct report_s
 static void add_step(json_t *object, const struct report_mesh *mesh,
                      const struct report_step *step, bool *ok)
 {
-    static const char *const verdicts[] = {"no", "possible", "yes", "none"};
     const struct pccd_answer *answer = &step->answer;
-    uint32_t verdict = (uint32_t)answer->verdict;
     json_set(object, "from", json_text(step->from), ok);
     json_set(object, "to", json_text(step->to), ok);
     json_set(object, "mode", mode_text(common_mode_name(answer->mode)), ok);
@@ -156,8 +154,7 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
     json_set_count(object, "possible", answer->possible, ok);
     json_set_count(object, "initial", answer->initial, ok);
     if (answer->mode == PCCD_MODE_ANY) {
-        json_set(object, "verdict", mode_text(verdict < 4 ? verdicts[verdict] : NULL),
-                 ok);
+        json_set(object, "verdict", mode_text(common_verdict_name(answer->verdict)), ok);
     }
     set_toi(object, answer->toi_first, ok);
     json_set(object, "safe_step", json_real(answer->safe_step), ok);

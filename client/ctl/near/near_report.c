@@ -14,13 +14,10 @@
 
 #define NO_DISTANCE 1e18 /* above any; the daemon says 2e18 when there is no record */
 
-/* By enum pccd_verdict. */
-static const char *const verdict_names[] = {"no", "possible", "yes", "none"};
-
 static const char *verdict_name(const struct pccd_answer *answer)
 {
-    uint32_t verdict = (uint32_t)answer->verdict;
-    return verdict < 4 ? verdict_names[verdict] : "unknown";
+    const char *name = common_verdict_name(answer->verdict);
+    return name != NULL ? name : "unknown";
 }
 
 static bool has_distance(const struct pccd_answer *answer)

@@ -477,9 +477,7 @@ void snapshot_report(const struct snapshot *snapshot, const char *path, bool is_
         json_object_set_new(object, "near",
                             json_integer((json_int_t)snapshot->line_count));
     }
-    json_dumpf(object, stdout, JSON_TEXT_FLAGS);
-    putchar('\n');
-    json_decref(object);
+    (void)output_json(object, true, stdout);
 }
 
 void snapshot_deinit(struct snapshot *snapshot)
