@@ -9,6 +9,7 @@
 #include "names.h"
 #include "output.h"
 #include "printable.h"
+#include "recorded_state.h"
 #include "report.h"
 
 #define FORMAT 2 /* of the data; data.js is in the same file, and asks nevertheless */
@@ -97,44 +98,40 @@ static json_t *answer_of(const struct pccd_answer *answer, bool *ok)
     return object;
 }
 
-/* Only answers that were and are complete must be equal. */
-static bool is_complete(uint32_t incomplete)
+/* "same", "other", or "none": there is nothing to compare. Of what was recorded, and of a
+ * daemon's answer. */
+static const char *compare(int32_t then_status, uint32_t then_incomplete,
+                           const uint64_t then_hash[2], const struct pccd_answer *now,
+                           const uint64_t hash[2])
 {
-    return incomplete == PCCD_COMPLETE || incomplete == PCCD_INCOMPLETE_RESULT_FULL;
-}
-
-/* "same", "other", or "none": there is nothing to compare. */
-static const char *compare(const struct play_step *step)
-{
-    const struct record_answer *then = step->recorded;
-    const struct pccd_answer *now = step->answer;
-    if (then == NULL || now == NULL ||
-        (then->status == PCCD_OK &&
-         (!is_complete(then->incomplete) || !is_complete((uint32_t)now->incomplete)))) {
+    if (then_status == PCCD_OK && (!play_is_complete(then_incomplete) ||
+                                   !play_is_complete((uint32_t)now->incomplete))) {
         return "none";
     }
-    uint64_t hash[2];
-    play_hash(step, hash);
-    return then->status == now->status &&
-                   (then->status != PCCD_OK || memcmp(then->hash, hash, sizeof hash) == 0)
-               ? "same"
-               : "other";
+    bool is_same =
+        then_status == now->status &&
+        (then_status != PCCD_OK || memcmp(then_hash, hash, 2 * sizeof *hash) == 0);
+    return is_same ? "same" : "other";
 }
 
-/* The same of a question; with a gap any pair will do. */
+static const char *compare_step(const struct play_step *step)
+{
+    const struct record_answer *then = step->recorded;
+    uint64_t hash[2];
+    play_hash(step, hash);
+    return then == NULL
+               ? "none"
+               : compare(then->status, then->incomplete, then->hash, step->answer, hash);
+}
+
+/* With a gap any pair will do. */
 static const char *compare_near(const struct play_near *near)
 {
     const struct record_near_answer *then = near->recorded;
-    const struct pccd_answer *now = near->answer;
-    if (then == NULL || play_has_gap(near->asked) ||
-        (then->status == PCCD_OK &&
-         (!is_complete(then->incomplete) || !is_complete((uint32_t)now->incomplete)))) {
-        return "none";
-    }
-    return then->status == now->status &&
-                   memcmp(then->hash, now->hash, sizeof then->hash) == 0
-               ? "same"
-               : "other";
+    return then == NULL || play_has_gap(near->asked)
+               ? "none"
+               : compare(then->status, then->incomplete, then->hash, near->answer,
+                         near->answer->hash);
 }
 
 /* ---- steps ------------------------------------------------------------------------- */
@@ -150,17 +147,8 @@ static double unit_for(double size)
 /* The middle of the first step's objects: what is far from zero stays sharp as float. */
 static void choose_origin(struct inspect *inspect, const struct registry_scene *scene)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY};
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (uint32_t i = 0; i < scene->object_count; i++) {
-        const struct registry_object *object = &scene->objects[i];
-        for (uint32_t v = 0; v < object->mesh->vertex_count; v++) {
-            for (uint32_t k = 0; k < 3; k++) {
-                low[k] = fmin(low[k], object->x0[v][k]);
-                high[k] = fmax(high[k], object->x0[v][k]);
-            }
-        }
-    }
+    double low[3], high[3];
+    recorded_bounds(scene, 0, low, high);
     double size = 0;
     for (uint32_t k = 0; k < 3 && scene->object_count > 0; k++) {
         inspect->origin[k] = low[k] + (high[k] - low[k]) / 2;
@@ -316,7 +304,7 @@ int inspect_step(void *context, const struct play_step *step, struct ctl_error *
     if (step->scene == NULL || step->answer == NULL) {
         return PCCD_OK; /* it failed, in a scene that there was not */
     }
-    const char *compared = compare(step);
+    const char *compared = compare_step(step);
     inspect->differ += strcmp(compared, "other") == 0;
     if (!is_chosen(inspect, step->scene)) {
         return PCCD_OK;

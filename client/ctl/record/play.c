@@ -49,6 +49,11 @@ bool play_is_repeatable(int status)
            status == PCCD_E_INDEX;
 }
 
+bool play_is_complete(uint32_t incomplete)
+{
+    return incomplete == PCCD_COMPLETE || incomplete == PCCD_INCOMPLETE_RESULT_FULL;
+}
+
 bool play_has_gap(const struct record_near *asked)
 {
     return asked->what == PCCD_NEAR_NEAREST && asked->gap > 0;

@@ -71,7 +71,7 @@ typedef int (*play_fn)(void *context, const struct play_step *step,
 struct play_near {
     uint64_t number; /* the client's, among its steps */
     const struct record_near *asked;
-    bool tells_crossings; /* they were asked for, too */
+    bool tells_crossings;                      /* they were asked for, too */
     const struct registry_scene *scene;        /* after the movement, if it had one */
     const struct record_near_answer *recorded; /* NULL: there was none */
     const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */
@@ -150,6 +150,9 @@ void play_hash(const struct play_step *step, uint64_t hash[2]);
 
 /* Whether any pair that is near enough is a right answer, so that there is no hash. */
 bool play_has_gap(const struct record_near *asked);
+
+/* Whether nothing ended an answer before it was done: only such answers must be equal. */
+bool play_is_complete(uint32_t incomplete);
 
 /* Whether a step that failed so fails again. */
 bool play_is_repeatable(int status);

@@ -191,6 +191,17 @@ bool recorded_is_free(const struct registry_mesh *mesh, uint32_t points, uint32_
     return points == 1 ? mesh->is_free_vertex[feature] : mesh->is_free_edge[feature];
 }
 
+bool recorded_share_vertex(const uint32_t *a, uint32_t count_a, const uint32_t *b,
+                           uint32_t count_b)
+{
+    for (uint32_t i = 0; i < count_a * count_b; i++) {
+        if (a[i / count_b] == b[i % count_b]) {
+            return true;
+        }
+    }
+    return false;
+}
+
 double recorded_radius(const struct registry_object *object, const uint32_t *v,
                        uint32_t count)
 {
@@ -530,6 +541,23 @@ int recorded_state_move(struct registry *state, const struct recorded_item *item
         registry_move(registry_object(scene, segment.object), &motion);
     }
     return PCCD_OK;
+}
+
+void recorded_bounds(const struct registry_scene *scene, double t, double low[3],
+                     double high[3])
+{
+    for (uint32_t k = 0; k < 3; k++) {
+        low[k] = INFINITY;
+        high[k] = -INFINITY;
+    }
+    for (uint32_t o = 0; o < scene->object_count; o++) {
+        const struct registry_object *object = &scene->objects[o];
+        for (uint64_t i = 0; i < 3 * (uint64_t)object->mesh->vertex_count; i++) {
+            double a = object->x0[i / 3][i % 3], b = object->x1[i / 3][i % 3];
+            low[i % 3] = fmin(low[i % 3], a + t * (b - a));
+            high[i % 3] = fmax(high[i % 3], a + t * (b - a));
+        }
+    }
 }
 
 /* ---- where a record of what is near lies -------------------------------------- */

@@ -56,9 +56,16 @@ bool recorded_is_free(const struct registry_mesh *mesh, uint32_t points,
 uint32_t recorded_feature_count(const struct registry_mesh *mesh, uint32_t points);
 const uint32_t *recorded_feature(const struct registry_mesh *mesh, uint32_t points,
                                  const uint32_t *feature);
+/* Whether two features of one mesh, by their vertices, have a vertex in common. */
+bool recorded_share_vertex(const uint32_t *a, uint32_t count_a, const uint32_t *b,
+                           uint32_t count_b);
 /* The radius of a feature of an object that has these vertices. */
 double recorded_radius(const struct registry_object *object, const uint32_t *v,
                        uint32_t count);
+/* The box around all vertices of a scene at a time of its last step; of no object, from
+ * INFINITY to -INFINITY. */
+void recorded_bounds(const struct registry_scene *scene, double t, double low[3],
+                     double high[3]);
 /* Where a record of what is near lies, at the end of the scene's step that was asked
  * about, 0 or 1; edges of its meshes were made. False: it names what there is not. */
 bool recorded_near_line(const struct registry_scene *scene, const struct pccd_near *near,

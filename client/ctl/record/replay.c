@@ -40,11 +40,6 @@ const char *const replay_outcome_names[REPLAY_OUTCOME_COUNT] = {
 
 /* ---- comparing --------------------------------------------------------------------- */
 
-static bool is_complete(uint32_t incomplete)
-{
-    return incomplete == PCCD_COMPLETE || incomplete == PCCD_INCOMPLETE_RESULT_FULL;
-}
-
 static struct replay_side side_of(int status, uint64_t total, const uint64_t hash[2],
                                   double toi_first)
 {
@@ -103,7 +98,8 @@ void replay_judge_step(const struct play_step *step, struct replay_item *item)
         return;
     }
     item->expected = side_of(then->status, then->total, then->hash, then->toi_first);
-    if (!is_complete(then->incomplete) || !is_complete((uint32_t)now->incomplete)) {
+    if (!play_is_complete(then->incomplete) ||
+        !play_is_complete((uint32_t)now->incomplete)) {
         item->outcome = REPLAY_INCOMPLETE;
     } else if (step->has_other_pairs) {
         item->outcome = REPLAY_OTHER_PAIRS;
@@ -153,8 +149,8 @@ void replay_judge_near(const struct play_near *near, struct replay_item *item)
     }
     item->expected = side_of(then->status, then->total, then->hash, 0);
     /* With a gap any pair within it is right. */
-    if (!is_complete(then->incomplete) || !is_complete((uint32_t)now->incomplete) ||
-        play_has_gap(near->asked)) {
+    if (!play_is_complete(then->incomplete) ||
+        !play_is_complete((uint32_t)now->incomplete) || play_has_gap(near->asked)) {
         item->outcome = REPLAY_INCOMPLETE;
     } else {
         judge(item, near_difference(then, now));

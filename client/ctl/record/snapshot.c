@@ -34,17 +34,8 @@ static int no_memory(struct ctl_error *error)
 static void choose_origin(const struct registry_scene *scene, double t,
                           struct snapshot *snapshot)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY};
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    double extent = 0, far = 0;
-    for (uint32_t o = 0; o < scene->object_count; o++) {
-        const struct registry_object *object = &scene->objects[o];
-        for (uint64_t i = 0; i < 3 * (uint64_t)object->mesh->vertex_count; i++) {
-            double a = object->x0[i / 3][i % 3], b = object->x1[i / 3][i % 3];
-            low[i % 3] = fmin(low[i % 3], a + t * (b - a));
-            high[i % 3] = fmax(high[i % 3], a + t * (b - a));
-        }
-    }
+    double low[3], high[3], extent = 0, far = 0;
+    recorded_bounds(scene, t, low, high);
     for (uint32_t k = 0; k < 3 && scene->object_count > 0; k++) {
         extent = fmax(extent, high[k] - low[k]);
         far = fmax(far, fmax(fabs(low[k]), fabs(high[k])));

@@ -44,7 +44,7 @@ uint32_t verify_incomplete(const struct play_step *step)
 
 bool verify_is_complete(const struct play_step *step)
 {
-    return verify_incomplete(step) <= PCCD_INCOMPLETE_RESULT_FULL;
+    return play_is_complete(verify_incomplete(step));
 }
 
 static struct pccd_pair pair_of(const struct play_step *step, uint64_t i)
@@ -122,12 +122,9 @@ static const char *misnamed(const struct registry_scene *scene,
                                (a == b && pair->feature_a >= pair->feature_b))) {
         return "the record has its features in the wrong order";
     }
-    for (uint32_t i = 0; a == b && i < count_a * count_b; i++) {
-        if (va[i / count_b] == vb[i % count_b]) {
-            return "the record's features share a vertex";
-        }
-    }
-    return NULL;
+    return a == b && recorded_share_vertex(va, count_a, vb, count_b)
+               ? "the record's features share a vertex"
+               : NULL;
 }
 
 bool verify_leave(struct verify_result *result, const char *format, ...)
@@ -250,9 +247,9 @@ static bool check_exactly(const struct play_step *step,
                                 "checked, and no more");
 }
 
-static uint64_t mix(uint64_t x)
+uint64_t verify_mix(uint64_t x)
 {
-    x += 0x9e3779b97f4a7c15u;
+    x += VERIFY_MIX_STEP;
     x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
     x = (x ^ x >> 27) * 0x94d049bb133111ebu;
     return x ^ x >> 31;
@@ -289,9 +286,10 @@ static bool check_records(const struct play_step *step,
         if (what != NULL) {
             return verify_wrong(result, step, &pair, "record %" PRIu64 ": %s", i, what);
         }
-        bool is_chosen = settings->contacts_max == 0 ||
-                         mix(settings->seed ^ mix(step->number) ^ i) % step->count <
-                             settings->contacts_max;
+        bool is_chosen =
+            settings->contacts_max == 0 ||
+            verify_mix(settings->seed ^ verify_mix(step->number) ^ i) % step->count <
+                settings->contacts_max;
         if (!is_chosen) {
             continue;
         }

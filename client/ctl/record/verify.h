@@ -116,6 +116,9 @@ const char *verify_place(const struct pccd_contact *contact, const double p[8][3
 bool verify_has(const struct play_step *step, const struct pccd_pair *pair);
 /* Whether nothing ended the step before it was done. */
 bool verify_is_complete(const struct play_step *step);
+/* splitmix64: a number that looks random, of x; for the next one x grows by the step. */
+#define VERIFY_MIX_STEP 0x9e3779b97f4a7c15u
+uint64_t verify_mix(uint64_t x);
 /* The result is wrong, with the exact time of the pair's contact if it has one. Returns
  * false. */
 bool verify_wrong(struct verify_result *result, const struct play_step *step,

@@ -116,14 +116,10 @@ static bool list_side(struct sweep *sweep, int side)
 static bool shares(const struct swept *a, uint32_t points_a, const struct swept *b,
                    uint32_t points_b)
 {
-    const uint32_t *va = recorded_feature(a->object->mesh, points_a, &a->feature);
-    const uint32_t *vb = recorded_feature(b->object->mesh, points_b, &b->feature);
-    for (uint32_t i = 0; a->object == b->object && i < points_a * points_b; i++) {
-        if (va[i / points_b] == vb[i % points_b]) {
-            return true;
-        }
-    }
-    return false;
+    return a->object == b->object &&
+           recorded_share_vertex(
+               recorded_feature(a->object->mesh, points_a, &a->feature), points_a,
+               recorded_feature(b->object->mesh, points_b, &b->feature), points_b);
 }
 
 /* Two whose boxes meet along x. Ends the sweep when they meet, or when it is too long. */

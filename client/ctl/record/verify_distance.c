@@ -172,7 +172,7 @@ static bool check_numbers(struct judge *judge, const struct numbers *is)
     const char *name = near->answer != NULL ? check_daemon(judge, is) : NULL;
     bool is_other = near->answer != NULL && play_has_gap(near->asked);
     if (name == NULL && then != NULL) {
-        if (then->incomplete > PCCD_INCOMPLETE_RESULT_FULL || is_other) {
+        if (!play_is_complete(then->incomplete) || is_other) {
             verify_leave(judge->result, "%s: only a daemon's answer was checked",
                          is_other ? "it has a gap, with which answers may differ"
                                   : "it ended before it was done");
@@ -530,7 +530,7 @@ static const char *misfit(const struct play_near *near)
                                       then->incomplete == PCCD_COMPLETE)) {
         return "its total is not that of the records";
     }
-    if (near->is_whole && then->incomplete <= PCCD_INCOMPLETE_RESULT_FULL &&
+    if (near->is_whole && play_is_complete(then->incomplete) &&
         (then->incomplete == PCCD_COMPLETE) != (near->first_count == near->count)) {
         return "whether its first page has all of it is claimed wrongly";
     }
@@ -551,7 +551,7 @@ static bool can_check(const struct play_near *near, struct verify_result *result
         verify_leave(result, "it failed: %s", pccd_status_text(status));
     } else if (near->scene == NULL) {
         verify_leave(result, "its scene is gone");
-    } else if (incomplete > PCCD_INCOMPLETE_RESULT_FULL) {
+    } else if (!play_is_complete(incomplete)) {
         verify_leave(result, "it ended before it was done");
     } else if (!near->is_whole) {
         verify_leave(result, "%" PRIu64 " of its %" PRIu64 " records are known",

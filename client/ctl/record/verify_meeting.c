@@ -8,51 +8,48 @@
 #include "oracle_thick.h"
 #include "registry.h"
 
-void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
-                   double p[8][3])
+/* Where a pair's vertices are: at the beginning and the end of the step, or, alone, where
+ * they were registered. */
+enum at { AT_BEGIN, AT_END, AT_REST };
+
+/* Four points of the pair, in the order of oracle.h; a kind of fewer repeats the last. */
+static void find_points(const struct registry_scene *scene, const struct pccd_pair *pair,
+                        enum at at, double p[4][3])
 {
     const uint32_t *points = common_kinds[pair->kind].points;
     const uint32_t handles[2] = {pair->object_a, pair->object_b};
     const uint32_t features[2] = {pair->feature_a, pair->feature_b};
-    uint32_t at = 0;
+    uint32_t count = 0;
     for (int side = 0; side < 2; side++) {
         const struct registry_object *object = registry_object(scene, handles[side]);
         const uint32_t *v = recorded_feature(object->mesh, points[side], &features[side]);
-        for (uint32_t i = 0; i < points[side]; i++, at++) {
-            memcpy(p[at], object->x0[v[i]], sizeof p[at]);
-            memcpy(p[4 + at], object->x1[v[i]], sizeof p[4 + at]);
+        for (uint32_t i = 0; i < points[side]; i++, count++) {
+            if (at == AT_REST) {
+                registry_registered(object->mesh, v[i], p[count]);
+            } else {
+                memcpy(p[count], at == AT_BEGIN ? object->x0[v[i]] : object->x1[v[i]],
+                       sizeof p[count]);
+            }
         }
     }
-    for (; at < 4; at++) {
-        memcpy(p[at], p[at - 1], sizeof p[at]);
-        memcpy(p[4 + at], p[3 + at], sizeof p[4 + at]);
+    for (; count < 4; count++) {
+        memcpy(p[count], p[count - 1], sizeof p[count]);
     }
 }
 
-/* The registered positions of a pair of one object, as verify_points has them. */
-static void registered(const struct registry_mesh *mesh, const struct pccd_pair *pair,
-                       double p[4][3])
+void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
+                   double p[8][3])
 {
-    const uint32_t *points = common_kinds[pair->kind].points;
-    const uint32_t features[2] = {pair->feature_a, pair->feature_b};
-    uint32_t at = 0;
-    for (int side = 0; side < 2; side++) {
-        const uint32_t *v = recorded_feature(mesh, points[side], &features[side]);
-        for (uint32_t i = 0; i < points[side]; i++, at++) {
-            registry_registered(mesh, v[i], p[at]);
-        }
-    }
-    for (; at < 4; at++) {
-        memcpy(p[at], p[at - 1], sizeof p[at]);
-    }
+    find_points(scene, pair, AT_BEGIN, p);
+    find_points(scene, pair, AT_END, p + 4);
 }
 
 /* Is the distance of the pair less than that, where the mesh was registered? */
-static bool is_nearer(const struct registry_mesh *mesh, const struct pccd_pair *pair,
+static bool is_nearer(const struct registry_scene *scene, const struct pccd_pair *pair,
                       double distance)
 {
     double p[4][3];
-    registered(mesh, pair, p);
+    find_points(scene, pair, AT_REST, p);
     return oracle_is_nearer(common_kinds[pair->kind].points[0], (const double(*)[3])p,
                             distance);
 }
@@ -68,11 +65,12 @@ static bool are_joined(const struct registry_mesh *mesh, const struct pccd_pair 
         recorded_feature(mesh, points[1], &pair->feature_b), points[1], rings);
 }
 
-static bool is_excluded(const struct registry_object *object,
+static bool is_excluded(const struct registry_scene *scene,
+                        const struct registry_object *object,
                         const struct pccd_pair *pair)
 {
     const struct common_attributes *is = &object->attributes;
-    return (is->rest_distance > 0 && is_nearer(object->mesh, pair, is->rest_distance)) ||
+    return (is->rest_distance > 0 && is_nearer(scene, pair, is->rest_distance)) ||
            (is->rest_rings > 0 && are_joined(object->mesh, pair, is->rest_rings));
 }
 
@@ -89,8 +87,8 @@ static bool find_radii(const struct play_step *step, const struct pccd_pair *pai
     radius[1] = recorded_radius(b, recorded_feature(b->mesh, points[1], &pair->feature_b),
                                 points[1]);
     radius[2] = step->separation.separation;
-    bool is_thick =
-        radius[0] + radius[1] + radius[2] > 0 && (a != b || !is_excluded(a, pair));
+    bool is_thick = radius[0] + radius[1] + radius[2] > 0 &&
+                    (a != b || !is_excluded(step->scene, a, pair));
     if (!is_thick) {
         memset(radius, 0, 3 * sizeof *radius);
     }

@@ -26,13 +26,11 @@ struct draw {
     uint64_t left;  /* pairs */
 };
 
-/* splitmix64 */
 static uint64_t next(struct draw *draw)
 {
-    uint64_t x = draw->state += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return x ^ x >> 31;
+    uint64_t drawn = verify_mix(draw->state);
+    draw->state += VERIFY_MIX_STEP;
+    return drawn;
 }
 
 /* Of the motion of `count` vertices: exact, for it only compares. */
@@ -76,17 +74,6 @@ static bool meet(const struct box *a, const struct box *b)
         }
     }
     return true;
-}
-
-static bool share(const uint32_t *a, uint32_t count_a, const uint32_t *b,
-                  uint32_t count_b)
-{
-    for (uint32_t i = 0; i < count_a * count_b; i++) {
-        if (a[i / count_b] == b[i % count_b]) {
-            return true;
-        }
-    }
-    return false;
 }
 
 /* Whether leaving a pair that touches out of the answer is right in its mode. */
@@ -157,7 +144,8 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
             struct box box = tight;
             widen(&box, near_by + recorded_radius(other, v, points[1]));
             if (!meet(&box, &near) || !is_of_kind(kind, other->mesh, points[1], f) ||
-                (other == object && share(own, points[0], v, points[1]))) {
+                (other == object &&
+                 recorded_share_vertex(own, points[0], v, points[1]))) {
                 continue;
             }
             bool is_first = points[0] != points[1] || object->handle < other->handle ||

@@ -74,12 +74,10 @@ static void number(const struct play_step *step, uint32_t hash_version,
                         : step->count == 0;
     bool has_time = is->toi_first > 0 && is->toi_first <= 1;
     bool is_crossed = step->answer != NULL && step->answer->crossings > 0;
-    is->safe_step = is_crossed || (verify_incomplete(step) != PCCD_COMPLETE &&
-                                   verify_incomplete(step) != PCCD_INCOMPLETE_RESULT_FULL)
-                        ? 0
-                    : is_empty ? 1
-                    : has_time ? nextafter(is->toi_first, 0)
-                               : 0;
+    is->safe_step = is_crossed || !verify_is_complete(step) ? 0
+                    : is_empty                              ? 1
+                    : has_time                              ? nextafter(is->toi_first, 0)
+                                                            : 0;
 }
 
 /* ---- what was recorded ------------------------------------------------------------- */
@@ -311,7 +309,7 @@ bool verify_numbers(const struct play_step *step, struct verify_result *result)
                                     "was checked");
     }
     if (step->answer != NULL &&
-        (then->incomplete > PCCD_INCOMPLETE_RESULT_FULL || !verify_is_complete(step))) {
+        (!play_is_complete(then->incomplete) || !verify_is_complete(step))) {
         return verify_leave(result, "it ended before it was done: only a daemon's answer "
                                     "was checked");
     }
