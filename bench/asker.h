@@ -1,6 +1,4 @@
-/* asker.h - the client with which the benchmarks ask a private daemon: ping, an empty
- * step, a large step.
- */
+/* asker.h - the client with which the benchmarks ask a private daemon. */
 #ifndef BENCH_ASKER_H
 #define BENCH_ASKER_H
 

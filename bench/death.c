@@ -1,9 +1,8 @@
 /* death.c - from kill -9 of the daemon to each client's next answer.
  *
  * One process a client; each waits on its socket, sees the daemon go, and asks for its
- * next step at once. The daemon is pccdd --supervise. First nothing is registered, and
- * the answer is that to a ping. After each kill a bare process is killed, too, and one
- * that has a bare successor: what of the times is the machine's.
+ * next step at once. After each kill a bare process is killed, too, and one that has a
+ * bare successor: what of the times is the machine's.
  */
 #include <poll.h>
 #include <signal.h>

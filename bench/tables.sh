@@ -2,11 +2,6 @@
 # tables.sh - ways to take the same steps, side by side: rows for pccd-bench.
 #
 #   tables.sh [--smoke] [--json] [--threads N] [ROW|SCENE...]   (make bench-tables)
-#
-# Room:     bench.
-# Does:     for each row below have pccd-bench take steps of scenes in several ways by turns,
-#           and print what they took. A row or a scene can be named.
-# Does not: compare builds: bench/compare does.
 
 set -u -o pipefail
 : "${top_builddir:?is set by make}"

@@ -1,9 +1,7 @@
-/* turns.c - the C side of make bench-python.
+/* turns.c - the C side of make bench-python: a client at the URL of its argument.
  *
- * A client at the URL of its argument, with a scene of 8 rigid bodies and one of a cloth
- * of 46 656 vertices. Each line of standard input has it make steps and answer with their
- * nanoseconds: "bodies N", "cloth N"; "check": the hash of a step of the bodies that has
- * contacts. python.py does the same.
+ * Each line of standard input has it make steps and answer with their nanoseconds:
+ * "bodies N", "cloth N"; "check": the hash of a step of the bodies that has contacts.
  */
 #include <math.h>
 #include <stdio.h>

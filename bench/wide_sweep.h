@@ -1,10 +1,6 @@
-/* wide_sweep.h - the candidate pairs of plain swept boxes, as other libraries compute
- * them, for comparison.
+/* wide_sweep.h - the candidate pairs of plain swept boxes, as other libraries find them.
  *
- * Find the pairs of features whose boxes around both ends of the last step overlap: what
- * other libraries call the broad phase. Steps themselves use moving boxes, and skip what
- * may not meet.
- *
+ * Steps themselves use moving boxes, and skip what may not meet.
  * Threads: [compute]; it opens a parallel region when `threads` > 1.
  */
 #ifndef ENG_WIDE_SWEEP_H

@@ -5,12 +5,9 @@
 #   counted.sh quick      every scene, with times, and instructions under callgrind
 #   counted.sh baseline   the same, and write baseline.csv
 #
-# Room:     bench/counted.
-# Does:     have pccd-bench play fixed steps of fixed scenes by one thread; compare what it
-#           counted. More than 3 % more of anything fails; contacts must be equal.
-# Does not: trust a time. Counts depend neither on the machine nor on the instruction set;
-#           instructions do, and on the compiler, so they are compared only where the
-#           baseline was made with the same.
+# Fixed steps of fixed scenes, by one thread. More than 3 % more of anything fails; contacts
+# must be equal. Instructions depend on machine and compiler, so they are compared only where
+# the baseline was made with the same.
 
 set -u -o pipefail
 : "${top_srcdir:?is set by make}" "${top_builddir:?is set by make}"

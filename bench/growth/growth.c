@@ -1,9 +1,4 @@
-/* growth.c - time and memory against the size of a scene, and its contacts.
- *
- * Step stacks of layers of 1 K to 10 M triangles, as many contacts a triangle in each,
- * and ask what is near where they stand; step two sheets of one size of which more and
- * more passes through the other. A line of CSV each: size.csv and contacts.csv.
- */
+/* growth.c - time and memory against the size of a scene, and its contacts. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,9 +4,8 @@
 #   growth.sh FOLDER           CSV, fitted exponents and figures into FOLDER; minutes
 #   growth.sh --smoke FOLDER   tiny: does it still run?
 #
-# Room:     bench/growth.
-# Does:     run growth (triangles, contacts) and pccd-load (1 to 1000 clients, who together
-#           ask for the same number of steps), fit, draw.
+# By growth (triangles, contacts) and pccd-load (1 to 1000 clients, who together ask for the
+# same number of steps).
 
 set -u -o pipefail
 : "${top_srcdir:?is set by make}" "${top_builddir:=.}"

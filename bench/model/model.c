@@ -1,9 +1,4 @@
-/* model.c - how a step would scale on a machine with more processors.
- *
- * Record what every task of a real step costs, measure what it costs that threads meet,
- * replay the schedulers of the method paper and that of wide for 1 to 64 threads, check
- * the replay against itself and against steps measured here, write CSV for the figures.
- */
+/* model.c - how a step would scale on a machine with more processors (README.md). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

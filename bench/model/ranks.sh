@@ -11,9 +11,6 @@
 #            included; idle, too. 8 minutes, and for a while 1.2 GB. Not a part of all
 #   model    the tables, of what is in FOLDER
 #   smoke    tiny: does it still run?
-#
-# Room:     bench/model.
-# Does:     run ranks (here), large (tests/mpi), model (here), pccd-mpi and ranks.awk.
 
 set -u -o pipefail
 : "${top_srcdir:?is set by make}" "${top_builddir:=.}"

@@ -1,9 +1,5 @@
-/* near.c - what is near, asked of us and of ipc-toolkit, in one run.
- *
- * Ask both for the pairs within a distance, their closest features and a bound for each
- * vertex; let exact integers decide who is right (near_judge.c), then time both by turns,
- * beside a step that looks for contacts.
- */
+/* near.c - what is near, asked of us and of ipc-toolkit by turns; exact integers decide
+ * who is right. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

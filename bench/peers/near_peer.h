@@ -1,10 +1,4 @@
-/* near_peer.h - the interface through which another library is asked what is near.
- *
- * Define what goes into a library and what is taken from it: the pairs of a vertex and a
- * face, and of two edges, that are nearer than a distance and share no vertex; the
- * closest features of these; a bound for each vertex; how much of a step leaves all of
- * them farther apart than a distance.
- */
+/* near_peer.h - the interface through which another library is asked what is near. */
 #ifndef NEAR_PEER_H
 #define NEAR_PEER_H
 

@@ -1,12 +1,9 @@
-/* peer.h - the interface through which every compared library finds pairs of overlapping
- * boxes.
- *
- * Threads: a sink belongs to one thread of the library.
+/* peer.h - the interface through which every compared library finds pairs of boxes.
  *
  * A library is asked for the candidates of a step: a vertex and a face, or two edges,
  * whose boxes overlap (touching counts) and that share no vertex. A box encloses a
- * feature at both ends of the step; every library gets the same floats. For a whole step
- * the pairs go to our elementary tests, in the thread that found them (tests.c).
+ * feature at both ends of the step; every library gets the same floats.
+ * Threads: a sink belongs to one thread of the library.
  */
 #ifndef PEERS_PEER_H
 #define PEERS_PEER_H

@@ -1,9 +1,7 @@
 /* peers.c - candidate pairs and whole steps by the libraries that are installed.
  *
- * Give every library, and the method `wide`, the same boxes, compare the sets of pairs
- * that come back, then time them by turns: refit or whatever the library has for boxes
- * that moved, and all pairs. Of a whole step the pairs go to our elementary tests, and
- * the engine's own step stands beside it; all must find as many contacts.
+ * All get the same boxes, and must find the same pairs. Of a whole step the pairs go to
+ * our elementary tests, and the engine's own step stands beside it.
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,9 +1,6 @@
-/* bodies.c - hundreds of bodies that fall together.
+/* bodies.c - hundreds of bodies, rigid and beating, that fall together and pile up.
  *
- * Let bumpy balls, rings, rounded blocks and stars, each an object, half of them rigid
- * and half of them beating, be drawn towards an axis and fall on a ground, where they
- * pile up. Lengths are in units of about a body's diameter.
- *
+ * Lengths are in units of about a body's diameter.
  * Source: the N-body simulation of paper section 7, of which only the numbers of
  * triangles, 146 000, and of steps, 375, and the story are published.
  */

@@ -1,9 +1,7 @@
-/* exploding.c - a closed surface that explodes.
+/* exploding.c - a closed surface of clusters that breathe together, then fly apart.
  *
- * Cut a bumpy ball into clusters, most of 20 to 200 triangles, which breathe together,
- * and from one frame on fly apart: outwards, each in a direction of its own as well,
- * turning and falling. Clusters that were neighbours end far from each other, so boxes
- * made for the whole say nothing any more. Lengths are in units of the ball's radius.
+ * Clusters that were neighbours end far from each other, so boxes made for the whole say
+ * nothing any more. Lengths are in units of the ball's radius.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,5 @@
 /* game.c - what a game asks in each of sixty frames a second.
  *
- * Let a few bodies fall and tumble on a landscape that stands, where a flag hangs; two
- * times a second a large boulder of the landscape rolls on for a sixth of a second.
  * Lengths are in units of about a body's diameter.
  */
 #include <math.h>

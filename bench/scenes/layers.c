@@ -1,10 +1,7 @@
 /* layers.c - a stack of waving sheets, of any size; two with any number of contacts.
  *
- * Lay sheets of squares one above the other, whose waves pass and touch those of the
- * neighbours. Squares are as large, and waves as long, in a small stack as in a large
- * one, so there is as much to find a triangle in each. Lengths are in units of the side
- * of a square. Or let as many vertices of a sheet as are asked for pass through another,
- * to and fro.
+ * Squares are as large, and waves as long, in a small stack as in a large one, so there
+ * is as much to find a triangle in each. Lengths are in units of the side of a square.
  */
 #include <math.h>
 #include <stdlib.h>

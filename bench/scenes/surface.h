@@ -1,7 +1,4 @@
-/* surface.h - makes sheets, balls and rings of triangles, and cuts them into pieces.
- *
- * Threads: one for one surface.
- */
+/* surface.h - makes sheets, balls and rings of triangles, and cuts them into pieces. */
 #ifndef BENCH_SURFACE_H
 #define BENCH_SURFACE_H
 
