@@ -6,7 +6,6 @@
  * computed once more from the definition. A second scene that is asked nothing has to
  * take the same steps.
  */
-
 #include "eng_kit.h"
 #include "eng_way.h"
 #include "near_judge.h"

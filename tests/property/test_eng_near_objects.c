@@ -10,7 +10,6 @@
  * same two objects. Two objects have a nearest pair exactly if there is any pair of
  * theirs.
  */
-
 #include "eng_kit.h"
 #include "eng_way.h"
 #include "near_judge.h"

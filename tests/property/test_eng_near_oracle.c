@@ -9,7 +9,6 @@
  * on all pairs. No step is answered otherwise because of a question, or changes
  * thereafter. More than 600 lines: one life of a scene, and all that is asked in it.
  */
-
 #include "clock.h"
 #include "eng_answer.h"
 #include "eng_kit.h"

@@ -136,6 +136,19 @@ void kit_write_file(const char *name, const void *data, size_t bytes, char *path
     assert_int_equal(fclose(file), 0);
 }
 
+struct ctl_mesh kit_read_mesh;
+struct ctl_error kit_read_error;
+
+int kit_read(const char *name, const void *data, size_t bytes)
+{
+    char path[KIT_PATH_BYTES];
+    kit_write_file(name, data, bytes, path);
+    ctl_mesh_deinit(&kit_read_mesh);
+    kit_read_mesh = (struct ctl_mesh){0};
+    kit_read_error.text[0] = '\0';
+    return ctl_mesh_read(path, &kit_read_mesh, &kit_read_error);
+}
+
 int kit_make_folder(void **state)
 {
     (void)state;

@@ -6,7 +6,7 @@
 #define TEST_CTL_KIT_H
 
 #include "cases.h"
-
+#include "meshfile.h"
 #include "pccd_types.h"
 
 #define KIT_PATH_BYTES     256
@@ -42,6 +42,11 @@ void kit_make_ply(struct kit_bytes *bytes, const struct kit_variant *variant);
 extern char kit_folder[];
 int kit_make_folder(void **state);
 int kit_remove_folder(void **state);
+/* Write a file into it and read it; returns the reader's status. The mesh is there until
+ * the next one is read, and what was wrong. */
+int kit_read(const char *name, const void *data, size_t bytes);
+extern struct ctl_mesh kit_read_mesh;
+extern struct ctl_error kit_read_error;
 /* Write a file into it; `path` of KIT_PATH_BYTES gets where it is. */
 void kit_write_file(const char *name, const void *data, size_t bytes, char *path);
 

@@ -144,6 +144,13 @@ void kit_put(struct eng_mesh *mesh)
     kit.idx[i] = kit_add(kit.scene, mesh, i + 1);
 }
 
+void kit_begin_with(struct eng_mesh *a, struct eng_mesh *b)
+{
+    kit_begin();
+    kit_put(a);
+    kit_put(b);
+}
+
 struct eng_question kit_question(enum pccd_near_what what)
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
@@ -188,6 +195,16 @@ struct eng_step_result kit_ask_for(enum pccd_near_what what)
 {
     struct eng_question settings = kit_question(what);
     return kit_ask(&settings);
+}
+
+void kit_check_names(const struct pccd_near *record, uint32_t kind, uint32_t object_a,
+                     uint32_t feature_a, uint32_t object_b, uint32_t feature_b)
+{
+    assert_int_equal(record->kind, kind);
+    assert_int_equal(record->object_a, object_a);
+    assert_int_equal(record->feature_a, feature_a);
+    assert_int_equal(record->object_b, object_b);
+    assert_int_equal(record->feature_b, feature_b);
 }
 
 /* Let a point be at `at` at time t and move by `way` during the step. */

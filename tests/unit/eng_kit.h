@@ -53,6 +53,7 @@ extern struct kit kit;
 /* An empty one in the place of the last. */
 void kit_begin(void);
 void kit_put(struct eng_mesh *mesh);
+void kit_begin_with(struct eng_mesh *a, struct eng_mesh *b);
 
 struct eng_question kit_question(enum pccd_near_what what);
 
@@ -67,6 +68,10 @@ static inline const struct pccd_near *kit_record(const struct eng_step_result *r
 {
     return (const struct pccd_near *)result->records + i;
 }
+
+/* Whose features it is about. */
+void kit_check_names(const struct pccd_near *record, uint32_t kind, uint32_t object_a,
+                     uint32_t feature_a, uint32_t object_b, uint32_t feature_b);
 
 /* A query whose features meet at exactly `t` = numerator / 8, and maybe before: every
  * coordinate is a multiple of 2^-9 below 2^9, so no rounding took part in its making. */

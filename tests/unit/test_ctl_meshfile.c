@@ -40,17 +40,12 @@ CASE(meshfile__reads_every_ply_encoding_the_same)
 {
     for (size_t i = 0; i < sizeof variants / sizeof variants[0]; i++) {
         static struct kit_bytes bytes;
-        struct ctl_mesh mesh = {0};
-        struct ctl_error error = {.text = ""};
-        char path[KIT_PATH_BYTES];
         kit_make_ply(&bytes, &variants[i]);
-        kit_write_file("pyramid.ply", bytes.data, bytes.count, path);
-        int status = ctl_mesh_read(path, &mesh, &error);
+        int status = kit_read("pyramid.ply", bytes.data, bytes.count);
         if (status != PCCD_OK) {
-            fail_msg("variant %zu: %s", i, error.text);
+            fail_msg("variant %zu: %s", i, kit_read_error.text);
         }
-        check_pyramid(&mesh, variants[i].format);
-        ctl_mesh_deinit(&mesh);
+        check_pyramid(&kit_read_mesh, variants[i].format);
     }
 }
 
@@ -69,19 +64,14 @@ CASE(meshfile__reads_every_obj_form_the_same)
     };
     for (size_t i = 0; i < sizeof rests / sizeof rests[0]; i++) {
         static struct kit_bytes bytes;
-        struct ctl_mesh mesh = {0};
-        struct ctl_error error = {.text = ""};
-        char path[KIT_PATH_BYTES];
         bytes.count = 0;
         kit_put_text(&bytes, vertices);
         kit_put_text(&bytes, rests[i]);
-        kit_write_file("pyramid.OBJ", bytes.data, bytes.count, path);
-        int status = ctl_mesh_read(path, &mesh, &error);
+        int status = kit_read("pyramid.OBJ", bytes.data, bytes.count);
         if (status != PCCD_OK) {
-            fail_msg("form %zu: %s", i, error.text);
+            fail_msg("form %zu: %s", i, kit_read_error.text);
         }
-        check_pyramid(&mesh, PCCD_FORMAT_F64);
-        ctl_mesh_deinit(&mesh);
+        check_pyramid(&kit_read_mesh, PCCD_FORMAT_F64);
     }
 }
 
@@ -137,24 +127,19 @@ CASE(meshfile__reads_edges_and_points_by_themselves)
     };
     for (size_t i = 0; i < KIT_COUNT(files); i++) {
         const struct named *file = &files[i];
-        struct ctl_mesh mesh = {0};
-        struct ctl_error error = {.text = ""};
-        char path[KIT_PATH_BYTES];
-        kit_write_file(file->file, file->text, strlen(file->text), path);
-        if (ctl_mesh_read(path, &mesh, &error) != PCCD_OK) {
-            fail_msg("%s", error.text);
+        if (kit_read(file->file, file->text, strlen(file->text)) != PCCD_OK) {
+            fail_msg("%s", kit_read_error.text);
         }
-        assert_int_equal(mesh.triangles.count, file->triangles);
-        assert_int_equal(mesh.edges.count, file->edges);
-        assert_int_equal(mesh.points.count, file->points);
+        assert_int_equal(kit_read_mesh.triangles.count, file->triangles);
+        assert_int_equal(kit_read_mesh.edges.count, file->edges);
+        assert_int_equal(kit_read_mesh.points.count, file->points);
         for (uint32_t k = 0; k < file->edges; k++) {
-            assert_memory_equal(mesh.edges.vertices + 2 * k, file->ends[k],
+            assert_memory_equal(kit_read_mesh.edges.vertices + 2 * k, file->ends[k],
                                 sizeof file->ends[k]);
         }
         for (uint32_t k = 0; k < file->points; k++) {
-            assert_int_equal(mesh.points.vertices[k], file->point[k]);
+            assert_int_equal(kit_read_mesh.points.vertices[k], file->point[k]);
         }
-        ctl_mesh_deinit(&mesh);
     }
 }
 
@@ -167,20 +152,15 @@ CASE(meshfile__rounds_ascii_floats_once)
         "property float y\nproperty float z\nelement face 1\n"
         "property list uchar int vertex_index\nend_header\n"
         "0.1 1e-3 16777217\n0 0 0\n1 1 1\n3 0 1 2";
-    struct ctl_mesh mesh = {0};
-    struct ctl_error error = {.text = ""};
-    char path[KIT_PATH_BYTES];
-    kit_write_file("floats.ply", text, sizeof text - 1, path);
-    assert_ok(ctl_mesh_read(path, &mesh, &error));
-    const float *x = mesh.x;
+    assert_ok(kit_read("floats.ply", text, sizeof text - 1));
+    const float *x = kit_read_mesh.x;
     assert_true(x[0] == 0.1f);
     assert_true(x[1] == 1e-3f);
     assert_true(x[2] == 16777216.0f);
-    assert_ok(ctl_mesh_promote(&mesh, &error));
-    const double *wide = mesh.x;
+    assert_ok(ctl_mesh_promote(&kit_read_mesh, &kit_read_error));
+    const double *wide = kit_read_mesh.x;
     assert_true(wide[0] == (double)0.1f);
-    assert_int_equal(mesh.format, PCCD_FORMAT_F64);
-    ctl_mesh_deinit(&mesh);
+    assert_int_equal(kit_read_mesh.format, PCCD_FORMAT_F64);
 }
 
 /* If it failed: two frames of different meshes would be checked against each other. */

@@ -1,5 +1,4 @@
 /* test_ctl_polygon.c - polygons of mesh files, and how they are cut. */
-
 #include "ctl_kit.h"
 #include "meshfile.h"
 #include "polygon.h"

@@ -1,7 +1,6 @@
 /* test_ctl_writers.c - what programs write into mesh files beside what the formats' first
  * examples have.
  */
-
 #include "ctl_kit.h"
 #include "meshfile.h"
 
@@ -23,22 +22,17 @@ static double place(const struct ctl_mesh *mesh, int i)
 
 static void check_form(const struct form *form, const char *data, size_t bytes)
 {
-    struct ctl_mesh mesh = {0};
-    struct ctl_error error = {.text = ""};
-    char path[KIT_PATH_BYTES];
-    kit_write_file(form->name, data, bytes, path);
-    if (ctl_mesh_read(path, &mesh, &error) != PCCD_OK) {
-        fail_msg("%s; the file is:\n%s", error.text, data);
+    if (kit_read(form->name, data, bytes) != PCCD_OK) {
+        fail_msg("%s; the file is:\n%s", kit_read_error.text, data);
     }
-    if (mesh.vertex_count != 4 || mesh.triangles.count != 2 ||
-        memcmp(mesh.triangles.vertices, faces, sizeof faces) != 0) {
+    if (kit_read_mesh.vertex_count != 4 || kit_read_mesh.triangles.count != 2 ||
+        memcmp(kit_read_mesh.triangles.vertices, faces, sizeof faces) != 0) {
         fail_msg("%u vertices, %u triangles: another mesh than this one:\n%s",
-                 mesh.vertex_count, mesh.triangles.count, data);
+                 kit_read_mesh.vertex_count, kit_read_mesh.triangles.count, data);
     }
     for (int i = 0; i < 12; i++) {
-        assert_true(place(&mesh, i) == (double)places[i / 3][i % 3]);
+        assert_true(place(&kit_read_mesh, i) == (double)places[i / 3][i % 3]);
     }
-    ctl_mesh_deinit(&mesh);
 }
 
 /* Each as it is, and, if it is text, with a byte order mark, with each kind of line end,
@@ -128,16 +122,11 @@ CASE(writers__of_ply_are_understood)
 /* If it failed: strips would be joined by triangles that nobody wrote, or turn over. */
 CASE(writers__of_strips_begin_anew_and_turn)
 {
-    struct ctl_mesh mesh = {0};
-    struct ctl_error error = {.text = ""};
-    char path[KIT_PATH_BYTES];
     static const char text[] = RESTARTED "12 0 1 2 3 -1 3 4 0 0 0 1 2\n";
     static const uint32_t expected[4][3] = {{0, 1, 2}, {2, 1, 3}, {3, 4, 0}, {0, 1, 2}};
-    kit_write_file("strips.ply", text, strlen(text), path);
-    assert_ok(ctl_mesh_read(path, &mesh, &error));
-    assert_int_equal(mesh.triangles.count, 4);
-    assert_memory_equal(mesh.triangles.vertices, expected, sizeof expected);
-    ctl_mesh_deinit(&mesh);
+    assert_ok(kit_read("strips.ply", text, strlen(text)));
+    assert_int_equal(kit_read_mesh.triangles.count, 4);
+    assert_memory_equal(kit_read_mesh.triangles.vertices, expected, sizeof expected);
 }
 
 /* If it failed: a line end behind binary data would refuse a file, or other bytes not. */
@@ -151,34 +140,26 @@ CASE(writers__of_binary_ply_end_with_a_line_end)
         "end_header\n";
     for (size_t i = 0; i < KIT_COUNT(ends); i++) {
         struct kit_bytes bytes = {.count = 0};
-        struct ctl_mesh mesh = {0};
-        struct ctl_error error = {.text = ""};
-        char path[KIT_PATH_BYTES];
         kit_put_text(&bytes, head);
         memcpy(bytes.data + bytes.count, places, sizeof places);
         bytes.count += sizeof places;
         memcpy(bytes.data + bytes.count, "\3\0\1\2\3\2\1\3", 8);
         bytes.count += 8;
         kit_put_text(&bytes, ends[i]);
-        kit_write_file("end.ply", bytes.data, bytes.count, path);
-        assert_int_equal(ctl_mesh_read(path, &mesh, &error),
+        assert_int_equal(kit_read("end.ply", bytes.data, bytes.count),
                          i < 4 ? PCCD_OK : PCCD_E_FORMAT);
-        ctl_mesh_deinit(&mesh);
     }
 }
 
 /* If it failed: a surface would be read as loose points, without a word. */
 CASE(writers__of_ply_never_lose_what_may_be_faces)
 {
-    struct ctl_mesh mesh = {0};
-    struct ctl_error error = {.text = ""};
-    char path[KIT_PATH_BYTES];
     static const char text[] = ASCII "element mosaic 2\nproperty list uchar int corners\n"
                                      "end_header\n" FOUR TWO;
-    kit_write_file("mosaic.ply", text, strlen(text), path);
-    assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_E_FORMAT);
-    assert_non_null(strstr(error.text, "element \"mosaic\" may have the faces: its list "
-                                       "\"corners\" is none that is known"));
+    assert_int_equal(kit_read("mosaic.ply", text, strlen(text)), PCCD_E_FORMAT);
+    assert_non_null(strstr(kit_read_error.text,
+                           "element \"mosaic\" may have the faces: its list "
+                           "\"corners\" is none that is known"));
 }
 
 #define V "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n"
@@ -208,17 +189,12 @@ CASE(writers__of_obj_name_objects)
                   {"big box", "rod"}},
                  {V "g a b\nf 1 2 3\ng\ng c\nf 3 2 4\n", {"a b", "c"}}};
     for (size_t i = 0; i < KIT_COUNT(cases); i++) {
-        struct ctl_mesh mesh = {0};
-        struct ctl_error error = {.text = ""};
-        char path[KIT_PATH_BYTES];
-        kit_write_file("named.obj", cases[i].text, strlen(cases[i].text), path);
-        assert_ok(ctl_mesh_read(path, &mesh, &error));
-        assert_int_equal(mesh.object_count, 2);
+        assert_ok(kit_read("named.obj", cases[i].text, strlen(cases[i].text)));
+        assert_int_equal(kit_read_mesh.object_count, 2);
         for (uint32_t k = 0; k < 2; k++) {
-            assert_string_equal(mesh.objects[k].name, cases[i].names[k]);
-            assert_int_equal(mesh.objects[k].first[CTL_TRIANGLES], k);
+            assert_string_equal(kit_read_mesh.objects[k].name, cases[i].names[k]);
+            assert_int_equal(kit_read_mesh.objects[k].first[CTL_TRIANGLES], k);
         }
-        ctl_mesh_deinit(&mesh);
     }
 }
 
@@ -227,16 +203,11 @@ CASE(writers__of_obj_name_objects)
 CASE(writers__of_obj_write_a_group_in_parts)
 {
     static const char text[] = V "g a\nf 1 2 3\ng b\nf 3 2 4\ng a\nl 1 4\np 4\n";
-    struct ctl_mesh mesh = {0};
-    struct ctl_error error = {.text = ""};
-    char path[KIT_PATH_BYTES];
-    kit_write_file("parts.obj", text, strlen(text), path);
-    assert_ok(ctl_mesh_read(path, &mesh, &error));
-    assert_int_equal(ctl_mesh_object_at(&mesh, CTL_TRIANGLES, 0), 0);
-    assert_int_equal(ctl_mesh_object_at(&mesh, CTL_TRIANGLES, 1), 1);
-    assert_int_equal(ctl_mesh_object_at(&mesh, CTL_EDGES, 0), 0);
-    assert_int_equal(ctl_mesh_object_at(&mesh, CTL_POINTS, 0), 0);
-    ctl_mesh_deinit(&mesh);
+    assert_ok(kit_read("parts.obj", text, strlen(text)));
+    assert_int_equal(ctl_mesh_object_at(&kit_read_mesh, CTL_TRIANGLES, 0), 0);
+    assert_int_equal(ctl_mesh_object_at(&kit_read_mesh, CTL_TRIANGLES, 1), 1);
+    assert_int_equal(ctl_mesh_object_at(&kit_read_mesh, CTL_EDGES, 0), 0);
+    assert_int_equal(ctl_mesh_object_at(&kit_read_mesh, CTL_POINTS, 0), 0);
 }
 
 #define FACET(a, b, c)                                                                   \

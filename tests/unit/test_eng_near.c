@@ -18,9 +18,7 @@ static void setup(double height)
     static const uint32_t corners[1][3] = {{0, 1, 2}};
     const double tent[3][3] = {
         {1, 0.5, height}, {2, 0.5, height + 16}, {1, 1.5, height + 16}};
-    kit_begin();
-    kit_put(kit_mesh(floor, 4, halves, 2));
-    kit_put(kit_mesh(tent, 3, corners, 1));
+    kit_begin_with(kit_mesh(floor, 4, halves, 2), kit_mesh(tent, 3, corners, 1));
 }
 
 static void stage_tip(double height)
@@ -46,9 +44,7 @@ CASE(near__has_what_is_exactly_that_far)
     struct eng_step_result result = ask_pairs(0.1, 1);
     assert_int_equal(result.count, 1);
     const struct pccd_near *record = kit_record(&result, 0);
-    assert_true(record->kind == PCCD_VF && record->object_a == 2 &&
-                record->feature_a == 0 && record->object_b == 1 &&
-                record->feature_b == 0);
+    kit_check_names(record, PCCD_VF, 2, 0, 1, 0);
     assert_true(record->d_lo <= 0.1 && record->d_hi >= 0.1 &&
                 record->d_hi - record->d_lo <= 0x1p-36);
     assert_true(record->direction[2] == 1 && record->count == 1);
@@ -61,17 +57,13 @@ CASE(near__merges_pairs_to_their_features)
     static const double left[3][3] = {{0, 0, 0}, {-4, 4, 0}, {-4, -4, 0}};
     static const double right[3][3] = {{1, 0, 0}, {5, 4, 0}, {5, -4, 0}};
     static const uint32_t corners[1][3] = {{0, 1, 2}};
-    kit_begin();
-    kit_put(kit_mesh(left, 3, corners, 1));
-    kit_put(kit_mesh(right, 3, corners, 1));
+    kit_begin_with(kit_mesh(left, 3, corners, 1), kit_mesh(right, 3, corners, 1));
     struct eng_question settings = kit_question(PCCD_NEAR_FEATURES);
     settings.distance = 1;
     struct eng_step_result result = kit_ask(&settings);
     assert_int_equal(result.count, 1);
     const struct pccd_near *record = kit_record(&result, 0);
-    assert_true(record->kind == PCCD_VV && record->object_a == 1 &&
-                record->feature_a == 0 && record->object_b == 2 &&
-                record->feature_b == 0);
+    kit_check_names(record, PCCD_VV, 1, 0, 2, 0);
     /* Two vertices and their opposite faces, and two edges with two. */
     assert_int_equal(record->count, 6);
     assert_true(record->d_lo == 1 && record->d_hi == 1 && record->direction[0] == -1);
@@ -84,9 +76,7 @@ CASE(near__merges_pairs_to_their_features)
  * because their pairs are many, or the last ones would be counted in part. */
 CASE(near__folds_features_before_it_cuts)
 {
-    kit_begin();
-    kit_put(kit_sheet(40, 0));
-    kit_put(kit_sheet(40, 0x1p-10));
+    kit_begin_with(kit_sheet(40, 0), kit_sheet(40, 0x1p-10));
     struct eng_question settings = kit_question(PCCD_NEAR_FEATURES);
     settings.distance = 0x1p-10;
     struct eng_step_result result = kit_ask(&settings);
@@ -156,9 +146,8 @@ CASE(near__takes_radii_off_bounds)
         {0.125, 0.125, 0.125, 0.25, 0.125, 0.25, 0.25}, /* of a distance of 0.25 */
         {0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125},
         {0, 0, 0, 0, 0, 0, 0}}; /* with a radius of 0.5 */
-    kit_begin();
-    kit_put(kit_mesh(floor, 4, halves, 2));
-    kit_put(kit_mesh_thick(spike, 3, corners, 1, radii));
+    kit_begin_with(kit_mesh(floor, 4, halves, 2),
+                   kit_mesh_thick(spike, 3, corners, 1, radii));
     struct eng_question settings = kit_question(PCCD_NEAR_VERTICES);
     for (int i = 0; i < 3; i++) {
         struct eng_object_thickness more = thick;
@@ -307,9 +296,7 @@ CASE(near__asked_once_more_allocates_nothing)
         settings.method = way_methods[i / WHATS % WAY_METHODS];
         settings.threads = 1 + i / WHATS / WAY_METHODS;
         settings.team_always = true;
-        kit_begin();
-        kit_put(kit_sheet(12, 0));
-        kit_put(kit_sheet(9, 0.125));
+        kit_begin_with(kit_sheet(12, 0), kit_sheet(9, 0.125));
         for (int times = 0; times < 4; times++) {
             result = kit_near(kit.scene, &settings);
         }

@@ -1,7 +1,6 @@
 /* test_eng_near_depth.c - vertices inside closed meshes are found, with their distance
  * to the surface.
  */
-
 #include "eng_kit.h"
 
 struct box {
@@ -45,9 +44,7 @@ static struct eng_mesh *spike(double x, double y, double z)
 
 static struct eng_step_result ask(struct eng_mesh *a, struct eng_mesh *b)
 {
-    kit_begin();
-    kit_put(a);
-    kit_put(b);
+    kit_begin_with(a, b);
     return kit_ask_for(PCCD_NEAR_DEPTH);
 }
 
@@ -163,9 +160,7 @@ CASE(depth__names_what_is_open)
     /* Without its fourth face; the third is turned round. */
     static const uint32_t faces[3][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}};
     struct eng_step_result result;
-    kit_begin();
-    kit_put(cube(0, 1));
-    kit_put(kit_mesh(x, 4, faces, 3));
+    kit_begin_with(cube(0, 1), kit_mesh(x, 4, faces, 3));
     struct eng_question settings = kit_question(PCCD_NEAR_DEPTH);
     for (int i = 0; i < 2; i++) { /* the second time it is known */
         assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_INVAL);

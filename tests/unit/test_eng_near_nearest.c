@@ -1,7 +1,6 @@
 /* test_eng_near_nearest.c - of each two objects the nearest pair of features is found,
  * and no other.
  */
-
 #include "eng_kit.h"
 
 static const double unit_low[3] = {0, 0, 0};
@@ -28,17 +27,12 @@ CASE(nearest__is_a_vertex_above_a_face)
     static const double floor[3][3] = {{-4, -4, 0}, {4, -4, 0}, {0, 4, 0}};
     static const double spike[3][3] = {{0, 0, 0.5}, {1, 0, 3}, {0, 1, 3}};
     for (int turned = 0; turned < 2; turned++) {
-        kit_begin();
-        kit_put(triangle(turned ? spike : floor));
-        kit_put(triangle(turned ? floor : spike));
+        kit_begin_with(triangle(turned ? spike : floor),
+                       triangle(turned ? floor : spike));
         struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
         assert_int_equal(result.count, 1);
         const struct pccd_near *record = kit_record(&result, 0);
-        assert_int_equal(record->kind, PCCD_VF);
-        assert_int_equal(record->object_a, turned ? 1 : 2);
-        assert_int_equal(record->feature_a, 0);
-        assert_int_equal(record->object_b, turned ? 2 : 1);
-        assert_int_equal(record->feature_b, 0);
+        kit_check_names(record, PCCD_VF, turned ? 1 : 2, 0, turned ? 2 : 1, 0);
         assert_true(record->d_lo == 0.5 && record->d_hi == 0.5);
         assert_true(record->direction[2] == 1);
         assert_int_equal(PCCD_NEAR_TYPE(record->flags), PCCD_VF);
@@ -52,9 +46,7 @@ CASE(nearest__is_two_edges)
 {
     static const double lower[3][3] = {{-1, 0, 0}, {1, 0, 0}, {0, 0, -2}};
     static const double upper[3][3] = {{0, -1, 0.25}, {0, 1, 0.25}, {0, 0, 2}};
-    kit_begin();
-    kit_put(triangle(lower));
-    kit_put(triangle(upper));
+    kit_begin_with(triangle(lower), triangle(upper));
     struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
     assert_int_equal(result.count, 1);
     const struct pccd_near *record = kit_record(&result, 0);
@@ -73,9 +65,8 @@ CASE(nearest__of_what_crosses_is_the_first_crossing)
     static const double floor[3][3] = {{-30, -30, 0}, {30, -30, 0}, {0, 30, 0}};
     static const double spike[3][3] = {{0, 0, -2}, {1, 0, 6}, {0, 1, 6}};
     for (int turned = 0; turned < 2; turned++) {
-        kit_begin();
-        kit_put(triangle(turned ? spike : floor));
-        kit_put(triangle(turned ? floor : spike));
+        kit_begin_with(triangle(turned ? spike : floor),
+                       triangle(turned ? floor : spike));
         struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
         for (int way = 0; way < 4; way++) { /* from anew, then warm */
             settings.distance = way % 2 == 0 ? INFINITY : 0;
@@ -116,9 +107,7 @@ CASE(nearest__of_a_box_inside_a_box_is_no_crossing)
 {
     static const double low[3] = {-2, -2, -2};
     static const double high[3] = {4, 4, 4};
-    kit_begin();
-    kit_put(kit_box(unit_low, unit_high, false));
-    kit_put(kit_box(low, high, false));
+    kit_begin_with(kit_box(unit_low, unit_high, false), kit_box(low, high, false));
     struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
     struct eng_step_result result = kit_ask(&settings);
     assert_int_equal(result.count, 1);
@@ -133,19 +122,13 @@ CASE(nearest__of_a_box_inside_a_box_is_no_crossing)
  * the tie rule the answer would be whichever was found first. */
 CASE(nearest__of_equals_is_the_first_in_order)
 {
-    kit_begin();
-    kit_put(kit_box(unit_low, unit_high, false));
-    kit_put(box_at(1.5, 0, 0));
+    kit_begin_with(kit_box(unit_low, unit_high, false), box_at(1.5, 0, 0));
     struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
     assert_int_equal(result.count, 1);
     const struct pccd_near *record = kit_record(&result, 0);
     /* The first vertex of object 1 with x = 1, and the first face of object 2 that has
      * its neighbour: faces 0 and 1 are the side z = 0 with vertices 0 2 3 1. */
-    assert_int_equal(record->kind, PCCD_VF);
-    assert_int_equal(record->object_a, 1);
-    assert_int_equal(record->feature_a, 1);
-    assert_int_equal(record->object_b, 2);
-    assert_int_equal(record->feature_b, 0);
+    kit_check_names(record, PCCD_VF, 1, 1, 2, 0);
     assert_true(record->d_lo == 0.5 && record->d_hi == 0.5);
     assert_int_equal(PCCD_NEAR_TYPE(record->flags), PCCD_VV);
 }
@@ -159,9 +142,7 @@ CASE(nearest__is_told_from_one_that_is_hardly_farther)
                            {-0.4, 0.1, 0},  {-0.3, 0, 3}, {0, -0.3, 3}};
     static const uint32_t corners[2][3] = {{0, 1, 2}, {3, 4, 5}};
     spikes[3][2] = nextafter(0.7, 0);
-    kit_begin();
-    kit_put(triangle(floor));
-    kit_put(kit_mesh((const double(*)[3])spikes, 6, corners, 2));
+    kit_begin_with(triangle(floor), kit_mesh((const double(*)[3])spikes, 6, corners, 2));
     struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
     assert_int_equal(kit_record(&result, 0)->feature_a, 3);
 }
@@ -170,9 +151,7 @@ CASE(nearest__is_told_from_one_that_is_hardly_farther)
  * inside is as far away as its surface. */
 CASE(nearest__touches_or_is_inside)
 {
-    kit_begin();
-    kit_put(kit_box(unit_low, unit_high, false));
-    kit_put(box_at(1, 0.25, 0.25));
+    kit_begin_with(kit_box(unit_low, unit_high, false), box_at(1, 0.25, 0.25));
     static const double low[3] = {-2, -2, -2};
     static const double high[3] = {4, 4, 4};
     kit_put(kit_box(low, high, false));
@@ -192,9 +171,7 @@ CASE(nearest__touches_or_is_inside)
  * search that ended early otherwise would lose the record of the next test. */
 CASE(nearest__has_no_record_beyond_the_distance)
 {
-    kit_begin();
-    kit_put(kit_box(unit_low, unit_high, false));
-    kit_put(box_at(1.5, 0, 0));
+    kit_begin_with(kit_box(unit_low, unit_high, false), box_at(1.5, 0, 0));
     kit_put(box_at(0, 3, 0));
     struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
     settings.distance = 0.5;
@@ -239,9 +216,7 @@ CASE(nearest__is_of_objects_that_may_meet)
  * so, and there is no hash. */
 CASE(nearest__with_a_gap_is_near_enough)
 {
-    kit_begin();
-    kit_put(kit_sheet(12, 0));
-    kit_put(kit_sheet(9, 0.5));
+    kit_begin_with(kit_sheet(12, 0), kit_sheet(9, 0.5));
     struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
     settings.gap = 0.25;
     struct eng_step_result result = kit_ask(&settings);
@@ -261,9 +236,7 @@ CASE(nearest__with_a_gap_has_a_record_as_without)
     static const double away[3][3] = {{100, 0, 0}, {101, 0, 0}, {100, 1, 0}};
     static const struct eng_object_thickness thick = {.has_radius = true, .radius = 1};
     for (int gap = 0; gap <= 4; gap++) {
-        kit_begin();
-        kit_put(triangle(floor));
-        kit_put(triangle(spike));
+        kit_begin_with(triangle(floor), triangle(spike));
         kit_put(triangle(away));
         assert_ok(eng_scene_set_thickness(kit.scene, kit.idx[2], &thick));
         struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
@@ -284,9 +257,7 @@ static void set_up_spikes(double tip_radius)
                                         {10, 0, 2}, {11, 0, 30}, {10, 1, 30}};
     static const uint32_t corners[2][3] = {{0, 1, 2}, {3, 4, 5}};
     const double radii[6] = {0, 0, 0, tip_radius, 0, 0};
-    kit_begin();
-    kit_put(triangle(floor));
-    kit_put(kit_mesh_thick(spikes, 6, corners, 2, radii));
+    kit_begin_with(triangle(floor), kit_mesh_thick(spikes, 6, corners, 2, radii));
 }
 
 /* What counts is how far surfaces are apart. If it failed: a body would be taken for as
@@ -332,9 +303,7 @@ CASE(nearest__tells_surfaces_apart_by_the_last_bit)
  * objects have moved far, after one has another mesh, and for another end of the step. */
 CASE(nearest__does_not_depend_on_the_last_answer)
 {
-    kit_begin();
-    kit_put(kit_sheet(6, 0));
-    kit_put(kit_sheet(5, 1));
+    kit_begin_with(kit_sheet(6, 0), kit_sheet(5, 1));
     struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
     struct eng_step_result result = kit_ask(&settings);
     assert_true(kit_record(&result, 0)->d_lo == 1);
@@ -361,9 +330,7 @@ CASE(nearest__forgets_what_was_replaced)
 {
     static const double x[4][3] = {{0.1, 0.1, 0.9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     static const uint32_t corners[1][3] = {{1, 2, 3}};
-    kit_begin();
-    kit_put(kit_sheet(6, 0));
-    kit_put(kit_sheet(5, 1));
+    kit_begin_with(kit_sheet(6, 0), kit_sheet(5, 1));
     struct eng_question settings = kit_question(PCCD_NEAR_NEAREST);
     struct eng_step_result result = kit_ask(&settings);
     assert_int_equal(kit_record(&result, 0)->object_a, 1);

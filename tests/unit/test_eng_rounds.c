@@ -1,5 +1,4 @@
 /* test_eng_rounds.c - joins of many pairs of blocks at a time. */
-
 #include "eng_boxes.h"
 #include "wide_cells.h"
 
