@@ -1,8 +1,6 @@
 /* forge.c - copies of recordings, chunk by chunk. */
 #include "forge.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "cases.h"

@@ -3,8 +3,6 @@
 
 #include <grp.h>
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -12,7 +10,6 @@
 #include "daemon.h"
 #include "raw.h"
 #include "run_ctl.h"
-#include "skip.h"
 
 #define USER  65534u
 #define GROUP 54321u

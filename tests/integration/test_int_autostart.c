@@ -5,9 +5,6 @@
 #include <fcntl.h>
 #include <sched.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -17,7 +14,6 @@
 #include "daemon.h"
 #include "must.h"
 #include "pccd.h"
-#include "skip.h"
 
 /* Connect to the user's own daemon; the exit status says whether a step was right. */
 static int run_autostart_child(int pid_fd)

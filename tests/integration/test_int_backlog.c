@@ -2,8 +2,6 @@
 #include "cases.h"
 
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -11,7 +9,6 @@
 #include "lingering.h"
 #include "raw.h"
 #include "seqpacket.h"
-#include "skip.h"
 
 #define LINGER_S        20
 #define CONNECTIONS     6u

@@ -1,10 +1,7 @@
 /* test_int_batch.c - steps of many scenes by one request. */
 #include "cases.h"
 
-#include <math.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "daemon.h"
 #include "farm.h"

@@ -2,7 +2,6 @@
 #include "cases.h"
 
 #include <float.h>
-#include <stdlib.h>
 
 #include "fixture.h"
 #include "grid.h"

@@ -1,8 +1,5 @@
 /* test_int_brief.c - steps that the loop computes itself. */
 #include "cases.h"
-
-#include <string.h>
-
 #include "crossing.h"
 #include "daemon.h"
 #include "fixture.h"

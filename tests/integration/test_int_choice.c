@@ -1,9 +1,5 @@
 /* test_int_choice.c - the ways to compute that a client may choose between. */
 #include "cases.h"
-
-#include <stdio.h>
-#include <string.h>
-
 #include "fixture.h"
 #include "grid.h"
 #include "pccd.h"

@@ -1,11 +1,5 @@
 /* test_int_contract.c - sentences of pccd.h and pccd(7), held against a real daemon. */
 #include "cases.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fixture.h"
 #include "must.h"
 #include "pccd.h"

@@ -1,10 +1,6 @@
 /* test_int_crossed.c - what passes through what where a step begins, and beside
  * questions about what is near, through a real daemon and in this process. */
 #include "cases.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "fixture.h"
 #include "must.h"
 #include "recording.h"

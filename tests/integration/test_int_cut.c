@@ -1,10 +1,6 @@
 /* test_int_cut.c - answers that are cut, and how long they are kept, with a real
  * daemon. */
 #include "cases.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "fixture.h"
 #include "grid.h"
 #include "must.h"

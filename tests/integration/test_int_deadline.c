@@ -1,9 +1,6 @@
 /* test_int_deadline.c - how soon a step ends when it must. */
 #include "cases.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -11,7 +8,6 @@
 #include "grid.h"
 #include "must.h"
 #include "prng.h"
-#include "skip.h"
 
 #define SIDE       250u /* 124 002 triangles, 62 500 contacts a step */
 #define ROUNDS_MAX 100000u

@@ -2,8 +2,6 @@
 #include "cases.h"
 
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include <dirent.h>
 #include <errno.h>
@@ -19,7 +17,6 @@
 #include "must.h"
 #include "pccd.h"
 #include "prng.h"
-#include "skip.h"
 
 static struct pccd_client *connect_to(const char *url)
 {

@@ -8,7 +8,6 @@
 #include "must.h"
 #include "pccd.h"
 #include "process_status.h"
-#include "skip.h"
 
 static uint64_t shared_mb(void)
 {

@@ -2,15 +2,12 @@
 #include "cases.h"
 
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "fixture.h"
 #include "grid.h"
 #include "must.h"
 #include "pccd.h"
 #include "record_hash.h"
-#include "skip.h"
 
 /* Submit a turn of the smallest scene without waiting. */
 static uint64_t submit_turn(struct test_crossing *crossing)

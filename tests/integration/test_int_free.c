@@ -2,8 +2,6 @@
 #include "cases.h"
 
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 
 #include "daemon.h"
 #include "fixture.h"
@@ -11,7 +9,6 @@
 #include "must.h"
 #include "recording.h"
 #include "run_ctl.h"
-#include "skip.h"
 
 /* What lies below: a triangle, a rod of two edges and a point. */
 #define BELOW 7u

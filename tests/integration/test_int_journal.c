@@ -1,8 +1,5 @@
 /* test_int_journal.c - scene.journal: what is done to a shared scene. */
 #include "cases.h"
-
-#include <string.h>
-
 #include "crossing.h"
 #include "daemon.h"
 #include "raw.h"

@@ -4,9 +4,6 @@
 #include <grp.h>
 #include <signal.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -16,7 +13,6 @@
 #include "grid.h"
 #include "hog.h"
 #include "must.h"
-#include "skip.h"
 
 #define OTHER_USER 65534u
 #define HOGS_MAX   9  /* one more than requests that have threads of their own */

@@ -1,8 +1,6 @@
 /* test_int_misuse.c - calls in an order that few programs have them in. */
 #include "cases.h"
 
-#include <stdio.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

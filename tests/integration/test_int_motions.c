@@ -1,8 +1,6 @@
 /* test_int_motions.c - many objects in one call, and memory that others look after. */
 #include "cases.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 
 #include "fixture.h"

@@ -1,16 +1,12 @@
 /* test_int_near.c - what is near, asked of a real daemon and of this process. */
 #include "cases.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "fixture.h"
 #include "grid.h"
 #include "must.h"
 #include "record_hash.h"
-#include "skip.h"
 
 #define SIDE   16u
 #define WITHIN 0.08 /* of a grid over a floor: some thousand pairs */

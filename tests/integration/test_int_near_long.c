@@ -2,10 +2,7 @@
  * does. */
 #include "cases.h"
 
-#include <math.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "crossing.h"

@@ -6,9 +6,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/ptrace.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -19,7 +16,6 @@
 #include "hog.h"
 #include "messages.h"
 #include "raw.h"
-#include "skip.h"
 
 #define END_MS      20000
 #define SILENCE_MS  600

@@ -1,8 +1,5 @@
 /* test_int_null.c - calls with NULL in the place of a client, or of another argument. */
 #include "cases.h"
-
-#include <string.h>
-
 #include "fixture.h"
 
 static void count_stat(void *context, const char *name, uint64_t value, const char *text)

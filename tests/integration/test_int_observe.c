@@ -3,8 +3,6 @@
 
 #include <grp.h>
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -13,7 +11,6 @@
 #include "must.h"
 #include "proto_limits.h"
 #include "raw.h"
-#include "skip.h"
 
 #define NOBODY 65534
 #define TURNS  5

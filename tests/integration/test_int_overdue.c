@@ -1,9 +1,5 @@
 /* test_int_overdue.c - steps that have to end before their turn. */
 #include "cases.h"
-
-#include <stdio.h>
-#include <string.h>
-
 #include "crossing.h"
 #include "fixture.h"
 #include "grid.h"

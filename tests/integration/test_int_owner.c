@@ -2,7 +2,6 @@
 #include "cases.h"
 
 #include <signal.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,7 +10,6 @@
 #include "messages.h"
 #include "must.h"
 #include "raw.h"
-#include "skip.h"
 
 static const char *const options[] = {"--allow-uid", "65534", NULL};
 

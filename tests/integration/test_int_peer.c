@@ -2,9 +2,6 @@
 #include "cases.h"
 
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -20,7 +17,6 @@
 #include "pccd.h"
 #include "seqpacket.h"
 #include "shm.h"
-#include "skip.h"
 
 #define OTHER_USER 65534
 

@@ -1,9 +1,5 @@
 /* test_int_protocol.c - sentences of PROTOCOL.md, held against a real daemon. */
 #include "cases.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "fixture.h"
 #include "prng.h"
 #include "raw.h"

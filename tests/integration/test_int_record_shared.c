@@ -2,8 +2,6 @@
 #include "cases.h"
 
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "fixture.h"
@@ -11,7 +9,6 @@
 #include "prng.h"
 #include "recording.h"
 #include "run_ctl.h"
-#include "skip.h"
 
 #define BODY 6u /* vertices: two triangles, one across the other */
 

@@ -3,7 +3,6 @@
 
 #include <grp.h>
 #include <signal.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -14,7 +13,6 @@
 #include "must.h"
 #include "pccd.h"
 #include "raw.h"
-#include "skip.h"
 
 #define BEYOND 200u
 

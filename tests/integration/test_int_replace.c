@@ -1,13 +1,7 @@
 /* test_int_replace.c - meshes that change their topology while they are in use. */
 #include "cases.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "grid.h"
 #include "must.h"
-#include "skip.h"
 #include "witness.h"
 
 #define SIDE      16u

@@ -2,7 +2,6 @@
 #include "cases.h"
 
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -11,7 +10,6 @@
 #include "fixture.h"
 #include "grid.h"
 #include "must.h"
-#include "skip.h"
 
 #define TURNS  100
 #define SIDE   12 /* of a grid that is no brief step */

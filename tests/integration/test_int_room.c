@@ -2,7 +2,6 @@
  * quotas. */
 #include "cases.h"
 
-#include <stdio.h>
 #include <unistd.h>
 
 #include "daemon.h"

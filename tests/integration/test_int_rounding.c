@@ -1,14 +1,10 @@
 /* test_int_rounding.c - direct: in a program that computes with floats in its own way. */
 #include "cases.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include <fenv.h>
 #include <float.h>
 #include <omp.h>
 #include <pthread.h>
-#include <stdio.h>
 
 #include "pccd.h"
 #include "prng.h"

@@ -5,9 +5,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/syscall.h>
@@ -20,7 +17,6 @@
 #include "daemon.h"
 #include "grid.h"
 #include "must.h"
-#include "skip.h"
 
 #if defined HAVE_SECCOMP && !defined PCCD_SANITIZED
 #define HAS_SANDBOX true

@@ -1,17 +1,13 @@
 /* test_int_shared.c - scenes that clients share. */
 #include "cases.h"
 
-#include <math.h>
 #include <poll.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "fixture.h"
 #include "must.h"
-#include "skip.h"
 
 /* One client in the scene, with a triangle or the floor in it. */
 struct member {

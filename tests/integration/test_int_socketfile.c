@@ -3,9 +3,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -15,7 +12,6 @@
 #include "daemon.h"
 #include "messages.h"
 #include "raw.h"
-#include "skip.h"
 
 #ifdef PCCD_SANITIZED /* ten times as slow */
 #define SOON_MS 10000u

@@ -3,8 +3,6 @@
 #include "cases.h"
 
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/socket.h>
 
 #include "crossing.h"

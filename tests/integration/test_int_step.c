@@ -1,10 +1,5 @@
 /* test_int_step.c - steps through a real daemon: what goes in and what comes out. */
 #include "cases.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fixture.h"
 #include "grid.h"
 #include "must.h"

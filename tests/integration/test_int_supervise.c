@@ -5,9 +5,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/socket.h>
@@ -18,7 +15,6 @@
 #include "daemon.h"
 #include "messages.h"
 #include "raw.h"
-#include "skip.h"
 
 #define END_MS 10000
 

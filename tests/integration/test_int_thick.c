@@ -2,11 +2,7 @@
  * the step that is safe. */
 #include "cases.h"
 
-#include <math.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "daemon.h"
 #include "fixture.h"
@@ -15,7 +11,6 @@
 #include "raw.h"
 #include "recording.h"
 #include "run_ctl.h"
-#include "skip.h"
 
 /* Times are known to a cell of 2^-30. */
 #define CELL 0x1p-30

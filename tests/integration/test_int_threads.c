@@ -3,15 +3,11 @@
 
 #include <dirent.h>
 #include <sched.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
 #include "must.h"
-#include "skip.h"
 #include "taken.h"
 
 #define TASKS_MAX 256

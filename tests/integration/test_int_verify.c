@@ -1,9 +1,6 @@
 /* test_int_verify.c - answers that are wrong, and whether pccdctl verify finds that. */
 #include "cases.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "daemon.h"

@@ -2,10 +2,6 @@
  * and replay find that. */
 #include "cases.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "daemon.h"

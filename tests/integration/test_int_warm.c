@@ -1,16 +1,12 @@
 /* test_int_warm.c - what the client library asks of malloc in a warm frame: nothing. */
 #include "cases.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "allocations.h"
 #include "fixture.h"
 #include "grid.h"
 #include "must.h"
-#include "skip.h"
 
 /* A recording's zstd gives memory back after 128 chunks that were smaller than its first,
  * once. */

@@ -1,8 +1,6 @@
 /* test_int_watch.c - watching a real daemon work: its threads' records and its trace. */
 #include "cases.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -12,7 +10,6 @@
 #include "must.h"
 #include "pccd.h"
 #include "raw.h"
-#include "skip.h"
 
 #define SIDE    40u /* of a grid that a step shares among threads */
 #define THREADS 3u

@@ -147,7 +147,7 @@ awk '/^ *def test_[a-z0-9_]+__[a-z0-9_]+\(/ && !commented {
 check tests__say_what_would_be_wrong
 
 # If this failed, who reads what was skipped would not learn what it takes.
-grep -nE '\<skip\(\)' "${sources[@]}" | grep -v '^tests/support/skip.h:' >"$work/log"
+grep -nE '\<skip\(\)' "${sources[@]}" | grep -v '^tests/support/cases.h:' >"$work/log"
 check tests__say_why_they_are_skipped
 
 tap_end

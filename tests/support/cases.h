@@ -14,8 +14,6 @@
 
 #include <cmocka.h>
 
-#include "skip.h"
-
 struct test_case {
     int line;
     struct CMUnitTest unit;
@@ -51,5 +49,25 @@ void test_group_set(CMFixtureFunction set_up, CMFixtureFunction tear_down);
         test_group_set(set_up, tear_down);                                               \
     }                                                                                    \
     _Static_assert(true, "takes a semicolon")
+
+/* ---- skipping ---------------------------------------------------------------------- */
+
+/* Does not return. `why` is a text of one line without '#'. */
+#define test_skip(why)                                                                   \
+    do {                                                                                 \
+        printf("# skipped: %s\n", (why));                                                \
+        skip();                                                                          \
+    } while (0)
+
+/* Skips where an emulator runs the program, as $PCCD_EMULATOR of `make check` says. */
+#define test_skip_emulated(why)                                                          \
+    do {                                                                                 \
+        const char *test_emulator = getenv("PCCD_EMULATOR");                             \
+        if (test_emulator != NULL && test_emulator[0] != '\0') {                         \
+            test_skip(why);                                                              \
+        }                                                                                \
+    } while (0)
+
+#define TEST_ONLY_ROOT "only root can act as another user"
 
 #endif
