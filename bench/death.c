@@ -513,8 +513,10 @@ int section_death(const struct section_options *section)
     unsigned clients = section->clients ? section->clients : 1;
     unsigned kills = section->kills ? section->kills : options->smoke ? 2 : 20;
     unsigned meshes = section->meshes ? section->meshes : 2;
-    bench_heading("death");
-    measure(clients, kills, 0);
-    measure(clients, kills, meshes / 2);
+    if (bench_is_wanted(options, "death")) {
+        bench_heading("death");
+        measure(clients, kills, 0);
+        measure(clients, kills, meshes / 2);
+    }
     return 0;
 }

@@ -87,6 +87,18 @@ run --via engine --frames 100-107 --format csv -o "$work/engine.csv" bodies 2>"$
         { rigid += $at } END { exit rigid == 0 }' "$work/poses.csv"
 tap_result $? pccd_bench__moves_bodies_by_poses "$log"
 
+# If this failed, a separation would be another length, or another step, by another way.
+: >"$log"
+for via in engine daemon direct; do
+    run --via $via --separation 0.5 --approach 0.1 --frames hard+3 --format csv -o "$work/$via.csv" \
+        cloth-20k 2>>"$log" && item hash "$work/$via.csv" || echo "$via failed"
+done >"$work/hashes"
+run --frames hard+3 --format csv -o "$work/thin.csv" cloth-20k 2>>"$log"
+item hash "$work/thin.csv" >>"$work/hashes"
+cat "$work/hashes" >>"$log"
+[ "$(wc -l <"$work/hashes")" -eq 4 ] && [ "$(sort "$work/hashes" | uniq -c | awk '{ print $1 }' | sort | paste -sd,)" = 1,3 ]
+tap_result $? pccd_bench__keeps_features_apart_by_all_ways "$log"
+
 # If this failed, steps would be missing from a figure, or stand under another heading.
 run --frames 3-7 --format csv cloth-20k >"$work/steps.csv" 2>"$log" &&
     awk -F, '/^#/ { next }
@@ -144,6 +156,9 @@ done <<'END'
 --threads --beside=--threads=0 cloth-20k
 --team --via=daemon --team cloth-20k
 --rebuild-ratio --rebuild-ratio=2 cloth-20k
+--separation --separation=2 cloth-20k
+--approach --approach=-1 cloth-20k
+--via --via=direct hair
 --frames --frames 5-3 cloth-20k
 --frames --frames 0-99 cloth-20k
 --warm-up --warm-up -1 cloth-20k
