@@ -1,7 +1,4 @@
-/* answer.h - makes one answer of what the ranks found.
- *
- * Threads: one.
- */
+/* answer.h - makes one answer of what the ranks found. */
 #ifndef RANKS_ANSWER_H
 #define RANKS_ANSWER_H
 

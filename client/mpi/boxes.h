@@ -1,7 +1,4 @@
-/* boxes.h - boxes around leaves over some steps, and around blocks of them.
- *
- * Threads: one.
- */
+/* boxes.h - boxes around leaves over some steps, and around blocks of them. */
 #ifndef RANKS_BOXES_H
 #define RANKS_BOXES_H
 

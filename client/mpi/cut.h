@@ -1,7 +1,4 @@
-/* cut.h - deals leaves out to ranks: a curve through space, weights, pieces, balance.
- *
- * Threads: one.
- */
+/* cut.h - deals leaves out to ranks: a curve through space, weights, pieces, balance. */
 #ifndef RANKS_CUT_H
 #define RANKS_CUT_H
 

@@ -1,6 +1,4 @@
-/* gather.c - the records of all ranks on one of them; what a rank can tell of its
- * share.
- */
+/* gather.c - the records of all ranks on one of them; what a rank tells of its share. */
 #include <stdlib.h>
 #include <string.h>
 

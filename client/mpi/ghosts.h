@@ -1,7 +1,5 @@
 /* ghosts.h - which leaves of others a rank has to know, and how long that stays right.
  *
- * Threads: one.
- *
  * A pair is found by the rank that owns its first feature, so that rank needs a leaf
  * with the second one. If the two features come together, so do the boxes of all leaves
  * that have them, at that time. So it suffices that each leaf goes to each rank of which

@@ -1,7 +1,4 @@
-/* near_objects.h - what is asked of objects two by two, over ranks.
- *
- * Threads: one.
- */
+/* near_objects.h - what is asked of objects two by two, over ranks. */
 #ifndef RANKS_NEAR_OBJECTS_H
 #define RANKS_NEAR_OBJECTS_H
 

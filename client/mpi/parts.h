@@ -1,7 +1,4 @@
-/* parts.h - a mesh in parts: who was given which vertices, and what of it is here.
- *
- * Threads: one.
- */
+/* parts.h - a mesh in parts: who was given which vertices, and what of it is here. */
 #ifndef RANKS_PARTS_H
 #define RANKS_PARTS_H
 

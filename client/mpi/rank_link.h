@@ -1,7 +1,5 @@
 /* rank_link.h - what ranks say to each other, with a bound on the time.
  *
- * Threads: one.
- *
  * Nothing here blocks in MPI: whoever waits looks at the clock and lets others run, so
  * that ranks may outnumber processors. After the timeout, or an error of MPI, the link is
  * broken for good: messages may still be under way into memory that nobody frees then.

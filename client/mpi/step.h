@@ -1,7 +1,4 @@
-/* step.h - one question about the whole scene, and the motion that goes with it.
- *
- * Threads: one.
- */
+/* step.h - one question about the whole scene, and the motion that goes with it. */
 #ifndef RANKS_STEP_H
 #define RANKS_STEP_H
 

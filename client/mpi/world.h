@@ -1,7 +1,5 @@
 /* world.h - what a rank keeps of a world: its meshes, its objects, and who needs what.
  *
- * Threads: one.
- *
  * Three parts of a mesh lie on different ranks as a rule:
  * - the vertices that the caller gave to this rank, with their positions: *given*;
  * - the numbers of a run of vertices, with who was given each: the *directory*;

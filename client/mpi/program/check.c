@@ -12,7 +12,6 @@
 #include "ctl.h"
 #include "items.h"
 #include "output.h"
-#include "output.h"
 #include "part.h"
 #include "pccd_mpi.h"
 #include "process_status.h"

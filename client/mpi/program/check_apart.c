@@ -155,19 +155,6 @@ static int open_all(struct apart *apart, struct ctl_error *error)
     return status == PCCD_OK ? check_run_begin(run, &first, false, error) : status;
 }
 
-/* Every rank has files of the same sizes. */
-static int compare_files(const struct apart *apart, struct ctl_error *error)
-{
-    uint64_t its = apart->bytes;
-    together_tell(&its, sizeof its);
-    int status = its == apart->bytes ? PCCD_OK
-                                     : ctl_error_set(error, PCCD_E_STATE,
-                                                     "%s and what follows: other files "
-                                                     "than on rank 0",
-                                                     apart->part->files.names[0]);
-    return together_agree(status, error);
-}
-
 int check_apart(const struct check_options *options, struct part *part,
                 struct check_run *run, const char *results, struct report_step *steps,
                 struct ctl_error *error)
@@ -198,7 +185,8 @@ int check_apart(const struct check_options *options, struct part *part,
                                : ctl_error_set(error, status, "MPI has failed");
     status = together_agree(status, error);
     if (status == PCCD_OK) {
-        status = compare_files(&apart, error);
+        status = together_compare(&apart.bytes, sizeof apart.bytes, part->files.names[0],
+                                  " and what follows: other files", error);
     }
     if (status == PCCD_OK) {
         status = items_run(&items, &work, results, error);

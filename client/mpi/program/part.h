@@ -3,8 +3,6 @@
  * Read files, of which all ranks have a copy, and keep a run of the vertices, triangles,
  * edges and points. Of PLY and OBJ no rank has more at any time; others are read whole by
  * each.
- *
- * Threads: one.
  */
 #ifndef PROGRAM_PART_H
 #define PROGRAM_PART_H

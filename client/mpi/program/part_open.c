@@ -17,15 +17,8 @@
 static int compare(const uint32_t numbers[COMPARED], const char *path,
                    struct ctl_error *error)
 {
-    uint32_t its[COMPARED];
-    memcpy(its, numbers, sizeof its);
-    together_tell(its, sizeof its);
-    int status =
-        memcmp(its, numbers, sizeof its) == 0
-            ? PCCD_OK
-            : ctl_error_set(error, PCCD_E_STATE,
-                            "%s and what follows: other files than on rank 0", path);
-    return together_agree(status, error);
+    return together_compare(numbers, COMPARED * sizeof *numbers, path,
+                            " and what follows: other files", error);
 }
 
 static int compare_meshes(const struct ctl_frames *files, uint32_t vertex_total,

@@ -170,22 +170,14 @@ static int open_files(struct recordings *all, struct ctl_error *error)
 /* Every rank has read the same. */
 static int compare_files(const struct recordings *all, struct ctl_error *error)
 {
-    for (uint32_t i = 0; i < all->file_count; i++) {
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < all->file_count && status == PCCD_OK; i++) {
         const struct recording *file = &all->files[i];
-        uint64_t mine[2] = {play_answers(file->reader)->sum, file->count}, its[2];
-        memcpy(its, mine, sizeof its);
-        together_tell(its, sizeof its);
-        bool is_same = memcmp(its, mine, sizeof its) == 0;
-        int status = is_same ? PCCD_OK
-                             : ctl_error_set(error, PCCD_E_STATE,
-                                             "%s: it is another recording than on rank 0",
-                                             file->path);
-        status = together_agree(status, error);
-        if (status != PCCD_OK) {
-            return status;
-        }
+        const uint64_t mine[2] = {play_answers(file->reader)->sum, file->count};
+        status = together_compare(mine, sizeof mine, file->path,
+                                  ": it is another recording", error);
     }
-    return PCCD_OK;
+    return status;
 }
 
 /* A range that a file has nothing of is a mistake, not a success. */

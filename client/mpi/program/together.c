@@ -75,6 +75,19 @@ int together_agree(int status, struct ctl_error *error)
     return verdict;
 }
 
+int together_compare(const void *mine, size_t bytes, const char *path, const char *what,
+                     struct ctl_error *error)
+{
+    unsigned char its[64];
+    memcpy(its, mine, bytes);
+    together_tell(its, bytes);
+    int status =
+        memcmp(its, mine, bytes) == 0
+            ? PCCD_OK
+            : ctl_error_set(error, PCCD_E_STATE, "%s%s than on rank 0", path, what);
+    return together_agree(status, error);
+}
+
 /* Where the standard outputs of others than the root go while options are read. */
 static void hush(int kept[2])
 {

@@ -1,7 +1,4 @@
-/* together.h - what the ranks of pccd-mpi do together that is not the library's.
- *
- * Threads: one.
- */
+/* together.h - what the ranks of pccd-mpi do together that is not the library's. */
 #ifndef PROGRAM_TOGETHER_H
 #define PROGRAM_TOGETHER_H
 
@@ -31,6 +28,11 @@ void together_add(uint32_t *count);
 /* Collective: the status of the lowest rank that has one, and its text, which begins with
  * "rank N: " then. */
 int together_agree(int status, struct ctl_error *error);
+
+/* Collective: do all ranks have the same bytes, 64 at most? PCCD_E_STATE: "`path``what`
+ * than on rank 0". */
+int together_compare(const void *mine, size_t bytes, const char *path, const char *what,
+                     struct ctl_error *error);
 
 /* Read a command line, as all ranks do; the root alone speaks. Returns an exit status;
  * wrong usage and --help end the program on every rank. */
