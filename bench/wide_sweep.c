@@ -5,8 +5,8 @@
 #include <omp.h>
 #include <string.h>
 
+#include "box_frames.h"
 #include "clock.h"
-#include "frames.h"
 #include "memory.h"
 #include "parallel.h"
 #include "wide_join.h"
@@ -188,7 +188,7 @@ int eng_wide_sweep(struct eng_scene *scene, uint32_t threads, eng_wide_visit vis
     struct tasks tasks = {0};
     struct sweeper *sweepers = eng_alloc(threads, sizeof *sweepers);
     int status = sweepers ? PCCD_OK : PCCD_E_NOMEM;
-    eng_frames_choose(scene, 1 - scene->now, scene->now);
+    eng_box_frames_choose(scene, 1 - scene->now, scene->now);
     if (status == PCCD_OK && wide->is_stale) {
         status = eng_wide_assemble(wide, scene);
     }

@@ -31,7 +31,7 @@ static struct {
     size_t bytes;
 } prose;
 
-/* What is printed to prose.to from here on is one paragraph. */
+/* Begin a paragraph: what is printed to prose.to from here on. */
 static void begin_prose(void)
 {
     prose.to = open_memstream(&prose.text, &prose.bytes);
@@ -239,7 +239,7 @@ static void print_value(const char *name, unsigned value, const char *text)
 
 #define VALUE(name, text) print_value(#name, (unsigned)(name), text)
 
-/* Of the parameters of a step. */
+/* Print the enums of the parameters of a step. */
 static void print_step_enums(void)
 {
     print_enum("pccd_mode");
@@ -260,7 +260,7 @@ static void print_step_enums(void)
     VALUE(PCCD_NEAR_DEPTH, "how deep the vertices of closed meshes are in others");
 }
 
-/* Of the answer to a step, and of its records. */
+/* Print the enums of the answer to a step, and of its records. */
 static void print_answer_enums(void)
 {
     print_enum("pccd_incomplete");
@@ -293,7 +293,7 @@ static void print_answer_enums(void)
     VALUE(PCCD_FORMAT_F64, "double[3], 24 bytes a vertex");
 }
 
-/* Of scenes and objects, and of what shows what a daemon does. */
+/* Print the enums of scenes and objects, and of what shows what a daemon does. */
 static void print_other_enums(void)
 {
     print_enum("pccd_share");

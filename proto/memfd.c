@@ -90,8 +90,8 @@ static int allocate(int fd, size_t bytes)
     return cause == 0 ? 0 : status_of_errno(cause);
 }
 
-/* Whether the kernel takes pages of a mapping and says when it cannot: Linux before 5.14
- * would kill who writes to them. */
+/* Return whether the kernel takes pages of a mapping and says when it cannot: Linux
+ * before 5.14 would kill who writes to them. */
 static bool can_take(const struct proto_memory *memory)
 {
     return advise(memory, 0, PROTO_SHM_PAGE, MADV_POPULATE_WRITE, false) != EINVAL;
@@ -197,7 +197,8 @@ size_t proto_memory_held(const struct proto_memory *memory)
                : 0;
 }
 
-/* Whether a descriptor is of the memory that only the daemon writes, or of the other. */
+/* Return whether a descriptor is of the memory that only the daemon writes, or of the
+ * other. */
 static bool is_of_kind(int fd, int seals, bool read_only)
 {
     int mode = fcntl(fd, F_GETFL);

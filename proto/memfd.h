@@ -29,7 +29,7 @@ struct proto_memory {
  * shared, sealed SHRINK, GROW and SEAL. With `client_read_only` the descriptor that is
  * left, which the client gets, can only be read from, and nobody but this process's own
  * user can open it anew; where /proc is missing it is sealed FUTURE_WRITE instead, after
- * our own mapping, and no memory can be given back. The first `taken` bytes (likewise)
+ * our own mapping, and no memory can be given back. The first `taken` bytes (whole pages)
  * are posix_fallocate'd and populated; the rest is a hole, which takes no memory until
  * proto_memory_take.
  * Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM; nothing is left behind on failure. */

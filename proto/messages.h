@@ -47,7 +47,7 @@ enum proto_need { PROTO_NEED_REQ, PROTO_NEED_OPT };
 #define PROTO_CTYPE_f64(name)  double name
 #define PROTO_CTYPE_bool(name) bool name
 #define PROTO_CTYPE_str(name)  char name[PROTO_STR_MAX + 1]
-/* What `bool` has become in a list that another one hands on. */
+/* The name that `bool` has become in a list that another one hands on. */
 #define PROTO_CTYPE__Bool                    PROTO_CTYPE_bool
 #define PROTO_TYPE__Bool                     PROTO_TYPE_bool
 #define PROTO_MEMBER(type, name, need, text) PROTO_CTYPE_##type(name);

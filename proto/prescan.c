@@ -1,7 +1,7 @@
 /* prescan.c - bounds a message before msgpack-c sees it. */
 #include "codec.h"
 
-/* What one header says. */
+/* The contents of one header. */
 struct header {
     size_t bytes; /* the header and the scalar's body */
     uint64_t

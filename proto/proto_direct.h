@@ -26,7 +26,7 @@
 
 struct proto_direct_inbox; /* of one client */
 
-/* Of positions that are written to where the engine has them. */
+/* The uses of positions that are written to where the engine has them. */
 enum proto_direct_lend {
     PROTO_DIRECT_LEND,     /* say where */
     PROTO_DIRECT_HAS_X1,   /* those at the end are there */
@@ -66,16 +66,16 @@ struct proto_direct {
     void (*watch)(struct proto_direct_inbox *line, bool (*is_stopped)(void *asked),
                   void *asked);
 
-    /* Likewise, contacts and pairs come to a page of an answer to a step by write(writer,
-     * to, from, count), which is to write as many there, in the place of a copy, by the
-     * thread that brought the message. `to` may be written to, by way of this address,
-     * until the page is released. The answer has no hash then. NULL: they are copied.
-     * [owner] */
+    /* In the same way contacts and pairs come to a page of an answer to a step by
+     * write(writer, to, from, count), which is to write as many there, in the place of a
+     * copy, by the thread that brought the message. `to` may be written to, by way of
+     * this address, until the page is released. The answer has no hash then. NULL: they
+     * are copied. [owner] */
     void (*write)(struct proto_direct_inbox *line,
                   void (*write)(void *writer, void *to, const void *from, uint64_t count),
                   void *writer);
 
-    /* Likewise, steps tell weigh(weigher, pairs, count) of the pairs that they have to
+    /* From now on steps tell weigh(weigher, pairs, count) of the pairs that they have to
      * decide one by one, and have no records. NULL: they have. [owner] */
     void (*weigh)(struct proto_direct_inbox *line,
                   void (*weigh)(void *weigher, const struct pccd_pair *pairs,

@@ -55,10 +55,10 @@ struct proto_shm_header {
     uint8_t pad[80];
 };
 
-/* Whether a slot has memory. The client goes from NEEDED to FREE by a store, and back by
- * an exchange that finds FREE; the daemon goes from FREE to EMPTY by an exchange that
- * finds FREE, then gives the memory back, and from EMPTY to NEEDED when it has taken
- * memory again (shm.take). */
+/* The memory of a slot. The client goes from NEEDED to FREE by a store, and back by an
+ * exchange that finds FREE; the daemon goes from FREE to EMPTY by an exchange that finds
+ * FREE, then gives the memory back, and from EMPTY to NEEDED when it has taken memory
+ * again (shm.take). */
 enum proto_slot_memory {
     PROTO_SLOT_NEEDED = 0, /* by the client, or it does not say */
     PROTO_SLOT_FREE = 1,   /* nobody needs what is in the slot */
@@ -136,7 +136,7 @@ struct proto_journal_shape {
     uint32_t radius_count; /* 0, or as many as vertices */
     uint32_t triangle_count;
     uint32_t edge_count;  /* those of the mesh that are free */
-    uint32_t point_count; /* likewise */
+    uint32_t point_count; /* of those that are free */
     uint32_t reserved;
 };
 

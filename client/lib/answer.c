@@ -26,7 +26,7 @@ static uint64_t answer_tag(const struct pccd_client *client, uint64_t page)
     return (ANSWER_TAG ^ (uint64_t)(uintptr_t)client) + page;
 }
 
-/* Of a step or about what is near, with the records of its page. */
+/* Fill the answer to a step or about what is near, with the records of its page. */
 static void fill_answer(const struct proto_answer *from, bool is_near,
                         const void *records, struct pccd_answer *answer)
 {

@@ -261,7 +261,7 @@ static int begin(struct pccd_batch *batch)
     return 0;
 }
 
-/* What part i moves; NULL: nothing. */
+/* Return the segment that part i moves; NULL: nothing. */
 static const struct proto_segment *segment_of(const struct pccd_batch *batch, uint32_t i)
 {
     return batch->segment_of[i] != NO_SEGMENT ? &batch->segments[batch->segment_of[i]]

@@ -23,7 +23,7 @@ int cli_fail(struct pccd_client *client, int status, const char *format, ...)
     return status;
 }
 
-/* What a daemon does that lacks a feature, where the call does not say it. */
+/* The errors for a daemon that lacks a feature, where the call does not say it. */
 static const struct {
     uint64_t feature;
     const char *lacks;

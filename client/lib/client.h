@@ -72,7 +72,7 @@ struct cli_call {
     char text[CLI_TEXT_BYTES];
 };
 
-/* Whether its answer has not come. */
+/* Return whether its answer has not come. */
 static inline bool cli_call_is_sent(const struct cli_call *call)
 {
     return call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST;
@@ -92,7 +92,7 @@ struct proto_direct_inbox;
 
 enum cli_way { CLI_WAY_URL = 0, CLI_WAY_USER, CLI_WAY_PRIVATE, CLI_WAY_DIRECT };
 
-/* How the daemon is reached, and reached again. */
+/* The way to the daemon, at first and again. */
 struct cli_link {
     enum cli_way way;
     bool no_autostart;
@@ -125,8 +125,9 @@ struct cli_direct {
     struct proto_direct_inbox *line; /* NULL: not open */
 };
 
-/* What the bottom of the library asks of its top, which nothing below includes. */
-struct cli_upcalls {
+/* Functions of the top of the library that its bottom calls; nothing below includes the
+ * top. */
+struct cli_callbacks {
     /* The connection is lost: as cli_recover (link.h). */
     int (*recover)(struct pccd_client *client, uint64_t deadline_ns);
     /* A call is answered, or has failed; nobody has taken the answer yet. */
@@ -136,7 +137,7 @@ struct cli_upcalls {
 };
 
 struct pccd_client {
-    const struct cli_upcalls *upcalls;
+    const struct cli_callbacks *callbacks;
     pthread_mutex_t turn;       /* recursive; of the thread that is in a call */
     uint32_t depth;             /* of its calls, each in the one before */
     struct pccd_batch *batches; /* that are not destroyed (batch.c) */
@@ -209,7 +210,7 @@ struct cli_turn cli_enter(struct pccd_client *client);
 struct cli_turn cli_enter_late(struct pccd_client *client);
 void cli_leave(struct cli_turn *turn);
 
-/* What every public function with a client begins with; its end is left by itself. */
+/* Begins every public function with a client; it is left by itself at the end. */
 #define CLI_TURN __attribute__((cleanup(cli_leave))) struct cli_turn
 #define CLI_ENTER_OR_RETURN(client)                                                      \
     CLI_TURN cli_turn = cli_enter(client);                                               \
@@ -226,13 +227,13 @@ void cli_turn_deinit(struct pccd_client *client);
 /* When a wait of timeout_ms (< 0: the client's default) that begins now ends. */
 uint64_t cli_deadline(const struct pccd_client *client, int timeout_ms);
 
-/* How often this process is a copy of a copy, from the first call on. [any] */
+/* Return how often this process is a copy of a copy, from the first call on. [any] */
 uint32_t cli_forks(void);
-/* Whether it was forked since the client connected: the socket and the ring are those of
- * the process that did, and must not be touched. Costs no system call. */
+/* Return whether it was forked since the client connected: the socket and the ring are
+ * those of the process that did, and must not be touched. Costs no system call. */
 bool cli_is_copy(const struct pccd_client *client);
 
-/* What pccd_request_handle has asked for, once. */
+/* Take the handle that pccd_request_handle has asked for, once. */
 uint32_t cli_take_handle(struct pccd_client *client);
 
 /* ---- structs of other releases ----------------------------------------------------- */
@@ -244,7 +245,8 @@ struct pccd_client;
 int cli_struct_read(struct pccd_client *client, const char *name, const void *asked,
                     void *known, size_t known_bytes);
 
-/* May a struct of a program be filled in, as its struct_bytes says? E_INVAL likewise. */
+/* Check that a struct of a program may be filled in, as its struct_bytes says. E_INVAL if
+ * not. */
 int cli_struct_check(struct pccd_client *client, const char *name, const void *to,
                      size_t known_bytes);
 

@@ -57,7 +57,7 @@ void pccd_options_init(struct pccd_options *options)
     options->spin_us = sysconf(_SC_NPROCESSORS_ONLN) > 1 ? CLI_SPIN_US : 0;
 }
 
-/* What no daemon has to be asked for. */
+/* Check what no daemon has to be asked for. */
 static int check_options(struct pccd_client *client, const struct pccd_options *asked)
 {
     if (asked->timeout_ms < 0 || asked->timeout_ms > CLI_TIMEOUT_MS_MAX) {
@@ -243,7 +243,7 @@ static void take_notified(struct pccd_client *client,
     }
 }
 
-static const struct cli_upcalls upcalls = {
+static const struct cli_callbacks callbacks = {
     .recover = cli_recover, .answered = take_answered, .notified = take_notified};
 
 int pccd_connect(const struct pccd_options *options, struct pccd_client **client)
@@ -263,7 +263,7 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
         free(made);
         return cli_fail(NULL, PCCD_E_NOMEM, "no memory for a client");
     }
-    made->upcalls = &upcalls;
+    made->callbacks = &callbacks;
     made->socket = -1;
     made->fds[0] = made->fds[1] = -1;
     made->owner = getpid();

@@ -4,7 +4,7 @@
 
 #include "client.h"
 
-/* What has been said of a shared scene, and not been told the user. */
+/* The events of a shared scene that the user was not told yet. */
 struct cli_shared {
     uint32_t scene; /* 0: none here */
     struct pccd_scene_news news;

@@ -14,7 +14,8 @@
  * among all of the process, so that a copy of a frame that is over is no other frame. */
 #define SLOT_BITS 4u
 static_assert(1u << SLOT_BITS >= PROTO_SLOTS_MAX, "the number of every slot");
-/* Of a frame that was committed or aborted; who aborts it again loses no text. */
+/* The slot of a frame that was committed or aborted; who aborts it again loses no text.
+ */
 #define SLOT_GIVEN_BACK UINT32_MAX
 
 static uint64_t table_bytes(uint32_t segment_max)
@@ -338,7 +339,7 @@ void pccd_frame_abort(struct pccd_frame *frame)
 
 /* ---- motions ----------------------------------------------------------------------- */
 
-/* What motion i moves. E_INVAL: it moves in no way, or in two. */
+/* Describe what motion i moves. E_INVAL: it moves in no way, or in two. */
 static int describe(struct pccd_client *client, const struct pccd_motion *motion,
                     uint32_t i, struct proto_segment *segment)
 {

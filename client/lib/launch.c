@@ -178,7 +178,7 @@ void cli_launch_words(const struct pccd_client *client, const char *socket_path,
                    line[0] != '\0' ? "; it said: " : "", line);
 }
 
-/* Whether an entry of an environment is of that variable. */
+/* Return whether an entry of an environment is of that variable. */
 static bool is_variable(const char *entry, const char *name)
 {
     size_t length = strlen(name);

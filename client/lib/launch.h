@@ -20,8 +20,8 @@ int cli_launch_private(struct pccd_client *client, const char *program, char *pa
 
 #define CLI_WORDS_BYTES 384u
 
-/* What is known of the end of a daemon that was started at that socket: how, if it is a
- * private one of ours, and the last line that it wrote; "" nothing. */
+/* Write what is known of the end of a daemon that was started at that socket: how, if it
+ * is a private one of ours, and the last line that it wrote; "" nothing. */
 void cli_launch_words(const struct pccd_client *client, const char *socket_path,
                       char words[CLI_WORDS_BYTES]);
 

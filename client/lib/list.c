@@ -137,7 +137,7 @@ static int advance(struct pccd_client *client, uint32_t *cursor, uint32_t next)
     return 1;
 }
 
-/* Of a list of handles, `first` being the member that is 0 at its end. */
+/* The next member of a list of handles, `first` being the member that is 0 at its end. */
 #define NEXT_OF(METHOD, first)                                                           \
     static int next_##METHOD(struct pccd_client *client, void *request,                  \
                              const void *result)                                         \

@@ -166,7 +166,7 @@ int pccd_fd(const struct pccd_client *client);
  *    bytes. A step's deadline_ns begins again then.
  * What to know:
  * - After reconnect_ms without success every call fails with E_DISCONNECTED. A request
- *   fails likewise if daemons_max daemons have ended while it was the oldest one without
+ *   also fails if daemons_max daemons have ended while it was the oldest one without
  *   an answer: it is probably what ends them. Other requests go on.
  * - Further pages of an answer that the lost daemon gave do not come back (pccd_fetch:
  *   E_STATE), nor does a trace of the daemon's threads.
@@ -217,7 +217,7 @@ int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,
 
 /* ---- what a daemon tells about itself and its clients ------------------------------ */
 
-/* What was agreed on when connecting; the strings live as long as the client. */
+/* Tell what was agreed on when connecting; the strings live as long as the client. */
 int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info);
 
 /* The lists, histograms, settings and steps below need a daemon that offers them
@@ -230,8 +230,8 @@ int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info)
  * root or the daemon's own. */
 typedef void (*pccd_session_fn)(void *context, const struct pccd_session_info *info);
 int pccd_list_sessions(struct pccd_client *client, pccd_session_fn each, void *context);
-/* What a session has, in no particular order; `session` 0: this client's own. E_HANDLE:
- * there is no such session or scene, or it is another user's. */
+/* Walk through what a session has, in no particular order; `session` 0: this client's
+ * own. E_HANDLE: there is no such session or scene, or it is another user's. */
 typedef void (*pccd_scene_fn)(void *context, const struct pccd_scene_info *info);
 int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn each,
                      void *context);
@@ -246,7 +246,7 @@ typedef void (*pccd_mesh_fn)(void *context, const struct pccd_registered_mesh *i
 int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn each,
                      void *context);
 
-/* How long all steps, or all requests, took since the daemon's start. */
+/* Read how long all steps, or all requests, took since the daemon's start. */
 int pccd_histogram(struct pccd_client *client, enum pccd_histogram_kind kind,
                    struct pccd_histogram_info *info);
 
@@ -264,7 +264,7 @@ int pccd_config_set(struct pccd_client *client, const char *name, const char *va
  * (E_ACCESS). `scene`: of this scene of the session; 0: of all. Nothing waits for a
  * client that does not take the events: steps that had no room are counted in `lost` of
  * the next event. Another call replaces the choice. When another daemon takes the place
- * of one that was lost, the library asks it likewise; session numbers differ then. */
+ * of one that was lost, the library asks it, too; session numbers differ then. */
 int pccd_watch_start(struct pccd_client *client, uint64_t session, uint32_t scene);
 /* The next step; timeout_ms < 0: the client's default. E_TIMEOUT; with 0: E_AGAIN. */
 int pccd_watch_next(struct pccd_client *client, int timeout_ms,
@@ -387,11 +387,11 @@ struct pccd_scene_news {
     uint64_t hash[2]; /* as in struct pccd_answer */
 };
 
-/* What an object may meet, and how thick it is. Two objects of a scene are tested against
- * each other if a.group & b.mask and b.group & a.mask are not 0, and the pair is not
- * ignored; an object is tested against itself if its self_collision is on. At first group
- * is 1, mask all bits, self_collision on. An object keeps its settings when its mesh is
- * replaced.
+/* Settings of an object: what it may meet, and how thick it is. Two objects of a scene
+ * are tested against each other if a.group & b.mask and b.group & a.mask are not 0, and
+ * the pair is not ignored; an object is tested against itself if its self_collision is
+ * on. At first group is 1, mask all bits, self_collision on. An object keeps its settings
+ * when its mesh is replaced.
  *
  * Thick features meet at a distance. For example, cloth of 2 mm has the radius 1e-3 (in
  * metres): it touches a body of radius 0 when their surfaces are 1 mm apart, and itself
@@ -628,9 +628,9 @@ int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings 
 /* Give the slot back unsent. */
 void pccd_frame_abort(struct pccd_frame *frame);
 
-/* What moves in a step: `count` vertices of an object, from `first`, in one of three
- * ways: to x1 from where the last step ended; from x0 to x1; or by transforms m0 and m1
- * at both ends, as pccd_frame_rigid says. What a way does not need is NULL. */
+/* A motion of a step: `count` vertices of an object, from `first`, in one of three ways:
+ * to x1 from where the last step ended; from x0 to x1; or by transforms m0 and m1 at both
+ * ends, as pccd_frame_rigid says. What a way does not need is NULL. */
 struct pccd_motion {
     uint32_t object;
     uint32_t first, count;

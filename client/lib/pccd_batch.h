@@ -47,14 +47,14 @@ struct pccd_batch;
 struct pccd_client;
 struct pccd_step_settings;
 
-/* How a part of a batch moves. */
+/* The way in which a part of a batch moves. */
 enum pccd_batch_way {
     PCCD_BATCH_X1 = 0,   /* to x1, from where the last step ended */
     PCCD_BATCH_X0X1 = 1, /* from x0 to x1 */
     PCCD_BATCH_RIGID = 2 /* by transforms at both ends, as pccd_frame_rigid says */
 };
 
-/* What moves in a scene: `count` vertices of an object, from `first` on. */
+/* A part of a batch: `count` vertices of an object, from `first` on. */
 struct pccd_batch_part {
     uint32_t scene;
     uint32_t object; /* 0: nothing moves in the scene; it has no other part then */
@@ -63,7 +63,7 @@ struct pccd_batch_part {
     enum pccd_batch_way way;
 };
 
-/* What a batch is from then on; the array is copied. The parts of one scene stand one
+/* Create a batch of these parts; the array is copied. The parts of one scene stand one
  * behind the other; scenes are numbered from 0 as they come. Handles are looked at by the
  * daemon, at each step: a part may name an object that is made, or replaced, later.
  * Errors: E_INVAL: no parts, or one that says no way to move; E_LIMIT: more than 65 536
@@ -76,7 +76,7 @@ void pccd_batch_destroy(struct pccd_batch *batch);
 /* Scenes of the batch; its answers have as many entries. */
 uint32_t pccd_batch_scenes(const struct pccd_batch *batch);
 
-/* What came of all scenes. `scenes` lies in memory that the daemon shares: read-only,
+/* The answer for all scenes. `scenes` lies in memory that the daemon shares: read-only,
  * valid until pccd_batch_release. */
 struct pccd_batch_answer {
     size_t struct_bytes; /* as in struct pccd_answer */

@@ -40,7 +40,7 @@ extern "C" {
 struct pccd_mesh_data; /* pccd.h */
 struct pccd_weld;
 
-/* What became of the vertices in the frames so far. */
+/* Counts of what became of the vertices in the frames so far. */
 struct pccd_weld_counts {
     uint32_t joined; /* vertices that another one stands for */
     uint32_t

@@ -18,7 +18,7 @@ static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
     return NULL;
 }
 
-/* Whether it is answered by numbers and a page of records (proto_answer). */
+/* Return whether it is answered by numbers and a page of records (proto_answer). */
 static bool is_answered(const struct cli_call *call)
 {
     return call->method == PROTO_METHOD_FRAME_SUBMIT ||
@@ -71,7 +71,7 @@ static uint32_t handle_in(const struct cli_call *call, const void *result)
                                                       : 1;
 }
 
-/* What a result must be, whatever a daemon says. */
+/* Check what a result must be, whatever a daemon says. */
 static int check_result(const struct cli_call *call, const void *result,
                         struct proto_error *error)
 {
@@ -109,7 +109,7 @@ static struct proto_page page_of(const struct cli_call *call, const void *result
     return proto_page_of(call->method, result);
 }
 
-/* Whether the records of a scene lie inside the result region. */
+/* Return whether the records of a scene lie inside the result region. */
 static bool are_inside(const struct pccd_client *client,
                        const struct pccd_scene_answer *scene, uint64_t record_bytes)
 {
@@ -228,7 +228,7 @@ static void take_reply(struct pccd_client *client, const struct proto_envelope *
     } else {
         call->status = take_result(client, call, envelope, &error);
     }
-    client->upcalls->answered(client, call);
+    client->callbacks->answered(client, call);
     if (call->slot != CLI_SLOT_NONE &&
         client->ring.slots[call->slot].state == CLI_SLOT_FREE) {
         cli_slot_offer(&client->ring, call->slot); /* it is not KEPT */
@@ -271,7 +271,7 @@ static void take_notification(struct pccd_client *client,
     if (envelope->method == PROTO_NOTE_GOAWAY) {
         take_goaway(client, envelope);
     } else {
-        client->upcalls->notified(client, envelope);
+        client->callbacks->notified(client, envelope);
     }
 }
 

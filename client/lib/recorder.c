@@ -33,7 +33,8 @@ void cli_record_close_file(struct cli_recorder *recorder)
     (void)record_writer_close(&recorder->writer);
 }
 
-/* Whether it was for want of room; or else what happened was not to be recorded. */
+/* Return whether it was for want of room; or else what happened was not to be recorded.
+ */
 static enum record_reason reason_of(int status)
 {
     bool is_unwritten =
@@ -62,7 +63,8 @@ int cli_record_stop_because(struct pccd_client *client, int status, const char *
 
 /* ---- what is appended -------------------------------------------------------------- */
 
-/* What a segment of a ring begins with leaves room for what happens then. */
+/* Return the bound of a segment of a ring: what it begins with leaves room for what
+ * happens then. */
 uint64_t cli_record_bound(const struct cli_recorder *recorder, bool is_change)
 {
     bool is_ring = recorder->segments_max > 1;

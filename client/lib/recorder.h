@@ -28,7 +28,7 @@ struct cli_recorder {
     char text[CLI_TEXT_BYTES];    /* why it has ended */
 };
 
-/* Whether this process is the one that records, still. */
+/* Return whether this process is the one that records, still. */
 bool cli_record_is_on(const struct pccd_client *client);
 
 /* Append a chunk; 0 or why not (the recording has ended then). In a ring of segments, a
@@ -36,8 +36,8 @@ bool cli_record_is_on(const struct pccd_client *client);
 int cli_record_add(struct pccd_client *client, enum record_kind kind,
                    const struct record_part *parts, size_t count);
 
-/* How the threads share the step that is appended next; "": the daemon decides, and
- * nothing is appended. */
+/* Append how the threads share the step that is appended next; "": the daemon decides,
+ * and nothing is appended. */
 int cli_record_tuning(struct pccd_client *client, const char *text);
 
 /* At which distance pairs meet in that step; zeros: nothing is appended. */

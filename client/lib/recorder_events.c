@@ -157,7 +157,7 @@ static void add_records(struct pccd_client *client, const struct cli_call *call,
     (void)cli_record_add(client, kind, parts, 2);
 }
 
-/* Of either answer, as the file has them. */
+/* The times of either answer, as the file has them. */
 #define RECORD_TIMES_OF(r)                                                               \
     {                                                                                    \
         (r)->ns_queue, (r)->ns_ingest, (r)->ns_refit, (r)->ns_traversal, (r)->ns_tests,  \
@@ -202,7 +202,7 @@ static void add_answer(struct pccd_client *client, const struct cli_call *call)
     }
 }
 
-/* Of the times of an answer, that of the whole step. */
+/* The time of the whole step among those of an answer. */
 #define STEP_TIME (offsetof(struct pccd_step_times, step) / sizeof(uint64_t))
 
 /* The answer to one scene of a batch, as to a step of it. */

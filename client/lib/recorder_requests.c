@@ -8,7 +8,7 @@
 
 /* ---- shapes ------------------------------------------------------------------------ */
 
-/* What goes before a mesh. */
+/* Write what goes before a mesh. */
 static int put_before(struct pccd_client *client, const struct registry_shape *shape,
                       cli_record_fn add)
 {
@@ -66,7 +66,7 @@ int cli_record_put_guest(struct pccd_client *client, uint32_t scene, uint32_t ob
 
 /* ---- movements --------------------------------------------------------------------- */
 
-/* What a request moves, behind `head`. */
+/* Write what a request moves, behind `head`. */
 static int write_motion(struct pccd_client *client, enum record_kind kind,
                         const char *tuning, struct record_part head,
                         const struct record_part moved[2])
@@ -131,7 +131,7 @@ int cli_record_motion(struct pccd_client *client, int method,
 
 /* ---- what was made, set or destroyed ----------------------------------------------- */
 
-/* What an object may meet, and what it may not. */
+/* Write what an object may meet, and what it may not. */
 static int write_filter(struct pccd_client *client,
                         const struct proto_OBJECT_SET_request *set, cli_record_fn add)
 {

@@ -38,7 +38,7 @@ void cli_journal_stop(struct pccd_client *client);
 /* The scene is gone. */
 void cli_journal_end(struct pccd_client *client, uint32_t scene);
 
-/* Whether what this client does in a scene is not written when it is done. */
+/* Return whether what this client does in a scene is not written when it is done. */
 bool cli_journal_has(const struct pccd_client *client, uint32_t scene);
 /* Something has been done in the scene. */
 void cli_journal_note(struct pccd_client *client, uint32_t scene);

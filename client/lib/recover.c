@@ -94,9 +94,9 @@ static void hold_all(struct pccd_client *client, bool rest)
     }
 }
 
-/* Whether what is held may go right behind hello: another daemon is to be told of nothing
- * before it, and however hello is answered there is no cause to keep it back. It saves a
- * round trip, and with a thousand clients that come back at once everybody's. */
+/* Return whether what is held may go right behind hello: another daemon is to be told of
+ * nothing before it, and however hello is answered there is no cause to keep it back. It
+ * saves a round trip, and with a thousand clients that come back at once everybody's. */
 static bool needs_no_answer(const struct pccd_client *client)
 {
     bool needs = !client->keeps || !client->link.can_restore ||

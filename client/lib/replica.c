@@ -6,7 +6,7 @@
 
 #include "registry.h"
 
-/* What is incomplete is of no use. */
+/* Drop the replica: what is incomplete is of no use. */
 static void keep_nothing(struct pccd_client *client)
 {
     client->keeps = false;
@@ -180,7 +180,7 @@ bool cli_near_is(const struct pccd_client *client, uint32_t scene, uint64_t step
 
 /* ---- positions --------------------------------------------------------------------- */
 
-/* What a segment brings an object; `payload` is of its slot. */
+/* Place what a segment brings an object; `payload` is of its slot. */
 static int place(struct registry_object *object, const struct proto_segment *segment,
                  const uint8_t *payload)
 {

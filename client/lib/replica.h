@@ -24,7 +24,7 @@ void cli_near_answered(struct pccd_client *client,
                        const struct proto_SCENE_NEAR_request *request);
 /* The scene is gone. */
 void cli_near_forget(struct pccd_client *client, uint32_t scene);
-/* Whether `step` numbers the last answered question about the scene. */
+/* Return whether `step` numbers the last answered question about the scene. */
 bool cli_near_is(const struct pccd_client *client, uint32_t scene, uint64_t step);
 
 /* ---- positions --------------------------------------------------------------------- */

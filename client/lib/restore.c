@@ -66,7 +66,7 @@ static int check_filters(struct pccd_client *client, const struct registry_scene
     return 0;
 }
 
-/* What the objects of a scene may meet. Most have nothing that was ever set. */
+/* Restore what the objects of a scene may meet. Most have nothing that was ever set. */
 static int restore_filters(struct cli_pipeline *pipeline, struct registry_scene *scene)
 {
     int status;

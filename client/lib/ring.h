@@ -90,12 +90,12 @@ void cli_slot_offer(struct cli_ring *ring, uint32_t slot);
 /* The same of all slots that are FREE. */
 void cli_slot_offer_all(struct cli_ring *ring);
 
-/* Whether a slot has memory; one that was offered may lose it at any time. */
+/* Return whether a slot has memory; one that was offered may lose it at any time. */
 bool cli_slot_has_memory(const struct cli_ring *ring, uint32_t slot);
 /* Take back what cli_slot_offer said. false: the slot has no memory any more. */
-bool cli_slot_claim(struct cli_ring *ring, uint32_t slot);
+bool cli_slot_acquire(struct cli_ring *ring, uint32_t slot);
 
-/* Of the KEPT slots the one with the oldest step; CLI_SLOT_NONE: none is KEPT. */
+/* Return the KEPT slot with the oldest step; CLI_SLOT_NONE: none is KEPT. */
 uint32_t cli_slot_oldest_kept(const struct cli_ring *ring);
 
 #endif

@@ -20,7 +20,8 @@ struct inflight {
     uint32_t all, computed, steps;
 };
 
-/* What is held is in flight to everybody but recover.c, which sends it again itself. */
+/* Count what is in flight. What is held is, to everybody but recover.c, which sends it
+ * again itself. */
 static struct inflight count_inflight(const struct pccd_client *client)
 {
     struct inflight count = {0};
@@ -126,13 +127,13 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     status = client->has_sent && !spins ? PCCD_E_AGAIN : cli_receive(client);
     client->has_sent = false;
     if (client->link.is_down) {
-        return client->upcalls->recover(client, deadline_ns);
+        return client->callbacks->recover(client, deadline_ns);
     }
     if (status == PCCD_E_AGAIN && spins) {
         status = spin(client, upload, done_seen, deadline_ns);
     }
     if (status != PCCD_E_AGAIN || client->link.is_down) {
-        return client->link.is_down ? client->upcalls->recover(client, deadline_ns)
+        return client->link.is_down ? client->callbacks->recover(client, deadline_ns)
                                     : status;
     }
     /* Pairs with the daemon's store to done_seq and load of client_wait: one of the two
@@ -151,7 +152,8 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     if (upload != NULL) {
         atomic_store(&upload->client_wait.value, 0);
     }
-    return client->link.is_down ? client->upcalls->recover(client, deadline_ns) : status;
+    return client->link.is_down ? client->callbacks->recover(client, deadline_ns)
+                                : status;
 }
 
 /* ---- calls ------------------------------------------------------------------------- */

@@ -36,14 +36,14 @@ int cli_call_sync(struct pccd_client *client, int method, const void *request,
  * PCCD_E_TIMEOUT or PCCD_E_DISCONNECTED. */
 int cli_progress(struct pccd_client *client, uint64_t deadline_ns);
 
-/* Of the held calls the one that was sent first; NULL: none is held. */
+/* Return the held call that was sent first; NULL: none is held. */
 struct cli_call *cli_call_first_held(struct pccd_client *client);
 
 /* Send every held call once more, unchanged, in their order. */
 int cli_call_resend_all(struct pccd_client *client, uint64_t deadline_ns);
 
-/* Whether a method is one of those that move a scene, of which a daemon takes only so
- * many of a client at a time. */
+/* Return whether a method is one of those that move a scene, of which a daemon takes only
+ * so many of a client at a time. */
 bool cli_call_is_step(int method);
 
 /* Requests whose replies have not come. */
@@ -93,8 +93,8 @@ void cli_page_deinit(struct pccd_client *client);
 /* ---- several requests at once ------------------------------------------------------ */
 
 #define CLI_PIPELINE_MAX 16u /* as many as wait at the daemon before it reads no more */
-/* Of these, computed: four thousand clients that come back at once find room in the
- * daemon's queue, which takes 32768 unless it is told otherwise. */
+/* Computed calls among these: four thousand clients that come back at once find room in
+ * the daemon's queue, which takes 32768 unless it is told otherwise. */
 #define CLI_PIPELINE_COMPUTED 8u
 
 struct cli_pipeline {

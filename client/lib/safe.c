@@ -11,10 +11,10 @@
  * later ones go half as far as the one before. */
 #define TRIES 48u
 
-/* What is left of the way of a step that was not free. */
+/* The part that is tried next of a step that was not free. */
 #define SHORTER (1 - 0x1p-20)
 
-/* Whether two arrays of so many bytes have any in common. */
+/* Return whether two arrays of so many bytes have any in common. */
 static bool do_overlap(const void *a, const void *b, size_t bytes)
 {
     uintptr_t from = (uintptr_t)a;
@@ -78,7 +78,8 @@ static void go(const struct pccd_motion *motion, double part, void *x)
     }
 }
 
-/* How far one more try goes when the last one, to `part`, was free up to `safe` of it. */
+/* Return how far one more try goes when the last one, to `part`, was free up to `safe` of
+ * it. */
 static double shorten(double part, double safe, uint32_t tried)
 {
     if (tried + 1 == TRIES) {

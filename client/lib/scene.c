@@ -24,7 +24,7 @@ static int take_name(struct pccd_client *client, const char *name,
     return cli_check_feature(client, PROTO_FEATURE_SHARED, "scene.create");
 }
 
-/* What a scene is shared as. */
+/* Share a scene as its settings say. */
 static int share(struct pccd_client *client, const struct pccd_scene_settings *settings,
                  struct proto_SCENE_CREATE_request *request)
 {

@@ -24,7 +24,7 @@ static int put_tuning(struct pccd_client *client, const char *tuning, char *to)
     return 0;
 }
 
-/* What a step and a batch of steps are asked with. */
+/* The settings that a step and a batch of steps are asked with. */
 #define STEP_MESSAGE(settings)                                                           \
     .mode = (uint32_t)(settings).mode, .method = (uint32_t)(settings).method,            \
     .threads = (settings).threads, .tolerance = (settings).tolerance,                    \
@@ -202,7 +202,7 @@ int cli_step_send(struct pccd_client *client, int verb, union cli_params *messag
 
 /* ---- one scene --------------------------------------------------------------------- */
 
-/* What a caller asks of a scene. */
+/* The question of a caller about a scene. */
 struct asked {
     int verb;             /* of one scene: FRAME_SUBMIT or SCENE_NEAR */
     const void *settings; /* that go with it; NULL: the defaults */

@@ -58,8 +58,8 @@ void cli_batch_forget_all(struct pccd_client *client);
 
 /* ---- asking: step.c ---------------------------------------------------------------- */
 
-/* Whether another step can be submitted: 0, or PCCD_E_BUSY when CLI_STEPS answers wait to
- * be taken, or too many pages wait to be released; or PCCD_E_DISCONNECTED. */
+/* Check whether another step can be submitted: 0, or PCCD_E_BUSY when CLI_STEPS answers
+ * wait to be taken, or too many pages wait to be released; or PCCD_E_DISCONNECTED. */
 int cli_step_check(struct pccd_client *client);
 
 /* The message of a verb with the caller's settings, which may be of a program that knows
@@ -83,7 +83,8 @@ void cli_step_drain(struct pccd_client *client);
 
 /* An answer is a struct pccd_answer, or, where `is_batch`, a struct pccd_batch_answer. */
 
-/* May it be filled in? E_INVAL: it is NULL, or of a length that no release has. */
+/* Check that it may be filled in. E_INVAL: it is NULL, or of a length that no release
+ * has. */
 int cli_answer_check(struct pccd_client *client, const void *answer, bool is_batch);
 /* Take the oldest that has come: E_AGAIN: there is none. */
 int cli_answer_poll(struct pccd_client *client, bool is_batch, void *answer);

@@ -18,7 +18,7 @@ struct places {
     enum pccd_format format;
 };
 
-/* What is joined at one distance. */
+/* The vertices that are joined at one distance. */
 struct joining {
     double distance;
     uint32_t *to; /* [vertex_count]: the least vertex that each is one with */

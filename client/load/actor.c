@@ -35,8 +35,8 @@ static void complain(const struct load_actor *actor, const char *what)
 
 /* ---- what it registers ------------------------------------------------------------- */
 
-/* Of positions that follow the registered ones, and of these: a sheet that comes round
- * is where it was. */
+/* Return the format of positions that follow the registered ones, and of these: a sheet
+ * that comes round is where it was. */
 static enum pccd_format format_of(const struct load_actor *actor)
 {
     return actor->kind == LOAD_PAIRS ? PCCD_FORMAT_F64 : PCCD_FORMAT_F32;

@@ -34,7 +34,8 @@ void load_pace_begin(struct load_pace *pace, const struct load *load, uint32_t c
 /* The next one: a request has been submitted at now_ns. */
 void load_pace_next(struct load_pace *pace, const struct load *load, uint64_t now_ns);
 
-/* How long its client stops before it takes the answer to the last request; mostly 0. */
+/* Return how long its client stops before it takes the answer to the last request; mostly
+ * 0. */
 uint64_t load_pace_stall_ns(const struct load_pace *pace, const struct load *load);
 
 /* ---- State: the connection, the shape, and the steps that wait. */
@@ -54,7 +55,7 @@ enum load_kind {
 /* Whose requests are steps of one scene. */
 #define LOAD_KINDS_USUAL ((1u << LOAD_BATCH) - 1)
 
-/* What is special about a request. */
+/* The kinds of requests that are special. */
 enum load_mischief { LOAD_PLAIN, LOAD_CANCELLED, LOAD_DUE, LOAD_NOT_FINITE, LOAD_MASKED };
 
 struct load_pending {
@@ -100,7 +101,7 @@ struct load_actor {
 int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t number,
                     struct load_tally *tally, bool is_alone, bool sheet_first, bool loud);
 
-/* What it waits for. */
+/* Write the descriptors that it waits for. */
 void load_actor_fds(const struct load_actor *actor, struct pollfd fds[2]);
 
 /* Submit what is due, if `more`, and take what has arrived, if its descriptor is readable
@@ -113,7 +114,7 @@ uint64_t load_actor_wake_ns(const struct load_actor *actor, bool more);
 /* Begin anew if an answer has not come for very long. */
 void load_actor_check(struct load_actor *actor, uint64_t now_ns);
 
-/* What waits for an answer is lost. */
+/* Close it; what waits for an answer is lost. */
 void load_actor_close(struct load_actor *actor);
 
 /* ---- Two simulated clients that share one scene.

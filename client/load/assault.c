@@ -10,9 +10,9 @@
 
 #include "actor.h"
 
-/* How long a victim lives: any octave of these is as likely. It connects, registers and
- * steps in some 2 ms when the daemon is idle, and in a hundred times that when it is
- * not, so that its end falls into any part of its life. */
+/* The life of a victim: any octave of these is as likely. It connects, registers and
+ * steps in some 2 ms when the daemon is idle, and in a hundred times that when it is not,
+ * so that its end falls into any part of its life. */
 #define LIFE_NS      100000u
 #define LIFE_OCTAVES 12u
 
@@ -76,11 +76,12 @@ void load_assault_begin(struct load_assault *assault, struct load *load)
     assault->crash_ns = assault->begin_ns + (uint64_t)load->settings.pause_ms * 1000000u;
 }
 
-/* Of a run that takes a set time, workers are killed in this part: how memory goes on is
- * seen over the rest, of one worker. */
+/* The part of a run that takes a set time in which workers are killed: how memory goes on
+ * is seen over the rest, of one worker. */
 #define CRASH_PART (1.0 / 6)
 
-/* How many of `all` kills that are spread over a part of the run may have been made. */
+/* Return how many of `all` kills that are spread over a part of the run may have been
+ * made. */
 static uint64_t due(const struct load_assault *assault, uint64_t all, double part)
 {
     double whole_ns = load_settings_ns(&assault->load->settings) * part;

@@ -11,7 +11,7 @@
 
 #include "actor.h"
 
-/* How long a process sleeps when nothing is due: an answer wakes it. */
+/* The sleep of a process when nothing is due: an answer wakes it. */
 #define NAP_NS 20000000u
 
 struct crowd {
@@ -120,8 +120,8 @@ static void join_if_due(struct crowd *crowd, uint32_t i)
     }
 }
 
-/* What overload has kept them from: no latency tells of what was not asked at all. What
- * has waited for less than is allowed might have been in time. */
+/* Count what overload has kept them from: no latency tells of what was not asked at all.
+ * What has waited for less than is allowed might have been in time. */
 static void count_unsent(struct crowd *crowd)
 {
     const struct load_settings *settings = &crowd->load->settings;

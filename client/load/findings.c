@@ -1,4 +1,4 @@
-/* findings.c - is all as it must be? */
+/* findings.c - judges whether all is as it must be. */
 #include <string.h>
 
 #include "report.h"
@@ -8,10 +8,10 @@
 #define GROWTH_KIB    512.0
 #define GROWTH_PIECES 8.0
 
-/* How much more a worker may hold at its end for each client, without any, than one that
- * has served them one by one. A full house of fifty leaves 0.7 to 0.9 MiB; with a leak of
- * 27 KiB a minute it is 2.2 after 20 minutes: what leaks keeps pages that are free else.
- */
+/* The memory that a worker may hold more at its end for each client, without any, than
+ * one that has served them one by one. A full house of fifty leaves 0.7 to 0.9 MiB; with
+ * a leak of 27 KiB a minute it is 2.2 after 20 minutes: what leaks keeps pages that are
+ * free else. */
 #define IDLE_KIB 26
 
 bool load_holdings_equal(const struct load_holdings *a, const struct load_holdings *b)
@@ -46,7 +46,7 @@ static uint64_t checksum_of(const struct load *load)
     return sum;
 }
 
-/* What no client holds any more is free or leaked. */
+/* Judge the memory: what no client holds any more is free or leaked. */
 static void judge_memory(struct load_findings *f, const struct load_watch *watch)
 {
     const struct load_settings *settings = &f->load->settings;
@@ -67,7 +67,7 @@ static void judge_memory(struct load_findings *f, const struct load_watch *watch
     f->is_flat = (f->is_flat && f->is_little) || !settings->flat;
 }
 
-/* What was never asked is later than any answer. */
+/* Return whether answers were quick; what was never asked is later than any answer. */
 static bool is_quick(const struct load_tally *crowd, double p99_ms)
 {
     double due = (double)(crowd->measured + crowd->unsent);

@@ -1,4 +1,4 @@
-/* judge.c - is it the answer? */
+/* judge.c - judges whether it is the answer. */
 #include "actor.h"
 
 #include <string.h>
@@ -59,7 +59,7 @@ static bool is_same(const struct load_truth *a, const struct load_truth *b)
     return a->hash[0] == b->hash[0] && a->hash[1] == b->hash[1] && a->sum == b->sum;
 }
 
-/* Is it the answer to some other request of the run? */
+/* Return whether it is the answer to some other request of the run. */
 static bool is_known(const struct load *load, const struct load_truth *found)
 {
     uint64_t count = load_truth_count(&load->settings);
@@ -99,7 +99,7 @@ static bool is_without_records(const struct load_actor *actor,
            answer->incomplete == PCCD_INCOMPLETE_RESULT_FULL;
 }
 
-/* What may meet nothing meets nothing. */
+/* Expect nothing of what may meet nothing. */
 static void expect_nothing(struct load_actor *actor, const struct load_pending *pending,
                            const struct pccd_answer *answer)
 {
@@ -219,7 +219,7 @@ void load_judge(struct load_actor *actor, const struct pccd_answer *answer)
     }
 }
 
-/* What a batch says of one scene, as an answer to a step of it. */
+/* Return what a batch says of one scene, as an answer to a step of it. */
 static struct pccd_answer answer_of(const struct pccd_batch_answer *all, uint64_t i)
 {
     const struct pccd_scene_answer *scene = &all->scenes[i];

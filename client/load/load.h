@@ -61,7 +61,7 @@ struct load_settings {
     char *const *daemon_options; /* NULL-terminated */
 };
 
-/* How long the load takes at least. */
+/* Return how long the load takes at least. */
 static inline double load_settings_ns(const struct load_settings *settings)
 {
     double timed_s = 60.0 * settings->minutes + settings->seconds;
@@ -106,7 +106,7 @@ static inline struct load_truth *load_truth_of(const struct load *load, uint32_t
                         frame];
 }
 
-/* Of that client; the same in every process. */
+/* Return the shape of that client; the same in every process. */
 static inline struct load_shape load_shape_of(const struct load *load, uint32_t client)
 {
     const struct load_settings *settings = &load->settings;

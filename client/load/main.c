@@ -14,8 +14,8 @@
 #include "target.h"
 #include "watch.h"
 
-/* How long the daemon may take to let go of what killed clients held: a session outlives
- * its connection for some seconds. */
+/* The time that the daemon may take to let go of what killed clients held: a session
+ * outlives its connection for some seconds. */
 #define BASELINE_MS 20000u
 #define IDLE_MS     500u /* for the end of its last connection */
 
@@ -54,7 +54,7 @@ static uint32_t gather(struct load *load, pid_t *crowd)
     return count;
 }
 
-/* What goes on beside the crowd. */
+/* The work that goes on beside the crowd. */
 struct overseer {
     struct load_assault assault;
     struct load_watch watch;
@@ -106,7 +106,8 @@ static void settle(const struct load *load, struct load_outcome *outcome)
     }
 }
 
-/* Of the process that serves, when no client is there: it gives free pages back then. */
+/* Return the memory of the process that serves, when no client is there: it gives free
+ * pages back then. */
 static int64_t idle_memory(const struct load *load)
 {
     pid_t pid = load_target_pid(load);
@@ -114,8 +115,8 @@ static int64_t idle_memory(const struct load *load)
     return pid > 0 ? load_target_memory(pid) : -1;
 }
 
-/* Whether libpccd-direct can be had; it is told why not. In a process of its own: what it
- * loads and starts is not to be there when the crowd is made. */
+/* Return whether libpccd-direct can be had; it is told why not. In a process of its own:
+ * what it loads and starts is not to be there when the crowd is made. */
 static bool has_direct(const struct load *load)
 {
     int status = -1;
@@ -133,7 +134,7 @@ static bool has_direct(const struct load *load)
     return pid > 0 && waitpid(pid, &status, 0) == pid && status == 0;
 }
 
-/* What the daemon holds, and what its clients get when they are alone. */
+/* Note what the daemon holds, and what its clients get when they are alone. */
 static void prepare(struct load *load, struct load_outcome *outcome)
 {
     if ((!load_is_direct(load) && !load_target_holdings(load, &outcome->before)) ||

@@ -9,7 +9,7 @@
 #include "actor.h"
 #include "option_table.h"
 
-/* What depends on more than one option. */
+/* The input that depends on more than one option. */
 struct input {
     struct load_settings settings;
     double rate;

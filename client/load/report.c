@@ -7,7 +7,7 @@
 #include "printable.h"
 #include "shown.h"
 
-/* What one process may say of its clients: after that it only counts. */
+/* The lines that one process may print of its clients: after that it only counts. */
 #define LINES_MAX 20u
 
 static const struct {

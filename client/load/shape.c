@@ -8,8 +8,8 @@
 
 #define TURN 6.283185307179586
 
-/* Of the waves: height of the sheet above the floor, and of a crest above that. A quarter
- * of a wave that is half as high as that is below the floor. */
+/* Numbers of the waves: height of the sheet above the floor, and of a crest above that. A
+ * quarter of a wave that is half as high as that is below the floor. */
 #define WAVE_ABOVE  0.35
 #define WAVE_HEIGHT 0.5
 #define WAVE_APART  0.75

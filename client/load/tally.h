@@ -23,12 +23,12 @@ void load_hist_add(struct load_hist *hist, uint64_t ns);
 /* *sum += *hist, which somebody may be writing to; its count is that of its bins. */
 void load_hist_merge(struct load_hist *sum, const struct load_hist *hist);
 
-/* What came after `earlier`, a former state of `now`. Its longest time is the end of its
- * last bin. */
+/* Write what came after `earlier`, a former state of `now`. Its longest time is the end
+ * of its last bin. */
 void load_hist_since(const struct load_hist *now, const struct load_hist *earlier,
                      struct load_hist *since);
 
-/* How many are in bins that begin after so long. */
+/* Return how many are in bins that begin after so long. */
 uint64_t load_hist_above(const struct load_hist *hist, uint64_t ns);
 
 /* The upper end of the bin below which the share lies, nanoseconds; 0 without any. */

@@ -19,8 +19,8 @@ struct load_target {
     char log[96]; /* its standard error */
 };
 
-/* What the daemon holds now: counters of pccd_stats whose names end in "_now", and its
- * descriptors. */
+/* The things that the daemon holds now: counters of pccd_stats whose names end in "_now",
+ * and its descriptors. */
 struct load_holdings {
     uint32_t count;
     char name[LOAD_HOLDINGS_MAX][32];
@@ -64,7 +64,7 @@ struct load_assault {
 /* When the load begins. */
 void load_assault_begin(struct load_assault *assault, struct load *load);
 
-/* What is due. Returns whether there is something left to kill. */
+/* Do what is due. Returns whether there is something left to kill. */
 bool load_assault_turn(struct load_assault *assault);
 
 /* End the victims that are left; they do not count. */

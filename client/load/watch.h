@@ -57,7 +57,7 @@ struct load_slope load_watch_slope(const struct load_watch *watch, enum load_gau
 size_t load_floors_of(const struct load_sample *samples, size_t count, double window_s,
                       double warm_s, struct load_sample *floors);
 
-/* Of the samples as given. */
+/* Return the slope of the samples as given. */
 struct load_slope load_slope_of(const struct load_sample *samples, size_t count,
                                 enum load_gauge gauge, double warm_s);
 

@@ -19,12 +19,12 @@ bool oracle_vf(const double p[8][3]);
 bool oracle_ee(const double p[8][3]);
 bool oracle_hits(enum oracle_kind kind, const double p[8][3]);
 
-/* Do they touch at t = 0 or at t = 1? */
+/* Return whether they touch at t = 0 or at t = 1. */
 bool oracle_touching_at(enum oracle_kind kind, const double p[8][3], int t);
 
-/* Is there a contact at some t with lo <= t <= hi? Any rational lo <= hi: outside [0, 1]
- * the motion goes on. Decided on the motion between the positions at lo and hi, not
- * through the first contact. */
+/* Return whether there is a contact at some t with lo <= t <= hi. Any rational lo <= hi:
+ * outside [0, 1] the motion goes on. Decided on the motion between the positions at lo
+ * and hi, not through the first contact. */
 bool oracle_contact_in(enum oracle_kind kind, const double p[8][3], const mpq_t lo,
                        const mpq_t hi);
 

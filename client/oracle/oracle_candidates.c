@@ -52,7 +52,7 @@ static double radius_of(const struct oracle_moment *moment,
     return oracle_radius(&moment->objects[feature->object], feature->v, feature->points);
 }
 
-/* Are they of one object, and left thin for where they are at rest? */
+/* Return whether they are of one object, and left thin for where they are at rest. */
 static bool rest(const struct oracle_moment *moment, const struct oracle_feature *a,
                  const struct oracle_feature *b)
 {

@@ -281,7 +281,7 @@ static int point_count(enum oracle_nearest type)
     return type == ORACLE_NEAREST_VV ? 2 : type == ORACLE_NEAREST_VE ? 3 : 4;
 }
 
-/* What ways of one type are sorted by. */
+/* Return what ways of one type are sorted by. */
 static unsigned key(const struct way *way, const uint8_t rank[4])
 {
     unsigned first = rank[way->points[0]];

@@ -14,7 +14,7 @@
 
 #include "oracle.h"
 
-/* What the distance is between. */
+/* The parts of two features that are nearest. */
 enum oracle_nearest {
     ORACLE_NEAREST_VF = 0,
     ORACLE_NEAREST_EE = 1,
@@ -34,8 +34,8 @@ struct oracle_distance {
     /* VF: weights of the second and the third corner; EE: positions on the first and the
      * second edge, 0 at its first end. The nearest multiples of 2^-32, halves to even. */
     double param[2];
-    /* Of length 1, from the second feature to the first, each coordinate rounded
-     * likewise; zeros at distance 0. */
+    /* Of length 1, from the second feature to the first, each coordinate a
+     * multiple of 2^-32 as above; zeros at distance 0. */
     double direction[3];
 };
 
@@ -44,7 +44,7 @@ struct oracle_distance {
 void oracle_distance_find(enum oracle_kind kind, const double p[4][3],
                           const uint8_t rank[4], struct oracle_distance *distance);
 
-/* Is the distance at most d >= 0? */
+/* Return whether the distance is at most d >= 0. */
 bool oracle_distance_within(enum oracle_kind kind, const double p[4][3], double d);
 
 /* Below, equal or above zero as the distance of one pair, less the exact sum of its
@@ -53,10 +53,10 @@ int oracle_distance_compare(enum oracle_kind kind_a, const double a[4][3],
                             const double radius_a[2], enum oracle_kind kind_b,
                             const double b[4][3], const double radius_b[2]);
 
-/* Do the ends p[0], p[1] of an edge lie strictly on different sides of the plane of the
- * triangle p[2..4], and does the edge pass strictly through its inside? */
+/* Return whether the ends p[0], p[1] of an edge lie strictly on different sides of the
+ * plane of the triangle p[2..4], and the edge passes strictly through its inside. */
 bool oracle_crosses(const double p[5][3]);
-/* Of an edge that does: how far along it that is, 0 at p[0], 1 at p[1]: the nearest
+/* Return how far along an edge that does that is, 0 at p[0], 1 at p[1]: the nearest
  * multiple of 2^-32, halves to even. */
 double oracle_crossing(const double p[5][3]);
 

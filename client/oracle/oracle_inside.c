@@ -58,7 +58,7 @@ static int sign_of(struct integers *n, mpz_t a[3], mpz_t b[3], mpz_t c[3])
     return mpz_sgn(n->det);
 }
 
-/* Are the edges parallel, or one of them nothing? */
+/* Return whether the edges are parallel, or one of them is nothing. */
 static bool is_flat(struct integers *n)
 {
     bool is_zero = true;
@@ -118,7 +118,7 @@ static void draw_direction(struct integers *n, uint64_t *state)
     }
 }
 
-/* What a triangle adds to the winding number. False: the ray meets its edge, or the
+/* Add what a triangle adds to the winding number. False: the ray meets its edge, or the
  * point is in its plane. */
 static bool add(struct integers *n, const double p[3], const double *const corner[3],
                 int64_t *winding)
@@ -158,7 +158,7 @@ static bool add(struct integers *n, const double p[3], const double *const corne
     return true;
 }
 
-/* Is p[0] in the box of the others? Else it is not on their triangle. */
+/* Return whether p[0] is in the box of the others. Else it is not on their triangle. */
 static bool is_in_box(const double p[4][3])
 {
     for (int k = 0; k < 3; k++) {

@@ -34,7 +34,7 @@ static void load_pair(const struct oracle_moment *moment,
     }
 }
 
-/* What was found of VF, in the terms of the kind: a weight is where on the edge. */
+/* Put what was found of VF in the terms of the kind: a weight is where on the edge. */
 static void place(uint32_t kind, struct oracle_distance *found)
 {
     if (kind == PCCD_VE || kind == PCCD_VV) {

@@ -47,7 +47,7 @@ void oracle_features_deinit(struct oracle_features *features);
 /* Those of them that are free stay. */
 void oracle_features_keep_free(struct oracle_features *features);
 
-/* Are they of one object, with a vertex in common? */
+/* Return whether they are of one object, with a vertex in common. */
 bool oracle_features_share_vertex(const struct oracle_feature *a,
                                   const struct oracle_feature *b);
 
@@ -101,9 +101,9 @@ void oracle_near_features(const struct oracle_moment *moment,
 bool oracle_near_crossings(const struct oracle_moment *moment, uint64_t queries_max,
                            struct oracle_nears *crossings);
 
-/* Of each vertex of objects[at] the least of the pairs that it is a point of: of d_lo
- * less both radii, whose sum is rounded up, then down and to no less than 0; `distance`
- * where there is none. */
+/* Write, for each vertex of objects[at], the least of the pairs that it is a point of: of
+ * d_lo less both radii, whose sum is rounded up, then down and to no less than 0;
+ * `distance` where there is none. */
 void oracle_near_bounds(const struct oracle_moment *moment,
                         const struct oracle_nears *pairs, uint32_t at, double distance,
                         double *bounds);
@@ -158,16 +158,16 @@ void oracle_nears_sort(struct oracle_nears *nears);
  * `asked`: two objects by id; or one, or none (0), with all others; of them those that
  * may meet. All functions end the process where memory ends. */
 
-/* Of each two the pair whose surfaces are nearest, its distance less its radii, the first
- * of equals; an edge that passes through a face is a pair at distance 0. None where that
- * is more than `distance`, which may be INFINITY. false, and nothing is found: it would
- * take more than `queries_max` exact decisions. */
+/* Find, for each two, the pair whose surfaces are nearest, its distance less its radii,
+ * the first of equals; an edge that passes through a face is a pair at distance 0. None
+ * where that is more than `distance`, which may be INFINITY. false, and nothing is found:
+ * it would take more than `queries_max` exact decisions. */
 bool oracle_objects_nearest(const struct oracle_moment *moment, const uint32_t asked[2],
                             double distance, uint64_t queries_max,
                             struct oracle_nears *nears);
 
-/* Of each vertex that is inside the surface of another object the nearest of its faces,
- * the first of equals; and how many edges pass through faces of another object. As
+/* Find, for each vertex that is inside the surface of another object, the nearest of its
+ * faces, the first of equals; and how many edges pass through faces of another object. As
  * above. */
 bool oracle_objects_depth(const struct oracle_moment *moment, const uint32_t asked[2],
                           uint64_t queries_max, struct oracle_nears *nears,

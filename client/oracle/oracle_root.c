@@ -37,8 +37,8 @@ void root_set_end(struct root *root, int t)
     root->is_exact = true;
 }
 
-/* What is left to look at, the leftmost on top. Pending intervals have at least one
- * variation each, together at most the degree, and pending points are roots. */
+/* A stack of what is left to look at, the leftmost on top. Pending intervals have at
+ * least one variation each, together at most the degree, and pending points are roots. */
 struct pending {
     struct root at[2 * POLY_DEGREE_MAX + 2];
     int count;
@@ -136,7 +136,7 @@ void root_narrow(struct root *root)
     root->is_exact = poly_sign_at(&root->g, root->a, root->n) == 0;
 }
 
-/* Do s and g share the root? Their common divisor has at most one root in the
+/* Return whether s and g share the root. Their common divisor has at most one root in the
  * interval. */
 static bool is_shared(const struct root *root, const struct poly *s)
 {

@@ -42,7 +42,7 @@ void oracle_ee_points(const struct oracle_object *a, const uint32_t edge_a[2],
     }
 }
 
-/* Is point i above point j along an axis at both ends? */
+/* Return whether point i is above point j along an axis at both ends. */
 static bool is_above(const double p[8][3], int i, int j, int axis)
 {
     return p[i][axis] > p[j][axis] && p[4 + i][axis] > p[4 + j][axis];

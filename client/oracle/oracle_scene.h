@@ -66,8 +66,8 @@ int oracle_pair_compare(const void *a, const void *b);
 /* Edges of an object, numbered as above. Freed by the caller. */
 uint32_t (*oracle_edges(const struct oracle_object *object, uint32_t *count))[2];
 
-/* Does an axis separate the features of a pair: do all points of the one lie above all
- * points of the other along it, at both ends of the motion? */
+/* Return whether an axis separates the features of a pair: all points of the one lie
+ * above all points of the other along it, at both ends of the motion. */
 bool oracle_is_apart(enum oracle_kind kind, const double p[8][3]);
 
 /* The eight points of a pair. `edges` of each object as oracle_edges gives them. */

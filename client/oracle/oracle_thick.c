@@ -158,7 +158,8 @@ static void add_insides(struct problem *problem, bool is_face)
     poly_clear(&share);
 }
 
-/* Of a feature with `count` points from point `begin` on: the ends of side number i. */
+/* Return the ends of side number i of a feature with `count` points from point `begin`
+ * on. */
 static void side_of(int begin, int count, int i, int *from, int *to)
 {
     *from = begin + i;
@@ -246,7 +247,7 @@ static void set_excess(struct problem *problem)
     poly_clear(&product);
 }
 
-/* Are the feet inside at `root`, and is den not 0? */
+/* Return whether the feet are inside at `root`, and den is not 0. */
 static bool has_feet_at(const struct parts *parts, struct root *root)
 {
     for (int i = 0; i < parts->side_count; i++) {
@@ -257,7 +258,8 @@ static bool has_feet_at(const struct parts *parts, struct root *root)
     return root_sign(root, &parts->den) > 0;
 }
 
-/* Is the distance at most r at `root`? Parts number `first` are asked first. */
+/* Return whether the distance is at most r at `root`. Parts number `first` are asked
+ * first. */
 static bool is_within_at(const struct problem *problem, struct root *root, int first)
 {
     for (int n = 0; n < problem->count; n++) {

@@ -25,7 +25,7 @@ struct oracle_thick {
     double approach;  /* 0 < s < 1, or 0: see below */
 };
 
-/* Is the distance at t = 0 at most r? */
+/* Return whether the distance at t = 0 is at most r. */
 bool oracle_thick_is_inside(const struct oracle_thick *thick);
 
 /* The first time at which the distance is at most r; NULL: there is none. With approach
@@ -42,17 +42,17 @@ struct oracle_first *oracle_thick_first_new(const struct oracle_thick *thick);
 double oracle_radius(const struct oracle_object *object, const uint32_t *v,
                      uint32_t points);
 
-/* Do at most `rings` edges lead from a vertex of a to one of b? Ends the process where
- * memory ends. */
+/* Return whether at most `rings` edges lead from a vertex of a to one of b. Ends the
+ * process where memory ends. */
 bool oracle_are_joined(const uint32_t (*edges)[2], uint32_t edge_count,
                        uint32_t vertex_count, const uint32_t *a, uint32_t points_a,
                        const uint32_t *b, uint32_t points_b, uint32_t rings);
 
-/* x: the points of a vertex and a face or, points_a 2, of two edges; of fewer points the
- * last is repeated. Is the distance below d? */
+/* Return whether the distance is below d. x: the points of a vertex and a face or,
+ * points_a 2, of two edges; of fewer points the last is repeated. */
 bool oracle_is_nearer(uint32_t points_a, const double x[4][3], double d);
 
-/* Is it at most the exact sum of d and both radii? */
+/* Return whether it is at most the exact sum of d and both radii. */
 bool oracle_is_within(uint32_t points_a, const double x[4][3], const double radius[2],
                       double d);
 

@@ -18,8 +18,8 @@ void record_answer_hash(uint32_t version, const void *records, uint64_t count,
                         size_t record_bytes, uint64_t hash[2]);
 /* The same of mode any, in both versions. */
 void record_verdict_hash(uint32_t verdict, uint64_t hash[2]);
-/* What record_answer_hash takes of answers about the bounds of vertices, whose records
- * are the bounds alone. */
+/* The record that record_answer_hash takes of answers about the bounds of vertices, whose
+ * records are the bounds alone. */
 struct record_bound {
     uint32_t object, vertex;
     double bound;

@@ -36,7 +36,7 @@ struct record_writer {
     size_t out_room;
 };
 
-/* Whether this build can compress and decompress. */
+/* Return whether this build can compress and decompress. */
 bool record_has_zstd(void);
 
 /* Make the file, which must not exist, and write its head. PCCD_E_SYSTEM: errno says
@@ -53,7 +53,7 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
 /* Take the last chunk back, as room for another one, once; raw_bytes still counts it.
  * PCCD_E_SYSTEM: there is none, or the file cannot be cut. */
 int record_writer_take_back(struct record_writer *writer);
-/* Of a chunk with such a payload at most. */
+/* Return the bytes of a chunk with such a payload, at most. */
 uint64_t record_chunk_bytes_max(uint64_t payload_bytes);
 /* Close the file; buffers stay for the next. 0 or PCCD_E_SYSTEM. */
 int record_writer_close(struct record_writer *writer);
@@ -70,7 +70,7 @@ int record_chunk_judge(const struct record_chunk *chunk, char text[RECORD_TEXT_B
  * PCCD_E_FORMAT, PCCD_E_NOMEM. */
 int record_chunk_unpack(const struct record_chunk *chunk, const void *stored, void *to,
                         char text[RECORD_TEXT_BYTES]);
-/* Whether a payload that is much longer than it is stored can be so long, by its
+/* Check whether a payload that is much longer than it is stored can be so long, by its
  * beginning and what that counts, before there is memory for it. PCCD_OK, PCCD_E_FORMAT,
  * PCCD_E_NOMEM. */
 int record_chunk_measure(const struct record_chunk *chunk, const void *stored,
@@ -79,8 +79,8 @@ int record_chunk_measure(const struct record_chunk *chunk, const void *stored,
  * many of them as it takes to know; `have`: these are enough. PLACE: any. */
 uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,
                              uint64_t *wants);
-/* Whether a payload is what its kind says: lengths, counts, indices, ranges. Everything
- * that a reader of the payload relies on, but for what other chunks say. */
+/* Check that a payload is what its kind says: lengths, counts, indices, ranges.
+ * Everything that a reader of the payload relies on, but for what other chunks say. */
 int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
                          char text[RECORD_TEXT_BYTES]);
 

@@ -83,9 +83,9 @@ enum record_kind {
 #undef RECORD_ENUM
 };
 
-/* What a file needs of its reader. Bits are never given anew. Whatever a file holds that
- * a reader of before would misread (chunks, kinds of contact, radii, requests) has a
- * bit. */
+/* The features that a file needs of its reader. Bits are never given anew. Whatever a
+ * file holds that a reader of before would misread (chunks, kinds of contact, radii,
+ * requests) has a bit. */
 enum record_feature {
     RECORD_FEATURE_FILTERS = 1, /* FILTER and PAIRS */
     RECORD_FEATURE_SHARED = 2,  /* GUEST and MOVE */

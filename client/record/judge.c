@@ -156,7 +156,7 @@ static bool is_inside(uint64_t offset, uint64_t bytes, uint64_t all)
     return offset % 8 == 0 && offset <= all && bytes <= all - offset;
 }
 
-/* Of one end of a segment. */
+/* Return the bytes of one end of a segment. */
 static uint64_t positions_bytes(const struct record_segment *segment)
 {
     return segment->kind == RECORD_RIGID
@@ -189,7 +189,7 @@ static int judge_segments(const uint8_t *slot, uint64_t all, uint32_t count,
     return PCCD_OK;
 }
 
-/* Of a FRAME, or of a MOVE, which has no number. */
+/* Judge a FRAME, or a MOVE, which has no number. */
 static int judge_frame(const void *payload, uint64_t bytes, bool is_numbered,
                        char text[RECORD_TEXT_BYTES])
 {
@@ -216,7 +216,7 @@ static int judge_near(const void *payload, uint64_t bytes, char text[RECORD_TEXT
     return judge_segments(slot, bytes - sizeof near, near.segment_count, near.step, text);
 }
 
-/* Is that all records of so many bytes, one size or the other? */
+/* Return whether that is all records of so many bytes, one size or the other. */
 static bool are_whole(const void *payload, uint64_t bytes, size_t one, size_t other)
 {
     struct record_records records;
@@ -261,7 +261,8 @@ static int judge_filter(const void *payload, uint64_t bytes, char text[RECORD_TE
                : bad(text, "a thickness that cannot be one");
 }
 
-/* Of a scene that was made, or an object that was added: 0 names none. */
+/* Judge the handles of a scene that was made, or an object that was added: 0 names none.
+ */
 static int judge_handles(uint16_t kind, const void *payload, char text[RECORD_TEXT_BYTES])
 {
     struct record_scene scene;
@@ -340,7 +341,8 @@ static int judge_pairs(const void *payload, uint64_t bytes, char text[RECORD_TEX
     return PCCD_OK;
 }
 
-/* Of the struct that a payload begins with; 0: any. is_all: it ends with it. */
+/* Return the bytes of the struct that a payload begins with; 0: any. is_all: it ends with
+ * it. */
 static uint64_t head_bytes(uint16_t kind, bool *is_all)
 {
 #define HEAD(name, type)                                                                 \
@@ -387,7 +389,8 @@ static uint64_t head_bytes(uint16_t kind, bool *is_all)
 
 /* ---- how long a payload can be ----------------------------------------------------- */
 
-/* What lies behind the head of a MESH, GUEST, RADII, FREE, PAIRS or records, at most. */
+/* Return the most that lies behind the head of a MESH, GUEST, RADII, FREE, PAIRS or
+ * records, at most. */
 static uint64_t counted_bytes(uint16_t kind, const void *head)
 {
     union {

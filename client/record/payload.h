@@ -9,7 +9,7 @@
 
 #include "object_attributes.h"
 
-/* Of a segment. */
+/* Flags of a segment. */
 enum record_flag {
     RECORD_HAS_RECORDS = 1, /* RECORDS are kept */
     /* Mode pairs answers the pairs that no axis separates, by the coordinates as they
@@ -131,7 +131,7 @@ struct record_answer {
     uint64_t counters[RECORD_COUNTERS];
 };
 
-/* Of RECORDS and NEAR_RECORDS. */
+/* The head of RECORDS and NEAR_RECORDS. */
 struct record_records {
     uint64_t step;
     uint64_t first;
@@ -224,16 +224,17 @@ struct record_end {
 
 /* ---- FILTER, and the tuning of earlier recordings ---------------------------------- */
 
-/* Of `given`, those that `what` names (bits of enum pccd_object_what, or all). */
+/* Make a filter of those of `given` that `what` names (bits of enum pccd_object_what, or
+ * all). */
 void record_filter_make(struct record_filter *filter, uint32_t scene, uint32_t object,
                         uint32_t what, const struct common_attributes *given);
 /* A payload that was judged. */
 void record_filter_read(const void *payload, uint64_t bytes, struct record_filter *filter,
                         struct common_attributes *given);
 
-/* What the numbers of a frame say of how threads share it, in the words of today: ""
- * where all three are 0, as in every frame that is written now; a number that has never
- * had a meaning counts as 0. */
+/* Write what the numbers of a frame say of how threads share it, in the words of today:
+ * "" where all three are 0, as in every frame that is written now; a number that has
+ * never had a meaning counts as 0. */
 void record_former_tuning(const struct record_frame *frame, char text[PCCD_TUNING_BYTES]);
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "chunk.h"
 
-/* How a file ends. */
+/* The ways in which a file ends. */
 enum record_ending {
     RECORD_ENDING_UNKNOWN = 0, /* not read to the end yet */
     RECORD_ENDING_WHOLE,       /* with END */

@@ -167,7 +167,7 @@ struct registry_scene *registry_add_scene(struct registry *registry, uint32_t ha
     return made;
 }
 
-/* What an object has of its own; its mesh goes with the last one. */
+/* Free what an object has of its own; its mesh goes with the last one. */
 static void empty_object(struct registry *registry, struct registry_object *object)
 {
     registry_free_positions(object);

@@ -43,7 +43,7 @@ struct registry_pair {
     bool ignored;
 };
 
-/* What was said, the last word on a pair counts. All zero: nothing. */
+/* The pairs that were named; the last word on a pair counts. All zero: nothing. */
 struct registry_pairs {
     struct registry_pair *said; /* [room] */
     uint32_t count;
@@ -59,20 +59,21 @@ void registry_pairs_forget(struct registry_pairs *pairs, uint32_t object);
 /* Leave those that ignore each other, each once, in the order of their handles. Nothing
  * where nothing was told since the last time, else O(count log count). */
 void registry_pairs_settle(struct registry_pairs *pairs);
-/* Whether two objects ignore each other. O(log count), of pairs that are settled. */
+/* Return whether two objects ignore each other. O(log count), of pairs that are settled.
+ */
 bool registry_pairs_has(const struct registry_pairs *pairs, uint32_t a, uint32_t b);
 void registry_pairs_deinit(struct registry_pairs *pairs);
 
 /* ---- The structs of a registry: meshes, scenes and objects. */
 
-/* What a mesh is made of. The arrays need not be aligned. */
+/* The parts that a mesh is made of. The arrays need not be aligned. */
 struct registry_shape {
     uint32_t format; /* enum pccd_format, of x */
     uint32_t vertex_count, triangle_count, edge_count, point_count;
     const void *x;         /* [vertex_count][3] */
     const void *triangles; /* uint32_t [triangle_count][3] */
     const void *edges;  /* uint32_t [edge_count][2]: those that are named by themselves */
-    const void *points; /* uint32_t [point_count]: likewise */
+    const void *points; /* uint32_t [point_count]: named so */
     const void *radii;  /* double [vertex_count]; NULL: there are none */
 };
 
@@ -99,7 +100,7 @@ struct registry_mesh {
     uint32_t named_edge_count;
     uint32_t named_point_count;
     uint32_t (*named_edges)[2]; /* by themselves; NULL: there are none */
-    uint32_t *named_points;     /* likewise */
+    uint32_t *named_points;     /* by themselves; NULL: there are none */
 };
 
 enum registry_placing {
@@ -124,7 +125,7 @@ struct registry_object {
     bool is_told; /* ... and its attributes, for whoever tells it */
 };
 
-/* Of a scene, as when it was made. */
+/* Settings of a scene, as when it was made. */
 struct registry_settings {
     uint32_t share; /* enum pccd_share */
     uint32_t rights;
@@ -160,7 +161,7 @@ struct registry {
 
 /* A copy of a mesh, which no registry has yet; NULL: no memory. */
 struct registry_mesh *registry_mesh_copy(const struct registry_shape *shape);
-/* What it is made of; the arrays are the mesh's. */
+/* Return what it is made of; the arrays are the mesh's. */
 struct registry_shape registry_mesh_shape(const struct registry_mesh *mesh);
 /* A mesh that no registry has; NULL is allowed. */
 void registry_mesh_free(struct registry_mesh *mesh);
@@ -200,11 +201,11 @@ void registry_remove_object(struct registry *registry, struct registry_scene *sc
 /* Set those of its attributes that `what` names. */
 void registry_set_object(struct registry_object *object, uint32_t what,
                          const struct common_attributes *given);
-/* Whether anything was ever set of what its objects may meet, and not taken back; its
- * pairs may have to be settled before. */
+/* Return whether anything was ever set of what its objects may meet, and not taken back;
+ * its pairs may have to be settled before. */
 bool registry_is_filtered(const struct registry_scene *scene);
-/* Whether these two objects, or this one and itself, are tested against each other. The
- * scene's pairs are settled. */
+/* Return whether these two objects, or this one and itself, are tested against each
+ * other. The scene's pairs are settled. */
 bool registry_may_meet(const struct registry_scene *scene,
                        const struct registry_object *a, const struct registry_object *b);
 

@@ -221,7 +221,7 @@ void registry_move(struct registry_object *object, const struct registry_motion 
     object->placing = REGISTRY_FREELY;
 }
 
-/* Of one end, counted from motion->first. */
+/* Return the first stray of one end, counted from motion->first. */
 static uint32_t stray_at(const struct registry_object *object,
                          const struct registry_motion *motion, const void *from)
 {

@@ -36,7 +36,7 @@ static ssize_t write_some(void *cookie, const char *from, size_t bytes)
 
 /* ---- names ------------------------------------------------------------------------- */
 
-/* What follows is a descriptor of ours, whatever stands behind it. */
+/* Return whether `path` names a descriptor of ours, whatever stands behind it. */
 static bool is_descriptor(const char *path)
 {
     return strncmp(path, "/dev/fd/", 8) == 0 || strncmp(path, "/dev/std", 8) == 0 ||

@@ -37,7 +37,7 @@ void whole_file_discard(struct whole_file *file);
 
 /* ---- What the name of a file tells. */
 
-/* Whether `path` ends with `ending`, such as ".png", and is more than that. */
+/* Return whether `path` ends with `ending`, such as ".png", and is more than that. */
 bool tool_ends_with(const char *path, const char *ending);
 /* `path` from behind its last slash on; all of it, if nothing is there. */
 const char *tool_base_name(const char *path);

@@ -204,7 +204,7 @@ static void free_service(struct srv_service *service)
     free(service);
 }
 
-/* Of the machine; 2 GiB where it does not say. */
+/* Return the memory of the machine; 2 GiB where it does not say. */
 static uint64_t memory_bytes(void)
 {
     long pages = sysconf(_SC_PHYS_PAGES);

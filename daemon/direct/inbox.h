@@ -22,7 +22,7 @@
 /* Beyond so many, what may wait is not told before the client has taken them. */
 #define SRV_INBOX_FREE_MAX 256u
 
-/* What host.h calls the way to a client. */
+/* The connection of host.h to a client. */
 struct srv_conn {
     struct srv_conn *prev; /* of the process; under the turn (turn.c) */
     struct srv_conn *next;
@@ -54,7 +54,7 @@ int srv_inbox_descriptor(struct srv_conn *conn);
 /* Have the descriptor be readable from that time on, CLOCK_MONOTONIC, too; 0: not any
  * more. [turn] */
 void srv_inbox_alarm(struct srv_conn *conn, uint64_t at_ns);
-/* Whether it has taken all messages since srv_conn_is_free said no; once. */
+/* Return whether it has taken all messages since srv_conn_is_free said no; once. */
 bool srv_inbox_is_behind(struct srv_conn *conn);
 /* Nothing more comes. */
 bool srv_inbox_is_finished(struct srv_conn *conn);

@@ -199,7 +199,7 @@ static int add_kept(struct eng_step_memory *memory, const struct eng_team *team,
     return PCCD_OK;
 }
 
-/* Is what was found merged apart from what stands? */
+/* Return whether what was found is merged apart from what stands. */
 static bool merge_is_beside(const struct eng_step_memory *memory)
 {
     return memory->merge->out == &memory->found;

@@ -28,9 +28,9 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
 void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
                     struct eng_step_result *result);
 
-/* What the workers found in order in the list that begin was given, and counted. Says why
- * that is not all of it: settings->contact_max, memory (PCCD_E_NOMEM, and the list is
- * empty), or as the stop does. */
+/* Put what the workers found in order into the list that begin was given, and count it.
+ * Say why that is not all of it: settings->contact_max, memory (PCCD_E_NOMEM, and the
+ * list is empty), or as the stop does. */
 int eng_answer_collect(struct eng_step_memory *memory, const struct eng_team *team,
                        enum pccd_incomplete *incomplete, struct eng_counts *counts);
 

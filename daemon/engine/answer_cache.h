@@ -42,23 +42,24 @@ struct eng_answer_cache {
 void eng_answer_cache_deinit(struct eng_answer_cache *cache);
 uint64_t eng_answer_cache_bytes(const struct eng_answer_cache *cache);
 
-/* Is the last answer one to a step with these settings, by which the scene came to where
- * it was at this number of the motion (moving.h)? */
+/* Return whether the last answer is one to a step with these settings, by which the scene
+ * came to where it was at this number of the motion (moving.h). */
 bool eng_answer_cache_fits(const struct eng_answer_cache *cache,
                            const struct eng_scene *scene,
                            const struct eng_question *question, uint64_t number);
 
-/* Are its records so few that a brief step (step.h) may look at all, and copy them? */
+/* Return whether its records are so few that a brief step (step.h) may look at all, and
+ * copy them. */
 bool eng_answer_cache_is_brief(const struct eng_answer_cache *cache);
 
-/* The positions have moved on: does the last answer, `records`, serve a step with these
- * settings, and is it worth it? Reserves memory; without it, no. */
+/* Return, when the positions have moved on, whether the last answer, `records`, serves a
+ * step with these settings, and it is worth it. Reserves memory; without it, false. */
 bool eng_answer_cache_begin(struct eng_answer_cache *cache, const struct eng_scene *scene,
                             const struct eng_question *question,
                             const struct eng_records *records);
 
-/* If it does, in mode any: has the pair that met neither moved nor gone? Then the answer
- * is yes again. */
+/* Return, if it does, in mode any, whether the pair that met has neither moved nor gone.
+ * Then the answer is yes again. */
 bool eng_answer_cache_decides(const struct eng_answer_cache *cache,
                               const struct eng_scene *scene);
 
@@ -68,8 +69,8 @@ double eng_answer_cache_select(struct eng_answer_cache *cache,
                                const struct eng_scene *scene, struct eng_records *records,
                                struct eng_counts *counts);
 
-/* Of an answer's records and their counts: do more than half begin within the distance of
- * their objects, of which one is thick? */
+/* Return whether more than half of an answer's records begin within the distance of their
+ * objects, of which one is thick. */
 bool eng_answer_cache_is_crowded(const struct eng_scene *scene,
                                  const struct eng_records *records,
                                  const struct eng_counts *counts);

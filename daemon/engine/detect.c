@@ -81,7 +81,7 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_question *quest
     return eng_answer_begin(memory, team, out);
 }
 
-/* What goes on beside the traversal, by one thread. A brief step has no time for more
+/* Do what goes on beside the traversal, by one thread. A brief step has no time for more
  * than itself. */
 static void beside(struct eng_team *team, struct eng_worker *worker)
 {
@@ -135,8 +135,8 @@ static uint64_t run_alone(struct eng_team *team, struct pccd_step_times *times)
     return end_ns;
 }
 
-/* What follows the refit, by the thread that ended it: a part of its time with low-level
- * nodes, as what is rebuilt here is. */
+/* Do what follows the refit, by the thread that ended it: a part of its time with
+ * low-level nodes, as what is rebuilt here is. */
 static void begin_tasks(struct eng_team *team, struct eng_worker *worker, bool by_paper)
 {
     team->count = (uint32_t)omp_get_num_threads();

@@ -26,7 +26,7 @@ uint64_t eng_detect_count(struct eng_team *team, struct eng_thread_record *recor
                           struct pccd_step_times *times,
                           struct pccd_step_counters *counters);
 
-/* Of a step: the same of pairs that meet at a distance. */
+/* Count the same for the pairs of a step that meet at a distance. */
 void eng_detect_count_thick(const struct eng_team *team, struct eng_thick_counters *sum);
 
 /* Triangles of the scene, 2^32 - 1 if there are more. */

@@ -27,7 +27,7 @@
  * near nothing but itself. */
 #define TRIANGLE_NS 500u
 
-/* Is the team, by the clock? It is, until one thread has been tried. */
+/* Return whether the team is, by the clock. It is, until one thread has been tried. */
 static bool is_quicker(struct eng_effort *effort, enum pccd_mode mode)
 {
     struct eng_effort_took *took = &effort->took[mode];

@@ -9,7 +9,7 @@
 #include "trees.h"
 #include "wide.h"
 
-/* What is kept as a distance outward: minus the lower bound, plus the upper. */
+/* Copy bounds kept as distances outward: minus the lower bound, plus the upper. */
 static void copy_extents(const struct eng_extents *from, struct pccd_box *to)
 {
     for (uint32_t axis = 0; axis < 3; axis++) {
@@ -29,7 +29,7 @@ static const struct pccd_box nothing = {{INFINITY, INFINITY, INFINITY},
 
 /* The bounds of one end, measured in a frame, as coordinates: rounded outward. */
 static void unite_end(const float low[3], const float high[3],
-                      const struct eng_frame *frame, int end, float to_low[3],
+                      const struct eng_box_frame *frame, int end, float to_low[3],
                       float to_high[3])
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -47,7 +47,7 @@ static void unite_end(const float low[3], const float high[3],
 }
 
 /* Widen `to` by a box of an object. */
-static void unite(const struct pccd_box *box, const struct eng_frame *frame,
+static void unite(const struct pccd_box *box, const struct eng_box_frame *frame,
                   struct pccd_box *to)
 {
     unite_end(box->low0, box->high0, frame, 0, to->low0, to->high0);
@@ -57,8 +57,8 @@ static void unite(const struct pccd_box *box, const struct eng_frame *frame,
 /* ---- the method wide --------------------------------------------------------------- */
 
 /* The frame of the object whose features are in a block of level 0; NULL: nobody's. */
-static const struct eng_frame *frame_of_block(const struct eng_scene *scene,
-                                              enum pccd_tree kind, uint32_t block)
+static const struct eng_box_frame *frame_of_block(const struct eng_scene *scene,
+                                                  enum pccd_tree kind, uint32_t block)
 {
     const struct eng_wide *wide = eng_wide_of(scene);
     const struct eng_wide_tree *tree = &wide->trees[kind];
@@ -73,7 +73,8 @@ static const struct eng_frame *frame_of_block(const struct eng_scene *scene,
     return owner == ENG_WIDE_NOBODY ? NULL : &scene->objects[owner >> 32].frame;
 }
 
-/* What is below a block of a level, object by object: they may have different frames. */
+/* Return the box of what is below a block of a level, object by object: they may have
+ * different frames. */
 static struct pccd_box out_of_frames(const struct eng_scene *scene, enum pccd_tree kind,
                                      uint32_t level, uint32_t block)
 {
@@ -82,7 +83,7 @@ static struct pccd_box out_of_frames(const struct eng_scene *scene, enum pccd_tr
     uint64_t first = (uint64_t)block << level * ENG_WIDE_BITS;
     uint64_t end = (uint64_t)(block + 1) << level * ENG_WIDE_BITS;
     for (uint64_t i = first; i < end && i < tree->block_count[0]; i++) {
-        const struct eng_frame *frame = frame_of_block(scene, kind, (uint32_t)i);
+        const struct eng_box_frame *frame = frame_of_block(scene, kind, (uint32_t)i);
         if (frame) {
             struct pccd_box box;
             copy_extents(eng_wide_boxes(tree, 0) + i, &box);

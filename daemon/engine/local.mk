@@ -58,7 +58,7 @@ libengine_la_SOURCES = \
     daemon/engine/team/wait.c \
     daemon/engine/team/worker.c \
     daemon/engine/scene/feature.c \
-    daemon/engine/scene/frames.c \
+    daemon/engine/scene/box_frames.c \
     daemon/engine/scene/ingest.c \
     daemon/engine/scene/masks.c \
     daemon/engine/scene/mesh_fill.c \

@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "answer.h"
+#include "box_frames.h"
 #include "clock.h"
 #include "detect.h"
-#include "frames.h"
 #include "memory.h"
 #include "narrow.h"
 #include "near_objects.h"
@@ -26,7 +26,7 @@ static bool is_length(double length)
     return length >= 0 && length <= 1e18;
 }
 
-/* Of those that the question looks at. */
+/* Check the lengths that the question looks at. */
 static bool lengths_are_valid(const struct eng_question *question)
 {
     switch (question->verb) {
@@ -66,7 +66,7 @@ static uint32_t kinds_for(const struct eng_question *question)
     return question->tells_crossings ? pairs | crossings : pairs;
 }
 
-/* Do radii of objects enter, or pairs that are left thin for their rest? */
+/* Return whether radii of objects enter, or pairs that are left thin for their rest. */
 static bool is_thick(enum pccd_near_what what, const struct eng_thickness *thickness)
 {
     switch (what) {
@@ -171,7 +171,8 @@ static void begin_bounds(struct eng_near_memory *memory, const struct eng_scene 
     }
 }
 
-/* Of a vertex in the scene's arrays; INFINITY: no pair is near that it is part of. */
+/* Return the bound of a vertex in the scene's arrays; INFINITY: no pair is near that it
+ * is part of. */
 static double bound_of(const struct eng_near_memory *memory, uint32_t vertex)
 {
     uint64_t bits = atomic_load_explicit(&memory->bounds[vertex], memory_order_relaxed);
@@ -230,7 +231,7 @@ static void count_records(const struct eng_records *records,
     }
 }
 
-/* What the workers have seen is in the answer, if that is complete. */
+/* Sum up what the workers have seen, if the answer is complete. */
 static void sum_up(const struct eng_team *team, const struct eng_counts *counts,
                    struct eng_step_result *result)
 {
@@ -341,7 +342,7 @@ static void answer(struct eng_team *team, const struct eng_question *question,
 
 /* ---- the search -------------------------------------------------------------------- */
 
-/* Positions that are staged become the scene's. Then: are there boxes of them? */
+/* Make staged positions the scene's, and find out whether there are boxes of them. */
 static int arrive(struct eng_team *team, struct eng_question *question)
 {
     struct eng_scene *scene = team->scene;
@@ -353,12 +354,12 @@ static int arrive(struct eng_team *team, struct eng_question *question)
         scene->step++;
     }
     team->has_boxes = !scene->has_lost_start && team->method->has_boxes(scene) &&
-                      eng_frames_keep_distances(scene);
+                      eng_box_frames_keep_distances(scene);
     if (!team->has_boxes) {
-        eng_frames_follow(scene);
+        eng_box_frames_follow(scene);
     }
-    if (!eng_frames_keep_distances(scene)) {
-        eng_frames_choose_keeping(scene, 1 - scene->now, scene->now);
+    if (!eng_box_frames_keep_distances(scene)) {
+        eng_box_frames_choose_keeping(scene, 1 - scene->now, scene->now);
     }
     eng_rigid_choose(scene, false);
     struct eng_sought *sought = &question->sought;

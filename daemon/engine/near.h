@@ -12,7 +12,7 @@
 #include "scene.h"
 #include "step_result.h"
 
-/* What VERTICES has of a vertex, as it is hashed. */
+/* The record of a vertex in VERTICES, as it is hashed. */
 struct eng_vertex_bound {
     uint32_t object;
     uint32_t vertex;
@@ -30,7 +30,7 @@ struct eng_vertex_bound {
 int eng_near(struct eng_scene *scene, const struct eng_question *question,
              struct eng_step_result *result);
 
-/* How the step begins that the scene has just made with these settings, in counts: its
+/* Count how the step begins that the scene has just made with these settings: its
  * crossings and, if it has an approach, the pairs within their distance. As above. */
 int eng_near_start(struct eng_scene *scene, const struct eng_question *step,
                    struct eng_step_result *result);

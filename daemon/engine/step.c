@@ -8,9 +8,9 @@
 #include <math.h>
 
 #include "answer.h"
+#include "box_frames.h"
 #include "clock.h"
 #include "detect.h"
-#include "frames.h"
 #include "memory.h"
 #include "method.h"
 #include "near.h"
@@ -23,7 +23,7 @@
 
 /* ---- is the step certain to end soon? ---------------------------------------------- */
 
-/* What the last step took, as it is believed (step_memory.h). */
+/* The work of the last step, as it is believed (step_memory.h). */
 #define WORK_NS 30000u
 
 /* Blocks of sixteen: boxes are made of each, and all pairs of blocks may be joined. Two
@@ -39,7 +39,8 @@
 /* The same of a step that does nothing else: some 20 us. */
 #define OBJECTS_AT_REST 1024u
 
-/* Are they settings of a step that can be brief: whose work is bounded as step.h says? */
+/* Return whether they are settings of a step that can be brief: whose work is bounded as
+ * step.h says. */
 static bool can_be_brief(const struct eng_question *question)
 {
     return question->mode != PCCD_MODE_PAIRS && question->distance == 0 &&
@@ -81,8 +82,8 @@ static bool is_at_rest(const struct eng_scene *scene, const struct eng_question 
            eng_step_memory_stays(memory) && eng_wide_work_of(memory->workers[0]);
 }
 
-/* The boxes and records at hand have been looked at: is what is left of a brief step
- * bounded likewise? */
+/* Return whether what is left of a brief step, after a look at the boxes and records at
+ * hand, is bounded so. */
 static bool is_bounded(const struct eng_scene *scene, const struct eng_team *team)
 {
     return trees_are_small(eng_wide_of(scene)) ||
@@ -148,7 +149,7 @@ static int check(const struct eng_question *question)
     return question->distance <= SEPARATION_MAX ? PCCD_OK : PCCD_E_LIMIT;
 }
 
-/* What is left of the work where most stands still is for one thread, as a rule. */
+/* Leave the step to one thread, as a rule, where most stands still. */
 static void make_single(struct eng_step_memory *memory, struct eng_team *team,
                         const struct eng_question *question, struct eng_stop *stop)
 {
@@ -160,7 +161,7 @@ static void make_single(struct eng_step_memory *memory, struct eng_team *team,
     (void)status;
 }
 
-/* How much of the scene moves, 0 .. 1. */
+/* Return how much of the scene moves, 0 .. 1. */
 static double moving_part(const struct eng_scene *scene)
 {
     const struct eng_moving *moving = &scene->moving;
@@ -298,7 +299,7 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     r.times.ingest = scene->stage_ns;
     scene->step++;
     keep_what_stands(&team, question, &stop);
-    eng_frames_follow(scene);
+    eng_box_frames_follow(scene);
     eng_rigid_choose(scene, question->mode != PCCD_MODE_PAIRS && !is_part);
     team.method->start(&team, question);
     if (question->brief && !is_bounded(scene, &team)) {
@@ -326,7 +327,7 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     return PCCD_OK;
 }
 
-/* What finding out how it begins took is the step's. */
+/* Add to the step what finding out how it begins took. */
 static void add_work(const struct eng_step_result *near, struct eng_step_result *result)
 {
     struct pccd_step_counters *counters = &result->counters;
@@ -345,8 +346,8 @@ static void add_work(const struct eng_step_result *near, struct eng_step_result 
     result->times.step += near->times.step;
 }
 
-/* How it began, and what that leaves of its answer. Who does not know all of it does not
- * say that it is free. */
+/* Tell how it began, and what that leaves of its answer. Who does not know all of it does
+ * not say that it is free. */
 static void tell_start(struct eng_scene *scene, const struct eng_question *question,
                        struct eng_step_result *result)
 {

@@ -30,18 +30,19 @@ int eng_mesh_sort_features(struct eng_mesh *mesh, uint32_t threads);
 int eng_step(struct eng_scene *scene, const struct eng_question *question,
              struct eng_step_result *result);
 
-/* How much work the next step with these settings will be, as the last ones were;
+/* Return how much work the next step with these settings will be, as the last ones were;
  * nanoseconds of one thread. A guess by the size of the scene before the first. */
 uint64_t eng_step_expects(const struct eng_scene *scene,
                           const struct eng_question *question);
 
-/* Is so much work, in steps that do not depend on each other, worth a team? */
+/* Return whether so much work, in steps that do not depend on each other, is worth a
+ * team. */
 bool eng_team_pays(uint64_t work_ns);
 
 /* No step is to follow soon: free the threads' scratch, 0.8 MB each. The answer stays. */
 void eng_step_free_scratch(struct eng_scene *scene);
 
-/* What it would say of a step that has to end before it begins: nothing was found. Of the
+/* Write the result of a step that has to end before it begins: nothing was found. Of the
  * settings, mode, method and scheduler matter. [any] */
 void eng_step_empty_result(const struct eng_question *question,
                            struct eng_step_result *result);
@@ -59,14 +60,14 @@ uint32_t eng_level_boxes(const struct eng_scene *scene, enum pccd_tree tree,
 
 /* ---- steps that end soon ----------------------------------------------------------- */
 
-/* Whether the next step with these settings can be asked for as a brief one, with `brief`
- * set, by somebody who must not be held up: its last step in that mode was short, and
- * none of the sizes that the time of a step grows with is more than a few hundred. What
- * depends on the positions is bounded by the step itself, by counts and not by a clock:
- * it ends with PCCD_E_AGAIN before it tests more candidates than a few, or one that takes
- * a search or exact arithmetic: the scene has moved on then, and the next step, unless it
- * is staged, is the same step once more. So it takes some tens of microseconds at most,
- * by one thread.
+/* Return whether the next step with these settings can be asked for as a brief one, with
+ * `brief` set, by somebody who must not be held up: its last step in that mode was short,
+ * and none of the sizes that the time of a step grows with is more than a few hundred.
+ * What depends on the positions is bounded by the step itself, by counts and not by a
+ * clock: it ends with PCCD_E_AGAIN before it tests more candidates than a few, or one
+ * that takes a search or exact arithmetic: the scene has moved on then, and the next
+ * step, unless it is staged, is the same step once more. So it takes some tens of
+ * microseconds at most, by one thread.
  *
  * A large scene's steps can be brief, too, as long as it is at rest: nothing is written
  * in this one (not `is_staged`), nothing moved in the last one, and its answer, which has

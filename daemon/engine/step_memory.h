@@ -22,13 +22,14 @@ struct eng_effort {
     } took[PCCD_MODE_PAIRS + 1];
 };
 
-/* Should the next step in this mode be taken by more than one thread? */
+/* Return whether the next step in this mode should be taken by more than one thread. */
 bool eng_effort_pays(struct eng_effort *effort, enum pccd_mode mode, uint32_t triangles);
 
 /* Work of the next step in this mode; before the first, a guess. */
 uint64_t eng_effort_expects(const struct eng_effort *effort, enum pccd_mode mode,
                             uint32_t triangles);
-/* Is so much work, in pieces that do not depend on each other, worth a team? */
+/* Return whether so much work, in pieces that do not depend on each other, is worth a
+ * team. */
 bool eng_effort_is_enough(uint64_t work_ns);
 
 /* The same where this part, 0 .. 1, of what is searched as a rule moves. */
@@ -45,20 +46,20 @@ void eng_effort_learn(struct eng_effort *effort, enum pccd_mode mode, uint64_t w
 void eng_effort_learn_part(struct eng_effort *effort, enum pccd_mode mode, double part,
                            uint64_t work_ns);
 
-/* How long it took, by a team or not. */
+/* Note how long it took, by a team or not. */
 void eng_effort_time(struct eng_effort *effort, enum pccd_mode mode, bool by_team,
                      uint64_t took_ns);
 
 /* The scene is another one. */
 void eng_effort_forget(struct eng_effort *effort);
 
-/* What the threads of an answer did, which lives as long as the answer. */
+/* The work of the threads of an answer, which lives as long as the answer. */
 struct eng_thread_records {
     struct eng_thread_record *items;
     uint32_t capacity;
 };
 
-/* What an answer about what is near leaves for the next one. */
+/* The memory that an answer about what is near leaves for the next one. */
 struct eng_near_memory {
     struct eng_effort effort[PCCD_METHOD_COUNT][PCCD_NEAR_COUNT];
     struct eng_records records; /* its records, or bounds by vertex */
@@ -116,7 +117,7 @@ void eng_step_memory_give_back(struct eng_step_memory *memory,
 /* Free all workers but the first `count`. */
 void eng_step_memory_keep(struct eng_step_memory *memory, uint32_t count);
 
-/* Does the next answer, by one thread, make no worker, and free none? */
+/* Return whether the next answer, by one thread, makes no worker, and frees none. */
 bool eng_step_memory_stays(const struct eng_step_memory *memory);
 
 /* Workers for that many threads of the next answer, 1 .. ENG_THREADS_MAX, and room in

@@ -63,7 +63,7 @@ static bool has_group(const struct srv_allow *allow, gid_t gid)
     return false;
 }
 
-/* Whether one of the further groups that the peer had is in the list. */
+/* Return whether one of the further groups that the peer had is in the list. */
 static bool has_further_group(const struct srv_allow *allow, int socket)
 {
     gid_t few[64];

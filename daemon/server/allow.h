@@ -18,8 +18,8 @@ static inline bool srv_allow_has_list(const struct srv_allow *allow)
     return allow->uid_count > 0 || allow->gid_count > 0;
 }
 
-/* Whether the peer of `socket` with these credentials may be a client: the daemon's own
- * user and root always may. */
+/* Return whether the peer of `socket` with these credentials may be a client: the
+ * daemon's own user and root always may. */
 bool srv_allow_peer(const struct srv_allow *allow, int socket, const struct ucred *peer);
 
 /* The peer's group; (gid_t)-1: not known. And whether that or a further one of its groups

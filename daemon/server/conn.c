@@ -284,7 +284,7 @@ static void send_now(struct srv_conn *conn, const void *message, size_t bytes,
     }
 }
 
-/* What the thread that computes sends must not overtake what is kept: it may send again
+/* Send what is kept, which the thread that computes must not overtake: it may send again
  * when all is on its way. */
 void srv_conn_send_kept(struct srv_server *server)
 {

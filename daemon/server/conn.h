@@ -58,7 +58,7 @@ struct srv_deferred {
  * PCCD_E_NOMEM. */
 int srv_deferred_keep(struct srv_deferred *deferred, const void *message, size_t bytes);
 
-/* What was kept, for the caller to free; NULL: nothing. */
+/* Take what was kept, for the caller to free; NULL: nothing. */
 struct srv_message *srv_deferred_take(struct srv_deferred *deferred);
 
 /* Replies of one client that may wait for it to read. From PROTO_REPLIES_QUEUED_MAX on it
@@ -117,15 +117,16 @@ void srv_conn_close(struct srv_conn *conn);
 /* ---- Lets a thread that computes send an answer itself, while the event loop may
  * be closing the socket. */
 
-/* Of the socket `fd`, with one reference, the caller's. NULL: no memory. [loop] */
+/* Make the outlet of the socket `fd`, with one reference, the caller's. NULL: no memory.
+ * [loop] */
 struct srv_outlet *srv_outlet_new(int fd);
 
 /* The socket is about to be closed: nothing is sent from here on. Waits for one message
  * that is just being sent. Gives up the caller's reference. [loop] */
 void srv_outlet_close(struct srv_outlet *outlet);
 
-/* Whether the loop has messages that wait for the socket: what comes from here must not
- * overtake them. [loop] */
+/* Say whether the loop has messages that wait for the socket: what comes from here must
+ * not overtake them. [loop] */
 void srv_outlet_block(struct srv_outlet *outlet, bool is_blocked);
 
 /* One more reference. [loop] */

@@ -31,7 +31,7 @@ static void add_status(struct srv_heartbeat *heartbeat, char *lines, size_t byte
              steps, proto_plural(steps, "step", "steps"));
 }
 
-/* Whether all is well, and say once if it is not. */
+/* Return whether all is well, and say once if it is not. */
 static bool is_well(struct srv_heartbeat *heartbeat)
 {
     bool is_stuck = srv_compute_is_stuck(&heartbeat->service->compute);

@@ -53,7 +53,7 @@ static bool allow(int ruleset, const char *path, size_t length, uint64_t rights)
     return is_added;
 }
 
-/* How much of a path is its folder's, without the slash behind it. */
+/* Return how much of a path is its folder's, without the slash behind it. */
 static size_t folder_length(const char *path, size_t length)
 {
     while (length > 0 && path[length - 1] != '/') {

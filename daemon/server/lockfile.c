@@ -32,7 +32,7 @@ static int write_pid(int fd)
     return 0;
 }
 
-/* Whether `path` still leads to the file that `fd` has open. */
+/* Return whether `path` still leads to the file that `fd` has open. */
 static bool is_same_file(int fd, const char *path)
 {
     struct stat opened;

@@ -48,7 +48,7 @@ bool srv_standby(void);
  * the manager would hear is meant for the client's service. */
 void srv_notify_open(void);
 
-/* Whether there is somebody to tell. */
+/* Return whether there is somebody to tell. */
 bool srv_notify_is_open(void);
 
 /* Lines of VARIABLE=VALUE, to be read now or never: one that the manager has no room for
@@ -61,8 +61,8 @@ void srv_notify_announce(const char *lines);
  * for a worker, whose supervisor stays when it crashes. */
 void srv_notify_ready(void);
 
-/* How long the manager lets us be silent before it takes us for dead, in microseconds; 0:
- * for ever, or it does not mean this process. */
+/* Return how long the manager lets us be silent before it takes us for dead, in
+ * microseconds; 0: for ever, or it does not mean this process. */
 uint64_t srv_notify_watchdog_us(void);
 
 /* In a child, before exec: what the manager wants of this process it wants of the child

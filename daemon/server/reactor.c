@@ -123,7 +123,7 @@ static void close_conns(struct srv_reactor *reactor)
     }
 }
 
-/* Before each wait while stopping: is this phase over? */
+/* Check, before each wait while stopping, whether this phase is over. */
 static void on_stopper(uv_prepare_t *prepare)
 {
     struct srv_reactor *reactor = prepare->data;
@@ -269,8 +269,8 @@ void srv_host_client_left(struct srv_service *service)
     srv_heartbeat_change(&reactor->heartbeat);
 }
 
-/* What clients had lies scattered over the heap: freed, but not given back by itself. It
- * takes about a millisecond. */
+/* The heap is trimmed after so many: what clients had lies scattered over it, freed but
+ * not given back by itself. It takes about a millisecond. */
 #define CLOSED_PER_TRIM 256u
 
 static void on_conn_closed(struct srv_server *server)
@@ -301,7 +301,7 @@ static void on_notify(void *context)
     srv_wakeup_ring(&reactor->wakeup);
 }
 
-/* Of the team of that runner. */
+/* Return the threads of that runner's team. */
 static uint32_t threads_of(const struct srv_service *service, uint32_t number)
 {
     return number < SRV_PLACES ? service->start_options->threads_max : 1;

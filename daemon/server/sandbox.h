@@ -18,14 +18,14 @@
  * otherwise. */
 void srv_sandbox_begin(const struct srv_options *options);
 
-/* Of which parts it is made, for the log: "" or words that begin with a comma. */
+/* Return its parts, for the log: "" or words that begin with a comma. */
 const char *srv_sandbox_text(void);
 
 /* Enter it as options->sandbox says, when everything is open. Returns 0, or
  * PCCD_E_SYSTEM where it is wanted and cannot be had: why is logged. */
 int srv_sandbox_enter(const struct srv_options *options);
 
-/* Whether this build has one, and it is entered unless options say otherwise. */
+/* Return whether this build has one, and it is entered unless options say otherwise. */
 bool srv_sandbox_is_default(void);
 
 /* ---- Takes away the daemon's right to read and change files (Landlock).

@@ -92,7 +92,8 @@ static int listen_at(const struct srv_options *options, int socket)
 
 /* ---- watching it ------------------------------------------------------------------- */
 
-/* What cannot be watched, for want of a right to read it, is not. */
+/* Watch the folder of the socket; what cannot be watched, for want of a right to read it,
+ * is not. */
 static void watch(struct srv_socketfile *file)
 {
     const uint32_t moves = IN_MOVE_SELF | IN_DELETE_SELF;

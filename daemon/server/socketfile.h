@@ -43,7 +43,7 @@ int srv_socketfile_bind(struct srv_socketfile *file, const struct srv_options *o
 /* Watch the file of a socket that somebody else has bound. */
 void srv_socketfile_adopt(struct srv_socketfile *file, const char *path);
 
-/* How things are, after a change or at any time; what there was to read is read. */
+/* Return how things are, after a change or at any time; what was to read is read. */
 enum srv_socketfile_state srv_socketfile_look(struct srv_socketfile *file);
 
 /* Remove the file if it is ours, and watch no more. */
@@ -66,8 +66,8 @@ struct srv_lockfile {
 int srv_lockfile_acquire(struct srv_lockfile *lockfile, const char *socket_path,
                          pid_t *holder);
 
-/* Whether the lock that we hold is still that of the path: not when the file was removed,
- * or its folder renamed. */
+/* Return whether the lock that we hold is still that of the path: not when the file was
+ * removed, or its folder renamed. */
 bool srv_lockfile_is_held(const struct srv_lockfile *lockfile);
 
 /* Remove the file, if it is the one that we hold, and drop the lock; nothing when it is

@@ -197,7 +197,7 @@ static int start_worker(struct supervisor *supervisor)
 
 /* ---- ends -------------------------------------------------------------------------- */
 
-/* Whether a crash now is one more than we bear. */
+/* Return whether a crash now is one more than we bear. */
 static bool is_one_too_many(const struct supervisor *supervisor)
 {
     uint32_t max = supervisor->crashes_max;

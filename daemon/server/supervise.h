@@ -36,7 +36,7 @@ int srv_kept_make(void);
  * a status, errno set. */
 int srv_kept_give(int fd);
 
-/* What this process was given, for as long as it runs; NULL: nothing. Once. */
+/* Take what this process was given, for as long as it runs; NULL: nothing. Once. */
 struct srv_config_kept *srv_kept_take(void);
 
 #endif

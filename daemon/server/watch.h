@@ -19,8 +19,8 @@ int srv_watch_reserve(uv_loop_t *loop, uv_poll_t *poll, int fd, uint32_t *count)
 /* uv_poll_start. PCCD_E_SYSTEM: epoll has no room for it; nothing is watched then. */
 int srv_watch_start(uv_poll_t *poll, int fd, int events, uv_poll_cb on_poll);
 
-/* Whether the peer of a connected socket has closed it, or both ways of it, by now.
- * False also where the system does not say. */
+/* Return whether the peer of a connected socket has closed it, or both ways of it, by
+ * now. False also where the system does not say. */
 bool srv_watch_has_ended(int fd);
 
 /* ---- Lets another thread wake the event loop. */
@@ -37,7 +37,7 @@ struct srv_wakeup {
 int srv_wakeup_init(struct srv_wakeup *wakeup, uv_loop_t *loop,
                     void (*heard)(void *context), void *context);
 
-/* What was written before is seen by `heard`. [any] */
+/* Wake the loop: what was written before is seen by `heard`. [any] */
 void srv_wakeup_ring(struct srv_wakeup *wakeup);
 
 /* Nobody rings any more. The memory may go when the loop has closed handles. [loop] */

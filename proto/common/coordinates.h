@@ -20,7 +20,7 @@ static inline uint64_t common_vertex_bytes(uint32_t format)
     return format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
 }
 
-/* Whether a number can be a coordinate: it is finite, and not too large. */
+/* Return whether a number can be a coordinate: it is finite, and not too large. */
 static inline bool common_is_coordinate(double x)
 {
     return x >= -PROTO_COORDINATE_MAX && x <= PROTO_COORDINATE_MAX;
@@ -40,8 +40,8 @@ static inline double common_coordinate(const void *at, uint32_t format, uint64_t
     return x;
 }
 
-/* Of `count` vertices at `at`, aligned or not, the first with a coordinate that cannot be
- * one; `count`: there is none. */
+/* Return the first of `count` vertices at `at`, aligned or not, with a coordinate that
+ * cannot be one; `count`: there is none. */
 static inline uint64_t common_first_stray(const void *at, uint32_t format, uint64_t count)
 {
     for (uint64_t i = 0; i < 3 * count; i++) {

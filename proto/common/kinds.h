@@ -34,7 +34,7 @@ static const struct common_kind common_kinds[COMMON_KIND_COUNT] = {
 /* By its points: "vertex", "edge", "face". */
 static const char *const common_feature_names[4] = {"", "vertex", "edge", "face"};
 
-/* Whether a contact with these parameters is at a vertex of both features. */
+/* Return whether a contact with these parameters is at a vertex of both features. */
 static inline bool common_is_at_vertices(const float param[2])
 {
     return (param[0] == 0 || param[0] == 1) && (param[1] == 0 || param[1] == 1);

@@ -14,7 +14,7 @@
  * messages.def; OPT where the other answer alone has it. Times are in nanoseconds. The
  * order is that of the message. F is handed through. */
 
-/* What was asked, and how it ended. */
+/* The question, and how it ended. */
 #define COMMON_OUTCOME(X, F)                                                             \
     X(F, u32, mode, REQ, OPT, mode, "enum pccd_mode; of a step")                         \
     X(F, u32, what, OPT, REQ, what, "enum pccd_near_what; of scene.near")                \
@@ -31,7 +31,7 @@
     X(F, u64, vv, OPT, REQ, counts[PCCD_VV], "VV records, likewise")                     \
     X(F, u64, ef, OPT, REQ, counts[PCCD_EF], "EF records; only what = 3, 4 have them")
 
-/* What the records say. */
+/* The numbers that the records say. */
 #define COMMON_FOUND(X, F)                                                               \
     X(F, u64, possible, REQ, OPT, possible,                                              \
       "records that are not proved; modes any, pairs: 0")                                \
@@ -109,7 +109,7 @@
     X(F, u64, candidates_vv, OPT, OPT, counters.candidates[PCCD_VV],                     \
       "VV pairs whose boxes overlap; wide may count a few others")
 
-/* How the step may go on, and how it begins. New numbers go to the end. */
+/* The numbers of how the step may go on, and how it begins. New ones go to the end. */
 #define COMMON_SAFETY(X, F)                                                              \
     X(F, f64, safe_step, OPT, OPT, safe_step,                                            \
       "from t = 0 to this t no pair meets; 0 .. 1, 1: none does. 0 if toi_first is 0, "  \

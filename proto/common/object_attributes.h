@@ -160,13 +160,13 @@ static inline void common_attributes_unpack(struct common_attributes *to,
 #undef COMMON_UNPACK
 }
 
-/* Whether it says anything about thickness. */
+/* Return whether it says anything about thickness. */
 static inline bool common_attributes_are_thick(const struct common_attributes *is)
 {
     return is->radius != 0 || is->rest_distance != 0 || is->rest_rings != 0;
 }
 
-/* Whether nothing is else than when the object was made. */
+/* Return whether nothing is else than when the object was made. */
 static inline bool common_attributes_are_at_first(const struct common_attributes *is)
 {
     bool same = true;

@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-/* What an event is about. Times nest or are disjoint among the events of one thread of
+/* The subject of an event. Times nest or are disjoint among the events of one thread of
  * the team (the threads that share a step), and among RECEIVE and ANSWER; requests of a
  * client may overlap. */
 enum pccd_trace_kind {

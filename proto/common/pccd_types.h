@@ -54,7 +54,7 @@ enum pccd_status {
 #undef PCCD_STATUS_ENUM
 };
 
-/* What a step is asked for. */
+/* The question of a step. */
 enum pccd_mode {
     PCCD_MODE_ALL = 0,   /* every contact */
     PCCD_MODE_FIRST = 1, /* the contacts that may attain the scene's earliest time */
@@ -85,7 +85,7 @@ enum pccd_format {
     PCCD_FORMAT_COUNT = 2
 };
 
-/* What is set of an object: bits. */
+/* The settings of an object that are set: bits. */
 enum pccd_object_what {
     PCCD_OBJECT_GROUP = 1,
     PCCD_OBJECT_MASK = 2,
@@ -96,11 +96,12 @@ enum pccd_object_what {
     PCCD_OBJECT_ALL = 2147483647 /* whatever there is to set */
 };
 
-/* What contacts and candidates are between: X(NAME, value, name, points of a, points of
- * b, text). A feature of one point is a vertex, of two an edge, of three a face. A value
- * is never renumbered; new ones go at the end. VE and VV are of free points: with a free
- * edge, and with another free point; only where the two have a distance to keep. An edge
- * is free if no triangle has it, a point if no triangle and no edge has it. */
+/* The kinds of pairs that contacts and candidates are: X(NAME, value, name, points of a,
+ * points of b, text). A feature of one point is a vertex, of two an edge, of three a
+ * face. A value is never renumbered; new ones go at the end. VE and VV are of free
+ * points: with a free edge, and with another free point; only where the two have a
+ * distance to keep. An edge is free if no triangle has it, a point if no triangle and no
+ * edge has it. */
 #define PCCD_KIND_LIST(X)                                                                \
     X(VF, 0, vf, 1, 3, "a vertex of object a, a face of object b")                       \
     X(EE, 1, ee, 2, 2, "an edge of object a, an edge of object b; (object, edge) a < b") \
@@ -127,7 +128,7 @@ enum pccd_near_kind {
 #undef PCCD_NEAR_KIND_ENUM
 };
 
-/* What is asked about the scene at one moment. */
+/* The question about the scene at one moment. */
 enum pccd_near_what {
     PCCD_NEAR_PAIRS = 0,     /* each VF and EE pair within the distance */
     PCCD_NEAR_FEATURES = 1,  /* the closest features of these pairs, each once */
@@ -187,7 +188,7 @@ enum pccd_contact_flag {
                           distance that the step allows */
 };
 
-/* Whether a named scene is made. */
+/* Says if a named scene is made. */
 enum pccd_share {
     PCCD_SHARE_CREATE = 0, /* there must be none of that name */
     PCCD_SHARE_OPEN = 1,   /* made unless there is one */
@@ -201,15 +202,15 @@ enum pccd_incomplete {
     PCCD_COMPLETE = 0,
     PCCD_INCOMPLETE_RESULT_FULL = 1,  /* page ended; go on with the cursor */
     PCCD_INCOMPLETE_DEADLINE = 2,     /* the deadline passed; these records were found */
-    PCCD_INCOMPLETE_CANCELLED = 3,    /* cancelled; likewise */
+    PCCD_INCOMPLETE_CANCELLED = 3,    /* cancelled; so were these */
     PCCD_INCOMPLETE_CONTACT_LIMIT = 4 /* more than the daemon keeps: the first in order */
 };
 
 /* Room for kinds in what counts by kind: kinds that come later need no other struct. */
 #define PCCD_KINDS_MAX 8
 
-/* How long the parts of a step took, nanoseconds. By several threads a part ends with the
- * last of them; only `rebuild` is the sum over all threads. */
+/* Times of the parts of a step, nanoseconds. By several threads a part ends with the last
+ * of them; only `rebuild` is the sum over all threads. */
 struct pccd_step_times {
     uint64_t queue;     /* from the request's arrival to its turn */
     uint64_t ingest;    /* copy and check of the positions */
@@ -223,7 +224,7 @@ struct pccd_step_times {
     uint64_t rebuild;   /* reconstruction of subtrees, in the background too */
 };
 
-/* What a step did. */
+/* Counters of the work of a step. */
 struct pccd_step_counters {
     uint64_t task_units; /* tasks; paper: self-CD task units (PCCD, section 4) */
     uint64_t box_tests;  /* pairs of nodes tested */
@@ -254,7 +255,7 @@ struct pccd_step_counters {
     uint64_t thick_exact;
 };
 
-/* What came of one scene of a batch (batch.submit, pccd_batch_step). Its numbers are
+/* The answer for one scene of a batch (batch.submit, pccd_batch_step). Its numbers are
  * those that a step of the scene by itself answers. */
 struct pccd_scene_answer {
     uint32_t scene;      /* handle */

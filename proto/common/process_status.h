@@ -26,7 +26,7 @@ static inline uint64_t common_process_status(long pid, const char *name)
     return number;
 }
 
-/* Of this process VmHWM begins anew: what it had before does not count. */
+/* Begin the VmHWM of this process anew: what it had before does not count. */
 static inline void common_forget_most_memory(void)
 {
     FILE *file = fopen("/proc/self/clear_refs", "w");

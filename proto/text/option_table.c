@@ -273,8 +273,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
     return ARGP_ERR_UNKNOWN;
 }
 
-/* What a command does, and behind the options the rest and the examples; NULL: there is
- * no memory. */
+/* Write what a command does, and behind the options the rest and the examples; NULL:
+ * there is no memory. */
 static char *describe(const struct option_table *table)
 {
     const char *more = table->more != NULL ? table->more : "";

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* What an option is, and what lies where its value goes. */
+/* The type of an option, and of what lies where its value goes. */
 enum option_type {
     OPTION_HEADING,   /* no option: `help` stands above those that follow; headings are
                        * sorted by `at`, and one that comes again goes on */
@@ -96,8 +96,8 @@ uint32_t option_word(const struct argp_state *state, const char *name, const cha
 /* Call it for each option, those of the parts last. */
 typedef void (*option_visit)(void *context, const struct option_row *row);
 void option_each(const struct option_table *table, option_visit visit, void *context);
-/* How many bytes of "[a|b|c] NAME" are the words that may stand there, and where they
- * begin; 0: there are none. */
+/* Return how many bytes of "[a|b|c] NAME" are the words that may stand there, and where
+ * they begin; 0: there are none. */
 size_t option_words(const char *arg, const char **words);
 /* The line of a command in the synopsis of a manual page, as scdoc takes it. */
 void option_synopsis(FILE *to, const char *command, const struct option_table *table);

@@ -391,7 +391,7 @@ static void run_sieve(const struct eng_kernels *kernels, struct ground *ground)
             .swept = i % 11 < 5,
             .in_time = i % 7 == 0,
             .cubic_first = i % 2 == 0,
-            .narrows = i % 5 < 2};
+            .prunes = i % 5 < 2};
         uint32_t count = PAIRS - i;
         set_numbers(ground, part, a, b, count);
         count = kernels->sift_near(i % 4 < 2    ? PCCD_VF

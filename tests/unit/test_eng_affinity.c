@@ -230,7 +230,7 @@ static void pause_us(long us)
 static void work(struct lending *lending)
 {
     uint64_t end_ns = thread_ns() + lending->work_ns;
-    eng_seat_set_waiting(&lending->affinity, 1, lending->is_waiting);
+    eng_processor_set_waiting(&lending->affinity, 1, lending->is_waiting);
     atomic_store(&lending->is_ready, true);
     if (lending->work_ns == 0) {
         pause_us(20000);
@@ -247,7 +247,7 @@ static void work(struct lending *lending)
 static void *lend(void *data)
 {
     struct lending *lending = data;
-    struct eng_seat_look look = {0, 0, 0};
+    struct eng_processor_look look = {0, 0, 0};
     uint64_t now_ns = 0;
 #pragma omp parallel num_threads(2)
     {
@@ -259,7 +259,8 @@ static void *lend(void *data)
         while (thread == 0 && !atomic_load(&lending->is_done)) {
             if (atomic_load(&lending->is_ready)) {
                 now_ns += lending->look_ns;
-                lending->moved += eng_seat_lend(&lending->affinity, 0, 2, now_ns, &look);
+                lending->moved +=
+                    eng_processor_lend(&lending->affinity, 0, 2, now_ns, &look);
             }
             pause_us(50);
         }

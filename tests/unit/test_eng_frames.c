@@ -44,7 +44,7 @@ CASE(frames__boxes_hold_their_points_tightly)
         double x = floor(some_coordinate(&random) / UNIT) * UNIT;
         double origin = i % 4 ? x + floor(some_coordinate(&random) / UNIT) * UNIT
                               : floor(some_coordinate(&random) / UNIT) * UNIT;
-        struct eng_frame frame = {.origin = {[4] = origin}, .scale = 1};
+        struct eng_box_frame frame = {.origin = {[4] = origin}, .scale = 1};
         float lo;
         float hi;
         eng_bounds_of(&lo, &hi, x, &frame, 4);
@@ -65,7 +65,7 @@ CASE(frames__kernels_make_the_same_boxes)
     struct prng random = {2};
     for (uint32_t i = 0; i < 20000; i++) {
         struct eng_point point = {.word0 = 1, .word1 = UINT64_MAX};
-        struct eng_frame frame = {.scale = i % 3 ? 1 : 0x1p300};
+        struct eng_box_frame frame = {.scale = i % 3 ? 1 : 0x1p300};
         struct eng_box expected = {.word0 = 0};
         for (int k = 0; k < 3; k++) {
             point.x0[k] = some_coordinate(&random) / frame.scale;

@@ -51,7 +51,7 @@ static void random_positions(struct prng *random, double (*x)[3])
 static struct eng_box box_of(const struct eng_scene *scene, uint32_t v)
 {
     struct eng_box box = {.word0 = 0};
-    eng_box_of_point(&box, eng_frame_of_vertex(scene, v), scene->x[1 - scene->now][v],
+    eng_box_of_point(&box, eng_box_frame_of_vertex(scene, v), scene->x[1 - scene->now][v],
                      scene->x[scene->now][v]);
     return box;
 }

@@ -70,9 +70,9 @@ static float cells_of(const struct pair *pair, double d)
 }
 
 /* Does the sieve of a set leave the pair, with a distance? As often as lanes are filled
- * with it. `narrows`: by what its marks say, too. */
+ * with it. `prunes`: by what its marks say, too. */
 static bool is_kept(const struct eng_kernels *kernels, const struct pair *pair,
-                    uint32_t end, double d, bool narrows, uint32_t copies)
+                    uint32_t end, double d, bool prunes, uint32_t copies)
 {
     static const uint32_t number[5] = {0, 1, 2, 3, 4};
     uint32_t a[64 + ENG_SIEVE_SPARE] = {0};
@@ -82,7 +82,7 @@ static bool is_kept(const struct eng_kernels *kernels, const struct pair *pair,
                               .a_corner = {number, number + 1},
                               .b_corner = {of_b, of_b + 1, of_b + 2},
                               .t_end = 1,
-                              .narrows = narrows};
+                              .prunes = prunes};
     uint32_t kept =
         kernels->sift_near(pair->kind, &sieve, end, cells_of(pair, d), a, b, copies);
     assert_true(kept == 0 || kept == copies);

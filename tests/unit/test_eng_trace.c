@@ -3,7 +3,7 @@
 #include "trace.h"
 #include "trees.h"
 
-#define LANES  16u
+#define TRACKS 16u
 #define EVENTS (1u << 15)
 
 static struct pccd_trace_event event(uint32_t thread, enum pccd_trace_kind kind,
@@ -37,7 +37,7 @@ CASE(trace__ring_keeps_the_newest)
 }
 
 /* If it failed: a trace of no use would be accepted, or a thread too many would write
- * behind the lanes. */
+ * behind the tracks. */
 CASE(trace__refuses_what_has_no_room)
 {
     struct eng_trace trace;
@@ -60,13 +60,13 @@ CASE(trace__refuses_what_has_no_room)
 static struct eng_step_result traced(struct crew *crew, struct eng_question settings,
                                      struct eng_trace *trace)
 {
-    for (uint32_t i = 0; i < trace->lane_count; i++) {
-        trace->lanes[i].added = 0;
+    for (uint32_t i = 0; i < trace->track_count; i++) {
+        trace->tracks[i].added = 0;
     }
     settings.trace = trace;
     struct eng_step_result result = crew_run(crew, settings);
-    for (uint32_t i = 0; i < trace->lane_count; i++) {
-        assert_true(trace->lanes[i].added < trace->capacity);
+    for (uint32_t i = 0; i < trace->track_count; i++) {
+        assert_true(trace->tracks[i].added < trace->capacity);
     }
     return result;
 }
@@ -78,15 +78,15 @@ struct totals {
     uint64_t high_units; /* a unit has a slice for each of its phases */
 };
 
-static struct totals totals_of(const struct eng_trace *trace, uint32_t lane)
+static struct totals totals_of(const struct eng_trace *trace, uint32_t track)
 {
     struct totals totals;
     uint32_t high = ENG_NO_NODE;
     memset(&totals, 0, sizeof totals);
-    for (uint64_t i = 0; i < eng_trace_count(trace, lane); i++) {
-        const struct pccd_trace_event *event = eng_trace_at(trace, lane, i);
+    for (uint64_t i = 0; i < eng_trace_count(trace, track); i++) {
+        const struct pccd_trace_event *event = eng_trace_at(trace, track, i);
         assert_true(event->begin_ns <= event->end_ns);
-        assert_int_equal(event->thread, lane);
+        assert_int_equal(event->thread, track);
         totals.count[event->kind]++;
         totals.ns[event->kind] += event->end_ns - event->begin_ns;
         if (event->kind == PCCD_TRACE_HIGH) {
@@ -124,7 +124,7 @@ CASE_WITH(trace__holds_a_slice_for_each_task_unit, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_trace trace;
-    assert_ok(eng_trace_init(&trace, LANES, EVENTS, 0));
+    assert_ok(eng_trace_init(&trace, TRACKS, EVENTS, 0));
     struct eng_step_result alone = traced(crew, crew_alone(PCCD_MODE_ALL), &trace);
     check_team(&trace, &alone);
     uint64_t hash[2] = {alone.hash[0], alone.hash[1]};
@@ -139,13 +139,13 @@ CASE_WITH(trace__holds_a_slice_for_each_task_unit, crew_setup, crew_teardown)
 
 /* If it failed: threads that step a scene each would write to one ring at the same time,
  * and the picture of a batch would show one thread doing what all did. */
-CASE_WITH(trace__of_a_step_by_one_thread_is_in_its_lane, crew_setup, crew_teardown)
+CASE_WITH(trace__of_a_step_by_one_thread_is_in_its_track, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_trace trace;
     assert_ok(eng_trace_init(&trace, 2, EVENTS, 0));
     struct eng_question question = crew_alone(PCCD_MODE_ALL);
-    question.lane = 1;
+    question.track = 1;
     traced(crew, question, &trace);
     assert_true(totals_of(&trace, 1).candidates > 0);
     assert_int_equal(eng_trace_count(&trace, 0), 0);
@@ -154,14 +154,14 @@ CASE_WITH(trace__of_a_step_by_one_thread_is_in_its_lane, crew_setup, crew_teardo
 
 /* Events come in the order of their ends: one that began before another's begin holds it,
  * else it must have begun after its end. */
-static void check_nesting(const struct eng_trace *trace, uint32_t lane)
+static void check_nesting(const struct eng_trace *trace, uint32_t track)
 {
-    uint64_t count = eng_trace_count(trace, lane);
+    uint64_t count = eng_trace_count(trace, track);
     const struct pccd_trace_event **open = malloc((count + 1) * sizeof *open);
     uint64_t open_count = 0;
     assert_non_null(open);
     for (uint64_t i = 0; i < count; i++) {
-        const struct pccd_trace_event *event = eng_trace_at(trace, lane, i);
+        const struct pccd_trace_event *event = eng_trace_at(trace, track, i);
         while (open_count > 0 && open[open_count - 1]->begin_ns >= event->begin_ns) {
             open_count--;
         }
@@ -176,11 +176,11 @@ CASE_WITH(trace__slices_of_a_thread_nest, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
     struct eng_trace trace;
-    assert_ok(eng_trace_init(&trace, LANES, EVENTS, 0));
+    assert_ok(eng_trace_init(&trace, TRACKS, EVENTS, 0));
     for (size_t i = 0; i < crew_count(); i++) {
         traced(crew, crew_team(PCCD_MODE_ALL, i), &trace);
-        for (uint32_t lane = 0; lane < LANES; lane++) {
-            check_nesting(&trace, lane);
+        for (uint32_t track = 0; track < TRACKS; track++) {
+            check_nesting(&trace, track);
         }
     }
     eng_trace_deinit(&trace);

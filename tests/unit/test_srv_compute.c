@@ -14,7 +14,7 @@
 
 struct fixture {
     struct srv_compute compute;
-    struct srv_group group; /* of all lanes but where a test says otherwise */
+    struct srv_group group; /* of all lists but where a test says otherwise */
     sem_t notified;
     sem_t blocked; /* posted when the gate job runs */
     sem_t gate;    /* it waits for this */
@@ -158,10 +158,10 @@ static int tear_down(void **state)
     return 0;
 }
 
-static void open_lanes(struct srv_group *group, struct srv_lane *lanes, int count)
+static void open_lists(struct srv_group *group, struct srv_job_list *lists, int count)
 {
     for (int i = 0; i < count; i++) {
-        lanes[i] = (struct srv_lane){.group = group};
+        lists[i] = (struct srv_job_list){.group = group};
     }
 }
 
@@ -178,10 +178,11 @@ static void drain(struct fixture *fixture, int count)
     }
 }
 
-static void block(struct fixture *fixture, struct srv_lane *lane, struct named_job *gate)
+static void block(struct fixture *fixture, struct srv_job_list *list,
+                  struct named_job *gate)
 {
     name_job(gate, fixture, -1, run_gate);
-    assert_int_equal(srv_compute_push(&fixture->compute, lane, &gate->job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, list, &gate->job), 0);
     sem_wait(&fixture->blocked);
 }
 
@@ -189,11 +190,11 @@ static void block(struct fixture *fixture, struct srv_lane *lane, struct named_j
 CASE_WITH(compute__jobs_of_a_lane_run_in_order, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lane = {.group = &fixture->group};
+    struct srv_job_list list = {.group = &fixture->group};
     struct named_job jobs[50];
     for (int i = 0; i < 50; i++) {
         name_job(&jobs[i], fixture, i, run_named);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[i].job), 0);
+        assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[i].job), 0);
     }
     drain(fixture, 50);
     srv_compute_stop(&fixture->compute);
@@ -220,16 +221,16 @@ CASE_WITH(compute__users_and_their_sessions_take_turns, set_up, tear_down)
     struct fixture *fixture = *state;
     struct srv_group other = {.running = 0};
     struct srv_group none = {.running = 0};
-    struct srv_lane lanes[4];
+    struct srv_job_list lists[4];
     struct named_job gate;
     struct named_job jobs[16];
-    open_lanes(&fixture->group, lanes, 2); /* one user has two sessions with six each */
-    open_lanes(&other, lanes + 2, 1);      /* one has a session with four */
-    open_lanes(&none, lanes + 3, 1);
-    block(fixture, &lanes[3], &gate);
+    open_lists(&fixture->group, lists, 2); /* one user has two sessions with six each */
+    open_lists(&other, lists + 2, 1);      /* one has a session with four */
+    open_lists(&none, lists + 3, 1);
+    block(fixture, &lists[3], &gate);
     for (int i = 0; i < 16; i++) {
         name_job(&jobs[i], fixture, i, run_long);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lanes[i / 6], &jobs[i].job),
+        assert_int_equal(srv_compute_push(&fixture->compute, &lists[i / 6], &jobs[i].job),
                          0);
     }
     assert_int_equal(srv_compute_queued(&fixture->compute), 16);
@@ -248,15 +249,15 @@ CASE_WITH(compute__users_and_their_sessions_take_turns, set_up, tear_down)
 CASE_WITH(compute__what_a_job_took_is_charged_to_its_lane, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lanes[3];
+    struct srv_job_list lists[3];
     struct named_job gate;
     struct named_job jobs[6];
     static const int expected[6] = {0, 3, 4, 5, 1, 2};
-    open_lanes(&fixture->group, lanes, 3);
-    block(fixture, &lanes[2], &gate);
+    open_lists(&fixture->group, lists, 3);
+    block(fixture, &lists[2], &gate);
     for (int i = 0; i < 6; i++) {
         name_job(&jobs[i], fixture, i, i == 0 ? run_long : run_named);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lanes[i / 3], &jobs[i].job),
+        assert_int_equal(srv_compute_push(&fixture->compute, &lists[i / 3], &jobs[i].job),
                          0);
     }
     sem_post(&fixture->gate);
@@ -272,15 +273,15 @@ CASE_WITH(compute__what_a_job_took_is_charged_to_its_lane, set_up, tear_down)
 CASE_WITH(compute__what_a_job_waits_is_not_charged, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lanes[3];
+    struct srv_job_list lists[3];
     struct named_job gate;
     struct named_job jobs[4];
     static const int expected[4] = {0, 2, 1, 3};
-    open_lanes(&fixture->group, lanes, 3);
-    block(fixture, &lanes[2], &gate);
+    open_lists(&fixture->group, lists, 3);
+    block(fixture, &lists[2], &gate);
     for (int i = 0; i < 4; i++) {
         name_job(&jobs[i], fixture, i, i == 0 ? run_late : run_short);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lanes[i / 2], &jobs[i].job),
+        assert_int_equal(srv_compute_push(&fixture->compute, &lists[i / 2], &jobs[i].job),
                          0);
     }
     sem_post(&fixture->gate);
@@ -297,15 +298,15 @@ CASE_WITH(compute__what_a_job_waits_is_not_charged, set_up, tear_down)
 CASE_WITH(compute__others_come_between_the_parts_of_a_job, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lanes[3];
+    struct srv_job_list lists[3];
     struct named_job gate;
     struct named_job jobs[3];
     static const int expected[6] = {0, 2, 0, 0, 0, 1};
-    open_lanes(&fixture->group, lanes, 3);
-    block(fixture, &lanes[2], &gate);
+    open_lists(&fixture->group, lists, 3);
+    block(fixture, &lists[2], &gate);
     for (int i = 0; i < 3; i++) {
         name_job(&jobs[i], fixture, i, i == 0 ? run_part : run_named);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lanes[i / 2], &jobs[i].job),
+        assert_int_equal(srv_compute_push(&fixture->compute, &lists[i / 2], &jobs[i].job),
                          0);
     }
     sem_post(&fixture->gate);
@@ -324,16 +325,16 @@ CASE_WITH(compute__others_come_between_the_parts_of_a_job, set_up, tear_down)
 CASE_WITH(compute__a_job_can_be_removed_between_its_parts, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lanes[2];
+    struct srv_job_list lists[2];
     struct named_job gate;
     struct named_job job;
-    open_lanes(&fixture->group, lanes, 2);
-    block(fixture, &lanes[1], &gate);
+    open_lists(&fixture->group, lists, 2);
+    block(fixture, &lists[1], &gate);
     name_job(&job, fixture, 0, run_part);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lanes[0], &job.job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lists[0], &job.job), 0);
     struct named_job second;
     name_job(&second, fixture, -1, run_gate);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lanes[1], &second.job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lists[1], &second.job), 0);
     sem_post(&fixture->gate);
     sem_wait(&fixture->blocked); /* the second gate: behind the first part, by its cost */
     assert_int_equal(fixture->run_count, 1);
@@ -349,22 +350,22 @@ CASE_WITH(compute__a_job_can_be_removed_between_its_parts, set_up, tear_down)
 CASE_WITH(compute__queue_is_bounded_but_not_for_reaping, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lane = {.group = &fixture->group};
+    struct srv_job_list list = {.group = &fixture->group};
     struct named_job gate;
     static struct named_job jobs[CAPACITY + 2];
-    block(fixture, &lane, &gate);
+    block(fixture, &list, &gate);
     for (uint32_t i = 0; i < CAPACITY; i++) {
         name_job(&jobs[i], fixture, (int)i, run_named);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[i].job), 0);
+        assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[i].job), 0);
     }
     name_job(&jobs[CAPACITY], fixture, 1000, run_named);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[CAPACITY].job),
+    assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[CAPACITY].job),
                      PCCD_E_BUSY);
-    srv_compute_push_reap(&fixture->compute, &lane, &jobs[CAPACITY].job);
+    srv_compute_push_reap(&fixture->compute, &list, &jobs[CAPACITY].job);
     sem_post(&fixture->gate);
     drain(fixture, (int)CAPACITY + 2);
     name_job(&jobs[CAPACITY + 1], fixture, 1001, run_named);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[CAPACITY + 1].job),
+    assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[CAPACITY + 1].job),
                      0);
     drain(fixture, (int)CAPACITY + 3);
     srv_compute_stop(&fixture->compute);
@@ -384,28 +385,28 @@ static void stop_counting(struct srv_job *job, void *context)
 CASE_WITH(compute__what_nobody_waits_for_takes_no_room, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lane = {.group = &fixture->group};
+    struct srv_job_list list = {.group = &fixture->group};
     struct named_job gate;
     struct named_job jobs[5];
-    block(fixture, &lane, &gate);
+    block(fixture, &list, &gate);
     srv_compute_resize(&fixture->compute, 1);
     for (int i = 0; i < 5; i++) {
         name_job(&jobs[i], fixture, i, run_named);
     }
-    srv_compute_push_reap(&fixture->compute, &lane, &jobs[0].job);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[1].job), 0);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[2].job),
+    srv_compute_push_reap(&fixture->compute, &list, &jobs[0].job);
+    assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[1].job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[2].job),
                      PCCD_E_BUSY);
     assert_true(srv_compute_amend(&fixture->compute, &jobs[1].job, stop_counting, NULL));
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[2].job), 0);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[3].job),
+    assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[2].job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[3].job),
                      PCCD_E_BUSY);
     assert_true(srv_compute_remove(&fixture->compute, &jobs[2].job));
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[3].job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[3].job), 0);
     assert_int_equal(srv_compute_queued(&fixture->compute), 3);
     sem_post(&fixture->gate);
     drain(fixture, 4);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[4].job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[4].job), 0);
     drain(fixture, 5);
     srv_compute_stop(&fixture->compute);
     assert_int_equal(fixture->run_count, 4);
@@ -416,24 +417,24 @@ CASE_WITH(compute__what_nobody_waits_for_takes_no_room, set_up, tear_down)
 CASE_WITH(compute__removed_jobs_do_not_run, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lanes[3];
+    struct srv_job_list lists[3];
     struct named_job gate;
     struct named_job jobs[6];
     static const int lane_of[6] = {0, 0, 0, 1, 2, 2};
-    open_lanes(&fixture->group, lanes, 3);
-    block(fixture, &lanes[0], &gate);
+    open_lists(&fixture->group, lists, 3);
+    block(fixture, &lists[0], &gate);
     for (int i = 0; i < 6; i++) {
         name_job(&jobs[i], fixture, i, run_named);
         assert_int_equal(
-            srv_compute_push(&fixture->compute, &lanes[lane_of[i]], &jobs[i].job), 0);
+            srv_compute_push(&fixture->compute, &lists[lane_of[i]], &jobs[i].job), 0);
     }
     assert_true(srv_compute_remove(&fixture->compute, &jobs[1].job));  /* in the middle */
-    assert_true(srv_compute_remove(&fixture->compute, &jobs[3].job));  /* a whole lane */
+    assert_true(srv_compute_remove(&fixture->compute, &jobs[3].job));  /* a whole list */
     assert_true(srv_compute_remove(&fixture->compute, &jobs[5].job));  /* the last */
     assert_false(srv_compute_remove(&fixture->compute, &jobs[5].job)); /* not twice */
     assert_false(srv_compute_remove(&fixture->compute, &gate.job));    /* it runs */
     assert_int_equal(srv_compute_queued(&fixture->compute), 3);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lanes[1], &jobs[3].job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lists[1], &jobs[3].job), 0);
     sem_post(&fixture->gate);
     drain(fixture, 5);
     assert_false(srv_compute_remove(&fixture->compute, &jobs[0].job)); /* it is done */
@@ -455,14 +456,14 @@ static void count_change(struct srv_job *job, void *context)
 CASE_WITH(compute__only_queued_jobs_are_changed, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lane;
+    struct srv_job_list list;
     struct named_job gate;
     struct named_job job;
     int changes = 0;
-    open_lanes(&fixture->group, &lane, 1);
-    block(fixture, &lane, &gate);
+    open_lists(&fixture->group, &list, 1);
+    block(fixture, &list, &gate);
     name_job(&job, fixture, 0, run_named);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &job.job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &list, &job.job), 0);
     assert_true(srv_compute_amend(&fixture->compute, &job.job, count_change, &changes));
     assert_false(srv_compute_amend(&fixture->compute, &gate.job, count_change, &changes));
     assert_int_equal(changes, 1);
@@ -478,10 +479,10 @@ CASE_WITH(compute__only_queued_jobs_are_changed, set_up, tear_down)
 CASE_WITH(compute__running_job_sees_its_cancel_flag, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lane = {.group = &fixture->group};
+    struct srv_job_list list = {.group = &fixture->group};
     struct named_job job;
     name_job(&job, fixture, 1, run_until_cancelled);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &job.job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &list, &job.job), 0);
     sem_wait(&fixture->blocked);
     assert_false(srv_compute_remove(&fixture->compute, &job.job));
     atomic_store(&job.job.cancel, true);
@@ -494,14 +495,14 @@ CASE_WITH(compute__running_job_sees_its_cancel_flag, set_up, tear_down)
 CASE_WITH(compute__completions_are_batched, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_lane lane = {.group = &fixture->group};
+    struct srv_job_list list = {.group = &fixture->group};
     struct named_job jobs[20];
     struct named_job gate;
     for (int i = 0; i < 20; i++) {
         name_job(&jobs[i], fixture, i, run_named);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[i].job), 0);
+        assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[i].job), 0);
     }
-    block(fixture, &lane, &gate); /* now the 20 have finished and nobody has drained */
+    block(fixture, &list, &gate); /* now the 20 have finished and nobody has drained */
     assert_int_equal(atomic_load(&fixture->notify_count), 1);
     assert_int_equal(srv_compute_drain(&fixture->compute), 20);
     assert_int_equal(srv_compute_drain(&fixture->compute), 0);

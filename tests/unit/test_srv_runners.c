@@ -13,7 +13,7 @@
 #define PLACES   4u
 #define RUNNERS  9u /* five users more than there are places */
 #define USERS    12
-#define LANES    6
+#define LISTS    6
 
 /* Jobs that wait until they are let go. */
 struct gate {
@@ -27,8 +27,8 @@ struct gate {
 
 static struct srv_compute compute;
 static struct srv_group users[USERS];
-static struct srv_lane lanes[USERS][LANES];
-static struct gate gates[USERS * LANES];
+static struct srv_job_list lists[USERS][LISTS];
+static struct gate gates[USERS * LISTS];
 static uint32_t gate_count;
 
 static void on_enter(void *context, uint32_t number)
@@ -63,8 +63,8 @@ static int set_up(void **state)
     gate_count = 0;
     for (int u = 0; u < USERS; u++) {
         users[u] = (struct srv_group){.running = 0};
-        for (int l = 0; l < LANES; l++) {
-            lanes[u][l] = (struct srv_lane){.group = &users[u]};
+        for (int l = 0; l < LISTS; l++) {
+            lists[u][l] = (struct srv_job_list){.group = &users[u]};
         }
     }
     const struct srv_compute_settings settings = {CAPACITY, PLACES,    RUNNERS,
@@ -79,8 +79,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* A job of that lane, that uses *claim unless it is NULL. */
-static struct gate *push(int user, int lane, struct srv_claim *claim)
+/* A job of that list, that uses *claim unless it is NULL. */
+static struct gate *push(int user, int list, struct srv_claim *claim)
 {
     struct gate *gate = &gates[gate_count++];
     *gate = (struct gate){.claim = claim};
@@ -88,7 +88,7 @@ static struct gate *push(int user, int lane, struct srv_claim *claim)
     srv_job_init(&gate->job, run, done);
     gate->job.claims = &gate->claim;
     gate->job.claim_count = claim != NULL;
-    assert_int_equal(srv_compute_push(&compute, &lanes[user][lane], &gate->job), 0);
+    assert_int_equal(srv_compute_push(&compute, &lists[user][list], &gate->job), 0);
     return gate;
 }
 

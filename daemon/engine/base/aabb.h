@@ -79,7 +79,7 @@ static inline float eng_round_up(double x)
 /* The bounds of a coordinate in a frame, whose origin for it is number `at`; or, if that
  * is NULL, as it is. */
 static inline void eng_bounds_of(float *lo, float *hi, double x,
-                                 const struct eng_frame *frame, int at)
+                                 const struct eng_box_frame *frame, int at)
 {
     double y = frame ? (x - frame->origin[at]) * frame->scale : x;
     double rest = frame ? eng_rest_of_difference(x, frame->origin[at]) * frame->scale : 0;
@@ -89,8 +89,9 @@ static inline void eng_bounds_of(float *lo, float *hi, double x,
 
 /* The box of one vertex, in a frame or, if that is NULL, as it is. Words are left
  * alone. */
-static inline void eng_box_of_point(struct eng_box *box, const struct eng_frame *frame,
-                                    const double x0[3], const double x1[3])
+static inline void eng_box_of_point(struct eng_box *box,
+                                    const struct eng_box_frame *frame, const double x0[3],
+                                    const double x1[3])
 {
     for (int k = 0; k < 3; k++) {
         eng_bounds_of(&box->lo0[k], &box->hi0[k], x0[k], frame, k);
@@ -137,7 +138,7 @@ static inline void eng_box_unite(struct eng_box *out, const struct eng_box *a,
     vo[3] = eng_keep_word(vo[3], eng_max4(va[3], vb[3]));
 }
 
-/* Can a and b meet at some time of the step? false is certain. */
+/* Return whether a and b can meet at some time of the step. false is certain. */
 static inline bool eng_box_overlap(const struct eng_box *a, const struct eng_box *b)
 {
     const eng_f4 *va = (const eng_f4 *)(const void *)a;
@@ -147,8 +148,9 @@ static inline bool eng_box_overlap(const struct eng_box *a, const struct eng_box
     return (apart[0] | apart[1] | apart[2]) == 0;
 }
 
-/* Are a and b within `growth` of each other along each axis, at an end of the step? false
- * is certain: a gap is off by 2^-24 of itself, and is compared with 2^-21 more. */
+/* Return whether a and b are within `growth` of each other along each axis, at an end of
+ * the step. false is certain: a gap is off by 2^-24 of itself, and is compared with 2^-21
+ * more. */
 static inline bool eng_box_is_near(const struct eng_box *a, const struct eng_box *b,
                                    uint32_t end, float growth)
 {
@@ -159,7 +161,8 @@ static inline bool eng_box_is_near(const struct eng_box *a, const struct eng_box
     return (apart[0] | apart[1] | apart[2]) == 0;
 }
 
-/* Can a and b meet before or at `t_end`, 0 <= t_end <= 1? false is certain.
+/* Return whether a and b can meet before or at `t_end`, 0 <= t_end <= 1. false is
+ * certain.
  *
  * The gap along an axis is linear: g(t) = (1 - t) g0 + t g1. With g0 > 0 it stays
  * positive up to t_end if g(t_end) > 0. Each computed g0, g1 has a relative error of one

@@ -45,19 +45,20 @@ static inline void eng_bounds_unite(struct eng_bounds *bounds,
 /* A coordinate x along axis k at end e (0: t = 0, 1: t = 1) is measured as
  * (x - origin[4 e + k]) scale; the fourth of each end is 0. The scale is a power of two,
  * 1 or more. */
-struct eng_frame {
+struct eng_box_frame {
     double origin[8];
     double scale;
 };
 
 /* A coordinate at t = 1, for what needs no certainty, like the order of features. */
-static inline double eng_frame_at(const struct eng_frame *frame, double x, int axis)
+static inline double eng_box_frame_at(const struct eng_box_frame *frame, double x,
+                                      int axis)
 {
     return (x - frame->origin[4 + axis]) * frame->scale;
 }
 
-/* What the rounded difference a - b leaves out: both together are a - b exactly (Knuth's
- * two-sum). */
+/* Return what the rounded difference a - b leaves out: both together are a - b exactly
+ * (Knuth's two-sum). */
 static inline double eng_rest_of_difference(double a, double b)
 {
     double difference = a - b;

@@ -18,7 +18,7 @@
 /* malloc aligns to that much by itself; the rest is for the alignment. */
 #define ORIGIN_BYTES (ALIGNMENT - _Alignof(max_align_t))
 
-/* What a block takes besides itself: charged with it, as many scenes are small. */
+/* Bytes that a block takes besides itself: charged with it, as many scenes are small. */
 #define BESIDES (HEADER_BYTES + ORIGIN_BYTES)
 
 struct header {

@@ -71,7 +71,7 @@ static inline double eng_thick_reach(const double radius[3])
 
 /* ---- what is said of the distance of two features ---------------------------------- */
 
-/* What a distance is between. */
+/* The parts of two features that are nearest. */
 enum eng_nearest {
     ENG_NEAREST_VF = 0,
     ENG_NEAREST_EE = 1,
@@ -88,8 +88,8 @@ struct eng_distance {
      * the second edge, 0 at its first end. 0 .. 1. The nearest multiples of 2^-32, halves
      * to even. */
     double param[2];
-    /* Of length 1, from the second feature to the first, each coordinate rounded
-     * likewise; zeros at distance 0. */
+    /* Of length 1, from the second feature to the first, each coordinate a
+     * multiple of 2^-32 as above; zeros at distance 0. */
     double direction[3];
     /* The one of the fewest points between which the distance is. Among equals, of two
      * vertices those of the least lower rank, then of the least higher one; of a vertex
@@ -99,7 +99,7 @@ struct eng_distance {
     uint32_t points; /* bit i: point i of the pair is one of them */
 };
 
-/* How much is wanted of a pair that is near enough. */
+/* The detail that is wanted of a pair that is near enough. */
 enum eng_distance_wanted {
     ENG_DISTANCE_WITHIN, /* that it is: no number */
     ENG_DISTANCE_LENGTH, /* lo and hi */

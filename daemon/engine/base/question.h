@@ -25,7 +25,7 @@ struct eng_trace;
 /* Beside enum pccd_near_what: which features meet in the step. */
 #define ENG_CONTACTS ((uint32_t)PCCD_NEAR_COUNT)
 
-/* How the threads of a step share its work (paper, sections 4 to 6). */
+/* The ways in which the threads of a step share its work (paper, sections 4 to 6). */
 enum eng_scheduler {
     ENG_SCHEDULER_STEAL, /* they steal task units and pairs from each other */
     ENG_SCHEDULER_PAPER, /* dynamic assignment, then high-level nodes */
@@ -39,14 +39,14 @@ enum eng_high_level {
     ENG_HIGH_LEVEL_COUNT
 };
 
-/* How the threads share the refit. */
+/* The ways in which the threads share the refit. */
 enum eng_refit_scheme {
     ENG_REFIT_EVEN,  /* many small subtrees, taken on demand */
     ENG_REFIT_PAPER, /* two subtrees a thread, the first dealt out */
     ENG_REFIT_COUNT
 };
 
-/* What becomes of the boxes and records of what stands still (scene/moving.h). */
+/* The fate of the boxes and records of what stands still (scene/moving.h). */
 enum eng_still {
     ENG_STILL_KEPT, /* they are those of the last step */
     ENG_STILL_ANEW, /* they are made anew, as if everything moved: to compare with */
@@ -61,7 +61,8 @@ struct eng_tuning {
     enum eng_still still; /* of steps by one thread, too */
 };
 
-/* Of what is near: what threads look for. eng_near makes it; callers leave zeros. */
+/* The features that threads look for in a question about what is near. eng_near makes it;
+ * callers leave zeros. */
 struct eng_sought {
     uint32_t kinds; /* bit k: pairs of enum pccd_kind or pccd_near_kind k are tested */
     /* Radii or rest of objects enter: pairs within `reach`, the distance and the largest
@@ -69,7 +70,7 @@ struct eng_sought {
     bool is_thick;
     double reach;
     float growth;       /* the distance as boxes know it, in their frame, rounded up */
-    float reach_growth; /* likewise the reach, where boxes have no radii in them */
+    float reach_growth; /* the reach so, where boxes have no radii in them */
     /* VERTICES: by the scene's vertices, the least bound so far: bits of a double,
      * whose order is that of the numbers; first those of INFINITY. */
     _Atomic uint64_t *bounds;
@@ -127,7 +128,7 @@ struct eng_question {
     const struct eng_affinity
         *affinity;           /* where threads belong (affinity.h); NULL: anywhere */
     struct eng_trace *trace; /* what is recorded to (trace.h); NULL: nothing */
-    uint32_t lane;           /* of it, for the first thread */
+    uint32_t track;          /* of it, for the first thread */
     /* Instruction set of refit, traversal and tests (kernel.h); NULL: eng_kernels(). */
     const struct eng_kernels *kernels;
     bool team_always; /* by `threads` threads however small the work: for tests */
@@ -161,7 +162,7 @@ static inline enum pccd_method eng_method_of(const struct eng_question *question
                                                              : PCCD_METHOD_WIDE;
 }
 
-/* Is it about a part of the step? */
+/* Return whether the question is about a part of the step. */
 static inline bool eng_asks_part(const struct eng_question *question)
 {
     return question->span[0] != 0 || question->span[1] != 1;
@@ -199,19 +200,19 @@ static inline double eng_part_tolerance(const struct eng_question *question)
     return fmin((question->tolerance - 4 * ENG_PART_SLACK) / length, 1);
 }
 
-/* Is it about what is near at one moment? */
+/* Return whether the question is about what is near at one moment. */
 static inline bool eng_asks_near(const struct eng_question *question)
 {
     return question->verb != ENG_CONTACTS;
 }
 
-/* Is a verb about objects two by two? Else about all pairs of features. */
+/* Return whether a verb is about objects two by two. Else about all pairs of features. */
 static inline bool eng_is_of_objects(uint32_t verb)
 {
     return verb == PCCD_NEAR_NEAREST || verb == PCCD_NEAR_DEPTH;
 }
 
-/* Need pairs of that kind not be looked for? Relaxed: it is a hint. */
+/* Return whether pairs of that kind need not be looked for. Relaxed: it is a hint. */
 static inline bool eng_near_leaves_out(const struct eng_question *question, uint32_t kind)
 {
     return question->verb == PCCD_NEAR_CROSSINGS && kind != PCCD_EF &&
@@ -225,9 +226,9 @@ static inline float eng_near_growth_of(const struct eng_question *question, uint
     return kind == PCCD_EF ? 0 : question->sought.growth;
 }
 
-/* Does a pair not matter that is farther apart than something else is from each of its
- * points? */
-static inline bool eng_near_narrows(const struct eng_question *question)
+/* Return whether a pair does not matter that is farther apart than something else is from
+ * each of its points. */
+static inline bool eng_near_prunes(const struct eng_question *question)
 {
     return question->verb == PCCD_NEAR_VERTICES;
 }
@@ -256,8 +257,8 @@ static inline float eng_near_growth(double distance, double scale)
 int eng_tuning_read(const char *text, struct eng_tuning *tuning,
                     char why[ENG_TUNING_WHY_BYTES]);
 
-/* What a step has used, as eng_tuning_read takes it: "" where a thread was alone, and so
- * shared nothing. The method wide always steals, refits in one way, and has no
+/* Write what a step has used, as eng_tuning_read takes it: "" where a thread was alone,
+ * and so shared nothing. The method wide always steals, refits in one way, and has no
  * high-level nodes. */
 void eng_tuning_used(const struct eng_question *question,
                      const struct eng_step_result *result, char text[PCCD_TUNING_BYTES]);

@@ -315,7 +315,7 @@ static void insert_all(struct eng_radix_key *items, size_t count)
     }
 }
 
-/* Of how many items have each digit: where the first of them belongs. */
+/* Turn the counts of items by digit into the places where the first of each belongs. */
 static void begin_digits(uint32_t *offset, uint64_t mask)
 {
     uint32_t sum = 0;

@@ -20,7 +20,7 @@ struct eng_split_item {
     uint32_t id; /* triangle, or root node of an object; distinct within a list */
 };
 
-/* Of 64 items a bit for each that comes before the pivot along an axis (kernel.h). */
+/* Return for 64 items a bit each that comes before the pivot along an axis (kernel.h). */
 typedef uint64_t eng_come_before_fn(const struct eng_split_item *items,
                                     const struct eng_split_item *pivot, int axis);
 

@@ -11,7 +11,7 @@
 
 #include "pccd_types.h"
 
-/* What one thread of a step did. Times in nanoseconds of that thread. */
+/* The work of one thread in a step. Times in nanoseconds of that thread. */
 struct eng_thread_record {
     uint64_t task_units; /* self-CD task units */
     uint64_t pairs;      /* pairs of nodes refined */
@@ -32,14 +32,14 @@ struct eng_thread_record {
     uint64_t merge_ns;   /* sort and gather */
 };
 
-/* How pairs of thick features, those with a distance, were decided. */
+/* Counts of the ways in which pairs of thick features were decided. */
 struct eng_thick_counters {
     uint64_t candidates; /* that were tested */
     uint64_t survivors;  /* of these, asked one by one; the rest was rejected in lanes */
     uint64_t exact;      /* of these, that took integers */
 };
 
-/* Of a step, or of a question about what is near: its numbers are those of numbers.h. */
+/* The numbers of a step, or of a question about what is near: those of numbers.h. */
 struct eng_step_result {
     enum pccd_mode mode;      /* of a step */
     enum pccd_near_what what; /* of a question */
@@ -64,8 +64,9 @@ struct eng_step_result {
      * split; 0 if anything is thick. */
     uint64_t coincident;
     double distance_min; /* least d_lo; 2e18 without any record */
-    double distance_max; /* greatest d_hi; 0 likewise. VERTICES: the least and the
-                          * greatest bound by a pair, in the whole scene */
+    double distance_max; /* greatest d_hi; 0 without any record. VERTICES:
+                          * the least and the greatest bound by a pair, in the
+                          * whole scene */
     /* Edges that pass through faces: of DEPTH, CROSSINGS, and where they were asked for.
      * Of a step that tells how it begins, at t = 0; with an approach also the pairs that
      * are within their distance then. If there are any, the verdict is not NO: it is

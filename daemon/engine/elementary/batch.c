@@ -14,7 +14,7 @@
  * 50 us. */
 #define PAIRS_PER_LOOK 16u
 
-/* How pairs are tested. */
+/* One way to test pairs. */
 struct row {
     /* In lanes: pairs that may be what is asked for, to batch->left; returns how many. */
     uint32_t (*reject)(struct eng_batch *batch, const struct eng_pairs *pairs);
@@ -121,8 +121,8 @@ static uint32_t reject_thick(struct eng_batch *batch, const struct eng_pairs *pa
                                         batch->lanes->reach, batch->left);
 }
 
-/* What is known of the pair left[slot], as far as it has advanced; `query` of an open
- * one. */
+/* Finish the pair left[slot] from what is known of it, as far as it has advanced; `query`
+ * of an open one. */
 static void finish(struct eng_batch *batch, uint32_t slot,
                    const struct eng_thick_query *query)
 {
@@ -184,9 +184,9 @@ static void take_all(struct eng_batch *batch, const struct eng_pairs *pairs)
     batch->found = batch->survivors;
 }
 
-/* Of the exact sum of x[count], at most 8: is it above 0? By sums without rests that do
- * not overlap, the largest last (Shewchuk: Adaptive precision floating-point arithmetic,
- * 1997). */
+/* Return whether the exact sum of x[count], at most 8, is above 0. By sums without rests
+ * that do not overlap, the largest last (Shewchuk: Adaptive precision floating-point
+ * arithmetic, 1997). */
 static bool is_sum_above_0(const double *x, int count)
 {
     double part[8];
@@ -206,7 +206,7 @@ static bool is_sum_above_0(const double *x, int count)
     return parts > 0 && part[parts - 1] > 0;
 }
 
-/* Is `high` above `low` by more than r? */
+/* Return whether `high` is above `low` by more than r. */
 static bool is_beyond(double high, double low, const double radius[3])
 {
     const double terms[5] = {high, -low, -radius[0], -radius[1], -radius[2]};
@@ -216,8 +216,8 @@ static bool is_beyond(double high, double low, const double radius[3])
     return fabs(more) > margin ? more > 0 : is_sum_above_0(terms, 5);
 }
 
-/* Do along an axis all points of one feature lie more than r above all points of the
- * other, at both ends of the step? Decided exactly. */
+/* Return whether along an axis all points of one feature lie more than r above all points
+ * of the other, at both ends of the step. Decided exactly. */
 static bool is_apart(const struct eng_pairs *pairs, uint32_t pair)
 {
     const uint32_t *quad = pairs->quads[pair];
@@ -264,7 +264,7 @@ static void load_end(const struct eng_pairs *pairs, const uint32_t *indices, int
     }
 }
 
-/* How much is wanted of a pair that is near enough. */
+/* Return how much is wanted of a pair that is near enough. */
 static enum eng_distance_wanted wanted_for(const struct eng_pairs *pairs)
 {
     switch (pairs->question->verb) {
@@ -394,7 +394,7 @@ static const struct row *row_of(const struct eng_pairs *pairs)
     return &rows[pairs->radius ? CONTACTS_THICK : CONTACTS];
 }
 
-/* Is it time to stop, if it is time to ask? */
+/* Ask whether it is time to stop, if it is time to ask. */
 static void look(struct eng_batch *batch, bool asks)
 {
     if (asks && !batch->has_stopped && batch->should_stop) {

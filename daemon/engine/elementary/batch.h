@@ -24,7 +24,7 @@ struct eng_thick;
 
 static_assert(ENG_CHUNK_MAX <= ENG_ADVANCE_MAX, "the kernel takes a chunk at a time");
 
-/* What is known of pairs, and where their tests begin. */
+/* The knowledge about pairs, by which their tests begin later. */
 enum eng_known {
     ENG_KNOWN_NOTHING,
     ENG_KNOWN_BOXES, /* their boxes do not separate them: no use to ask again */
@@ -68,7 +68,7 @@ struct eng_batch {
     void *owner;
     struct eng_exact *contacts;      /* of pairs that meet at no distance */
     struct eng_thick *thick;         /* of those that do, .. */
-    struct eng_thick_lanes *lanes;   /* .. likewise */
+    struct eng_thick_lanes *lanes;   /* .. in lanes */
     struct eng_distances *distances; /* of what is near, or crosses */
 
     uint64_t integers;  /* counts pairs that took integers, but for `contacts` */

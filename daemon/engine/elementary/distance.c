@@ -20,7 +20,7 @@ void eng_distances_deinit(struct eng_distances *distances)
     eng_numbers_deinit(&distances->numbers);
 }
 
-/* Is it doubles' turn? */
+/* Return whether it is doubles' turn. */
 static bool may_be_quick(const struct eng_distances *distances)
 {
     return distances->first == ENG_DISTANCE_BY_DOUBLES;
@@ -44,15 +44,16 @@ ENG_INLINE struct eng_v vector_of(const double x[3])
     return (struct eng_v){x[0], x[1], x[2]};
 }
 
-/* Is x the difference of a and b, exactly? */
+/* Return whether x is the difference of a and b, exactly. */
 static bool is_difference(double x, double a, double b)
 {
     double other = a - x;
     return a - (x + other) == 0 && other - b == 0;
 }
 
-/* Of features that are nearest at their insides: where both lie across an axis, the
- * distance is how far they are apart along it. Meshes on a grid have many such pairs. */
+/* Look along the axes, for features that are nearest at their insides: where both lie
+ * across an axis, the distance is how far they are apart along it. Meshes on a grid have
+ * many such pairs. */
 static void look_along_axes(enum pccd_kind kind, const double x[4][3],
                             struct eng_length *length)
 {
@@ -113,9 +114,9 @@ static bool describe_quickly(const struct glance *glance, struct eng_distance *d
     return eng_dm_bits(is_sure) != 0;
 }
 
-/* How many points of the first feature are where one of the second is: the distance is 0
- * if any. One: *distance is set. Of several it depends on ranks which the distance is
- * between. */
+/* Return how many points of the first feature are where one of the second is: the
+ * distance is 0 if any. One: *distance is set. Of several it depends on ranks which the
+ * distance is between. */
 static int count_shared(enum pccd_kind kind, const double x[4][3],
                         struct eng_distance *distance)
 {
@@ -167,7 +168,7 @@ static void begin(struct eng_distances *distances, enum eng_distance_stage stage
                      point_count);
 }
 
-/* Is the stage's answer one? Integers are never unsure. */
+/* Return whether the stage's answer is one. Integers are never unsure. */
 static bool is_decided(struct eng_distances *distances, enum eng_distance_stage stage)
 {
     assert(stage != ENG_DISTANCE_BY_INTEGERS || !distances->numbers.is_unsure);

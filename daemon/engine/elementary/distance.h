@@ -22,7 +22,7 @@
 #include "pccd_types.h"
 #include "query.h"
 
-/* How a decision is found; the answer is the same. */
+/* The stages that find a decision; the answer is the same. */
 enum eng_distance_stage {
     ENG_DISTANCE_BY_DOUBLES,
     ENG_DISTANCE_BY_PAIRS,
@@ -46,8 +46,8 @@ struct eng_distances {
 int eng_distances_init(struct eng_distances *distances);
 void eng_distances_deinit(struct eng_distances *distances);
 
-/* What was found by the rule of a kind's form, as what the kind has: VE param[1] is where
- * on the edge, 0 at its first end; VV has none. */
+/* Convert params found by the rule of a kind's form to those of the kind: VE param[1] is
+ * where on the edge, 0 at its first end; VV has none. */
 static inline void eng_distance_convert_params(enum pccd_kind kind,
                                                struct eng_distance *distance)
 {
@@ -58,11 +58,11 @@ static inline void eng_distance_convert_params(enum pccd_kind kind,
     }
 }
 
-/* Is the distance at most d, 0 <= d <= 1e18? Exactly d is within. */
+/* Return whether the distance is at most d, 0 <= d <= 1e18. Exactly d is within. */
 bool eng_distance_within(struct eng_distances *distances, enum pccd_kind kind,
                          const double x[4][3], double d);
 
-/* Is it less than d? Exactly d is not. */
+/* Return whether it is less than d. Exactly d is not. */
 bool eng_distance_below(struct eng_distances *distances, enum pccd_kind kind,
                         const double x[4][3], double d);
 
@@ -72,7 +72,7 @@ void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
                        const double x[4][3], const uint8_t rank[4],
                        struct eng_distance *distance);
 
-/* What doubles know of a distance. */
+/* Bounds that doubles give of a distance. */
 struct eng_distance_bounds {
     double lo, hi;   /* it is between them */
     uint32_t points; /* bit i: it is between these points, as in struct eng_distance */
@@ -82,11 +82,11 @@ struct eng_distance_bounds {
 bool eng_distance_bound(enum pccd_kind kind, const double x[4][3],
                         struct eng_distance_bounds *bounds);
 
-/* Do the ends x[0], x[1] of an edge lie strictly on different sides of the plane of the
- * face x[2], x[3], x[4], and does the edge pass strictly through its inside? */
+/* Return whether the ends x[0], x[1] of an edge lie strictly on different sides of the
+ * plane of the face x[2], x[3], x[4], and the edge passes strictly through its inside. */
 bool eng_distance_crosses(struct eng_distances *distances, const double x[5][3]);
-/* Of one that does: the nearest multiple of 2^-32 to the position along it where it
- * passes through, halves to even: 0 at x[0], 1 at x[1]. */
+/* Return, for an edge that does, the nearest multiple of 2^-32 to the position along it
+ * where it passes through, halves to even: 0 at x[0], 1 at x[1]. */
 double eng_distance_crossing(struct eng_distances *distances, const double x[5][3]);
 
 #endif

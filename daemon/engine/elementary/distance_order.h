@@ -40,7 +40,7 @@ enum eng_sign eng_distance_order(struct eng_distance_order *order,
                                  const struct eng_features *a,
                                  const struct eng_features *b);
 
-/* Are the surfaces at most d apart, 0 <= d <= 1e18? Exactly d is within. */
+/* Return whether the surfaces are at most d apart, 0 <= d <= 1e18. d itself is within. */
 bool eng_distance_order_within(struct eng_distance_order *order,
                                struct eng_distances *distances,
                                const struct eng_features *features, double d);

@@ -14,7 +14,7 @@
 
 enum answer { NO, YES, STRICTLY, NOBODY_KNOWS };
 
-/* Are all of them at most 0? STRICTLY: below. */
+/* Return whether all of them are at most 0. STRICTLY: below. */
 static enum answer at_most_0(enum eng_sign a, enum eng_sign b)
 {
     if (a == ENG_PLUS || b == ENG_PLUS) {
@@ -119,7 +119,7 @@ static void set_up(struct pair *pair)
     }
 }
 
-/* Of the vertices i of the first and j of the second feature. */
+/* Return whether vertex i of the first feature and j of the second are nearest. */
 static enum answer vertices_are_nearest(const struct pair *pair, int i, int j)
 {
     if (pair->kind == PCCD_VF) {
@@ -141,8 +141,9 @@ static void choose_vertices(const struct pair *pair, struct choice *choice)
     }
 }
 
-/* Of vertex i and its foot strictly between j and k. Where w is from j to the vertex, e
- * from j to k and `more` what still has to be looked at, times e . e,
+/* Return whether vertex i and its foot strictly between j and k are nearest. Where w is
+ * from j to the vertex, e from j to k and `more` what still has to be looked at, times e
+ * . e,
  *   VF  (foot to vertex) . (third corner - j) = (e x w) . (e x (third - j)) <= 0
  *   EE  (foot to vertex) . (other end - i)    = (e x w) . (e x (other - i)) >= 0 */
 static enum answer foot_is_nearest(struct pair *pair, int i, int j, int k)
@@ -236,9 +237,10 @@ static void set_foot(struct pair *pair, const struct choice *choice,
     }
 }
 
-/* With n = u x v: the distance is |w . n| / |n|, and
+/* Set the distance where both are nearest at their insides. With n = u x v it is |w . n|
+ * / |n|, and
  *   VF  w = p - a, u = b - a, v = c - a:   (w x v) . n, (u x w) . n   times n . n
- *   EE  w = c - a, u = b - a, v = c - d:   likewise, along u and from c to d */
+ *   EE  w = c - a, u = b - a, v = c - d:   the same, along u and from c to d */
 static void set_inside(struct pair *pair, struct eng_distance_exact *way)
 {
     struct eng_numbers *numbers = pair->numbers;

@@ -30,7 +30,7 @@ struct eng_distance_exact {
 void eng_distance_rule(struct eng_numbers *numbers, enum pccd_kind kind,
                        const uint8_t rank[4], struct eng_distance_exact *way);
 
-/* Likewise: eng_distance_crosses. */
+/* Decide eng_distance_crosses by these numbers. */
 bool eng_crossing_rule(struct eng_numbers *numbers);
 
 #endif

@@ -93,7 +93,7 @@ static void set_common(struct eng_divisor *divisor, const struct eng_poly *resid
     eng_poly_make_primitive(common);
 }
 
-/* Does common divide `poly`? `rest`: room for what division leaves. */
+/* Return whether common divides `poly`. `rest`: room for what division leaves. */
 static bool divides(struct eng_divisor *divisor, const struct eng_poly *poly,
                     struct eng_poly *rest)
 {

@@ -66,7 +66,7 @@ static bool is_zero(const struct eng_exact *exact, int a)
            mpz_sgn(exact->z[a + 2]) == 0;
 }
 
-/* Is point i on the closed segment between points j and k? */
+/* Return whether point i is on the closed segment between points j and k. */
 static bool on_segment(struct eng_exact *exact, int i, int j, int k)
 {
     sub(exact, U1, POINTS + 3 * i, POINTS + 3 * j);

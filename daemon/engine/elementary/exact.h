@@ -27,7 +27,7 @@
  * are alone in theirs before (BOUNDS.md), and nobody asks for more. */
 #define ENG_EXACT_DEPTH 7296ul
 
-/* Whether anybody still waits for the decision at hand. Set by eng_batch_test. */
+/* Asks whether anybody still waits for the decision at hand. Set by eng_batch_test. */
 struct eng_exact_interrupt {
     bool (*should_stop)(void *owner); /* NULL: never. Asked every few intervals */
     void *owner;
@@ -50,7 +50,7 @@ struct eng_exact_event {
     struct eng_poly between; /* >= 0 where it is between the ends, if on the line */
 };
 
-/* What has been found out about roots of det over a span, the first ones in it, in the
+/* Facts that have been found about roots of det over a span, the first ones in it, in the
  * order in which every search comes to them: whether the conditions hold there, and which
  * of the sides are 0. */
 struct eng_exact_known {
@@ -108,7 +108,8 @@ struct eng_exact {
 int eng_exact_init(struct eng_exact *exact);
 void eng_exact_deinit(struct eng_exact *exact);
 
-/* Of the block. Pages of it are taken when numbers become as long as that. */
+/* Return the bytes of the block. Pages of it are taken when numbers become as long as
+ * that. */
 size_t eng_exact_bytes(void);
 
 struct eng_moment {
@@ -116,9 +117,9 @@ struct eng_moment {
     int side;      /* sign of det[p, b, c]: -1, 0, 1 */
 };
 
-/* Is a corner of the one feature a corner of the other at t = `end`? As where one mesh
- * continues another: most of what touches at all touches there, and it takes no
- * arithmetic to know. */
+/* Return whether a corner of the one feature is a corner of the other at t = `end`, as
+ * where one mesh continues another: most of what touches at all touches there, and it
+ * takes no arithmetic to know. */
 bool eng_exact_share_corner(const struct eng_query *query, int end);
 
 /* The configuration at t = `end` (0 or 1), by the definition: degenerate triangles are
@@ -126,8 +127,9 @@ bool eng_exact_share_corner(const struct eng_query *query, int end);
 struct eng_moment eng_exact_moment(struct eng_exact *exact, const struct eng_query *query,
                                    int end);
 
-/* Is there a contact at some t in [l, r], 0 <= l < r <= 1? By the definition, without
- * error. Typically 5 to 50 us; bench/README.md has how long at most. */
+/* Return whether there is a contact at some t in [l, r], 0 <= l < r <= 1. By the
+ * definition, without error. Typically 5 to 50 us; bench/README.md has how long at most.
+ */
 bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, double l,
                      double r);
 

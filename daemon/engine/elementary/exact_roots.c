@@ -55,8 +55,8 @@ static bool is_plain(struct eng_exact_span *span, const struct eng_conditions *c
     return eng_poly_is_plain(&span->sign, &span->condition[i], span->end, local_k, &sign);
 }
 
-/* Does each of the values have one sign throughout the interval at hand, or is 0 at the
- * root? Those that do are noted: they do so in all intervals within it. */
+/* Return whether each of the values has one sign throughout the interval at hand, or is 0
+ * at the root. Those that do are noted: they do so in all intervals within it. */
 static bool are_plain(struct eng_exact_span *span,
                       const struct eng_conditions *conditions, struct plains *plains)
 {
@@ -157,8 +157,8 @@ static void set_root(struct eng_exact_span *span, const struct eng_poly *poly)
     }
 }
 
-/* Where is the root that is alone in the interval at hand, at which the conditions hold?
- * In the first interval of bisection that is short enough. False: nobody waits. */
+/* Find where the root is that is alone in the interval at hand, at which the conditions
+ * hold: in the first interval of bisection that is short enough. False: nobody waits. */
 static bool find_place(struct eng_exact_span *span,
                        const struct eng_conditions *conditions, struct plains *plains)
 {

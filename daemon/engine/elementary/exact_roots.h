@@ -8,9 +8,9 @@
 
 #include "exact.h"
 
-/* What is demanded at a root. With a plane: span->n is not 0, and the sides, which are
- * span->side[0 .. count - 1], are parallel to it there and do not point the other way.
- * Without: the first coordinates of the sides are not negative. */
+/* Conditions that are demanded at a root. With a plane: span->n is not 0, and the sides,
+ * which are span->side[0 .. count - 1], are parallel to it there and do not point the
+ * other way. Without: the first coordinates of the sides are not negative. */
 struct eng_conditions {
     int count;
     bool has_plane;
@@ -24,14 +24,14 @@ struct eng_conditions {
     bool (*is_zero)(struct eng_exact_span *span, int i, const struct eng_root *root);
 };
 
-/* Do the conditions hold at the left end of the interval at hand? */
+/* Return whether the conditions hold at the left end of the interval at hand. */
 bool eng_roots_hold_at_left(struct eng_exact_span *span,
                             const struct eng_conditions *conditions);
 
-/* Do they hold at the only root in the interval at hand, and which sides are 0 there? It
- * is root number `number` to which this search comes. Whether there is a contact is asked
- * first and then, of the same span, where it is: what the one search has computed the
- * other knows. Uses span->before. */
+/* Return whether they hold at the only root in the interval at hand, and set which sides
+ * are 0 there. It is root number `number` to which this search comes. Whether there is a
+ * contact is asked first and then, of the same span, where it is: what the one search has
+ * computed the other knows. Uses span->before. */
 bool eng_roots_hold_at(struct eng_exact_span *span,
                        const struct eng_conditions *conditions, int number,
                        bool is_zero[ENG_EXACT_CONDITIONS]);
@@ -40,10 +40,9 @@ bool eng_roots_hold_at(struct eng_exact_span *span,
  * later. Rounded outward, and merged with what was found before. */
 void eng_roots_found_at(struct eng_exact_span *span, unsigned wide);
 
-/* Does some root in [0, 1] of `poly`, which is of degree 3 or less and not zero, satisfy
- * the conditions?
- * With span->wants_first the root is the first of them, and span->found says where; else
- * it is any. */
+/* Return whether some root in [0, 1] of `poly`, which is of degree 3 or less and not
+ * zero, satisfies the conditions. With span->wants_first the root is the first of them,
+ * and span->found says where; else it is any. */
 bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,
                        const struct eng_conditions *conditions);
 

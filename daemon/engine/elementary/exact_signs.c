@@ -40,7 +40,7 @@ bool eng_roots_hold_at_left(struct eng_exact_span *span,
     return n != 0;
 }
 
-/* What is known at a root. */
+/* The signs that are known at a root. */
 struct signs {
     int n[3]; /* of the coordinates of n; 0: 0, or not known */
     int axis; /* one that is not 0; -1: not known */
@@ -159,7 +159,7 @@ static enum answer look_deeper(struct eng_exact_span *span,
     return answer;
 }
 
-/* Do the conditions hold at the only root in the interval at hand? */
+/* Return whether the conditions hold at the only root in the interval at hand. */
 static bool hold(struct eng_exact_span *span, const struct eng_conditions *conditions,
                  bool is_zero[ENG_EXACT_CONDITIONS])
 {

@@ -111,7 +111,8 @@ static void load_event(struct eng_exact_span *span, struct eng_exact_event *even
     event->never = event->common.degree == 0;
 }
 
-/* Does the point lie on the closed segment from j to k at some time of the span? */
+/* Return whether the point lies on the closed segment from j to k at some time of the
+ * span. */
 static bool event_occurs(struct eng_exact_span *span, const struct eng_exact_event *event)
 {
     struct eng_poly *between = &span->part.side[0][0];
@@ -172,7 +173,7 @@ static void set_det(struct eng_exact_span *span, enum pccd_kind kind)
     eng_poly_shorten(&whole->det);
 }
 
-/* Does det, which is not zero throughout, certainly not vanish in [0, 1]? */
+/* Return whether det, not zero throughout, certainly does not vanish in [0, 1]. */
 static bool keeps_its_sign(struct eng_poly *det)
 {
     int sign;
@@ -267,7 +268,8 @@ static void set_sides(struct eng_exact_span *span, enum pccd_kind kind)
     }
 }
 
-/* Is a side 0 at a root of det? Then the event is there: events are roots of det. */
+/* Return whether a side is 0 at a root of det. Then the event is there: events are roots
+ * of det. */
 static bool is_side_zero(struct eng_exact_span *span, int i, const struct eng_root *root)
 {
     const struct eng_exact_event *event = event_of(span, i);
@@ -296,7 +298,7 @@ static struct eng_conditions set_domain(struct eng_exact_span *span, enum pccd_k
                                    is_side_zero};
 }
 
-/* What does not depend on the span: one query is asked about several. */
+/* Load what does not depend on the span: one query is asked about several. */
 static void load(struct eng_exact_span *span, const struct eng_query *query)
 {
     if (span->is_loaded && span->query.kind == query->kind &&

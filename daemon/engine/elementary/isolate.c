@@ -8,8 +8,8 @@
 #define STRIDE_MIN 4ul
 
 void eng_isolate_allocate(struct eng_isolator *isolator, struct eng_limbs *limbs,
-                       const struct eng_poly_size *root_size, size_t zoomed_bits,
-                       unsigned long depth_max)
+                          const struct eng_poly_size *root_size, size_t zoomed_bits,
+                          unsigned long depth_max)
 {
     const struct eng_poly_size zoomed = {root_size->terms, zoomed_bits, root_size->terms,
                                          zoomed_bits};
@@ -89,7 +89,7 @@ static unsigned long shorter(unsigned long stride)
 
 /* ---- intervals --------------------------------------------------------------------- */
 
-/* What isolator->at names comes before all that waits. */
+/* Push what isolator->at names before all that waits. */
 static void push(struct eng_isolator *isolator, unsigned long k, int variations,
                  unsigned alone, unsigned long stride)
 {

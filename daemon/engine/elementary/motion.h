@@ -26,7 +26,7 @@ struct eng_motion {
     double p[2][3]; /* at t = 0 and 1; scaled by one power of two */
     double b[2][3];
     double c[2][3];
-    double size_p; /* largest coordinate magnitude of p[0], p[1]; likewise b, c */
+    double size_p; /* largest coordinate magnitude of p[0], p[1]; the same of b, c */
     double size_b;
     double size_c;
     double e_det; /* |computed - true| of det and of each Bernstein coefficient */
@@ -67,8 +67,8 @@ double eng_bernstein_root(const double f[4], double *slope);
 enum eng_domain eng_motion_domain(const struct eng_motion *motion,
                                   const struct eng_pose *l, const struct eng_pose *r);
 
-/* Do the features certainly not meet at any time of the span between two poses, because
- * they stay apart along a fixed direction? */
+/* Return whether the features certainly do not meet at any time of the span between two
+ * poses, because they stay apart along a fixed direction. */
 bool eng_motion_separates(const struct eng_motion *motion, const struct eng_pose *l,
                           const struct eng_pose *r);
 

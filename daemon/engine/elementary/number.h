@@ -50,14 +50,15 @@ struct eng_numbers {
 /* PCCD_E_NOMEM: there is nothing to deinit. What follows never fails for memory. */
 int eng_numbers_init(struct eng_numbers *numbers);
 void eng_numbers_deinit(struct eng_numbers *numbers);
-/* Of the block. Pages of it are taken when numbers become as long as that. */
+/* Return the bytes of the block. Pages of it are taken when numbers become as long as
+ * that. */
 size_t eng_numbers_bytes(void);
 
 /* Begin with points of magnitude at most 1e18, which stay where they are. */
 void eng_numbers_load(struct eng_numbers *numbers, bool is_exact, const double (*x)[3],
                       int point_count);
 
-/* What was computed after `mark` = numbers->used, limbs likewise, is not needed again. */
+/* A mark in the numbers and limbs in use: what is behind it is not needed again. */
 struct eng_number_mark {
     uint32_t used;
     struct eng_limbs limbs;

@@ -51,7 +51,7 @@ static double middle_of(const struct eng_query *query, int a, int b, int axis, d
     return (1 - t) * d0 + t * d1;
 }
 
-/* Is X between E0 and E1 all the time from l to r? */
+/* Decide whether X is between E0 and E1 all the time from l to r. */
 static enum eng_plane between(const struct eng_query *query, const int role[4], int axis,
                               double l, double r)
 {
@@ -138,7 +138,8 @@ static struct side side_of(const struct eng_query *query, const int role[4], int
     return side;
 }
 
-/* Does X meet the edge, and when at first? Queries in which it might twice are unsure. */
+/* Decide whether X meets the edge, and when at first. Queries in which it might twice are
+ * unsure. */
 static enum eng_plane meet(const struct eng_query *query, const int role[4], int axis,
                            double tolerance, double *l, double *r)
 {
@@ -201,8 +202,8 @@ static bool is_same(const struct eng_query *query, int i, int j, int axis)
            query->x[1][i][axis] == query->x[1][j][axis];
 }
 
-/* Of a point X and an edge with one coordinate in common, whose fourth point is on one
- * side of them all the time; NULL: there are none. Nothing is rounded. */
+/* Return the roles of a point X and an edge with one coordinate in common, whose fourth
+ * point is on one side of them all the time; NULL: there are none. Nothing is rounded. */
 static const int *roles_aside(const struct eng_query *query, int axis)
 {
     bool is_same01 = is_same(query, 0, 1, axis);

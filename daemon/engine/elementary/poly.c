@@ -492,7 +492,7 @@ static void look_roughly(struct eng_poly *out, const struct eng_poly *a, const m
 
 enum plain { PLAIN, MIXED, UNSURE };
 
-/* What signs say, and *sign, where the first and the last may be really 0. */
+/* Judge by the signs, and set *sign, where the first and the last may be really 0. */
 static enum plain judge(const int *signs, int degree, int *sign)
 {
     bool is_sure = true;

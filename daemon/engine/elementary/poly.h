@@ -21,7 +21,8 @@ struct eng_poly {
     mpz_t scratch[ENG_POLY_TERMS]; /* of the operations, so that they allocate nothing */
 };
 
-/* What a polynomial may become. The rest of its numbers have no room at all. */
+/* The largest size that a polynomial may have. The rest of its numbers have no room at
+ * all. */
 struct eng_poly_size {
     int terms;           /* coefficients */
     size_t bits;         /* of each */
@@ -93,9 +94,9 @@ int eng_poly_variations(struct eng_poly *poly, int *sign);
 bool eng_poly_guess(mpz_t part, struct eng_poly *poly, int variations,
                     unsigned long stride);
 
-/* Are there no variations of `a`, of degree 4 or less, over [num, num + 1] / 2^k, which
- * is within [0, 1]? Then *sign is as above. Long numbers are rounded as long as their
- * signs are sure. */
+/* Return whether there are no variations of `a`, of degree 4 or less, over [num, num + 1]
+ * / 2^k, which is within [0, 1]. Then *sign is as above. Long numbers are rounded as long
+ * as their signs are sure. */
 bool eng_poly_is_plain(struct eng_poly *scratch, const struct eng_poly *a, mpz_t num,
                        unsigned long k, int *sign);
 
@@ -109,10 +110,10 @@ bool eng_poly_is_plain(struct eng_poly *scratch, const struct eng_poly *a, mpz_t
  * divisor either, so the divisor keeps its degree. So where the greatest common divisor
  * modulo the prime is a number, that of a and b is one. */
 
-/* Has the polynomial, of degree 1 or more, certainly no root twice? */
+/* Return whether the polynomial, of degree 1 or more, certainly has no root twice. */
 bool eng_residue_is_square_free(const struct eng_poly *poly);
 
-/* Is it not certain that they have no root in common? */
+/* Return false if they certainly have no root in common. */
 bool eng_residue_may_share_root(const struct eng_poly *a, const struct eng_poly *b);
 
 /* Points at both ends of a span, [end][point][axis], modulo the prime. */
@@ -122,8 +123,8 @@ struct eng_residue_points {
 
 void eng_residue_load(struct eng_residue_points *points, mpz_t x[2][4][3]);
 
-/* Is point i certainly at no time on the line through points j and k? `scratch`: two
- * numbers. */
+/* Return whether point i is certainly at no time on the line through points j and k.
+ * `scratch`: two numbers. */
 bool eng_residue_misses_line(const struct eng_residue_points *points, mpz_t x[2][4][3],
                              mpz_t *scratch, int i, int j, int k);
 

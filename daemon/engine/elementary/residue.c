@@ -117,7 +117,7 @@ static struct residue coordinate(uint64_t a[3][2], uint64_t b[3][2], int axis)
     return out;
 }
 
-/* Do points i and j move by the same, exactly? */
+/* Return whether points i and j move by the same, exactly. */
 static bool move_alike(mpz_t x[2][4][3], mpz_t *scratch, int i, int j)
 {
     for (int axis = 0; axis < 3; axis++) {

@@ -61,7 +61,7 @@ static void keep(struct eng_ball *ball, long bits)
     }
 }
 
-/* Of a result's value at most `bits` are kept. */
+/* Set a result, of whose value at most `bits` are kept. */
 static void ball_set(struct eng_ball *out, const mpz_t a, long bits)
 {
     long own = (long)mpz_sizeinbase(a, 2);
@@ -116,7 +116,7 @@ static void ball_mul(struct eng_ball *out, const struct eng_ball *a,
     keep(out, bits);
 }
 
-/* Is the sign sure? Then *sign is it. */
+/* Return whether the sign is sure. Then *sign is it. */
 static bool ball_sign(const struct eng_ball *ball, int *sign)
 {
     *sign = mpz_sgn(ball->value);

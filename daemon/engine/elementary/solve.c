@@ -26,8 +26,8 @@
  * vertex one micrometre from a corner of a metre-wide face is decided a million times
  * more finely. */
 
-/* How the points were reordered. VF: the face's corners rotated by `first`. EE: bit 0:
- * the ends of edge a swapped, bit 1: those of edge b. */
+/* The order in which the points were taken. VF: the face's corners rotated by `first`.
+ * EE: bit 0: the ends of edge a swapped, bit 1: those of edge b. */
 typedef unsigned base_t;
 
 /* Largest coordinate of the difference of two points over the step. */

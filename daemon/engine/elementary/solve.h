@@ -14,9 +14,9 @@
 bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
                struct eng_exact *exact, struct eng_hit *hit);
 
-/* What eng_solve does where the bracket kernel is unsure: the search by spans of time,
- * and exact arithmetic behind it. Decides any query, in some 500 ns; its *hit need not
- * have the bytes of eng_solve. */
+/* Decide as eng_solve does where the bracket kernel is unsure: the search by spans of
+ * time, and exact arithmetic behind it. Decides any query, in some 500 ns; its *hit need
+ * not have the bytes of eng_solve. */
 bool eng_search(const struct eng_query *query, double tolerance, double t_end,
                 struct eng_exact *exact, struct eng_hit *hit);
 
@@ -29,8 +29,9 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
 
 enum eng_plane { ENG_PLANE_UNSURE, ENG_PLANE_MEET, ENG_PLANE_MISS };
 
-/* The cubic of `query` certainly has other signs at l than at r, 0 <= l < r <= 1: do the
- * features meet in the span? ENG_PLANE_UNSURE where they are not as described. */
+/* Decide whether the features meet in a span at whose ends l and r, 0 <= l < r <= 1, the
+ * cubic of `query` certainly has other signs. ENG_PLANE_UNSURE where they are not as
+ * described. */
 enum eng_plane eng_plane_look(const struct eng_query *query, double l, double r);
 
 /* The features do not touch at t = 0, and all four points have a coordinate in common, or
@@ -42,10 +43,10 @@ enum eng_plane eng_plane_first(const struct eng_query *query, double tolerance, 
 
 /* ---- the solvers of all kinds ------------------------------------------------------ */
 
-/* How the queries of each kind are decided. The same for all kinds: features of one mesh
- * that share a vertex are not tested; a pair is a candidate if the moving boxes around
- * its features overlap; the first test is `reject_axes` of kernel.h; the exact decision
- * is behind `search`, which asks for it. */
+/* Decides the queries of a kind. The same for all kinds: features of one mesh that share
+ * a vertex are not tested; a pair is a candidate if the moving boxes around its features
+ * overlap; the first test is `reject_axes` of kernel.h; the exact decision is behind
+ * `search`, which asks for it. */
 struct eng_solver {
     /* Do sift, filter and bracket of kernel.h reject and decide its pairs, as many at a
      * time as a vector has lanes? If not, each pair that `reject_axes` leaves is

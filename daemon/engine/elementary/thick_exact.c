@@ -332,8 +332,8 @@ static void set_poly(struct eng_thick_exact *exact)
 
 /* ---- the decision ------------------------------------------------------------------ */
 
-/* Is it plain that these parts bring no first time: no root in (0, 1], or one side never
- * positive? */
+/* Return whether it is plain that these parts bring no first time: no root in (0, 1], or
+ * one side never positive. */
 static bool is_nothing(struct eng_thick_exact *exact)
 {
     int sign;

@@ -59,7 +59,7 @@ double eng_thick_cell_begin(int64_t cell, int depth);
 
 struct eng_thick_exact {
     mpz_t square[2];        /* numerator and denominator of r^2, in the unit of x */
-    mpz_t best[2], product; /* of the square of the distance at t = 0, likewise */
+    mpz_t best[2], product; /* of that distance at t = 0, squared */
     struct eng_poly x[4][3];
     struct eng_poly p[3], b[3], c[3], n[3], cross[3], term;
     /* Of one pair of parts: the square of the distance is num / den where all sides are
@@ -76,7 +76,7 @@ int eng_thick_exact_init(struct eng_thick_exact *exact);
 void eng_thick_exact_deinit(struct eng_thick_exact *exact);
 size_t eng_thick_exact_bytes(void);
 
-/* What is found, and what the pair is at t = 0. */
+/* The time found, and the state of the pair at t = 0. */
 struct eng_thick_verdict {
     bool is_found;
     bool is_inside;  /* d(0) <= r */

@@ -37,7 +37,7 @@ void eng_thick_roots_allocate(struct eng_thick_roots *roots, struct eng_limbs *l
 
 /* ---- cells ------------------------------------------------------------------------- */
 
-/* Of a time `number` / 2^(depth + ENG_THICK_CELL_BITS). */
+/* Return the cell of a time `number` / 2^(depth + ENG_THICK_CELL_BITS). */
 static int64_t cell_at(int64_t number)
 {
     int64_t above = number - ENG_THICK_CELL_OFFSET;
@@ -92,7 +92,7 @@ static void set_root(struct eng_thick_roots *roots, struct eng_poly *poly)
 
 /* ---- the sides at a root ----------------------------------------------------------- */
 
-/* Are all sides positive at the left end of the interval at hand? */
+/* Return whether all sides are positive at the left end of the interval at hand. */
 static bool are_positive_at_left(struct eng_thick_roots *roots,
                                  const struct eng_poly *side, int side_count)
 {
@@ -106,7 +106,8 @@ static bool are_positive_at_left(struct eng_thick_roots *roots,
     return true;
 }
 
-/* Is a side, that is not zero throughout, 0 at the only root in the interval at hand? */
+/* Return whether a side, that is not zero throughout, is 0 at the only root in the
+ * interval at hand. */
 static bool is_common(struct eng_thick_roots *roots, const struct eng_poly *side)
 {
     const struct eng_isolator *isolator = &roots->isolator;
@@ -119,7 +120,7 @@ static bool is_common(struct eng_thick_roots *roots, const struct eng_poly *side
     return eng_poly_variations(&roots->sign, &sign) % 2 == 1;
 }
 
-/* What is known of the sides at a root, alone in its interval. */
+/* The signs of the sides at a root, alone in its interval. */
 struct sides {
     const struct eng_poly *side;
     int count;
@@ -160,7 +161,8 @@ static enum sides_are look_at_sides(struct eng_thick_roots *roots, struct sides 
 
 /* ---- roots ------------------------------------------------------------------------- */
 
-/* Are all sides positive at the root that is alone in the interval at hand? */
+/* Return whether all sides are positive at the root that is alone in the interval at
+ * hand. */
 static bool look_at_root(struct eng_thick_roots *roots, const struct eng_poly *side,
                          int side_count, int depth, int64_t *cell)
 {

@@ -37,7 +37,8 @@ ENG_INLINE eng_d eng_thick_border(const struct eng_thick_cells *cells, eng_d cel
     return (cell + ENG_THICK_CELLS_OFFSET) * cells->length;
 }
 
-/* Of a time, 0 <= t <= 1. What rounds to a whole number may be one too many. */
+/* Return the cell of a time, 0 <= t <= 1. What rounds to a whole number may be one too
+ * many. */
 ENG_INLINE eng_d eng_thick_cell(const struct eng_thick_cells *cells, eng_d t)
 {
     const eng_d whole = eng_d_all(0x1.8p52);
@@ -203,7 +204,7 @@ eng_thick_estimate_at(enum pccd_kind form, const struct eng_thick_motion *motion
 #define ACROSS    (320 * ENG_U) /* of a length across, or of two in the middle */
 #define TURNED    (16 * ENG_U)  /* of a projection at a time between */
 
-/* Of the square of a direction: squares of shorter ones lose their last bits. */
+/* The least square of a direction: squares of shorter ones lose their last bits. */
 #define DIRECTION_MIN 0x1p-600
 
 /* The distance at which a pair meets is between them; scaled. */
@@ -213,8 +214,8 @@ struct reach {
 
 /* ---- along a direction ------------------------------------------------------------- */
 
-/* How far feature a is certainly beyond `reach` from b along g at the ends, by a pair of
- * their points. Linear in between; where positive, the points are apart. */
+/* Compute how far feature a is certainly beyond `reach` from b along g at the ends, by a
+ * pair of their points. Linear in between; where positive, the points are apart. */
 ENG_INLINE void project(const struct eng_thick_motion *motion, int k, struct eng_v g,
                         eng_d reach, eng_d apart[2])
 {
@@ -448,7 +449,7 @@ ENG_INLINE eng_d meeting_of(enum pccd_kind form, const struct eng_thick_motion *
 
 /* ---- a turn ------------------------------------------------------------------------ */
 
-/* What is known of the pairs in the lanes. */
+/* The state of the pairs in the lanes. */
 struct known {
     eng_d until;  /* before, they are certainly farther apart than r */
     eng_d cell;   /* of `until` */

@@ -68,7 +68,7 @@ struct eng_quantising {
  *
  * Threads: one thread for one round; the blocks are only read. */
 
-/* How two boxes are compared. */
+/* The ways to compare two boxes. */
 enum eng_join_boxes {
     ENG_JOIN_MOVING, /* can each axis bring them together before or at t_end? */
     ENG_JOIN_NEAR,   /* does what they cover up to t_end, which is near, overlap? Weaker,
@@ -97,8 +97,8 @@ struct eng_join {
      * neither does are left out. NULL: none are; so for ENG_JOIN_SWEPT. */
     const uint16_t *a_moving;
     const uint16_t *b_moving;
-    /* Likewise: bit k is set if something in the box in lane k is not foreign (mesh.h).
-     * Where features of b are first in no pair there is no b_own. */
+    /* Bit k is set if something in the box in lane k is not foreign (mesh.h). Where
+     * features of b are first in no pair there is no b_own. */
     const uint16_t *a_own;
     const uint16_t *b_own;
     /* Of features, where both have it: keys[key_stride * slot]. Of two the one with the

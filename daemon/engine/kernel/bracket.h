@@ -96,8 +96,8 @@ ENG_INLINE void eng_cubic_turn(struct eng_cubic *cubic, eng_dm m)
     }
 }
 
-/* What all blossoms with a time t have in common: b(t, t, t) and, linear in the other
- * times, b(t, t, .) at 0 and 1 and b(t, ., .) as a quadratic. */
+/* The part that all blossoms with a time t have in common: b(t, t, t) and, linear in the
+ * other times, b(t, t, .) at 0 and 1 and b(t, ., .) as a quadratic. */
 struct eng_cubic_at {
     eng_d value;
     eng_d line[2];
@@ -162,7 +162,7 @@ ENG_INLINE struct eng_cubic_powers eng_cubic_powers(const struct eng_cubic *cubi
     return (struct eng_cubic_powers){{f[0], 3 * c, 3 * (d - c), (f[3] - f[0]) - 3 * d}};
 }
 
-/* What Halley's method asks for at a time. Approximate. */
+/* The values that Halley's method asks for at a time. Approximate. */
 struct eng_cubic_step {
     eng_d value;
     eng_d slope;
@@ -362,7 +362,7 @@ eng_domain_test_of(enum pccd_kind kind, const struct eng_motion_lanes *motion, e
 /* Sizes below this, where products might lose bits, are left to those who scale. */
 #define SIZE_MIN 0x1p-200
 
-/* Contacts in longer brackets are left to the search, which narrows them. */
+/* Contacts in longer brackets are left to the search, which shortens them. */
 #define WIDTH_MAX 0x1p-30
 
 enum look { LOOK_FALLING, LOOK_ALL };
@@ -393,7 +393,7 @@ struct lanes {
     uint32_t done;   /* bits: decided */
 };
 
-/* What all pairs have in common. */
+/* The limits that all pairs have in common. */
 struct limits {
     eng_d width; /* of a bracket, at most */
     eng_d until; /* what begins later is not asked for */
@@ -437,7 +437,8 @@ ENG_INLINE eng_dm open(enum look look, struct lanes *lanes)
     return is_certain(lanes);
 }
 
-/* Certainly no root in the first half of the step, nor in the second? */
+/* Return the lanes that certainly have no root in the first half of the step, nor in the
+ * second. */
 ENG_INLINE eng_dm is_clear_by_halves(const struct eng_cubic *cubic)
 {
     const eng_d *f = cubic->f;
@@ -481,7 +482,7 @@ struct turn {
     struct eng_cubic_at at;
 };
 
-/* Is the cubic certainly positive over all of [0, t], or [t, 1]? */
+/* Return the lanes whose cubic is certainly positive over all of [0, t], or [t, 1]. */
 ENG_INLINE eng_dm is_clear_before(const struct eng_cubic *cubic, const struct turn *turn)
 {
     const struct eng_cubic_at *at = &turn->at;
@@ -494,7 +495,7 @@ ENG_INLINE eng_dm is_clear_behind(const struct eng_cubic *cubic, const struct tu
     return all_above(cubic->f[3], at->quad[2], at->line[1], at->value, cubic->error);
 }
 
-/* Certainly negative over all of [t, 1]? */
+/* Return the lanes whose cubic is certainly negative over all of [t, 1]. */
 ENG_INLINE eng_dm is_below_behind(const struct eng_cubic *cubic, const struct turn *turn)
 {
     const struct eng_cubic_at *at = &turn->at;
@@ -661,8 +662,8 @@ ENG_INLINE void move(enum look look, struct lanes *lanes)
     lanes->on_way = eng_dm_bits(lanes->moving) & lanes->wanted;
 }
 
-/* Is the cubic certainly positive before the bracket, from l on, and negative behind it,
- * up to r, which of course holds at x and y too? */
+/* Return the lanes whose cubic is certainly positive before the bracket, from l on, and
+ * negative behind it, up to r, which of course holds at x and y too. */
 ENG_INLINE eng_dm encloses(enum look look, const struct lanes *lanes, eng_d x, eng_d y)
 {
     const eng_d *f = lanes->cubic.f;
@@ -713,7 +714,7 @@ ENG_INLINE struct bracket enclose(enum pccd_kind kind, enum look look,
     return at;
 }
 
-/* What a hit says of a contact: params and normal. */
+/* Compute what a hit says of a contact: params and normal. */
 ENG_INLINE void describe(enum pccd_kind kind, const struct lanes *lanes,
                          const struct eng_domain_test *domain, eng_d numbers[5])
 {

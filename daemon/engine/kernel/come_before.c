@@ -2,7 +2,7 @@
 #include "lanes.h"
 #include "table.h"
 
-/* Of ENG_F_LANES items the coordinate. */
+/* Gather a coordinate of ENG_F_LANES items. */
 ENG_INLINE eng_f gather(const struct eng_split_item *items, int axis)
 {
 #if ENG_VECTOR_BYTES == 64

@@ -42,7 +42,7 @@ ENG_INLINE void find_root(enum look look, struct lanes *lanes)
     }
 }
 
-/* Look at the interval at hand: does a contact begin in it? */
+/* Decide whether a contact begins in the interval at hand. */
 ENG_INLINE enum eng_decision look_at_root(enum pccd_kind kind, enum look look,
                                           struct lanes *lanes,
                                           const struct limits *limits,

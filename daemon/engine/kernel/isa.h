@@ -22,9 +22,10 @@ const struct eng_kernels *eng_kernels_of(enum eng_isa isa);
  * best that the processor has. NULL: there is no such set here. */
 const struct eng_kernels *eng_kernels_named(const char *name);
 
-/* What PCCD_CPU names, or the best; chosen at the first call and kept. Later sets are
- * used as little as if the processor had none. A name that it cannot follow counts as
- * none: programs check it first, with eng_kernels_named, and say so. */
+/* Return the kernels that PCCD_CPU names, or the best; they are chosen at the first call
+ * and kept. Later sets are used as little as if the processor had none. A name that it
+ * cannot follow counts as none: programs check it first, with eng_kernels_named, and say
+ * so. */
 const struct eng_kernels *eng_kernels(void);
 
 /* Its name, as in PCCD_CPU. */

@@ -49,9 +49,9 @@
 #define UNROLL_PARTS _Pragma("GCC unroll 16")
 #endif
 
-/* What pairs are tested for: moving boxes over the step, or up to a time; boxes that
- * stand still, as they are, or around the way up to a time. In whole numbers: the same
- * but for boxes as they are, and, up to a time, as they begin (below). */
+/* The tests of pairs: moving boxes over the step, or up to a time; boxes that stand
+ * still, as they are, or around the way up to a time. In whole numbers: the same but for
+ * boxes as they are, and, up to a time, as they begin (below). */
 enum rule {
     RULE_STEP,
     RULE_UNTIL,
@@ -226,7 +226,7 @@ ENG_INLINE eng_left met_by_held(struct bounds box, const struct held_rows *held,
  * |b| <= 4 |a| they cover the u |b|. Else b < 0, because a + b < 0, and the true sum is
  * less than 1.01 |a| - (1 - u) |b| < 0. */
 
-/* Of t_end, 0 .. 1. */
+/* Return the reach that belongs to t_end, 0 .. 1. */
 ENG_INLINE float reach_of(float t_end)
 {
     return t_end * (1 + 0x1p-20f);
@@ -310,13 +310,13 @@ ENG_INLINE void near_box(const struct eng_extents *box, float t_end,
  * negative the boxes are apart all the while. The same holds of a box around others,
  * whose numbers are the largest of theirs. */
 
-/* What two boxes around the way up to a time grow by for their rounding alone
- * (quantised.h): as long as they grow by less, boxes that are compared as they begin are
- * the smaller ones. */
+/* The most that two boxes around the way up to a time may grow by for their rounding
+ * alone (quantised.h): as long as they grow by less, boxes that are compared as they
+ * begin are the smaller ones. */
 #define ENG_QUANTISED_GROWTH_MAX (2 * ENG_QUANTISED_REACH_SPARE)
 
-/* What two numbers that grow by `farthest` or less grow by together until t_end, 0 .. 1,
- * rounded up to a whole number >= 1; 0: more than ENG_QUANTISED_GROWTH_MAX. */
+/* Return what two numbers that grow by `farthest` or less grow by together until t_end, 0
+ * .. 1, rounded up to a whole number >= 1; 0: more than ENG_QUANTISED_GROWTH_MAX. */
 ENG_INLINE uint32_t quantised_growth(uint32_t farthest, float t_end)
 {
     float growth = 2 * t_end * (float)farthest; /* off by 2^-23 of itself */
@@ -417,7 +417,7 @@ struct fraction {
     eng_f n, d;
 };
 
-/* Of the two ways of being apart along an axis that which is at one end of the step, if
+/* The one of the two ways of being apart along an axis that is at one end of the step, if
  * any: how far apart, and the gap that way at the other end. */
 struct parting {
     eng_f apart; /* 0 or more */
@@ -501,8 +501,8 @@ ENG_INLINE uint32_t own_of(const struct eng_join *job, uint32_t block)
     return job->b_own ? job->b_own[block] : 0;
 }
 
-/* Of these boxes of block n of a those that have pairs with block m of b of which either
- * moves, and either is not foreign. */
+/* Keep those of these boxes of block n of a that have pairs with block m of b of which
+ * either moves, and either is not foreign. */
 ENG_INLINE uint32_t keep_marked_boxes(struct eng_join *job, uint32_t boxes, uint32_t n,
                                       uint32_t m)
 {
@@ -518,7 +518,7 @@ ENG_INLINE uint32_t keep_marked_boxes(struct eng_join *job, uint32_t boxes, uint
     return kept;
 }
 
-/* Of the `count` boxes with lanes of b those lanes that are such pairs. */
+/* Keep, in the `count` boxes with lanes of b, those lanes that are such pairs. */
 ENG_INLINE uint32_t keep_moving_lanes(struct eng_join *job, struct eng_join_round *round,
                                       uint32_t count)
 {
@@ -539,8 +539,8 @@ ENG_INLINE uint32_t keep_moving_lanes(struct eng_join *job, struct eng_join_roun
     return kept;
 }
 
-/* Is anything foreign in the next `pairs` blocks of the round, whichever side may be
- * first? */
+/* Return whether anything is foreign in the next `pairs` blocks of the round, whichever
+ * side may be first. */
 ENG_INLINE bool has_foreign(const struct eng_join *job,
                             const struct eng_join_round *round, uint32_t pairs)
 {
@@ -570,8 +570,8 @@ ENG_INLINE uint32_t own_before(const struct eng_join *job, uint32_t slot, bool i
     return lanes;
 }
 
-/* Of the `count` boxes with lanes of b, either of which may come first, those lanes that
- * are pairs which are not left out. */
+/* Keep, in the `count` boxes with lanes of b, either of which may come first, those lanes
+ * that are pairs which are not left out. */
 ENG_INLINE uint32_t keep_own_lanes(const struct eng_join *job,
                                    struct eng_join_round *round, uint32_t count)
 {
@@ -608,13 +608,14 @@ struct sides {
     const uint32_t *b_corner[3];
 };
 
-/* Are blocks compared as they lie in the trees? */
+/* Return whether blocks are compared as they lie in the trees. */
 ENG_INLINE bool is_plain(enum rule rule)
 {
     return rule == RULE_STEP || rule == RULE_UNTIL;
 }
 
-/* In whole numbers, are those of a and the boxes around b compared as they lie there? */
+/* Return whether, in whole numbers, those of a and the boxes around b are compared as
+ * they lie there. */
 ENG_INLINE bool is_from_trees(enum rule rule)
 {
     return rule == RULE_QUANTISED_STEP || rule == RULE_QUANTISED_BEGIN;
@@ -822,8 +823,8 @@ begin_round(struct eng_join *job, struct eng_join_round *round, uint32_t pairs, 
     }
 }
 
-/* What a list of nodes or features asks for: their vertices, of either side, 0 if they do
- * not matter; a box with itself (`twins`), as nodes do and features do not? */
+/* The wishes of a list of nodes or features: their vertices, of either side, 0 if they do
+ * not matter; `twins`: a box with itself, as nodes do and features do not. */
 struct wants {
     uint32_t a_vertices;
     uint32_t b_vertices;
@@ -884,7 +885,7 @@ ENG_INLINE uint32_t lanes_of(const struct sides *sides, uint32_t place, uint32_t
     return bits;
 }
 
-/* Of `count` boxes those with pairs that are wanted, and the lanes of these. */
+/* Keep those of `count` boxes with pairs that are wanted, and the lanes of these. */
 ENG_INLINE uint32_t test_boxes(struct eng_join_round *round, const struct sides *sides,
                                uint32_t count, struct wants wants, enum rule rule,
                                struct until until)

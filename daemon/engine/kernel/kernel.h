@@ -65,7 +65,7 @@ struct eng_sieve {
     bool swept;       /* the boxes around the pairs' whole motions overlap, no more */
     bool in_time;     /* the pairs share a time on all axes: eng_join.in_time */
     bool cubic_first; /* which of two tests goes first; the sieve's own, false before */
-    bool narrows;     /* sift_near: what is known of a pair's points counts, that of which
+    bool prunes;      /* sift_near: what is known of a pair's points counts, that of which
                        * least is */
 };
 
@@ -74,7 +74,7 @@ struct eng_sieve {
 
 /* ---- what kernels say of a chunk ------------------------------------------------- */
 
-/* What the certified solver decides of a chunk. */
+/* The decisions of the certified solver about a chunk. */
 struct eng_bracketed {
     uint32_t hit_count;
     uint32_t unsure_count;
@@ -83,8 +83,8 @@ struct eng_bracketed {
     uint32_t *unsure;     /* pairs that are not decided */
 };
 
-/* What `measure` says of a chunk; each array has room for all its pairs. Pairs that are
- * not named are farther apart than d. */
+/* The answer of `measure` about a chunk; each array has room for all its pairs. Pairs
+ * that are not named are farther apart than d. */
 struct eng_measured {
     enum eng_distance_wanted wanted;
     uint32_t near_count;
@@ -96,7 +96,8 @@ struct eng_measured {
     uint32_t *undecided;        /* nobody knows whether they are within d */
 };
 
-/* What `cross_faces` says of a chunk. Edges that are not named do not pass through. */
+/* The answer of `cross_faces` about a chunk. Edges that are not named do not pass
+ * through. */
 struct eng_crossed {
     uint32_t count;
     uint32_t undecided_count;
@@ -104,7 +105,7 @@ struct eng_crossed {
     uint32_t *undecided; /* nobody knows of these */
 };
 
-/* What `advance` says of a pair of thick features (elementary/thick.h). */
+/* The answer of `advance` about a pair of thick features (elementary/thick.h). */
 enum eng_advanced {
     ENG_ADVANCE_UNDECIDED, /* there is no contact before `until` */
     ENG_ADVANCE_MISSES,    /* no contact, or none that begins before or at t_end */
@@ -148,12 +149,12 @@ struct eng_kernels {
      * around both. |x| <= 1e18. `frame` NULL, here and below: the coordinates as they
      * are. */
     void (*box_points)(const struct eng_point *points, uint32_t count,
-                       const struct eng_frame *frame, bool swept,
+                       const struct eng_box_frame *frame, bool swept,
                        struct eng_extents *boxes);
     /* The marks of points, on a grid that lies in the frame. False: one was beyond the
      * grid; then no sieve may use them. */
     bool (*place_points)(const struct eng_point *points, uint32_t count,
-                         const struct eng_frame *frame, const struct eng_grid *grid,
+                         const struct eng_box_frame *frame, const struct eng_grid *grid,
                          struct eng_mark *marks);
     /* Blocks of boxes[block_count][ENG_WIDE], and the box around each block; `swept`:
      * the boxes are the same at both ends, and the rows at t = 1 are left as they are. */
@@ -277,11 +278,12 @@ struct eng_kernels {
 
 /* ---- one pair, by the scalar set alone --------------------------------------------- */
 
-/* Is one feature above the other, certainly, along x, y or z, or along x +- y, y +- z or
- * z +- x, at both ends of the step, and so all the time? Most queries go here. */
+/* Return whether one feature is above the other, certainly, along x, y or z, or along x
+ * +- y, y +- z or z +- x, at both ends of the step, and so all the time. Most queries go
+ * here. */
 bool eng_query_separates(const struct eng_query *query);
 
-/* What `bracket` says of one pair, which is a chunk of its own. */
+/* The answer of `bracket` about one pair, which is a chunk of its own. */
 enum eng_decision { ENG_MISSES, ENG_MEETS, ENG_UNDECIDED };
 
 /* The same, bit for bit, in half the time: of the scalar set alone. ENG_MEETS: *hit is

@@ -78,7 +78,7 @@ ENG_INLINE void unite_ends(struct eng_extents *box)
 }
 
 ENG_INLINE void box_points(const struct eng_point *points, uint32_t count,
-                           const struct eng_frame *frame, bool swept,
+                           const struct eng_box_frame *frame, bool swept,
                            struct eng_extents *boxes)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -107,7 +107,7 @@ ENG_INLINE void box_points(const struct eng_point *points, uint32_t count,
 }
 
 void ENG_KERNEL(box_points)(const struct eng_point *points, uint32_t count,
-                            const struct eng_frame *frame, bool swept,
+                            const struct eng_box_frame *frame, bool swept,
                             struct eng_extents *boxes)
 {
     if (frame) {

@@ -36,8 +36,8 @@ ENG_INLINE bool place_points(const struct eng_point *points, uint32_t count,
 }
 
 bool ENG_KERNEL(place_points)(const struct eng_point *points, uint32_t count,
-                              const struct eng_frame *frame, const struct eng_grid *grid,
-                              struct eng_mark *marks)
+                              const struct eng_box_frame *frame,
+                              const struct eng_grid *grid, struct eng_mark *marks)
 {
     double origin[8] = {0};
     for (int i = 0; i < 3; i++) {

@@ -62,7 +62,7 @@ ENG_INLINE struct eng_g eng_marks_turn_at(const eng_fi a[4])
     return (struct eng_g){(eng_fi)out[0], (eng_fi)out[1], (eng_fi)out[2]};
 }
 
-/* What is behind x, y, z. */
+/* Return the fourth number, behind x, y, z. */
 ENG_INLINE eng_fi eng_marks_fourth(const eng_fi a[4])
 {
     __m512i zw01 = _mm512_unpackhi_epi32((__m512i)a[0], (__m512i)a[1]);

@@ -118,7 +118,7 @@ eng_edge_distance_of(enum pccd_kind kind, const struct eng_v x[4], eng_d d, eng_
 
 /* ---- distances ------------------------------------------------------------------- */
 
-/* What is known of the lanes. */
+/* The state of the lanes. */
 struct known {
     eng_dm near;   /* certainly within d */
     eng_dm beyond; /* certainly not */
@@ -246,10 +246,10 @@ ENG_INLINE void measure(enum pccd_kind kind, enum eng_distance_wanted wanted,
         uint32_t sure = eng_dm_bits(known.sure) & all;
         uint32_t undecided = all & ~(near | eng_dm_bits(known.beyond));
         if (undecided != 0) {
-            struct eng_edge_distance rims =
+            struct eng_edge_distance edges =
                 eng_edge_distance_of(kind, x, eng_d_all(d), square);
-            near |= undecided & eng_dm_bits(rims.near);
-            undecided &= ~(eng_dm_bits(rims.near) | eng_dm_bits(rims.beyond));
+            near |= undecided & eng_dm_bits(edges.near);
+            undecided &= ~(eng_dm_bits(edges.near) | eng_dm_bits(edges.beyond));
         }
         sure = wanted == ENG_DISTANCE_WITHIN ? near : sure;
         write_near(&numbers, pairs + i, n, sure, wanted, out);

@@ -30,7 +30,7 @@ ENG_INLINE double eng_square_most(double d)
     return d * d * (1 + 32 * ENG_U) + ENG_LOST;
 }
 
-/* Of the dot product of two differences of these sizes. */
+/* Return the error of the dot product of two differences of these sizes. */
 ENG_INLINE eng_d eng_dot_error(eng_d size_a, eng_d size_b)
 {
     return 18.5 * ENG_U * size_a * size_b + ENG_LOST;
@@ -53,7 +53,7 @@ ENG_INLINE struct eng_cross_product eng_cross_product_of(struct eng_v a, eng_d s
     return out;
 }
 
-/* Of the dot product of two cross products. */
+/* Return the error of the dot product of two cross products. */
 ENG_INLINE eng_d eng_cross_product_error(const struct eng_cross_product *a,
                                          const struct eng_cross_product *b)
 {
@@ -61,13 +61,13 @@ ENG_INLINE eng_d eng_cross_product_error(const struct eng_cross_product *a,
            9.5 * ENG_U * a->size * b->size + ENG_LOST;
 }
 
-/* Of the dot product of a difference and a cross product. */
+/* Return the error of the dot product of a difference and a cross product. */
 ENG_INLINE eng_d eng_height_error(eng_d size, const struct eng_cross_product *n)
 {
     return 3.1 * size * (n->error + 4.5 * ENG_U * n->size) + ENG_LOST;
 }
 
-/* Of differences whose largest has this size, nothing is lost that matters. */
+/* Return whether differences whose largest has this size lose nothing that matters. */
 ENG_INLINE eng_dm eng_is_in_range(eng_d size)
 {
     return eng_dm_and(eng_d_at_most(eng_d_all(ENG_SIZE_LEAST), size),
@@ -76,9 +76,9 @@ ENG_INLINE eng_dm eng_is_in_range(eng_d size)
 
 /* ---- where two features are nearest ---------------------------------------------- */
 
-/* What is known of where two features are nearest. At most one of the masks `vertices`,
- * `foot` and `inside` is set, and means that the distance certainly is between those.
- * What does not belong to it is any number.
+/* The places where two features are nearest, as far as they are known. At most one of the
+ * masks `vertices`, `foot` and `inside` is set, and means that the distance certainly is
+ * between those. What does not belong to it is any number.
  *
  * A point of the first feature and one of the second are chosen: the two vertices; the
  * vertex and the edge's nearer end; or what is nearest to the feet of the insides. */
@@ -119,7 +119,8 @@ ENG_INLINE void eng_set_code(struct eng_nearest_points *at, eng_d points, uint32
         eng_d_select(at->inside, eng_bits(inside | 15u << 2), eng_bits_or(points, type));
 }
 
-/* Of (a x b) . n, whatever a and b are: `sizes` is the product of theirs. */
+/* Return the error of (a x b) . n, whatever a and b are: `sizes` is the product of
+ * theirs. */
 ENG_INLINE eng_d eng_share_error(eng_d sizes, const struct eng_cross_product *n)
 {
     return sizes * (7 * n->error + 52 * ENG_U * n->size) + ENG_LOST;
@@ -449,7 +450,7 @@ ENG_INLINE eng_dm eng_is_known(const struct eng_nearest_points *at)
 /* Doubles of 33 bits: the last 20 of 53 are cut off. */
 #define ENG_BITS_CUT ((INT64_C(1) << 20) - 1)
 
-/* What struct eng_distance has, in lanes. */
+/* struct eng_distance, in lanes. */
 struct eng_distance_lanes {
     eng_d lo, hi;
     eng_d param[2];
@@ -557,8 +558,8 @@ struct eng_nearest_gap {
     struct eng_v gap;  /* p - beta b - gamma c */
 };
 
-/* Of the square of the sine between b and c: below the one, what rounding leaves of their
- * cross product may point anywhere; below the other, nobody asks. */
+/* Limits of the square of the sine between b and c: below the one, what rounding leaves
+ * of their cross product may point anywhere; below the other, nobody asks. */
 #define ENG_SURE_SINE2 0x1p-60
 #define ENG_SINE2      0x1p-100
 
@@ -615,7 +616,8 @@ ENG_INLINE void eng_try_side(const struct eng_domain_side *side, eng_d *best,
     nearest->gap = eng_v_select(is_better, gap, nearest->gap);
 }
 
-/* What a lane gets does not depend on the others. */
+/* Estimate where the features are nearest. The result of a lane does not depend on the
+ * others. */
 ENG_INLINE struct eng_nearest_gap eng_nearest_gap_of(enum pccd_kind form,
                                                      const struct eng_pose_lanes *pose)
 {
@@ -650,12 +652,12 @@ ENG_INLINE struct eng_nearest_gap eng_nearest_gap_of(enum pccd_kind form,
 
 /* ---- an edge and a face ------------------------------------------------------------ */
 
-/* What is certain of a sign, or of a question: one of the two, or neither. */
+/* The certain part of a sign, or of a decision: one of the two, or neither. */
 struct eng_sure {
     eng_dm yes, no; /* plus, minus */
 };
 
-/* Of e . (a x b), all three differences. */
+/* Return the sign of e . (a x b), all three differences. */
 ENG_INLINE struct eng_sure eng_side_of(struct eng_v e, struct eng_v a, struct eng_v b)
 {
     struct eng_cross_product cross =
@@ -665,7 +667,7 @@ ENG_INLINE struct eng_sure eng_side_of(struct eng_v e, struct eng_v a, struct en
     return (struct eng_sure){eng_d_less(error, value), eng_d_less(value, -error)};
 }
 
-/* Are both sure, and do they differ; are both sure, and alike? */
+/* Return whether both are sure, and differ; or both are sure, and alike. */
 ENG_INLINE eng_dm eng_signs_differ(struct eng_sure a, struct eng_sure b)
 {
     return eng_dm_or(eng_dm_and(a.yes, b.no), eng_dm_and(a.no, b.yes));
@@ -676,8 +678,8 @@ ENG_INLINE eng_dm eng_signs_agree(struct eng_sure a, struct eng_sure b)
     return eng_dm_or(eng_dm_and(a.yes, b.yes), eng_dm_and(a.no, b.no));
 }
 
-/* Does the edge x[0], x[1] pass through the face? It does not where both its ends are on
- * one side of the plane, or its line passes a side. */
+/* Decide whether the edge x[0], x[1] passes through the face. It does not where both its
+ * ends are on one side of the plane, or its line passes a side. */
 ENG_INLINE struct eng_sure eng_crossing_of(const struct eng_v x[5])
 {
     struct eng_v edge = eng_v_sub(x[1], x[0]);

@@ -77,7 +77,7 @@ ENG_INLINE eng_fi eng_fi_max_halves(eng_fi a, eng_fi b)
 #endif
 }
 
-/* Of each half: `grown`, but INT16_MIN where a is that. */
+/* Return, for each half, `grown`, but INT16_MIN where a is that. */
 ENG_INLINE eng_fi eng_fi_keep_least_halves(eng_fi a, eng_fi grown)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -186,7 +186,7 @@ ENG_INLINE struct quantised_weights quantised_weights_at(float t)
 
 /* ---- up to a time ------------------------------------------------------------------ */
 
-/* What is reached of q0 .. q1 by then; `around`: what was reached up to then. */
+/* Return what is reached of q0 .. q1 by then; `around`: what was reached up to then. */
 ENG_INLINE eng_fi quantised_reached(eng_fi q0, eng_fi q1,
                                     struct quantised_weights weights, bool around)
 {

@@ -118,8 +118,8 @@ uint32_t ENG_KERNEL(filter)(enum pccd_kind kind, const struct eng_point *points,
 
 /* ---- thick features ---------------------------------------------------------------- */
 
-/* Does this vector, of which any would do, keep the features more than the reach apart at
- * both ends? */
+/* Return the lanes in which this vector, of which any would do, keeps the features more
+ * than the reach apart at both ends. */
 ENG_INLINE uint32_t beyond_along(enum pccd_kind kind, const struct pairs *pairs,
                                  eng_d size, eng_d reach, struct eng_v g)
 {

@@ -39,7 +39,7 @@ typedef struct eng_g difference_t;
  * along a diagonal, where it is half as wide. */
 #define CELLS_AXIS     2
 #define CELLS_DIAGONAL 3
-/* How long a diagonal is in these gaps, or more: 1 / sqrt(2). */
+/* The length of a diagonal in these gaps, or more: 1 / sqrt(2). */
 #define DIAGONAL 0x1.6a09e8p-1f
 /* A coordinate of a difference is off by less. */
 #define OFF_GRID 2
@@ -168,9 +168,9 @@ ENG_INLINE void gaps_along(enum pccd_kind kind, const difference_t *d, int direc
     gaps_of(kind, s, gaps);
 }
 
-/* Does one of these directions keep all points of one feature more than `least` beyond
- * all of the other, at both ends and so all the time? Diagonals are longer than axes:
- * `least` is DIAGONAL times as much for them. */
+/* Return the lanes in which one of these directions keeps all points of one feature more
+ * than `least` beyond all of the other, at both ends and so all the time. Diagonals are
+ * longer than axes: `least` is DIAGONAL times as much for them. */
 ENG_INLINE uint32_t are_beyond(enum pccd_kind kind, const difference_t d[2][DIFFERENCES],
                                int first, int last, eng_n least)
 {
@@ -239,8 +239,8 @@ ENG_INLINE void cut_span(struct span *span, const eng_n gaps0[2], const eng_n ga
     span->to_d = eng_n_select(sooner, d, span->to_d);
 }
 
-/* Do x, y and z together leave no time up to t_end at which no gap is more than
- * `least`? */
+/* Return the lanes in which x, y and z together leave no time up to t_end at which no gap
+ * is more than `least`. */
 ENG_INLINE uint32_t leave_no_time(enum pccd_kind kind,
                                   const difference_t d[2][DIFFERENCES], eng_n t_end,
                                   eng_n least)
@@ -287,7 +287,8 @@ ENG_INLINE void heights_of(const struct sides *sides, struct eng_v n[3], eng_n f
     f[3] = eng_v_dot(w[1], n[2]);
 }
 
-/* Is all that lies between low[i] and high[i] beyond least[i], on one side for all? */
+/* Return the lanes in which all that lies between low[i] and high[i] is beyond least[i],
+ * on one side for all. */
 ENG_INLINE uint32_t are_on_one_side(int count, const eng_n *low, const eng_n *high,
                                     const eng_n *least)
 {
@@ -301,7 +302,8 @@ ENG_INLINE uint32_t are_on_one_side(int count, const eng_n *low, const eng_n *hi
     return eng_nm_bits(eng_nm_or(above, below));
 }
 
-/* Do these coefficients, which are off by `error`, say that there is no plane? */
+/* Return the lanes in which these coefficients, which are off by `error`, say that there
+ * is no plane. */
 ENG_INLINE uint32_t heights_miss(const eng_n f[4], eng_n error)
 {
     const eng_n low[2] = {eng_n_min(f[0], f[3]), eng_n_min(f[1], f[2])};
@@ -310,9 +312,9 @@ ENG_INLINE uint32_t heights_miss(const eng_n f[4], eng_n error)
     return are_on_one_side(2, low, high, least);
 }
 
-/* Do the planes across both features stay farther apart than `reach`, on one side? That
- * is so where w . n, less `error`, is more than `reach` times |n|, which is off by
- * `length_error`. */
+/* Return the lanes in which the planes across both features stay farther apart than
+ * `reach`, on one side. That is so where w . n, less `error`, is more than `reach` times
+ * |n|, which is off by `length_error`. */
 ENG_INLINE uint32_t planes_are_beyond(const struct sides *sides, eng_n reach, eng_n error,
                                       eng_n length_error)
 {
@@ -331,8 +333,8 @@ ENG_INLINE uint32_t planes_are_beyond(const struct sides *sides, eng_n reach, en
 
 /* ---- at one end, by squares -------------------------------------------------------- */
 
-/* Are the boxes around the features farther apart than the root of `square`? `scale`: of
- * the numbers that are squared. */
+/* Return the lanes in which the boxes around the features are farther apart than the root
+ * of `square`. `scale`: of the numbers that are squared. */
 ENG_INLINE eng_nm boxes_are_beyond(enum pccd_kind kind, const difference_t *d,
                                    eng_n scale, eng_n square)
 {
@@ -349,8 +351,8 @@ ENG_INLINE eng_nm boxes_are_beyond(enum pccd_kind kind, const difference_t *d,
     return eng_n_less(square, eng_v_dot(gap, gap));
 }
 
-/* Are the planes across n, from which w leads to each other? w . n is off by `error`, and
- * the square of n by `square_error`. */
+/* Return the lanes in which the planes across n, from one of which w leads to the other,
+ * are as far apart. w . n is off by `error`, and the square of n by `square_error`. */
 ENG_INLINE eng_nm plane_is_beyond(struct eng_v w, struct eng_v n, eng_n error,
                                   eng_n square_error, eng_n square)
 {

@@ -46,7 +46,7 @@ ENG_INLINE struct record most(struct record a, struct record b)
     return a;
 }
 
-/* What is compared of one pair. */
+/* The numbers of one pair that are compared. */
 struct order {
     struct record a, b; /* apart if a < b along one axis at both ends, */
     struct record c, d; /* or c < d along one */

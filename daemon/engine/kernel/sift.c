@@ -128,7 +128,7 @@ ENG_INLINE void compare_axes(enum pccd_kind kind, const struct eng_sieve *sieve,
 
 #endif
 
-/* Of ENG_F_LANES pairs, bit i: pair i has an axis with both ends. */
+/* Return, for ENG_F_LANES pairs, bit i if pair i has an axis with both ends. */
 ENG_INLINE uint32_t axes_between(const uint8_t *below, const uint8_t *above)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -187,7 +187,7 @@ ENG_INLINE uint32_t pass_axes(enum pccd_kind kind, const struct eng_sieve *sieve
 
 /* ---- planes ------------------------------------------------------------------------ */
 
-/* What is asked of the pairs; but for the numbers, constants of the code. */
+/* The question about the pairs; but for the numbers, constants of the code. */
 struct question {
     enum pccd_kind kind;
     bool is_thick; /* there is a reach */

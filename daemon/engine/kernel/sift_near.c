@@ -84,7 +84,7 @@ ENG_INLINE void load_at(uint32_t kind, const struct eng_sieve *sieve, const uint
 
 /* ---- tests ------------------------------------------------------------------------- */
 
-/* Of whole numbers below 2^31, so that squares of products of three fit a float. */
+/* Scales whole numbers below 2^31, so that squares of products of three fit a float. */
 #define SMALLER 0x1p-16f
 
 ENG_INLINE struct eng_v smaller(struct eng_g g)
@@ -103,7 +103,7 @@ ENG_INLINE eng_f reach_of(struct eng_v a)
     return eng_v_size(a) + OFF_GRID * SMALLER;
 }
 
-/* What is across two differences of these sizes. */
+/* The normal of two differences of these sizes. */
 struct normal {
     struct eng_v n;
     eng_f size_u, size_v;
@@ -132,8 +132,8 @@ ENG_INLINE eng_f square_error(const struct normal *normal)
     return error * (6 * eng_v_size(normal->n) + 3 * error);
 }
 
-/* Are the planes through the features, across both, farther apart than the root of
- * `square`? */
+/* Return the lanes in which the planes through the features, across both, are farther
+ * apart than the root of `square`. */
 ENG_INLINE eng_fm planes_beyond(enum pccd_kind kind, const struct eng_g d[3],
                                 eng_f square)
 {
@@ -167,7 +167,7 @@ ENG_INLINE void shorten(struct way *way, struct eng_v from, struct eng_v e,
     way->square = eng_f_select(is_shorter, square, way->square);
 }
 
-/* About the shortest one from a corner of either to the rim of the other. */
+/* About the shortest one from a corner of either to the edges of the other. */
 ENG_INLINE struct eng_v way_of(enum pccd_kind kind, const struct eng_v p[3])
 {
     const eng_f zero = {0};
@@ -191,7 +191,7 @@ ENG_INLINE struct eng_v way_of(enum pccd_kind kind, const struct eng_v p[3])
     return way.v;
 }
 
-/* Are they along such a way? */
+/* Return the lanes in which they are farther apart along such a vector. */
 ENG_INLINE eng_fm edges_are_beyond(enum pccd_kind kind, const struct eng_g d[3],
                                    eng_f square)
 {
@@ -223,29 +223,31 @@ ENG_INLINE eng_f scaled(eng_f reach)
 }
 
 /* By boxes and planes most pairs go that are too far apart; ways take twice as long. */
-enum look { LOOK_QUICK, LOOK_AT_RIMS, LOOK_ASIDE };
+enum look { LOOK_QUICK, LOOK_AT_EDGES, LOOK_ASIDE };
 
-/* Certainly farther apart than `reach`, or, if it `narrows`, than is known? */
-ENG_INLINE uint32_t beyond(enum pccd_kind kind, enum look look, bool narrows,
+/* Return the lanes that are certainly farther apart than `reach`, or, if it `prunes`,
+ * than is known. */
+ENG_INLINE uint32_t beyond(enum pccd_kind kind, enum look look, bool prunes,
                            const struct eng_sieve *sieve, const uint32_t *a,
                            const uint32_t *b, uint32_t end, eng_f reach)
 {
     struct eng_g d[3];
     eng_fi less;
-    load_at(kind, sieve, a, b, end, d, narrows ? &less : NULL);
-    if (narrows) {
+    load_at(kind, sieve, a, b, end, d, prunes ? &less : NULL);
+    if (prunes) {
         reach = (eng_f)((eng_fi)reach - less);
     }
     reach = scaled(reach);
     eng_f square = reach * reach * ENG_SLACK;
     return eng_fm_bits(
-        look == LOOK_AT_RIMS
+        look == LOOK_AT_EDGES
             ? edges_are_beyond(kind, d, square)
             : eng_fm_or(boxes_are_beyond(kind, d, eng_f_all(SMALLER), square),
                         planes_beyond(kind, d, square)));
 }
 
-/* Are both ends of the edge certainly on one side of the plane through the face? */
+/* Return the lanes in which both ends of the edge are certainly on one side of the plane
+ * through the face. */
 ENG_INLINE uint32_t aside(const struct eng_sieve *sieve, const uint32_t *a,
                           const uint32_t *b, uint32_t end)
 {
@@ -259,7 +261,7 @@ ENG_INLINE uint32_t aside(const struct eng_sieve *sieve, const uint32_t *a,
     return are_on_one_side(2, height, height, error);
 }
 
-ENG_INLINE uint32_t pass_near(uint32_t kind, enum look look, bool narrows,
+ENG_INLINE uint32_t pass_near(uint32_t kind, enum look look, bool prunes,
                               const struct eng_sieve *sieve, uint32_t end, float reach,
                               uint32_t *a, uint32_t *b, uint32_t count)
 {
@@ -276,34 +278,34 @@ ENG_INLINE uint32_t pass_near(uint32_t kind, enum look look, bool narrows,
         }
         uint32_t out = look == LOOK_ASIDE
                            ? aside(sieve, a_in, b_in, end)
-                           : beyond((enum pccd_kind)kind, look, narrows, sieve, a_in,
-                                    b_in, end, eng_f_all(reach));
+                           : beyond((enum pccd_kind)kind, look, prunes, sieve, a_in, b_in,
+                                    end, eng_f_all(reach));
         kept += eng_compress_pairs(a + kept, b + kept, a + i, b + i,
                                    ~out & ENG_F_ALL >> (ENG_F_LANES - n));
     }
     return kept;
 }
 
-ENG_INLINE uint32_t sift_near(uint32_t kind, bool narrows, const struct eng_sieve *sieve,
+ENG_INLINE uint32_t sift_near(uint32_t kind, bool prunes, const struct eng_sieve *sieve,
                               uint32_t end, float reach, uint32_t *a, uint32_t *b,
                               uint32_t count)
 {
     if (kind == PCCD_EF) {
         return pass_near(kind, LOOK_ASIDE, false, sieve, end, reach, a, b, count);
     }
-    count = pass_near(kind, LOOK_QUICK, narrows, sieve, end, reach, a, b, count);
-    return pass_near(kind, LOOK_AT_RIMS, narrows, sieve, end, reach, a, b, count);
+    count = pass_near(kind, LOOK_QUICK, prunes, sieve, end, reach, a, b, count);
+    return pass_near(kind, LOOK_AT_EDGES, prunes, sieve, end, reach, a, b, count);
 }
 
-/* The end, and whether it narrows, as constants of the code. */
-#define SIFT_NEAR(kind, narrows)                                                         \
-    (end == 0 ? sift_near(kind, narrows, sieve, 0, reach, a, b, count)                   \
-              : sift_near(kind, narrows, sieve, 1, reach, a, b, count))
+/* The end, and whether it prunes, as constants of the code. */
+#define SIFT_NEAR(kind, prunes)                                                          \
+    (end == 0 ? sift_near(kind, prunes, sieve, 0, reach, a, b, count)                    \
+              : sift_near(kind, prunes, sieve, 1, reach, a, b, count))
 
 uint32_t ENG_KERNEL(sift_near)(uint32_t kind, const struct eng_sieve *sieve, uint32_t end,
                                float reach, uint32_t *a, uint32_t *b, uint32_t count)
 {
-    if (sieve->narrows) {
+    if (sieve->prunes) {
         return kind == PCCD_VF ? SIFT_NEAR(PCCD_VF, true) : SIFT_NEAR(PCCD_EE, true);
     }
     return kind == PCCD_VF   ? SIFT_NEAR(PCCD_VF, false)

@@ -1,4 +1,4 @@
-/* within.c - are coordinates numbers, and in range? */
+/* within.c - finds coordinates that are no numbers, or out of range. */
 #include <math.h>
 
 #include "table.h"

@@ -19,7 +19,7 @@
 #include "worker.h"
 #include "world.h"
 
-/* Of pairs that meet at a distance. */
+/* A thread's memory for pairs that meet at a distance. */
 struct eng_narrow_thick {
     struct eng_thick thick;
     struct eng_thick_lanes lanes;
@@ -55,7 +55,7 @@ struct eng_edges_known {
     } at[ENG_EDGES_KNOWN];
 };
 
-/* Of what is near. */
+/* A thread's memory for what is near. */
 struct eng_narrow_near {
     struct eng_distances distances;
     struct pccd_pair names[ENG_CHUNK_MAX]; /* of what the batch has found */
@@ -63,7 +63,7 @@ struct eng_narrow_near {
     struct eng_near_recent recent[ENG_NEAR_RECENT];
     struct eng_edges_known edges;
     double least;    /* d_lo of what was found; 2e18: nothing was */
-    double greatest; /* d_hi likewise; 0 */
+    double greatest; /* d_hi of what was found; 0: nothing was */
     uint64_t pairs;  /* that were found, but for crossings */
     uint64_t crossings;
 };
@@ -71,7 +71,7 @@ struct eng_narrow_near {
 struct eng_narrow {
     struct eng_batch batch;
     struct eng_narrow_thick *thick; /* NULL: no step has asked for it yet */
-    struct eng_narrow_near *near;   /* likewise */
+    struct eng_narrow_near *near;   /* NULL: no question has asked for it yet */
 };
 
 static inline struct eng_narrow *eng_narrow_of(const struct eng_worker *worker)
@@ -102,8 +102,8 @@ void eng_narrow_test(struct eng_worker *worker, struct eng_pairs *pairs,
 void eng_narrow_split(struct eng_worker *worker, const struct eng_pairs *pairs,
                       struct eng_pairs parts[2]);
 
-/* Of what is near: is a pair whose distance is *found within that of the question and its
- * radii, and not left out for its rest? Exactly. VERTICES: found->lo becomes its bound,
+/* Return whether a pair whose distance is *found is within that of the question and its
+ * radii, and not left out for its rest, exactly. VERTICES: found->lo becomes its bound,
  * and what is left thin has no radii. */
 bool eng_narrow_is_within(struct eng_worker *worker, const struct eng_pairs *pairs,
                           uint32_t number, struct eng_distance *found);

@@ -36,7 +36,7 @@ static struct pair pair_of(const struct eng_scene *scene, const struct eng_point
     return pair;
 }
 
-/* Do few edges join the features? */
+/* Return whether few edges join the features. */
 static bool is_within_rings(const struct pair *pair)
 {
     const struct eng_object *object = pair->object[0];
@@ -51,8 +51,8 @@ static bool is_within_rings(const struct pair *pair)
     return false;
 }
 
-/* Is an axis enough to see that points are d apart or more? Differences are rounded up to
- * 2^-53 of themselves. */
+/* Return whether an axis is enough to see that points are d apart or more. Differences
+ * are rounded up to 2^-53 of themselves. */
 static bool are_plainly_apart(const double x[4][3], uint32_t points_a, double d)
 {
     const double sure = d * (1 + 4 * ENG_U);
@@ -70,7 +70,8 @@ static bool are_plainly_apart(const double x[4][3], uint32_t points_a, double d)
     return false;
 }
 
-/* Are the features nearer to each other at rest than the object wants them to be? */
+/* Return whether the features are nearer to each other at rest than the object wants them
+ * to be. */
 static bool is_near_at_rest(struct eng_distances *distances, enum pccd_kind kind,
                             const struct pair *pair)
 {
@@ -84,7 +85,7 @@ static bool is_near_at_rest(struct eng_distances *distances, enum pccd_kind kind
            eng_distance_below(distances, kind, (const double(*)[3])x, d);
 }
 
-/* Is the pair left thin for where it is at rest? */
+/* Return whether the pair is left thin for where it is at rest. */
 static bool rests(struct eng_narrow_thick *work, enum pccd_kind kind,
                   const struct pair *pair)
 {
@@ -192,7 +193,8 @@ void eng_narrow_split(struct eng_worker *worker, const struct eng_pairs *pairs,
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-/* Is the distance of the pair at the end that is asked for at most the sum? */
+/* Return whether the distance of the pair at the end that is asked for is at most the
+ * sum. */
 static bool is_within(struct eng_narrow_thick *work, enum pccd_kind kind,
                       const struct eng_point *points, const uint32_t quad[4],
                       uint32_t end, const double radius[3], struct eng_exact *contacts)

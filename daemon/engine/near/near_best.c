@@ -84,7 +84,7 @@ double eng_near_best_reach(const struct eng_near_best *best)
     return eng_sum_up(surfaces_reach(best), best->radii);
 }
 
-/* Is `a` before `b` in canonical order? */
+/* Return whether `a` is before `b` in canonical order. */
 static bool is_before(const struct eng_scene *scene, const struct eng_near_pair *a,
                       const struct eng_near_pair *b)
 {
@@ -104,8 +104,8 @@ static bool is_before(const struct eng_scene *scene, const struct eng_near_pair 
     return false;
 }
 
-/* What passes through has a point in common: it is as far apart as a vertex is from a
- * face of that vertex alone. */
+/* Load a pair. What passes through has a point in common: it is as far apart as a vertex
+ * is from a face of that vertex alone. */
 static void load(const struct eng_near_best *best, const struct eng_near_pair *pair,
                  struct eng_features *features)
 {
@@ -146,7 +146,7 @@ static void rank_points(const struct eng_near_best *best,
     }
 }
 
-/* What is known of a pair by doubles. */
+/* The knowledge of doubles about a pair. */
 struct glance {
     double lo; /* its surfaces are apart by what is between these */
     double hi;
@@ -196,7 +196,7 @@ static void look_quickly(const struct eng_near_pair *pair,
     }
 }
 
-/* Are both distances between the same points? Then they are equal. */
+/* Return whether both distances are between the same points. Then they are equal. */
 static bool has_same_parts(const struct eng_near_best *best, const struct glance *glance)
 {
     return best->has_parts && glance->has_parts &&
@@ -227,7 +227,7 @@ static void take(struct eng_near_best *best, const struct eng_near_pair *pair,
     memcpy(best->parts, glance->parts, sizeof best->parts);
 }
 
-/* How far apart the surfaces of a pair are less how far those of the best are. */
+/* Compare how far apart the surfaces of a pair are with those of the best. */
 static enum eng_sign order(const struct eng_near_best *best,
                            const struct eng_features *features,
                            const struct glance *glance)

@@ -15,7 +15,7 @@
 
 #define SHARE_FACES 256u
 
-/* Of the square of a distance of bounds: more than what its rounding adds. */
+/* The slack of the square of a distance of bounds: more than what its rounding adds. */
 #define BOUNDS_SLACK 0x1p-40
 
 /* ---- the nearest pairs of last time ------------------------------------------------ */
@@ -350,7 +350,7 @@ void eng_near_objects_begin(struct eng_near_objects *objects)
     }
 }
 
-/* Are the bounds of two objects certainly farther apart than a distance? */
+/* Return whether bounds of two objects are certainly farther apart than a distance. */
 static bool are_farther(const struct eng_bounds *a, const struct eng_bounds *b,
                         double distance)
 {

@@ -65,7 +65,7 @@ void eng_near_objects_perform(struct eng_near_objects *objects,
                               const struct eng_method_calls *method,
                               struct eng_worker *worker);
 
-/* What passes through what, of DEPTH; after the search. [compute] */
+/* Return the crossings of DEPTH; after the search. [compute] */
 uint64_t eng_near_objects_crossings(const struct eng_near_objects *objects);
 
 /* Objects came, went or have another mesh: forget where the next one begins. [compute] */

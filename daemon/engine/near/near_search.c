@@ -11,8 +11,8 @@
 #include "memory.h"
 #include "winding.h"
 
-/* Of a square of a distance of boxes, and of what it is compared with: more than what
- * their rounding takes and adds (BOUNDS.md). */
+/* The slack of a square of a distance of boxes, and of what it is compared with: more
+ * than what their rounding takes and adds (BOUNDS.md). */
 #define SQUARE_SLACK 0x1p-19
 #define SQUARE_TINY  0x1p-120f
 
@@ -82,7 +82,7 @@ static bool is_stopped(struct eng_near_search *search)
     return search->is_stopped;
 }
 
-/* What best found may leave more out. */
+/* Set the limit anew: what best found may leave more out. */
 static void set_limit(struct eng_near_search *search)
 {
     double reach = eng_near_best_reach(&search->best);
@@ -158,7 +158,7 @@ static const struct eng_face *face_of(const struct eng_near_search *search, int 
     return &search->scene->objects[search->faces[side].object].mesh->leaves[face];
 }
 
-/* Do the boxes of what waits meet, but for what their rounding adds? */
+/* Return whether the boxes of what waits meet, but for what their rounding adds. */
 static bool may_cross(const struct eng_near_item *item)
 {
     return item->square < SQUARE_TINY;
@@ -306,7 +306,7 @@ bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_
     return !search->is_stopped;
 }
 
-/* Does somebody else count a side of a face? */
+/* Return whether somebody else counts a side of a face. */
 static bool is_foreign(const struct eng_near_search *search, int side,
                        const struct eng_face *face, uint32_t k)
 {
@@ -316,8 +316,7 @@ static bool is_foreign(const struct eng_near_search *search, int side,
            eng_mesh_is_foreign(mesh, PCCD_TREE_EDGES, eng_near_edge_number(mesh, ends));
 }
 
-/* Of the edges that a face of one side owns, those that pass through a face of the
- * other. */
+/* Count the edges owned by a face of one side that pass through a face of the other. */
 static uint64_t count_crossings(struct eng_near_search *search, int side, uint32_t edges,
                                 uint32_t face)
 {
@@ -375,9 +374,9 @@ static void box_point(const struct eng_near_search *search, const double x[3],
                       float box[2][4])
 {
     const struct eng_scene *scene = search->scene;
-    const struct eng_frame *frame = scene->framing.number == 0
-                                        ? NULL
-                                        : &scene->objects[search->faces[1].object].frame;
+    const struct eng_box_frame *frame =
+        scene->framing.number == 0 ? NULL
+                                   : &scene->objects[search->faces[1].object].frame;
     for (int k = 0; k < 3; k++) {
         float low;
         float high;
@@ -387,7 +386,7 @@ static void box_point(const struct eng_near_search *search, const double x[3],
     }
 }
 
-/* What is below a node of the second object and within the limit of a box. */
+/* Open a node of the second object: add what is below it within the limit of a box. */
 static void open_one(struct eng_near_search *search, float box[2][4], float limit,
                      uint32_t node)
 {

@@ -172,7 +172,8 @@ static void list(struct eng_background *background, const struct eng_scene *scen
     }
 }
 
-/* Note the metric of what is new in place; is anything left to do in the batch? */
+/* Note the metric of what is new in place; return whether anything is left to do in the
+ * batch. */
 static bool end_swaps(struct eng_background *background, struct eng_scene *scene)
 {
     bool is_busy = false;

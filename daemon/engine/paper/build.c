@@ -158,7 +158,8 @@ static void copy_in(struct eng_scene *scene, uint32_t object_idx,
 
 /* Centroids of an object's triangles at its present positions. */
 static void list_triangles(const struct eng_scene *scene, struct eng_range triangles,
-                           const struct eng_frame *frame, struct eng_split_item *items)
+                           const struct eng_box_frame *frame,
+                           struct eng_split_item *items)
 {
     const struct eng_trees *trees = eng_trees_of(scene);
     const double(*x)[3] = (const double(*)[3])scene->x[scene->now];
@@ -167,7 +168,7 @@ static void list_triangles(const struct eng_scene *scene, struct eng_range trian
         for (int k = 0; k < 3; k++) {
             /* Within 1e18 like the corners. */
             double mean = (x[v[0]][k] + x[v[1]][k] + x[v[2]][k]) / 3.0;
-            items[i].centroid[k] = (float)eng_frame_at(frame, mean, k);
+            items[i].centroid[k] = (float)eng_box_frame_at(frame, mean, k);
         }
         items[i].id = triangles.first + i;
     }
@@ -447,7 +448,8 @@ static bool validate_object(const struct eng_scene *scene,
                              eng_paper_object_of(object)->triangles.count;
 }
 
-/* Are the gates of an object's nodes at the roots of its regions, and there alone? */
+/* Check that the gates of an object's nodes are at the roots of its regions, and there
+ * alone. */
 static bool validate_regions(const struct eng_scene *scene,
                              const struct eng_object *object)
 {

@@ -23,8 +23,8 @@ struct eng_grow_job {
     uint32_t node;
 };
 
-/* Of n <= 2^31 - 1 items there are at most 31 levels; on each of them one half waits
- * while the other is built. */
+/* The depth of the stack: n <= 2^31 - 1 items have at most 31 levels; on each of them one
+ * half waits while the other is built. */
 #define ENG_GROW_STACK_MAX 32u
 
 struct eng_grower {

@@ -26,7 +26,7 @@ static inline struct eng_paper *eng_paper_of(const struct eng_scene *scene)
 
 extern const struct eng_slot_calls eng_paper_slot;
 
-/* What a step calls. */
+/* The functions that a step calls. */
 extern const struct eng_method_calls eng_method_paper;
 
 #endif

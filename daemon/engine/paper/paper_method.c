@@ -7,7 +7,7 @@
  */
 #include <assert.h>
 
-#include "frames.h"
+#include "box_frames.h"
 #include "method.h"
 #include "paper.h"
 #include "paper_work.h"
@@ -106,7 +106,7 @@ static int prepare(struct eng_team *team, const struct eng_question *question)
     struct eng_refit_plan *plan = &eng_paper_of(scene)->plan;
     int status = PCCD_OK;
     if (eng_trees_of(scene)->top_is_stale) {
-        eng_frames_choose(scene, scene->now, scene->now);
+        eng_box_frames_choose(scene, scene->now, scene->now);
         status = eng_paper_add_objects(scene);
         if (status == PCCD_OK) {
             status = eng_refit_plan_features(plan, scene);

@@ -60,7 +60,7 @@ static inline void eng_units_push(struct eng_unit_queue *units, uint32_t node)
     units->nodes[units->tail++ % ENG_UNITS_MAX] = node;
 }
 
-/* Of a queue that has more than k: the one behind k others at the front. */
+/* Return the unit behind k others at the front of a queue that has more than k. */
 static inline uint32_t eng_units_peek(const struct eng_unit_queue *units, uint32_t k)
 {
     return units->nodes[(units->head + k) % ENG_UNITS_MAX];
@@ -127,9 +127,9 @@ void eng_highlevel_expand(struct eng_team *team, struct eng_worker *worker,
 #define ENG_STEAL_UNIT_GRAIN 128u
 #define ENG_STEAL_PAIR_GRAIN 128u
 
-/* May features below a node meet each other? Not where they are all of an object whose
- * self-collision is off (masks.h), or foreign (mesh.h): nothing below it is worth a task
- * unit then. */
+/* Return whether features below a node may meet each other: not where they are all of an
+ * object whose self-collision is off (masks.h), or foreign (mesh.h): nothing below it is
+ * worth a task unit then. */
 bool eng_taskunit_is_wanted(struct eng_worker *worker, uint32_t node);
 
 /* The setup phase pushes the children of `node` to the worker's task unit queue if

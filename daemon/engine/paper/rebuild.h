@@ -39,7 +39,7 @@
 
 /* ---- the metric -------------------------------------------------------------------- */
 
-/* How good a node is (Larsson and Akenine-Moeller 2006): poor, if its children overlap
+/* The quality of a node (Larsson and Akenine-Moeller 2006): poor, if its children overlap
  * much. A moving box has a volume at each end of the step; they are added. Boxes of a
  * flat sheet have none: where one of the three is zero, half of the surface takes its
  * place. */
@@ -76,8 +76,8 @@ static inline float eng_metric(const struct eng_node *nodes, const struct eng_no
     return parts > 0 ? (float)(whole.area / parts) : 1.0f;
 }
 
-/* Is it worth building anew? Less than `threshold`, and less than that times what it was
- * when it was built: children that overlap by nature do so again. */
+/* Return whether it is worth building anew: less than `threshold`, and less than that
+ * times what it was when it was built: children that overlap by nature do so again. */
 static inline bool eng_metric_is_poor(float ratio, float built_ratio, float threshold)
 {
     return ratio < threshold && ratio < threshold * built_ratio;
@@ -85,9 +85,9 @@ static inline bool eng_metric_is_poor(float ratio, float built_ratio, float thre
 
 /* ---- the gates --------------------------------------------------------------------- */
 
-/* What the gate of a region says when its examination in this step has ended; one less
- * while it is going on; anything else before. Step numbers go round after 2^31 steps: a
- * region not touched for as long is taken as examined, which harms nothing. */
+/* Return what the gate of a region says when its examination in this step has ended; one
+ * less while it is going on; anything else before. Step numbers go round after 2^31
+ * steps: a region not touched for as long is taken as examined, which harms nothing. */
 static inline uint32_t eng_gate_ready(const struct eng_scene *scene)
 {
     return 2 * scene->step + 1;

@@ -15,8 +15,8 @@
 /* ---- one box ----------------------------------------------------------------------- */
 
 /* The frame that the boxes of a vertex of a binary hierarchy are measured in, or NULL. */
-static inline const struct eng_frame *eng_frame_of_vertex(const struct eng_scene *scene,
-                                                          uint32_t vertex)
+static inline const struct eng_box_frame *
+eng_box_frame_of_vertex(const struct eng_scene *scene, uint32_t vertex)
 {
     return scene->framing.number > 0
                ? &scene->objects[eng_trees_of(scene)->vertices[vertex].object].frame
@@ -28,7 +28,7 @@ static inline void eng_refit_vertex(const struct eng_scene *scene, uint32_t vert
                                     const double x0[3], const double x1[3],
                                     struct eng_box *box)
 {
-    eng_box_of_point(box, eng_frame_of_vertex(scene, vertex), x0, x1);
+    eng_box_of_point(box, eng_box_frame_of_vertex(scene, vertex), x0, x1);
     if (scene->thickness.is_on) {
         const struct eng_object *object =
             &scene->objects[eng_trees_of(scene)->vertices[vertex].object];
@@ -52,7 +52,7 @@ static inline void eng_refit_edge(struct eng_trees *trees, uint32_t e)
                   eng_box_of(&trees->vertices[edge->b]));
 }
 
-/* Is all that could be first in a pair below a node foreign? */
+/* Return whether all that could be first in a pair below a node is foreign. */
 static inline bool eng_node_is_foreign(const struct eng_trees *trees,
                                        const struct eng_node *node)
 {

@@ -16,8 +16,8 @@ ENG_FEATURE_INLINE uint32_t feature_count(uint32_t points)
     return points == 3 ? 1 : 3;
 }
 
-/* Does the leaf own its feature k? Its face, which it has to have (feature_has_face),
- * and of the others those that no leaf before it has. */
+/* Return whether the leaf owns its feature k. Its face, which it has to have
+ * (feature_has_face), and of the others those that no leaf before it has. */
 ENG_FEATURE_INLINE bool feature_is_owned(const struct eng_triangle *triangle,
                                          uint32_t points, uint32_t k)
 {
@@ -26,7 +26,7 @@ ENG_FEATURE_INLINE bool feature_is_owned(const struct eng_triangle *triangle,
                          : true;
 }
 
-/* Of a vertex or an edge that it owns: is it foreign (mesh.h)? */
+/* Return whether a vertex or an edge that it owns is foreign (mesh.h). */
 ENG_FEATURE_INLINE bool feature_is_foreign(const struct eng_triangle *triangle,
                                            uint32_t points, uint32_t k)
 {
@@ -39,7 +39,7 @@ static inline bool feature_has_face(const struct eng_triangle *triangle)
     return (triangle->owns & ENG_OWNS_FACE) != 0;
 }
 
-/* Is it a free point, or a free edge? */
+/* Return whether it is a free point, or a free edge. */
 static inline bool feature_is_free_point(const struct eng_triangle *triangle)
 {
     return (triangle->owns & ENG_OWNS_BITS) == ENG_OWNS_VERTEX(0) &&
@@ -88,9 +88,10 @@ static inline bool overlap(const struct eng_worker *worker, const void *a, const
            eng_box_overlap_until(box_a, box_b, worker->box_bound);
 }
 
-/* May features below the one node meet features below the other, or, of one node twice,
- * features below it each other? Pairs between objects come from above them, so that what
- * an object may not meet is left out where the trees of the two meet. */
+/* Return whether features below the one node may meet features below the other, or, of
+ * one node twice, features below it each other. Pairs between objects come from above
+ * them, so that what an object may not meet is left out where the trees of the two meet.
+ */
 static bool is_allowed(const struct eng_scene *scene, uint32_t n, uint32_t m)
 {
     const struct eng_trees *trees = eng_trees_of(scene);
@@ -100,7 +101,7 @@ static bool is_allowed(const struct eng_scene *scene, uint32_t n, uint32_t m)
            eng_masks_allows(&scene->masks, a, b);
 }
 
-/* Is a pair of nodes to be refined, or of leaves to be tested? */
+/* Return whether a pair of nodes is to be refined, or of leaves to be tested. */
 static inline bool may_meet(const struct eng_worker *worker, uint32_t n, uint32_t m)
 {
     const struct eng_scene *scene = worker->scene;
@@ -109,7 +110,8 @@ static inline bool may_meet(const struct eng_worker *worker, uint32_t n, uint32_
            (!eng_masks_is_on(&scene->masks) || is_allowed(scene, n, m));
 }
 
-/* Is the pair left out because all of both is foreign? Nothing is in most scenes. */
+/* Return whether the pair is left out because all of both is foreign. Nothing is in most
+ * scenes. */
 static inline bool are_foreign(const struct eng_worker *worker, uint32_t n, uint32_t m)
 {
     const struct eng_trees *trees = eng_trees_of(worker->scene);
@@ -147,7 +149,7 @@ static bool comes_first(const struct eng_scene *scene, uint32_t points, uint32_t
                : scene->objects[object_a].id < scene->objects[object_b].id;
 }
 
-/* Has a feature with vertices v any of the vertices w? */
+/* Return whether a feature with vertices v has any of the vertices w. */
 ENG_FEATURE_INLINE bool have_common(const uint32_t *v, uint32_t v_count,
                                     const uint32_t *w, uint32_t w_count)
 {
@@ -163,8 +165,8 @@ ENG_FEATURE_INLINE bool have_common(const uint32_t *v, uint32_t v_count,
     return false;
 }
 
-/* Of a pair of feature i of the triangle ta and k of tb: is the one that comes first
- * foreign? */
+/* Return whether the one that comes first of feature i of the triangle ta and k of tb is
+ * foreign. */
 ENG_FEATURE_INLINE bool is_first_foreign(enum pccd_kind kind, bool a_is_first,
                                          const struct eng_triangle *ta, uint32_t i,
                                          const struct eng_triangle *tb, uint32_t k)
@@ -246,7 +248,8 @@ HAVE_COMMON(EE, 2, 2)
 HAVE_COMMON(EF, 2, 3)
 #undef HAVE_COMMON
 
-/* Is it asked whether edges of one pass through the other, and do their boxes meet? */
+/* Return whether the question is about edges of one that pass through the other, and
+ * their boxes meet. */
 static inline bool may_cross(const struct eng_worker *worker, const struct eng_node *n,
                              const struct eng_node *m)
 {
@@ -256,7 +259,7 @@ static inline bool may_cross(const struct eng_worker *worker, const struct eng_n
                            eng_near_growth_of(question, PCCD_EF));
 }
 
-/* Are other pairs asked for than edges that pass through faces? */
+/* Return whether other pairs are asked for than edges that pass through faces. */
 static inline bool wants_pairs(const struct eng_worker *worker)
 {
     const struct eng_question *question = worker->question;

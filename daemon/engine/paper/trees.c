@@ -60,7 +60,7 @@ static bool is_in(uint32_t node, struct eng_range range)
     return node >= range.first && node - range.first < range.count;
 }
 
-/* Is `node` in the object whose root is `root`? No, if `root` is none. */
+/* Return whether `node` is in the object whose root is `root`. No, if `root` is none. */
 static bool is_in_object(const struct eng_scene *scene, uint32_t root, uint32_t node)
 {
     return !eng_is_above_objects(scene, root) &&

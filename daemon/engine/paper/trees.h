@@ -21,7 +21,7 @@
 #define ENG_LEAF    UINT32_MAX /* in eng_node.left */
 #define ENG_NO_NODE UINT32_MAX /* root of an empty scene */
 
-/* Whether a node's children may be looked at without further ado (rebuild.h). */
+/* Says if a node's children may be looked at at once (rebuild.h). */
 enum eng_gate { ENG_GATE_NONE = 0, ENG_GATE_REGION = 1 };
 
 /* The three records with a box. Each is a struct eng_box with named words. */
@@ -78,7 +78,8 @@ static inline const struct eng_box *eng_box_of_const(const void *record)
     return record;
 }
 
-/* What reconstruction knows of a node, beside the nodes: a traversal does not need it. */
+/* The knowledge of reconstruction about a node, beside the nodes: a traversal does not
+ * need it. */
 struct eng_upkeep {
     atomic_uint gate;  /* of a region's root: rebuild.h */
     uint32_t object;   /* index; ENG_NO_OBJECT: above them */
@@ -102,7 +103,7 @@ struct eng_triangle {
  * for n = k = 2^30. */
 #define ENG_LEVELS_MAX (30u + 30u)
 
-/* What an object has of the arrays below. All counts are 0 until a step asks for it. */
+/* The part of an object in the arrays below. Counts are 0 until a step asks for it. */
 struct eng_paper_object {
     struct eng_range edges;
     struct eng_range triangles;
@@ -130,7 +131,7 @@ struct eng_trees {
     bool top_is_stale;    /* objects came or went since it was built */
     bool top_is_fresh;    /* built since the last step */
     uint64_t frames;      /* framing.number of the last step by `paper` */
-    uint64_t thickness;   /* thickness.number likewise */
+    uint64_t thickness;   /* thickness.number in that step */
     uint64_t boxes_of;    /* the step whose boxes they are (moving.h); 0: of none */
     bool has_foreign;     /* some objects have foreign features */
 
@@ -152,7 +153,7 @@ eng_paper_object_of(const struct eng_object *object)
     return planted ? planted : &nothing;
 }
 
-/* Is it a node of the tree over the objects? */
+/* Return whether it is a node of the tree over the objects. */
 static inline bool eng_is_above_objects(const struct eng_scene *scene, uint32_t node_idx)
 {
     const struct eng_trees *trees = eng_trees_of(scene);
@@ -171,7 +172,8 @@ static inline struct eng_range eng_subtree_in_object(const struct eng_scene *sce
 /* The nodes above objects in the subtree of one of them: consecutive, too. */
 struct eng_range eng_subtree_above_objects(const struct eng_scene *scene, uint32_t root);
 
-/* Is `node` in the subtree of `root`, or `root` itself? O(objects below root). */
+/* Return whether `node` is in the subtree of `root`, or `root` itself. O(objects below
+ * root). */
 bool eng_node_is_below(const struct eng_scene *scene, uint32_t root, uint32_t node);
 
 void eng_trees_init(struct eng_trees *trees);
@@ -180,8 +182,8 @@ uint64_t eng_trees_bytes(const struct eng_trees *trees);
 
 /* ---- features ---------------------------------------------------------------------- */
 
-/* Of a vertex (1 point), an edge (2) or a face (3). The number of points is a constant in
- * the calling code, so no branch is left. */
+/* For functions of a vertex (1 point), an edge (2) or a face (3): the number of points is
+ * a constant in the calling code, so no branch is left. */
 #define ENG_FEATURE_INLINE static inline __attribute__((always_inline))
 
 /* Its vertices to v[points]; `feature`: its index among the scene's of its sort. */

@@ -60,7 +60,7 @@ static bool have_one_name(const struct pccd_contact *a, const struct pccd_contac
            a->feature_b == b->feature_b;
 }
 
-/* Of neighbours with one name the first. Returns how many there are. */
+/* Keep the first of neighbours with one name. Returns how many there are. */
 static uint32_t gather_folded(struct pccd_contact *to, const struct eng_radix_key *items,
                               size_t count, struct eng_counts *counts)
 {

@@ -205,9 +205,9 @@ static void replace_latest(double *times, uint64_t count, double time)
     times[at] = time;
 }
 
-/* Of contacts in order those that may be among the first `limit` of all up to some time,
- * and one more, so that it shows that there were more: those that are not preceded by so
- * many that are as early. Returns how many; they come first. PCCD_E_NOMEM: < 0. */
+/* Keep those contacts in order that may be among the first `limit` of all up to some
+ * time, and one more, so that it shows that there were more: those that are not preceded
+ * by so many that are as early. Returns how many; they come first. PCCD_E_NOMEM: < 0. */
 static int64_t keep_early(struct eng_records *sorted, uint64_t limit)
 {
     struct pccd_contact *contacts = (void *)sorted->data;
@@ -268,15 +268,15 @@ static int cut(struct eng_found *found)
     return status;
 }
 
-/* How many a list may have before it is cut: a quarter more than its limit and one block,
- * so that cutting costs each record little. */
+/* Return how many a list may have before it is cut: a quarter more than its limit and one
+ * block, so that cutting costs each record little. */
 static uint64_t most_of(const struct eng_found *found)
 {
     uint64_t most = found->limit + found->limit / 4 + found->per_block;
     return found->most > most ? found->most : most;
 }
 
-/* Is a record of that name kept? */
+/* Return whether a record of that name is kept. */
 static bool has_room(struct eng_found *found, const struct eng_name *name)
 {
     bool is_full = found->count >= most_of(found);

@@ -208,7 +208,8 @@ void eng_merge_set_cancel(struct eng_merge *merge, const atomic_bool *cancel)
     merge->cancel = cancel;
 }
 
-/* Whether to go no further. Relaxed: the flags are hints; the barriers order the rest. */
+/* Return whether to go no further. Relaxed: the flags are hints; the barriers order the
+ * rest. */
 static bool must_give_up(struct eng_merge *merge)
 {
     if (merge->total <= SOON_MAX) {
@@ -423,8 +424,8 @@ static void merge_alone(struct eng_merge *merge)
     }
 }
 
-/* Of what was folded: the buckets move together. Of more than the limit the first ones
- * are kept and counted anew. */
+/* Move the folded buckets together. Of more than the limit the first ones are kept and
+ * counted anew. */
 static void close_up(struct eng_merge *merge, struct eng_counts *counts)
 {
     uint64_t limit = merge->shares[0].found->limit;

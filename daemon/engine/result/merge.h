@@ -37,7 +37,7 @@ struct eng_splitters {
     uint64_t tree[ENG_SPLIT_BUCKETS_MAX]; /* breadth-first from place 1 on */
 };
 
-/* What a thread adds up over the records of an answer that it puts into place. */
+/* The sums that a thread makes over the records of an answer that it puts into place. */
 struct eng_counts {
     uint64_t kind[PCCD_KINDS_MAX]; /* records of each */
     uint64_t possible;
@@ -89,7 +89,7 @@ struct eng_merge_share {
     uint32_t begin[ENG_SPLIT_BUCKETS_MAX + 1]; /* of its part of each bucket */
 };
 
-/* What a bucket has become: records that begin at `first` in the answer. */
+/* A bucket when it is folded: records that begin at `first` in the answer. */
 struct eng_merge_fold {
     uint32_t first;
     uint32_t count;
@@ -131,7 +131,8 @@ struct eng_merge {
     _Alignas(128) atomic_uint next; /* bucket to be taken */
 };
 
-/* Have the places of the records no room for items beside those that are sorted? */
+/* Return whether the places of the records have no room for items beside those that are
+ * sorted. */
 static inline bool eng_merge_needs_other(const struct eng_merge *merge)
 {
     return merge->threads > 1 && merge->out->record_bytes < 2 * sizeof *merge->items;
@@ -153,12 +154,12 @@ int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
 /* `cancel` is looked at every few thousand records from now on; NULL: nothing is. */
 void eng_merge_set_cancel(struct eng_merge *merge, const atomic_bool *cancel);
 
-/* The three shares of a thread of a parallel region of `threads`, with a barrier of all
- * between them; at most begin's count, lists beyond it are left out. [team]
+/* Do the three shares of a thread of a parallel region of `threads`, with a barrier of
+ * all between them; at most begin's count, lists beyond it are left out. [team]
  *
  * survey   when list number `thread` is complete: look at it.
  * divide   only if eng_merge_is_shared, which is the same for all after the barrier.
- * finish   likewise: sort, gather, count and hash buckets until there are no more. */
+ * finish   after that: sort, gather, count and hash buckets until there are no more. */
 void eng_merge_survey(struct eng_merge *merge, uint32_t threads, uint32_t thread);
 void eng_merge_divide(struct eng_merge *merge, uint32_t thread);
 void eng_merge_finish(struct eng_merge *merge, uint32_t thread);

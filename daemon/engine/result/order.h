@@ -29,7 +29,7 @@ static_assert(offsetof(struct pccd_contact, object_a) == 8 &&
                   offsetof(struct pccd_pair, feature_b) == 16,
               "names");
 
-/* Of each word the smallest and the largest value. */
+/* The smallest and the largest value of each word. */
 struct eng_name_range {
     struct eng_name low;
     struct eng_name high;
@@ -149,7 +149,7 @@ static inline uint64_t eng_order_key_of(const struct eng_order *order,
 /* Hashes of records, added up; 0 for none. */
 __extension__ typedef unsigned __int128 eng_hash_sum;
 
-/* What `count` records, one behind the other, add. */
+/* Return the hash that `count` records, one behind the other, add. */
 eng_hash_sum eng_hash_records(const void *records, uint64_t count, uint32_t record_bytes);
 
 /* The hash of all `count` records whose sum is known: hash[0] high, hash[1] low. */

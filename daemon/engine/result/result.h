@@ -51,7 +51,7 @@ struct eng_block *eng_pool_take(struct eng_pool *pool);
 
 uint64_t eng_pool_bytes(const struct eng_pool *pool);
 
-/* What one worker found, pccd_contact or pccd_pair records, in blocks of the
+/* The records that one worker found, pccd_contact or pccd_pair records, in blocks of the
  * step's pool. */
 struct eng_found {
     struct eng_pool *pool;
@@ -82,7 +82,7 @@ void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
  * keys it keeps these from now on; returns whether it does. */
 bool eng_found_expect(struct eng_found *found, const struct eng_name_range *range);
 
-/* Of a list that has_keys: those of a block's records. */
+/* Return the keys of a block's records, in a list that has_keys. */
 static inline uint64_t *eng_found_keys(const struct eng_found *found,
                                        struct eng_block *block)
 {

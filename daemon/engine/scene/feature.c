@@ -21,9 +21,9 @@
 /* Entries of a vertex that are sorted where they are. */
 #define INSERTED_MAX 24u
 
-/* What is named: triangles first, then edges and points, with their last vertex repeated.
- * What it says of its vertices: of v entry[first[v]] to entry[first[v + 1]],
- * ascending. */
+/* The named features by vertex: triangles first, then edges and points, with their last
+ * vertex repeated. What is named of its vertices: of v entry[first[v]] to entry[first[v +
+ * 1]], ascending. */
 struct by_vertex {
     size_t *first;              /* [vertex_count + 1] */
     uint64_t *entry;            /* [3 * all that is named] */
@@ -37,7 +37,7 @@ struct said {
     uint64_t entry;
 };
 
-/* What number `t` says; returns how many. */
+/* Tell what number `t` names; returns how many. */
 typedef unsigned (*say_fn)(const uint32_t *corners, uint32_t t, struct said said[3]);
 
 /* Each side that is an edge: of its higher vertex (lower, number). */
@@ -317,7 +317,7 @@ static int look_at_all(const struct eng_mesh *mesh, uint32_t named, struct by_ve
     return PCCD_OK;
 }
 
-/* What a mesh gets from its derivation. */
+/* The parts of a mesh that are derived from what was named. */
 struct derived {
     struct eng_mesh_info info;
     struct eng_face *leaves; /* at first all that is named */
@@ -480,7 +480,8 @@ bool eng_feature_validate(const struct eng_mesh *mesh)
 
 /* ---- is a mesh closed? ------------------------------------------------------------- */
 
-/* What a mesh keeps: this, or the number of its first open edge + FIRST_OPEN. */
+/* The values that a mesh keeps: one of these, or the number of its first open edge +
+ * FIRST_OPEN. */
 enum { NOT_KNOWN = 0, CLOSED = 1, FIRST_OPEN = 2 };
 
 /* *balance: of each edge, runs up less runs down, modulo 2^32. */

@@ -33,7 +33,7 @@ struct eng_pairset {
     uint32_t count;    /* at most half of the capacity */
 };
 
-/* Of two different numbers, the lesser is never 2^32 - 1. */
+/* No pair has this key: of two different numbers, the lesser is never 2^32 - 1. */
 #define ENG_PAIRSET_EMPTY UINT64_MAX
 
 void eng_pairset_deinit(struct eng_pairset *set);
@@ -107,14 +107,14 @@ void eng_masks_leave_out(struct eng_masks *masks, uint32_t object,
 /* Two different objects. PCCD_E_LIMIT, PCCD_E_NOMEM: as before. */
 int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignored);
 
-/* Is there anything that may be left out? If not, nobody needs to ask. */
+/* Return whether there is anything that may be left out. If not, nobody needs to ask. */
 static inline bool eng_masks_is_on(const struct eng_masks *masks)
 {
     return masks->changed_count > 0 || masks->ignored.count > 0 ||
            masks->left_out_count > 0;
 }
 
-/* What is behind the bits. */
+/* Look up what is behind the bits. */
 static inline bool eng_masks_ignores(const struct eng_masks *masks, uint32_t a,
                                      uint32_t b)
 {
@@ -122,8 +122,8 @@ static inline bool eng_masks_ignores(const struct eng_masks *masks, uint32_t a,
            eng_pairset_has(&masks->ignored, a, b);
 }
 
-/* May object a meet object b? Of one that may meet itself only where it is crowded,
- * anything may. */
+/* Return whether object a may meet object b. Of one that may meet itself only where it is
+ * crowded, anything may. */
 static inline bool eng_masks_allows(const struct eng_masks *masks, uint32_t a, uint32_t b)
 {
     const struct eng_masks_entry *of_a = &masks->entries[a];

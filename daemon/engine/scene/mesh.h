@@ -39,7 +39,7 @@ struct eng_mesh_info {
     uint32_t free_point_count;
 };
 
-/* What is named in a mesh; edges and points: by themselves. */
+/* The counts of what is named in a mesh; edges and points: by themselves. */
 struct eng_mesh_counts {
     uint32_t vertices;
     uint32_t triangles;
@@ -83,7 +83,7 @@ int eng_mesh_write_points(struct eng_mesh *mesh, uint32_t first, uint32_t count,
 int eng_mesh_write_radii(struct eng_mesh *mesh, uint32_t first, uint32_t count,
                          const double *source);
 
-/* What has arrived so far. */
+/* Count what has arrived so far. */
 void eng_mesh_received(const struct eng_mesh *mesh, struct eng_mesh_counts *received);
 
 /* Derive edges, ownership and counts. PCCD_E_STATE: data missing or committed already;
@@ -91,16 +91,16 @@ void eng_mesh_received(const struct eng_mesh *mesh, struct eng_mesh_counts *rece
 int eng_mesh_commit(struct eng_mesh *mesh);
 bool eng_mesh_is_committed(const struct eng_mesh *mesh);
 
-/* Of a committed mesh, once, before its first step: a bit for each vertex and each edge
- * that is its own. All others are *foreign*: pairs of which they are the first feature
- * are left out, because somebody else looks for them. So bounds of vertices are INFINITY
- * where no pair is known; depth is that of own vertices, with the own edges that pass
- * through faces, and the mesh counts as a part of a closed one. NEAREST knows nothing of
- * it. PCCD_E_STATE: not committed, or done already; PCCD_E_NOMEM. */
+/* Set what is a committed mesh's own, once, before its first step: a bit for each vertex
+ * and each edge that is. All others are *foreign*: pairs of which they are the first
+ * feature are left out, because somebody else looks for them. So bounds of vertices are
+ * INFINITY where no pair is known; depth is that of own vertices, with the own edges that
+ * pass through faces, and the mesh counts as a part of a closed one. NEAREST knows
+ * nothing of it. PCCD_E_STATE: not committed, or done already; PCCD_E_NOMEM. */
 int eng_mesh_set_own(struct eng_mesh *mesh, const uint64_t *vertices,
                      const uint64_t *edges);
 
-/* Of a committed mesh. */
+/* Describe a committed mesh. */
 void eng_mesh_get_info(const struct eng_mesh *mesh, struct eng_mesh_info *info);
 
 /* Unique edges uint32_t[edge_count][2], lower index first, sorted by (higher, lower): the

@@ -88,7 +88,8 @@ void eng_mesh_release(struct eng_mesh *mesh)
     eng_free(mesh);
 }
 
-/* Is first .. first+count-1 inside `total` and contiguous with what has arrived? */
+/* Check that first .. first+count-1 is inside `total` and contiguous with what has
+ * arrived. */
 static int check_chunk(const struct eng_mesh *mesh, uint32_t first, uint32_t count,
                        uint32_t total, uint32_t received)
 {
@@ -209,7 +210,7 @@ int eng_mesh_write_radii(struct eng_mesh *mesh, uint32_t first, uint32_t count,
     return status;
 }
 
-/* How far the radii reach; nothing stays of radii that are all 0. */
+/* Measure how far the radii reach; nothing stays of radii that are all 0. */
 static void measure_radii(struct eng_mesh *mesh)
 {
     for (uint32_t i = 0; mesh->radii && i < mesh->info.vertex_count; i++) {

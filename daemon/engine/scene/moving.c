@@ -44,7 +44,7 @@ static bool moves(const struct ends *ends, uint32_t first, uint32_t count)
            (ends->x0 != ends->last && differ(ends->x0, ends->last, first, count));
 }
 
-/* Does a write of a whole object seem to move all of it? */
+/* Return whether a write of a whole object seems to move all of it. */
 static bool moves_all(const struct ends *ends, uint32_t count)
 {
     uint32_t samples = count < SAMPLES ? count : SAMPLES;
@@ -86,7 +86,7 @@ static void mark(unsigned char *marks, const struct ends *ends, uint32_t begin,
 #define WORD      8u
 #define EACH(bit) (0x0101010101010101u * (bit))
 
-/* What moved in the last step did so before, and now nothing is known to. */
+/* Make the motion of the last step that before it; now nothing is known to move. */
 static void age(unsigned char *marks, struct eng_object *object)
 {
     if (object->moved_last_step != ENG_MOVES_SOME) { /* it has no marks */
@@ -147,7 +147,7 @@ void eng_moving_catch_up(struct eng_scene *scene, const struct eng_object *objec
     }
 }
 
-/* How much of an object the writes [count], which are its own, move in this step. */
+/* Return how much of an object its own writes [count] move in this step. */
 static enum eng_movement compare(struct eng_scene *scene, struct eng_object *object,
                                  const struct eng_write *writes, uint32_t count)
 {

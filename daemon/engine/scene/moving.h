@@ -21,17 +21,17 @@ void eng_moving_commit(struct eng_scene *scene);
  * nothing was written there since the last step, that is a copy of what moved in it. */
 void eng_moving_catch_up(struct eng_scene *scene, const struct eng_object *object);
 
-/* Of `all` vertices, or blocks of sixteen, so many move: too many for what stands to be
- * worth looking for? With four fifths of the vertices moving it saves 8 % of a step to
- * none, by the scene; where an eighth stands, and meets nothing, it would take 7 % more.
- * Spread evenly, a tenth of the vertices is in 81 % of the blocks, and there is nothing
- * to gain; a fifth, in 97 %, takes 9 % more. */
+/* Return whether so many of `all` vertices, or blocks of sixteen, move that what stands
+ * is not worth looking for. With four fifths of the vertices moving it saves 8 % of a
+ * step to none, by the scene; where an eighth stands, and meets nothing, it would take 7
+ * % more. Spread evenly, a tenth of the vertices is in 81 % of the blocks, and there is
+ * nothing to gain; a fifth, in 97 %, takes 9 % more. */
 static inline bool eng_moves_much(uint64_t moving, uint64_t all)
 {
     return 6 * moving > 5 * all;
 }
 
-/* Does so little move that what stands is worth looking for? */
+/* Return whether so little moves that what stands is worth looking for. */
 static inline bool eng_moves_little(const struct eng_scene *scene)
 {
     return !scene->moving.is_spread &&

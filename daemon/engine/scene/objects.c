@@ -288,7 +288,7 @@ void eng_scene_take_back(struct eng_scene *scene)
         eng_mesh_release(object->mesh);
         *object = replaced->before;
         if (scene->framing.number == 0) {
-            object->frame = (struct eng_frame){.scale = 1}; /* it may have had one */
+            object->frame = (struct eng_box_frame){.scale = 1}; /* it may have had one */
         }
         scene->leaf_count += object->mesh->leaf_count;
     }

@@ -17,8 +17,8 @@
  * of both matrices. */
 #define SHRINK_MARGIN (256 * ENG_U)
 
-/* Of a guess at an eigenvalue, which is proved or dropped: so far below, it can be proved
- * even where two eigenvalues are equal. */
+/* The margin below a guess at an eigenvalue, which is proved or dropped: so far below, it
+ * can be proved even where two eigenvalues are equal. */
 #define GUESS_MARGIN 0x1p-20
 
 /* Its third power is far above the least number. */
@@ -95,8 +95,8 @@ static double size_of(const struct symmetric *s)
     return size;
 }
 
-/* Are all eigenvalues greater than 0? They are where all coefficients of the
- * characteristic polynomial have the signs that they then have. */
+/* Return whether all eigenvalues are greater than 0. They are where all coefficients of
+ * the characteristic polynomial have the signs that they then have. */
 static bool is_positive(const struct symmetric *s)
 {
     double size = size_of(s);
@@ -175,8 +175,8 @@ double eng_rounding_reach(const double m0[12], const double m1[12],
 
 /* ---- objects ----------------------------------------------------------------------- */
 
-/* Is it to be looked whether its clearance is known by now? Of most objects nothing but
- * these fields is read: what stands costs little. */
+/* Return whether it is to be looked whether its clearance is known by now. Of most
+ * objects nothing but these fields is read: what stands costs little. */
 static bool may_find_clearance(const struct eng_object *object)
 {
     return object->mesh && object->clearance == 0 && (object->is_posed || object->is_new);

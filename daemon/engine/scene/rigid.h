@@ -29,15 +29,15 @@
  * becomes known meanwhile. [compute] */
 void eng_rigid_prepare(struct eng_scene *scene);
 
-/* The positions are those of the step: which objects need no tests against themselves?
- * None if not `may_leave_out`. [compute] */
+/* Find out, when the positions are those of the step, which objects need no tests against
+ * themselves. None if not `may_leave_out`. [compute] */
 void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out);
 
-/* Will a step that writes nothing find no clearance that has become known, and search for
- * none? [compute] */
+/* Return whether a step that writes nothing will find no clearance that has become known,
+ * and search for none. [compute] */
 bool eng_rigid_is_settled(const struct eng_scene *scene);
 
-/* Of any vector of the mesh: no less than this part of its length is left at any time
+/* Return the part of its length that any vector of the mesh keeps, or more, at any time
  * between the poses m0 and m1 (coordinates.h). 1 for shifts, cos(a / 2) or somewhat less
  * for a turn by an angle a. 0: nothing is certain, for example if the object turns by 180
  * degrees, or is pressed flat. The numbers of a pose are at most 1e18. */

@@ -74,7 +74,7 @@ static int compare(const void *a, const void *b)
 
 struct scratch {
     uint32_t *list; /* [vertex_count] */
-    uint32_t *seen; /* likewise; v + 1 for what is in the list of v */
+    uint32_t *seen; /* [vertex_count] v + 1 for what is in the list of v */
     const atomic_bool *cancel;
 };
 
@@ -83,8 +83,8 @@ static bool is_cancelled(const struct scratch *scratch)
     return scratch->cancel && atomic_load_explicit(scratch->cancel, memory_order_relaxed);
 }
 
-/* What at most n edges lead to from v, to the list. Returns how many; some are missing if
- * it is cancelled. */
+/* Add what at most n edges lead to from v to the list. Returns how many; some are missing
+ * if it is cancelled. */
 static uint32_t search(const struct eng_rings *neighbours, uint32_t rings, uint32_t v,
                        const struct scratch *scratch)
 {

@@ -85,8 +85,8 @@ int eng_scene_set_filter(struct eng_scene *scene, uint32_t object_idx,
                          const struct eng_object_filter *filter);
 int eng_scene_get_filter(const struct eng_scene *scene, uint32_t object_idx,
                          struct eng_object_filter *filter);
-/* How thick an object is: its features meet others that come within the sum of both radii
- * and the separation of the step (question.h); two of its own count both of their
+/* The thickness of an object: its features meet others that come within the sum of both
+ * radii and the separation of the step (question.h); two of its own count both of their
  * radii. From the next step on; it stays when the object is replaced. */
 struct eng_object_thickness {
     bool has_radius; /* else its radii are those of the mesh (eng_mesh_write_radii) */
@@ -105,7 +105,7 @@ struct eng_object_thickness {
  * (to replace the mesh may fail for it, too). PCCD_E_NOMEM. As before then. */
 int eng_scene_set_thickness(struct eng_scene *scene, uint32_t object_idx,
                             const struct eng_object_thickness *thickness);
-/* What takes longest of it, and of replacing an object that has such: find out which
+/* Do what takes longest of it, and of replacing an object that has such: find out which
  * vertices of a mesh (of the object's; of `mesh`, if it is not NULL) so many edges join.
  * It is kept with the mesh. PCCD_E_CANCELLED: *cancel became true. Else as above. */
 int eng_scene_prepare_rings(struct eng_scene *scene, uint32_t object_idx,
@@ -114,8 +114,8 @@ int eng_scene_prepare_rings(struct eng_scene *scene, uint32_t object_idx,
 int eng_scene_get_thickness(const struct eng_scene *scene, uint32_t object_idx,
                             struct eng_object_thickness *thickness);
 
-/* Of an object that will be removed: from now on it meets nothing. PCCD_E_INVAL: there is
- * none. Then, once for all of these: the pairs that they are part of go. */
+/* Exclude an object that will be removed: from now on it meets nothing. PCCD_E_INVAL:
+ * there is none. Then, once for all of these: the pairs that they are part of go. */
 int eng_scene_exclude(struct eng_scene *scene, uint32_t object_idx);
 void eng_scene_purge_excluded(struct eng_scene *scene);
 int eng_scene_ignore(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
@@ -126,8 +126,8 @@ uint32_t eng_scene_ignored_count(const struct eng_scene *scene);
 bool eng_scene_next_ignored(const struct eng_scene *scene, uint32_t *from,
                             uint32_t pair_idx[2]);
 
-/* Of an object that there is. Its id and mesh; its vertices where the last step began (0)
- * and ended (1). They lie in the scene until it is staged or changed. */
+/* Read an object that there is. Its id and mesh; its vertices where the last step began
+ * (0) and ended (1). They lie in the scene until it is staged or changed. */
 uint32_t eng_scene_object_id(const struct eng_scene *scene, uint32_t object_idx);
 const struct eng_mesh *eng_scene_mesh(const struct eng_scene *scene, uint32_t object_idx);
 const double (*eng_scene_positions(const struct eng_scene *scene, uint32_t object_idx,
@@ -149,7 +149,7 @@ void eng_stage_abort(struct eng_scene *scene);
 /* begin, of writes that are only to be found good or bad: abort must end it, and then
  * nothing has changed, not even where the last step began. */
 void eng_stage_validate(struct eng_scene *scene);
-/* Whether a vertex is written twice: the step would be refused. */
+/* Return whether a vertex is written twice: the step would be refused. */
 bool eng_stage_overlaps(struct eng_scene *scene);
 
 /* After begin: `threads` may copy what follows, placed as those of a step are (step.h);

@@ -320,7 +320,8 @@ bool eng_stage_overlaps(struct eng_scene *scene)
     return false;
 }
 
-/* Does every vertex of the scene have a given start position? Writes do not overlap. */
+/* Return whether every vertex of the scene has a given start position. Writes do not
+ * overlap. */
 static bool starts_are_whole(const struct eng_scene *scene)
 {
     uint64_t given = 0;

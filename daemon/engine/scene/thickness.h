@@ -5,7 +5,8 @@
  * A pair meets within r = radius of a + radius of b + separation. So the box of each
  * vertex is larger by half of the separation and the largest radius of the features that
  * it is of, at both ends; every other box is a union of these. Where two of them are
- * apart in frames that keep distances (frames.h), the features are farther apart than r.
+ * apart in frames that keep distances (box_frames.h), the features are farther apart than
+ * r.
  */
 #ifndef ENG_THICKNESS_H
 #define ENG_THICKNESS_H
@@ -19,7 +20,7 @@ void eng_thickness_choose(struct eng_scene *scene, double separation);
 /* An object is new, or has other radii. */
 void eng_thickness_look(struct eng_scene *scene, const struct eng_object *object);
 
-/* Has each vertex of the object a radius of its own? */
+/* Return whether each vertex of the object has a radius of its own. */
 static inline bool eng_thickness_is_by_vertex(const struct eng_object *object)
 {
     return !object->thickness.has_radius && object->mesh->radii;
@@ -46,11 +47,11 @@ static inline double eng_thickness_radius(const struct eng_object *object,
     return most;
 }
 
-/* Do two features of this object meet at a distance? */
+/* Return whether two features of this object meet at a distance. */
 bool eng_thickness_is_within(const struct eng_scene *scene,
                              const struct eng_object *object);
 
-/* Has every pair the same distance, the separation? */
+/* Return whether every pair has the same distance, the separation. */
 static inline bool eng_thickness_is_plain(const struct eng_scene *scene)
 {
     return !scene->thickness.may_have_radii && !scene->thickness.may_rest;

@@ -20,9 +20,9 @@
 
 #define ENG_NO_EDGE UINT32_MAX /* a side between equal vertices is not an edge */
 
-/* What features of a mesh are tested through: each of its triangles, then each free edge,
- * whose last two corners are the same, then each free point, whose corners are. Edges of
- * a leaf are found by its corners (topology.h). */
+/* A leaf that features of a mesh are tested through: each of its triangles, then each
+ * free edge, whose last two corners are the same, then each free point, whose corners
+ * are. Edges of a leaf are found by its corners (topology.h). */
 struct eng_face {
     uint32_t v[3];
     uint32_t owns; /* ENG_OWNS_* */
@@ -66,7 +66,7 @@ struct eng_mesh {
     uint32_t (*edges)[2]; /* [edge_count] after commit, by (higher, lower) vertex */
     /* By enum pccd_tree a bit for each vertex and each edge that is free; NULL: none. */
     uint64_t *free[PCCD_TREE_EDGES + 1];
-    /* Likewise those that are not foreign (mesh.h); NULL: none is. */
+    /* Those that are not foreign (mesh.h); NULL: none is. */
     uint64_t *own[PCCD_TREE_EDGES + 1];
     /* After commit, of the registered positions: around all leaves, and the size of a
      * typical one beside that. */
@@ -88,7 +88,7 @@ struct eng_mesh {
      * there is none. */
     struct eng_wide_order *order;
     uint64_t order_bytes;
-    atomic_uint closed;         /* likewise (topology.h); 0: it is not known */
+    atomic_uint closed; /* a state of feature.c; 0: it is not known */
 };
 
 /* A radius that may be set: PCCD_E_INVAL, PCCD_E_LIMIT. */
@@ -108,7 +108,7 @@ static inline void eng_mesh_set_bit(uint64_t *bits, uint32_t feature)
     bits[feature / 64] |= 1ull << feature % 64;
 }
 
-/* Is a vertex, or an edge, free? */
+/* Return whether a vertex, or an edge, is free. */
 static inline bool eng_mesh_is_free(const struct eng_mesh *mesh, enum pccd_tree tree,
                                     uint32_t feature)
 {
@@ -116,7 +116,8 @@ static inline bool eng_mesh_is_free(const struct eng_mesh *mesh, enum pccd_tree 
     return bits && eng_mesh_has_bit(bits, feature);
 }
 
-/* Of a face it does not matter: it is first in no pair. */
+/* Return whether a vertex or an edge is foreign. Of a face it does not matter: it is
+ * first in no pair. */
 static inline bool eng_mesh_is_foreign(const struct eng_mesh *mesh, enum pccd_tree tree,
                                        uint32_t feature)
 {
@@ -129,7 +130,8 @@ static inline bool eng_mesh_has_foreign(const struct eng_mesh *mesh)
     return mesh->own[PCCD_TREE_VERTICES] != NULL;
 }
 
-/* Is it known which features are crowded? What is said then stays so. [any] */
+/* Return whether it is known which features are crowded. What is said then stays so.
+ * [any] */
 static inline bool eng_mesh_knows_clearance(const struct eng_mesh *mesh)
 {
     return atomic_load_explicit(&mesh->clearance.state, memory_order_acquire) ==
@@ -192,7 +194,7 @@ int eng_mesh_is_closed(struct eng_mesh *mesh, struct eng_open_edge *open);
  * that takes long. [any] */
 int eng_rings_prepare(struct eng_mesh *mesh, uint32_t rings, const atomic_bool *cancel);
 
-/* Do at most `rings` edges join the two? The lists are there. [any] */
+/* Return whether at most `rings` edges join the two. The lists are there. [any] */
 bool eng_rings_join(const struct eng_mesh *mesh, uint32_t rings, uint32_t v, uint32_t w);
 
 /* The mesh goes. */

@@ -76,7 +76,7 @@ uint32_t eng_ids_find(const struct eng_ids *ids, uint32_t id);
 
 /* ---- objects and the scene --------------------------------------------------------- */
 
-/* How much of an object moves in a step (moving.h). */
+/* The part of an object that moves in a step (moving.h). */
 enum eng_movement { ENG_STANDS, ENG_MOVES_SOME, ENG_MOVES_ALL };
 
 /* Methods, and the step itself, keep something of a scene and of each of its objects. It
@@ -85,7 +85,7 @@ enum eng_slot { ENG_SLOT_PAPER, ENG_SLOT_WIDE, ENG_SLOT_STEP, ENG_SLOTS };
 
 struct eng_object;
 
-/* What the owner of a slot is told. NULL: it does not care. [compute] */
+/* The calls by which the owner of a slot is told. NULL: it does not care. [compute] */
 struct eng_slot_calls {
     /* A scene is made: fill the slot. PCCD_E_NOMEM. Before it is freed, also if create
      * failed: empty it. */
@@ -109,13 +109,13 @@ struct eng_span {
     uint32_t end;
 };
 
-/* What every step reads of every object comes first. */
+/* An object. What every step reads of every object comes first. */
 struct eng_object {
     struct eng_mesh *mesh; /* NULL: this index is free */
     uint32_t id;           /* what records carry */
     struct eng_range vertices;
     double clearance;    /* of the mesh, as the step goes by it; 0: not known (rigid.h) */
-    bool has_crowded;    /* likewise: some features are closer */
+    bool has_crowded;    /* as the step goes by it: some features are closer */
     bool is_posed;       /* the rounding reach is that of poses, not of where it was
                        * registered */
     bool is_new;         /* it was in no step yet */
@@ -132,11 +132,11 @@ struct eng_object {
     struct eng_span moved_span;        /* .. and without the step before */
     void *slots[ENG_SLOTS];            /* what the owners of the slots keep of it */
     struct eng_bounds bounds[2];       /* of its triangles, in x[0] and in x[1] */
-    struct eng_frame frame; /* of its boxes; not in use while framing.number is 0 */
+    struct eng_box_frame frame; /* of its boxes; not in use while framing.number is 0 */
     struct eng_object_thickness thickness;
 };
 
-/* What moves in the last step that was committed (moving.h). */
+/* The motion of the last step that was committed (moving.h). */
 struct eng_moving {
     uint64_t number;   /* of the step; boxes say by it how old they are */
     uint64_t vertices; /* that move, of .. */
@@ -160,7 +160,7 @@ struct eng_rigid {
 struct eng_thickness {
     bool is_on;          /* some do, in the step */
     bool may_have_radii; /* an object has one, or had */
-    bool may_rest;       /* likewise: leaves pairs thin for their rest */
+    bool may_rest;       /* an object leaves pairs thin for their rest, or did */
     double most;         /* the largest radius of all objects */
     bool has_changed;    /* a radius has, since the last step */
     double separation;   /* of the step */
@@ -169,14 +169,14 @@ struct eng_thickness {
 };
 
 /* One object along one axis, while frames are chosen. */
-struct eng_frame_item {
+struct eng_box_frame_item {
     double low[2]; /* at both ends */
     double high[2];
     double next_low[2]; /* the least of this object and all behind it */
     uint32_t object;
 };
 
-/* The frames of a scene (frames.h). */
+/* The frames of a scene (box_frames.h). */
 struct eng_framing {
     /* Which frames the boxes are measured in: the number of the choice, which shows
      * whether boxes are older; 0: in coordinates as they are. */
@@ -189,17 +189,17 @@ struct eng_framing {
      * one, at most and at least since that was chosen. */
     double far;
     double least;
-    unsigned ends[2];             /* of x[]: the ends of the step that they are for */
-    struct eng_frame_item *items; /* [object_capacity] scratch to choose them */
+    unsigned ends[2];                 /* of x[]: the ends of the step that they are for */
+    struct eng_box_frame_item *items; /* [object_capacity] scratch to choose them */
 };
 
-/* What an object was before a replacement that is not settled. */
+/* An object as it was before a replacement that is not settled. */
 struct eng_replaced {
     uint32_t object;
     struct eng_object before;
 };
 
-/* What a part of the last step has in the place of the whole one's (stage.h). */
+/* A part of the last step in the place of the whole one's (stage.h). */
 struct eng_part {
     double (*x[2])[3];
     uint32_t capacity;              /* of positions */

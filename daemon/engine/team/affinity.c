@@ -77,87 +77,87 @@ uint32_t eng_affinity_processors(const struct eng_affinity *affinity)
     return count;
 }
 
-/* ---- seats: the threads of a team, as they see each other -------------------------- */
+/* ---- teammates: the threads of a team, as they see each other --------------------- */
 
 /* There is one table for the process, with a row for each team: a runtime may end its
  * threads after everything else of theirs is gone. Teams with the same number would take
- * each other's seats, and lend nothing. */
-#define SEATS_MAX 256u /* threads of a team */
+ * each other's teammates, and lend nothing. */
+#define TEAMMATES_MAX 256u /* threads of a team */
 
 /* One that waits sleeps for 160 us at most (wait.c), and runs for some then. Longer: what
  * it waits for has come or not, it cannot look, because somebody else has its processor;
  * and the others wait for it, 4 ms of a tick where one burns. */
 #define ASLEEP_NS 400000u
 
-/* Of one thread of a team. */
-struct seat {
+/* The teammate of one thread of a team. */
+struct teammate {
     _Alignas(128) _Atomic(const struct eng_affinity *) affinity; /* NULL: empty */
     atomic_bool is_waiting;
     atomic_bool is_away; /* on a processor that was lent */
-    pthread_t thread;    /* alive while the seat is not empty and the lock is held */
+    pthread_t thread;    /* alive while the teammate is not empty and the lock is held */
 };
 
-static struct seat seats[ENG_TEAMS_MAX][SEATS_MAX];
-static pthread_mutex_t seats_lock =
+static struct teammate teammates[ENG_TEAMS_MAX][TEAMMATES_MAX];
+static pthread_mutex_t teammates_lock =
     PTHREAD_MUTEX_INITIALIZER; /* who sits; the last lock */
-static pthread_once_t seats_once = PTHREAD_ONCE_INIT;
-static pthread_key_t seats_key; /* a thread's own seat, left when it ends */
+static pthread_once_t teammates_once = PTHREAD_ONCE_INIT;
+static pthread_key_t teammates_key; /* a thread's own teammate, left when it ends */
 static bool has_key;
-static _Thread_local struct seat *own_seat;
+static _Thread_local struct teammate *own_entry;
 
 /* The thread ends, or sits down elsewhere. */
-static void leave_seat(void *context)
+static void leave_team(void *context)
 {
-    struct seat *seat = context;
-    pthread_mutex_lock(&seats_lock);
-    if (pthread_equal(seat->thread, pthread_self())) {
-        atomic_store_explicit(&seat->affinity, NULL, memory_order_relaxed);
+    struct teammate *teammate = context;
+    pthread_mutex_lock(&teammates_lock);
+    if (pthread_equal(teammate->thread, pthread_self())) {
+        atomic_store_explicit(&teammate->affinity, NULL, memory_order_relaxed);
     }
-    pthread_mutex_unlock(&seats_lock);
+    pthread_mutex_unlock(&teammates_lock);
 }
 
 static void make_key(void)
 {
-    has_key = pthread_key_create(&seats_key, leave_seat) == 0;
+    has_key = pthread_key_create(&teammates_key, leave_team) == 0;
 }
 
 /* Without the memory for it nobody is lent a processor, and all else goes on. */
-static void sit_down(const struct eng_affinity *affinity, struct seat *seat)
+static void join_team(const struct eng_affinity *affinity, struct teammate *teammate)
 {
-    pthread_once(&seats_once, make_key);
-    if (!has_key || pthread_setspecific(seats_key, seat) != 0) {
+    pthread_once(&teammates_once, make_key);
+    if (!has_key || pthread_setspecific(teammates_key, teammate) != 0) {
         return;
     }
-    if (own_seat && own_seat != seat) {
-        leave_seat(own_seat);
+    if (own_entry && own_entry != teammate) {
+        leave_team(own_entry);
     }
-    pthread_mutex_lock(&seats_lock);
-    seat->thread = pthread_self();
-    atomic_store_explicit(&seat->is_waiting, false, memory_order_relaxed);
-    atomic_store_explicit(&seat->is_away, false, memory_order_relaxed);
-    atomic_store_explicit(&seat->affinity, affinity, memory_order_relaxed);
-    pthread_mutex_unlock(&seats_lock);
-    own_seat = seat;
+    pthread_mutex_lock(&teammates_lock);
+    teammate->thread = pthread_self();
+    atomic_store_explicit(&teammate->is_waiting, false, memory_order_relaxed);
+    atomic_store_explicit(&teammate->is_away, false, memory_order_relaxed);
+    atomic_store_explicit(&teammate->affinity, affinity, memory_order_relaxed);
+    pthread_mutex_unlock(&teammates_lock);
+    own_entry = teammate;
 }
 
 /* NULL: none, as nobody has a processor of its own. */
-static struct seat *seat_of(const struct eng_affinity *affinity, uint32_t thread,
-                            uint32_t team_count)
+static struct teammate *teammate_of(const struct eng_affinity *affinity, uint32_t thread,
+                                    uint32_t team_count)
 {
     bool has_own = affinity && !affinity->is_guest && team_count <= affinity->count;
-    return has_own && thread < SEATS_MAX ? &seats[affinity->team][thread] : NULL;
+    return has_own && thread < TEAMMATES_MAX ? &teammates[affinity->team][thread] : NULL;
 }
 
 /* The calling thread is the `thread`-th of a team, until it ends or is another. Nothing
  * without places, or where there are fewer than threads. */
-static void take_seat(const struct eng_affinity *affinity, uint32_t thread,
-                      uint32_t team_count)
+static void join_as_teammate(const struct eng_affinity *affinity, uint32_t thread,
+                             uint32_t team_count)
 {
-    struct seat *seat = seat_of(affinity, thread, team_count);
-    if (seat &&
-        (seat != own_seat ||
-         atomic_load_explicit(&seat->affinity, memory_order_relaxed) != affinity)) {
-        sit_down(affinity, seat);
+    struct teammate *teammate = teammate_of(affinity, thread, team_count);
+    if (teammate &&
+        (teammate != own_entry ||
+         atomic_load_explicit(&teammate->affinity, memory_order_relaxed) != affinity)) {
+        join_team(affinity, teammate);
     }
 }
 
@@ -165,30 +165,30 @@ static void take_seat(const struct eng_affinity *affinity, uint32_t thread,
 static bool end_loan(const struct eng_affinity *affinity, uint32_t thread,
                      uint32_t team_count)
 {
-    struct seat *seat = seat_of(affinity, thread, team_count);
-    if (!seat || !atomic_load_explicit(&seat->is_away, memory_order_relaxed)) {
+    struct teammate *teammate = teammate_of(affinity, thread, team_count);
+    if (!teammate || !atomic_load_explicit(&teammate->is_away, memory_order_relaxed)) {
         return false;
     }
-    atomic_store_explicit(&seat->is_away, false, memory_order_relaxed);
+    atomic_store_explicit(&teammate->is_away, false, memory_order_relaxed);
     return true;
 }
 
-void eng_seat_set_waiting(const struct eng_affinity *affinity, uint32_t thread,
-                          bool is_waiting)
+void eng_processor_set_waiting(const struct eng_affinity *affinity, uint32_t thread,
+                               bool is_waiting)
 {
     assert(!affinity || affinity->team < ENG_TEAMS_MAX);
-    if (affinity && thread < SEATS_MAX) {
-        atomic_store_explicit(&seats[affinity->team][thread].is_waiting, is_waiting,
+    if (affinity && thread < TEAMMATES_MAX) {
+        atomic_store_explicit(&teammates[affinity->team][thread].is_waiting, is_waiting,
                               memory_order_relaxed);
     }
 }
 
 /* Nanoseconds of a processor that it has had; 0: unknown. Locked, it sits. */
-static uint64_t time_of(const struct seat *seat)
+static uint64_t time_of(const struct teammate *teammate)
 {
     clockid_t clock;
     struct timespec time;
-    if (pthread_getcpuclockid(seat->thread, &clock) != 0 ||
+    if (pthread_getcpuclockid(teammate->thread, &clock) != 0 ||
         clock_gettime(clock, &time) != 0) {
         return 0;
     }
@@ -196,10 +196,10 @@ static uint64_t time_of(const struct seat *seat)
 }
 
 /* Look at one that sits; true: it was moved. Locked. */
-static bool look_at(const struct eng_affinity *affinity, struct seat *seat,
-                    uint64_t now_ns, struct eng_seat_look *look)
+static bool look_at(const struct eng_affinity *affinity, struct teammate *teammate,
+                    uint64_t now_ns, struct eng_processor_look *look)
 {
-    uint64_t ran_ns = time_of(seat);
+    uint64_t ran_ns = time_of(teammate);
     if (look->ran_ns == 0) {
         look->ran_ns = ran_ns; /* the next look tells */
         look->since_ns = now_ns;
@@ -207,7 +207,7 @@ static bool look_at(const struct eng_affinity *affinity, struct seat *seat,
     }
     bool has_run = ran_ns != look->ran_ns;
     if (!has_run && now_ns - look->since_ns < ASLEEP_NS &&
-        atomic_load_explicit(&seat->is_waiting, memory_order_relaxed)) {
+        atomic_load_explicit(&teammate->is_waiting, memory_order_relaxed)) {
         return false; /* it may be asleep */
     }
     look->ran_ns = 0;
@@ -216,49 +216,51 @@ static bool look_at(const struct eng_affinity *affinity, struct seat *seat,
         return false;
     }
     /* The flag first: the thread may run at once, and is to find it. */
-    atomic_store_explicit(&seat->is_away, true, memory_order_relaxed);
-    return bind_to(affinity, sched_getcpu(), seat->thread);
+    atomic_store_explicit(&teammate->is_away, true, memory_order_relaxed);
+    return bind_to(affinity, sched_getcpu(), teammate->thread);
 }
 
 /* The mate to look at, from that of `look` on: one that works, or if none does, one that
  * waits, maybe for nothing that is still to come. Not while a look at it has begun. */
-static struct seat *choose(const struct eng_affinity *affinity, uint32_t thread,
-                           uint32_t team_count, struct eng_seat_look *look)
+static struct teammate *choose(const struct eng_affinity *affinity, uint32_t thread,
+                               uint32_t team_count, struct eng_processor_look *look)
 {
     uint32_t others = team_count - 1;
     look->mate %= others;
     for (uint32_t i = 0; i < others && look->ran_ns == 0; i++) {
         uint32_t mate = (look->mate + i) % others;
-        const struct seat *seat =
-            seat_of(affinity, (thread + 1 + mate) % team_count, team_count);
-        if (seat && !atomic_load_explicit(&seat->is_waiting, memory_order_relaxed)) {
+        const struct teammate *teammate =
+            teammate_of(affinity, (thread + 1 + mate) % team_count, team_count);
+        if (teammate &&
+            !atomic_load_explicit(&teammate->is_waiting, memory_order_relaxed)) {
             look->mate = mate;
             break;
         }
     }
-    return seat_of(affinity, (thread + 1 + look->mate) % team_count, team_count);
+    return teammate_of(affinity, (thread + 1 + look->mate) % team_count, team_count);
 }
 
-bool eng_seat_lend(const struct eng_affinity *affinity, uint32_t thread,
-                   uint32_t team_count, uint64_t now_ns, struct eng_seat_look *look)
+bool eng_processor_lend(const struct eng_affinity *affinity, uint32_t thread,
+                        uint32_t team_count, uint64_t now_ns,
+                        struct eng_processor_look *look)
 {
     assert(look && team_count >= 1);
-    if (!seat_of(affinity, thread, team_count) || team_count < 2) {
+    if (!teammate_of(affinity, thread, team_count) || team_count < 2) {
         return false;
     }
-    struct seat *seat = choose(affinity, thread, team_count, look);
-    if (!seat || pthread_mutex_trylock(&seats_lock) != 0) {
+    struct teammate *teammate = choose(affinity, thread, team_count, look);
+    if (!teammate || pthread_mutex_trylock(&teammates_lock) != 0) {
         return false;
     }
     bool is_moved = false;
-    if (atomic_load_explicit(&seat->affinity, memory_order_relaxed) == affinity &&
-        !atomic_load_explicit(&seat->is_away, memory_order_relaxed)) {
-        is_moved = look_at(affinity, seat, now_ns, look);
+    if (atomic_load_explicit(&teammate->affinity, memory_order_relaxed) == affinity &&
+        !atomic_load_explicit(&teammate->is_away, memory_order_relaxed)) {
+        is_moved = look_at(affinity, teammate, now_ns, look);
     } else {
         look->ran_ns = 0;
         look->mate++;
     }
-    pthread_mutex_unlock(&seats_lock);
+    pthread_mutex_unlock(&teammates_lock);
     return is_moved;
 }
 
@@ -278,7 +280,7 @@ void eng_affinity_bind_thread(const struct eng_affinity *affinity, uint32_t thre
     if (affinity->is_guest && thread == 0) {
         return;
     }
-    take_seat(affinity, thread, team_count);
+    join_as_teammate(affinity, thread, team_count);
     if (end_loan(affinity, thread, team_count)) {
         placed_on = UNKNOWN;
     }

@@ -54,23 +54,24 @@ void eng_affinity_bind_thread(const struct eng_affinity *affinity, uint32_t thre
 void eng_affinity_return(const struct eng_affinity *affinity, uint32_t thread,
                          uint32_t team_count);
 
-/* ---- seats: a thread that waits lends its processor to one that has lost its own --- */
+/* ---- a thread that waits lends its processor to one that has lost its own ---------- */
 
-/* How far one that waits has got with looking at the others. All zero: not begun. */
-struct eng_seat_look {
+/* The progress of one that waits in looking at the others. All zero: not begun. */
+struct eng_processor_look {
     uint32_t mate;     /* of the others, from the next one on */
     uint64_t ran_ns;   /* of a processor it had had at the last look; 0: not looked at */
     uint64_t since_ns; /* when that was */
 };
 
 /* It waits for others, maybe asleep; or no longer. [team] */
-void eng_seat_set_waiting(const struct eng_affinity *affinity, uint32_t thread,
-                          bool is_waiting);
+void eng_processor_set_waiting(const struct eng_affinity *affinity, uint32_t thread,
+                               bool is_waiting);
 
 /* Look at one of the others; called every 50 us or so, with the time, by a thread that
  * waits. One that has not run since the last look, and is not asleep, is put on the
  * caller's processor, where it runs as soon as the caller sleeps: true. [team] */
-bool eng_seat_lend(const struct eng_affinity *affinity, uint32_t thread,
-                   uint32_t team_count, uint64_t now_ns, struct eng_seat_look *look);
+bool eng_processor_lend(const struct eng_affinity *affinity, uint32_t thread,
+                        uint32_t team_count, uint64_t now_ns,
+                        struct eng_processor_look *look);
 
 #endif

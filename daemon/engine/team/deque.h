@@ -36,7 +36,7 @@ bool eng_deque_push(struct eng_deque *deque, uint64_t task);
 /* The newest task; false: empty. */
 bool eng_deque_pop(struct eng_deque *deque, uint64_t *task);
 
-/* Is there a task to be stolen? A hint that writes nothing. [any] */
+/* Return whether there is a task to be stolen. A hint that writes nothing. [any] */
 static inline bool eng_deque_has_task(struct eng_deque *deque)
 {
     return atomic_load_explicit(&deque->top, memory_order_relaxed) <

@@ -26,7 +26,7 @@ struct eng_faces {
     uint32_t count;
 };
 
-/* What is below a node. */
+/* The faces below a node. */
 struct eng_faces_below {
     const float (*low)[ENG_WIDE]; /* [axis][child], outward distances (boxes.h) */
     const float (*high)[ENG_WIDE];

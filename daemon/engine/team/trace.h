@@ -3,7 +3,7 @@
  * Keep the newest events of every thread in a ring of its own, so that recording takes no
  * lock. Without a trace it costs one test of a pointer for each task.
  *
- * Threads: add: the thread whose lane it is; the rest: [compute], between steps.
+ * Threads: add: the thread whose track it is; the rest: [compute], between steps.
  */
 #ifndef ENG_TRACE_H
 #define ENG_TRACE_H
@@ -13,30 +13,30 @@
 #include "pccd_trace.h"
 
 /* One thread's ring. */
-struct eng_trace_lane {
+struct eng_trace_track {
     _Alignas(128) struct pccd_trace_event *events;
     uint64_t added; /* since the start; the newest `capacity` are kept */
 };
 
 struct eng_trace {
-    struct eng_trace_lane *lanes; /* [lane_count] */
-    uint32_t lane_count;          /* threads; those beyond are not recorded */
-    uint32_t capacity;            /* events of a lane, a power of two */
+    struct eng_trace_track *tracks; /* [track_count] */
+    uint32_t track_count;           /* threads; those beyond are not recorded */
+    uint32_t capacity;              /* events of a track, a power of two */
     uint64_t min_ns; /* task units, subtrees and pairs that took less are left out */
 };
 
-/* Memory for `lanes` threads of `capacity` events each (rounded up to a power of two).
+/* Memory for `tracks` threads of `capacity` events each (rounded up to a power of two).
  * PCCD_E_NOMEM, PCCD_E_INVAL (0 of either). */
-int eng_trace_init(struct eng_trace *trace, uint32_t lanes, uint32_t capacity,
+int eng_trace_init(struct eng_trace *trace, uint32_t tracks, uint32_t capacity,
                    uint64_t min_ns);
 void eng_trace_deinit(struct eng_trace *trace);
 
-/* Append an event to the lane of its thread; nothing if `trace` is NULL. [team] */
+/* Append an event to the track of its thread; nothing if `trace` is NULL. [team] */
 void eng_trace_add(struct eng_trace *trace, struct pccd_trace_event event);
 
-/* Events of a lane that are still there, and the i-th of them, oldest first. */
-uint64_t eng_trace_count(const struct eng_trace *trace, uint32_t lane);
-const struct pccd_trace_event *eng_trace_at(const struct eng_trace *trace, uint32_t lane,
+/* Events of a track that are still there, and the i-th of them, oldest first. */
+uint64_t eng_trace_count(const struct eng_trace *trace, uint32_t track);
+const struct pccd_trace_event *eng_trace_at(const struct eng_trace *trace, uint32_t track,
                                             uint64_t i);
 
 #endif

@@ -15,8 +15,8 @@
 
 /* Spinning: those who are waited for run on other processors, and to wake takes 50 us; or
  * they cannot while we spin. */
-#define SPIN_NS         200000u
-#define SPIN_CROWDED_NS 10000u
+#define SPIN_NS                200000u
+#define SPIN_OVERSUBSCRIBED_NS 10000u
 
 /* Asleep: doubled each time. The longer it took, the less another such time matters. */
 #define SLEEP_MIN_NS 20000u
@@ -26,7 +26,7 @@ static void begin(struct eng_wait *wait, const struct eng_affinity *affinity,
                   uint32_t thread)
 {
     uint32_t team_count = (uint32_t)omp_get_num_threads();
-    bool is_crowded = team_count > eng_affinity_processors(affinity);
+    bool is_oversubscribed = team_count > eng_affinity_processors(affinity);
     uint64_t now_ns = common_now_ns();
     *wait = (struct eng_wait){
         .affinity = affinity,
@@ -34,9 +34,9 @@ static void begin(struct eng_wait *wait, const struct eng_affinity *affinity,
         .team_count = team_count,
         .begin_ns = now_ns,
         .next_ns = now_ns + LOOK_NS,
-        .spin_end_ns = now_ns + (is_crowded ? SPIN_CROWDED_NS : SPIN_NS),
+        .spin_end_ns = now_ns + (is_oversubscribed ? SPIN_OVERSUBSCRIBED_NS : SPIN_NS),
     };
-    eng_seat_set_waiting(affinity, thread, true);
+    eng_processor_set_waiting(affinity, thread, true);
 }
 
 void eng_wait_begin(struct eng_wait *wait, struct eng_worker *worker)
@@ -68,8 +68,8 @@ bool eng_wait_moment(struct eng_wait *wait)
         if (wait->worker) {
             eng_worker_ask(wait->worker);
         }
-        if (eng_seat_lend(wait->affinity, wait->thread, wait->team_count, now_ns,
-                          &wait->look)) {
+        if (eng_processor_lend(wait->affinity, wait->thread, wait->team_count, now_ns,
+                               &wait->look)) {
             wait->spin_end_ns = now_ns; /* it has our processor when we sleep */
         }
     }
@@ -82,7 +82,7 @@ bool eng_wait_moment(struct eng_wait *wait)
 
 void eng_wait_end(struct eng_wait *wait)
 {
-    eng_seat_set_waiting(wait->affinity, wait->thread, false);
+    eng_processor_set_waiting(wait->affinity, wait->thread, false);
     if (wait->worker) {
         eng_worker_waited(wait->worker, wait->begin_ns);
     }

@@ -23,7 +23,7 @@ struct eng_wait {
     uint64_t next_ns; /* when to look at another */
     uint64_t spin_end_ns;
     uint64_t sleep_ns; /* the next one's length; 0: not slept yet */
-    struct eng_seat_look look;
+    struct eng_processor_look look;
 };
 
 /* Inside a region. */

@@ -28,7 +28,7 @@ struct eng_barrier {
     _Alignas(128) atomic_uint round; /* how often all have been there */
 };
 
-/* What the workers of a step share besides the scene. */
+/* The state that the workers of a step share besides the scene. */
 struct eng_stop {
     struct eng_barrier barrier;
     const atomic_bool *cancel;
@@ -44,7 +44,7 @@ struct eng_stop {
     atomic_uint_fast64_t time_bound;
 };
 
-/* What a worker counts besides its record: as in struct pccd_step_counters. */
+/* The counts of a worker besides its record: as in struct pccd_step_counters. */
 struct eng_tally {
     uint64_t leaf_pairs;
     uint64_t candidates[PCCD_KINDS_MAX];
@@ -77,7 +77,7 @@ struct eng_worker {
     struct eng_found found; /* records */
     struct eng_exact exact;
     void *work[PCCD_METHOD_COUNT]; /* by method, which casts it; NULL: none yet */
-    struct eng_narrow *narrow;     /* of the narrow phase (narrow.h); likewise */
+    struct eng_narrow *narrow;     /* of the narrow phase (narrow.h); NULL: none yet */
     struct eng_thread_record record;
     struct eng_tally tally;
     uint64_t low_end_ns;    /* the paper's scheduler: when it knew that all were done with
@@ -87,7 +87,7 @@ struct eng_worker {
     struct pccd_pair proof; /* the last of these */
 };
 
-/* What is in `work` is freed by its methods, before deinit. */
+/* Begin with nothing in `work`, which its methods free before deinit. */
 int eng_worker_init(struct eng_worker *worker); /* PCCD_E_NOMEM: there is none */
 void eng_worker_deinit(struct eng_worker *worker);
 
@@ -101,8 +101,8 @@ double eng_stop_time_bound(const struct eng_stop *stop);
 
 void eng_stop_init(struct eng_stop *stop, const struct eng_question *question);
 
-/* Should the worker stop? Looks at the clock and at the cancel flag; the first thread
- * also asks whoever is to be asked. */
+/* Return whether the worker should stop. Looks at the clock and at the cancel flag; the
+ * first thread also asks whoever is to be asked. */
 bool eng_worker_should_stop(struct eng_worker *worker);
 
 /* The same for one that is about to do what cannot be stopped and takes `ns`. True only
@@ -123,9 +123,9 @@ static inline void eng_worker_trace_until(const struct eng_worker *worker,
                                           enum pccd_trace_kind kind, uint64_t begin_ns,
                                           uint64_t end_ns, uint32_t a, uint32_t b)
 {
-    uint32_t lane = worker->question->lane + worker->thread;
+    uint32_t track = worker->question->track + worker->thread;
     eng_trace_add(worker->question->trace,
-                  (struct pccd_trace_event){begin_ns, end_ns, kind, lane, a, b});
+                  (struct pccd_trace_event){begin_ns, end_ns, kind, track, a, b});
 }
 
 /* End it now. */

@@ -95,8 +95,8 @@ static struct eng_split_item item_of(const struct eng_scene *scene, uint32_t obj
     const struct eng_bounds *bounds = &object->bounds[scene->now];
     struct eng_split_item item = {.id = object_idx};
     for (int k = 0; k < 3; k++) {
-        item.centroid[k] = (float)(eng_frame_at(&object->frame, bounds->low[k], k) +
-                                   eng_frame_at(&object->frame, bounds->high[k], k));
+        item.centroid[k] = (float)(eng_box_frame_at(&object->frame, bounds->low[k], k) +
+                                   eng_box_frame_at(&object->frame, bounds->high[k], k));
     }
     return item;
 }
@@ -155,8 +155,9 @@ static uint32_t count_blocks(uint32_t slot_count, uint32_t level_count,
     return first;
 }
 
-/* Has an array of that capacity room, and not by far too much? Large ones are not kept
- * for what went away: a rank whose part of a scene shrinks needs its memory elsewhere. */
+/* Return whether an array of that capacity has room, and not by far too much. Large ones
+ * are not kept for what went away: a rank whose part of a scene shrinks needs its memory
+ * elsewhere. */
 #define SLOTS_KEPT (1u << 15)
 static bool fits(uint32_t count, uint32_t capacity, uint32_t kept_anyway)
 {
@@ -359,7 +360,7 @@ static void mark_above(const struct eng_wide *wide, const struct eng_wide_tree *
     }
 }
 
-/* Of a tree, the features of which `is` says so, and the nodes above them. */
+/* Mark the features of a tree of which `is` says so, and the nodes above them. */
 static void mark(const struct eng_wide *wide, const struct eng_scene *scene,
                  enum pccd_tree kind, uint16_t *marks,
                  bool (*is)(const struct eng_mesh *mesh, enum pccd_tree kind,
@@ -462,7 +463,7 @@ static void list_chunks(struct eng_wide *wide)
     }
 }
 
-/* Of what moves (wide.h). */
+/* Clear the marks of what moves (wide.h). */
 static void clear_marks(struct eng_wide *wide)
 {
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
@@ -520,7 +521,7 @@ uint32_t eng_wide_kinds(const struct eng_wide *wide, bool thick)
     return kinds;
 }
 
-/* Is child (or slot) i of a level of a tree free, or has it below it what is? */
+/* Return whether child (or slot) i of a tree's level is free, or has below it what is. */
 static bool is_free(const struct eng_wide_tree *tree, uint32_t level, uint32_t i)
 {
     return tree->free[tree->first[level] + i / ENG_WIDE] >> i % ENG_WIDE & 1u;

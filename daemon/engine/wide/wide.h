@@ -38,7 +38,8 @@ static inline enum pccd_tree eng_wide_tree_of(enum pccd_kind kind, int side)
     return (enum pccd_tree)(common_kinds[kind].points[side] - 1);
 }
 
-/* Of a feature: object id << 32 | local index. Records are in the order of the keys. */
+/* The key of a feature: object id << 32 | local index. Records are in the order of the
+ * keys. */
 typedef uint64_t eng_wide_key;
 
 /* Nodes of level 1 in a chunk of the refit, of 256 features each: 5 to 10 us of work
@@ -52,9 +53,9 @@ static inline uint32_t eng_wide_chunks(uint32_t slots)
     return (slots + ENG_WIDE_CHUNK_SLOTS - 1) / ENG_WIDE_CHUNK_SLOTS;
 }
 
-/* Of the slots that are refitted together: how far what moves in them is
- * marked, and in which chunks of vertices the corners of its features lie; more than the
- * most that are listed: in any. */
+/* A chunk of slots that are refitted together: how far what moves in them is marked, and
+ * in which chunks of vertices the corners of its features lie; more than the most that
+ * are listed: in any. */
 #define ENG_WIDE_CHUNK_VERTICES 6u
 
 struct eng_wide_chunk_state {
@@ -76,7 +77,7 @@ struct eng_wide_tree {
     eng_wide_key *keys;        /* edges and faces: [slot_capacity] */
     uint16_t *moving;          /* [moving_capacity] by block: bit k, child k moves */
     uint32_t moving_capacity, free_capacity, own_capacity;
-    uint16_t *free, *own;   /* likewise: is free, is not foreign, or has such below it */
+    uint16_t *free, *own;   /* bits of what is free, of what is not foreign */
     bool has_free, has_own; /* else nothing is written there; faces have none */
     uint32_t chunk_capacity;
     struct eng_wide_chunk_state *chunks; /* [chunk_capacity] */
@@ -115,7 +116,7 @@ struct eng_wide {
     uint64_t marks_of;  /* moving.number that the marks are of; 0: there are none */
     uint64_t feature_count;
     uint64_t frames;    /* of the last step: as in the scene */
-    uint64_t thickness; /* likewise: its number */
+    uint64_t thickness; /* its number in the last step */
     double frame_scale;
     uint32_t *slot_of; /* [slot_of_capacity] of vertices in the scene's arrays, or
                         * ENG_WIDE_NO_SLOT */
@@ -183,8 +184,8 @@ static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree 
     return tree->blocks + tree->first[level];
 }
 
-/* Of features that are in whole numbers (eng_wide_has_quantised): one after the other
- * where the floats of level 0 would be, which take as much and more; then the boxes
+/* Return the features that are in whole numbers (eng_wide_has_quantised): one after the
+ * other where the floats of level 0 would be, which take as much and more; then the boxes
  * around them. So a step that does the other thing than the last one needs no memory. */
 static inline struct eng_quantised_block *
 eng_wide_quantised_blocks(const struct eng_wide_tree *tree)
@@ -217,15 +218,15 @@ static inline struct eng_extents *eng_wide_boxes(const struct eng_wide_tree *tre
  * they do not: those of free points are left out then, and where there are none. */
 uint32_t eng_wide_kinds(const struct eng_wide *wide, bool thick);
 
-/* Does a kind ask for free points and edges alone? */
+/* Return whether a kind asks for free points and edges alone. */
 static inline bool eng_wide_is_of_free(enum pccd_kind kind)
 {
     return kind == PCCD_VE || kind == PCCD_VV;
 }
 
-/* Of pairs a[count], b[count] of children of nodes of `level`, or of slots if that is 0,
- * those stay, in their order, of which both are free or have below them what is. Returns
- * how many. */
+/* Keep, in their order, those of the pairs a[count], b[count] of children of nodes of
+ * `level`, or of slots if that is 0, of which both are free or have below them what is.
+ * Returns how many. */
 uint32_t eng_wide_free_keep(const struct eng_wide *wide, enum pccd_kind kind,
                             uint32_t level, uint32_t *a, uint32_t *b, uint32_t count);
 
@@ -238,8 +239,8 @@ uint32_t eng_wide_free_keep(const struct eng_wide *wide, enum pccd_kind kind,
  * vertices at their corners. A chunk of edges or faces knows which chunks of vertices
  * its corners lie in. Where none of these moves, nothing is looked at. */
 
-/* The positions have moved on: is what moves spread so evenly that too few blocks of
- * vertices stand (eng_moves_much)? [compute] */
+/* Return, when the positions have moved on, whether what moves is spread so evenly that
+ * too few blocks of vertices stand (eng_moves_much). [compute] */
 bool eng_wide_still_is_spread(struct eng_wide *wide, const struct eng_scene *scene);
 
 /* The positions have moved on and `keeps` says whether boxes of the last step are those

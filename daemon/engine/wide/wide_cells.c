@@ -4,7 +4,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "frames.h"
+#include "box_frames.h"
 #include "world.h"
 
 /* ---- the grid of the sieve --------------------------------------------------------- */
@@ -24,7 +24,7 @@ bool eng_wide_extent(const struct eng_wide *wide, const struct eng_scene *scene,
     const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_VERTICES];
     const struct eng_extents *box = eng_wide_boxes(tree, wide->level_count - 1);
     if (wide->boxes_are_old || scene->framing.number != wide->frames) {
-        return eng_frames_extent(scene, low, high);
+        return eng_box_frames_extent(scene, low, high);
     }
     for (int k = 0; k < 3; k++) {
         low[k] = -fmax(box->side[ENG_LOW0][k], box->side[ENG_LOW1][k]);
@@ -194,7 +194,7 @@ static float cells_of_edges(const struct eng_wide *wide, const struct eng_scene 
     return most;
 }
 
-/* Do the boxes of the last step have the scale that those of this one get? */
+/* Return whether the boxes of the last step have the scale that those of this one get. */
 static bool have_kept_scale(const struct eng_wide *wide, const struct eng_scene *scene)
 {
     return !wide->boxes_are_old && wide->frame_scale == scene->framing.scale;
@@ -222,7 +222,8 @@ static bool features_are_large(const struct eng_wide *wide, const struct eng_sce
     return seen > 0 && sum >= CELLS_MIN * seen;
 }
 
-/* Are both ends of what moves so far within the numbers that no rounding leads out? */
+/* Return whether both ends of what moves are so far within the numbers that no rounding
+ * leads out. */
 static bool movers_are_within(const struct eng_wide *wide, const struct eng_scene *scene)
 {
     for (uint32_t i = 0; i < scene->object_capacity; i++) {

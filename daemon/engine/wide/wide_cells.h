@@ -30,7 +30,8 @@ bool eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *sc
 void eng_wide_quantised_set(struct eng_quantising *quantising, int axis, double scale,
                             double middle);
 
-/* After the refit: may boxes of features be compared in whole numbers? [any] */
+/* Return, after the refit, whether boxes of features may be compared in whole numbers.
+ * [any] */
 static inline bool eng_wide_has_quantised(const struct eng_wide *wide)
 {
     return wide->makes_quantised &&
@@ -84,7 +85,7 @@ static inline void eng_wide_mark_near(struct eng_mark *marks, const uint32_t qua
     }
 }
 
-/* After the refit: may a sieve use the marks? [any] */
+/* Return, after the refit, whether a sieve may use the marks. [any] */
 static inline bool eng_wide_has_marks(const struct eng_wide *wide)
 {
     return wide->grid.scale > 0 &&

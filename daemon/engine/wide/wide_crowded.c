@@ -11,9 +11,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "motion.h"
 #include "kinds.h"
 #include "memory.h"
+#include "motion.h"
 #include "topology.h"
 #include "vec.h"
 #include "wide.h"
@@ -23,20 +23,20 @@
  * nearer than a millionth of a triangle touches, as a rule. */
 #define CLEARANCE_PART 0x1p-20
 
-/* Of the features, those that may be crowded: with more, little is left out. */
+/* The part of the features that may be crowded: with more, little is left out. */
 #define CROWDED_PART 16u
 
 /* Tests a triangle, on average, before the search is given up: 50 to 70 are needed as a
  * rule, thousands where triangles lie in heaps. */
 #define WORK_MAX 1024u
 
-/* Of a step's share of a search, in tests of 20 ns: some 0.1 ms, and for large scenes a
- * tenth of what a step takes. By number, not by time: so what is counted in a step does
- * not depend on how fast it was. */
+/* Limits of a step's share of a search, in tests of 20 ns: some 0.1 ms, and for large
+ * scenes a tenth of what a step takes. By number, not by time: so what is counted in a
+ * step does not depend on how fast it was. */
 #define SHARE_MIN           4096u
 #define SHARE_PER_TRIANGLES 2u
 
-/* Of a block whose vertices are read, in tests. */
+/* The cost of a block whose vertices are read, in tests. */
 #define LOAD_COST (3 * ENG_WIDE)
 
 /* The kinds of pairs that triangles make, in their sequence here. */
@@ -111,7 +111,7 @@ static const struct eng_bounds *box_of(const struct eng_wide_crowded *search, in
 
 /* ---- two features ------------------------------------------------------------------ */
 
-/* Is there certainly more than `length` between the boxes? */
+/* Return whether there is certainly more than `length` between the boxes. */
 static bool boxes_are_apart(const struct eng_bounds *a, const struct eng_bounds *b,
                             double length)
 {
@@ -124,9 +124,9 @@ static bool boxes_are_apart(const struct eng_bounds *a, const struct eng_bounds 
     return false;
 }
 
-/* Is there certainly more than `length` between two features? Along the line between
- * their nearest points, or what seem to be those: whatever direction it is, features that
- * are so far apart along it are so far apart. */
+/* Return whether there is certainly more than `length` between two features. Along the
+ * line between their nearest points, or what seem to be those: whatever direction it is,
+ * features that are so far apart along it are so far apart. */
 static bool is_apart(enum pccd_kind kind, const double *const points[4], double length)
 {
     uint32_t a_count = common_kinds[kind].points[0];

@@ -32,7 +32,7 @@ static const uint16_t *own_marks(const struct eng_wide *wide, enum pccd_kind kin
     return tree->has_own && may_be_first ? tree->own + tree->first[level] : NULL;
 }
 
-/* What says which of two features comes first. */
+/* Set the keys, which say which of two features comes first. */
 static void set_keys(const struct eng_wide *wide, enum pccd_kind kind,
                      struct eng_join *job)
 {

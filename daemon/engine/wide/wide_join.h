@@ -72,7 +72,7 @@ void eng_wide_join_refine(struct eng_wide_join *join, enum pccd_kind kind, uint3
 /* Hand over what is left in the chunks. */
 void eng_wide_join_flush(struct eng_wide_join *join);
 
-/* Of the pairs that nodes led to so far, those that were left out for their times. */
+/* Return how many of the pairs that nodes led to so far were left out for their times. */
 uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum pccd_kind kind);
 
 /* Boxes tested against a block so far. */

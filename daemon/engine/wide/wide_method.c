@@ -11,7 +11,7 @@
 
 #include <assert.h>
 
-#include "frames.h"
+#include "box_frames.h"
 #include "moving.h"
 #include "wide.h"
 #include "wide_cells.h"
@@ -186,7 +186,7 @@ static int prepare(struct eng_team *team, const struct eng_question *question)
     bool has_changed = false;
     eng_wide_resort_prepare(&eng_wide_state_of(scene)->resort, scene);
     if (eng_wide_of(scene)->is_stale) {
-        eng_frames_choose(scene, scene->now, scene->now);
+        eng_box_frames_choose(scene, scene->now, scene->now);
         status = eng_wide_assemble(eng_wide_of(scene), scene);
     }
     if (status == PCCD_OK) {
@@ -202,8 +202,8 @@ static int prepare(struct eng_team *team, const struct eng_question *question)
     return status;
 }
 
-/* Are the boxes of what stands those of the last step, so that only what moves needs new
- * ones? And is it worth it? */
+/* Return whether the boxes of what stands are those of the last step, so that only what
+ * moves needs new ones, and it is worth it. */
 static bool has_current_boxes(const struct eng_wide *wide, const struct eng_scene *scene,
                               const struct eng_question *question)
 {
@@ -252,7 +252,7 @@ static void start(struct eng_team *team, const struct eng_question *question)
 {
     struct eng_wide *wide = eng_wide_of(team->scene);
     wide->kernels = team->workers[0]->kernels;
-    if (eng_near_narrows(question)) {
+    if (eng_near_prunes(question)) {
         eng_wide_forget_near(wide, question->end);
     }
     if (team->has_boxes) {
@@ -327,7 +327,7 @@ static void beside(struct eng_worker *worker)
                      (uint32_t)resort->item_count);
 }
 
-/* Of sixteen pairs of nodes that are looked at in time one has to go, or the next steps
+/* One of sixteen pairs of nodes that are looked at in time has to go, or the next steps
  * do without: a look takes a tenth of what becomes of a pair as a rule. By whole steps,
  * so that what is counted does not depend on threads. */
 #define NODES_PAY_FROM      16u

@@ -9,8 +9,8 @@
 #include <omp.h>
 #include <string.h>
 
+#include "box_frames.h"
 #include "boxes.h"
-#include "frames.h"
 #include "kernel.h"
 #include "memory.h"
 #include "parallel.h"
@@ -48,9 +48,9 @@ static void join(uint32_t *parent, uint32_t a, uint32_t b)
     }
 }
 
-/* Of a committed mesh: of[vertex_count] gets the piece of every vertex, numbered by their
- * least vertices, NO_PIECE if it is in no triangle. Returns how many there are.
- * O(vertices + triangles), nearly. */
+/* Find the pieces of a committed mesh: of[vertex_count] gets the piece of every vertex,
+ * numbered by their least vertices, NO_PIECE if it is in no triangle. Returns how many
+ * there are. O(vertices + triangles), nearly. */
 static uint32_t find_pieces(const struct eng_mesh *mesh, uint32_t *of)
 {
     uint32_t count = 0;
@@ -95,7 +95,7 @@ static inline struct eng_split_item item_of(struct eng_wide_positions positions,
     for (int k = 0; k < 3; k++) {
         double sum = 0;
         for (uint32_t i = 0; i < count; i++) {
-            sum += eng_frame_at(positions.frame, positions.x[vertices[i]][k], k);
+            sum += eng_box_frame_at(positions.frame, positions.x[vertices[i]][k], k);
         }
         item.centroid[k] = (float)sum;
     }
@@ -117,7 +117,7 @@ void eng_wide_order_sum(const struct eng_wide_order *order,
         uint32_t piece = order->piece_of[i];
         for (int k = 0; k < 3 && piece != NO_PIECE; k++) {
             pieces[piece].centroid[k] +=
-                (float)eng_frame_at(positions.frame, positions.x[i][k], k);
+                (float)eng_box_frame_at(positions.frame, positions.x[i][k], k);
         }
     }
 }
@@ -189,7 +189,8 @@ static int threads_for(size_t features, uint32_t threads)
                                                         : (int)most;
 }
 
-/* How many pieces of a mesh are to be told apart, 1 of most: those of[vertex_count]. */
+/* Return how many pieces of a mesh are to be told apart, 1 of most: those
+ * of[vertex_count]. */
 static uint32_t tell_apart(const struct eng_mesh *mesh, uint32_t *of)
 {
     uint32_t size[PIECES_MAX] = {0};
@@ -206,7 +207,7 @@ static uint32_t tell_apart(const struct eng_mesh *mesh, uint32_t *of)
     return largest > mesh->leaf_count / 2 ? 1 : count;
 }
 
-/* What an order is made with; freed together. */
+/* The memory that an order is made with; freed together. */
 struct making {
     uint32_t *of;                  /* [vertex_count] */
     uint32_t piece_count;          /* 1: not told apart */
@@ -351,7 +352,7 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
     if (!made) {
         return PCCD_E_NOMEM;
     }
-    struct eng_frame frame = eng_frame_alone(mesh, x);
+    struct eng_box_frame frame = eng_box_frame_alone(mesh, x);
     struct eng_wide_positions positions = {x, &frame};
     eng_wide_order_sum(made, positions, 0, mesh->info.vertex_count, making.pieces);
     eng_wide_order_sequence(made, making.pieces);

@@ -40,16 +40,16 @@ struct eng_wide_order {
     uint64_t bytes;                       /* of all this */
 };
 
-/* What the method keeps of an object. */
+/* The part of an object that the method keeps. */
 struct eng_wide_object {
     const struct eng_wide_order *order; /* of its features: `own`, or the mesh's */
     struct eng_wide_order *own; /* NULL: it is as all objects of the mesh were at first */
     uint32_t first[ENG_WIDE_TREES]; /* slot in the trees, once they are put together */
 };
 
-/* Of a committed mesh, at the positions `x` of its vertices, by that many threads, whose
- * number (0: one) does not change the order. Freed with eng_free. PCCD_E_NOMEM.
- * O(n log n). */
+/* Make the order of a committed mesh, at the positions `x` of its vertices, by that many
+ * threads, whose number (0: one) does not change the order. Freed with eng_free.
+ * PCCD_E_NOMEM. O(n log n). */
 int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
                        uint32_t threads, struct eng_wide_order **order);
 /* NULL: no memory. */
@@ -61,10 +61,10 @@ uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum pccd_tree kind
 /* Where the vertices of a mesh are, and the frame in which they are compared. */
 struct eng_wide_positions {
     const double (*x)[3];
-    const struct eng_frame *frame;
+    const struct eng_box_frame *frame;
 };
 
-/* What it takes to put the features of a mesh in order, some at a time:
+/* Put the features of a mesh in order, some at a time:
  *
  *   Add vertices first .. first + count - 1 of the mesh's to the sums of their
  *   pieces, pieces[piece_count], which were 0. */

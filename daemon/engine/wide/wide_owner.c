@@ -37,7 +37,7 @@ static int reserve(struct eng_wide_owners *owners, const struct eng_wide *wide)
     return PCCD_OK;
 }
 
-/* Is any of a block's features crowded? */
+/* Return whether any of a block's features is crowded. */
 static bool block_has_crowded(const struct eng_object *object, enum pccd_tree kind,
                               uint32_t first)
 {
@@ -187,7 +187,7 @@ static bool may_meet(const struct eng_masks *masks, const struct eng_wide_owner 
            !(are_objects && eng_masks_ignores(masks, a->object, b->object));
 }
 
-/* Of the nodes of a level, of the tree of a kind's side. */
+/* Return the owners of the nodes of a level, of the tree of a kind's side. */
 static const struct eng_wide_owner *owners_of(const struct eng_wide_owners *owners,
                                               enum pccd_kind kind, int side,
                                               uint32_t level)

@@ -54,12 +54,12 @@ uint64_t eng_wide_owners_bytes(const struct eng_wide_owners *owners);
 int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wide *wide,
                             const struct eng_scene *scene, bool *has_changed);
 
-/* In a step: is there anything to ask? What objects leave out of themselves is known only
- * once their positions are. [any] */
+/* Return, in a step, whether there is anything to ask. What objects leave out of
+ * themselves is known only once their positions are. [any] */
 bool eng_wide_owners_are_on(const struct eng_wide_owners *owners);
 
-/* Nodes n and m of a level, of the two trees of a kind of pair (of one tree n == m for a
- * node with itself): may anything below the one meet anything below the other? [any] */
+/* Return whether anything below node n may meet anything below node m of a level, of the
+ * two trees of a kind of pair (of one tree n == m for a node with itself). [any] */
 bool eng_wide_owners_allow(const struct eng_wide_owners *owners, enum pccd_kind kind,
                            uint32_t level, uint32_t n, uint32_t m);
 

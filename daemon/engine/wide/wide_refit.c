@@ -67,7 +67,7 @@ static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
             continue;
         }
         uint32_t run = slot;
-        const struct eng_frame *frame =
+        const struct eng_box_frame *frame =
             scene->framing.number > 0
                 ? &scene->objects[wide->points[run].word0 >> 32].frame
                 : NULL;
@@ -185,8 +185,8 @@ static bool next_moving(const uint16_t *moving, uint32_t limit, uint32_t *first,
     return *first < block;
 }
 
-/* May boxes of what stands stay? Not if they are whole numbers, and it has turned out
- * that floats are needed in this step. */
+/* Return whether boxes of what stands may stay. Not if they are whole numbers, and it has
+ * turned out that floats are needed in this step. */
 static bool keeps(const struct eng_wide *wide, enum pccd_tree kind)
 {
     return wide->keeps && (kind == PCCD_TREE_VERTICES || !wide->makes_quantised ||

@@ -58,7 +58,7 @@ uint64_t eng_wide_resort_bytes(const struct eng_wide_resort *resort)
            resort->piece_capacity * (sizeof *resort->pieces + sizeof *resort->next);
 }
 
-/* What the order at hand asks for is not known yet. */
+/* Begin anew: what the order at hand asks for is not known yet. */
 static void begin_anew(struct eng_wide_resort *resort)
 {
     memset(resort->least_tests, 0, sizeof resort->least_tests);
@@ -73,7 +73,7 @@ void eng_wide_resort_unlearn(struct eng_wide_resort *resort)
     memset(resort->tests_each, 0, sizeof resort->tests_each);
 }
 
-/* What only the sort itself takes. */
+/* Free what only the sort itself takes. */
 static void end_sorting(struct eng_wide_resort *resort)
 {
     eng_free(resort->pieces);

@@ -53,8 +53,8 @@ struct eng_wide_resort {
     struct eng_split_item *pieces; /* [piece_capacity] of the object at hand, .. */
     uint32_t *next; /* [piece_capacity] .. and the slot of each one's next feature */
     uint32_t piece_capacity;
-    struct eng_frame frame; /* of that object when it was begun */
-    uint32_t object;        /* the part at hand: its object's index, .. */
+    struct eng_box_frame frame; /* of that object when it was begun */
+    uint32_t object;            /* the part at hand: its object's index, .. */
     enum pccd_tree kind;
     size_t first;      /* .. and its first item */
     uint32_t summed;   /* vertices whose places are in those of the pieces, .. */
@@ -89,7 +89,7 @@ void eng_wide_resort_unlearn(struct eng_wide_resort *resort);
 uint64_t eng_wide_resort_whole(struct eng_wide_resort *resort, enum pccd_mode mode,
                                uint64_t box_tests, uint64_t moving, uint64_t all);
 
-/* What a whole step took, and whether that asks for a sort. [compute] */
+/* Learn what a whole step took, and whether that asks for a sort. [compute] */
 void eng_wide_resort_learn(struct eng_wide_resort *resort, enum pccd_mode mode,
                            uint64_t box_tests, uint64_t step_ns);
 

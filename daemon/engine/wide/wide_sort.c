@@ -21,14 +21,15 @@
 #define PARTS_PER_THREAD 8u
 #define PART_SPLIT_MIN   (4 * ENG_WIDE_LISTS_MIN)
 
-/* Is a range across a multiple of `step` slots, so that it is to be split there? */
+/* Return whether a range is across a multiple of `step` slots, so that it is to be split
+ * there. */
 static bool is_across(struct eng_wide_range range, uint64_t step)
 {
     return range.slot % step + range.count > step;
 }
 
-/* Of a range across a multiple of `least`: how many items come before the split, which is
- * at a multiple of the largest power of 16 at which there can be one. */
+/* Return how many items of a range across a multiple of `least` come before the split,
+ * which is at a multiple of the largest power of 16 at which there can be one. */
 static uint32_t middle_of(struct eng_wide_range range, uint32_t least)
 {
     uint64_t step = least;

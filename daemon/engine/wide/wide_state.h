@@ -26,7 +26,7 @@ static inline struct eng_wide_state *eng_wide_state_of(const struct eng_scene *s
 
 extern const struct eng_slot_calls eng_wide_slot;
 
-/* What a step calls. */
+/* The functions that a step calls. */
 extern const struct eng_method_calls eng_method_wide;
 
 /* Parts of it (method.h): the refit by all threads, with eng_refit_begin before the

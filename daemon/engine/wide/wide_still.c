@@ -6,7 +6,7 @@
 
 #include "moving.h"
 
-/* Of a chunk. */
+/* Flags of a chunk. */
 #define LOOK 1u /* marks of its features are still to be made */
 #define SET  2u /* some are made */
 
@@ -173,7 +173,7 @@ void eng_wide_still_begin(struct eng_wide *wide, const struct eng_scene *scene,
 
 /* ---- in the refit ------------------------------------------------------------------ */
 
-/* Does a feature move? */
+/* Return whether a feature moves. */
 static bool slot_moves(const struct eng_wide_tree *tree, uint32_t slot)
 {
     return tree->moving[slot / ENG_WIDE] >> slot % ENG_WIDE & 1;

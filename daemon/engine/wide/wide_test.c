@@ -118,7 +118,7 @@ static void make_quads(const struct eng_wide *wide, enum pccd_kind kind,
     }
 }
 
-/* How many chunks go without what has kept so many of `count`. */
+/* Return how many chunks go without what has kept so many of `count`. */
 static uint32_t chunks_without(uint32_t count, uint32_t kept)
 {
     return (count - kept) >= (count + FILTER_PAYS_FROM - 1) / FILTER_PAYS_FROM
@@ -155,7 +155,8 @@ static void name_pairs(const struct eng_worker *worker, enum pccd_kind kind,
 
 /* ---- sieves: what is certainly not asked for goes, by the marks of points ---------- */
 
-/* Has that left out so many that to ask what is asked next is not worth it? */
+/* Return what is known after a test: it may have left out so many that the next one is
+ * not worth it. */
 static enum eng_known known_of(uint32_t count, uint32_t left)
 {
     return count - left >= count / FILTER_PAYS_FROM ? ENG_KNOWN_SIEVED : ENG_KNOWN_BOXES;
@@ -214,7 +215,7 @@ static float reach_of(const struct eng_worker *worker, uint32_t kind)
                                                                : 0;
 }
 
-/* What is near. */
+/* Sift pairs for what is near. */
 static enum eng_known sift_near(struct eng_worker *worker, uint32_t kind,
                                 struct eng_wide_chunk *chunk)
 {
@@ -252,9 +253,8 @@ static enum eng_known sieve(struct eng_worker *worker, uint32_t kind,
     return known;
 }
 
-/* What was found of the pairs of work->quads is known of their points from now on: a pair
- * that is farther apart than the bound of each of its own and any radii is not looked for
- * any more. */
+/* Tell the points of the pairs of work->quads what was found: a pair that is farther
+ * apart than the bound of each of its own and any radii is not looked for any more. */
 static void tell_marks(struct eng_worker *worker, enum pccd_kind kind)
 {
     struct eng_wide *wide = eng_wide_of(worker->scene);
@@ -300,7 +300,7 @@ static void test(struct eng_worker *worker, uint32_t kind, struct eng_wide_chunk
         pairs.quads = (const uint32_t(*)[4])work->quads;
     }
     eng_narrow_test(worker, &pairs, name_pairs);
-    if (work->sieves[kind].narrows) {
+    if (work->sieves[kind].prunes) {
         tell_marks(worker, (enum pccd_kind)kind);
     }
     const struct eng_batch *batch = &eng_narrow_of(worker)->batch;
@@ -312,7 +312,7 @@ static void test(struct eng_worker *worker, uint32_t kind, struct eng_wide_chunk
 
 /* ---- chunks ------------------------------------------------------------------------ */
 
-/* Stop? Else go on with the bound on time as it is by now. */
+/* Return whether to stop. Else go on with the bound on time as it is by now. */
 static void look(void *owner)
 {
     struct eng_worker *worker = owner;
@@ -383,8 +383,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
     }
     for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         work->sieves[kind] = eng_wide_sieve(eng_wide_of(worker->scene), kind);
-        work->sieves[kind].narrows =
-            kind != PCCD_EF && eng_near_narrows(worker->question);
+        work->sieves[kind].prunes = kind != PCCD_EF && eng_near_prunes(worker->question);
     }
     for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         bool in_time = kind < PCCD_KIND_COUNT &&

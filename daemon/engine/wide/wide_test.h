@@ -25,7 +25,7 @@ struct eng_wide_work {
     struct eng_wide_filters filters[COMMON_KIND_COUNT];
     struct eng_sieve sieves[COMMON_KIND_COUNT];
     uint32_t quads[ENG_CHUNK_MAX][4]; /* vertex slots of a chunk's pairs */
-    uint32_t fives[ENG_CHUNK_MAX][5]; /* likewise of edges and faces */
+    uint32_t fives[ENG_CHUNK_MAX][5]; /* the same of edges and faces */
 };
 
 static inline struct eng_wide_work *eng_wide_work_of(const struct eng_worker *worker)

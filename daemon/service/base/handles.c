@@ -29,7 +29,7 @@ struct srv_handle_slot *srv_handles_deinit(struct srv_handles *handles)
     return slots;
 }
 
-/* Whether a handle can lead to a place of the table. */
+/* Return whether a handle can lead to a place of the table. */
 static bool is_possible(const struct srv_handles *handles, uint32_t want)
 {
     return want >> SRV_HANDLE_INDEX_BITS != 0 && srv_handle_index(want) < handles->max;

@@ -46,10 +46,11 @@ void srv_handles_init(struct srv_handles *handles, uint32_t max,
 /* Empty it for good; returns its slots, which are the caller's again. */
 struct srv_handle_slot *srv_handles_deinit(struct srv_handles *handles);
 
-/* How many slots it needs before an item can be added, with the handle `want` or, 0, with
- * any. No more than `capacity`: it has them. */
+/* Return how many slots it needs before an item can be added, with the handle `want` or,
+ * 0, with any. No more than `capacity`: it has them. */
 uint32_t srv_handles_needs(const struct srv_handles *handles, uint32_t want);
-/* Give it so many slots, more than it has. Returns those that it had, likewise. */
+/* Give it so many slots, more than it has. Returns those that it had, the caller's to
+ * free. */
 struct srv_handle_slot *srv_handles_move(struct srv_handles *handles,
                                          struct srv_handle_slot *slots,
                                          uint32_t capacity);

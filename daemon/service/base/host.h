@@ -24,7 +24,7 @@ struct srv_session;
  * inside. */
 void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
                    const int *fds, int fd_count);
-/* Whether nothing waits to be sent, so that a message would go now. */
+/* Return whether nothing waits to be sent, so that a message would go now. */
 bool srv_conn_is_free(const struct srv_conn *conn);
 /* A way to send from another thread what would go now, to be dropped; it outlives the
  * connection, and takes nothing any more then. NULL: there is none, or messages wait. */
@@ -64,7 +64,7 @@ void srv_host_client_left(struct srv_service *service);
 /* Start one more runner of the queue of what is computed, with a team as the first has.
  * Returns 0 or a negative status: there are no threads for it. */
 int srv_host_start_runner(struct srv_service *service);
-/* Whether all connections that may be served (options.h) are. */
+/* Return whether all connections that may be served (options.h) are. */
 bool srv_host_is_full(const struct srv_service *service);
 
 /* ---- timers ------------------------------------------------------------------------ */

@@ -25,7 +25,7 @@ void srv_log_set_level(enum srv_level level)
     atomic_store_explicit(&level_max, (int)level, memory_order_relaxed);
 }
 
-/* Relaxed: likewise. 0: it is not ours. */
+/* Relaxed, like the level. 0: it is not ours. */
 static _Atomic uint32_t own_bytes_max;
 
 void srv_log_own_file(uint32_t bytes_max)
@@ -97,7 +97,7 @@ static struct kind *kind_of(const char *format)
     return &kinds[KINDS_MAX - 1];
 }
 
-/* Whether a line of that kind may be written now; it is counted either way. */
+/* Return whether a line of that kind may be written now; it is counted either way. */
 static bool is_in_time(struct kind *kind)
 {
     uint64_t now_ns = common_now_ns();

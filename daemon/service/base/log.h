@@ -26,7 +26,7 @@ void srv_log_set_level(enum srv_level level);
 /* The level of that name ("error", "warn", "info", "debug"), or -1. */
 int srv_log_level_by_name(const char *name);
 
-/* What it writes to is a file that nobody else keeps: it begins anew when it has become
+/* Say that it writes to a file that nobody else keeps: it begins anew when it has become
  * longer than that. */
 void srv_log_own_file(uint32_t bytes_max);
 
@@ -35,12 +35,12 @@ void srv_log_own_file(uint32_t bytes_max);
 void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Of each kind, which is what has the same `format`, at the levels of warnings and of
- * infos: so many lines at once, and then so many a second. */
+/* The lines of a kind, which is what has the same `format`, at the levels of warnings and
+ * of infos: so many at once, and then so many a second. */
 #define SRV_LOG_BURST 100u
 #define SRV_LOG_PER_S 10u
 
-/* Whether lines were left out that nobody has been told of. Costs one load. */
+/* Return whether lines were left out that nobody has been told of. Costs one load. */
 bool srv_log_owes_report(void);
 /* Say how many, a line a kind. */
 void srv_log_report(void);

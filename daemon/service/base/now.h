@@ -7,7 +7,7 @@
 
 #include "clock.h"
 
-/* What the calling thread has had of a processor. */
+/* Return the processor time of the calling thread. */
 static inline uint64_t srv_now_thread_ns(void)
 {
     struct timespec now;

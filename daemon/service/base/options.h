@@ -13,7 +13,7 @@
 
 #include "log.h"
 
-/* What a user may have so much of (quota.h). */
+/* The things that a user may have so much of (quota.h). */
 enum srv_quota_kind {
     SRV_QUOTA_CLIENTS = 0,
     SRV_QUOTA_SHM_BYTES = 1,
@@ -22,7 +22,7 @@ enum srv_quota_kind {
     SRV_QUOTA_COUNT = 4
 };
 
-/* Whether each thread of a step is bound to a processor of its own. */
+/* Says if each thread of a step is bound to a processor of its own. */
 enum srv_pin {
     SRV_PIN_AUTO = 0, /* when there are as many threads as processors: several daemons, or
                          one with few threads, would crowd the first processors */

@@ -110,7 +110,7 @@ void srv_enginemem_delete(struct srv_quota_user *user, void *block)
     (void)pay(before);
 }
 
-/* Of the engine for a triangle of a mesh while that is committed (twice the 40 that
+/* The engine's memory for a triangle of a mesh while that is committed (twice the 40 that
  * stay, four times where all meet at a vertex), or of an object; on the safe side, as
  * nothing depends on it but whether a session that waits makes room before a refusal or
  * after it. */

@@ -19,7 +19,7 @@ struct srv_enginemem {
     struct srv_quota_user *user;
     uint64_t limit;        /* bytes of one user */
     uint64_t refused;      /* allocations of the user's, before */
-    uint64_t ceiling_hits; /* for all users' bound, likewise */
+    uint64_t ceiling_hits; /* for all users' bound, before */
 };
 
 void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *user);

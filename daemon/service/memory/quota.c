@@ -22,7 +22,7 @@ void srv_quota_init(struct srv_quota *quota, const uint64_t limit[SRV_QUOTA_COUN
     pthread_mutex_init(&quota->lock, NULL);
 }
 
-/* What the engine may have. */
+/* Return the memory that the engine may have. */
 static uint64_t memory_left(const struct srv_quota *quota)
 {
     uint64_t shared = quota->total[SRV_QUOTA_SHM_BYTES];

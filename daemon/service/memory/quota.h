@@ -28,14 +28,14 @@ struct srv_quota_user {
     struct srv_quota_user *next;
     struct srv_quota *quota;
     uid_t uid;
-    uint32_t refs;          /* sessions */
-    uint32_t leaving;       /* of these, over, and not freed yet */
-    uint32_t hosts_leaving; /* of these, sessions that held a shared scene */
-    uint32_t observers;     /* sessions that take no place of a client */
-    uint32_t waiting;       /* sessions that wait for their client to come back */
+    uint32_t refs;            /* sessions */
+    uint32_t leaving;         /* of these, over, and not freed yet */
+    uint32_t keepers_leaving; /* of these, sessions that held a shared scene */
+    uint32_t observers;       /* sessions that take no place of a client */
+    uint32_t waiting;         /* sessions that wait for their client to come back */
     uint64_t used[SRV_QUOTA_COUNT];
     struct srv_group jobs;      /* of the user's sessions; the compute queue's */
-    struct srv_group page_jobs; /* likewise, the pages queue's */
+    struct srv_group page_jobs; /* of the same sessions; the pages queue's */
     /* That the engine holds for the user's sessions. Charged on [compute]; the loop may
      * read an older value. */
     struct eng_account engine;
@@ -80,7 +80,7 @@ int srv_quota_charge(struct srv_quota_user *user, enum srv_quota_kind kind,
 /* The same for shared memory that is taken while a request is worked on. [any] */
 int srv_quota_charge_shared(struct srv_quota_user *user, uint64_t amount,
                             struct proto_error *error);
-/* Whether it is more than a user, or all users, may ever have. [loop] */
+/* Return whether it is more than a user, or all users, may ever have. [loop] */
 bool srv_quota_is_beyond(const struct srv_quota *quota, enum srv_quota_kind kind,
                          uint64_t amount);
 /* [any] for shared memory. */
@@ -92,8 +92,8 @@ void srv_quota_refund(struct srv_quota_user *user, enum srv_quota_kind kind,
 int srv_quota_refuse_memory(struct srv_quota *quota, struct proto_error *error,
                             uint64_t amount);
 
-/* What a mesh is charged: its triangles, an edge or a point that is named by itself being
- * as much as one, or a third of its vertices where that is more (a soup has three a
+/* Return the charge of a mesh: its triangles, an edge or a point that is named by itself
+ * being as much as one, or a third of its vertices where that is more (a soup has three a
  * triangle), so that vertices are bounded too. An object is charged the memory that it
  * takes (enginemem.h), and its triangles only in a scene of another user. */
 uint64_t srv_triangle_charge(uint32_t vertex_count, uint64_t triangle_count);

@@ -30,9 +30,9 @@ void srv_reclaimed_start(struct srv_reclaimed *reclaimed)
     srv_resource_acquire(resource);
     srv_owner_keep(owner);
     if (reclaimed->is_page_job) {
-        srv_compute_push_reap(owner->pages, &owner->page_lane, &reclaimed->job);
+        srv_compute_push_reap(owner->pages, &owner->page_job_list, &reclaimed->job);
     } else {
-        srv_compute_push_reap(owner->compute, &owner->lane, &reclaimed->job);
+        srv_compute_push_reap(owner->compute, &owner->job_list, &reclaimed->job);
     }
 }
 

@@ -55,8 +55,8 @@ void srv_resource_drop(struct srv_resource *resource)
     srv_owner_keep(owner);
     if (resource->is_ring) {
         srv_job_init(&resource->reap, resource->free_engine, resource->reap.done);
-        srv_compute_push_reap(owner->pages, &owner->page_lane, &resource->reap);
+        srv_compute_push_reap(owner->pages, &owner->page_job_list, &resource->reap);
     } else {
-        srv_compute_push_reap(owner->compute, &owner->lane, &resource->reap);
+        srv_compute_push_reap(owner->compute, &owner->job_list, &resource->reap);
     }
 }

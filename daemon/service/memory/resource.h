@@ -15,12 +15,12 @@
 
 /* Whoever has resources: the part of a session that they know. */
 struct srv_owner {
-    struct srv_quota_user *user; /* who pays */
-    struct srv_compute *compute; /* frees what the engine has; constant */
-    struct srv_compute *pages;   /* makes and frees rings: 2 us a page; constant */
-    struct srv_lane lane;        /* of `compute` */
-    struct srv_lane page_lane;   /* of `pages` */
-    uint32_t keep_count;         /* [loop] reasons to stay: resources being freed, and
+    struct srv_quota_user *user;       /* who pays */
+    struct srv_compute *compute;       /* frees what the engine has; constant */
+    struct srv_compute *pages;         /* makes and frees rings: 2 us a page; constant */
+    struct srv_job_list job_list;      /* of `compute` */
+    struct srv_job_list page_job_list; /* of `pages` */
+    uint32_t keep_count; /* [loop] reasons to stay: resources being freed, and
                                   * requests of others that use one of its scenes */
     void (*settle)(struct srv_owner *owner); /* [loop] one reason fewer */
 };

@@ -24,7 +24,8 @@
 static bool free_stray_slots(struct srv_ring *ring);
 static bool free_stray_results(struct srv_ring *ring);
 
-/* Of what stays with a client that keeps the memories mapped it was given each page. */
+/* Free a ring's memory: of what stays with a client that keeps it mapped it was given
+ * each page. */
 static void ring_free_memory(struct srv_job *job)
 {
     struct srv_ring *ring = (struct srv_ring *)job;

@@ -95,8 +95,9 @@ void srv_region_init_sparse(struct srv_region *region, uint64_t capacity, uint64
 int srv_region_reserve(struct srv_region *region, uint64_t head, uint32_t item_bytes,
                        uint64_t wanted, struct srv_page *page);
 
-/* How many bytes from the start the pages that the client has not released reach, given
- * its `head`: what lies behind is not used. All of them when `head` makes no sense. */
+/* Return how many bytes from the start the pages that the client has not released reach,
+ * given its `head`: what lies behind is not used. All of them when `head` makes no sense.
+ */
 uint64_t srv_region_used(const struct srv_region *region, uint64_t head);
 
 struct srv_ring {
@@ -133,8 +134,8 @@ uint64_t srv_ring_bytes(const struct srv_ring *ring);
 struct srv_ring *srv_ring_new(struct srv_owner *owner,
                               const struct proto_SHM_ATTACH_result *sizes,
                               uint32_t slots_now);
-/* What a request comes to, in whole pages: all members of *sizes but inflight_max.
- * Returns 0, or PCCD_E_INVAL or PCCD_E_LIMIT with *error set. [any] */
+/* Compute what a request comes to, in whole pages: all members of *sizes but
+ * inflight_max. Returns 0, or PCCD_E_INVAL or PCCD_E_LIMIT with *error set. [any] */
 int srv_ring_sizes(const struct proto_SHM_ATTACH_request *request,
                    struct proto_SHM_ATTACH_result *sizes, struct proto_error *error);
 /* Charge the owner's user for what the ring will take at first, unless that is done.
@@ -144,7 +145,7 @@ int srv_ring_charge(struct srv_ring *ring, struct proto_error *error);
  * exists goes with the ring. [pages] */
 int srv_ring_create(struct srv_ring *ring, uint64_t epoch, struct proto_error *error);
 
-/* Whether a slot has memory: the daemon reads no slot that has none. [loop] */
+/* Return whether a slot has memory: the daemon reads no slot that has none. [loop] */
 bool srv_ring_has_slot(const struct srv_ring *ring, uint32_t slot);
 /* Take memory for a slot, and charge it, unless it has some. Returns 0, or PCCD_E_QUOTA
  * or PCCD_E_NOMEM with *error set: then nothing has changed. [pages] */
@@ -189,10 +190,10 @@ void srv_ring_give_back(struct srv_ring *ring);
  * are free, but for the last slot that has memory. [loop] */
 void srv_ring_trim_if_idle(struct srv_ring *ring, struct srv_reclaim *reclaim);
 
-/* What both memories hold beyond what was given: a client can write to slots that it has
- * not taken, and read where no record is yet. It is charged to the owner's user until the
- * next look, and freed. Returns 0, or PCCD_E_QUOTA with *error set: it did so before the
- * last look, too, and the quota does not bear it. [loop] */
+/* Look at what both memories hold beyond what was given: a client can write to slots that
+ * it has not taken, and read where no record is yet. It is charged to the owner's user
+ * until the next look, and freed. Returns 0, or PCCD_E_QUOTA with *error set: it did so
+ * before the last look, too, and the quota does not bear it. [loop] */
 int srv_ring_look(struct srv_ring *ring, struct proto_error *error);
 
 /* A slot has been read, or will not be. [any] */

@@ -16,7 +16,7 @@
 /* A thread that computes. Locked, but for what says otherwise. */
 struct srv_runner {
     struct srv_compute *compute; /* constant */
-    uint32_t number;             /* likewise */
+    uint32_t number;             /* of the runner; constant */
     pthread_t thread;            /* [loop] */
     pthread_cond_t wake;         /* there is something to take, or stop */
     struct srv_job *job;         /* that it runs; NULL: none */
@@ -59,23 +59,23 @@ static bool has_to_wait(const struct srv_compute *compute)
  * Locked. */
 static bool take(struct srv_compute *compute, struct srv_runner *runner)
 {
-    struct srv_lane *lane =
+    struct srv_job_list *list =
         has_to_wait(compute)
             ? NULL
             : srv_turns_choose(&compute->turns, compute->running, compute->place_max);
-    if (lane == NULL) {
+    if (list == NULL) {
         compute->has_no_taker = compute->turns.groups.count > 0 && !has_to_wait(compute);
         return false;
     }
-    struct srv_job *job = lane->first;
+    struct srv_job *job = list->first;
     PCCD_ASSERT(job->state == SRV_JOB_QUEUED && compute->queued > 0);
-    lane->group->running++;
-    lane->serving = true;
-    lane->first = job->next;
-    if (lane->first == NULL) {
-        lane->last = NULL;
+    list->group->running++;
+    list->serving = true;
+    list->first = job->next;
+    if (list->first == NULL) {
+        list->last = NULL;
     }
-    srv_turns_update(&compute->turns, lane); /* other lanes of the group may be next */
+    srv_turns_update(&compute->turns, list); /* other lists of the group may be next */
     compute->queued--;
     compute->counted -= job->counts;
     compute->running++;
@@ -94,23 +94,23 @@ static void settle(struct srv_compute *compute, struct srv_runner *runner,
                    uint64_t cost_ns)
 {
     struct srv_job *job = runner->job;
-    struct srv_lane *lane = job->lane;
-    struct srv_group *group = lane->group;
-    PCCD_ASSERT(lane->serving && group->running > 0 && compute->running > 0);
+    struct srv_job_list *list = job->list;
+    struct srv_group *group = list->group;
+    PCCD_ASSERT(list->serving && group->running > 0 && compute->running > 0);
     if (group->turn.queued) {
         srv_fair_remove(&compute->turns.groups, &group->turn);
     }
     srv_fair_charge(&compute->turns.groups, &group->turn, cost_ns);
-    srv_fair_charge(&group->lanes, &lane->turn, cost_ns);
+    srv_fair_charge(&group->lists, &list->turn, cost_ns);
     group->running--;
-    lane->serving = false;
+    list->serving = false;
     compute->running--;
     compute->has_no_taker = false;
     compute->long_count -= runner->is_long;
     runner->is_long = false;
     runner->job = NULL;
     srv_claims_set(job->claims, job->claim_count, false);
-    srv_turns_update(&compute->turns, lane);
+    srv_turns_update(&compute->turns, list);
     srv_turns_empty_aside(&compute->turns);
 }
 
@@ -133,15 +133,15 @@ static bool finish(struct srv_compute *compute, struct srv_job *job)
     return first;
 }
 
-/* Some of the job has been done: it is the first of its lane once more. Locked. */
+/* Some of the job has been done: it is the first of its list once more. Locked. */
 static void put_back(struct srv_compute *compute, struct srv_job *job)
 {
-    struct srv_lane *lane = job->lane;
+    struct srv_job_list *list = job->list;
     job->state = SRV_JOB_QUEUED;
-    job->next = lane->first;
-    lane->first = job;
+    job->next = list->first;
+    list->first = job;
     if (job->next == NULL) {
-        lane->last = job;
+        list->last = job;
     }
     compute->queued++;
     compute->counted += job->counts;
@@ -327,10 +327,10 @@ void srv_compute_stop(struct srv_compute *compute)
 
 /* ---- long jobs --------------------------------------------------------------------- */
 
-/* Whether a job waits that may have to be helped. Locked. */
-static bool is_crowded(const struct srv_compute *compute)
+/* Return whether a job waits that may have to be helped. Locked. */
+static bool has_backlog(const struct srv_compute *compute)
 {
-    return compute->crowded != NULL && compute->turns.groups.count > 0 &&
+    return compute->on_backlog != NULL && compute->turns.groups.count > 0 &&
            compute->queued + compute->running > 1;
 }
 
@@ -381,40 +381,40 @@ void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done)
     atomic_init(&job->cancel, false);
 }
 
-/* Append to the lane; begin_next then. Locked. */
-static void append(struct srv_compute *compute, struct srv_lane *lane,
+/* Append to the list; begin_next then. Locked. */
+static void append(struct srv_compute *compute, struct srv_job_list *list,
                    struct srv_job *job, bool counts)
 {
     PCCD_ASSERT(job->state == SRV_JOB_IDLE && !compute->stop);
     job->next = NULL;
-    job->lane = lane;
+    job->list = list;
     job->state = SRV_JOB_QUEUED;
     job->counts = counts;
     compute->queued++;
     compute->counted += counts;
     compute->has_no_taker = false;
-    if (lane->first == NULL) {
-        lane->first = job;
+    if (list->first == NULL) {
+        list->first = job;
     } else {
-        lane->last->next = job;
+        list->last->next = job;
     }
-    lane->last = job;
-    srv_turns_update(&compute->turns, lane);
+    list->last = job;
+    srv_turns_update(&compute->turns, list);
 }
 
 /* Something waits that may begin. Locked before, and not afterwards. */
 static void begin_next(struct srv_compute *compute)
 {
     struct srv_runner *runner = sleeper(compute);
-    bool crowded = is_crowded(compute);
+    bool backlog = has_backlog(compute);
     unlock(compute);
     wake(runner);
-    if (crowded) {
-        compute->crowded(compute->crowded_context);
+    if (backlog) {
+        compute->on_backlog(compute->backlog_context);
     }
 }
 
-int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
+int srv_compute_push(struct srv_compute *compute, struct srv_job_list *list,
                      struct srv_job *job)
 {
     lock(compute);
@@ -422,42 +422,42 @@ int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
         unlock(compute);
         return PCCD_E_BUSY;
     }
-    append(compute, lane, job, true);
+    append(compute, list, job, true);
     begin_next(compute);
     return 0;
 }
 
-void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
+void srv_compute_push_reap(struct srv_compute *compute, struct srv_job_list *list,
                            struct srv_job *job)
 {
     lock(compute);
-    append(compute, lane, job, false);
+    append(compute, list, job, false);
     begin_next(compute);
 }
 
-/* Unlink a queued job from its lane. Locked; a lane holds a bounded number of jobs. */
+/* Unlink a queued job from its list, which holds a bounded number. Locked. */
 static void unlink_job(struct srv_compute *compute, struct srv_job *job)
 {
-    struct srv_lane *lane = job->lane;
+    struct srv_job_list *list = job->list;
     struct srv_job *before = NULL;
-    for (struct srv_job *at = lane->first; at != job; at = at->next) {
+    for (struct srv_job *at = list->first; at != job; at = at->next) {
         PCCD_ASSERT(at != NULL);
         before = at;
     }
-    if (lane->last == job) {
-        lane->last = before;
+    if (list->last == job) {
+        list->last = before;
     }
     compute->queued--;
     compute->counted -= job->counts;
     if (before == NULL) {
-        lane->first = job->next;
+        list->first = job->next;
     } else {
         before->next = job->next;
     }
-    if (before == NULL && lane->is_background) {
-        srv_turns_take_from_aside(&compute->turns, lane);
+    if (before == NULL && list->is_background) {
+        srv_turns_take_from_aside(&compute->turns, list);
     }
-    srv_turns_update(&compute->turns, lane);
+    srv_turns_update(&compute->turns, list);
     job->next = NULL;
     job->state = SRV_JOB_IDLE;
 }
@@ -493,7 +493,7 @@ uint32_t srv_compute_drain(struct srv_compute *compute)
     struct srv_job *job = compute->done_first;
     compute->done_first = NULL;
     compute->done_last = NULL;
-    bool crowded = is_crowded(compute);
+    bool backlog = has_backlog(compute);
     unlock(compute);
     uint32_t count = 0;
     while (job != NULL) {
@@ -505,8 +505,8 @@ uint32_t srv_compute_drain(struct srv_compute *compute)
         job = next;
         count++;
     }
-    if (crowded) {
-        compute->crowded(compute->crowded_context);
+    if (backlog) {
+        compute->on_backlog(compute->backlog_context);
     }
     return count;
 }
@@ -538,7 +538,7 @@ void srv_compute_resize(struct srv_compute *compute, uint32_t capacity)
 #define NS_PER_S  1000000000u
 #define LOOKS_MAX 2u
 
-/* Of a processor, that the thread has had; 0: unknown. */
+/* Return the processor time that the thread has had; 0: unknown. */
 static uint64_t time_of(pthread_t thread)
 {
     clockid_t clock;

@@ -9,8 +9,8 @@
  * queues: one for the engine and its teams; the other, [pages], makes and frees rings,
  * which takes 2 us a page and would hold up steps for as long.
  *
- * Jobs wait in lanes, one lane per session, and lanes in groups, one group per user.
- * Within a lane the order is first in, first out, and one job runs at a time. Users get
+ * Jobs wait in lists, one per session, and lists in groups, one group per user. In a
+ * list the order is first in, first out, and one job runs at a time. Users get
  * equal shares of the thread's time, and the sessions of a user equal shares of that
  * user's. Time is measured, jobs are not counted (fairqueue.c): a client with many or
  * large jobs delays a client that asks for little by at most the job that runs. What is
@@ -37,8 +37,8 @@
  * others have: 5 ms for each place, where many wait, and the loop's timer.
  *
  * Two jobs that use the same thing, such as steps of one shared scene, claim it and do
- * not run at once (claim.h). A lane whose first job must wait for that is passed over
- * until any job ends; other lanes go on.
+ * not run at once (claim.h). A list whose first job must wait for that is passed over
+ * until any job ends; other lists go on.
  */
 #ifndef SRV_COMPUTE_H
 #define SRV_COMPUTE_H
@@ -63,8 +63,8 @@ struct srv_compute {
     uint32_t runner_max;        /* constant */
     uint32_t place_max;         /* constant; the first runners have them */
     bool stop;
-    struct srv_turns turns; /* of lanes with jobs */
-    uint32_t queued;        /* jobs in lanes */
+    struct srv_turns turns; /* of lists with jobs */
+    uint32_t queued;        /* jobs in lists */
     uint32_t counted;       /* of these, those that count towards the capacity */
     uint32_t running;       /* taken from them */
     uint32_t long_count;    /* of these */
@@ -77,8 +77,8 @@ struct srv_compute {
     void (*enter)(void *context, uint32_t number);
     /* [loop]: a job waits for another: srv_compute_look is to be called. NULL: nobody
      * looks */
-    void (*crowded)(void *context);
-    void *crowded_context;
+    void (*on_backlog)(void *context);
+    void *backlog_context;
     void *context; /* of the other two */
 };
 
@@ -120,15 +120,15 @@ bool srv_compute_run_next(struct srv_compute *compute);
 void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done);
 
 /* Returns 0 or PCCD_E_BUSY (`capacity` jobs wait that count). [loop] */
-int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
+int srv_compute_push(struct srv_compute *compute, struct srv_job_list *list,
                      struct srv_job *job);
 
 /* The same for jobs that free something, at most one for each thing that was admitted.
  * They do not count: who waits for an answer is not refused for them. [loop] */
-void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
+void srv_compute_push_reap(struct srv_compute *compute, struct srv_job_list *list,
                            struct srv_job *job);
 
-/* Take a queued job out of its lane; its `run` and `done` are not called. false: it was
+/* Take a queued job out of its list; its `run` and `done` are not called. false: it was
  * not queued any more. [loop] */
 bool srv_compute_remove(struct srv_compute *compute, struct srv_job *job);
 
@@ -150,10 +150,11 @@ bool srv_compute_is_idle(struct srv_compute *compute);
 /* Jobs that wait now. [any] */
 uint32_t srv_compute_queued(struct srv_compute *compute);
 
-/* Whether a thread is stuck. To be called at equal intervals, long enough that a thread
- * which can run has run. It is stuck if its job goes on, but it has had no processor time
- * since the look before last: it waits for something that does not come. Also if its step
- * should have ended two looks ago, by its deadline or because it was cancelled. */
+/* Return whether a thread is stuck. To be called at equal intervals, long enough that a
+ * thread which can run has run. It is stuck if its job goes on, but it has had no
+ * processor time since the look before last: it waits for something that does not come.
+ * Also if its step should have ended two looks ago, by its deadline or because it was
+ * cancelled. */
 bool srv_compute_is_stuck(struct srv_compute *compute);
 
 #endif

@@ -5,7 +5,8 @@
 #include "engine.h"
 #include "invariant.h"
 
-/* Of the loop thread, and of those that compute, by number. Each is written by one. */
+/* Contexts of the loop thread, and of those that compute, by number. Each is written by
+ * one. */
 static struct srv_crash_context contexts[1 + SRV_RUNNERS_MAX];
 
 static struct srv_crash_context *context_of_thread(void)

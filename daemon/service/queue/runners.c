@@ -91,7 +91,7 @@ static void on_timer(void *context)
 }
 
 /* A job waits. While the timer is set it will be seen to. */
-static void on_crowded(void *context)
+static void on_backlog(void *context)
 {
     struct srv_spare_runner *spare = context;
     srv_assert_loop();
@@ -117,6 +117,6 @@ void srv_spare_runner_deinit(struct srv_spare_runner *spare)
 
 void srv_spare_runner_begin(struct srv_spare_runner *spare)
 {
-    spare->compute->crowded = on_crowded;
-    spare->compute->crowded_context = spare;
+    spare->compute->on_backlog = on_backlog;
+    spare->compute->backlog_context = spare;
 }

@@ -36,9 +36,9 @@ struct srv_fairqueue {
     uint64_t number;
 };
 
-/* What is kept for an entry that it has not asked for while others waited. With it, one
- * that asks for little is before those who take all they can get, also when these are
- * close to each other. */
+/* The time that is kept for an entry that did not ask for it while others waited. With
+ * it, one that asks for little is before those who take all they can get, also when these
+ * are close to each other. */
 #define SRV_FAIR_KEPT_NS 100000000u
 
 /* `entry`, not queued, has work. */
@@ -89,30 +89,30 @@ enum srv_job_state {
     SRV_JOB_DONE = 3
 };
 
-/* All zero but for lane.group: nothing waits. They belong to the queue's lock. */
+/* All zero but for list.group: nothing waits. They belong to the queue's lock. */
 struct srv_group {
     struct srv_fair turn; /* first */
-    struct srv_fairqueue lanes;
-    uint32_t running;              /* jobs of its lanes */
+    struct srv_fairqueue lists;
+    uint32_t running;              /* jobs of its lists */
     struct srv_group *next_served; /* while one is chosen: that have their share */
 };
 
-struct srv_lane {
-    struct srv_fair turn; /* first; among the lanes of its group */
+struct srv_job_list {
+    struct srv_fair turn; /* first; among the lists of its group */
     struct srv_group *group;
     struct srv_job *first;
     struct srv_job *last;
-    struct srv_lane *next_aside; /* of srv_turns.aside */
-    bool serving;                /* a job of it runs */
-    bool is_background;          /* its first job waits for what another has claimed */
+    struct srv_job_list *next_aside; /* of srv_turns.aside */
+    bool serving;                    /* a job of it runs */
+    bool is_background; /* its first job waits for what another has claimed */
 };
 
 /* A long job may run in parts, and those of others come between them: after each part it
- * is QUEUED again, the first of its lane, and can be removed.
+ * is QUEUED again, the first of its list, and can be removed.
  * All above `run` belongs to the queue's lock; the rest to whom the state says. */
 struct srv_job {
     struct srv_job *next;
-    struct srv_lane *lane;
+    struct srv_job_list *list;
     enum srv_job_state state;
     bool counts;        /* towards the capacity of the queue, while it waits */
     srv_job_fn run;     /* [compute] */
@@ -121,7 +121,7 @@ struct srv_job {
     bool heeds_end;     /* its `run` ends soon after it is cancelled, or after */
     atomic_uint_least64_t end_ns; /* [compute] this time; 0: none. Relaxed */
     bool goes_on; /* [compute] set by `run`: a part is done; call it again */
-    /* What it uses that jobs of other lanes may use, too; constant while it is queued. */
+    /* What it uses that other lists' jobs may use, too; constant while it is queued. */
     struct srv_claim *const *claims;
     uint32_t claim_count;
 };
@@ -129,25 +129,25 @@ struct srv_job {
 /* All zero: nothing waits. */
 struct srv_turns {
     struct srv_fairqueue groups;
-    struct srv_lane *aside; /* lanes that wait for a claim */
+    struct srv_job_list *aside; /* lists that wait for a claim */
 };
 
-/* A lane has changed: it waits if it has a job that could run and none of them does; its
- * group if one of its lanes waits. */
-void srv_turns_update(struct srv_turns *turns, struct srv_lane *lane);
+/* A list has changed: it waits if it has a job that could run and none of them does;
+ * its group if one of its lists waits. */
+void srv_turns_update(struct srv_turns *turns, struct srv_job_list *list);
 
-/* The lane, taken out of its queue, whose first job is next while `running` jobs run;
+/* The list, taken out of its queue, whose first job is next while `running` jobs run;
  * NULL: there is none. A user has no more jobs than are left of place_max, or one if none
- * is left: the others wait on. A lane whose first job has to wait for a claim is put
+ * is left: the others wait on. A list whose first job has to wait for a claim is put
  * aside. */
-struct srv_lane *srv_turns_choose(struct srv_turns *turns, uint32_t running,
-                                  uint32_t place_max);
+struct srv_job_list *srv_turns_choose(struct srv_turns *turns, uint32_t running,
+                                      uint32_t place_max);
 
-/* A lane that was put aside has another first job now. At most as many are aside as there
- * are sessions. */
-void srv_turns_take_from_aside(struct srv_turns *turns, struct srv_lane *lane);
+/* A list that was put aside has another first job now. At most as many are aside as
+ * there are sessions. */
+void srv_turns_take_from_aside(struct srv_turns *turns, struct srv_job_list *list);
 
-/* Claims were given back: all lanes try anew when it is their turn. */
+/* Claims were given back: all lists try anew when it is their turn. */
 void srv_turns_empty_aside(struct srv_turns *turns);
 
 #endif

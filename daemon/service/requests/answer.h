@@ -8,7 +8,7 @@
 
 struct srv_session;
 
-/* What is answered. */
+/* The request that is answered. */
 struct srv_question {
     uint64_t arrival_ns;
     uint32_t id;

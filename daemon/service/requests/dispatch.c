@@ -159,7 +159,7 @@ static int refuse_before_hello(struct srv_call *call)
     return 0;
 }
 
-/* What an observer may ask. */
+/* Return whether an observer may ask it. */
 static bool is_for_observers(int method)
 {
     switch (method) {

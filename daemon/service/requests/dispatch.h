@@ -27,9 +27,9 @@ void srv_dispatch_refuse_silent(struct srv_session *session);
 /* Tell every client that the daemon is about to go. */
 void srv_dispatch_goaway(struct srv_service *service, int code, const char *text);
 
-/* What is below calls these two through srv_service, as it knows neither requests nor
- * scenes. A session that is CLOSED stops its requests and drops its scenes, meshes and
- * ring; it stays until the caller lets it go. [loop] */
+/* End a session. What is below calls this function and the next through srv_service, as
+ * it knows neither requests nor scenes. A session that is CLOSED stops its requests and
+ * drops its scenes, meshes and ring; it stays until the caller lets it go. [loop] */
 void srv_let_go(struct srv_session *session);
 /* It may not go on: tell its client, if it has one, and end it. [loop] */
 void srv_refuse(struct srv_session *session, const struct proto_error *error);

@@ -77,7 +77,7 @@ struct wanted {
     uint64_t cursor;
 };
 
-/* Does the scene keep that answer, and has it this record? */
+/* Check that the scene keeps that answer, and it has this record. */
 static int check_fetch(struct srv_request *request, const struct srv_kept *kept,
                        const struct wanted *wanted)
 {

@@ -139,7 +139,7 @@ static void finish_set(struct srv_request *request)
     }
 }
 
-/* Of those that are to be set. */
+/* Check those that are to be set. */
 static int check_thickness(struct srv_call *call)
 {
     const struct proto_OBJECT_SET_request *asked = &call->params.OBJECT_SET;

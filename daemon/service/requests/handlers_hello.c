@@ -35,8 +35,8 @@ static int choose_version(struct srv_call *call, uint32_t *version)
     return PCCD_E_VERSION;
 }
 
-/* Whether a session that was refused has a place after all: one that has become free, or
- * that of one that only waits. */
+/* Return whether a session that was refused has a place after all: one that has become
+ * free, or that of one that only waits. */
 static bool finds_place(struct srv_session *session, struct proto_error *error)
 {
     struct srv_service *service = session->service;

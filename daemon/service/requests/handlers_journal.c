@@ -16,7 +16,7 @@ static int refuse(struct srv_request *request, int status)
     return proto_error_set(&request->error, status, "scene 0x%x: %s", asked->scene, why);
 }
 
-/* What has been taken goes; a page of what comes after it. */
+/* Drop what has been taken, and write a page of what comes after it. */
 static int write_page(struct srv_request *request, struct srv_journal *journal)
 {
     const struct proto_SCENE_JOURNAL_request *asked = &request->params.SCENE_JOURNAL;
@@ -75,7 +75,7 @@ static int work_journal(struct srv_request *request)
     return status;
 }
 
-/* What could not be begun, or has ended, is not charged any more. */
+/* End the charge of what could not be begun, or has ended. */
 static void finish_journal(struct srv_request *request)
 {
     const struct proto_SCENE_JOURNAL_request *asked = &request->params.SCENE_JOURNAL;

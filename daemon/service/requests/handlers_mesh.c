@@ -34,7 +34,7 @@ static struct srv_mesh *find_mesh(struct srv_call *call, uint32_t handle)
     return srv_mesh_refuse_busy(mesh, handle, &call->error) == 0 ? mesh : NULL;
 }
 
-/* What data and commit are meant for: the replacement, where one was announced. */
+/* Return what data and commit are meant for: the replacement, where one was announced. */
 static struct srv_shape *shape_to_fill(const struct srv_mesh *mesh)
 {
     return mesh->next != NULL ? mesh->next : mesh->current;
@@ -86,7 +86,7 @@ int srv_on_MESH_DESTROY(struct srv_call *call)
 
 /* ---- replace ----------------------------------------------------------------------- */
 
-/* What was announced before, if anything, is dropped either way. */
+/* Announce a replacement. One that was announced before is dropped either way. */
 int srv_on_MESH_REPLACE(struct srv_call *call)
 {
     const struct proto_MESH_REPLACE_request *request = &call->params.MESH_REPLACE;
@@ -131,7 +131,7 @@ static uint64_t item_bytes_of(const struct proto_MESH_DATA_request *data)
     return bytes[data->part];
 }
 
-/* What the items of each part are, and how many a shape has. */
+/* The names of the items of each part, one and many. */
 static const char *const item_names[PART_COUNT][2] = {{"vertex", "vertices"},
                                                       {"triangle", "triangles"},
                                                       {"radius", "vertices"},

@@ -86,10 +86,10 @@ static int work_start(struct srv_request *request)
     if (status != 0) {
         return proto_error_set(&request->error, status,
                                "no memory for %u events of each of %u threads",
-                               tracing->capacity, tracing->lanes);
+                               tracing->capacity, tracing->tracks);
     }
     request->result.TRACE_START = (struct proto_TRACE_START_result){
-        .threads = tracing->lanes, .events = tracing->capacity};
+        .threads = tracing->tracks, .events = tracing->capacity};
     return 0;
 }
 

@@ -13,7 +13,8 @@
 
 /* ---- the end of waiting ------------------------------------------------------------ */
 
-/* What moves along and is answered without records of its own: frame.fetch has them. */
+/* Leave out the page of what moves along and is answered without records of its own:
+ * frame.fetch has them. */
 static void leave_out_page(const struct srv_request *request, struct proto_answer *answer)
 {
     answer->step = request->params.FRAME_SUBMIT.step;
@@ -46,8 +47,9 @@ static void say_nothing_yet(struct srv_request *request, enum pccd_incomplete wh
     part(request);
 }
 
-/* Whether a request that has run goes on to wait. If its deadline has come, or it was
- * cancelled, or its client is gone, or the daemon ends: no, and its result says so. */
+/* Return whether a request that has run goes on to wait. If its deadline has come, or it
+ * was cancelled, or its client is gone, or the daemon ends: no, and its result says so.
+ */
 static bool waits(struct srv_request *request)
 {
     srv_assert_loop();

@@ -207,7 +207,7 @@ static void drop_copy(struct srv_request *request)
     }
 }
 
-/* What a session has freed last it needs again with its next step: it asks the heap for
+/* Take the memory that the session has freed last: its next step asks the heap for
  * nothing then. */
 static struct srv_request *take_memory(struct srv_session *session)
 {
@@ -372,9 +372,9 @@ static int enqueue(struct srv_request *request)
 {
     struct srv_session *session = request->session;
     return request->plan.makes_pages
-               ? srv_compute_push(&session->service->pages, &session->owner.page_lane,
+               ? srv_compute_push(&session->service->pages, &session->owner.page_job_list,
                                   &request->job)
-               : srv_compute_push(&session->service->compute, &session->owner.lane,
+               : srv_compute_push(&session->service->compute, &session->owner.job_list,
                                   &request->job);
 }
 
@@ -393,7 +393,7 @@ static bool dequeue(struct srv_request *request)
 #define BREAK_NS_MAX 100000u /* after one that lost its processor */
 
 /* Run a request that is brief, if it can be now: it has been answered then, or goes on in
- * its lane. False: nothing was done. */
+ * its list. False: nothing was done. */
 static bool run_here(struct srv_request *request)
 {
     struct srv_session *session = request->session;
@@ -414,7 +414,7 @@ static bool run_here(struct srv_request *request)
     if (request->job.goes_on) {
         PCCD_ASSERT(srv_request_state(request) == SRV_REQUEST_MOVED);
         request->plan.answer_early = NULL; /* it has begun */
-        srv_compute_push_reap(&service->compute, &session->owner.lane, &request->job);
+        srv_compute_push_reap(&service->compute, &session->owner.job_list, &request->job);
         return true;
     }
     service->metrics.counters.steps_brief += request->status == 0;
@@ -536,7 +536,7 @@ bool srv_request_answer_early(struct srv_request *request, const void *result,
     return true;
 }
 
-/* Answer a request that has been taken out of its lane. */
+/* Answer a request that has been taken out of its list. */
 static void take_back(struct srv_request *request)
 {
     request->status =

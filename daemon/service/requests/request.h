@@ -55,7 +55,8 @@ struct srv_item {
     struct proto_STEP_request event; /* what those who watch are told of how it went */
 };
 
-/* What a handler asks for. References are taken for as long as the request lives. */
+/* The things that a handler asks for. References are taken for as long as the request
+ * lives. */
 struct srv_plan {
     /* [compute]; returns 0 with request->result filled in, or with job.goes_on set, to be
      * called again; or a negative status with request->error set. */
@@ -64,19 +65,19 @@ struct srv_plan {
      * back; request->status says how it went. */
     void (*finish)(struct srv_request *request);
     struct srv_ring *ring;   /* NULL: uses none */
-    struct srv_shape *shape; /* likewise */
-    struct srv_scene *scene; /* likewise */
+    struct srv_shape *shape; /* NULL: uses none */
+    struct srv_scene *scene; /* NULL: uses none */
     struct srv_ring
         *attached; /* a ring that is not the session's yet; no reference taken */
     struct srv_ring *replaced;           /* by `attached`; freed after the work, by the
                                           * same thread; NULL: none */
     struct srv_tracing *tracing;         /* a reference is taken */
     struct srv_replacement *replacement; /* given back by `finish`; NULL: none */
-    struct srv_batch *batch;             /* likewise */
+    struct srv_batch *batch;             /* given back by `finish`; NULL: none */
     struct srv_claim **claims; /* of these two, of their scenes, which no other */
     uint32_t claim_count;      /* job uses meanwhile; NULL: of `scene` */
     uint64_t mesh_number;      /* of the mesh that `shape` serves */
-    uint32_t generation;       /* likewise */
+    uint32_t generation;       /* of that mesh */
     uint32_t object;           /* handle in `scene` */
     struct srv_member
         *member;         /* with which the session takes part in it: leaves it behind
@@ -109,7 +110,7 @@ enum srv_request_state {
     SRV_REQUEST_MOVED = 3,   /* as QUEUED; BRIEF has staged what it moves already */
     SRV_REQUEST_EARLY = 4,   /* as QUEUED; it does what is left without an answer */
     SRV_REQUEST_OWED = 5,    /* has run; the loop is to answer it */
-    SRV_REQUEST_TRIED = 6,   /* likewise, as the thread that computed it could not */
+    SRV_REQUEST_TRIED = 6,   /* the same, as the thread that computed it could not */
     SRV_REQUEST_REPLIED = 7, /* has run, and that thread has answered it */
     SRV_REQUEST_WAITING = 8, /* has run; its frame waits for a step (hold.h) */
     SRV_REQUEST_OVER = 9,    /* everything is given back */
@@ -135,12 +136,12 @@ struct srv_request {
     uint64_t upload_bytes;  /* copied out of slots */
     uint64_t begin_ns;      /* [compute] of a step: since when it computes */
     uint32_t items_done;    /* [compute] of a request that runs in parts */
-    const uint8_t *payload; /* [compute] likewise, in its slot */
+    const uint8_t *payload; /* [compute] of such a request, in its slot */
     struct srv_laststep *last_step; /* of a step that was computed; else NULL */
     int fds[2];                     /* to send with the answer and close; -1: none */
     struct srv_deadline deadline;   /* [loop] the plan's; at_ns 0: none */
     uint8_t *copy;             /* EARLY: of its slot, charged to its user; NULL: none */
-    uint64_t copy_bytes;       /* likewise */
+    uint64_t copy_bytes;       /* of `copy` */
     struct srv_outlet *outlet; /* [loop] may answer by it on [compute]; NULL: on [loop] */
     uint64_t replied_ns;       /* REPLIED: when */
     struct srv_kept_reply
@@ -149,9 +150,9 @@ struct srv_request {
     struct srv_item item; /* plan.scene; those of a batch are its own (srv_batch.h) */
 };
 
-/* Whether a method is one of those that move scenes: it counts among the steps in flight,
- * ends soon when its end has come, and moves what it moves though it is cancelled.
- * [any] */
+/* Return whether a method is one of those that move scenes: it counts among the steps in
+ * flight, ends soon when its end has come, and moves what it moves though it is
+ * cancelled. [any] */
 bool srv_is_step(int method);
 
 /* Relaxed: nothing is read because of it; a state of [compute] is of the loop's interest
@@ -204,8 +205,9 @@ void srv_request_abandon_all(struct srv_session *session);
 /* The request in flight with that message id that has no answer yet, or NULL. [loop] */
 struct srv_request *srv_request_find(const struct srv_session *session, uint32_t id);
 
-/* Whether the connection with which it came is lost: it is not answered over the next one
- * unless it comes again, so that answers keep the order of the requests. [loop] */
+/* Return whether the connection with which it came is lost: it is not answered over the
+ * next one unless it comes again, so that answers keep the order of the requests. [loop]
+ */
 bool srv_request_is_cut_off(const struct srv_request *request);
 
 #endif

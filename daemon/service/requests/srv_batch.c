@@ -91,11 +91,11 @@ static size_t lay_out(struct srv_batch *batch, const struct srv_session *session
                       const struct srv_step_params *params)
 {
     uint32_t count = params->scenes;
-    uint32_t lanes = session->service->options->threads_max;
-    struct srv_batch made = {.count = count, .lane_count = lanes};
+    uint32_t tallies = session->service->options->threads_max;
+    struct srv_batch made = {.count = count, .tally_count = tallies};
     size_t end = 0;
     (void)put(batch, &end, 1, sizeof made + count * sizeof made.items[0]);
-    made.lanes = put(batch, &end, lanes, sizeof *made.lanes);
+    made.tallies = put(batch, &end, tallies, sizeof *made.tallies);
     made.shared =
         put(batch, &end, count < session->shared_count ? count : session->shared_count,
             sizeof *made.shared);
@@ -177,12 +177,13 @@ struct work {
     struct srv_enginemem memory;  /* as the batch began */
 };
 
-/* What the threads of a step did; that of one alone is the lane's. */
+/* Add what the threads of a step did; that of one alone is the tally's. */
 static void add_records(const struct work *work, const struct eng_step_result *step,
-                        struct srv_batch_lane *lane)
+                        struct srv_batch_tally *tally)
 {
-    for (uint32_t i = 0; i < step->threads && i < work->batch->lane_count; i++) {
-        struct srv_batch_lane *to = step->threads == 1 ? lane : &work->batch->lanes[i];
+    for (uint32_t i = 0; i < step->threads && i < work->batch->tally_count; i++) {
+        struct srv_batch_tally *to =
+            step->threads == 1 ? tally : &work->batch->tallies[i];
 #define ADD(type, name, need, text) to->record.name += step->thread_records[i].name;
         PROTO_THREAD_RECORD(ADD)
 #undef ADD
@@ -190,7 +191,7 @@ static void add_records(const struct work *work, const struct eng_step_result *s
     }
 }
 
-/* What came of it, but for where its records are. */
+/* Describe what came of it, but for where its records are. */
 static void describe(const struct proto_answer *from, struct pccd_scene_answer *answer)
 {
     answer->incomplete = from->incomplete;
@@ -215,26 +216,26 @@ static void describe(const struct proto_answer *from, struct pccd_scene_answer *
 
 /* Its answer, and what the loop will tell of it. */
 static void note(struct srv_item *item, struct pccd_scene_answer *answer,
-                 struct srv_batch_lane *lane)
+                 struct srv_batch_tally *tally)
 {
     const struct proto_answer *from = &item->scene->stepped.answer;
     describe(from, answer);
     srv_step_note(item, from);
-    srv_metrics_add_step(&lane->metrics, from);
-    srv_stats_add_step(&lane->stats, from);
+    srv_metrics_add_step(&tally->metrics, from);
+    srv_stats_add_step(&tally->stats, from);
     if (item->answer != NULL) {
         *item->answer = *from;
     }
 }
 
 static void refuse(const struct srv_item *item, const char *why,
-                   struct pccd_scene_answer *answer, struct srv_batch_lane *lane)
+                   struct pccd_scene_answer *answer, struct srv_batch_tally *tally)
 {
     answer->status = item->status;
     (void)snprintf(answer->why, sizeof answer->why, "%.*s", (int)sizeof answer->why - 1,
                    why);
-    lane->failed++;
-    srv_metrics_add_error(&lane->metrics, item->status);
+    tally->failed++;
+    srv_metrics_add_error(&tally->metrics, item->status);
 }
 
 static const char *why_not(int status)
@@ -250,7 +251,7 @@ static const char *why_not(int status)
 }
 
 static void work_scene(struct work *work, uint32_t i, const struct eng_question *question,
-                       struct srv_batch_lane *lane)
+                       struct srv_batch_tally *tally)
 {
     struct srv_batch *batch = work->batch;
     struct srv_item *item = &batch->items[i];
@@ -266,18 +267,18 @@ static void work_scene(struct work *work, uint32_t i, const struct eng_question 
                                                     .seq = work->params->slot.seq},
                                            .table = batch->segments + item->first,
                                            .tables_bytes = work->tables_bytes,
-                                           .error = &lane->error},
+                                           .error = &tally->error},
                                .result = &result};
     int status = srv_step_run(&run);
     PCCD_ASSERT(status != PCCD_E_AGAIN); /* none is brief */
     item->status =
-        status == 0 ? 0 : srv_enginemem_tell(&work->memory, status, &lane->error);
-    lane->upload_bytes += run.staging.copied;
+        status == 0 ? 0 : srv_enginemem_tell(&work->memory, status, &tally->error);
+    tally->upload_bytes += run.staging.copied;
     if (item->status == 0) {
-        add_records(work, &result, lane);
-        note(item, &work->answers[i], lane);
+        add_records(work, &result, tally);
+        note(item, &work->answers[i], tally);
     } else {
-        refuse(item, lane->error.text, &work->answers[i], lane);
+        refuse(item, tally->error.text, &work->answers[i], tally);
     }
     atomic_fetch_add_explicit(&batch->done, 1, memory_order_relaxed);
 }
@@ -288,7 +289,7 @@ static void work_shared(struct work *work, uint32_t i)
     const struct srv_scene *scene = work->batch->items[i].scene;
     struct srv_enginemem memory = work->memory;
     srv_enginemem_begin(&work->memory, scene->resource.owner->user);
-    work_scene(work, i, &work->question, &work->batch->lanes[0]);
+    work_scene(work, i, &work->question, &work->batch->tallies[0]);
     work->memory = memory;
     eng_payer()->account = &work->request->session->owner.user->engine;
 }
@@ -306,9 +307,9 @@ static void work_item(void *context, uint32_t at, uint32_t thread)
     question.threads = 1;
     question.affinity = NULL;
     question.is_stopped = thread == 0 ? question.is_stopped : NULL; /* its own thread */
-    question.lane = thread;
+    question.track = thread;
     question.scratch_from = first->engine; /* NULL: the first has none yet */
-    work_scene(work, rest[at], &question, &work->batch->lanes[thread]);
+    work_scene(work, rest[at], &question, &work->batch->tallies[thread]);
     if (thread != 0) {
         srv_thread_enter(SRV_THREAD_OTHER);
     }
@@ -348,7 +349,7 @@ static uint32_t work_large(struct work *work, uint64_t *rest_ns)
         uint32_t item = batch->order[i];
         uint64_t own_ns = expects(work, item);
         if (threads > 1 && eng_team_pays(own_ns) && own_ns > all_ns / (2 * threads)) {
-            work_scene(work, item, &work->question, &batch->lanes[0]);
+            work_scene(work, item, &work->question, &batch->tallies[0]);
         } else {
             batch->order[left++] = item;
             *rest_ns += own_ns;
@@ -380,7 +381,7 @@ static uint32_t work_scenes(struct work *work)
         const struct srv_item *item = &batch->items[i];
         work->answers[i] = (struct pccd_scene_answer){.scene = item->event.scene};
         if (item->scene == NULL) {
-            refuse(item, why_not(item->status), &work->answers[i], &batch->lanes[0]);
+            refuse(item, why_not(item->status), &work->answers[i], &batch->tallies[0]);
             atomic_fetch_add_explicit(&batch->done, 1, memory_order_relaxed);
         } else if (item->member != NULL) {
             work_shared(work, i);
@@ -459,21 +460,21 @@ static int write_records(struct srv_request *request, struct work *work,
     return 0;
 }
 
-/* What all threads have counted, which the first lane has then. */
+/* Add up what all threads have counted, which the first tally has then. */
 static void add_up(struct srv_request *request, const struct work *work,
                    struct proto_BATCH_SUBMIT_result *result)
 {
-    struct srv_batch_lane *lanes = work->batch->lanes;
+    struct srv_batch_tally *tallies = work->batch->tallies;
     for (uint32_t i = 0; i < work->question.threads; i++) {
-        request->upload_bytes += lanes[i].upload_bytes;
-        result->failed += lanes[i].failed;
+        request->upload_bytes += tallies[i].upload_bytes;
+        result->failed += tallies[i].failed;
         if (i > 0) {
-            srv_metrics_add_all(&lanes[0].metrics, &lanes[i].metrics);
-            srv_stats_add_all(&lanes[0].stats, &lanes[i].stats);
+            srv_metrics_add_all(&tallies[0].metrics, &tallies[i].metrics);
+            srv_stats_add_all(&tallies[0].stats, &tallies[i].stats);
         }
     }
-    result->incomplete += (uint32_t)lanes[0].stats.steps_incomplete;
-    result->ns_steps = lanes[0].stats.ns_step;
+    result->incomplete += (uint32_t)tallies[0].stats.steps_incomplete;
+    result->ns_steps = tallies[0].stats.ns_step;
 }
 
 /* The table of segments, which lies behind that of the scenes. */
@@ -511,14 +512,15 @@ static int reserve_answers(struct srv_request *request, struct work *work,
     return status;
 }
 
-/* What its threads did, as of one step. */
+/* Keep what its threads did, as of one step. */
 static void keep_records(struct srv_request *request, uint32_t threads)
 {
-    const struct srv_batch_lane *lanes = request->plan.batch->lanes;
+    const struct srv_batch_tally *tallies = request->plan.batch->tallies;
     struct srv_laststep *last =
         srv_laststep_new(&request->session->service->spare_step, threads);
     for (uint32_t i = 0; last != NULL && i < threads; i++) {
-        last->threads[i] = (struct srv_laststep_thread){lanes[i].record, lanes[i].scenes};
+        last->threads[i] =
+            (struct srv_laststep_thread){tallies[i].record, tallies[i].scenes};
     }
     request->last_step = last;
 }
@@ -532,8 +534,8 @@ int srv_batch_work(struct srv_request *request)
     struct work work = {.request = request, .params = &params, .batch = batch};
     struct eng_question *question = &work.question;
     (void)srv_step_begin(request, &work.question);
-    if (question->threads > batch->lane_count) { /* they have become more since */
-        question->threads = batch->lane_count;
+    if (question->threads > batch->tally_count) { /* they have become more since */
+        question->threads = batch->tally_count;
     }
     atomic_store_explicit(&batch->has_begun, true, memory_order_relaxed);
     srv_enginemem_begin(&work.memory, request->session->owner.user);

@@ -12,11 +12,11 @@
 #include "metrics.h"
 #include "srv_step.h"
 
-/* What a thread of the batch has for itself. [compute] */
-struct srv_batch_lane {
+/* The part of a batch that a thread has for itself. [compute] */
+struct srv_batch_tally {
     struct srv_metrics metrics;             /* of its scenes */
-    struct proto_LIST_SESSION_result stats; /* likewise */
-    struct eng_thread_record record;        /* likewise */
+    struct proto_LIST_SESSION_result stats; /* of its scenes */
+    struct eng_thread_record record;        /* of its scenes */
     uint64_t scenes;                        /* that it had a part in */
     struct proto_error error;               /* of the scene at hand */
     uint64_t upload_bytes;
@@ -30,14 +30,14 @@ struct srv_batch {
     uint32_t claim_count;
     uint32_t order_count;
     uint32_t shared_count;
-    uint32_t lane_count;
-    atomic_bool has_begun;          /* by [compute]; relaxed, as is the next: for lists */
-    atomic_uint done;               /* scenes, of `count` */
-    struct srv_batch_lane *lanes;   /* [lane_count] for the threads; [compute], then the
+    uint32_t tally_count;
+    atomic_bool has_begun; /* by [compute]; relaxed, as is the next: for lists */
+    atomic_uint done;      /* scenes, of `count` */
+    struct srv_batch_tally *tallies; /* [tally_count] for the threads; [compute], then the
                                    * first has what all have counted, and [loop] */
-    struct proto_answer *shared;    /* [shared_count] of scenes that others share */
-    struct srv_claim **claims;      /* [claim_count], of the scenes */
-    struct proto_segment *segments; /* [compute] the table, that of the request */
+    struct proto_answer *shared;     /* [shared_count] of scenes that others share */
+    struct srv_claim **claims;       /* [claim_count], of the scenes */
+    struct proto_segment *segments;  /* [compute] the table, that of the request */
     uint32_t *order; /* [order_count]: the items that have a scene which is not shared */
     uint32_t *rest;  /* [order_count] [compute]: of these, see srv_batch.c */
     struct srv_item items[]; /* [count], with a reference to their scenes */

@@ -68,7 +68,7 @@ static uint64_t end_of(const struct srv_request *request, uint64_t budget_ns)
     return own_ns == 0 || (max_ns != 0 && max_ns < own_ns) ? max_ns : own_ns;
 }
 
-/* What the message asks for, as the engine has it. */
+/* Set what the message asks for, as the engine has it. */
 static void choose(const struct srv_request *request,
                    const struct srv_step_params *params, struct eng_question *question)
 {
@@ -133,7 +133,7 @@ static uint32_t record_bytes_of(const struct eng_step_result *result, bool is_ne
                                            : (uint32_t)sizeof(struct pccd_contact);
 }
 
-/* What the engine says, in the terms of the message, but for the page. */
+/* Describe what the engine says, in the terms of the message, but for the page. */
 static void describe(const struct eng_step_result *result, bool is_near, uint64_t step,
                      struct proto_answer *answer)
 {
@@ -228,7 +228,8 @@ static int check_near(const struct srv_step_run *run)
     return 0;
 }
 
-/* What the engine has already (proto_direct.h); nothing of it if something went wrong. */
+/* Stage what the engine has already (proto_direct.h); nothing of it if something went
+ * wrong. */
 static int stage_mapped(struct srv_scene *scene, int status, struct proto_error *error)
 {
     for (uint32_t i = 0; i < scene->placed_count; i++) {
@@ -284,7 +285,7 @@ static int stage(struct srv_step_run *run)
                : status;
 }
 
-/* What the engine has found fault with. */
+/* Explain what the engine has found fault with. */
 static int explain(const struct srv_step_run *run, int status)
 {
     const struct eng_step_result *found = run->result;
@@ -370,7 +371,7 @@ static void note(const struct srv_step_run *run)
     }
 }
 
-/* What the scene and its journals remember of it. */
+/* Have the scene and its journals remember it. */
 static void remember(struct srv_step_run *run)
 {
     const struct srv_step_params *params = run->params;
@@ -434,9 +435,9 @@ int srv_step_run(struct srv_step_run *run)
 /* Records below which a step has memory of its own for what it finds. */
 #define LENT_BYTES_MIN (1u << 20)
 
-/* What a step finds lies where its page will, and has gone from there, into order, when
- * that is written: so there is memory for one of the two alone, as long as the page is
- * expected to be. A client that could write there meanwhile would make the
+/* Lend the engine the page: what a step finds lies there, and has gone from there, into
+ * order, when records are written: so there is memory for one of the two alone, as long
+ * as the page is expected to be. A client that could write there meanwhile would make the
  * engine read what it has not found. */
 static void lend_page(const struct srv_request *request, struct eng_question *question)
 {

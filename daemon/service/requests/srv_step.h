@@ -17,7 +17,7 @@
 #include "request.h"
 #include "staging.h"
 
-/* What frame.submit, scene.near or batch.submit ask of each scene. */
+/* The settings of frame.submit, scene.near or batch.submit for each scene. */
 struct srv_step_params {
     struct srv_slot_ref slot;
     uint32_t scene;  /* handle; of a batch 0 */
@@ -42,7 +42,7 @@ struct srv_step_params srv_step_params_of(int method, const union srv_params *pa
 /* Arrival plus the client's budget; 0: none. */
 uint64_t srv_step_deadline(uint64_t budget_ns, uint64_t arrival_ns);
 
-/* What a request that was checked asks the engine. [compute], or [loop] while nothing is
+/* Write the question of a request that was checked. [compute], or [loop] while nothing is
  * computed. */
 void srv_step_ask(struct srv_request *request, struct eng_question *question);
 
@@ -69,7 +69,7 @@ int srv_step_work(struct srv_request *request);
  * and a trace, to be returned (tracing.h). Returns the time. [compute] */
 uint64_t srv_step_begin(struct srv_request *request, struct eng_question *question);
 
-/* How a scene's step went, for those who watch. [compute], [team] */
+/* Note how a scene's step went, for those who watch. [compute], [team] */
 void srv_step_note(struct srv_item *item, const struct proto_answer *answer);
 
 /* The answer of one that ended before it began; the page is the caller's affair. */

@@ -17,8 +17,8 @@ static void count(const struct srv_request *request)
     struct proto_LIST_SESSION_result *stats = &request->session->stats;
     stats->upload_bytes += request->upload_bytes;
     if (batch != NULL) {
-        srv_metrics_add_all(metrics, &batch->lanes[0].metrics);
-        srv_stats_add_all(stats, &batch->lanes[0].stats);
+        srv_metrics_add_all(metrics, &batch->tallies[0].metrics);
+        srv_stats_add_all(stats, &batch->tallies[0].stats);
         stats->ns_queue += request->result.BATCH_SUBMIT.ns_queue;
         stats->result_bytes += batch->count * sizeof(struct pccd_scene_answer);
         return;
@@ -102,7 +102,7 @@ static void tell_threads(struct srv_request *request)
     }
     last->number = service->step_last;
     if (batch != NULL) {
-        const struct proto_STATS_result *counted = &batch->lanes[0].metrics.counters;
+        const struct proto_STATS_result *counted = &batch->tallies[0].metrics.counters;
         last->batch = batch->count;
         last->answer =
             (struct proto_answer){.ns_ingest = counted->ns_ingest,

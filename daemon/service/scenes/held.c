@@ -42,7 +42,7 @@ static int stage(const struct srv_held_frame *held, struct srv_scene *scene,
     return srv_stage(&staging);
 }
 
-/* Whether the scene takes it as it is now; nothing moves. */
+/* Try whether the scene takes it as it is now; nothing moves. */
 static int try(struct srv_held_frame *held, struct srv_scene *scene,
                struct proto_error *error)
 {

@@ -19,7 +19,7 @@
 struct srv_member;
 struct srv_session;
 
-/* What was announced: a mesh, or what will replace one. */
+/* A shape that was announced: a mesh, or what will replace one. */
 struct srv_shape {
     struct srv_resource resource;
     struct eng_mesh_counts counts;
@@ -30,7 +30,7 @@ struct srv_shape {
  * Returns 0, or PCCD_E_INVAL, PCCD_E_QUOTA or PCCD_E_NOMEM with *error set. [loop] */
 int srv_shape_admit(struct srv_owner *owner, const struct eng_mesh_counts *counts,
                     struct srv_shape **shape, struct proto_error *error);
-/* What a mesh of it, or an object, is charged (srv_triangle_charge). [any] */
+/* Return what a mesh of it, or an object, is charged (srv_triangle_charge). [any] */
 uint64_t srv_shape_charge(const struct eng_mesh_counts *counts);
 /* The engine's mesh, made when there is none. Returns a wire status. [compute] */
 int srv_shape_engine(struct srv_shape *shape, struct eng_mesh **engine);

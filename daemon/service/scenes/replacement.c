@@ -74,7 +74,7 @@ static int try_scene(struct srv_replacement *replacement, struct srv_scene *scen
     return 0;
 }
 
-/* What was tried in a scene holds from now on. [compute] */
+/* Settle a scene: what was tried in it holds from now on. [compute] */
 static void settle_scene(const struct srv_replacement *replacement,
                          struct srv_scene *scene, uint32_t vertex_count)
 {
@@ -115,7 +115,7 @@ int srv_replacement_work(struct srv_replacement *replacement,
     return status;
 }
 
-/* What list.object and list.session tell. */
+/* Update what list.object and list.session tell. */
 static void tell_objects(struct srv_session *session, struct srv_mesh *mesh)
 {
     uint64_t triangles = srv_shape_charge(&mesh->next->counts);

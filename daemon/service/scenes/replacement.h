@@ -13,7 +13,7 @@
 #include "meshes.h"
 #include "srv_scene.h"
 
-/* What the commit of a replacement works on: every scene of the session. */
+/* The work of the commit of a replacement: every scene of the session. */
 struct srv_replacement {
     uint64_t mesh_number;
     uint64_t replaced;   /* [compute] objects that did */

@@ -112,22 +112,22 @@ int srv_shared_charge_journal(struct srv_member *member, uint64_t bytes,
 /* The last one has left, and nothing of it is in the scene any more. */
 static void end(struct srv_shared *shared)
 {
-    struct srv_session *host = shared->host;
+    struct srv_session *keeper = shared->keeper;
     srv_resource_drop(&shared->scene->resource);
     free(shared);
-    srv_session_detach(host);
+    srv_session_detach(keeper);
 }
 
 static void unlist(struct srv_shared *shared)
 {
-    struct srv_shared **at = &shared->host->service->shared;
+    struct srv_shared **at = &shared->keeper->service->shared;
     while (*at != shared) {
         at = &(*at)->next;
     }
     *at = shared->next;
 }
 
-/* Of taking objects out, before it is the turn of others. */
+/* The time for taking objects out, before it is the turn of others. */
 #define LEAVE_NS 500000u
 
 /* From now on the session's objects meet nothing, whoever steps before all of them are
@@ -162,7 +162,8 @@ void srv_shared_hide(struct srv_scene *scene)
     }
 }
 
-/* What the session has in flight is still to be computed with its objects. */
+/* Hide the objects soon: what the session has in flight is still to be computed with
+ * them. */
 static void hide_soon(struct srv_member *member)
 {
     struct srv_shared *shared = member->shared;
@@ -181,9 +182,9 @@ static void run_leave(struct srv_job *job)
 {
     struct srv_member *member = (struct srv_member *)job;
     struct srv_scene *scene = member->shared->scene;
-    struct srv_session *host = member->shared->host;
+    struct srv_session *keeper = member->shared->keeper;
     struct srv_enginemem memory;
-    srv_enginemem_begin(&memory, host->owner.user);
+    srv_enginemem_begin(&memory, keeper->owner.user);
     if (member->cursor == 0) { /* what it moves goes now */
         member->left = srv_held_frame_remove(scene, member);
         srv_journal_end(scene, member);
@@ -242,7 +243,7 @@ void srv_shared_leave(struct srv_session *session, struct srv_scene *scene)
     member->claim = &scene->claim;
     member->leave.claims = &member->claim;
     member->leave.claim_count = 1;
-    srv_compute_push_reap(&session->service->compute, &session->owner.lane,
+    srv_compute_push_reap(&session->service->compute, &session->owner.job_list,
                           &member->leave);
 }
 
@@ -287,8 +288,8 @@ static struct srv_shared *find(const struct srv_service *service, uid_t uid,
 
 /* One of that name that another user lets the session take part in; NULL: there is
  * none. */
-static const struct srv_shared *find_foreign(const struct srv_session *session,
-                                             const char *name)
+static const struct srv_shared *find_of_others(const struct srv_session *session,
+                                               const char *name)
 {
     const struct srv_shared *shared = session->service->shared;
     while (shared != NULL &&
@@ -299,9 +300,9 @@ static const struct srv_shared *find_foreign(const struct srv_session *session,
     return shared;
 }
 
-/* Of a user; no quota counts them, and clients that connect, make scenes and close may be
- * faster than these are freed. */
-#define HOSTS_LEAVING_MAX 64u
+/* The most that leave, of a user; no quota counts them, and clients that connect, make
+ * scenes and close may be faster than these are freed. */
+#define KEEPERS_LEAVING_MAX 64u
 
 /* scene.create with a name, and where its answer goes. */
 struct asked {
@@ -376,26 +377,26 @@ static int make(const struct asked *asked)
     struct srv_service *service = session->service;
     const struct proto_SCENE_CREATE_request *request = asked->request;
     size_t bytes = strlen(request->name) + 1;
-    if (session->owner.user->hosts_leaving >= HOSTS_LEAVING_MAX) {
+    if (session->owner.user->keepers_leaving >= KEEPERS_LEAVING_MAX) {
         return proto_error_set(
             asked->error, PCCD_E_BUSY, "%u shared scenes of user %u wait to be freed",
-            session->owner.user->hosts_leaving, (unsigned)session->owner.user->uid);
+            session->owner.user->keepers_leaving, (unsigned)session->owner.user->uid);
     }
     struct srv_shared *shared = calloc(1, sizeof *shared + bytes);
-    struct srv_session *host =
-        shared == NULL ? NULL : srv_session_new_host(service, session->owner.user->uid);
+    struct srv_session *keeper =
+        shared == NULL ? NULL : srv_session_new_keeper(service, session->owner.user->uid);
     struct srv_scene *scene =
-        host == NULL ? NULL : srv_scene_new(host, asked->settings, asked->error);
+        keeper == NULL ? NULL : srv_scene_new(keeper, asked->settings, asked->error);
     if (scene == NULL) {
-        if (host != NULL) {
-            srv_session_detach(host);
+        if (keeper != NULL) {
+            srv_session_detach(keeper);
         }
         free(shared);
-        return host != NULL
+        return keeper != NULL
                    ? asked->error->code
                    : proto_error_set(asked->error, PCCD_E_NOMEM, "no memory for a scene");
     }
-    *shared = (struct srv_shared){.host = host,
+    *shared = (struct srv_shared){.keeper = keeper,
                                   .scene = scene,
                                   .uid = session->owner.user->uid,
                                   .gid = srv_conn_group(session->conn),
@@ -420,14 +421,14 @@ static int make(const struct asked *asked)
 static int refuse_absent(const struct asked *asked, uid_t uid)
 {
     const char *name = asked->request->name;
-    const struct srv_shared *foreign = find_foreign(asked->session, name);
-    if (foreign != NULL && uid == asked->session->owner.user->uid) {
+    const struct srv_shared *other = find_of_others(asked->session, name);
+    if (other != NULL && uid == asked->session->owner.user->uid) {
         return proto_error_set(
             asked->error, PCCD_E_AGAIN,
             "user %u has no scene \"%s\" yet; user %u has one (share = "
             "%d, owner = %u)",
-            (unsigned)uid, name, (unsigned)foreign->uid, PCCD_SHARE_OTHER,
-            (unsigned)foreign->uid);
+            (unsigned)uid, name, (unsigned)other->uid, PCCD_SHARE_OTHER,
+            (unsigned)other->uid);
     }
     return proto_error_set(asked->error, PCCD_E_AGAIN, "user %u has no scene \"%s\" yet",
                            (unsigned)uid, name);

@@ -3,7 +3,7 @@
  *
  * Threads: [loop], but for functions marked otherwise.
  *
- * A shared scene belongs to no client. A session without a connection, its host, holds
+ * A shared scene belongs to no client. A session without a connection, its keeper, holds
  * it, so that it outlives the client that created it; it ends when its last member has
  * left. Its memory is charged to the user who created it, the triangles of an object to
  * the user who added it. An object has one writer, the session that added it.
@@ -28,7 +28,7 @@ struct srv_session;
 
 struct srv_shared {
     struct srv_shared *next; /* of service->shared, while anybody takes part */
-    struct srv_session *host;
+    struct srv_session *keeper;
     struct srv_scene *scene;
     struct srv_member *members;
     /* Those that leave with nothing in flight, until their objects meet nothing: pushed
@@ -72,8 +72,7 @@ int srv_shared_refuse_reader(const struct srv_session *session,
  * likely to want; 0: nobody will come. Another try gives another one. */
 uint32_t srv_shared_aside(struct srv_member *member);
 
-/* What list.scene of `session`, which takes part, says of a shared scene; nothing of
- * others. */
+/* Tell list.scene of `session`, which takes part, of a shared scene, not of others. */
 void srv_shared_tell(const struct srv_scene *scene, const struct srv_session *session,
                      struct proto_LIST_SCENE_result *result);
 

@@ -46,7 +46,7 @@ static void object_free(struct srv_object *object)
     srv_enginemem_delete(owner->owner.user, object);
 }
 
-/* Of a scene, at a turn of the loop: some 100 us. */
+/* Objects of a scene that are dropped at a turn of the loop: some 100 us. */
 #define OBJECTS_PER_TURN 1024u
 
 static void free_nothing(struct srv_job *job)
@@ -63,7 +63,7 @@ static void scene_free_rest(struct srv_job *job)
     }
     if (scene->objects.count > 0) { /* comes back behind what else the loop has to do */
         srv_job_init(job, free_nothing, scene_free_rest);
-        srv_compute_push_reap(session->owner.pages, &session->owner.page_lane, job);
+        srv_compute_push_reap(session->owner.pages, &session->owner.page_job_list, job);
         return;
     }
     srv_session_drop_handles(session, &scene->objects);

@@ -20,8 +20,8 @@ struct srv_session;
 struct srv_shared;
 
 /* An object (meshes.h) as the compute thread sees it. */
-/* What the engine has of an object's next step before that is submitted: proto_direct.h.
- */
+/* The part of an object's next step that the engine has before that is submitted:
+ * proto_direct.h. */
 enum srv_mapped { SRV_MAPPED_NOTHING, SRV_MAPPED_X1, SRV_MAPPED_X0X1 };
 
 struct srv_placed {
@@ -43,8 +43,8 @@ struct srv_kept {
     struct proto_answer answer; /* but for the page */
 };
 
-/* What a step moves, as clients have sent it: for journals. All zero: nothing was sent,
- * and nothing may be. */
+/* The motion of a step, as clients have sent it: for journals. All zero: nothing was
+ * sent, and nothing may be. */
 struct srv_sent {
     uint8_t *slot; /* the payload of a slot that holds it all */
     uint64_t bytes;
@@ -61,7 +61,7 @@ struct srv_scene {
     uint32_t freed;                       /* [loop] where in `objects` freeing them is */
     struct eng_scene_settings settings;   /* does not change */
     struct proto_LIST_SCENE_result stats; /* [loop] its steps, and the last of them */
-    struct srv_shared *shared;            /* likewise; NULL: its session's alone */
+    struct srv_shared *shared;            /* [loop] NULL: its session's alone */
     uint64_t batch;                 /* [loop] number of the last one that named it */
     struct srv_claim claim;         /* the compute queue's: one job uses it at a time */
     _Atomic uint32_t ignored_pairs; /* stored on [compute], read on [loop] */

@@ -81,7 +81,8 @@ void srv_sent_end(struct srv_sent *sent)
 
 /* ---- staging ----------------------------------------------------------------------- */
 
-/* Whether [offset, offset + bytes) lies between the table and the end of the payload. */
+/* Return whether [offset, offset + bytes) lies between the table and the end of the
+ * payload. */
 static bool is_inside(const struct srv_staging *staging, uint64_t offset, uint64_t bytes)
 {
     return offset % 8 == 0 && offset >= staging->tables_bytes &&

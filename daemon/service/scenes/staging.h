@@ -15,11 +15,11 @@ struct srv_slot_ref {
     uint64_t seq;
 };
 
-/* Of frame.submit, or of another message with these fields. */
+/* The slot of frame.submit, or of another message with these fields. */
 #define SRV_SLOT_OF(request)                                                             \
     ((const struct srv_slot_ref){(request)->slot, (request)->segments, (request)->seq})
 
-/* What a request moves in one scene, while it is staged. */
+/* The motion of one scene by a request, while it is staged. */
 struct srv_staging {
     struct srv_scene *scene;         /* has its staging open */
     const struct srv_member *member; /* whose objects may be moved; NULL: all */

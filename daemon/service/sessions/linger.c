@@ -49,8 +49,8 @@ void srv_linger_end(struct srv_session *session, const char *why)
     srv_session_detach(session);
 }
 
-/* Whether nobody can come back: the process has gone. One that is dead and was not waited
- * for by its parent still counts as there, as does one of another namespace. */
+/* Return whether nobody can come back: the process has gone. One that is dead and was not
+ * waited for by its parent still counts as there, as does one of another namespace. */
 static bool is_gone(const struct srv_session *session)
 {
     return session->pid > 0 && kill(session->pid, 0) != 0 && errno == ESRCH;

@@ -27,10 +27,10 @@ struct srv_replies {
 struct srv_replies *srv_replies_new(void);          /* NULL: no memory */
 void srv_replies_free(struct srv_replies *replies); /* NULL is allowed */
 
-/* Whether a request with that id cannot have come before; it counts as come then. */
+/* Return whether a request with that id cannot have come before; then it has now. */
 bool srv_replies_is_new(struct srv_replies *replies, uint32_t id);
 
-/* Whether an answer is to be kept, because its method must not run twice. [any] */
+/* Return whether an answer is to be kept, because its method must not run twice. [any] */
 bool srv_replies_must_keep(int method);
 /* A copy of an answer, to be kept; `data` NULL: there is no memory for it. [any] */
 struct srv_kept_reply srv_reply_copy(uint32_t id, const struct proto_encoder *answer);

@@ -56,11 +56,11 @@ struct srv_service {
      * computes; NULL: nobody is asked. */
     bool (*is_stopped)(void *asked);
     void *asked;
-    /* Likewise: whether that client copies the records of its steps to their page itself,
-     * and reads no hash of them; NULL: no. */
+    /* Copies the records of its steps to their page, where that client does so itself and
+     * reads no hash of them; NULL: it does not. */
     void (*write)(void *writer, void *to, const void *from, uint64_t count);
     void *writer;
-    /* Likewise: who is told of candidates, in the place of records (question.h). */
+    /* Tells of candidates, in the place of records (question.h); NULL: nobody. */
     void (*weigh)(void *weigher, const struct pccd_pair *pairs, uint32_t count);
     void *weigher;
     struct srv_timer *stray;  /* looks at what rings hold (stray.h); NULL: nobody does */

@@ -46,8 +46,8 @@ static struct srv_session *new_of_user(struct srv_service *service, uid_t uid)
     session->service = service;
     session->owner.compute = &service->compute;
     session->owner.pages = &service->pages;
-    session->owner.lane.group = &session->owner.user->jobs;
-    session->owner.page_lane.group = &session->owner.user->page_jobs;
+    session->owner.job_list.group = &session->owner.user->jobs;
+    session->owner.page_job_list.group = &session->owner.user->page_jobs;
     session->owner.settle = settle;
     session->id = ++service->session_last;
     srv_handles_init(&session->scenes, service->options->scenes_max, 0);
@@ -65,13 +65,13 @@ static void enlist(struct srv_session *session)
     service->sessions = session;
 }
 
-struct srv_session *srv_session_new_host(struct srv_service *service, uid_t uid)
+struct srv_session *srv_session_new_keeper(struct srv_service *service, uid_t uid)
 {
     srv_assert_loop();
     struct srv_session *session = new_of_user(service, uid);
     if (session != NULL) {
-        session->state = SRV_SESSION_HOST;
-        session->is_host = true;
+        session->state = SRV_SESSION_KEEPER;
+        session->is_keeper = true;
         enlist(session);
     }
     return session;
@@ -162,7 +162,7 @@ void srv_session_detach(struct srv_session *session)
     session->state = SRV_SESSION_CLOSED;
     session->owner.user->leaving++;
     session->owner.user->observers -= session->is_observer;
-    session->owner.user->hosts_leaving += session->is_host;
+    session->owner.user->keepers_leaving += session->is_keeper;
     if (session->counted) {
         srv_quota_refund(session->owner.user, SRV_QUOTA_CLIENTS, 1);
     }
@@ -231,8 +231,8 @@ void srv_session_settle(struct srv_session *session)
         return;
     }
     struct srv_service *service = session->service;
-    PCCD_ASSERT(session->requests == NULL && session->owner.lane.first == NULL);
-    PCCD_ASSERT(session->owner.page_lane.first == NULL);
+    PCCD_ASSERT(session->requests == NULL && session->owner.job_list.first == NULL);
+    PCCD_ASSERT(session->owner.page_job_list.first == NULL);
     PCCD_ASSERT(session->scenes.count == 0 && session->meshes.count == 0);
     if (session->prev != NULL) {
         session->prev->next = session->next;
@@ -248,8 +248,8 @@ void srv_session_settle(struct srv_session *session)
     srv_replies_free(session->replies);
     PCCD_ASSERT(session->spare_requests == NULL);
     struct srv_quota_user *user = session->owner.user;
-    PCCD_ASSERT(user->leaving > 0 && user->hosts_leaving >= session->is_host);
-    user->hosts_leaving -= session->is_host;
+    PCCD_ASSERT(user->leaving > 0 && user->keepers_leaving >= session->is_keeper);
+    user->keepers_leaving -= session->is_keeper;
     free(session);
     user->leaving--;
     srv_conn_room(service,

@@ -22,7 +22,7 @@ enum srv_session_state {
     SRV_SESSION_OPEN = 2,    /* hello was answered */
     SRV_SESSION_WAITING = 3, /* the connection is gone; the client may come back */
     SRV_SESSION_CLOSED = 4,  /* over; waits for the compute thread */
-    SRV_SESSION_HOST = 5     /* nobody's: holds a shared scene (shared.h) */
+    SRV_SESSION_KEEPER = 5   /* nobody's: holds a shared scene (shared.h) */
 };
 
 /* Who is at the other end of a socket. */
@@ -54,7 +54,7 @@ struct srv_session {
     uint64_t lost_ns;               /* WAITING: since when */
     bool counted;                   /* charged as a client of its user */
     bool is_observer;               /* takes no place of a client, and makes nothing */
-    bool is_host;                   /* it was made to hold a shared scene */
+    bool is_keeper;                 /* it was made to hold a shared scene */
     bool attaching;                 /* a ring is being created */
     bool is_behind;                 /* has not been told of a shared scene's last step */
     uint32_t version;               /* of the protocol, after hello */
@@ -87,7 +87,7 @@ static inline struct srv_session *srv_session_of(struct srv_owner *owner)
 struct srv_session *srv_session_new(struct srv_service *service, struct srv_conn *conn,
                                     const struct srv_peer *peer);
 /* A session that nobody is behind, to hold a scene. NULL: no memory. */
-struct srv_session *srv_session_new_host(struct srv_service *service, uid_t uid);
+struct srv_session *srv_session_new_keeper(struct srv_service *service, uid_t uid);
 /* Ask again for the place of a refused session. Returns 0 with state NEW, or PCCD_E_QUOTA
  * with *error set. */
 int srv_session_admit(struct srv_session *session, struct proto_error *error);
@@ -123,11 +123,11 @@ void srv_session_settle(struct srv_session *session);
 int srv_session_refuse_stranger(const struct srv_session *session,
                                 struct proto_error *error);
 
-/* Whether the session may know what the other one has and does: one of the same user, and
- * anybody's to the daemon's own user or root. */
+/* Return whether the session may know what the other one has and does: one of the same
+ * user, and anybody's to the daemon's own user or root. */
 bool srv_session_may_see(const struct srv_session *session,
                          const struct srv_session *other);
-/* Whether clients are told of it: it is open, or waits for its client. */
+/* Return whether clients are told of it: it is open, or waits for its client. */
 bool srv_session_is_listed(const struct srv_session *session);
 /* The listed session of that number that the asking one may see, 0: itself. PCCD_E_HANDLE
  * with *error set: there is none. */

@@ -14,7 +14,7 @@
 #include "service.h"
 #include "session.h"
 
-/* What steps record to; there is one recording in a process. */
+/* The recorder of steps; there is one recording in a process. */
 static pthread_mutex_t recorder_lock = PTHREAD_MUTEX_INITIALIZER;
 static struct eng_trace *_Atomic recorder; /* NULL: nothing. Written with the lock */
 static bool is_lent;                       /* to a step; locked */
@@ -72,25 +72,25 @@ static void free_rest(struct srv_job *job)
     srv_owner_release(owner);
 }
 
-/* Bytes of the engine's lanes and of the loop's ring. */
-static uint64_t bytes_of(uint32_t lanes, uint32_t capacity)
+/* Bytes of the engine's tracks and of the loop's ring. */
+static uint64_t bytes_of(uint32_t tracks, uint32_t capacity)
 {
-    return ((uint64_t)lanes + 1) * capacity * sizeof(struct pccd_trace_event);
+    return ((uint64_t)tracks + 1) * capacity * sizeof(struct pccd_trace_event);
 }
 
 /* The capacity for a request of that many events. Returns 0 or PCCD_E_LIMIT. */
-static int capacity_for(uint32_t lanes, uint32_t events, uint32_t *capacity,
+static int capacity_for(uint32_t tracks, uint32_t events, uint32_t *capacity,
                         struct proto_error *error)
 {
     uint32_t wanted = events == 0 ? PROTO_TRACE_EVENTS : events;
     uint32_t most = PROTO_TRACE_EVENTS_MAX;
-    while (bytes_of(lanes, most) > PROTO_TRACE_BYTES_MAX) { /* ends: lanes are few */
+    while (bytes_of(tracks, most) > PROTO_TRACE_BYTES_MAX) { /* ends: tracks are few */
         most /= 2;
     }
     if (events > most) {
         return proto_error_set(error, PCCD_E_LIMIT,
                                "%u events for each of %u threads, there can be %u",
-                               events, lanes, most);
+                               events, tracks, most);
     }
     *capacity = 1;
     while (*capacity < wanted && *capacity < most) {
@@ -106,9 +106,9 @@ int srv_tracing_new(struct srv_session *session, uint32_t events, uint64_t min_n
     struct srv_service *service = session->service;
     PCCD_ASSERT(service->tracing == NULL);
     uint32_t threads = service->options->threads_max;
-    uint32_t lanes = threads < ENG_THREADS_MAX ? threads : ENG_THREADS_MAX;
+    uint32_t tracks = threads < ENG_THREADS_MAX ? threads : ENG_THREADS_MAX;
     uint32_t capacity = 0;
-    int status = capacity_for(lanes, events, &capacity, error);
+    int status = capacity_for(tracks, events, &capacity, error);
     if (status != 0) {
         return status;
     }
@@ -121,7 +121,7 @@ int srv_tracing_new(struct srv_session *session, uint32_t events, uint64_t min_n
         return proto_error_set(error, PCCD_E_NOMEM, "no memory for %u events", capacity);
     }
     srv_resource_init(&new->resource, &session->owner, free_engine, free_rest);
-    new->lanes = lanes;
+    new->tracks = tracks;
     new->capacity = capacity;
     new->min_ns = min_ns;
     service->tracing = new;
@@ -142,7 +142,7 @@ void srv_tracing_drop(struct srv_session *session)
 int srv_tracing_start(struct srv_tracing *tracing)
 {
     srv_assert_compute();
-    int status = eng_trace_init(&tracing->engine, tracing->lanes, tracing->capacity,
+    int status = eng_trace_init(&tracing->engine, tracing->tracks, tracing->capacity,
                                 tracing->min_ns);
     if (status == 0) {
         set_recorder(&tracing->engine);
@@ -169,10 +169,10 @@ uint64_t srv_tracing_count(const struct srv_tracing *tracing, uint64_t *lost)
     const struct eng_trace *engine = &tracing->engine;
     uint64_t count = ring_count(tracing);
     *lost = tracing->added - count;
-    for (uint32_t lane = 0; lane < engine->lane_count; lane++) {
-        uint64_t of_lane = eng_trace_count(engine, lane);
-        count += of_lane;
-        *lost += engine->lanes[lane].added - of_lane;
+    for (uint32_t track = 0; track < engine->track_count; track++) {
+        uint64_t of_track = eng_trace_count(engine, track);
+        count += of_track;
+        *lost += engine->tracks[track].added - of_track;
     }
     return count;
 }
@@ -191,12 +191,12 @@ void srv_tracing_copy(const struct srv_tracing *tracing, uint64_t first, uint64_
     srv_assert_compute();
     const struct eng_trace *engine = &tracing->engine;
     uint64_t done = 0;
-    for (uint32_t lane = 0; lane < engine->lane_count && done < count; lane++) {
-        uint64_t of_lane = eng_trace_count(engine, lane);
-        for (; first < of_lane && done < count; first++) {
-            memcpy(&events[done++], eng_trace_at(engine, lane, first), sizeof *events);
+    for (uint32_t track = 0; track < engine->track_count && done < count; track++) {
+        uint64_t of_track = eng_trace_count(engine, track);
+        for (; first < of_track && done < count; first++) {
+            memcpy(&events[done++], eng_trace_at(engine, track, first), sizeof *events);
         }
-        first -= of_lane;
+        first -= of_track;
     }
     for (; done < count; first++) {
         PCCD_ASSERT(first < ring_count(tracing));

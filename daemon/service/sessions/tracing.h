@@ -20,10 +20,10 @@ struct srv_session;
 
 struct srv_tracing {
     struct srv_resource resource; /* first; its session owns the recording */
-    uint32_t lanes;               /* threads of the team */
-    uint32_t capacity;            /* events of each lane, and of the ring; power of two */
+    uint32_t tracks;              /* threads of the team */
+    uint32_t capacity; /* events of each track, and of the ring; power of two */
     uint64_t min_ns;
-    struct eng_trace engine; /* [compute]; no lanes until work_start */
+    struct eng_trace engine; /* [compute]; no tracks until work_start */
     bool is_recording;       /* [loop] the ring is written */
     bool is_stopped;         /* [loop] nothing more will be, once trace.stop has run */
     struct pccd_trace_event *ring; /* [loop], at rest [compute]; [capacity] */
@@ -43,9 +43,9 @@ void srv_tracing_drop(struct srv_session *session);
 int srv_tracing_start(struct srv_tracing *tracing);
 void srv_tracing_stop(struct srv_tracing *tracing);
 
-/* What the step that begins records to, to be returned when it has ended; NULL: nothing,
- * as on threads beside the first one that computes: a lane belongs to one thread.
- * [compute] */
+/* Lend the recorder to a step that begins, to be returned when it has ended; NULL:
+ * nothing, as on threads beside the first one that computes: a track belongs to one
+ * thread. [compute] */
 struct eng_trace *srv_tracing_lend(void);
 void srv_tracing_return(struct eng_trace *trace);
 

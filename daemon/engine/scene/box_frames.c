@@ -1,5 +1,5 @@
-/* frames.c - where the boxes of a scene's objects are measured from. */
-#include "frames.h"
+/* box_frames.c - where the boxes of a scene's objects are measured from. */
+#include "box_frames.h"
 
 #include <assert.h>
 #include <math.h>
@@ -26,7 +26,7 @@
  * so many lengths of a group. */
 #define MOVES_FAR_FROM 4.0
 
-static const struct eng_frame plain = {.scale = 1};
+static const struct eng_box_frame plain = {.scale = 1};
 
 static double farthest_of(const struct eng_bounds *bounds)
 {
@@ -37,8 +37,8 @@ static double farthest_of(const struct eng_bounds *bounds)
     return far;
 }
 
-/* May boxes of features of size `detail` be measured from the origin of the coordinates,
- * as far away as `far`? */
+/* Return whether boxes of features of size `detail` may be measured from the origin of
+ * the coordinates, as far away as `far`. */
 static bool is_fine_enough(double far, double detail)
 {
     return far == 0 || (far >= FAR_LEAST && far <= FINE_ENOUGH * detail);
@@ -55,10 +55,11 @@ static double scale_for(double far)
                        -exponent < SCALE_EXPONENT_MAX ? -exponent : SCALE_EXPONENT_MAX);
 }
 
-struct eng_frame eng_frame_alone(const struct eng_mesh *mesh, const double (*x)[3])
+struct eng_box_frame eng_box_frame_alone(const struct eng_mesh *mesh,
+                                         const double (*x)[3])
 {
     assert(mesh->leaves && x);
-    struct eng_frame frame = plain;
+    struct eng_box_frame frame = plain;
     double size = eng_bounds_size(&mesh->bounds);
     if (is_fine_enough(farthest_of(&mesh->bounds), size * mesh->fineness)) {
         return frame;
@@ -71,14 +72,14 @@ struct eng_frame eng_frame_alone(const struct eng_mesh *mesh, const double (*x)[
     return frame;
 }
 
-/* What a scene's boxes have to tell apart. */
+/* The lengths that a scene's boxes have to tell apart. */
 struct detail {
     double far;   /* from the origin, of all */
     double least; /* size of a feature, of the object with the smallest; */
     const struct eng_object *finest; /* that one */
 };
 
-/* Of objects that have moved so much at least. */
+/* Return the detail of objects that have moved so much at least. */
 static struct detail detail_of(const struct eng_scene *scene, unsigned from, unsigned to,
                                enum eng_movement movement)
 {
@@ -105,8 +106,8 @@ static struct detail detail_of(const struct eng_scene *scene, unsigned from, uns
 
 static int compare_items(const void *a, const void *b)
 {
-    const struct eng_frame_item *ia = a;
-    const struct eng_frame_item *ib = b;
+    const struct eng_box_frame_item *ia = a;
+    const struct eng_box_frame_item *ib = b;
     if (ia->low[0] != ib->low[0]) {
         return ia->low[0] < ib->low[0] ? -1 : 1;
     }
@@ -116,7 +117,7 @@ static int compare_items(const void *a, const void *b)
 /* All objects, in the order in which they begin at t = 0. */
 static uint32_t list_items(struct eng_scene *scene, unsigned from, unsigned to, int axis)
 {
-    struct eng_frame_item *items = scene->framing.items;
+    struct eng_box_frame_item *items = scene->framing.items;
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
@@ -124,9 +125,9 @@ static uint32_t list_items(struct eng_scene *scene, unsigned from, unsigned to, 
         const struct eng_bounds *end = &object->bounds[to];
         if (object->mesh) {
             items[count++] =
-                (struct eng_frame_item){.low = {begin->low[axis], end->low[axis]},
-                                        .high = {begin->high[axis], end->high[axis]},
-                                        .object = i};
+                (struct eng_box_frame_item){.low = {begin->low[axis], end->low[axis]},
+                                            .high = {begin->high[axis], end->high[axis]},
+                                            .object = i};
         }
     }
     qsort(items, count, sizeof *items, compare_items);
@@ -147,12 +148,12 @@ struct group {
     double high[2];
 };
 
-static struct group group_from(const struct eng_frame_item *items, uint32_t first,
+static struct group group_from(const struct eng_box_frame_item *items, uint32_t first,
                                uint32_t count, bool is_sparse)
 {
     struct group group = {first, first, {INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
     do {
-        const struct eng_frame_item *item = &items[group.end++];
+        const struct eng_box_frame_item *item = &items[group.end++];
         for (int end = 0; end < 2; end++) {
             group.low[end] = fmin(group.low[end], item->low[end]);
             group.high[end] = fmax(group.high[end], item->high[end]);
@@ -173,13 +174,13 @@ static double length_of(const struct group *group, bool *is_slow)
     return *is_slow ? around : longest;
 }
 
-/* How a scene's groups lie along an axis. */
+/* The layout of a scene's groups along an axis. */
 struct layout {
     bool is_sparse; /* gaps are shortened .. */
     double gap;     /* .. to this */
 };
 
-static struct layout layout_of(const struct eng_frame_item *items, uint32_t count)
+static struct layout layout_of(const struct eng_box_frame_item *items, uint32_t count)
 {
     double low = INFINITY;
     double high = -INFINITY;
@@ -202,7 +203,7 @@ static struct layout layout_of(const struct eng_frame_item *items, uint32_t coun
  * the axis get. */
 static void place_groups(struct eng_scene *scene, uint32_t count, int axis)
 {
-    const struct eng_frame_item *items = scene->framing.items;
+    const struct eng_box_frame_item *items = scene->framing.items;
     struct layout layout = layout_of(items, count);
     double at = 0;
     for (uint32_t i = 0; i < count;) {
@@ -211,7 +212,7 @@ static void place_groups(struct eng_scene *scene, uint32_t count, int axis)
         double length = length_of(&group, &is_slow);
         double both = fmin(group.low[0], group.low[1]);
         for (; i < group.end; i++) {
-            struct eng_frame *frame = &scene->objects[items[i].object].frame;
+            struct eng_box_frame *frame = &scene->objects[items[i].object].frame;
             frame->origin[axis] = (is_slow ? both : group.low[0]) - at;
             frame->origin[4 + axis] = (is_slow ? both : group.low[1]) - at;
         }
@@ -238,7 +239,7 @@ static double shift_across(double gap, double left, double origin)
  * of one that is shortened is more than none. */
 static void place_groups_in_order(struct eng_scene *scene, uint32_t count, int axis)
 {
-    const struct eng_frame_item *items = scene->framing.items;
+    const struct eng_box_frame_item *items = scene->framing.items;
     struct layout layout = layout_of(items, count);
     double origin[2] = {0, 0};
     for (uint32_t i = 0; i < count;) {
@@ -247,7 +248,7 @@ static void place_groups_in_order(struct eng_scene *scene, uint32_t count, int a
             origin[end] = group.low[end];
         }
         for (; i < group.end; i++) {
-            struct eng_frame *frame = &scene->objects[items[i].object].frame;
+            struct eng_box_frame *frame = &scene->objects[items[i].object].frame;
             frame->origin[axis] = origin[0];
             frame->origin[4 + axis] = origin[1];
         }
@@ -297,7 +298,7 @@ static void make_plain(struct eng_scene *scene)
     scene->framing.keeps_order = true;
 }
 
-bool eng_frames_extent(const struct eng_scene *scene, double low[3], double high[3])
+bool eng_box_frames_extent(const struct eng_scene *scene, double low[3], double high[3])
 {
     for (int k = 0; k < 3; k++) {
         low[k] = INFINITY;
@@ -306,7 +307,7 @@ bool eng_frames_extent(const struct eng_scene *scene, double low[3], double high
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
         for (int j = 0; object->mesh && j < 6; j++) {
-            const struct eng_frame *frame = &object->frame;
+            const struct eng_box_frame *frame = &object->frame;
             int k = j % 3;
             const struct eng_bounds *bounds = &object->bounds[scene->framing.ends[j / 3]];
             double origin = frame->origin[j < 3 ? k : 4 + k];
@@ -343,29 +344,29 @@ static void choose(struct eng_scene *scene, unsigned from, unsigned to, bool kee
     scene->framing.keeps_order = keeps_order;
     shift_to(scene, detail.finest, to);
     set_scale(scene, 1);
-    eng_frames_extent(scene, low, high);
+    eng_box_frames_extent(scene, low, high);
     struct eng_bounds around = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
     set_scale(scene, scale_for(farthest_of(&around)));
     scene->framing.number = ++scene->framing.chosen;
 }
 
-void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to)
+void eng_box_frames_choose(struct eng_scene *scene, unsigned from, unsigned to)
 {
     choose(scene, from, to, false);
 }
 
-void eng_frames_choose_keeping(struct eng_scene *scene, unsigned from, unsigned to)
+void eng_box_frames_choose_keeping(struct eng_scene *scene, unsigned from, unsigned to)
 {
     choose(scene, from, to, true);
 }
 
-/* Have all objects one frame? Then it may stay wherever they go: only what is near the
- * origin is measured finely. */
+/* Return whether all objects have one frame. Then it may stay wherever they go: only what
+ * is near the origin is measured finely. */
 static bool is_uniform(const struct eng_scene *scene)
 {
-    const struct eng_frame *one = NULL;
+    const struct eng_box_frame *one = NULL;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        const struct eng_frame *frame = &scene->objects[i].frame;
+        const struct eng_box_frame *frame = &scene->objects[i].frame;
         if (!scene->objects[i].mesh) {
             continue;
         }
@@ -383,12 +384,12 @@ static bool is_uniform(const struct eng_scene *scene)
     return one != NULL;
 }
 
-bool eng_frames_keep_distances(const struct eng_scene *scene)
+bool eng_box_frames_keep_distances(const struct eng_scene *scene)
 {
     return scene->framing.number == 0 || scene->framing.keeps_order || is_uniform(scene);
 }
 
-/* How far an object is from the origin of its frame, at either end. */
+/* Return how far an object is from the origin of its frame, at either end. */
 static double far_in_frame(const struct eng_object *object, const unsigned ends[2])
 {
     double far = 0;
@@ -401,7 +402,8 @@ static double far_in_frame(const struct eng_object *object, const unsigned ends[
     return far;
 }
 
-/* May the frames of the last step stay, so that the boxes of what stands can? */
+/* Return whether the frames of the last step may stay, so that the boxes of what stands
+ * can. */
 static bool still_fit(const struct eng_scene *scene)
 {
     const struct eng_framing *framing = &scene->framing;
@@ -420,8 +422,8 @@ static bool still_fit(const struct eng_scene *scene)
     return scale_for(far) == framing->scale;
 }
 
-/* May boxes still be measured from the origin? Certainly, by what moves alone: what is
- * said of the others may be of where they were. */
+/* Return whether boxes may still be measured from the origin. Certain, by what moves
+ * alone: what is said of the others may be of where they were. */
 static bool stay_plain(struct eng_scene *scene)
 {
     struct eng_framing *framing = &scene->framing;
@@ -440,14 +442,14 @@ static bool may_stay(struct eng_scene *scene)
             (scene->framing.number == 0 ? stay_plain(scene) : still_fit(scene)));
 }
 
-void eng_frames_follow(struct eng_scene *scene)
+void eng_box_frames_follow(struct eng_scene *scene)
 {
     struct eng_framing *framing = &scene->framing;
     bool is_next = framing->of != 0 && framing->of + 1 == scene->moving.number;
     framing->ends[0] = 1 - scene->now;
     framing->ends[1] = scene->now;
     if (!is_next || !may_stay(scene) ||
-        (scene->thickness.is_on && !eng_frames_keep_distances(scene))) {
+        (scene->thickness.is_on && !eng_box_frames_keep_distances(scene))) {
         choose(scene, framing->ends[0], framing->ends[1], scene->thickness.is_on);
     }
     framing->of = scene->moving.number;
