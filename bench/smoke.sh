@@ -45,7 +45,10 @@ fi
 # If this failed, results could not be kept and compared.
 while read -r section part; do
     "$top_builddir/bench/pccd-bench" "$section" "$part" --smoke --json 2>/dev/null |
-        awk '!/^[{]"(program|row)":".*[}]$/ { print; bad = 1 }
+        awk -v part="$part" '
+            part == "ipc" && /^[{]"row":".*"turns":[0-9]+[}]$/ { next }
+            part != "ipc" && /^[{]"program":".*"threads":[0-9]+[}]$/ { next }
+            { print; bad = 1 }
             END { exit bad || NR == 0 }' >"$log"
     tap_result $? "bench_${part}__prints_one_object_a_line" "$log"
 done <<<"$parts"
