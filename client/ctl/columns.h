@@ -51,7 +51,7 @@ struct column {
     bool is_left;   /* aligned; numbers are on the right */
     uint32_t width; /* at least; columns_fit sets it */
     uint32_t cut;   /* of texts, at most; 0: as they are */
-    uint32_t rank;  /* 1: the most important, left out last; no two are the same */
+    uint32_t rank;  /* 1: left out last; 0 in tables that columns_fit never sees */
     bool is_hidden; /* by columns_fit */
 };
 

@@ -5,8 +5,8 @@
  * box is larger than what is checked later (ranks_is_covered) by more than all
  * roundings of doubles in here. Positions are finite, and at most 1e18.
  */
-#ifndef RANKS_MOVING_H
-#define RANKS_MOVING_H
+#ifndef RANKS_MOVING_BOXES_H
+#define RANKS_MOVING_BOXES_H
 
 #include <float.h>
 #include <math.h>

@@ -4,8 +4,8 @@
  * that ranks may outnumber processors. After the timeout, or an error of MPI, the link is
  * broken for good: messages may still be under way into memory that nobody frees then.
  */
-#ifndef RANKS_LINK_H
-#define RANKS_LINK_H
+#ifndef RANKS_RANK_LINK_H
+#define RANKS_RANK_LINK_H
 
 #include <mpi.h>
 #include <stdbool.h>

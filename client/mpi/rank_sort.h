@@ -1,6 +1,6 @@
 /* rank_sort.h - sorts numbers with something attached, in linear time. */
-#ifndef RANKS_SORT_H
-#define RANKS_SORT_H
+#ifndef RANKS_RANK_SORT_H
+#define RANKS_RANK_SORT_H
 
 #include <stdint.h>
 

@@ -9,8 +9,8 @@
  * nobody does, the ranks add up how many have, and each takes what it has not seen: no
  * message is left for the next call.
  */
-#ifndef RANKS_STOP_H
-#define RANKS_STOP_H
+#ifndef RANKS_RANK_STOP_H
+#define RANKS_RANK_STOP_H
 
 #include <stdatomic.h>
 

@@ -40,6 +40,17 @@ LC_ALL=C comm -23 <(printf '%s\n' "${sources[@]}" | sed -n 's/[.]c$//p') \
     sed 's/^/no list names /' >"$work/log"
 check sources__are_in_a_list
 
+# If this failed, the guard of a header would be a name that it had before, and sooner or later
+# that of another. The file's own name is its end.
+for header in "${sources[@]}"; do
+    name=${header##*/}
+    name=${name%.h}
+    [ "$name.h" != "${header##*/}" ] ||
+        grep -qE "^#ifndef ([A-Z0-9]+_)*${name^^}_H$" "$header" ||
+        echo "$header: no guard ${name^^}_H"
+done >"$work/log"
+check headers__have_a_guard_of_their_name
+
 # If this failed, a function would not fit on a screen. One that needs more says why in the
 # comment before it, after the words "More than 70 lines:".
 awk 'FNR == 1 { start = 0; excused = 0 }

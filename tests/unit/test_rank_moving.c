@@ -192,3 +192,41 @@ CASE(rank_moving__floats_are_rounded_outward)
         }
     }
 }
+
+/* If it failed, a rank would keep its ghosts though a vertex is where they were not
+ * chosen for, and a contact would be missed; or it would choose them anew each step. */
+CASE(rank_moving__a_vertex_that_leaves_its_box_is_noticed)
+{
+    const double x0[3] = {0, 0, 10}, x1[3] = {1, -1, 9}; /* by 1 along each axis */
+    const double more = 0.25, beside = 0.26, within = 0.24, later = 5;
+    for (int axis = 0; axis < 3; axis++) {
+        for (int follows = 0; follows < 2; follows++) {
+            const struct ranks_margin margin = {
+                .more = {more, more, more},
+                .follows = {follows == 1, follows == 1, follows == 1},
+                .steps = later};
+            float cover[6];
+            ranks_cover(x0, x1, &margin, cover);
+            for (int side = -1; side <= 1; side += 2) {
+                /* Later it has gone on, or stands at the end that is on this side. */
+                double t = follows == 1 ? later : 1;
+                double x[3];
+                for (int k = 0; k < 3; k++) {
+                    x[k] = x0[k] + t * (x1[k] - x0[k]);
+                }
+                if (follows == 0) {
+                    x[axis] =
+                        side < 0 ? fmin(x0[axis], x1[axis]) : fmax(x0[axis], x1[axis]);
+                }
+                const double is = x[axis];
+                x[axis] = is + side * within;
+                assert_true(ranks_is_covered(x, later, &margin, cover));
+                x[axis] = is + side * beside;
+                assert_false(ranks_is_covered(x, later, &margin, cover));
+            }
+            /* What stands still at x1 is soon not where it would have gone on to. */
+            assert_true(ranks_is_covered(x1, 1, &margin, cover));
+            assert_true(ranks_is_covered(x1, later, &margin, cover) == (follows == 0));
+        }
+    }
+}

@@ -2,8 +2,8 @@
  *
  * Threads: one.
  */
-#ifndef CTL_STILL_H
-#define CTL_STILL_H
+#ifndef CTL_SNAPSHOT_H
+#define CTL_SNAPSHOT_H
 
 #include "play.h"
 

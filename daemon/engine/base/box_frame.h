@@ -7,8 +7,8 @@
  * the car would be the same box. Measured from an origin near the car, floats are 10^-7 m
  * apart.
  */
-#ifndef ENG_FRAME_H
-#define ENG_FRAME_H
+#ifndef ENG_BOX_FRAME_H
+#define ENG_BOX_FRAME_H
 
 #include <math.h>
 

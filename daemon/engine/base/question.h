@@ -53,7 +53,7 @@ enum eng_still {
     ENG_STILL_COUNT
 };
 
-/* All of it; zeros are the defaults. Its text is in question.h. */
+/* All of it; zeros are the defaults. Its text: below. */
 struct eng_tuning {
     enum eng_scheduler scheduler;
     enum eng_high_level high_level;

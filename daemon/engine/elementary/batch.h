@@ -39,8 +39,8 @@ struct eng_pairs {
     uint32_t kind; /* enum pccd_kind, or PCCD_EF, which is asked whether it crosses */
     enum eng_known known;
     uint32_t count; /* at most ENG_CHUNK_MAX */
-    /* Of contacts at both ends of the span. Distances: word1, no two of a pair alike, is
-     * their rank where distances are equal. */
+    /* Of contacts at both ends of the span. Distances: the points of a pair differ in
+     * word1, which decides between nearest features at equal distances. */
     const struct eng_point *points;
     const uint32_t (*quads)[4]; /* indices into `points`, in the order of query.h */
     const uint32_t (*fives)[5]; /* EF: the ends of the edge, the corners of the face */
@@ -86,8 +86,9 @@ struct eng_batch {
     uint32_t near_count;          /* of the unsure: these first are within the reach */
     double t_end, tolerance;      /* in the time of the span */
     uint32_t left[ENG_CHUNK_MAX]; /* pairs on their way through */
+    /* Pairs that lanes leave open; of thick features, their places in `left`. */
     uint32_t unsure[ENG_CHUNK_MAX];
-    uint32_t undecided[ENG_CHUNK_MAX];
+    uint32_t undecided[ENG_CHUNK_MAX]; /* of these, what `measure` leaves open */
 };
 
 /* Which of the pairs are what is asked for: to batch->index and so on; returns how many.

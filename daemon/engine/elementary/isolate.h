@@ -54,8 +54,8 @@ struct eng_isolator {
 /* root_size: of `root`. zoomed_bits: of coefficients over an interval of k <= depth_max,
  * which is the shortest that is ever gone to. */
 void eng_isolate_allocate(struct eng_isolator *isolator, struct eng_limbs *limbs,
-                       const struct eng_poly_size *root_size, size_t zoomed_bits,
-                       unsigned long depth_max);
+                          const struct eng_poly_size *root_size, size_t zoomed_bits,
+                          unsigned long depth_max);
 
 /* Begin with the roots of isolator->root in [0, 1]. Nothing is at hand yet. */
 void eng_isolate_begin(struct eng_isolator *isolator);

@@ -241,7 +241,8 @@ ENG_INLINE struct eng_motion_lanes eng_motion_load(enum pccd_kind kind,
     return eng_motion_of(kind, x);
 }
 
-/* Where the features are in a bracket. */
+/* The test of the domain in a bracket: do the parameters of the contact lie within both
+ * features? b, c: two of their edges, see query.h. */
 struct eng_domain_test {
     eng_dm inside;  /* certainly in the domain at every time of it, b and c independent */
     eng_dm outside; /* certainly no contact at any time of it */

@@ -116,9 +116,10 @@ ENG_INLINE enum eng_decision decide(enum pccd_kind kind, const struct eng_query 
         return ENG_MISSES;
     }
     if (lanes.wanted != 0) {
-        enum eng_decision verdict = look_at_root(kind, LOOK_FALLING, &lanes, limits, hit);
-        if (verdict != ENG_UNDECIDED) {
-            return verdict;
+        enum eng_decision decision =
+            look_at_root(kind, LOOK_FALLING, &lanes, limits, hit);
+        if (decision != ENG_UNDECIDED) {
+            return decision;
         }
     }
     /* A copy: the first look's own stays in registers. */

@@ -163,12 +163,14 @@ int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format 
 /* Both ends. */
 int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format format,
                    uint32_t first, uint32_t count, const void *x0, const void *x1);
-/* Before begin: where all end positions of an object can be written, and, unless x0 is
- * NULL, its start positions; after begin, that they are there. Nothing else happens to
- * the scene in between, or it is told, then or after begin, to forget them, and where the
- * last step began is not known any more. PCCD_E_INVAL: no such object. PCCD_E_NOMEM. */
+/* Say, before begin, where all end positions of an object can be written, and, unless x0
+ * is NULL, its start positions. Nothing else happens to the scene until they are there
+ * (eng_stage_mapped, after begin); or it is told, then or after begin, to forget them,
+ * and where the last step began is not known any more. PCCD_E_INVAL: no such object.
+ * PCCD_E_NOMEM. */
 int eng_stage_map(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3],
                   double (**x1)[3]);
+/* Say that they were written there. */
 int eng_stage_mapped(struct eng_scene *scene, uint32_t object_idx, bool has_start);
 /* Also of any object of a step that is aborted before it was staged: it began where it
  * is. */

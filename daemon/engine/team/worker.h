@@ -32,7 +32,7 @@ struct eng_barrier {
 struct eng_stop {
     struct eng_barrier barrier;
     const atomic_bool *cancel;
-    bool (*is_stopped)(void *asked); /* of the settings */
+    bool (*is_stopped)(void *asked); /* of the question */
     void *asked;
     uint64_t deadline_ns;
     atomic_int reason;   /* enum pccd_incomplete, set by the worker that saw it */
@@ -64,7 +64,7 @@ static inline bool eng_stop_is_set(const struct eng_stop *stop)
 struct eng_worker {
     struct eng_scene *scene; /* written to only behind gates (rebuild.h) */
     const struct eng_question *question;
-    const struct eng_kernels *kernels; /* of the settings, never NULL */
+    const struct eng_kernels *kernels; /* of the question, never NULL */
     struct eng_stop *stop;
     uint32_t thread;   /* place in the team */
     double time_bound; /* the shared one as last seen */

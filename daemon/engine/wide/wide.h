@@ -11,8 +11,8 @@
  * so that its groups stay together. Slots between objects are empty. All trees have the
  * same number of levels; the highest has one block.
  */
-#ifndef ENG_WIDE_TREES_H
-#define ENG_WIDE_TREES_H
+#ifndef ENG_WIDE_H
+#define ENG_WIDE_H
 
 #include <assert.h>
 #include <stdatomic.h>

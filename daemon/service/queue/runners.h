@@ -37,7 +37,8 @@ struct srv_workspace;
 struct srv_service;
 struct srv_timer;
 
-/* Begun with srv_spare_runner_init; zeroed before. */
+/* Watches the queue, and has one more runner started when all are long at work. Begun
+ * with srv_spare_runner_init; zeroed before. */
 struct srv_spare_runner {
     struct srv_service *service;      /* whom the host starts a runner for */
     struct srv_compute *compute;      /* the queue that is helped */

@@ -89,7 +89,8 @@ enum srv_job_state {
     SRV_JOB_DONE = 3
 };
 
-/* All zero but for list.group: nothing waits. They belong to the queue's lock. */
+/* A user's lists. This and the next belong to the queue's lock; all zero but for
+ * list.group: nothing waits. */
 struct srv_group {
     struct srv_fair turn; /* first */
     struct srv_fairqueue lists;
@@ -97,6 +98,7 @@ struct srv_group {
     struct srv_group *next_served; /* while one is chosen: that have their share */
 };
 
+/* The jobs of one session, of which one runs at a time. */
 struct srv_job_list {
     struct srv_fair turn; /* first; among the lists of its group */
     struct srv_group *group;

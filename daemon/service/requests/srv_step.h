@@ -27,14 +27,14 @@ struct srv_step_params {
     uint64_t deadline_ns; /* from arrival; 0: none */
     uint64_t step;        /* of the first scene; each next one has the next */
     const char *tuning;   /* of the message */
-    bool is_near;         /* the question of scene.near, in the place of a step: */
-    uint32_t mode;        /* what follows is 0 */
+    bool is_near;         /* it is the question of scene.near: all that follows is 0 */
+    uint32_t mode;
     double tolerance;
     double separation;
     double approach;
     bool tells_start;
     bool holds;
-    bool places; /* it only brings objects back */
+    bool places; /* it only brings objects to their places */
 };
 
 struct srv_step_params srv_step_params_of(int method, const union srv_params *params);
