@@ -93,3 +93,51 @@ CASE(still__step_that_is_weighed_leaves_no_answer)
     eng_mesh_release(mesh);
     eng_scene_free(scene);
 }
+
+#define SMALL_SIDE 8u
+#define SMALL_V    ((SMALL_SIDE + 1) * (SMALL_SIDE + 1))
+#define FEW        10u
+
+/* Two large sheets stand on each other, and one of two small ones, far from these, goes
+ * to and fro through the other. If it failed: the first records of an answer that is too
+ * long would not be the first of all. */
+CASE(still__first_records_of_a_long_answer_are_of_what_stands)
+{
+    struct eng_question question = ENG_QUESTION_DEFAULT;
+    static double small_x[SMALL_V][3];
+    struct pccd_contact kept[FEW];
+    uint32_t idx[4];
+    struct eng_mesh *large = kit_sheet(SIDE, 0);
+    struct eng_mesh *small = kit_sheet(SMALL_SIDE, 5);
+    struct eng_scene *scene = kit_scene();
+    for (uint32_t i = 0; i < 4; i++) {
+        assert_ok(eng_scene_add(scene, i < 2 ? large : small, i + 1, &idx[i]));
+    }
+    for (uint32_t step = 0; step < 5; step++) {
+        memcpy(small_x, small->x, sizeof small_x);
+        for (uint32_t i = 0; i < SMALL_V; i++) {
+            small_x[i][2] += step % 2 ? 0.01 : -0.01;
+        }
+        eng_stage_begin(scene);
+        assert_ok(eng_stage_x1(scene, idx[2], PCCD_FORMAT_F64, 0, SMALL_V, small_x));
+        question.contact_max = step < 4 ? UINT64_MAX : FEW;
+        struct eng_step_result result = kit_step(scene, &question);
+        assert_true(result.count >= FEW);
+        if (step == 3) { /* the large sheets' come first */
+            assert_true(result.counters.kept_records >= FEW);
+            memcpy(kept, result.records, sizeof kept);
+            assert_int_equal(kept[FEW - 1].object_a, 1);
+            assert_int_equal(
+                ((const struct pccd_contact *)result.records)[result.count - 1].object_a,
+                3);
+        } else if (step == 4) {
+            assert_true(result.counters.kept_records > 0);
+            assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
+            assert_int_equal(result.count, FEW);
+            assert_memory_equal(result.records, kept, sizeof kept);
+        }
+    }
+    eng_mesh_release(large);
+    eng_mesh_release(small);
+    eng_scene_free(scene);
+}
