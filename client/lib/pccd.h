@@ -110,7 +110,7 @@ struct pccd_options {
     void *unmap_context;
 };
 
-/* Options with every default filled in. */
+/* Fill in every default. (Options have no ..._INIT: they are asked for once.) */
 void pccd_options_init(struct pccd_options *options);
 
 /* Connect; `options` NULL = all defaults. With the default URL and nobody listening,

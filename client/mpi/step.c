@@ -15,6 +15,7 @@
 #include "cut.h"
 #include "ghosts.h"
 #include "mpi_hooks.h"
+#include "names.h"
 #include "near_objects.h"
 #include "parts.h"
 #include "rounding.h"
@@ -148,7 +149,8 @@ static int take_motions(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     struct ranks_link *link = &world->link;
     size_t bytes = (size_t)ROWS * world->object_count;
-    bool is_at_begin = moment->near != NULL && moment->near->end == 0;
+    bool is_at_begin = moment->near != NULL &&
+                       common_near_reads_begin(moment->near->what, moment->near->end);
     int status = ranks_motions_take(world, moment->motions, moment->motion_count);
     look(world, moment);
     if (moment->near != NULL && moment->motion_count == 0) {

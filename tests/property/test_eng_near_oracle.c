@@ -387,9 +387,9 @@ static double some_distance(struct sequence *sequence)
 
 static void draw_question(struct sequence *sequence)
 {
-    static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS,    PCCD_NEAR_FEATURES,
-                                                PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS,
-                                                PCCD_NEAR_NEAREST,  PCCD_NEAR_DEPTH};
+    static const enum pccd_near_what whats[] = {
+        PCCD_NEAR_PAIRS,   PCCD_NEAR_FEATURES, PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS,
+        PCCD_NEAR_NEAREST, PCCD_NEAR_DEPTH}; /* of closed meshes, last */
     const struct player *player = &sequence->stir.player;
     struct eng_question *question = &sequence->question;
     *question = kit_question(whats[draw(sequence, sequence->stir.is_closed ? 6 : 5)]);

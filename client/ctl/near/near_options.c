@@ -51,7 +51,7 @@ static void check_usage(struct argp_state *state, void *to)
         option_misused(state, "--self: nearest is of two objects");
     }
     if (options->ask.files.count > 1 && !options->has_self &&
-        (what == PCCD_NEAR_PAIRS || what == PCCD_NEAR_FEATURES)) {
+        common_near_has_all_pairs(what) && what != PCCD_NEAR_VERTICES) {
         options->ask.object.what |= PCCD_OBJECT_SELF;
         options->ask.object.self_collision = false;
     }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "array.h"
+#include "names.h"
 #include "payload.h"
 
 #define AT_ONCE 1u /* deadline_ns: move, and look for nothing */
@@ -460,7 +461,8 @@ int replayer_ask(struct replayer *replayer, struct registry *state,
     struct registry_scene *scene = registry_scene(state, item->scene);
     /* A question about where the last movement began: it is made once more, with it. */
     bool repeats = scene != NULL && item->is_near && item->segment_count == 0 &&
-                   item->near.end == 0 && !scene->has_begin;
+                   common_near_reads_begin(item->near.what, item->near.end) &&
+                   !scene->has_begin;
     uint32_t count = 0;
     uint64_t step = 0;
     if (status == PCCD_OK && scene != NULL && !scene->is_placed && !repeats) {

@@ -63,10 +63,9 @@ struct eng_step_result {
     /* Records that touch at t = 0 in a vertex of both features, as where a surface is
      * split; 0 if anything is thick. */
     uint64_t coincident;
+    /* VERTICES: the least and the greatest bound by a pair, in the whole scene. */
     double distance_min; /* least d_lo; 2e18 without any record */
-    double distance_max; /* greatest d_hi; 0 without any record. VERTICES:
-                          * the least and the greatest bound by a pair, in the
-                          * whole scene */
+    double distance_max; /* greatest d_hi; 0 without any record */
     /* Edges that pass through faces: of DEPTH, CROSSINGS, and where they were asked for.
      * Of a step that tells how it begins, at t = 0; with an approach also the pairs that
      * are within their distance then. If there are any, the verdict is not NO: it is

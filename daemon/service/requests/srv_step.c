@@ -5,6 +5,7 @@
 
 #include "held.h"
 #include "invariant.h"
+#include "names.h"
 #include "now.h"
 #include "numbers.h"
 #include "service.h"
@@ -219,7 +220,8 @@ static int check_near(const struct srv_step_run *run)
                                    object);
         }
     }
-    if (question->end == 0 && !moves(run) && scene->is_placed) {
+    if (common_near_reads_begin(question->verb, question->end) && !moves(run) &&
+        scene->is_placed) {
         return proto_error_set(run->staging.error, PCCD_E_STATE,
                                "where the last step of scene 0x%x began is not known: "
                                "it was brought back to this daemon, and no step since",
