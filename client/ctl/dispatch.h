@@ -45,10 +45,23 @@ int ctl_dispatch(const struct ctl_program *program, const char *version, int arg
 
 /* ---- Completes the commands and options of a program in a shell. */
 
-/* Of a struct option_arguments: "bash|zsh|fish", or the synopsis of a manual page. */
+/* The shell, or "synopsis" for that of a manual page: a struct option_arguments. */
 extern const struct option_table completion_table;
-/* The command "completion" of a program, whose table has completion_table. Returns an
- * exit status. */
+/* The table of the command "completion" of a program. */
+#define CTL_COMPLETION_TABLE(program)                                                    \
+    {                                                                                    \
+        .parts = (const struct option_part[]){{&completion_table, 0}, {0}},              \
+        .arguments = "bash|zsh|fish",                                                    \
+        .text =                                                                          \
+            "Print what a shell needs to complete the commands and options of " program  \
+            ".",                                                                         \
+        .more = "make install puts it where the shells look. In a shell by hand:\n"      \
+                "  source <(" program " completion bash)",                               \
+        .examples =                                                                      \
+            "  " program " completion bash >/etc/bash_completion.d/" program "\n"        \
+            "  " program " completion zsh >~/.zfunc/_" program "\n"                      \
+    }
+/* The command itself. Returns an exit status. */
 int completion_command(const struct ctl_program *program,
                        const struct option_table *table, int argc, char **argv);
 

@@ -22,16 +22,7 @@ static const struct ctl_program program = {
     .commands = commands,
     .command_count = sizeof commands / sizeof commands[0]};
 
-const struct option_table ctl_table_completion = {
-    .parts = (const struct option_part[]){{&completion_table, 0}, {0}},
-    .arguments = "bash|zsh|fish",
-    .text = "Print what a shell needs to complete the commands and options of "
-            "pccdctl.",
-    .more = "make install puts it where the shells look. In a shell by hand:\n"
-            "  source <(pccdctl completion bash)",
-    .examples = "  pccdctl completion bash >/etc/bash_completion.d/pccdctl\n"
-                "  pccdctl completion zsh >~/.zfunc/_pccdctl\n",
-};
+const struct option_table ctl_table_completion = CTL_COMPLETION_TABLE("pccdctl");
 
 int ctl_cmd_completion(int argc, char **argv)
 {

@@ -51,7 +51,8 @@ static inline bool common_near_has_all_pairs(uint32_t what)
     return common_near_has_distance(what) && what != PCCD_NEAR_NEAREST;
 }
 
-/* Return whether the question, at this end, reads where the last step began. */
+/* Return whether the question, at this end, reads where the last step began. A question
+ * about both ends would read it whatever `end` is. */
 static inline bool common_near_reads_begin(uint32_t what, uint32_t end)
 {
     (void)what;

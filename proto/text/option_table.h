@@ -30,8 +30,9 @@ typedef void (*option_take)(struct argp_state *state, const struct option_row *r
 struct option_row {
     const char *name; /* after "--" */
     char letter;      /* after "-"; 0: none */
-    const char *arg;  /* its value in the help text, "a|b|c" if it is one of these
-                           * words; NULL: it has none */
+    /* Its value in the help text, "a|b|c" if it is one of these words; NULL: it has
+     * none. */
+    const char *arg;
     const char *help; /* what is asked for by it, with the default */
     enum option_type type;
     size_t at;            /* in the struct of the table */
@@ -60,8 +61,8 @@ struct option_table {
     /* Once all is parsed, parts first: end the program if options contradict each other.
      * NULL: they cannot. */
     void (*check)(struct argp_state *state, void *to);
-    const char
-        *name; /* of a part, in a synopsis: [_NAME OPTION_...]; NULL: each option */
+    /* Of a part, in a synopsis: [_NAME OPTION_...]; NULL: each option is named. */
+    const char *name;
 
     /* Of a command: */
     const char *arguments; /* such as "FILE..."; NULL: none */
@@ -81,13 +82,13 @@ int option_parse(const struct option_table *table, int argc, char **argv, void *
  * as \xNN. */
 void option_misused(const struct argp_state *state, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-/* A number in the row's range. */
+/* Return a number in the row's range. */
 uint64_t option_number(const struct argp_state *state, const struct option_row *row,
                        const char *text);
 double option_real(const struct argp_state *state, const struct option_row *row,
                    const char *text);
-/* The place of the text, of so many bytes, among words "a|b|c". `name` is the option's;
- * NULL: it is an argument. */
+/* Return the place of the text, of so many bytes, among words "a|b|c". `name` is the
+ * option's; NULL: it is an argument. */
 uint32_t option_word(const struct argp_state *state, const char *name, const char *text,
                      size_t bytes, const char *words);
 

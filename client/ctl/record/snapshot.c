@@ -444,27 +444,22 @@ double snapshot_greatest(const struct snapshot *snapshot)
 
 void snapshot_report(const struct snapshot *snapshot, const char *path, bool is_json)
 {
-    if (!is_json && snapshot->lines != NULL) {
-        printf("%s: question %" PRIu64 " at t = %g, %" PRIu32 " %s, %" PRIu64 " %s\n",
-               tool_shown(path), snapshot->step, snapshot->t, snapshot->object_count,
-               proto_plural(snapshot->object_count, "object", "objects"),
-               snapshot->line_count,
-               proto_plural(snapshot->line_count, "record", "records"));
-        return;
-    }
+    bool is_near = snapshot->lines != NULL;
+    uint64_t count = is_near ? snapshot->line_count : snapshot->contact_count;
     if (!is_json) {
-        printf("%s: step %" PRIu64 " at t = %g, %" PRIu32 " %s, %" PRIu64 " %s\n",
-               tool_shown(path), snapshot->step, snapshot->t, snapshot->object_count,
-               proto_plural(snapshot->object_count, "object", "objects"),
-               snapshot->contact_count,
-               proto_plural(snapshot->contact_count, "contact", "contacts"));
+        printf("%s: %s %" PRIu64 " at t = %g, %" PRIu32 " %s, %" PRIu64 " %s\n",
+               tool_shown(path), is_near ? "question" : "step", snapshot->step,
+               snapshot->t, snapshot->object_count,
+               proto_plural(snapshot->object_count, "object", "objects"), count,
+               is_near ? proto_plural(count, "record", "records")
+                       : proto_plural(count, "contact", "contacts"));
         return;
     }
     json_t *object = json_pack("{s:o, s:I, s:f, s:I, s:I}", "file", json_text(path),
                                "step", (json_int_t)snapshot->step, "t", snapshot->t,
                                "objects", (json_int_t)snapshot->object_count, "contacts",
                                (json_int_t)snapshot->contact_count);
-    if (snapshot->lines != NULL) {
+    if (is_near) {
         json_object_set_new(object, "near",
                             json_integer((json_int_t)snapshot->line_count));
     }

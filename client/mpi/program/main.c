@@ -32,14 +32,7 @@ static struct ctl_program program = {
     .commands = commands,
     .command_count = sizeof commands / sizeof commands[0]};
 
-const struct option_table program_table_completion = {
-    .parts = (const struct option_part[]){{&completion_table, 0}, {0}},
-    .arguments = "bash|zsh|fish",
-    .text = "Print what a shell needs to complete the commands and options of pccd-mpi.",
-    .more = "make install puts it where the shells look. In a shell by hand:\n"
-            "  source <(pccd-mpi completion bash)",
-    .examples = "  pccd-mpi completion bash >/etc/bash_completion.d/pccd-mpi\n"
-                "  pccd-mpi completion zsh >~/.zfunc/_pccd-mpi\n"};
+const struct option_table program_table_completion = CTL_COMPLETION_TABLE("pccd-mpi");
 
 int program_completion(int argc, char **argv)
 {

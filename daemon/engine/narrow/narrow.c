@@ -150,8 +150,9 @@ static void keep(struct eng_worker *worker, const struct eng_pairs *pairs,
     }
 }
 
-/* Tell who weighs of those that the lanes did not reject, in the place of keeping any. Of
- * pairs that meet at a distance as many, whichever the lanes have advanced. */
+/* Tell whoever weighs of the pairs that the lanes did not reject, in the place of keeping
+ * any. Those that keep a distance may be rejected later, where `left` stays as it was: as
+ * many are told as are left, but not always the same ones. Weights need no more. */
 static void weigh(struct eng_worker *worker, const struct eng_pairs *pairs,
                   const uint32_t *number, eng_names_fn names)
 {
