@@ -211,7 +211,7 @@ struct cli_turn cli_enter_late(struct pccd_client *client);
 void cli_leave(struct cli_turn *turn);
 
 /* Begins every public function with a client; it is left by itself at the end. */
-#define CLI_TURN __attribute__((cleanup(cli_leave))) struct cli_turn
+#define CLI_TURN __attribute__((cleanup(cli_leave), unused)) struct cli_turn
 #define CLI_ENTER_OR_RETURN(client)                                                      \
     CLI_TURN cli_turn = cli_enter(client);                                               \
     if (cli_turn.status != 0) {                                                          \

@@ -47,9 +47,10 @@ int main(int argc, char **argv)
             least = seconds < least ? seconds : least;
             bytes = mesh.vertex_count * (mesh.format == PCCD_FORMAT_F32 ? 12ul : 24ul) +
                     mesh.triangles.count * 12ul;
-            printf(k + 1 < times ? "" : "%s %u %u %.4f %zu %ld\n", argv[i],
-                   mesh.vertex_count, mesh.triangles.count, least, bytes,
-                   peak_bytes() - before);
+            if (k + 1 == times) {
+                printf("%s %u %u %.4f %zu %ld\n", argv[i], mesh.vertex_count,
+                       mesh.triangles.count, least, bytes, peak_bytes() - before);
+            }
             ctl_mesh_deinit(&mesh);
         }
     }
