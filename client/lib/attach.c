@@ -207,7 +207,7 @@ int cli_slot_take(struct pccd_client *client, uint32_t slot, uint64_t deadline_n
     struct cli_ring *ring = &client->ring;
     int status;
 
-    if (cli_slot_acquire(ring, slot)) {
+    if (cli_slot_withdraw_offer(ring, slot)) {
         return 0;
     }
     status = cli_call_sync(client, PROTO_METHOD_SHM_TAKE, &request, NULL, deadline_ns);
@@ -221,7 +221,7 @@ int cli_slot_take(struct pccd_client *client, uint32_t slot, uint64_t deadline_n
     if (status != 0) {
         return cli_fail(client, status, "no memory for slot %u", slot);
     }
-    (void)cli_slot_acquire(ring, slot);
+    (void)cli_slot_withdraw_offer(ring, slot);
     return 0;
 }
 

@@ -122,7 +122,7 @@ bool cli_slot_has_memory(const struct cli_ring *ring, uint32_t slot)
            PROTO_SLOT_EMPTY;
 }
 
-bool cli_slot_acquire(struct cli_ring *ring, uint32_t slot)
+bool cli_slot_withdraw_offer(struct cli_ring *ring, uint32_t slot)
 {
     uint64_t expected = PROTO_SLOT_FREE;
 

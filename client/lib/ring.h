@@ -92,8 +92,9 @@ void cli_slot_offer_all(struct cli_ring *ring);
 
 /* Return whether a slot has memory; one that was offered may lose it at any time. */
 bool cli_slot_has_memory(const struct cli_ring *ring, uint32_t slot);
-/* Take back what cli_slot_offer said. false: the slot has no memory any more. */
-bool cli_slot_acquire(struct cli_ring *ring, uint32_t slot);
+/* Withdraw what cli_slot_offer said, before the slot is written. Return whether the slot
+ * still has its memory; if not, the daemon has to give it some (cli_slot_take). */
+bool cli_slot_withdraw_offer(struct cli_ring *ring, uint32_t slot);
 
 /* Return the KEPT slot with the oldest step; CLI_SLOT_NONE: none is KEPT. */
 uint32_t cli_slot_oldest_kept(const struct cli_ring *ring);

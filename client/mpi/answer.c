@@ -253,7 +253,7 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
     totals.incomplete[answer->incomplete] = 1;
     double toi_first = totals.sums.toi_first;
     totals.sums.toi_first = 0;
-    balance_note(world, &answer->counters);
+    ranks_work_note(world, &answer->counters);
     world->share.sent_bytes = world->link.sent_bytes;
     if (status == PCCD_OK) {
         status = slowest(world, &cut_ns, answer, &toi_first);
@@ -267,10 +267,10 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
         status = ranks_stop_settle(&world->stop, totals.said);
     }
     if (status == PCCD_OK && is_whole(&totals)) {
-        status = balance_tell(world);
+        status = ranks_work_compare(world);
     }
     if (status == PCCD_OK && (is_whole(&totals) || cut_ns > 0)) {
-        balance_note_times(world, answer->times.step, cut_ns);
+        ranks_times_note(world, answer->times.step, cut_ns);
     }
     totals.sums.toi_first = toi_first;
     world->found = totals.sums.total;

@@ -59,7 +59,7 @@ static void forget_pairs(struct pccd_mpi *world)
     }
 }
 
-int balance_weigh_begin(struct pccd_mpi *world)
+int ranks_pairs_count_begin(struct pccd_mpi *world)
 {
     bool is_short = false;
     for (uint32_t o = 0; o < world->object_count; o++) {
@@ -78,7 +78,7 @@ int balance_weigh_begin(struct pccd_mpi *world)
     return PCCD_OK;
 }
 
-void balance_weigh_stop(struct pccd_mpi *world)
+void ranks_pairs_count_end(struct pccd_mpi *world)
 {
     cli_mpi_weigh(world->client, NULL, NULL);
 }
@@ -179,8 +179,8 @@ static int scale(struct pccd_mpi *world, struct load mine, uint64_t *sum)
     return status;
 }
 
-int balance_weigh_end(struct pccd_mpi *world, const struct pccd_step_counters *counters,
-                      uint64_t *sum)
+int ranks_leaves_weigh(struct pccd_mpi *world, const struct pccd_step_counters *counters,
+                       uint64_t *sum)
 {
     uint64_t leaves = 0, pairs = 0;
     int status = PCCD_OK;
@@ -195,7 +195,7 @@ int balance_weigh_end(struct pccd_mpi *world, const struct pccd_step_counters *c
     return status == PCCD_OK ? scale(world, mine, sum) : status;
 }
 
-void balance_forget_weights(struct pccd_mpi *world)
+void ranks_weights_forget(struct pccd_mpi *world)
 {
     forget_pairs(world);
     for (uint32_t o = 0; o < world->object_count; o++) {
@@ -206,7 +206,7 @@ void balance_forget_weights(struct pccd_mpi *world)
 
 /* ---- balance ----------------------------------------------------------------------- */
 
-void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *counters)
+void ranks_work_note(struct pccd_mpi *world, const struct pccd_step_counters *counters)
 {
     world->share.work = work_of(world, counters);
 }
@@ -231,7 +231,7 @@ static int compare(struct pccd_mpi *world, uint64_t mine, double *most, double *
     return status;
 }
 
-int balance_guess(struct pccd_mpi *world, uint64_t weight, bool *is_uneven)
+int ranks_weights_compare(struct pccd_mpi *world, uint64_t weight, bool *is_uneven)
 {
     double most, imbalance;
     int status = compare(world, weight, &most, &imbalance);
@@ -239,7 +239,7 @@ int balance_guess(struct pccd_mpi *world, uint64_t weight, bool *is_uneven)
     return status;
 }
 
-int balance_tell(struct pccd_mpi *world)
+int ranks_work_compare(struct pccd_mpi *world)
 {
     double most;
     int status = compare(world, world->share.work, &most, &world->share.imbalance);
@@ -247,7 +247,7 @@ int balance_tell(struct pccd_mpi *world)
     return status;
 }
 
-void balance_note_times(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_ns)
+void ranks_times_note(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_ns)
 {
     if (cut_ns > 0) {
         world->cut_ns = cut_ns;
@@ -257,7 +257,7 @@ void balance_note_times(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_n
     world->lost_ns += (1 - 1 / world->share.imbalance) * (double)step_ns;
 }
 
-bool balance_wants_cut(const struct pccd_mpi *world)
+bool ranks_cut_is_due(const struct pccd_mpi *world)
 {
     return world->link.size > 1 && world->share.imbalance > IMBALANCE_MAX &&
            (world->share.cuts < 3 || world->lost_ns > (double)world->cut_ns);

@@ -192,17 +192,17 @@ struct band {
 };
 
 struct search {
-    const struct ranks_need *need;
+    const struct ranks_fetch *fetch;
     struct ranks_block *all; /* boxes of all ranks that may meet own leaves */
     uint64_t *first;         /* [size + 1] of these */
     struct band *bands;      /* of these, rank by rank */
     uint64_t *band_first;    /* [size + 1] */
-    struct band *own_bands;  /* of need->leaves->blocks */
+    struct band *own_bands;  /* of fetch->leaves->blocks */
     uint64_t own_band_count;
     /* What is near an own band, or a block of it; scratch. */
     const struct band **near_bands;
     const struct ranks_block **near_blocks;
-    char *out; /* items of need->item_bytes */
+    char *out; /* items of fetch->item_bytes */
     uint64_t out_count, out_capacity;
     uint64_t *out_first; /* [size + 1] */
 };
@@ -223,13 +223,13 @@ static void search_deinit(struct search *search)
 static bool meet(const struct search *search, const struct ranks_moving_box *a,
                  const struct ranks_moving_box *b)
 {
-    return ranks_moving_boxes_meet(a, b, search->need->steps);
+    return ranks_moving_boxes_meet(a, b, search->fetch->steps);
 }
 
 /* Boxes far from all of this rank need not be looked at again and again. */
 static void forget_far(const struct pccd_mpi *world, struct search *search)
 {
-    const struct ranks_boxes *leaves = search->need->leaves;
+    const struct ranks_boxes *leaves = search->fetch->leaves;
     struct ranks_moving_box whole;
     ranks_moving_box_begin(&whole);
     for (uint32_t b = 0; b < leaves->block_count; b++) {
@@ -238,7 +238,7 @@ static void forget_far(const struct pccd_mpi *world, struct search *search)
     uint64_t kept = 0;
     for (int r = 0; r < world->link.size; r++) {
         uint64_t begin = search->first[r];
-        bool is_asked = r != world->link.rank || search->need->is_of_self;
+        bool is_asked = r != world->link.rank || search->fetch->is_of_self;
         search->first[r] = kept;
         for (uint64_t i = begin; i < search->first[r + 1] && is_asked; i++) {
             if (meet(search, &whole, &search->all[i].box)) {
@@ -268,7 +268,7 @@ static uint64_t band_up(const struct ranks_block *blocks, uint64_t begin, uint64
 static int make_bands(struct pccd_mpi *world, struct search *search)
 {
     const uint32_t size = (uint32_t)world->link.size;
-    const uint32_t own = search->need->leaves->block_count;
+    const uint32_t own = search->fetch->leaves->block_count;
     uint64_t count = 0, most = search->first[size] / BAND_BLOCKS + size;
     search->bands = ranks_array(most, sizeof *search->bands);
     search->band_first = ranks_array((uint64_t)size + 1, sizeof *search->band_first);
@@ -288,7 +288,7 @@ static int make_bands(struct pccd_mpi *world, struct search *search)
     }
     search->band_first[size] = count;
     search->own_band_count =
-        band_up(search->need->leaves->blocks, 0, own, search->own_bands);
+        band_up(search->fetch->leaves->blocks, 0, own, search->own_bands);
     return PCCD_OK;
 }
 
@@ -304,7 +304,7 @@ static uint32_t find_near(const struct pccd_mpi *world, const struct search *sea
     for (uint64_t i = band->begin; i < band->end; i++) {
         const struct ranks_block *theirs = &search->all[i];
         if (meet(search, &block->box, &theirs->box) &&
-            search->need->wants(world, theirs->object, block->object)) {
+            search->fetch->wants(world, theirs->object, block->object)) {
             near[count++] = theirs;
         }
     }
@@ -314,7 +314,7 @@ static uint32_t find_near(const struct pccd_mpi *world, const struct search *sea
 /* A place for one more that goes out; NULL: no memory. */
 static void *next_place(struct search *search)
 {
-    const size_t bytes = search->need->item_bytes;
+    const size_t bytes = search->fetch->item_bytes;
     if (search->out_count == search->out_capacity) {
         uint64_t capacity = search->out_capacity + search->out_capacity / 2 + 1024;
         char *out = realloc(search->out, capacity * bytes);
@@ -331,12 +331,12 @@ static void *next_place(struct search *search)
 static bool choose_of(struct search *search, const struct ranks_block *block,
                       uint32_t near_count)
 {
-    const struct ranks_need *need = search->need;
+    const struct ranks_fetch *fetch = search->fetch;
     for (uint32_t i = 0; i < block->count && near_count > 0; i++) {
         const uint32_t leaf = block->begin + i;
         struct ranks_moving_box box;
         uint32_t n = 0;
-        ranks_leaf_box(need->leaves, block->object, leaf, &box);
+        ranks_leaf_box(fetch->leaves, block->object, leaf, &box);
         while (n < near_count && !meet(search, &box, &search->near_blocks[n]->box)) {
             n++;
         }
@@ -345,7 +345,7 @@ static bool choose_of(struct search *search, const struct ranks_block *block,
             return false;
         }
         if (item != NULL) {
-            need->put(need->context, block->object, leaf, item);
+            fetch->put(fetch->context, block->object, leaf, item);
         }
     }
     return true;
@@ -354,7 +354,7 @@ static bool choose_of(struct search *search, const struct ranks_block *block,
 /* Which of the own leaves go to rank r; false: no memory. */
 static bool choose_for(const struct pccd_mpi *world, struct search *search, int r)
 {
-    const struct ranks_block *blocks = search->need->leaves->blocks;
+    const struct ranks_block *blocks = search->fetch->leaves->blocks;
     bool has_memory = true;
     for (uint64_t m = 0; m < search->own_band_count && has_memory; m++) {
         const struct band *own = &search->own_bands[m];
@@ -386,17 +386,17 @@ static int choose(struct pccd_mpi *world, struct search *search)
     return status;
 }
 
-int ranks_need_leaves(struct pccd_mpi *world, const struct ranks_need *need, void **in,
-                      uint64_t *in_count)
+int ranks_fetch_leaves(struct pccd_mpi *world, const struct ranks_fetch *fetch, void **in,
+                       uint64_t *in_count)
 {
     struct ranks_link *link = &world->link;
-    struct search search = {.need = need};
+    struct search search = {.fetch = fetch};
     uint64_t *first_in = ranks_array((uint64_t)link->size + 1, sizeof *first_in);
     search.first = ranks_array((uint64_t)link->size + 1, sizeof *search.first);
     int status = ranks_agree_memory(world, first_in != NULL && search.first != NULL);
     *in_count = 0;
     if (status == PCCD_OK) {
-        status = ranks_spread(link, sizeof *need->boxes, need->boxes, need->box_count,
+        status = ranks_spread(link, sizeof *fetch->boxes, fetch->boxes, fetch->box_count,
                               (void **)&search.all, search.first);
     }
     if (status == PCCD_OK) {
@@ -404,7 +404,7 @@ int ranks_need_leaves(struct pccd_mpi *world, const struct ranks_need *need, voi
         status = ranks_agree_on(link, choose(world, &search));
     }
     if (status == PCCD_OK) {
-        status = ranks_deal(link, need->item_bytes, search.out, search.out_first, in,
+        status = ranks_deal(link, fetch->item_bytes, search.out, search.out_first, in,
                             first_in);
     }
     if (status == PCCD_OK) {

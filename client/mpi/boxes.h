@@ -22,43 +22,44 @@ struct ranks_boxes {
     uint32_t block_count;
 };
 
-/* By how much the box of a leaf of the object is larger than the leaf: at least half of
- * the distance at which any of its features meets another one's half. */
+/* Return by how much the box of a leaf of the object is larger than the leaf: at least
+ * the leaf's half of the distance at which any of its features meets another. */
 double ranks_reach(const struct ranks_object *object, double separation);
-/* On all sides, or by a little more. */
+/* Grow the box on all sides by `growth`, or by a little more (rounding). */
 void ranks_box_grow(float box[6], double growth);
-/* In this rank alone: x0[o], x1[o] of the local vertices of object o, whose margin is
- * object->margin. block_count: at most so many blocks, and as many again where the curve
- * jumps, and one more for each object. */
+/* In this rank alone: make boxes of all objects. x0[o], x1[o]: where the local vertices
+ * of object o begin and end; its margin is object->margin. block_count: at most so many
+ * blocks, and as many again where the curve jumps, and one more for each object. */
 int ranks_boxes_make(struct pccd_mpi *world, double separation, uint64_t block_count,
                      const double (*const *x0)[3], const double (*const *x1)[3],
                      struct ranks_boxes *boxes);
-/* Likewise, where objects stand at x. */
+/* Make boxes of objects that stand at x. */
 int ranks_boxes_make_still(struct pccd_mpi *world, uint64_t block_count,
                            const double (*const *x)[3], struct ranks_boxes *boxes);
-/* How many blocks a rank may have if each rank gets those of all, as for ghosts. */
+/* Return how many blocks a rank may have, so that each rank can get those of all. */
 uint64_t ranks_block_count(const struct pccd_mpi *world);
 void ranks_boxes_deinit(struct ranks_boxes *boxes);
 
-/* Which leaves a rank needs, and what it has for others. */
-struct ranks_need {
+/* Leaves that a rank needs of others, and its own ones, which others may need. */
+struct ranks_fetch {
     const struct ranks_boxes *leaves; /* own ones */
-    const struct ranks_block *boxes;  /* all leaves that meet any of them are needed .. */
+    const struct ranks_block *boxes;  /* leaves that meet one of them are fetched .. */
     uint64_t box_count;
-    double steps; /* .. while they go on so long */
-    /* .. if the object of a box wants those of the leaf's. */
+    double steps; /* .. if they meet within so many steps */
+    /* .. and if the object of the box wants those of the leaf's object. */
     bool (*wants)(const struct pccd_mpi *world, uint32_t box_object, uint32_t object);
-    bool is_of_self; /* own leaves, too */
-    /* An own leaf, as it goes to others. */
+    bool is_of_self; /* own leaves are among them, too */
+    /* Write an own leaf as it goes to others, to `item`. */
     void (*put)(const void *context, uint32_t object, uint32_t leaf, void *item);
     const void *context;
     size_t item_bytes;
 };
-/* Collective: the leaves that this rank needs, each once, to *in, which is allocated. */
-int ranks_need_leaves(struct pccd_mpi *world, const struct ranks_need *need, void **in,
-                      uint64_t *in_count);
+/* Collective: fetch the leaves that this rank needs, each once, to *in, which is
+ * allocated. */
+int ranks_fetch_leaves(struct pccd_mpi *world, const struct ranks_fetch *fetch, void **in,
+                       uint64_t *in_count);
 
-/* Of an own leaf of object o. */
+/* Set *moving to the box of an own leaf of object o. */
 static inline void ranks_leaf_box(const struct ranks_boxes *boxes, uint32_t o,
                                   uint32_t leaf, struct ranks_moving_box *moving)
 {

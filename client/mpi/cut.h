@@ -19,7 +19,7 @@ int ranks_cut(struct pccd_mpi *world);
 
 /* ---- Which rank gets which pieces of the curve. */
 
-/* A leaf under way. */
+/* A leaf on its way to the rank that will own it. */
 struct ranks_leaf_in_transit {
     uint64_t place; /* on the curve */
     uint32_t object, weight;
@@ -41,29 +41,32 @@ void ranks_pieces_deinit(struct ranks_pieces *pieces);
 
 /* ---- How evenly the work of steps lies on the ranks, and when it is cut anew. */
 
-/* In this rank alone: libpccd's next steps have no records; they count the pairs that
- * begin with each own feature. PCCD_E_NOMEM. */
-int balance_weigh_begin(struct pccd_mpi *world);
-/* In this rank alone: they have records again. */
-void balance_weigh_stop(struct pccd_mpi *world);
-/* Collective, after that: object->weights are what own leaves add to the work, by such a
- * step, and *sum is all of them. */
-int balance_weigh_end(struct pccd_mpi *world, const struct pccd_step_counters *counters,
-                      uint64_t *sum);
-/* In this rank alone: all leaves weigh the same again. */
-void balance_forget_weights(struct pccd_mpi *world);
+/* In this rank alone: have libpccd's next steps count the pairs that begin with each own
+ * feature, and make no records. PCCD_E_NOMEM. */
+int ranks_pairs_count_begin(struct pccd_mpi *world);
+/* In this rank alone: have them make records again. */
+void ranks_pairs_count_end(struct pccd_mpi *world);
+/* Collective, after such a step: set object->weights to what each own leaf adds to the
+ * work, by the pairs that were counted, and *sum to all of this rank. */
+int ranks_leaves_weigh(struct pccd_mpi *world, const struct pccd_step_counters *counters,
+                       uint64_t *sum);
+/* In this rank alone: let all leaves weigh the same again. */
+void ranks_weights_forget(struct pccd_mpi *world);
 
-/* After a step of libpccd in this rank. */
-void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *counters);
-/* Collective: are the weights of what the ranks have so uneven that a cut pays? */
-int balance_guess(struct pccd_mpi *world, uint64_t weight, bool *is_uneven);
-/* Collective, after a step that each rank did all its work for: world->share.imbalance;
- * the most work of a rank is added to world->right_work. */
-int balance_tell(struct pccd_mpi *world);
+/* In this rank alone, after a step of libpccd: set world->share.work. */
+void ranks_work_note(struct pccd_mpi *world, const struct pccd_step_counters *counters);
+/* Collective: set *is_uneven if the weights of what the ranks own differ so much that a
+ * cut pays. */
+int ranks_weights_compare(struct pccd_mpi *world, uint64_t weight, bool *is_uneven);
+/* Collective, after a step that each rank did all its work for: set
+ * world->share.imbalance, and add the most work of a rank to world->right_work. */
+int ranks_work_compare(struct pccd_mpi *world);
 
-/* The same on every rank: is the scene to be cut anew before the next step? step_ns,
- * cut_ns: how long the last step and the last cut took the slowest rank. */
-bool balance_wants_cut(const struct pccd_mpi *world);
-void balance_note_times(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_ns);
+/* Return whether the scene is to be cut anew before the next step; the same on every
+ * rank. */
+bool ranks_cut_is_due(const struct pccd_mpi *world);
+/* Add what the step lost because ranks waited; cut_ns > 0: there was a cut, and that sum
+ * begins anew. Both times are those of the slowest rank. */
+void ranks_times_note(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_ns);
 
 #endif

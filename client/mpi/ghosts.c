@@ -252,7 +252,7 @@ static int choose(struct pccd_mpi *world, double separation, bool is_still)
     uint64_t in_count = 0;
     int status = make_boxes(world, separation, is_still, &boxes);
     if (status == PCCD_OK) {
-        const struct ranks_need need = {
+        const struct ranks_fetch fetch = {
             .leaves = &boxes,
             .boxes = boxes.blocks,
             .box_count = boxes.block_count,
@@ -263,7 +263,7 @@ static int choose(struct pccd_mpi *world, double separation, bool is_still)
             .put = put,
             .context = world,
             .item_bytes = sizeof *in};
-        status = ranks_need_leaves(world, &need, (void **)&in, &in_count);
+        status = ranks_fetch_leaves(world, &fetch, (void **)&in, &in_count);
     }
     ranks_boxes_deinit(&boxes);
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {

@@ -147,17 +147,17 @@ int ranks_want_all(const struct ranks_pairing *pairing, bool are_ghosts,
                    struct ranks_wanted *wanted)
 {
     struct pccd_mpi *world = pairing->world;
-    const struct ranks_need need = {.leaves = &pairing->boxes,
-                                    .boxes = wanted->boxes,
-                                    .box_count = wanted->box_count,
-                                    .wants = is_of,
-                                    .is_of_self = true,
-                                    .put = put,
-                                    .context = pairing,
-                                    .item_bytes = sizeof(struct ranks_remote_leaf)};
+    const struct ranks_fetch fetch = {.leaves = &pairing->boxes,
+                                      .boxes = wanted->boxes,
+                                      .box_count = wanted->box_count,
+                                      .wants = is_of,
+                                      .is_of_self = true,
+                                      .put = put,
+                                      .context = pairing,
+                                      .item_bytes = sizeof(struct ranks_remote_leaf)};
     struct ranks_remote_leaf *came = NULL;
     uint64_t count = 0;
-    int status = ranks_need_leaves(world, &need, (void **)&came, &count);
+    int status = ranks_fetch_leaves(world, &fetch, (void **)&came, &count);
     if (status == PCCD_OK) {
         status = ranks_agree_on(&world->link, reserve(world, count, wanted));
     }

@@ -343,7 +343,7 @@ static int count_pairs(struct pccd_mpi *world, const struct ranks_moment *moment
     if (status == PCCD_OK) {
         status = pccd_wait(world->client, step, -1, answer);
     }
-    balance_weigh_stop(world);
+    ranks_pairs_count_end(world);
     if (status != PCCD_OK) {
         return ranks_fail_local(world, status, "the leaves were not weighed");
     }
@@ -360,13 +360,13 @@ static int weigh(struct pccd_mpi *world, struct ranks_moment *moment, uint64_t *
     sending.is_question = false;
     int status = ranks_ghosts_build(world);
     if (status == PCCD_OK) {
-        status = ranks_agree_on(&world->link, balance_weigh_begin(world));
+        status = ranks_agree_on(&world->link, ranks_pairs_count_begin(world));
     }
     if (status == PCCD_OK) {
         status = ranks_sending_make(world, &sending, &frame);
     }
     if (status != PCCD_OK) {
-        balance_weigh_stop(world);
+        ranks_pairs_count_end(world);
         return status;
     }
     ranks_stop_open(&world->stop);
@@ -378,7 +378,7 @@ static int weigh(struct pccd_mpi *world, struct ranks_moment *moment, uint64_t *
         moment->local[o] = NULL;
     }
     if (status == PCCD_OK) {
-        status = balance_weigh_end(world, &answer.counters, sum);
+        status = ranks_leaves_weigh(world, &answer.counters, sum);
     }
     return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
 }
@@ -394,12 +394,12 @@ static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool
     }
     bool is_weighed = status == PCCD_OK && moment->stopped == PCCD_COMPLETE;
     if (is_weighed && !always) {
-        status = balance_guess(world, weight, &is_uneven);
+        status = ranks_weights_compare(world, weight, &is_uneven);
     }
     if (is_weighed && status == PCCD_OK && is_uneven) {
         status = cut_leaves(world, moment);
     }
-    balance_forget_weights(world);
+    ranks_weights_forget(world);
     return status;
 }
 
@@ -503,7 +503,7 @@ static int answer_by(struct pccd_mpi *world, struct ranks_moment *moment,
     bool is_of_leaves = moment->near == NULL || !ranks_near_is_by_objects(moment->near);
     bool is_stopped = is_of_leaves && moment->stopped != PCCD_COMPLETE;
     bool is_cut =
-        !is_stopped && (!world->is_cut || (is_of_leaves && balance_wants_cut(world)));
+        !is_stopped && (!world->is_cut || (is_of_leaves && ranks_cut_is_due(world)));
     int status = is_cut ? cut(world, moment, is_of_leaves) : PCCD_OK;
     if (status != PCCD_OK) {
         return status;
