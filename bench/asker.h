@@ -10,7 +10,8 @@
 
 #define BENCH_SLOTS 4u /* of the upload ring */
 
-/* What the steps of a soup find: the vertices of the triangle that passes another. */
+/* Contacts that a step of a soup finds: the vertices of the triangle that passes
+ * another. */
 #define BENCH_SOUP_CONTACTS 3u
 
 void bench_must(int status, const char *what, struct pccd_client *client);

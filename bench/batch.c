@@ -22,8 +22,8 @@ static const char *const way_names[WAYS] = {
     [FLOWING] = "single requests, 16 in flight",
 };
 
-/* What is measured: the sum of the step times of the single requests, and of the batch by
- * one thread; of each way the time, and that of the daemon's threads. */
+/* Columns of a measurement: the sum of the step times of the single requests, and of the
+ * batch by one thread; then for each way its time, and that of the daemon's threads. */
 enum { SUM_SINGLE, SUM_BATCH, WALL, PROCESSOR = WALL + WAYS, SIDES = PROCESSOR + WAYS };
 
 struct hash {

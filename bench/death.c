@@ -29,7 +29,7 @@
 #define HEAP_BYTES     (16u << 20)
 #define PATIENCE_S     20
 
-/* Of one client and kill. */
+/* Times of one client after one kill. */
 struct sample {
     uint64_t all_us;
     uint64_t restore_us;
@@ -401,7 +401,8 @@ static bool end_bare(unsigned watchers, bool asks, uint64_t *us)
 
 /* ---- kills ------------------------------------------------------------------------- */
 
-/* Of one kill: what each client and each watcher saw. False: a client failed. */
+/* Kill the worker once, and add what each client and each watcher saw. Return false if a
+ * client failed. */
 static bool kill_once(const struct run *run, unsigned turn)
 {
     static uint64_t us[CLIENTS_MAX];

@@ -26,7 +26,7 @@
 
 /* ---- pairs by family --------------------------------------------------------------- */
 
-/* What is done to random points, because such pairs took longest. */
+/* Special positions that random points are moved to, because such pairs took longest. */
 enum shape {
     AS_DRAWN,
     FLAT,      /* all in one plane, throughout: distances are 0, or on edges */

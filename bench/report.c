@@ -195,7 +195,7 @@ void bench_heading(const char *text)
     }
 }
 
-/* Of this row to its base. A busy machine moves medians more than minima. */
+/* Ratios of a row to its base. A busy machine moves medians more than minima. */
 struct ratios {
     double p50;
     double min;

@@ -39,13 +39,13 @@ enum part {
     PART_COUNT
 };
 
-/* Of one item. */
+/* Cost of one item. */
 struct cost {
     double bytes;      /* read and written, each once */
     double operations; /* vector instructions; loads, stores and addresses not counted */
 };
 
-/* What an instruction set did in one repeat, and what came out. */
+/* Times and counts of an instruction set in one repeat, and what came out. */
 struct outcome {
     uint64_t ns[PART_COUNT];
     uint64_t items[PART_COUNT];
@@ -170,11 +170,12 @@ static double float_lanes(enum eng_isa isa)
     return lanes[isa];
 }
 
-/* Of a part's item. Bytes: what has to come from or go to where it is kept, once: a point
- * and its box are 64, its mark is 32, a box in a block is 48, a pair has 16 of indices; a
- * vertex has some 3 edges and 2 faces. Operations: those that the comments name, by all
- * lanes at a time; loads, turning points round and what is done once a group are not
- * among them. */
+/* Return the cost of one item of a part.
+ *
+ * Bytes: what has to come from or go to where it is kept, once: a point and its box are
+ * 64, its mark is 32, a box in a block is 48, a pair has 16 of indices; a vertex has some
+ * 3 edges and 2 faces. Operations: those that the comments name, by all lanes at a time;
+ * loads, turning points round and what is done once a group are not among them. */
 static struct cost part_cost(enum part part, enum eng_isa isa)
 {
     double d = double_lanes(isa);
@@ -215,8 +216,8 @@ static struct cost part_cost(enum part part, enum eng_isa isa)
     }
 }
 
-/* Of the axes of a pair of marks, which the sieve looks at first where boxes around whole
- * motions are all that is known. */
+/* Return the cost of the axes of a pair of marks, which the sieve looks at first where
+ * boxes around whole motions are all that is known. */
 static struct cost axes_cost(enum eng_isa isa)
 {
     /* 4 extremes, 2 sums and 2 compares of 8 whole numbers; a mark is 32 bytes */
@@ -367,7 +368,7 @@ static void sum_hits(struct bench *bench, uint32_t hits)
     }
 }
 
-/* What the sieve leaves of the first `count` pairs of bench->sifted. */
+/* Have the sieve drop what it can of the first `count` pairs of bench->sifted. */
 static void sift(struct bench *bench, enum pccd_kind kind, bool swept, uint32_t count)
 {
     struct eng_wide_chunk *sifted = &bench->sifted;
@@ -580,7 +581,7 @@ static double refit_floor_ms(const struct outcome *outcome, enum eng_isa isa,
     return 1e-6 * ns;
 }
 
-/* How many of the candidates get how far. */
+/* Print how many of the candidates get how far. */
 static void print_shares(const struct bench *bench, const struct outcome *outcome)
 {
     const uint64_t *items = outcome->items;

@@ -121,7 +121,8 @@ static double clamped(double x)
     return fmax(-1e18, fmin(1e18, x));
 }
 
-/* Of all exponents, or of some; few bits or 53. */
+/* Draw a number: its exponent is any, or one of a few hard ones; it has few bits, or
+ * 53. */
 static double some_number(struct prng *prng)
 {
     static const int exponents[] = {LEAST, -1022, -600, -300, -60, 0, 30, MOST - 2};
@@ -226,7 +227,7 @@ static void change(struct prng *prng, struct pair *pair)
     }
 }
 
-/* What is done to the first numbers, because such pairs take long. */
+/* Special forms that the first numbers are given, because such pairs take long. */
 enum shape {
     AS_DRAWN,
     EXTREMES,  /* 1e18 and denormal, nothing between */

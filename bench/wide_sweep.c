@@ -12,7 +12,7 @@
 #include "wide_join.h"
 #include "world.h"
 
-/* What is given to one thread at a time. */
+/* Piece of work for one thread. */
 struct task {
     enum pccd_kind kind;
     uint32_t level;

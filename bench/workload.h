@@ -5,8 +5,8 @@
 #include "bench_scene.h"
 #include "report.h"
 
-/* What object `i` of a scene is called in records: as a daemon's first handles are, so
- * that hashes can be compared, whoever has computed them. And back. */
+/* Turn a number of an object of a scene into its name in records, as a daemon's first
+ * handles are, so that hashes can be compared, whoever has computed them; and back. */
 #define BENCH_OBJECT_ID(i)  ((1u << 20) + (i))
 #define BENCH_OBJECT_OF(id) ((id) - (1u << 20))
 

@@ -30,7 +30,7 @@ struct options {
     double only; /* triangles: this size alone, nothing of contacts; 0: all */
 };
 
-/* What a scene took; times are the least of its steps, ms. */
+/* Time and memory of one scene; times are the least of its steps, in ms. */
 struct growth {
     double triangles;
     double register_ms;
@@ -58,7 +58,7 @@ static double process_bytes(void)
     return (double)pages[1] * (double)sysconf(_SC_PAGESIZE);
 }
 
-/* What the kernel has taken for this process. */
+/* Return the time that the kernel has spent for this process. */
 static double kernel_ms(void)
 {
     struct rusage usage;

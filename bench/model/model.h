@@ -117,7 +117,7 @@ void model_schedule(struct model_threads *threads, const struct model_tasks *tas
  * functions; which node belongs to whom is asked of the engine. A task that fills a chunk
  * of candidates pays for its tests, as in a step by one thread. */
 
-/* What does not depend on the number of threads. */
+/* Measurements that do not depend on the number of threads. */
 struct model_record {
     struct eng_scene *scene;
     enum pccd_method method;
@@ -144,7 +144,7 @@ struct model_high {
     uint32_t pair_count; /* dealt out */
 };
 
-/* What depends on it. */
+/* Work divided among a number of threads, as measured. */
 struct model_division {
     uint32_t threads;
     bool is_consistent;

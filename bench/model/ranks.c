@@ -33,7 +33,7 @@
     "own_vertices,ghost_vertices,sent,work,records,wall_ns,ingest_ns,refit_ns,"          \
     "traversal_ns,tests_ns,merge_ns,step_ns,total,hash"
 
-/* What a rank says of a step. */
+/* Numbers that a rank prints of a step. */
 struct row {
     uint64_t own, ghosts, own_vertices, ghost_vertices, sent, work, records, wall_ns;
 };

@@ -163,7 +163,8 @@ static void measure(struct run *run, unsigned repeats)
     }
 }
 
-/* How near the two nearest features are at the start; INFINITY: farther apart than d. */
+/* Return how near the two nearest features are at the start; INFINITY: farther apart than
+ * d. */
 static double least_distance(struct bench_world *world, const struct bench_frames *frames,
                              double d)
 {

@@ -23,7 +23,7 @@ static const struct near_peer *const peer =
 static const char *const usual[] = {"cloth-20k",    "bodies", "cloth-ball",
                                     "cloth-funnel", "n-body", NULL};
 
-/* What ours is asked. At rest: once more, where the scene stands. */
+/* Questions to ours; those that do not move anything are asked where the scene stands. */
 static const struct {
     const char *name;
     enum pccd_near_what what;
@@ -35,7 +35,8 @@ static const struct {
              {"crossings", PCCD_NEAR_CROSSINGS, true}};
 enum { ASKED = sizeof asked / sizeof asked[0] };
 
-/* What the other library is asked, and what of ours it is compared with. */
+/* Questions to the other library, and for each the one of ours that it is compared
+ * with. */
 enum { THEIR_PAIRS, THEIR_FEATURES, THEIR_VERTICES, THEIRS };
 static const char *const their_name[THEIRS] = {"pairs", "features", "vertices"};
 static const unsigned beside[THEIRS] = {0, 1, 3};
@@ -74,7 +75,7 @@ static void ask_theirs(const struct run *run, struct near_answers *answers,
     peer->vertices(run->theirs, run->d, answers->bounds);
 }
 
-/* What the library has otherwise than exact integers say. */
+/* Print where the library differs from exact integers. */
 static void print_theirs(const char *scene, const struct near_verdict *verdict,
                          uint64_t relabelled)
 {
@@ -283,7 +284,7 @@ static void measure_scene(const struct bench_scene *source, double d,
 
 /* ---- two bodies -------------------------------------------------------------------- */
 
-/* What is asked of two bodies behind each step that moves both, one thread. */
+/* Questions about two bodies after each step that moves both; by one thread. */
 static const struct {
     const char *name;
     enum pccd_near_what what;

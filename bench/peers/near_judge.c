@@ -10,7 +10,7 @@
 
 #define TOLERANCE 1e-6 /* of a square */
 
-/* Of two vertices the edge between them. */
+/* Edge between two vertices. */
 struct edge_of {
     uint32_t vertex[2]; /* the lower one first */
     uint32_t edge;

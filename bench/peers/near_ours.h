@@ -16,7 +16,7 @@
  * it is within the distance, how far apart it is, and between which features; merge
  * these, and bound each vertex; count the differences. */
 
-/* What one side has answered. Memory is the caller's; the judge sorts what is there. */
+/* Answer of one side. Memory is the caller's; the judge sorts what is there. */
 struct near_answers {
     struct near_pair *pairs;
     uint64_t pair_count;
@@ -52,16 +52,16 @@ void near_judge(const struct near_input *input, double d, const struct near_answ
                 const struct near_bracket *brackets, struct near_answers *theirs,
                 struct near_verdict *of_ours, struct near_verdict *of_theirs);
 
-/* What is measured of one question. */
+/* Measured times of one question. */
 struct near_quantity {
     struct bench_samples ms;
     uint64_t spent_ns;
 };
 
-/* What has begun at begin_ns has ended; `counts`: it is a sample. */
+/* Add the time since begin_ns; as a sample only if `counts`. */
 void near_keep(struct near_quantity *quantity, uint64_t begin_ns, bool counts);
 
-/* How much of a step is safe (allowed.c), of all scenes that are wanted. */
+/* Measure how much of a step is safe (allowed.c), of all scenes that are wanted. */
 void near_allowed(const struct bench_options *options);
 
 /* A scene at its hard frame, which has made a step to the end of that by the method

@@ -68,9 +68,9 @@ enum near_way { NEAR_ADDITIVE, NEAR_TIGHT_INCLUSION, NEAR_WAYS };
 
 extern const struct near_peer near_ipc_toolkit;
 
-/* Of what near_ipc_toolkit.open has returned: from the scene's positions straight to x1,
- * which share of the way, 0 .. 1, it allows if all pairs are to stay farther apart than
- * r. All is within it: boxes, candidates, tests. */
+/* Return which share of the way, 0 .. 1, straight from the scene's positions to x1, is
+ * allowed if all pairs are to stay farther apart than r. The whole computation is in it:
+ * boxes, candidates, tests. self: of near_ipc_toolkit.open. */
 double near_ipc_toolkit_allowed(void *self, const double (*x1)[3], double r,
                                 enum near_way way);
 

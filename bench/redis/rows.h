@@ -85,7 +85,7 @@ struct least {
     uint64_t *copied_ns; /* behind them, written there */
 };
 
-/* What is asked, and answered. */
+/* Message that is sent, and that comes back. */
 extern const char least_ping[LEAST_MESSAGE_BYTES];
 
 /* It ends with this process, whatever ends that. Exits with 2 when it cannot start. */

@@ -71,7 +71,7 @@ static double trip_us(const struct trips *trips, enum side side)
     }
 }
 
-/* Of each side of one turn. */
+/* Measure each side in one turn, to medians. */
 static void take_turn(const struct trips *trips, double medians[SIDES])
 {
     struct bench_samples samples = {0};

@@ -120,7 +120,7 @@ static void add_begins(void *context, const struct pccd_trace_event *events,
     }
 }
 
-/* Of `turns` steps, and the daemon. */
+/* Stop the trace, which must have every step of `turns` turns once, and close. */
 static void way_end(struct way *way, unsigned turns)
 {
     struct pccd_client *client = way->soups[0].client;

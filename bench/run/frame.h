@@ -56,7 +56,7 @@ enum run_count {
     RUN_COUNTS
 };
 
-/* What it is called, and where it lies in the times or the counters of an answer. */
+/* Name of a quantity, and where it lies in the times or the counters of an answer. */
 struct run_quantity {
     const char *name;
     size_t from; /* RUN_OWN: who asks sets it */

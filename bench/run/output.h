@@ -21,7 +21,7 @@ bool run_summarise_count(const struct run_play *play, uint32_t side, enum run_co
 
 /* ---- The conditions of a measurement: build, machine, settings. */
 
-/* Of the sources that were built, with "-dirty" where they were changed; "unknown"
+/* Commit of the sources that were built, with "-dirty" where they were changed; "unknown"
  * outside of a repository. Generated (local.mk). */
 extern const char run_commit[];
 

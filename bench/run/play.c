@@ -195,8 +195,8 @@ static uint32_t first_like(const struct run_play *play, uint32_t i)
     return first;
 }
 
-/* What all sides took of a step. False: an answer is not that of the first side like it,
- * or of the first pass. */
+/* Keep what all sides took of a step. Return false if an answer is not that of the first
+ * side like it, or of the first pass. */
 static bool keep_turns(struct run_play *play, uint32_t step, uint32_t pass,
                        const struct run_frame *taken)
 {

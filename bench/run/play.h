@@ -33,13 +33,14 @@ struct run_way {
 extern const struct run_way run_way_engine;
 extern const struct run_way run_way_client; /* daemon and direct */
 
-/* Of a process, from /proc; RUN_UNKNOWN where it is not to be had. */
+/* Return the resident memory of a process, from /proc; RUN_UNKNOWN where it is not to be
+ * had. */
 uint64_t run_resident_bytes(uint32_t pid);
 
 /* The length that is added to all radii. */
 double run_separation(const struct run_side *side, const struct bench_frames *frames);
 
-/* What the steps of one side were. */
+/* Steps of one side. */
 struct run_sequence {
     const struct bench_scene *source; /* of which its steps are */
     struct bench_scene partial; /* that scene, where this side is the first of it and not

@@ -9,7 +9,7 @@
 #include "pccd.h"
 
 enum run_via { RUN_VIA_ENGINE, RUN_VIA_DAEMON, RUN_VIA_DIRECT, RUN_VIAS };
-/* What is handed over of the next step. */
+/* Form in which the next positions are handed over. */
 enum run_sends {
     RUN_SENDS_ALL,   /* every position */
     RUN_SENDS_MOVED, /* those that change (libpccd) */

@@ -177,7 +177,8 @@ static void add_moved(struct run_asked *asked, const struct bench_frames *frames
     }
 }
 
-/* What is handed over of the next step. A client knows it: not timed. */
+/* Choose which positions of the next step are handed over. A client knows it: not
+ * timed. */
 static void choose_ranges(struct run_asked *asked, const struct bench_frames *frames)
 {
     asked->range_count = 0;
@@ -244,7 +245,8 @@ static void add_tests(void *context, const char *name, uint64_t value, const cha
     }
 }
 
-/* What the answer does not tell, but each thread of the last step does. */
+/* Return the number of elementary tests, which the threads of the last step tell and the
+ * answer does not. */
 static uint64_t elementary_tests(struct run_asked *asked, uint32_t threads)
 {
     uint64_t tests = 0;

@@ -87,7 +87,7 @@ static uint64_t scene_bytes(const struct bench_world *world)
     return bytes;
 }
 
-/* What the threads say that they did. */
+/* Add up what the threads say that they did. */
 static void keep_work(struct run_frame *frame, const struct eng_step_result *result)
 {
     frame->counts[RUN_ELEMENTARY] = 0;

@@ -70,9 +70,9 @@ static inline double (*bench_frames_x(const struct bench_frames *frames, int end
     return frames->x[end] + frames->scene->objects[object].first_vertex;
 }
 
-/* Of the box around all start positions. */
+/* Return the diagonal of the box around all start positions. */
 double bench_frames_diagonal(const struct bench_frames *frames);
-/* Of the sides of all triangles at the start. */
+/* Return the median length of the sides of all triangles at the start. */
 double bench_frames_median_edge(const struct bench_frames *frames);
 
 uint64_t bench_scene_triangles(const struct bench_scene *scene);

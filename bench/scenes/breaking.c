@@ -107,7 +107,7 @@ static void shape_knot(struct breaking *breaking)
     }
 }
 
-/* How much longer than the body the ears are in a direction. */
+/* Return how much longer than the body the ears are in a direction. */
 static double ears(const double direction[3])
 {
     double sum = 0;

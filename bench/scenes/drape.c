@@ -13,7 +13,7 @@
 #define BALL_FRICTION   6.0
 #define GROUND_FRICTION 20.0
 
-/* Of a substep: the share of an error that is put right. Shear and bending give way. */
+/* Shares of an error that a substep puts right. Shear and bending give way. */
 #define STRETCH 1.0
 #define SHEAR   0.3
 #define BENDING 0.02

@@ -24,8 +24,8 @@
 
 struct game {
     uint32_t bodies;
-    uint32_t tile;  /* vertices on a side */
-    uint32_t flag;  /* likewise */
+    uint32_t tile;  /* vertices on a side of it */
+    uint32_t flag;  /* vertices on a side of it */
     uint32_t rings; /* of the boulder */
     struct surface body;
     double (*at)[3]; /* [bodies]: at frame 0 */
@@ -45,7 +45,7 @@ static void shape_ball(struct surface *ball, uint32_t rings, double size, double
     }
 }
 
-/* How far the boulder has rolled. */
+/* Return how far the boulder has rolled. */
 static double rolled(uint32_t frame)
 {
     uint32_t of_this = frame % ROLL_EVERY;

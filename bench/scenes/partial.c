@@ -60,7 +60,7 @@ static void choose_patch(const struct bench_scene *scene, const double (*x)[3],
     free(order);
 }
 
-/* Is i one of `count` that are spread evenly among `all`? */
+/* Return whether i is one of `count` that are spread evenly among `all`. */
 static bool is_spread(uint32_t i, uint32_t count, uint32_t all)
 {
     return (uint64_t)(i + 1) * count / all > (uint64_t)i * count / all;

@@ -9,7 +9,7 @@ struct tumble_body {
     double centre[3];   /* at frame 0 */
     double before[3];   /* velocity until the release, when nothing else moves it */
     double velocity[3]; /* at the release; lengths a second */
-    double spin[3];     /* likewise; radians a second */
+    double spin[3];     /* at the release; radians a second */
     double radius;      /* of the ball that it collides as */
     double release;     /* seconds from frame 0 */
 };

@@ -162,8 +162,8 @@ inside {
 }
 END
 # Rooms whose comments are mended; others are added as theirs are.
-mended=(daemon proto client/lib client/oracle client/load client/record client/registry
-    client/tool)
+mended=(bench daemon proto client/lib client/load client/oracle client/record
+    client/registry client/tool)
 
 # If this failed, a reader would have to turn a question into what the function does.
 find "${mended[@]}" -name '*.[ch]' | LC_ALL=C sort | xargs awk -f "$work/comments.awk" >"$work/log"
