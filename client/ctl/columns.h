@@ -23,7 +23,7 @@ const char *format_user(uint32_t uid);
 
 /* ---- Columns: members of a struct, as a table for people and as JSON for programs. */
 
-/* What lies there, and how both see it. */
+/* Type of the member that a column shows, and how people and programs see it. */
 enum column_type {
     COLUMN_NUMBER, /* a whole number of 4 or 8 `bytes`, or a bool */
     COLUMN_HANDLE, /* the same, for people hexadecimal */

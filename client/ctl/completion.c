@@ -21,7 +21,8 @@ static void each_option(FILE *to, const struct ctl_program *of,
     option_each(command->table, print, &walk);
 }
 
-/* Whether words may stand there, "a|b|c", also in brackets. */
+/* Return whether the help names the words that may stand there, "a|b|c", also in
+ * brackets. */
 static bool has_words(const char *argument)
 {
     const char *words;
@@ -45,7 +46,8 @@ static void print_words(FILE *to, const char *argument)
     }
 }
 
-/* How much of a help text is its first statement, without the default. */
+/* Return how many characters of a help text are its first statement, without the
+ * default. */
 static size_t statement_chars(const char *text)
 {
     static const char *const ends[] = {";", ". ", " (default"};
@@ -281,7 +283,8 @@ static void print_synopsis(FILE *to, const struct ctl_program *of)
 /* ---- the command ------------------------------------------------------------------- */
 
 #define SHELLS "bash|zsh|fish"
-/* What can be printed: for these, and of them a word that no help names. */
+/* Printers of completions, one for each shell, and of the synopsis, by a word that no
+ * help names. */
 static void (*const printers[])(FILE *to, const struct ctl_program *of) = {
     print_bash, print_zsh, print_fish, print_synopsis};
 

@@ -62,8 +62,8 @@ int ctl_complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* The error, unless its text is empty: then it was told where it was found. */
 void ctl_error_tell(const struct ctl_error *error);
-/* What a command ends with that did its work with this status; whether that was found
- * right. */
+/* Return what a command ends with that did its work with this status; is_right: what it
+ * looked at was found right. */
 enum ctl_exit ctl_exit_of(int status, bool is_right);
 
 /* A handle, decimal or 0x hexadecimal. */

@@ -29,19 +29,19 @@ struct ctl_link {
     uint64_t result_bytes; /* 0 = the library's default */
 };
 
-/* Of a struct ctl_link. */
+/* Options that fill a struct ctl_link. */
 extern const struct option_table ctl_link_table;
 
-/* What a command takes that looks at a daemon and tells: where it is, and --json. */
+/* Options of a command that asks a daemon: where that is, and --json. */
 struct ctl_query {
     struct ctl_link link;
     bool is_json;
 };
 
-/* Of a struct ctl_query. */
+/* Options that fill a struct ctl_query. */
 extern const struct option_table ctl_query_table;
 
-/* What to connect with, as it was asked for; `link` keeps the strings. */
+/* Set what to connect with, as it was asked for; `link` keeps the strings. */
 void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked);
 
 /* Connect, or complain. Returns an exit status. */

@@ -50,7 +50,7 @@ static inline void json_set_count(json_t *object, const char *key, uint64_t valu
     json_set(object, key, json_integer((json_int_t)value), ok);
 }
 
-/* Append likewise. */
+/* Append a value as json_set sets one. */
 static inline void json_append(json_t *array, json_t *value, bool *ok)
 {
     if (json_array_append_new(array, value) != 0) {

@@ -20,8 +20,8 @@ void progress_begin(struct progress *progress, const char *label, uint64_t total
     progress->is_on = total > 0 && terminal_has_live_errors();
 }
 
-/* What is left of a row for the bar: in one that wraps, each drawing would leave a row
- * behind. The last column stays free. */
+/* Return how much of a row is left for the bar: a row that wraps would stay behind at
+ * each drawing. The last column stays free. */
 static uint32_t bar_chars(uint32_t other_chars)
 {
     uint32_t columns, rows;

@@ -270,8 +270,8 @@ static int add_name(struct ctl_sequence *sequence, const char *name,
 
 /* ---- order ------------------------------------------------------------------------- */
 
-/* Of two names that differ by their numbers alone: whether the first that differs goes
- * down. */
+/* Return whether two names differ by their numbers alone, and the first that differs is
+ * less in b. */
 static bool goes_down(const char *a, const char *b)
 {
     int order = 0; /* below 0: a comes first */

@@ -20,8 +20,8 @@ struct ctl_sequence {
     char *warning; /* NULL, or one line: what was named may not be what was meant */
 };
 
-/* Whether a name has one %d or %0Nd, N from 1 to 99, behind its last slash, and no file
- * has that very name. */
+/* Return whether a name has one %d or %0Nd, N from 1 to 99, behind its last slash, and no
+ * file has that very name. */
 bool ctl_sequence_is_pattern(const char *name);
 /* Take names and patterns in the order given. `sequence` is to be given back then, also
  * on error. Errors: E_NOMEM; E_SYSTEM for a folder that cannot be read; E_INVAL for a

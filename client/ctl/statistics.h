@@ -19,7 +19,8 @@ static inline void statistics_sort(double *values, size_t count)
     qsort(values, count, sizeof *values, statistics_compare);
 }
 
-/* Of sorted values, count >= 1. Even counts: the mean of the two in the middle. */
+/* Return the median of sorted values, count >= 1; of an even count the mean of the two in
+ * the middle. */
 static inline double statistics_median(const double *sorted, size_t count)
 {
     return (sorted[(count - 1) / 2] + sorted[count / 2]) / 2.0;

@@ -12,12 +12,13 @@ enum terminal_colour { TERMINAL_GREEN, TERMINAL_YELLOW, TERMINAL_RED, TERMINAL_B
 
 /* --no-color was given. */
 void terminal_forbid_colours(void);
-/* What begins and ends a colour on the standard output; "" where there are none. */
+/* Return the text that begins a colour on the standard output, or ends it; "" where there
+ * are none. */
 const char *terminal_begin(enum terminal_colour colour);
 const char *terminal_end(void);
 
-/* Whether the standard output is a terminal, on which a screen may be drawn anew; the
- * same of the standard error. */
+/* Return whether the standard output is a terminal, on which a screen may be drawn anew;
+ * then the same of the standard error. */
 bool terminal_is_live(void);
 bool terminal_has_live_errors(void);
 /* Columns and rows of the terminal behind a descriptor; 80 and 24 if it does not tell. */
@@ -29,7 +30,7 @@ void terminal_redraw(void);
  * nobody reads is an error of writing. */
 void terminal_catch_interrupts(void);
 bool terminal_was_interrupted(void);
-/* Whether the standard output is a pipe that nobody reads any more. */
+/* Return whether the standard output is a pipe that nobody reads any more. */
 bool terminal_has_no_reader(void);
 /* Sleep, or until an interrupt. */
 void terminal_sleep(double seconds);

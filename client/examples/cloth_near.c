@@ -3,7 +3,7 @@
  * Room:     client/examples. May include: pccd.h.
  * Does:     OGC's trust region. The daemon tells how near each vertex is to what it could
  *           meet; a vertex that moves by less than half of that meets nothing that does
- *           likewise. So a way is gone in as many small pieces as fit, and each leads to
+ *           so, too. A way is gone in as many small pieces as fit, and each leads to
  *           where nothing crosses or touches, which is looked at, too.
  * Threads:  one.
  * Source:   "Offset Geometric Contact" (Chen, Hsu, Macklin, Yuksel 2025).

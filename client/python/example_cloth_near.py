@@ -4,7 +4,7 @@
 Room:     client/python. Imports pccd and numpy, as any user would.
 Does:     OGC's trust region, as examples/cloth_near.c does it. The daemon tells how near
           each vertex is to what it could meet; a vertex that moves by less than half of
-          that meets nothing that does likewise. So a way is gone in small pieces, and the
+          that meets nothing that does so, too. A way is gone in small pieces, and the
           daemon is asked after each whether anything crosses or touches.
 Source:   "Offset Geometric Contact" (Chen, Hsu, Macklin, Yuksel 2025).
 """

@@ -78,7 +78,7 @@ static void take_repeat(struct argp_state *state, const struct option_row *row,
     options->has_repeats = true;
 }
 
-/* How thick each object is. */
+/* Take the radius of each object. */
 static void take_thickness(struct argp_state *state, const struct option_row *row,
                            const char *text, void *to)
 {

@@ -25,7 +25,7 @@ extern const struct option_table frames_without_rate_table;
 #define FRAMES_RATE_MIN 1e-6 /* frames a second */
 #define FRAMES_RATE_MAX 1e6
 
-/* Whether anything was asked for; of a file that has no frames, nothing can be. */
+/* Return whether any of these options was given; a file without frames allows none. */
 bool frames_options_are_given(const struct ctl_frames_options *options);
 
 struct ask_options {
@@ -43,8 +43,8 @@ struct ask_options {
     struct option_arguments files;
 };
 
-/* Of a struct ask_options, which takes the arguments. The options of `link` are
- * ctl_link_table's. */
+/* Options that fill a struct ask_options, which takes the arguments, too. The options of
+ * `link` are ctl_link_table's. */
 extern const struct option_table ask_table;
 
 /* Set of an object what was asked for. Errors: as pccd_object_set, which says why. */

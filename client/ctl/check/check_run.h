@@ -25,11 +25,11 @@ struct objects {
     uint32_t pair_count, capacity; /* a power of 2, more than there are pairs */
 };
 
-/* Whether all of a mesh is of one object. */
+/* Return whether all of a mesh is one object. */
 bool objects_are_one(const struct ctl_mesh *mesh);
-/* Of a mesh with objects, and its edges as they were registered, unless all are of one.
- * Both stay as they are until objects_deinit, which is called also on error. Errors:
- * E_NOMEM. */
+/* Begin to count by objects of a mesh, unless all is one. The mesh, and its edges as they
+ * were registered, stay as they are until objects_deinit, which is called also on error.
+ * Errors: E_NOMEM. */
 int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
                  const struct pccd_edge *edges, uint32_t edge_count,
                  struct ctl_error *error);
@@ -38,8 +38,8 @@ int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
 uint32_t objects_of(const struct objects *objects, uint32_t points, uint32_t feature);
 /* Count the records of a page. False: no memory. */
 bool objects_count(struct objects *objects, const struct pccd_answer *page);
-/* What was counted, most first, to `step`, whose pairs are free()d by its owner; then
- * begin anew. Errors: E_NOMEM. */
+/* Write what was counted, most first, to `step`, whose pairs are free()d by its owner;
+ * then begin anew. Errors: E_NOMEM. */
 int objects_take(struct objects *objects, struct report_step *step,
                  struct ctl_error *error);
 void objects_deinit(struct objects *objects);
@@ -100,7 +100,7 @@ int check_run_step(struct check_run *run, const struct ctl_mesh *before,
                    const struct contacts_csv *csv, struct report_step *step,
                    struct ctl_error *error);
 
-/* What check_run_repeat asks, and where the pages of the last answer go. */
+/* Question that check_run_repeat asks, and where the pages of the last answer go. */
 struct check_ask {
     int (*once)(void *context, bool is_again, struct pccd_answer *answer);
     void (*page)(void *context, const struct pccd_answer *page); /* NULL: nowhere */
@@ -111,8 +111,8 @@ struct check_ask {
  * `step` but the names of files. run->times is there. */
 int check_run_repeat(struct check_run *run, const struct check_ask *ask, uint32_t number,
                      struct report_step *step, struct ctl_error *error);
-/* Whether nothing meets in any step. Errors: E_TIMEOUT where nothing does in what was
- * looked at, and an answer is incomplete. */
+/* Set *is_free if nothing meets in any step. Errors: E_TIMEOUT where nothing does in what
+ * was looked at, and an answer is incomplete. */
 int check_run_judge(const struct report_step *steps, uint32_t step_count, bool *is_free,
                     struct ctl_error *error);
 /* Make run->times. */
@@ -130,7 +130,7 @@ struct check_options {
     struct pccd_step_settings settings;
 };
 
-/* Of a struct check_options. */
+/* Options that fill a struct check_options. */
 extern const struct option_table check_table;
 
 /* All that was said of a step. */

@@ -52,7 +52,7 @@ static const char *why_incomplete(enum pccd_incomplete incomplete)
     return "records are missing";
 }
 
-/* What several frames come from, and which ones. */
+/* Print which files have several frames, and which ones these are. */
 static void print_sources(FILE *to, const struct ctl_frames *files)
 {
     for (uint32_t i = 0; files != NULL && i < files->source_count; i++) {
@@ -183,7 +183,7 @@ static void print_kinds_briefly(FILE *to, const uint64_t counts[PCCD_KINDS_MAX])
     }
 }
 
-/* What to do about neighbours, where `what` was done already. */
+/* Return what to do about neighbours where `what` was done already. */
 static const char *advice_of_thin(uint32_t what)
 {
     bool has_rings = (what & PCCD_OBJECT_REST_RINGS) != 0;
@@ -194,7 +194,7 @@ static const char *advice_of_thin(uint32_t what)
                                      : "See --rings and --rest-exclusion";
 }
 
-/* How the step begins, unless that is free. */
+/* Print how the step begins, unless it begins free of crossings. */
 static void print_start(FILE *to, const struct pccd_answer *answer)
 {
     if (answer->crossings > 0) {
@@ -296,7 +296,7 @@ void report_print_pairs(FILE *to, const struct report_mesh *mesh,
     }
 }
 
-/* How the threads shared the work. */
+/* Print how the threads shared the work. */
 static void print_sharing(FILE *to, const struct pccd_answer *answer)
 {
     fprintf(to, "; method %s, %" PRIu32 " %s",

@@ -67,11 +67,11 @@ struct report_step {
 
 /* For people: the mesh once, then each step, long or as one line. */
 void report_print_mesh(FILE *to, const struct report_mesh *mesh);
-/* What readers have to say of their frames. */
+/* Print what readers have to say of their frames. */
 void report_print_notes(FILE *to, const struct ctl_frames *files);
 void report_print_step(FILE *to, const struct report_mesh *mesh,
                        const struct report_step *step);
-/* What the report of any answer ends with: whether it is complete, its hash, work and
+/* Print the end of the report of any answer: whether it is complete, its hash, work and
  * times. */
 void report_print_rest(FILE *to, double build_ms, const struct report_step *step);
 void report_print_line(FILE *to, uint32_t number, const struct report_step *step);
@@ -81,8 +81,8 @@ void report_print_pairs(FILE *to, const struct report_mesh *mesh,
 /* The name of an object; "" before the first one. */
 const char *report_object(const struct ctl_mesh *mesh, uint32_t object);
 
-/* Whether something meets in a step: it has a contact, or in mode pairs a pair, which may
- * be one; or it begins crossed or inside. */
+/* Return whether something meets in a step: it has a contact, or in mode pairs a pair,
+ * which may be one; or it begins crossed or inside. */
 bool report_meets(const struct report_step *step);
 
 /* One JSON object: of one step, the step's values at the top; of several, their sums and
@@ -90,12 +90,12 @@ bool report_meets(const struct report_step *step);
 bool report_json(FILE *to, const struct report_mesh *mesh,
                  const struct report_step *steps, uint32_t step_count);
 
-/* What became of vertices at one place: lines where there is something to tell, and
+/* Tell what became of vertices at one place: lines where there is something to tell;
  * members of an object. */
 void report_print_welded(FILE *to, const struct ctl_welded *welded);
 void report_welded(json_t *object, const struct ctl_welded *welded, bool *ok);
 
-/* How many records of each kind there are, under its name, to an object. */
+/* Set in `object` how many records of each kind there are, under the kind's name. */
 void report_kinds(json_t *object, const uint64_t counts[PCCD_KINDS_MAX], bool *ok);
 
 /* The same of any answer, to an object; and how its threads shared the work. */
@@ -103,7 +103,7 @@ void report_json_sharing(json_t *object, const struct pccd_answer *answer, bool 
 void report_json_rest(json_t *object, double build_ms, const struct report_step *step,
                       bool *ok);
 
-/* What an answer has counted, as an object. NULL, or *ok false, without memory. */
+/* Return what an answer has counted, as an object. NULL, or *ok false, without memory. */
 json_t *report_counters(const struct pccd_answer *answer, bool *ok);
 
 /* ---- A step's report as one JSON object, and back. */

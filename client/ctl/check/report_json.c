@@ -33,7 +33,7 @@ static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
     report_welded(object, &mesh->welded, ok);
 }
 
-/* Of each file that has several frames, how many, and which ones. */
+/* Add each file that has several frames: how many, and which ones. */
 static void add_sources(json_t *object, const struct ctl_frames *files, bool *ok)
 {
     json_t *array = json_array();
@@ -124,7 +124,7 @@ void report_json_rest(json_t *object, double build_ms, const struct report_step 
     json_set(object, "counters", report_counters(answer, ok), ok);
 }
 
-/* Of the objects that meet, both names and how often. */
+/* Return the objects that meet, two by two: both names, and how often. */
 static json_t *pairs_array(const struct report_mesh *mesh, const struct report_step *step,
                            bool *ok)
 {

@@ -57,7 +57,7 @@ void cloth_positions(const struct cloth *cloth, enum cloth_mesh mesh, uint32_t e
     }
 }
 
-/* What the daemon is told is where the cloth is. */
+/* Round the cloth to the positions that the daemon is told. */
 static void round_positions(struct cloth *cloth)
 {
     float told[CLOTH_VERTICES][3];

@@ -262,7 +262,7 @@ static void print_mesh(void *context, const struct pccd_registered_mesh *info)
 
 /* ---- the walk ---------------------------------------------------------------------- */
 
-/* Of one session. What has gone since the list was read is not there. */
+/* Print what one session has. What has gone since the list was read is not there. */
 static int print_of(struct pccd_client *client, enum what what, struct printer *printer,
                     const struct session_row *row)
 {

@@ -218,7 +218,7 @@ struct shooting {
     struct film film;
 };
 
-/* Does it begin elsewhere than the last step that was asked about? */
+/* Return whether the step begins elsewhere than the last one that was asked about. */
 static bool begins_anew(struct shooting *shooting, const struct snapshot *snapshot)
 {
     uint64_t begins = 1;

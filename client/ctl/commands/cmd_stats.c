@@ -23,7 +23,7 @@ struct table {
     char tuning[PCCD_TUNING_BYTES]; /* how they shared the work */
 };
 
-/* What a step has not, but a batch, is left out of a step. */
+/* Take a counter, unless it is one that only batches have and this is a step. */
 static void collect(void *context, const char *name, uint64_t value, const char *text)
 {
     if (strcmp(name, "scenes") != 0 || counters_get(context, "batch") > 0) {

@@ -36,7 +36,8 @@ struct status {
     struct health health;
 };
 
-/* Of the daemon's process, where it runs on this machine and may be looked at. */
+/* Return the memory of the daemon's process, if it runs on this machine and may be looked
+ * at; else 0. */
 static uint64_t resident_bytes(uint32_t pid)
 {
     char path[64];

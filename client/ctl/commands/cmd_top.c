@@ -72,7 +72,7 @@ const struct option_table ctl_table_top = {
 
 enum phase { INGEST, REFIT, TRAVERSAL, TESTS, MERGE, PHASE_COUNT };
 
-/* What a session has done between two looks. */
+/* Work of a session between two looks. */
 struct rate {
     struct session_row row; /* of the later one */
     double steps_per_s, in_per_s, out_per_s;
@@ -144,7 +144,7 @@ static int compare(const void *a, const void *b, void *context)
 
 /* ---- output ------------------------------------------------------------------------ */
 
-/* What the table may take: all it needs, or what a terminal has. */
+/* Room for the table: all it needs, or what a terminal has. */
 struct room {
     uint32_t columns; /* of a line */
     uint32_t sessions;
@@ -199,7 +199,7 @@ static const struct column session_columns[] = {
     {0}};
 #undef OF
 
-/* What the daemon has in all: as many of the figures as fit. */
+/* Print what the daemon has in all: as many of the figures as fit. */
 static void print_sums(uint32_t sessions, const struct counters *counters,
                        const struct room *room)
 {

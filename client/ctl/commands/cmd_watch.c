@@ -18,7 +18,7 @@ struct watch_options {
     uint64_t session; /* 0: all */
     uint32_t scene;   /* 0: all */
     uint64_t count;   /* 0: for ever */
-    double seconds;   /* likewise */
+    double seconds;   /* 0: for ever */
     bool is_json;
 };
 

@@ -44,7 +44,7 @@ static bool normalize(double x[3])
     return length > 0;
 }
 
-/* Whether the ray meets the triangle farther than `near` away. */
+/* Return whether the ray meets the triangle farther than `near` away. */
 static bool meets(const double at[3], const double way[3], double near,
                   const float (*x)[3], const uint32_t v[3])
 {

@@ -18,9 +18,10 @@
 /* ---- The colours that pictures and exported files give to times and to
  * objects. */
 
-/* Of a time of impact: dark blue at 0, yellow at 1; linear between nine colours. */
+/* Set the colour of a time of impact: dark blue at 0, yellow at 1; linear between nine
+ * colours. */
 void colour_of_time(double toi, float colour[3]);
-/* Of the sides of the i-th object of a scene. */
+/* Set the colours of both sides of the i-th object of a scene. */
 void colour_of_object(uint32_t i, float front[3], float back[3]);
 
 /* PCCD_OK, PCCD_E_NOMEM, PCCD_E_LIMIT (4 GiB), PCCD_E_SYSTEM. */

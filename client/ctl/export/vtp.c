@@ -15,7 +15,7 @@
 #include "base64.h"
 
 #define TOI_NONE  2.0f           /* of a feature: later than any contact */
-#define KIND_NONE PCCD_KINDS_MAX /* likewise */
+#define KIND_NONE PCCD_KINDS_MAX /* of a feature: no kind of contact */
 
 /* Everything that is written, in the order of points and cells. */
 struct vtp {
@@ -169,8 +169,8 @@ static uint32_t feature_b_word(const struct snapshot_contact *contact)
     return contact->feature_b;
 }
 
-/* What a feature has in the same array: INDEX, its number among those of its object that
- * are drawn likewise. */
+/* Word that a cell of a feature has in an array whose words are about contacts. INDEX:
+ * the number of the feature among those of its sort in its object. */
 enum feature_word {
     FEATURE_NONE,
     FEATURE_TOI,
@@ -238,8 +238,8 @@ static void put_cell_data(struct vtp *vtp)
     fputs("</CellData>\n", vtp->to);
 }
 
-/* Of what is near: distances and kinds of lines, which come behind the points; a feature
- * has no distance. */
+/* Write what is near: distances and kinds of lines, which come behind the points; a
+ * feature has no distance. */
 static void put_near_data(struct vtp *vtp)
 {
     const struct snapshot_line *lines = vtp->snapshot->lines;

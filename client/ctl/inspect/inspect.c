@@ -13,7 +13,7 @@
 #include "report.h"
 
 #define FORMAT 2 /* of the data; data.js is in the same file, and asks nevertheless */
-/* Of the JSON text beside steps and meshes; names are cut to fit. */
+/* Bytes for the JSON text beside steps and meshes; names are cut to fit. */
 #define META_REST      4096u
 #define NAME_MAX_BYTES 256u
 
@@ -210,7 +210,7 @@ static int keep(struct inspect *inspect, uint64_t number, json_t *step, json_t *
     return status;
 }
 
-/* What is packed of a step or of a question, if the memory was enough for it. */
+/* Keep what was packed of a step or of a question, if the memory was enough for it. */
 static int add(struct inspect *inspect, uint64_t number, json_t *object, json_t *meshes,
                struct ctl_error *error)
 {
@@ -221,7 +221,7 @@ static int add(struct inspect *inspect, uint64_t number, json_t *object, json_t 
     return status;
 }
 
-/* Whether one more is shown. */
+/* Return whether the next step or question is shown; then begin to collect its data. */
 static bool is_chosen(struct inspect *inspect, const struct registry_scene *scene)
 {
     if (inspect->seen++ % inspect->settings.every != 0) {

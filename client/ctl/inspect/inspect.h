@@ -55,7 +55,7 @@ int page_file_blob(struct page_file *page, const void *bytes, size_t count,
 /* The JSON text, and the rest of the template; flushed, not closed. */
 int page_file_finish(struct page_file *page, const json_t *meta, struct ctl_error *error);
 
-/* What these add to the file. */
+/* Return how many bytes of the file a blob, or a JSON value, takes. */
 uint64_t page_file_blob_bytes(size_t count);
 uint64_t page_file_json_bytes(const json_t *value);
 
@@ -154,7 +154,7 @@ json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scen
                              enum inspect_moment moment, json_t *meshes);
 /* {"at", "count"} */
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
-/* The same of what is near; likewise. */
+/* Return {"at", "count"} of what is near. */
 json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near);
 /* {"at", "count", "threads", "lost"}, or null: it was not recorded. */
 json_t *inspect_pack_events(struct inspect *inspect, const struct step_trace *trace);

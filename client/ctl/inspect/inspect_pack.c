@@ -336,7 +336,7 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
             continue; /* a record that makes no sense: see snapshot.c */
         }
         if (from->kind >= PCCD_KIND_COUNT) {
-            continue; /* likewise */
+            continue; /* nor does this one */
         }
         to[packed++] = (struct inspect_contact){
             .feature_a = from->feature_a,

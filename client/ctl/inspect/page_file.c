@@ -11,7 +11,7 @@
 #define BLOB_OPEN  "<script type=\"application/octet-stream\" id=\"pccd-%08" PRIu32 "\">"
 #define BLOB_CLOSE "</script>\n"
 #define META_OPEN  "<script type=\"application/json\" id=\"pccd-meta\">"
-/* What BLOB_OPEN and BLOB_CLOSE are together: the number has its eight digits. */
+/* Bytes of BLOB_OPEN and BLOB_CLOSE together: the number has its eight digits. */
 #define BLOB_AROUND 69u
 
 /* Outside of its strings JSON has none of these, and in them they may be written so. */

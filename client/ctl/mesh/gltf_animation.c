@@ -78,8 +78,8 @@ static void turn_between(double a[4], double b[4], double u)
     }
 }
 
-/* What a channel has at a time, in row `row` of `rows`, which are morph targets, or one:
- * before the first key and after the last what it has there. */
+/* Set `value` to that of a channel at a time, in row `row` of `rows` (one for each morph
+ * target, or one). Before the first key and after the last it is that key's. */
 static void read_row(const struct gltf_channel *channel, double time, size_t rows,
                      size_t row, double value[4])
 {
@@ -112,7 +112,7 @@ static void read_row(const struct gltf_channel *channel, double time, size_t row
     }
 }
 
-/* How many values a key has: one for each morph target, or one. */
+/* Return how many values a key has: one for each morph target, or one. */
 static size_t rows_of(const struct gltf_scene *scene, const struct gltf_channel *channel)
 {
     return channel->path == GLTF_WEIGHTS ? scene->nodes[channel->node].weight_count : 1;
@@ -175,7 +175,7 @@ static void read_sampler(struct gltf_scene *scene, struct gltf_channel *channel)
                channel->values.index, values, channel->times.count, rows);
 }
 
-/* What a channel moves; false: that is no mesh. */
+/* Read what a channel moves. Return false if that is no mesh. */
 static bool read_target(struct gltf_scene *scene, struct gltf_channel *channel)
 {
     struct gltf *gltf = &scene->gltf;
@@ -341,7 +341,8 @@ double gltf_animation_time(const struct gltf_animation *animation, uint32_t fram
                                 : animation->times[0] + frame / animation->rate;
 }
 
-/* How far a node turns between two frames: by what it has at each, the shorter way. */
+/* Return how far a node turns between two frames, in degrees: by its rotation at each,
+ * the shorter way. */
 static double find_turn(const struct gltf_animation *animation)
 {
     double greatest = 0;

@@ -19,7 +19,8 @@
 #define DATA_BASE64 ";base64,"
 #define STRIDE_MAX  252 /* of the specification */
 
-/* Of a large file the bytes that are asked for are read, and not its pictures. */
+/* Bytes that accessors lie in. Those that are asked for are read of a large file, and not
+ * its pictures. */
 struct gltf_buffer {
     bool is_found;
     const char *at;          /* of a data: URI; otherwise NULL, */
@@ -151,7 +152,8 @@ static bool is_binary(const struct ctl_file *file)
     return file->bytes >= 4 && memcmp(file->data, "glTF", 4) == 0;
 }
 
-/* Of the beginning of a .glb: its first chunk is JSON, and it is as long as it says. */
+/* Check the beginning of a .glb: its first chunk is JSON, and the file is as long as it
+ * says. */
 static void check_head(struct gltf *gltf)
 {
     const struct ctl_file *file = gltf->file;
@@ -178,7 +180,8 @@ static void load(struct gltf *gltf)
     }
 }
 
-/* Of a .glb that is not in memory as a whole, the data are left where they are. */
+/* Parse the JSON. Of a .glb that is not in memory as a whole, the data are left where
+ * they are. */
 static void parse_json(struct gltf *gltf)
 {
     const struct ctl_file *file = gltf->file;
@@ -254,7 +257,7 @@ void gltf_close(struct gltf *gltf)
 
 /* ---- buffers ----------------------------------------------------------------------- */
 
-/* Whether `bytes` of a file were copied. */
+/* Copy `bytes` of a file. Return whether they were there. */
 static bool copy(struct gltf *gltf, struct ctl_file *file, uint64_t first, size_t bytes,
                  char *to)
 {
@@ -325,7 +328,8 @@ static bool unescape(const char *uri, char *name)
     return true;
 }
 
-/* Whether a name begins a folder above, at the root, or with a scheme such as "http:". */
+/* Return whether a name begins at the root or with a scheme such as "http:", or leads to
+ * a folder above. */
 static bool leaves_folder(const char *name)
 {
     bool leaves =

@@ -69,7 +69,7 @@ enum gltf_type {
     GLTF_FLOAT
 };
 
-/* What an accessor is for, which says what elements it may have. */
+/* Use of an accessor, which says what elements it may have. */
 enum gltf_role {
     GLTF_POSITIONS, /* or how far morph targets are from them */
     GLTF_JOINTS,

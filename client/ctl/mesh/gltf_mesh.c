@@ -9,8 +9,8 @@
 
 enum { POINTS, LINES, LINE_LOOP, LINE_STRIP, TRIANGLES, STRIP, FAN, MODES };
 
-/* Of a mode: what its features are, what the number of indices is a multiple of, and how
- * many there are at least, if there are any. */
+/* Modes of primitives: what the features are, what the number of indices is a multiple
+ * of, and how many there are at least, if there are any. */
 static const struct {
     enum ctl_kind kind;
     size_t each, least;
@@ -45,7 +45,7 @@ static bool is_same(const json_t *a, const json_t *b)
     return a == b || json_equal(a, b);
 }
 
-/* Whether two primitives have the same vertices, moved by the same. */
+/* Return whether two primitives have the same vertices, moved by the same. */
 static bool is_same_run(const json_t *a, const json_t *b)
 {
     bool has_same = is_same(positions_of(a), positions_of(b)) &&
@@ -109,7 +109,7 @@ static void read_run(struct gltf *gltf, const json_t *primitive,
     object->vertex_count += (uint32_t)run->positions.count;
 }
 
-/* What can be said of a primitive before its accessors. */
+/* Check of a primitive what can be known before its accessors are read. */
 static void judge_primitive(struct gltf *gltf, const struct gltf_object *object, size_t i,
                             const json_t *primitive)
 {

@@ -73,7 +73,8 @@ static void list_from(struct gltf_scene *scene, size_t root, size_t *waiting)
     }
 }
 
-/* What the scene shows, then what else there is; without any scene all is shown. */
+/* List the nodes in order: those that the scene shows, then the others; without any scene
+ * all are shown. */
 static void read_order(struct gltf_scene *scene, size_t *waiting)
 {
     struct gltf *gltf = &scene->gltf;
@@ -141,8 +142,8 @@ static void read_skin(struct gltf_scene *scene, struct gltf_object *object)
     }
 }
 
-/* What a node shows, without its vertices. The weights of the morph targets are those of
- * the node, else of the mesh, else 0. */
+/* Read what a node shows, without its vertices. The weights of the morph targets are
+ * those of the node, else of the mesh, else 0. */
 static void read_object(struct gltf_scene *scene, size_t index)
 {
     struct gltf *gltf = &scene->gltf;

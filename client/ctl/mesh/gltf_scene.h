@@ -52,8 +52,9 @@ struct gltf_run {
     size_t set_count;
 };
 
-/* What one node shows: a mesh, or as many as it has instances (EXT_mesh_gpu_instancing).
- * Of an export of pccdctl only its objects are that, not what marks contacts. */
+/* Object of the scene: the mesh that one node shows, once, or as often as the node has
+ * instances (EXT_mesh_gpu_instancing). In an export of pccdctl only its objects are such,
+ * not what marks contacts. */
 struct gltf_object {
     size_t node;
     uint32_t first; /* vertex */

@@ -104,7 +104,7 @@ int ctl_mesh_other_count(const char *path_a, uint32_t a, const char *names,
                          path_a, a, names, path_b, b);
 }
 
-/* How many of `count` vertices are none of some others. */
+/* Return how many of `count` vertices are none of some others. */
 static uint32_t count_new(const uint32_t *vertices, uint32_t count,
                           const uint32_t *others, uint32_t other_count)
 {
@@ -119,7 +119,7 @@ static uint32_t count_new(const uint32_t *vertices, uint32_t count,
     return found;
 }
 
-/* Whether two triangles of both are one quad, cut by two diagonals. */
+/* Return whether both are two triangles of the same quad, cut by its two diagonals. */
 static bool is_recut(const uint32_t a[6], const uint32_t b[6])
 {
     uint32_t corners = 0;

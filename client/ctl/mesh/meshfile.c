@@ -17,7 +17,7 @@ static int no_memory(const struct ctl_mesh *mesh, uint64_t count, const char *wh
 
 /* ---- parts ------------------------------------------------------------------------- */
 
-/* Of `count` things, the first of piece `number`. */
+/* Return the first of `count` things that is in piece `number`. */
 static uint64_t piece_first(const struct ctl_part *part, uint64_t count, uint32_t number)
 {
     uint64_t each = count / part->count, more = count % part->count;
@@ -37,7 +37,7 @@ void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count)
     }
 }
 
-/* Of array[*count] the piece, in less memory. */
+/* Keep the piece of array[*count], and give back the memory of the rest. */
 static void *keep(const struct ctl_part *part, void *array, uint32_t *count,
                   size_t item_bytes)
 {

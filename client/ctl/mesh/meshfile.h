@@ -19,7 +19,7 @@
 /* What the daemon accepts: counts up to 2^31 - 1. */
 #define CTL_MESH_COUNT_MAX ((uint64_t)INT32_MAX)
 
-/* What names vertices: one of kind k has k + 1 of them. */
+/* Rows that name vertices: one of kind k has k + 1 of them. */
 enum ctl_kind { CTL_POINTS, CTL_EDGES, CTL_TRIANGLES, CTL_KINDS };
 
 struct ctl_list {
@@ -44,9 +44,9 @@ struct ctl_polygon {
         place; /* for messages: mesh->has_lines, a line; otherwise the face's number */
 };
 
-/* What is kept of a file of which several processes keep a part each: piece `number` of
- * `count` of its vertices, of its rows of faces, of edges and of points, each cut into
- * equal runs. A polygon is one row, so pieces may have unequal numbers of triangles. */
+/* Part that one of several processes keeps of a file: piece `number` of `count` of its
+ * vertices, of its rows of faces, of edges and of points, each cut into equal runs. A
+ * polygon is one row, so pieces may have unequal numbers of triangles. */
 struct ctl_part {
     uint32_t number, count; /* count 0: all is kept */
     uint32_t vertex_first;  /* of those that are kept */
@@ -88,7 +88,7 @@ struct ctl_mesh {
     struct ctl_others *others; /* while they are read, alone, or used; or NULL */
 };
 
-/* How a file is read; {0}: all of it, as a first frame. */
+/* Settings of reading a file; {0}: all of it, as a first frame. */
 struct ctl_reading {
     /* Keep piece `number` of `count` of it; 0: all. Of PLY and OBJ no more than that is
      * ever in memory, beside a window of the file; of the others all, for a while. All of
@@ -114,10 +114,11 @@ int ctl_mesh_read_as(const char *path, const struct ctl_reading *reading,
 void ctl_mesh_deinit(struct ctl_mesh *mesh);
 /* Keep the vertices alone. */
 void ctl_mesh_drop_shape(struct ctl_mesh *mesh);
-/* Whether a file has the name of a mesh file. */
+/* Return whether a file has the name of a mesh file. */
 bool ctl_mesh_is_named(const char *path);
 
-/* What a file has, by its first bytes or its name; what it is not known, is a mesh. */
+/* Contents of a file, by its first bytes or its name; one that tells neither way counts
+ * as a mesh. */
 enum ctl_mesh_holds {
     CTL_HOLDS_MESH,      /* one frame */
     CTL_HOLDS_CORNERS,   /* one frame; vertices are corners at one place (STL) */
@@ -159,9 +160,9 @@ int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
                             uint64_t count);
 /* Store one coordinate; the index is vertex * 3 + axis. */
 void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value);
-/* What is added next is of this row, of so many. */
+/* Say that what is added next is of this row, of so many. */
 void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count);
-/* Whether a triangle has a vertex twice. */
+/* Return whether a triangle has a vertex twice. */
 static inline bool ctl_is_flat(const uint32_t vertices[3])
 {
     return vertices[0] == vertices[1] || vertices[1] == vertices[2] ||
@@ -171,10 +172,10 @@ int ctl_mesh_add(struct ctl_mesh *mesh, enum ctl_kind kind, const uint32_t *vert
 /* The corners of a face, three or more, one after the other; then its place. */
 int ctl_mesh_add_corner(struct ctl_mesh *mesh, uint32_t vertex);
 int ctl_mesh_end_face(struct ctl_mesh *mesh, uint64_t place);
-/* What is added next belongs to an object of this name, of name_bytes bytes, which is
- * copied; one to which nothing was added is forgotten then. */
+/* Say that what is added next belongs to an object of this name, of name_bytes bytes,
+ * which is copied; an object to which nothing was added is forgotten then. */
 int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_bytes);
-/* Of a mesh that was read whole, keep a piece. */
+/* Keep a piece of a mesh that was read whole. */
 void ctl_mesh_keep_part(struct ctl_mesh *mesh, uint32_t number, uint32_t count);
 
 #define CTL_NO_OBJECT UINT32_MAX
@@ -190,7 +191,7 @@ uint32_t *ctl_mesh_object_of_vertices(const struct ctl_mesh *mesh);
  * after, also on error. */
 int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh);
 int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh);
-/* Whether the first bytes of a file are those of OBJ, of STL, whatever its name. */
+/* Return whether a file begins as OBJ does, or as STL, whatever its name. */
 bool ctl_obj_begins(const struct ctl_file *file);
 bool ctl_stl_begins(const struct ctl_file *file);
 int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh);

@@ -62,8 +62,8 @@ static int read_corners(const struct ctl_frames *frames,
                : status;
 }
 
-/* Of three vertices of each triangle, those that the shape has: none of them is before
- * the first of its corners, so all move down. */
+/* Move the three vertices of each triangle to where the shape has them: none of these is
+ * before the first of its corners, so all move down. */
 static void place_corners(const struct ctl_frames *frames, struct ctl_mesh *corners)
 {
     const uint32_t *vertices = frames->shape.triangles.vertices;
@@ -201,7 +201,7 @@ static int name_frames(struct ctl_frames *frames, struct ctl_error *error)
 
 /* ---- vertices at one place --------------------------------------------------------- */
 
-/* What the library has said of them. */
+/* Set the error to what the library has said of the frames. Return `status`. */
 static int told(const struct ctl_frames *frames, int status, struct ctl_error *error)
 {
     return status == PCCD_OK ? status
@@ -209,7 +209,8 @@ static int told(const struct ctl_frames *frames, int status, struct ctl_error *e
                                              pccd_error_text(NULL));
 }
 
-/* What was read of a pipe, which can be read once, waits until it is asked for. */
+/* Hold a frame that was read of a pipe, which can be read once, until it is asked for;
+ * let go of any other. */
 static void hold(struct ctl_frames_source *source, struct ctl_mesh *frame)
 {
     if (ctl_mesh_is_pipe(source->path)) {

@@ -23,7 +23,7 @@ struct ctl_frames_options {
     bool first_alone; /* of later frames only their number is wanted: they are not read */
 };
 
-/* What was made of vertices at one place. */
+/* Outcome of joining vertices at one place. */
 struct ctl_welded {
     double within;        /* what was asked for; 0: at one place */
     uint32_t frame_count; /* that were looked at */
@@ -64,8 +64,8 @@ struct ctl_frames {
 int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path_count,
                     const struct ctl_frames_options *options, struct ctl_error *error);
 /* Fill `frame`, which is empty or another frame, with the positions of frame `index`, and
- * no shape. Errors: likewise; E_INVAL, with both files and the first difference, where
- * its shape is another one. */
+ * no shape. Errors: those of ctl_frames_open; E_INVAL, with both files and the first
+ * difference, where its shape is another one. */
 int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *frame,
                     struct ctl_error *error);
 /* For who joins vertices of a shape by himself: its rows to the mesh, with those that

@@ -15,7 +15,7 @@ static bool is_json(const struct ctl_file *file)
     return start[strspn(start, " \t\r\n")] == '{';
 }
 
-/* What a file is, by its first word or its name. */
+/* Formats, each known by the file's first word or by its name. */
 static const struct format {
     const char *word; /* NULL: its name alone tells */
     const char *ending;
@@ -123,7 +123,7 @@ int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
     return ctl_motion_open(path, format_of_path(path)->open_motion, wish, motion, error);
 }
 
-/* Of a file that is no mesh, by its format, or NULL. */
+/* Refuse a file that is no mesh; `format` is what it is, or NULL. */
 static int refuse(const struct ctl_file *file, const struct format *format,
                   struct ctl_error *error)
 {

@@ -10,7 +10,7 @@
 #include "pccd_types.h"
 #include "text.h"
 
-/* What is wanted of a file whose frames are not numbered; of others nothing. */
+/* Wishes about a file whose frames are not numbered; other files ignore them. */
 struct ctl_motion_wish {
     double rate;           /* frames a second, finite and > 0; 0: at its keyframes */
     const char *animation; /* its name, or number from 0; NULL: what the reader chooses */

@@ -36,7 +36,7 @@ struct obj {
     uint64_t counts[UNKNOWN + 1], seen[UNKNOWN + 1]; /* in the file; so far */
 };
 
-/* Of what kind a line is by its first word. */
+/* Return the kind of a line, by its first word. */
 static uint32_t kind_of(struct ctl_word line)
 {
     struct ctl_word word;
@@ -67,8 +67,8 @@ static bool has_name(uint32_t kind)
     return kind >= OBJECT && kind < NAMES_END;
 }
 
-/* Whether the next line continues this one, of a statement of that kind: it ends in a
- * backslash, and that is not of a comment or a name. */
+/* Return whether the next line continues this one, of a statement of that kind: it ends
+ * in a backslash, and that is not of a comment or a name. */
 static bool goes_on(const struct ctl_word *line, uint32_t kind)
 {
     return line->end > line->at && line->end[-1] == '\\' && !has_name(kind) &&
@@ -250,7 +250,7 @@ static int compare_names(const void *a, const void *b)
     return order != 0 ? order : (*left < *right ? -1 : 1);
 }
 
-/* What has one name is one object, though the file has it in parts. */
+/* Join parts that have one name: they are one object. */
 static void join_parts(struct obj *obj)
 {
     struct ctl_mesh *mesh = obj->mesh;

@@ -33,7 +33,8 @@ static const struct type {
     {"float", "float32", 4, REAL}, {"double", "float64", 8, REAL},
 };
 
-/* What a property is to us; those before NAMED_ROLES have one element and one name. */
+/* Use that we make of a property; those before NAMED_ROLES have one element and one
+ * name. */
 enum role { AXIS_X, AXIS_Y, AXIS_Z, END_0, END_1, NAMED_ROLES, INDICES, SKIP };
 
 static const struct {
@@ -80,13 +81,13 @@ struct ply {
 
 /* ---- the lines of the header ------------------------------------------------------- */
 
-/* What of a word a message quotes: the text that it lies in does not stay. */
+/* Copy as much of a word as a message quotes: the text that it lies in does not stay. */
 static void copy_name(char name[NAME_BYTES], const struct ctl_word *word)
 {
     snprintf(name, NAME_BYTES, "%.*s", CTL_QUOTE(*word));
 }
 
-/* Whether a name is one of the first `count`, in capitals, too. */
+/* Return whether a word is one of the first `count` names, in capitals, too. */
 static bool is_any_of(const struct ctl_word *word, const char *const *names, size_t count)
 {
     bool is_one = false;

@@ -64,7 +64,7 @@ static int read_at(const struct ctl_file *file, uint64_t offset, char *to, size_
     return PCCD_OK;
 }
 
-/* Whether two frames are the same, byte for byte. False also after an error. */
+/* Return whether two frames are the same, byte for byte; false also after an error. */
 static bool is_same(struct ctl_file *file, uint64_t first_byte, uint64_t frame_bytes)
 {
     char first[4096], second[4096];

@@ -102,7 +102,7 @@ static int compare(const double a[2], const double b[2])
 
 /* ---- simple polygons --------------------------------------------------------------- */
 
-/* Of a point on the line through a and b: whether it is between them, or one of them. */
+/* Return whether a point on the line through a and b is between them, or one of them. */
 static bool is_between(const double a[2], const double b[2], const double point[2])
 {
     return compare(a, point) * compare(point, b) >= 0;
@@ -118,7 +118,7 @@ static bool do_sides_meet(const double a[2], const double b[2], const double c[2
            (b_is == 0 && is_between(c, d, b));
 }
 
-/* Of a side the number and where it is on both axes. */
+/* Side of a polygon: its number, and where it begins and ends. */
 struct cutter_side {
     double from[2], to[2];
     uint32_t number;
@@ -175,8 +175,8 @@ static int turn_at(const struct cutter_corner *corners, uint32_t i)
     return turn(corners[corners[i].before].p, corners[i].p, corners[corners[i].after].p);
 }
 
-/* Whether nothing of the polygon is in the way of cutting corner i off; `side` is the
- * turn of a convex corner. */
+/* Return whether nothing of the polygon is in the way of cutting corner i off; `side` is
+ * the turn of a convex corner. */
 static bool is_ear(const struct cutter_corner *corners, uint32_t i, int side)
 {
     uint32_t from = corners[i].before, to = corners[i].after;
@@ -203,8 +203,8 @@ static void put(struct ctl_cutter *cutter, uint32_t a, uint32_t b, uint32_t c)
     triangle[2] = c;
 }
 
-/* Of a simple polygon: begin where it is leftmost, and leave out the corner after each
- * that was cut off, so that not all triangles share one. */
+/* Cut the corners off a simple polygon: begin where it is leftmost, and leave out the
+ * corner after each that was cut off, so that not all triangles share one. */
 static bool cut_ears(struct ctl_cutter *cutter, uint32_t count)
 {
     struct cutter_corner *corners = cutter->corners;
@@ -249,7 +249,7 @@ static void see(const double x[3], int axis, double p[2])
     p[1] = x[(axis + 2) % 3];
 }
 
-/* How much the polygon faces each axis. */
+/* Find how much the polygon faces each axis. */
 static void find_facing(double (*x)[3], uint32_t count, double facing[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -308,8 +308,8 @@ static bool cut_four(struct ctl_cutter *cutter, int axis)
     return cutter->made > 0;
 }
 
-/* Whether four corners are surely not in one plane. Two triangles that share an edge meet
- * nowhere else then. */
+/* Return whether four corners are surely not in one plane. Two triangles that share an
+ * edge meet nowhere else then. */
 static bool is_bent(double (*x)[3])
 {
     double d[3][3], sum = 0, most_of_it = 0;

@@ -100,8 +100,8 @@ static void add_facet(struct stl *stl, const float x[9])
     }
 }
 
-/* Whether a file is binary: its number of facets says how long it is. The first line of
- * ascii does not tell, since headers may begin with "solid", too. */
+/* Return whether a file is binary: its number of facets says how long it is. The first
+ * line of ascii does not tell, since headers may begin with "solid", too. */
 static bool is_binary(const struct ctl_file *file)
 {
     return file->bytes >= HEADER_BYTES &&
@@ -136,7 +136,8 @@ static void read_binary(struct stl *stl)
     }
 }
 
-/* Whether it begins with "solid", and has no byte 0 soon, as a binary file has. */
+/* Return whether a file begins with "solid", and has no byte 0 soon, as a binary file
+ * has. */
 static bool is_ascii(const struct ctl_file *file)
 {
     static const char blanks[] = " \t\r\n\v\f";
@@ -169,7 +170,7 @@ static void refuse_kind(struct ctl_file *file)
                     rest % FACET_BYTES);
 }
 
-/* Whether a line begins so; "end facet" is "endfacet". */
+/* Return whether a line begins with the words wanted; "end facet" is "endfacet". */
 static bool begins(const struct ctl_word *word, struct ctl_word line, const char *wanted)
 {
     struct ctl_word second;

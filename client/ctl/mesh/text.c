@@ -23,7 +23,7 @@
 #define WINDOW_BYTES ((size_t)1 << 20)
 /* Read at a time, so that a hole in a text is found soon. */
 #define READ_BYTES_MAX ((size_t)1 << 22)
-/* Of a line, looked at at a time. */
+/* Bytes of a line that are looked at at a time. */
 #define PIECE_BYTES ((size_t)512)
 /* Longest piece of a word that a message quotes. */
 #define QUOTE_CHARS_MAX 40

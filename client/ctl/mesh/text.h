@@ -56,7 +56,7 @@ int ctl_file_load(struct ctl_file *file, struct ctl_error *error);
 /* Copy `bytes` from byte `first` of a file on, which is no pipe or was loaded; what is in
  * memory stays. The same errors, and E_FORMAT: it has become shorter. */
 int ctl_file_copy(struct ctl_file *file, uint64_t first, size_t bytes, char *to);
-/* Whether all of it is in memory. */
+/* Return whether all of the file is in memory. */
 bool ctl_file_is_loaded(const struct ctl_file *file);
 void ctl_file_deinit(struct ctl_file *file);
 
@@ -73,11 +73,11 @@ void ctl_file_begin(struct ctl_file *file);
 const char *ctl_file_start(const struct ctl_file *file);
 /* It is text, and so has no byte 0: where there is one is told as soon as it is read. */
 void ctl_file_expect_text(struct ctl_file *file);
-/* Whether so many bytes follow; all of them are in memory then. */
+/* Return whether so many bytes follow; all of them are in memory then. */
 bool ctl_file_more(struct ctl_file *file, size_t bytes);
 /* The next line without its line end (LF, CR LF or CR); false at the end of the file. */
 bool ctl_file_line(struct ctl_file *file, struct ctl_word *line);
-/* How many bytes the file has in all, and behind the reader. */
+/* Return how many bytes the file has: in all, and behind the reader. */
 uint64_t ctl_file_size(const struct ctl_file *file);
 uint64_t ctl_file_left(const struct ctl_file *file);
 

@@ -24,7 +24,7 @@ struct near_options {
     bool has_distance, has_gap, has_self;
 };
 
-/* Of a struct near_options. */
+/* Options that fill a struct near_options. */
 extern const struct option_table near_table;
 
 /* All that was said of the question. */

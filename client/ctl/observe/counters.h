@@ -28,7 +28,8 @@ int counters_read(struct pccd_client *client, struct counters *counters);
 uint64_t counters_get(const struct counters *counters, const char *name);
 /* Members of an object. */
 void counters_add(json_t *object, const struct counters *counters);
-/* Whether it tells how something is now; otherwise it is a total that only grows. */
+/* Return whether a counter tells how something is now; otherwise it is a total that only
+ * grows. */
 bool counters_is_gauge(const char *name);
 
 /* The upper bound of a bucket, in seconds; infinity for the last. */

@@ -33,7 +33,7 @@ static void look_at_files(struct doctor *doctor)
                 (unsigned long long)limit.rlim_cur, (unsigned long long)limit.rlim_max);
 }
 
-/* What a ring is made of: a memfd of that size, allocated and mapped. */
+/* Try what a ring is made of: a memfd of that size, allocated and mapped. */
 static void look_at_memory(struct doctor *doctor)
 {
     int fd = memfd_create("pccdctl doctor", MFD_CLOEXEC | MFD_ALLOW_SEALING);
@@ -102,7 +102,7 @@ static bool find_path(const struct pccd_options *options, char path[PATH_BYTES])
     return path[0] != '\0';
 }
 
-/* Whether the daemon could make that folder: the one that it is in must be there. */
+/* Return whether the daemon could make that folder: the one above it must be there. */
 static bool can_make(const char *folder)
 {
     char parent[PATH_BYTES];
@@ -196,8 +196,8 @@ static void look_at_systemd(struct doctor *doctor)
                 "no unit is installed, and none needed");
 }
 
-/* What a daemon there said last that has not ended as it should. It is no fault where
- * another one has come since. */
+/* Find the last words of a daemon there that has not ended as it should. It is no fault
+ * where another one has come since. */
 static void look_at_log(struct doctor *doctor, const char *path)
 {
     char name[PATH_BYTES + sizeof COMMON_OWN_LOG_ENDING];

@@ -94,8 +94,8 @@ static void write_pixels(struct film *film, const struct chunk *chunk)
     }
 }
 
-/* Of the first picture all but pixels and end; behind its head how many pictures there
- * are, and that they begin again without end. */
+/* Write a chunk of the first picture, all but pixels and end; behind its head how many
+ * pictures there are, and that they begin again without end. */
 static void write_head(struct film *film, const unsigned char *png,
                        const struct chunk *chunk)
 {

@@ -82,7 +82,7 @@ static void join(uint32_t *above, uint32_t a, uint32_t b)
     above[root_a > root_b ? root_a : root_b] = root_a > root_b ? root_b : root_a;
 }
 
-/* Of a triangle, as long as its area; in units of 2^octave. */
+/* Set the normal of a triangle, as long as twice its area, in units of 4^octave. */
 static void area_normal(const struct snapshot_object *mesh, uint32_t t, int octave,
                         float normal[3])
 {
@@ -161,7 +161,7 @@ bool picture_normals(const struct snapshot_object *mesh, int octave, float (*nor
 
 /* ---- camera ------------------------------------------------------------------------ */
 
-/* Of the feature that has these vertices, as it is drawn. */
+/* Return the radius with which the feature that has these vertices is drawn. */
 static float radius_of(const struct picture *picture, const struct snapshot_object *mesh,
                        const uint32_t *vertices, uint32_t count)
 {
@@ -241,7 +241,7 @@ static void view_of(const struct picture_canvas *canvas, float *wide, float *hig
     *wide = *high * (float)canvas->width / (float)canvas->height;
 }
 
-/* How much of the view the marks take: 1 when they just fill it. */
+/* Return how much of the view the marks take: 1 when they just fill it. */
 static float share_of_marks(const struct picture *picture,
                             const struct picture_canvas *canvas)
 {

@@ -31,13 +31,13 @@ struct picture_mark {
     bool is_chosen;  /* drawn larger */
 };
 
-/* What is to be seen: a ball that fills the picture's height. */
+/* Place to look at: a ball that fills the picture's height. */
 struct picture_place {
     float at[3];
     float radius;
 };
 
-/* What the first and the last colour mean, for the legend. */
+/* Text of the legend: what the first and the last colour mean. */
 struct picture_scale {
     char title[48];
     char low[16], high[16];
@@ -133,11 +133,11 @@ void picture_halve(struct picture_canvas *canvas);
 /* ---- Draws what has a thickness: all that is within a radius of a point, an edge
  * or a triangle. */
 
-/* How many pixels thick_segment will look at. */
+/* Return how many pixels thick_segment will look at. */
 uint64_t thick_pixels(const struct picture_canvas *canvas, const float from[3],
                       const float to[3], double radius);
-/* What is within `radius` of the segment between two points, which may be one. Nothing of
- * it is behind the eye. */
+/* Draw what is within `radius` of the segment between two points, which may be one.
+ * Nothing of it is behind the eye. */
 void thick_segment(struct picture_canvas *canvas, const float from[3], const float to[3],
                    double radius, const struct raster_surface *surface);
 /* The same of a triangle. The corners have their normals, for shading. */

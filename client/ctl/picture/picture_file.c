@@ -13,7 +13,7 @@
 #include "whole_file.h"
 
 #define DOT_RADIUS  2.1f  /* picture pixels */
-#define LINE_RADIUS 1.1f  /* likewise */
+#define LINE_RADIUS 1.1f  /* picture pixels */
 #define DOT_HIDDEN  0.30f /* opacity of marks behind a surface */
 #define SMALL       640u  /* a picture is, if it has fewer pixels from side to side */
 #define LETTER_WIDE 12u   /* units */
@@ -160,7 +160,7 @@ static void put_line(const struct sink *sink, const struct raster_corner ends[2]
     fputs("/>\n", sink->file);
 }
 
-/* What means something to XML is written otherwise. */
+/* Write a text; characters that mean something to XML are escaped. */
 static void put_text(const struct sink *sink, uint32_t x, uint32_t y, bool is_right,
                      const char *text)
 {

@@ -31,7 +31,7 @@ struct raster_surface {
     float line_width;        /* of the triangles' borders, canvas pixels; 0 = none */
 };
 
-/* Of a share of a colour, 0 .. 255. */
+/* Return a share of a colour as a byte, 0 .. 255. */
 uint8_t raster_byte(float share);
 /* False without memory. */
 bool raster_init(struct raster *raster, uint32_t width, uint32_t height);
@@ -51,7 +51,8 @@ void raster_line(struct raster *raster, const struct raster_corner ends[2], floa
                  const float colour[3], float hidden);
 void raster_dot(struct raster *raster, const struct raster_corner *at, float radius,
                 const float colour[3], float hidden);
-/* Whether something nearer is at the middle of a dot; a dot off the canvas is. */
+/* Return whether something nearer is at the middle of a dot; true if that is off the
+ * canvas. */
 bool raster_is_hidden(const struct raster *raster, const struct raster_corner *at);
 /* A rectangle, cut at the canvas' border; then ASCII text; (x, y) is its upper left
  * corner, a font pixel is `scale` canvas pixels. */

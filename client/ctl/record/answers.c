@@ -269,7 +269,7 @@ int answers_records(const struct answers *answers, struct record_reader *reader,
 
 /* ---- what belongs to nothing ------------------------------------------------------- */
 
-/* Whether a step or question of that number was asked. */
+/* Return whether a step or question of that number was asked. */
 static bool was_asked(const struct answers *answers, uint64_t number)
 {
     return find(answers->numbers, answers->asked_count, sizeof *answers->numbers,

@@ -45,8 +45,8 @@ void answers_deinit(struct answers *answers);
 const struct record_answer *answers_find(const struct answers *answers, uint64_t step);
 const struct record_near_answer *answers_find_near(const struct answers *answers,
                                                    uint64_t step);
-/* Whether a step, or a question about what is near, was answered, and with which
- * status; *status is as before if it was not. */
+/* Return whether a step, or a question about what is near, was answered, and set *status
+ * to its status; if it was not, *status is as before. */
 bool answers_status(const struct answers *answers, bool is_near, uint64_t step,
                     int32_t *status);
 /* Records of a step, or of what is near, from the first one on. */

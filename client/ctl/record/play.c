@@ -216,7 +216,7 @@ static bool is_length(double length, double most)
     return length >= 0 && length <= most;
 }
 
-/* Whether an item asks for lengths that can be ones. */
+/* Return whether the lengths that an item asks with can be lengths. */
 static bool has_lengths(const struct recorded_item *item)
 {
     const struct record_separation *apart = &item->separation;
@@ -296,7 +296,7 @@ static int show_near(struct play_reader *reader, const struct pccd_answer *answe
 
 /* ---- items ------------------------------------------------------------------------- */
 
-/* Whether the item that is read is of the range, or the next that is asked for. */
+/* Return whether the item that is read is of the range, or the next that is asked for. */
 static bool is_wanted(const struct play_reader *reader)
 {
     return reader->settings.next != NULL
@@ -400,7 +400,8 @@ static bool goes_on(struct play_reader *reader)
     return reader->next_place != 0;
 }
 
-/* Whether what an item has moved is there afterwards: if not it has failed. */
+/* Return whether what an item has moved is where it put it: not if the item has
+ * failed. */
 static bool has_moved(const struct play_reader *reader, const struct answers_asked *asked)
 {
     int32_t status = PCCD_OK;
@@ -408,7 +409,7 @@ static bool has_moved(const struct play_reader *reader, const struct answers_ask
     return status == PCCD_OK;
 }
 
-/* Whether the item that comes need not be read: others compute it and the two that
+/* Return whether the item that comes need not be read: others compute it and the two that
  * follow, which move the same vertices. The last of these begins where the one before
  * ends. */
 static bool is_passed(const struct play_reader *reader)

@@ -76,7 +76,7 @@ struct play_near {
     const struct record_near_answer *recorded; /* NULL: there was none */
     const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */
     const struct pccd_near *records;  /* [count]; NULL: none, or not asked for */
-    const double *bounds;             /* [count], of VERTICES, likewise */
+    const double *bounds;             /* [count], of VERTICES; NULL as `records` */
     uint64_t count;
     uint64_t first_count; /* of these, those of the first page */
     bool is_whole;        /* count is the answer's total */
@@ -113,7 +113,7 @@ struct play_settings {
     play_next_fn next;         /* NULL: all steps of the range are shown */
 };
 
-/* What the file held. */
+/* Contents of the file, in numbers. */
 struct play_summary {
     struct record_begin begin;
     enum record_ending ending;
@@ -137,24 +137,26 @@ int play_open(const struct play_settings *settings, struct play_summary *summary
 int play_run(struct play_reader *reader, play_fn show, void *context,
              struct ctl_error *error);
 void play_close(struct play_reader *reader);
-/* What was asked and answered. */
+/* Return what was asked and answered. */
 struct answers *play_answers(struct play_reader *reader);
 /* PCCD_OK, or why reading the answers did not come to the end of the file. */
 int play_damage(const struct play_reader *reader, struct ctl_error *error);
-/* Whether a step is of the range that the settings name. */
+/* Return whether a step is of the range that the settings name. */
 bool play_is_within(const struct play_settings *settings, uint64_t step);
 
 /* The hash of the daemon's answer to a step by the version of the recorded hash, so that
  * the two can be compared. */
 void play_hash(const struct play_step *step, uint64_t hash[2]);
 
-/* Whether any pair that is near enough is a right answer, so that there is no hash. */
+/* Return whether any pair that is near enough is a right answer, so that there is no
+ * hash. */
 bool play_has_gap(const struct record_near *asked);
 
-/* Whether nothing ended an answer before it was done: only such answers must be equal. */
+/* Return whether nothing ended an answer before it was done: only such answers must be
+ * equal. */
 bool play_is_complete(uint32_t incomplete);
 
-/* Whether a step that failed so fails again. */
+/* Return whether a step that failed so fails again. */
 bool play_is_repeatable(int status);
 
 #endif

@@ -39,7 +39,7 @@ bool play_options_are_frames(const struct play_options *options);
 int play_options_open(struct play_options *options, struct ctl_error *error);
 void play_options_deinit(struct play_options *options);
 
-/* How the file ended, when it did not end well; nothing otherwise. To stderr. */
+/* Tell on stderr how the file ended, if it did not end well. */
 void play_options_warn(const struct play_settings *settings,
                        const struct play_summary *summary);
 

@@ -47,8 +47,9 @@ int recorded_state_move(struct registry *state, const struct recorded_item *item
 
 /* The edges of a mesh as records number them, made at the first call. */
 int recorded_edges(struct registry_mesh *mesh, struct ctl_error *error);
-/* Whether a vertex (points 1) or an edge (2) is free: an edge that no triangle has, a
- * point that is named and that no triangle and no edge has. Its edges were made. */
+/* Return whether a vertex (points 1) or an edge (2) is free: an edge that no triangle
+ * has, a point that is named and that no triangle and no edge has. The mesh's edges were
+ * made. */
 bool recorded_is_free(const struct registry_mesh *mesh, uint32_t points,
                       uint32_t feature);
 /* Features of a mesh that have so many points: how many, and the vertices of one; NULL if
@@ -56,7 +57,7 @@ bool recorded_is_free(const struct registry_mesh *mesh, uint32_t points,
 uint32_t recorded_feature_count(const struct registry_mesh *mesh, uint32_t points);
 const uint32_t *recorded_feature(const struct registry_mesh *mesh, uint32_t points,
                                  const uint32_t *feature);
-/* Whether two features of one mesh, by their vertices, have a vertex in common. */
+/* Return whether two features of one mesh, by their vertices, have a vertex in common. */
 bool recorded_share_vertex(const uint32_t *a, uint32_t count_a, const uint32_t *b,
                            uint32_t count_b);
 /* The radius of a feature of an object that has these vertices. */

@@ -34,7 +34,8 @@ struct replay_side {
     double toi_first; /* not of a question */
 };
 
-/* What came of one; without pointers, so that other processes can be told. */
+/* Outcome of one step or question; without pointers, so that other processes can be
+ * told. */
 struct replay_item {
     uint64_t step;
     uint32_t outcome;      /* enum replay_outcome */
@@ -45,7 +46,7 @@ struct replay_item {
     struct replay_side got;      /* zeros when it is skipped */
 };
 
-/* What can differ, in the order in which it is looked at: texts. */
+/* Names of what can differ, in the order in which it is looked at. */
 #define REPLAY_WHAT_COUNT 8
 extern const char *const replay_whats[REPLAY_WHAT_COUNT];
 

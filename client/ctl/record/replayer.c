@@ -277,7 +277,7 @@ static bool add_motion(struct replayer *replayer, uint32_t *count,
     return true;
 }
 
-/* What an item moves. */
+/* Give the daemon what an item moves. */
 static bool take_segments(struct replayer *replayer, const struct recorded_item *item,
                           uint32_t *count)
 {

@@ -150,8 +150,8 @@ static void point_of(const struct registry_object *object, const uint32_t *corne
     }
 }
 
-/* How far apart the two features are when they meet, unless they keep no distance: then
- * what is between their points is rounding. */
+/* Find how far apart the two features are when they meet, unless they keep no distance:
+ * then what is between their points is rounding. */
 static void find_reach(double separation, const struct registry_object *const objects[2],
                        const uint32_t *const corners[2], const uint32_t counts[2],
                        const double w[2][3], struct snapshot_contact *contact)

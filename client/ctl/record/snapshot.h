@@ -79,7 +79,7 @@ int snapshot_take_near(const struct play_settings *settings, struct snapshot *sn
                        struct play_summary *summary, struct ctl_error *error);
 /* The greatest distance of its lines; 0: none. */
 double snapshot_greatest(const struct snapshot *snapshot);
-/* What there is of it in the file `path`, on the standard output. */
+/* Print what there is of it in the file `path`, on the standard output. */
 void snapshot_report(const struct snapshot *snapshot, const char *path, bool is_json);
 void snapshot_deinit(struct snapshot *snapshot);
 

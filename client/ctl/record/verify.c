@@ -90,7 +90,8 @@ bool verify_has(const struct play_step *step, const struct pccd_pair *pair)
 
 /* ---- records ---------------------------------------------------------------------- */
 
-/* Whether a pair names two features that there are and that may touch; else why not. */
+/* Return NULL if a pair names two features that there are and that may touch; else why it
+ * does not. */
 static const char *misnamed(const struct registry_scene *scene,
                             const struct pccd_pair *pair)
 {
@@ -176,7 +177,8 @@ bool verify_wrong(struct verify_result *result, const struct play_step *step,
 
 /* ---- one contact ------------------------------------------------------------------- */
 
-/* What its floats must be, whatever the rounding. */
+/* Return what is wrong with the floats of a contact, whatever the rounding; NULL:
+ * nothing. */
 static const char *malformed(const struct pccd_contact *contact, double tolerance)
 {
     double w[2][3];
@@ -255,7 +257,7 @@ uint64_t verify_mix(uint64_t x)
     return x ^ x >> 31;
 }
 
-/* One of mode pairs: is it what the mode asks for? */
+/* Check that a pair of mode pairs is one that the mode asks for. */
 static bool check_beside(const struct play_step *step, const struct pccd_pair *pair,
                          struct verify_result *result)
 {
@@ -316,14 +318,15 @@ void verify_skip(uint64_t step, bool is_near, struct verify_result *result)
     verify_leave(result, "it had failed by chance, and is not repeated");
 }
 
-/* Of a failed step nothing else is said. */
+/* Return whether an answer has its status alone, as one of a failed step must. */
 static bool is_bare(const struct record_answer *answer)
 {
     const struct record_answer bare = {.step = answer->step, .status = answer->status};
     return memcmp(&bare, answer, sizeof bare) == 0;
 }
 
-/* Whether it has an answer to check; *is_right: what there is is right. */
+/* Return whether the step has an answer to check; *is_right: what there is of one is
+ * right. */
 static bool can_check(const struct play_step *step, struct verify_result *result,
                       bool *is_right)
 {
@@ -350,7 +353,7 @@ static bool can_check(const struct play_step *step, struct verify_result *result
     return false;
 }
 
-/* What an answer that is not all there, or not all that there is, leaves open. */
+/* Say what stays open of an answer that is not all there, or not all that there is. */
 static void leave_open(const struct play_step *step, struct verify_result *result)
 {
     static const char *const why[] = {[PCCD_INCOMPLETE_DEADLINE] = "its deadline passed",

@@ -47,7 +47,7 @@ struct verify_counts {
     uint64_t nears_unchecked;
 };
 
-/* What was found to be wrong. */
+/* Proof of a fault: the step, what is wrong there, and with which pair. */
 struct verify_witness {
     uint64_t step;
     char what[200];
@@ -62,7 +62,7 @@ struct verify_witness {
 
 #define VERIFY_WHY_BYTES 160
 
-/* What came of a step or a question; without pointers, so that other processes can be
+/* Outcome of a step or a question; without pointers, so that other processes can be
  * told. */
 struct verify_result {
     uint64_t step;
@@ -79,13 +79,13 @@ struct verify_result {
  * the method). PCCD_OK with *result, else an error. */
 int verify_step(const struct play_step *step, const struct verify_settings *settings,
                 struct verify_result *result, struct ctl_error *error);
-/* verify_distance.c: an answer about what is near, likewise. */
+/* Check an answer about what is near, as verify_step does (verify_distance.c). */
 int verify_distances(const struct play_near *near, struct verify_result *result,
                      struct ctl_error *error);
 /* One that was not repeated, because it had failed by chance. */
 void verify_skip(uint64_t step, bool is_near, struct verify_result *result);
 
-/* How a step begins, exactly: edges that pass through faces and, with an approach, pairs
+/* Exact begin of a step: edges that pass through faces and, with an approach, pairs
  * within their distance. */
 struct verify_start {
     bool is_known; /* it was asked, and is not too much to decide */
@@ -112,9 +112,9 @@ const char *verify_place(const struct pccd_contact *contact, const double p[8][3
 
 /* ---- what they use ----------------------------------------------------------------- */
 
-/* Whether the answer holds the pair. */
+/* Return whether the answer holds the pair. */
 bool verify_has(const struct play_step *step, const struct pccd_pair *pair);
-/* Whether nothing ended the step before it was done. */
+/* Return whether nothing ended the step before it was done. */
 bool verify_is_complete(const struct play_step *step);
 /* splitmix64: a number that looks random, of x; for the next one x grows by the step. */
 #define VERIFY_MIX_STEP 0x9e3779b97f4a7c15u
@@ -150,13 +150,13 @@ void verify_points(const struct registry_scene *scene, const struct pccd_pair *p
 /* The mesh of either object has its edges (recorded_edges). */
 void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                  struct verify_meeting *meeting);
-/* Whether mode pairs has the pair: no axis separates it, by the given coordinates, and
- * its kind has a meaning where it is thin. The same meshes. */
+/* Return whether mode pairs has the pair: no axis separates it, by the given coordinates,
+ * and its kind has a meaning where it is thin. The same meshes. */
 bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair);
 
 /* ---- What came of it, as text and as JSON. */
 
-/* What came of all that was looked at, in its order, up to the first that is wrong; zero
+/* Outcome of all that was looked at, in its order, up to the first that is wrong; zero
  * before. */
 struct verify_report {
     struct verify_counts counts;
@@ -186,7 +186,8 @@ int verify_report_judge(const struct verify_report *report, const char *path,
 void verify_print_text(const struct verify_report *report);
 bool verify_print_json(const struct verify_report *report);
 
-/* What is wrong, as an object, NULL without memory; and back: false if it is none. */
+/* Return what is wrong as an object, NULL without memory; and read it back: false if it
+ * is none. */
 json_t *verify_witness_json(const struct verify_witness *witness);
 bool verify_witness_read(const json_t *object, struct verify_witness *witness);
 /* The counts, to an object. False without memory. */

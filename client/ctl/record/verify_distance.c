@@ -108,8 +108,9 @@ struct numbers {
     uint64_t hash[2];
 };
 
-/* What was recorded, the whole struct, so that a number which comes later is not let by;
- * only what was measured is taken from it. NULL: it is right. */
+/* Return what is wrong with the recorded numbers, or NULL. The whole struct is compared,
+ * so that a number which comes later is not let by; only what was measured is taken from
+ * it. */
 static const char *check_recorded(const struct judge *judge, const struct numbers *is)
 {
     const struct record_near_answer *then = judge->near->recorded;
@@ -236,8 +237,8 @@ static bool check_records(struct judge *judge, const struct oracle_nears *truth)
     return check_sums(judge);
 }
 
-/* Of one object: its bounds, which are those of the answer from `at` on if it was asked
- * about; and the least and greatest of them that a pair makes. */
+/* Check the bounds of one object, which are those of the answer from `at` on if it was
+ * asked about; and find the least and greatest of them that a pair makes. */
 static bool check_object(struct judge *judge, const struct oracle_nears *pairs,
                          uint32_t object, struct record_bound *records, uint64_t *at,
                          struct numbers *is)
@@ -295,7 +296,7 @@ static bool check_bounds(struct judge *judge, const struct oracle_nears *pairs)
     return is_right;
 }
 
-/* How many edges pass through faces. */
+/* Check how many edges pass through faces. */
 static bool check_count(struct judge *judge, uint64_t crossings)
 {
     const struct play_near *near = judge->near;
@@ -335,8 +336,8 @@ static bool are_of_one_pair(const struct pccd_near *a, const struct pccd_near *b
            (a->object_a == b->object_b && a->object_b == b->object_a);
 }
 
-/* Are the surfaces of a pair at most the distance apart, and no farther than those of the
- * nearest by more than the gap? But for what rounding takes or adds. */
+/* Return whether the surfaces of a pair are at most the distance apart, and no farther
+ * than those of the nearest by more than the gap; but for what rounding takes or adds. */
 static bool is_within_gap(const struct oracle_near *is, const struct oracle_near *nearest,
                           const struct record_near *asked)
 {
@@ -498,7 +499,7 @@ bool verify_start(const struct play_step *step, struct verify_result *result,
                         start->inside);
 }
 
-/* Of a failed question nothing else is said. */
+/* Return whether an answer has its status alone, as one of a failed question must. */
 static bool is_bare(const struct record_near_answer *answer)
 {
     const struct record_near_answer bare = {.step = answer->step,

@@ -44,7 +44,8 @@ void verify_points(const struct registry_scene *scene, const struct pccd_pair *p
     find_points(scene, pair, AT_END, p + 4);
 }
 
-/* Is the distance of the pair less than that, where the mesh was registered? */
+/* Return whether the distance of the pair was less than that where the mesh was
+ * registered. */
 static bool is_nearer(const struct registry_scene *scene, const struct pccd_pair *pair,
                       double distance)
 {
@@ -54,7 +55,8 @@ static bool is_nearer(const struct registry_scene *scene, const struct pccd_pair
                             distance);
 }
 
-/* Do so many edges or fewer join a vertex of the one and a vertex of the other? */
+/* Return whether so many edges or fewer join a vertex of the one and a vertex of the
+ * other. */
 static bool are_joined(const struct registry_mesh *mesh, const struct pccd_pair *pair,
                        uint32_t rings)
 {
@@ -116,7 +118,7 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
         (at_once ? (uint32_t)PCCD_INITIAL : 0) | (is_inside ? (uint32_t)PCCD_INSIDE : 0);
 }
 
-/* Is high - low above the exact sum of the radii? */
+/* Return whether high - low is above the exact sum of the radii. */
 static bool is_beyond(double high, double low, const double radius[3])
 {
     const double terms[5] = {high, -low, -radius[0], -radius[1], -radius[2]};

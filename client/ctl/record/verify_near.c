@@ -33,7 +33,8 @@ static uint64_t next(struct draw *draw)
     return drawn;
 }
 
-/* Of the motion of `count` vertices: exact, for it only compares. */
+/* Return the box of the motion of `count` vertices; it is exact, for it is only
+ * compared. */
 static struct box box_of(const struct registry_object *object, const uint32_t *v,
                          uint32_t count)
 {
@@ -76,7 +77,7 @@ static bool meet(const struct box *a, const struct box *b)
     return true;
 }
 
-/* Whether leaving a pair that touches out of the answer is right in its mode. */
+/* Return whether an answer of its mode may leave out a pair that touches. */
 static bool may_be_left_out(const struct play_step *step, struct oracle_first *first)
 {
     switch (verify_mode(step)) {
@@ -116,7 +117,7 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
     return true;
 }
 
-/* Is it a feature that pairs of a kind are made of? */
+/* Return whether pairs of a kind are made of such a feature. */
 static bool is_of_kind(enum pccd_kind kind, const struct registry_mesh *mesh,
                        uint32_t points, uint32_t feature)
 {
@@ -199,7 +200,8 @@ static uint32_t draw_vertex(struct draw *draw, const struct registry_mesh *mesh,
                : mesh->named_points[named - mesh->named_edge_count];
 }
 
-/* Are there edges or points that may be free? Else no pair is of VE or VV. */
+/* Return whether there are edges or points that may be free; else no pair is of VE or
+ * VV. */
 static bool has_named(const struct registry_scene *scene)
 {
     bool has = false;

@@ -31,7 +31,7 @@ static void count_contact(struct numbers *is, const struct pccd_contact *contact
     is->toi_first = fmin(is->toi_first, contact->toi);
 }
 
-/* Whether anything of the step is thick, wherever it is. */
+/* Return whether anything of the step is thick, wherever it is. */
 static bool has_thickness(const struct play_step *step)
 {
     bool is_thick = step->separation.separation > 0;
@@ -203,7 +203,7 @@ static const char *misended(const struct play_step *step)
     return NULL;
 }
 
-/* Of mode first: can each record attain the earliest time? */
+/* Check that each record of mode first can attain the earliest time. */
 static bool check_earliest(const struct play_step *step, struct verify_result *result)
 {
     double bound = INFINITY;
@@ -219,7 +219,8 @@ static bool check_earliest(const struct play_step *step, struct verify_result *r
     return true;
 }
 
-/* Do any two features make a pair of VE or VV, whose numbers are not recorded? */
+/* Return whether two features may make a pair of VE or VV, whose numbers are not
+ * recorded. */
 static bool has_free(const struct registry_scene *scene)
 {
     bool has = false;
@@ -230,8 +231,8 @@ static bool has_free(const struct registry_scene *scene)
     return has;
 }
 
-/* Of an answer of which some records are not there: what the others say of its recorded
- * numbers. */
+/* Check an answer of which some records are not there: its recorded numbers by the
+ * others. */
 static bool check_part(const struct play_step *step, struct verify_result *result)
 {
     const struct record_answer *then = step->recorded;

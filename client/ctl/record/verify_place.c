@@ -111,7 +111,7 @@ static double flat_direction(const struct pose *pose, const uint32_t points[2],
     return sine;
 }
 
-/* -1, 1; 0: it cannot be told. On which side of b lies a at t = 0? */
+/* Return on which side of b lies a at t = 0: -1 or 1; 0: it cannot be told. */
 static int side_at_begin(const double p[8][3], const uint32_t points[2])
 {
     struct pose pose;

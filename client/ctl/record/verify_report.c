@@ -12,8 +12,8 @@
 #include "output.h"
 #include "printable.h"
 
-/* Of a pair with those points a side: "vertex", "face 2", or "edge a 0" where both are of
- * one sort. */
+/* Return the name of a point of a pair with those points a side: "vertex", "face 2", or
+ * "edge a 0" where both are of one sort. */
 static const char *point_name(const uint32_t points[2], uint32_t point, char text[16])
 {
     uint32_t side = point < points[0] ? 0 : 1;
@@ -114,7 +114,7 @@ void verify_report_deinit(struct verify_report *report)
     *report = (struct verify_report){.witness = NULL};
 }
 
-/* Whether any answer was checked. */
+/* Return whether any answer was checked. */
 static bool has_checked(const struct verify_counts *counts)
 {
     return counts->steps != counts->unchecked || counts->nears != counts->nears_unchecked;
@@ -131,7 +131,8 @@ int verify_report_judge(const struct verify_report *report, const char *path,
                                path, counts->steps);
 }
 
-/* Of one or several, one behind the other, for one reason. */
+/* Print what was not checked, in runs that are one behind the other and have one
+ * reason. */
 static void print_unchecked(const struct verify_report *report)
 {
     const struct verify_unchecked *all = report->unchecked;
