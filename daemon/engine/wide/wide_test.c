@@ -19,8 +19,8 @@
 #define TIMES_PAY_FROM       1u
 #define CHUNKS_WITHOUT_TIMES 31u
 
-/* The sieve takes some 20 cycles a pair, the filter 40, the solver 150. So the sieve pays
- * before the filter, and the filter behind it, where it rejects a fourth. */
+/* The filter takes some 40 cycles a pair, the solver 150: so it pays before that where it
+ * rejects a fourth. */
 #define FILTER_PAYS_FROM      4u
 #define CHUNKS_WITHOUT_FILTER 15u
 
@@ -118,14 +118,6 @@ static void make_quads(const struct eng_wide *wide, enum pccd_kind kind,
     }
 }
 
-/* Return how many chunks go without what has kept so many of `count`. */
-static uint32_t chunks_without(uint32_t count, uint32_t kept)
-{
-    return (count - kept) >= (count + FILTER_PAYS_FROM - 1) / FILTER_PAYS_FROM
-               ? 0
-               : CHUNKS_WITHOUT_FILTER;
-}
-
 INLINE void name_kind(const struct eng_wide *wide, enum pccd_kind kind,
                       const struct eng_wide_chunk *chunk, const uint32_t *index,
                       uint32_t count, struct pccd_pair *names)
@@ -162,24 +154,17 @@ static enum eng_known known_of(uint32_t count, uint32_t left)
     return count - left >= count / FILTER_PAYS_FROM ? ENG_KNOWN_SIEVED : ENG_KNOWN_BOXES;
 }
 
-/* Contacts, if it is worth it here. */
+/* Contacts. */
 static enum eng_known sift(struct eng_worker *worker, enum pccd_kind kind,
                            struct eng_wide_chunk *chunk)
 {
     struct eng_wide_work *work = eng_wide_work_of(worker);
-    struct eng_wide_filters *filters = &work->filters[kind];
-    if (filters->chunks_without_sieve > 0) {
-        filters->chunks_without_sieve--;
-        return ENG_KNOWN_BOXES;
-    }
     struct eng_sieve *sieve = &work->sieves[kind];
-    uint32_t count = chunk->count;
     sieve->t_end = worker->box_bound;
     chunk->count =
         work->join.kernels->sift(kind, sieve, chunk->a, chunk->b, chunk->count);
-    filters->chunks_without_sieve = chunks_without(count, chunk->count);
-    if (filters->chunks_without_filter > 0) {
-        filters->chunks_without_filter--;
+    if (work->chunks_without_filter[kind] > 0) {
+        work->chunks_without_filter[kind]--;
         return ENG_KNOWN_SIEVED;
     }
     return ENG_KNOWN_BOXES;
@@ -305,8 +290,10 @@ static void test(struct eng_worker *worker, uint32_t kind, struct eng_wide_chunk
     }
     const struct eng_batch *batch = &eng_narrow_of(worker)->batch;
     if (!eng_asks_near(worker->question) && pairs.known == ENG_KNOWN_BOXES) {
-        work->filters[kind].chunks_without_filter =
-            chunks_without(chunk->count, batch->survivors);
+        uint32_t count = chunk->count;
+        bool pays =
+            count - batch->survivors >= (count + FILTER_PAYS_FROM - 1) / FILTER_PAYS_FROM;
+        work->chunks_without_filter[kind] = pays ? 0 : CHUNKS_WITHOUT_FILTER;
     }
 }
 
@@ -395,7 +382,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
                 in_time && eng_wide_of(worker->scene)->steps_without_times[kind] == 0;
         }
         work->times[kind] = (struct eng_wide_times){0, 0};
-        work->filters[kind] = (struct eng_wide_filters){0, 0};
+        work->chunks_without_filter[kind] = 0;
     }
     look(worker);
 }
