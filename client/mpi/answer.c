@@ -12,7 +12,7 @@
 
 #define NAME_BITS (32 * RANKS_NAME_WORDS)
 
-/* Of this rank's records, how many come before a name. */
+/* Return how many of this rank's records come before a name. */
 static uint64_t count_before(const struct pccd_mpi *world,
                              const uint32_t name[RANKS_NAME_WORDS])
 {
@@ -63,7 +63,7 @@ struct totals {
     struct pccd_step_counters counters;
 };
 
-/* Of struct ranks_sums what is added up. */
+/* Words of struct ranks_sums that are added up over the ranks. */
 #define SUMS_WORDS ((int)(offsetof(struct ranks_sums, toi_first) / sizeof(uint64_t)))
 
 static bool has_thickness(const struct ranks_object *object)
@@ -85,7 +85,7 @@ static bool is_any_thick(const struct pccd_mpi *world)
     return is_any;
 }
 
-/* Of this rank's records, whatever the step's separation. */
+/* Return how many of this rank's records are thin, whatever the step's separation. */
 static uint64_t count_thin(const struct pccd_mpi *world, enum pccd_mode mode)
 {
     const struct pccd_contact *contacts = world->records;
@@ -204,8 +204,7 @@ static int slowest(struct pccd_mpi *world, uint64_t *cut_ns, struct pccd_answer 
     return status;
 }
 
-/* Of an answer that is too long the first records stay; what is counted of them is
- * counted anew. */
+/* Keep the first records of an answer that is too long, and count them anew. */
 static int shorten(struct pccd_mpi *world, enum pccd_mode mode, struct totals *totals)
 {
     int status = ranks_limit_keep(world);
@@ -224,7 +223,8 @@ static int shorten(struct pccd_mpi *world, enum pccd_mode mode, struct totals *t
     return status;
 }
 
-/* Has each rank done all its work? Else what it did says nothing of how it lies. */
+/* Return whether each rank has done all its work; else that says nothing of how the work
+ * lies. */
 static bool is_whole(const struct totals *totals)
 {
     return totals->verdicts[PCCD_VERDICT_YES] == 0 &&
@@ -283,7 +283,7 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
 
 /* ---- what is near ----------------------------------------------------------------- */
 
-/* Of this rank's records. reach: the least distance, and the greatest, negative. */
+/* Add up this rank's records. reach: the least distance, and the greatest, negative. */
 static void sum_near(const struct pccd_mpi *world, struct ranks_sums *sums,
                      double reach[2])
 {

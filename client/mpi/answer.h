@@ -6,7 +6,7 @@
 
 /* ---- Turns what libpccd found in this rank into this rank's part of the answer. */
 
-/* What is counted of kept records. */
+/* Sums over the records that are kept. */
 struct ranks_sums {
     uint64_t counts[PCCD_KINDS_MAX];
     uint64_t possible, initial, inside, coincident, total;
@@ -30,14 +30,16 @@ int ranks_records_reserve(struct pccd_mpi *world, uint64_t more);
 /* Put records of what is near in canonical order. */
 void ranks_records_sort(struct pccd_near *records, uint64_t count);
 int ranks_record_compare(const void *a, const void *b);
-/* Does this rank have the first feature of a record with numbers of the whole? */
+/* Return whether this rank has the first feature of a record with numbers of the
+ * whole. */
 bool ranks_record_is_own(struct pccd_mpi *world, const struct pccd_near *record);
 
-/* Of mode first: the least toi_hi here; what begins later than `limit` goes. */
+/* Return the least toi_hi here, in mode first; then drop what begins later than
+ * `limit`. */
 double ranks_records_limit(const struct pccd_mpi *world);
 void ranks_records_drop_later(struct pccd_mpi *world, double limit);
 
-/* Of all contacts or pairs of a step, as they came: libpccd has counted them. */
+/* Set the sums to libpccd's own, for all contacts or pairs of a step, as they came. */
 void ranks_records_told(const struct pccd_mpi *world, const struct pccd_answer *answer,
                         struct ranks_sums *sums);
 /* Count and hash what is kept of them. */
@@ -53,7 +55,8 @@ void ranks_bounds_sum(const struct ranks_bound *bounds, uint64_t count,
 void ranks_records_hash(const struct ranks_sums *sums, uint64_t hash[2]);
 void ranks_verdict_hash(uint32_t verdict, uint64_t hash[2]);
 
-/* What records are sorted by: kind, object_a, feature_a, object_b, feature_b. */
+/* Write the name of a record, which records are sorted by: kind, object_a, feature_a,
+ * object_b, feature_b. */
 #define RANKS_NAME_WORDS 5
 void ranks_record_name(const char *record, enum pccd_mode mode,
                        uint32_t name[RANKS_NAME_WORDS]);

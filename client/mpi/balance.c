@@ -13,8 +13,8 @@
  * there were fewer than three cuts, as a cut changes what is to be done. */
 #define IMBALANCE_MAX 1.05
 
-/* What passes the filter takes some times as long as a box test: in one process 102 and
- * 14 ns, of cloth-ball as of n-body. All other candidates together take less. */
+/* Work of a pair that passes the filter, in box tests: in one process 102 and 14 ns, of
+ * cloth-ball as of n-body. All other candidates together take less. */
 #define SURVIVOR_WORK 8u
 
 /* Positions and boxes take 40 ns for each leaf and ghost, in both. */
@@ -83,7 +83,8 @@ void ranks_pairs_count_end(struct pccd_mpi *world)
     cli_mpi_weigh(world->client, NULL, NULL);
 }
 
-/* How many pairs begin with features of an own leaf; corners: its local vertices. */
+/* Return how many pairs begin with features of an own leaf; corners: its local
+ * vertices. */
 static uint32_t pairs_of(const struct ranks_object *object, uint32_t leaf,
                          const uint32_t corners[3])
 {
@@ -120,7 +121,7 @@ static int sum_pairs(struct pccd_mpi *world, struct ranks_object *object, uint64
     return status;
 }
 
-/* What a rank has, and what work that was. */
+/* Leaves and pairs of a rank, and what work they were. */
 struct load {
     double leaves, pairs, work;
 };

@@ -53,7 +53,7 @@ static int find_numbers(struct pccd_mpi *world, struct ranks_mesh *mesh)
 
 /* ---- back to where they were given ------------------------------------------------ */
 
-/* How many bounds are in the cells of each rank: first[size + 1]. */
+/* Count how many bounds are in the cells of each rank: first[size + 1]. */
 static void count_cells(const struct pccd_mpi *world, const uint64_t *cells,
                         uint64_t *first)
 {

@@ -30,7 +30,7 @@ static double radius_of(const struct ranks_object *object)
                                        : object->mesh->radius_max;
 }
 
-/* What is smaller, by `growth`, than a float: the difference is rounded by less than the
+/* Return a float that is smaller by `growth`: the difference is rounded by less than the
  * step to the next double. */
 static float grow_low(float low, double growth)
 {
@@ -57,7 +57,7 @@ void ranks_box_grow(float box[6], double growth)
     }
 }
 
-/* Of one object: all of its local vertices, each for all leaves that have it. */
+/* Make boxes around all local vertices of an object, each for all leaves that have it. */
 static int bound(struct pccd_mpi *world, uint32_t o, const struct ranks_margin *margin,
                  double growth, const double (*x0)[3], const double (*x1)[3],
                  struct ranks_boxes *boxes)
@@ -78,7 +78,8 @@ static int bound(struct pccd_mpi *world, uint32_t o, const struct ranks_margin *
                                boxes->corners[o]);
 }
 
-/* How far apart two boxes are along the axis along which they are farthest apart. */
+/* Return how far apart two boxes are along the axis along which they are farthest
+ * apart. */
 static double gap_between(const float a[6], const float b[6])
 {
     double gap = 0;

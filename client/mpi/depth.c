@@ -138,7 +138,7 @@ static int check_closed(const struct ranks_pairing *pairing)
                       wrong->handle, open[2], open[0], open[1], open[3]);
 }
 
-/* What the two questions share. */
+/* Members that both questions share. */
 struct search {
     const struct ranks_pairing *pairing;
     double (*boxes)[6]; /* of all objects: low, and high with the other sign */
@@ -208,8 +208,8 @@ static int want_rays(struct search *search)
 
 #define RECORDS_OF_BOX 16u
 
-/* What may be as near to vertices inside as the face that is known, some of them at a
- * time. */
+/* Want what may be as near to vertices inside as the face that is known, some of them at
+ * a time. */
 static int want_balls(struct search *search, const struct ranks_side_scene *inside)
 {
     struct pccd_mpi *world = search->pairing->world;
@@ -310,7 +310,7 @@ static int ask(const struct search *search, struct ranks_side_scene *side)
     return status;
 }
 
-/* Is anything known to be around a vertex? */
+/* Return whether anything is known to be around a vertex. */
 static bool is_inside(const struct ranks_side_scene *inside, uint32_t handle,
                       uint32_t vertex)
 {

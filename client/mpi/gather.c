@@ -8,7 +8,7 @@
 #define TAG_ASK       18
 #define TAG_RECORDS   19
 
-/* Of one rank, at the root. */
+/* Records of one rank, as they come in at the root. */
 struct stream {
     char *records; /* [CHUNK_RECORDS] */
     uint64_t count, at;
@@ -26,7 +26,7 @@ struct merge {
     int verdict; /* of `each` */
 };
 
-/* What the records of this world's last answer are sorted by. */
+/* Write the name that the records of this world's last answer are sorted by. */
 static void name_of(const struct pccd_mpi *world, const char *record,
                     uint32_t name[RANKS_NAME_WORDS])
 {

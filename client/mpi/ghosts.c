@@ -19,7 +19,7 @@ struct remote_leaf {
 
 /* ---- what ghosts are chosen by ----------------------------------------------------- */
 
-/* Of each given vertex of the object: where it may be. */
+/* Set where each given vertex of the object may be. */
 static int cover(struct pccd_mpi *world, struct ranks_object *object)
 {
     uint32_t count = object->mesh->vertex_count;
@@ -48,8 +48,8 @@ struct look {
     uint8_t *misses;
 };
 
-/* Does any of the vertices `begin` to `end` - 1 leave its box? Where the last step ended
- * all were in theirs, unless look->is_anew. [team] */
+/* Return whether any of the vertices `begin` to `end` - 1 leaves its box. Where the last
+ * step ended all were in theirs, unless look->is_anew. [team] */
 static bool has_left(const struct ranks_object *object, const struct look *look,
                      uint64_t begin, uint64_t end)
 {
@@ -72,7 +72,7 @@ static bool rests(const struct ranks_object *object)
            object->from == (const double(*)[3])object->x && !follows(object);
 }
 
-/* Of the vertices begin .. end - 1 of all objects that do not rest. [team] */
+/* Look at the vertices begin .. end - 1 of all objects that do not rest. [team] */
 static void look_at_part(const struct pccd_mpi *world, const struct look *look,
                          uint64_t begin, uint64_t end)
 {
@@ -110,7 +110,8 @@ void ranks_ghosts_look(const struct pccd_mpi *world, double from, double to,
 
 /* ---- those that came -------------------------------------------------------------- */
 
-/* Are these the ghosts that the object has? The same leaf has the same number. */
+/* Return whether these are the ghosts that the object has. The same leaf has the same
+ * number. */
 static bool has_ghosts(const struct ranks_object *object, const struct ranks_leaf *ghosts,
                        uint32_t count)
 {

@@ -15,7 +15,7 @@ static const struct ranks_leaf *leaf_of(const struct ranks_object *object, uint3
                                  : &object->ghosts[i - object->own_count];
 }
 
-/* What leaves name, on its way to be listed. */
+/* Numbers of vertices or edges that leaves name, on their way to be listed. */
 struct naming {
     uint64_t *words, *other; /* [3 * leaf_count] a number, its place among the words, and
                               * bit 0: it is owned. Most numbers come once or twice. */
@@ -84,8 +84,8 @@ static uint32_t list(struct naming *naming, uint32_t count, uint32_t *numbers,
     return each;
 }
 
-/* Of all leaves the words of their corners, or of their sides: to naming->named, but not
- * where there is no side. Returns how many words there are. */
+/* Make the words of the corners of all leaves, or of their sides: to naming->named, but
+ * not where there is no side. Return how many words there are. */
 static uint32_t name_all(const struct ranks_object *object, uint32_t leaf_count,
                          bool is_of_sides, struct naming *naming)
 {
@@ -106,7 +106,8 @@ static uint32_t name_all(const struct ranks_object *object, uint32_t leaf_count,
     return count;
 }
 
-/* What is at the corners of leaf i, to at[i], in the list of all that is. */
+/* List the vertices of all leaves; write the places of leaf i's corners in that list to
+ * at[i]. */
 static uint32_t list_vertices(const struct ranks_object *object, uint32_t leaf_count,
                               struct naming *naming, struct ranks_local *local,
                               uint32_t (*at)[3])

@@ -42,12 +42,14 @@
 #define MARGIN_CHEAP 0.1
 #define SAMPLES      1024u
 
-/* What moves fast, and not as it went, has the least margin as long as nobody has left
- * it: ghosts are for that one step, and for the same one again. When that has
- * happened, it has margin for a part of a step, at first the least: twice as much each
- * time that the choice of ghosts had taken more than this part of the steps for which
- * they were right, half as much if it was less than that. What moves fast goes on as
- * it went if it will be off by no more than its way in a step, FOLLOW_STEPS later. */
+/* Bounds of the margin of what moves fast, in steps.
+ *
+ * What moves fast, and not as it went, has the least margin as long as nobody has left
+ * it: ghosts are for that one step, and for the same one again. When that has happened,
+ * it has margin for a part of a step, at first the least: twice as much each time that
+ * the choice of ghosts had taken more than this part of the steps for which they were
+ * right, half as much if it was less than that. What moves fast goes on as it went if it
+ * will be off by no more than its way in a step, FOLLOW_STEPS later. */
 #define FAST_STEPS_MIN  0.125
 #define FAST_STEPS_MAX  4.0
 #define FAST_STEPS_LAST 16.0 /* times as many, at most, do its boxes follow */
@@ -99,11 +101,11 @@ static void guess(const struct pccd_mpi *world)
     }
 }
 
-/* What is known of how an object goes, each along three axes. */
+/* Lengths that are known of how an object goes, each along three axes. */
 enum { WAY = 0, GONE = 3, OFF = 6, WAYS = 9 };
 
-/* How far the j-th sample goes in this step; how far it has gone in `steps` since ghosts
- * were chosen; how far it is from where it would be. */
+/* Return how far the j-th sample goes in this step; or how far it has gone in `steps`
+ * since ghosts were chosen; or how far it is from where it would be. */
 static double way_of(const struct ranks_object *object, uint32_t steps, uint32_t j,
                      uint32_t which)
 {
@@ -168,7 +170,7 @@ static void find_errors(const struct ranks_object *object, double steps, double 
 
 /* ---- rooms ------------------------------------------------------------------------- */
 
-/* How large leaves of the object are here: the mean side of some. */
+/* Find how large leaves of the object are here: the mean side of some. */
 static int measure(struct pccd_mpi *world, const struct ranks_object *object,
                    const double (*x)[3], double *size)
 {
@@ -219,7 +221,8 @@ static double find_steps(const struct pccd_mpi *world, const double *ways, doubl
                                : FAST_STEPS_LAST * world->fast_steps);
 }
 
-/* Of an object that may have `most`, if ghosts are right for so many steps. */
+/* Find the margin of an object that may have `most`, if ghosts are right for so many
+ * steps. */
 static void find_margin(const double *ways, double size, double steps, double most,
                         struct ranks_margin *margin)
 {
@@ -237,7 +240,7 @@ static void find_margin(const double *ways, double size, double steps, double mo
     }
 }
 
-/* Does it move fast, and not as it went? */
+/* Return whether an object moves fast, and not as it went. */
 static bool is_fast(const double *ways, double size, const struct ranks_margin *margin)
 {
     double way = longest_of(ways + WAY);
@@ -309,7 +312,7 @@ int ranks_margins_find(struct pccd_mpi *world, bool is_still, double (*const *x)
     return status;
 }
 
-/* How much margin what moves gets from now on. */
+/* Choose how much margin what moves gets from now on. */
 void ranks_margins_choose(struct pccd_mpi *world, bool has_missed)
 {
     bool was_early = world->lasts < UINT32_MAX && world->gone < world->lasts / 2;
@@ -329,7 +332,7 @@ void ranks_margins_choose(struct pccd_mpi *world, bool has_missed)
     world->slow_margin = fmax(world->slow_margin, MARGIN_MIN);
 }
 
-/* What it took the rank that has most, and how many ghosts all have. */
+/* Learn what the choice took the rank that has most, and how many ghosts all have. */
 int ranks_margins_learn(struct pccd_mpi *world)
 {
     uint64_t leaves[2] = {0, 0}; /* own ones, ghosts */

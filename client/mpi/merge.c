@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the strays of all ranks the own ones, in order, to *own. */
+/* Take the own ones of the strays of all ranks, in order, to *own. */
 static int take_own(struct pccd_mpi *world, struct pccd_near **own, uint64_t *own_count)
 {
     struct ranks_link *link = &world->link;

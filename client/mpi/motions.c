@@ -35,8 +35,8 @@ static void copy_vertex(const struct pccd_motion *motion, const void *from, uint
     }
 }
 
-/* One end of vertices begin .. end - 1 of a motion, by m or from `from`. Are all
- * coordinates finite, and none beyond 1e18? [team] */
+/* Copy one end of vertices begin .. end - 1 of a motion, by m or from `from`. Return
+ * whether all coordinates are finite, and none beyond 1e18. [team] */
 static bool copy_end(const struct pccd_motion *motion, const void *from,
                      const double m[12], const double (*registered)[3], double (*to)[3],
                      uint64_t begin, uint64_t end)
@@ -60,7 +60,7 @@ static bool has_start(const struct pccd_motion *motion)
     return motion->x0 != NULL || motion->m0 != NULL;
 }
 
-/* Of the vertices of all motions those from `begin` to `end` - 1. Returns the first one
+/* Copy the vertices begin .. end - 1 of all that motions move. Return the first motion
  * with a bad coordinate among them, else motion_count. [team] */
 static uint32_t copy_part(const struct pccd_mpi *world, const struct pccd_motion *motions,
                           uint32_t motion_count, uint64_t begin, uint64_t end)
@@ -107,7 +107,7 @@ static uint32_t copy_motions(const struct pccd_mpi *world,
     return bad;
 }
 
-/* What a motion does not say stays where it was. */
+/* Copy all positions: what a motion does not say stays where it was. */
 static void copy_all(const struct pccd_mpi *world, double (*to)[3],
                      const double (*from)[3], uint32_t count)
 {
@@ -120,7 +120,8 @@ static void copy_all(const struct pccd_mpi *world, double (*to)[3],
     }
 }
 
-/* Does it say where every given vertex is? Then nothing of the last step stays. */
+/* Return whether a motion says where every given vertex is; then nothing of the last step
+ * stays. */
 static bool is_of_all(const struct pccd_motion *motion, const struct ranks_object *object)
 {
     return motion->count == object->mesh->vertex_count;

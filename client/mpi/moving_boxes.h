@@ -89,8 +89,8 @@ static inline void ranks_cover(const double x0[3], const double x1[3],
     }
 }
 
-/* Is a vertex where it may be, at the begin of the t-th later step? x0 is for t = 0, and
- * x1 for t = 1. */
+/* Return whether a vertex is where it may be, at the begin of the t-th later step. The
+ * box was made of x0 at t = 0 and x1 at t = 1. */
 static inline bool ranks_is_covered(const double x[3], double t,
                                     const struct ranks_margin *margin,
                                     const float cover[6])
@@ -132,7 +132,7 @@ static inline void ranks_vertex_box(const double x0[3], const double x1[3],
     }
 }
 
-/* How long such boxes go on: whole ones are those of the begin of a step. */
+/* Return how long such boxes go on: whole ones are those of the begin of a step. */
 static inline double ranks_margin_time(const struct ranks_margin *margin)
 {
     return margin->is_whole ? margin->steps - 1 : margin->steps;
@@ -173,8 +173,8 @@ static inline void ranks_moving_box_add(struct ranks_moving_box *moving,
     ranks_box_add(moving->pace, other->pace);
 }
 
-/* From when on, until when, is a side above one that is `gap` below it, when it goes on
- * by `pace`? */
+/* Narrow the time from .. until to that in which a side is above one that is `gap` below
+ * it, when it goes on by `pace`. */
 static inline void ranks_narrow(double gap, double pace, double *from, double *until)
 {
     if (gap < 0) {
@@ -186,7 +186,7 @@ static inline void ranks_narrow(double gap, double pace, double *from, double *u
     }
 }
 
-/* Do they meet within `steps`? */
+/* Return whether two boxes meet within `steps`. */
 static inline bool ranks_moving_boxes_meet(const struct ranks_moving_box *a,
                                            const struct ranks_moving_box *b, double steps)
 {

@@ -211,7 +211,8 @@ static int keep_own(struct pccd_mpi *world, const struct ranks_side_scene *side)
     return status;
 }
 
-/* What the deadline or anything else cut short on any rank proves nothing. */
+/* Agree whether the answer is complete: what the deadline or anything else cut short on
+ * any rank proves nothing. */
 static int agree_on_complete(struct pccd_mpi *world, struct ranks_side_scene *side)
 {
     uint8_t incomplete = (uint8_t)side->answer.incomplete;

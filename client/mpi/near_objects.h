@@ -70,10 +70,10 @@ struct ranks_pairing {
     struct ranks_boxes boxes; /* around own leaves */
 };
 
-/* Is it asked of these two, by their places? */
+/* Return whether the question is about these two objects, by their places. */
 bool ranks_is_asked(const struct ranks_pairing *pairing, uint32_t a, uint32_t b);
 bool ranks_is_asked_with_any(const struct ranks_pairing *pairing, uint32_t a);
-/* Is `a` before `b` in the order of handles? */
+/* Return whether `a` is before `b` in the order of handles. */
 static inline bool ranks_is_lower(const struct pccd_mpi *world, uint32_t a, uint32_t b)
 {
     return world->objects[a]->handle < world->objects[b]->handle;
@@ -81,7 +81,7 @@ static inline bool ranks_is_lower(const struct pccd_mpi *world, uint32_t a, uint
 /* The question as it is asked of a part of the scene, with the time that is left. */
 void ranks_ask_rest(const struct ranks_pairing *pairing, struct pccd_near_settings *near);
 
-/* What a question is asked of. */
+/* Leaves that a question is asked of. */
 struct ranks_wanted {
     struct ranks_remote_leaf *leaves;
     uint64_t leaf_count, leaf_capacity;

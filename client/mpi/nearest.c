@@ -17,7 +17,7 @@
 /* Of a square: more than what rounding takes or adds. */
 #define SLACK (1 + 0x1p-40)
 
-/* How far two objects are apart at most: key is the place of the one with the lower
+/* Greatest distance that two objects may have: key is the place of the one with the lower
  * handle << 32 | the other's. */
 struct bound {
     uint64_t key;
@@ -65,7 +65,8 @@ static double most_square(const float a[6], const float b[6])
     return square;
 }
 
-/* May what is between be as short as a distance? */
+/* Return whether a length whose square this is, with rounding, may be as short as a
+ * distance. */
 static bool is_within(double square, double distance)
 {
     return square <= distance * distance * SLACK + 0x1p-1000;
@@ -109,7 +110,7 @@ static int compare_bounds(const void *a, const void *b)
                                               : 0;
 }
 
-/* What this rank knows, to bounds[]. */
+/* Write the bounds that this rank knows to bounds[]. */
 static int find_bounds(struct search *search, struct bound **bounds, uint64_t *count)
 {
     struct pccd_mpi *world = search->pairing->world;
@@ -174,7 +175,7 @@ static int agree_on_bounds(struct search *search)
     return status;
 }
 
-/* How far two objects are apart at most; negative: they need not be looked at. */
+/* Return how far two objects are apart at most; negative: they need not be looked at. */
 static double bound_of(const struct search *search, uint32_t a, uint32_t b)
 {
     uint64_t key = (uint64_t)a << 32 | b, from = 0, end = search->bound_count;
@@ -220,7 +221,8 @@ static void look_up(const struct search *search, uint32_t object, double *row)
     }
 }
 
-/* What this rank compares: own blocks, and what is near to them of higher objects. */
+/* Want what this rank compares: own blocks, and what is near to them of higher
+ * objects. */
 static int want(const struct search *search, struct ranks_wanted *wanted)
 {
     struct pccd_mpi *world = search->pairing->world;
@@ -292,7 +294,8 @@ static int send_to_judges(struct pccd_mpi *world, const struct ranks_side_scene 
     return status;
 }
 
-/* Of the two objects of other records, this rank has not all candidates. */
+/* Keep the records of two objects that this rank judges; of the others it has not all
+ * candidates. */
 static void keep_judged(const struct pccd_mpi *world, struct ranks_side_scene *side)
 {
     uint64_t kept = 0;
@@ -346,8 +349,8 @@ static int decide(const struct search *search, const struct ranks_side_scene *fo
     return status;
 }
 
-/* How far apart two objects may be at most and have a record, whatever radii they have.
- * PCCD_E_LIMIT, as in one process. */
+/* Find how far apart two objects may be at most and have a record, whatever radii they
+ * have. PCCD_E_LIMIT, as in one process. */
 static int find_reach(const struct ranks_pairing *pairing, double *reach)
 {
     struct pccd_mpi *world = pairing->world;

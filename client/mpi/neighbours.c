@@ -13,7 +13,7 @@ struct at {
     uint32_t rank;
 };
 
-/* What one object needs for its time. */
+/* State of a walk over the edges of one object. */
 struct walk {
     struct pccd_mpi *world;
     struct ranks_object *object;

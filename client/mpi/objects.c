@@ -143,7 +143,7 @@ int pccd_mpi_remove(struct pccd_mpi *world, uint32_t object)
     return status;
 }
 
-/* Of a radius or a distance. */
+/* Check a radius or a distance. */
 static int check_length(struct pccd_mpi *world, double length)
 {
     if (!(length >= 0) || length > 1e308) {

@@ -94,7 +94,7 @@ int ranks_part_check(struct pccd_mpi *world, const struct pccd_mpi_part *part)
 
 /* ---- numbers that each rank has some of ------------------------------------------- */
 
-/* How many of a thing the ranks before have, and all of them. */
+/* Count how many of a thing the ranks before have, and all of them. */
 static int count_before(struct pccd_mpi *world, uint32_t count, uint64_t *before,
                         uint64_t *total)
 {

@@ -8,7 +8,7 @@
 int ranks_mesh_make(struct pccd_mpi *world, const struct pccd_mpi_part *part,
                     struct ranks_mesh **mesh);
 
-/* In this rank alone: is the part possible by itself? */
+/* Check in this rank alone whether the part is possible by itself. */
 int ranks_part_check(struct pccd_mpi *world, const struct pccd_mpi_part *part);
 
 /* The rank whose directory has the vertex. */

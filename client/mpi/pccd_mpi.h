@@ -73,17 +73,18 @@ int pccd_mpi_open(MPI_Comm comm, const struct pccd_mpi_options *options,
 /* Free it; NULL is allowed. */
 void pccd_mpi_close(struct pccd_mpi *world);
 
-/* How many threads the steps of a rank have unless the options say so: the processors
- * that it was started on, divided by the ranks of its machine that were started on the
- * same ones; 1 at least. Collective, without a world. E_SYSTEM: MPI has failed. */
+/* Set *threads to how many threads the steps of a rank have unless the options say so:
+ * the processors that it was started on, divided by the ranks of its machine that were
+ * started on the same ones; 1 at least. Collective, without a world. E_SYSTEM: MPI has
+ * failed. */
 int pccd_mpi_threads(MPI_Comm comm, uint32_t *threads);
 
 /* A sentence about the last call that failed, the same on every rank; "" when none has.
  * With NULL: about the last pccd_mpi_open of this thread. */
 const char *pccd_mpi_error_text(const struct pccd_mpi *world);
 
-/* What a rank has of a mesh. All numbers are those of the whole mesh, from 0. A rank may
- * have nothing; one may have all. */
+/* Part of a mesh that a rank gives. All numbers are those of the whole mesh, from 0. A
+ * rank may have nothing; one may have all. */
 struct pccd_mpi_part {
     size_t struct_bytes; /* sizeof(struct pccd_mpi_part); 0 reads as that */
     /* Of the whole mesh; the same on every rank. */
@@ -173,7 +174,7 @@ int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
 int pccd_mpi_feature(struct pccd_mpi *world, uint32_t object, uint32_t points,
                      uint32_t feature, uint32_t vertices[3]);
 
-/* What the last step was spread over the ranks like. */
+/* Share that a rank has of the last step. */
 struct pccd_mpi_share {
     size_t struct_bytes;   /* sizeof(struct pccd_mpi_share); 0 reads as that */
     uint64_t own;          /* triangles, free edges and points of this rank */

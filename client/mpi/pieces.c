@@ -26,7 +26,7 @@
 #define MEAN_FEW         65536u
 #define LEAVES_MAX(mean) ((mean) < MEAN_FEW ? 2 * (mean) + 1 : (mean) / 30 * 31)
 
-/* What all slices have, as each rank finds them out. */
+/* Weight and leaves of all slices, as each rank finds them out. */
 struct table {
     uint64_t count;
     uint64_t *weights, *leaves; /* [count] */
@@ -58,8 +58,8 @@ static void table_deinit(struct table *table)
 
 /* ---- slices ----------------------------------------------------------------------- */
 
-/* How much all leaves are, and how much a slice is to be at most, nearly: by weight, and
- * as much again by the number of leaves. */
+/* Find how much all leaves are, and how much a slice is to be at most, nearly: by weight,
+ * and as much again by the number of leaves. */
 static int measure(struct pccd_mpi *world, const struct ranks_leaf_in_transit *leaves,
                    uint64_t count, uint64_t totals[2], uint64_t *each, uint64_t *step)
 {
@@ -150,7 +150,7 @@ static int slice(struct pccd_mpi *world, const struct ranks_leaf_in_transit *lea
     return status;
 }
 
-/* What each slice has, of all ranks. */
+/* Fill the table with what each slice has, of all ranks. */
 static int fill(struct pccd_mpi *world, const struct ranks_leaf_in_transit *leaves,
                 uint64_t count, const struct ranks_pieces *pieces, struct table *table)
 {
@@ -182,8 +182,8 @@ static int fill(struct pccd_mpi *world, const struct ranks_leaf_in_transit *leav
 
 /* ---- halves ----------------------------------------------------------------------- */
 
-/* Of weights or leaves: from place `begin` of the group to `end`, which may be behind
- * its last one and goes on at its first one then. */
+/* Return the weights or leaves from place `begin` of the group to `end`, which may be
+ * behind its last one and goes on at its first one then. */
 static uint64_t between(const uint64_t *sums, uint64_t count, uint64_t begin,
                         uint64_t end)
 {

@@ -14,7 +14,7 @@
 #define CHUNK_BYTES (1u << 30) /* of a message: counts of MPI-3.1 are int */
 #define TAG         17
 
-/* How long to look again at once, then to give the processor away, before sleeping. */
+/* Times to look again at once, then to give the processor away, before sleeping. */
 #define SPIN_NS  20000u
 #define YIELD_NS 2000000u
 #define SLEEP_NS 50000
@@ -175,7 +175,7 @@ int ranks_max_doubles(struct ranks_link *link, double *numbers, int count)
 
 /* ---- agreement -------------------------------------------------------------------- */
 
-/* What a rank says at the beginning of a call. */
+/* Message of a rank at the beginning of a call. */
 struct head {
     uint64_t number; /* of its calls */
     uint64_t call;   /* enum ranks_call */
@@ -280,7 +280,7 @@ static uint64_t chunks_of(uint64_t bytes)
     return (bytes + CHUNK_BYTES - 1) / CHUNK_BYTES;
 }
 
-/* How many messages come or go. */
+/* Return how many messages come or go. */
 static uint64_t count_messages(const struct ranks_link *link, size_t item_bytes,
                                const uint64_t *first)
 {

@@ -36,8 +36,8 @@ int ranks_fail(struct ranks_link *link, int status, const char *format, ...)
 /* PCCD_E_INVAL: an argument of this rank that must be given is NULL. */
 int ranks_missing(struct ranks_link *link, const char *what);
 
-/* What is done in the whole of a call; names of calls, for the message of one that is out
- * of order. */
+/* Calls, each done in the whole by all ranks; their names are for the message of one that
+ * is out of order. */
 enum ranks_call {
     RANKS_OPEN,
     RANKS_MESH_PUT,
@@ -86,7 +86,7 @@ int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
  * is allocated. */
 int ranks_deal_to(struct ranks_link *link, size_t item_bytes, const void *items,
                   const uint32_t *to, uint64_t count, void **in, uint64_t *in_count);
-/* Of each rank `count` items, to all; as ranks_deal. */
+/* Spread `count` items of each rank to all; otherwise as ranks_deal. */
 int ranks_spread(struct ranks_link *link, size_t item_bytes, const void *mine,
                  uint64_t count, void **all, uint64_t *first);
 

@@ -16,7 +16,7 @@ static uint64_t differing(const struct ranks_key *keys, uint64_t count)
     return bits;
 }
 
-/* Of how many have each digit: where the first of them belongs. */
+/* Turn how many have each digit into where the first of them belongs. */
 static void begin_digits(uint64_t next[DIGITS])
 {
     uint64_t before = 0;

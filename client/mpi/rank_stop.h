@@ -47,7 +47,8 @@ void ranks_stop_limit(struct ranks_stop *stop, uint64_t deadline_ns);
 enum pccd_incomplete ranks_stop_reason(struct ranks_stop *stop);
 /* Collective. */
 int ranks_stop_agree(struct ranks_stop *stop, enum pccd_incomplete *reason);
-/* Of the time that the call has, in ns; 0: for ever. Of none, the least. */
+/* Return what is left of the time that the call has, in ns, 1 at least; 0: it has no
+ * end. */
 uint64_t ranks_stop_rest(const struct ranks_stop *stop);
 
 /* In this rank alone: libpccd computes from here on; all ranks have. */

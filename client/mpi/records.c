@@ -79,8 +79,8 @@ static bool has_bit(const uint64_t *bits, uint32_t i)
     return bits[i / 64] >> i % 64 & 1u;
 }
 
-/* What features of a record are to be called: mostly as those of the one before it, as
- * records of one page have few objects, one after the other. */
+/* Numbers by which features of a record are called: mostly those of the record before it,
+ * as records of one page have few objects, one after the other. */
 struct reader {
     const struct ranks_object *a, *b;
     uint32_t at_a, at_b; /* places in world->objects */
@@ -180,7 +180,7 @@ static int make_stray_room(struct pccd_mpi *world, uint64_t more)
     return PCCD_OK;
 }
 
-/* Does a record with local numbers belong to this rank? */
+/* Return whether a record with local numbers belongs to this rank. */
 static bool is_own(const struct reader *reader, uint32_t feature)
 {
     const struct ranks_local *local = &reader->a->local;
@@ -190,7 +190,7 @@ static bool is_own(const struct reader *reader, uint32_t feature)
                    feature);
 }
 
-/* Of 64 bytes, like contacts. */
+/* Take records of 64 bytes, as contacts have. */
 static int take_near(struct pccd_mpi *world, const struct pccd_answer *page)
 {
     struct reader reader = {.a = NULL};
@@ -284,7 +284,8 @@ static void write_records(void *writer, void *to, const void *from, uint64_t cou
     world->written = to;
 }
 
-/* Of a page that was written, or only copied. */
+/* Take the records of a page of a step: copy them if they have numbers of the whole
+ * already, else write them so. */
 static void take_step(struct pccd_mpi *world, const struct pccd_answer *page)
 {
     const void *records =

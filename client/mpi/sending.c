@@ -13,14 +13,14 @@ static bool lends(const struct pccd_mpi *world, const struct ranks_sending *send
     return !sending->is_question && world->link.size > 1;
 }
 
-/* Does libpccd get the start of the object, too? */
+/* Return whether libpccd gets the start of the object, too. */
 static bool has_start(const struct pccd_mpi *world, const struct ranks_sending *sending,
                       uint32_t o)
 {
     return sending->starts[o] || world->objects[o]->is_elsewhere;
 }
 
-/* What libpccd was lent by is there, or will not be. */
+/* Tell libpccd that the positions it was lent are there, or will not be. */
 static int end_lending(struct pccd_mpi *world, const struct ranks_sending *sending,
                        bool is_there)
 {

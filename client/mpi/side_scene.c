@@ -11,7 +11,8 @@
 
 /* ---- leaves ------------------------------------------------------------------------ */
 
-/* Of each object its leaves, each once and in order; what any of them owns is owned. */
+/* Sort the leaves of each object, and keep each once; what any copy of it owns is
+ * owned. */
 static int sort_leaves(struct pccd_mpi *world, const struct ranks_remote_leaf *leaves,
                        uint64_t count, struct ranks_remote_leaf **sorted, uint64_t *each)
 {

@@ -107,7 +107,7 @@ static uint64_t number_all(const struct said *in, uint64_t count, struct heard *
     return each;
 }
 
-/* What one kind of thing needs while it is asked about. */
+/* Members that a question about one kind of thing needs. */
 struct question {
     struct ranks_key *memory, *keys; /* what the leaves say here */
     uint64_t count;                  /* of these */

@@ -75,7 +75,8 @@ static int read_settings(struct pccd_mpi *world, const struct pccd_step_settings
 
 /* ---- ghosts ----------------------------------------------------------------------- */
 
-/* Do vertices leave their boxes between two ends, steps from where the scene is? */
+/* Look whether vertices leave their boxes between two ends, steps from where the scene
+ * is. */
 static void look_at_boxes(const struct pccd_mpi *world, struct ranks_moment *moment,
                           int which, double from, double to)
 {
@@ -92,7 +93,7 @@ static void look_at_boxes(const struct pccd_mpi *world, struct ranks_moment *mom
     }
 }
 
-/* What this rank knows of each object. */
+/* Note what this rank knows of each object. */
 static void look(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     for (uint32_t o = 0; o < world->object_count; o++) {
@@ -198,7 +199,7 @@ static int choose_ghosts(struct pccd_mpi *world, struct ranks_moment *moment)
     return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
 }
 
-/* What a cut took for its time is much, and would stay with the process. */
+/* Give memory of a cut back: it is much, and would stay with the process. */
 static void give_back(void)
 {
 #ifdef __GLIBC__

@@ -4,7 +4,7 @@
 
 #include "world.h"
 
-/* What a step or a question needs for its time. */
+/* State of a step or a question while it is made. */
 struct ranks_moment {
     const struct pccd_motion *motions; /* of this rank */
     uint32_t motion_count;
@@ -39,7 +39,7 @@ int ranks_motions_take(struct pccd_mpi *world, const struct pccd_motion *motions
 
 /* ---- The positions of a step, on their way to libpccd. */
 
-/* What is sent of each object. */
+/* Positions of each object that are sent. */
 struct ranks_sending {
     const uint8_t *moves, *starts; /* it moves; it begins elsewhere than it ended */
     const double (**given)[3];     /* scratch */

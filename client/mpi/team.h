@@ -34,8 +34,9 @@ static inline uint64_t ranks_part(uint64_t count, int t, int team)
     return count * (uint64_t)t / (uint64_t)team;
 }
 
-/* Of a run of `count` items, the first of which is the `at`-th of all, those that are
- * begin .. end - 1 of all: *first .. *last - 1 of the run. False: there are none. */
+/* Find which of a run of `count` items, the first of which is the `at`-th of all, are
+ * among begin .. end - 1 of all: *first .. *last - 1 of the run. Return false if there
+ * are none. */
 static inline bool ranks_part_of_run(uint64_t at, uint64_t count, uint64_t begin,
                                      uint64_t end, uint64_t *first, uint64_t *last)
 {

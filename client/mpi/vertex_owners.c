@@ -154,8 +154,8 @@ struct request {
     uint32_t index;
 };
 
-/* What the local vertices of object o need, in order of (rank, object) over all objects:
- * counting first, then placing. */
+/* Count what the local vertices of object o need, in order of (rank, object) over all
+ * objects; placing follows. */
 static void count_needs(struct ranks_plan *plan, const struct ranks_vertex_owner *owners,
                         uint32_t count, uint32_t o)
 {
@@ -310,7 +310,7 @@ int ranks_plan_make(struct pccd_mpi *world)
 
 /* ---- a step ----------------------------------------------------------------------- */
 
-/* How many vertices go to, or come from, each other rank: first[size + 1]. */
+/* Count how many vertices go to, or come from, each other rank: first[size + 1]. */
 static void count_sent(const struct ranks_link *link, const uint64_t *cells,
                        const double (*const *given)[3], uint32_t objects, uint64_t *first)
 {
@@ -367,8 +367,8 @@ static void choose_places(const struct ranks_link *link, const struct ranks_plan
     }
 }
 
-/* What other ranks need, one rank after the other: the vertices begin .. end - 1 of all
- * that go. [team] */
+/* Pack what other ranks need, one rank after the other: the vertices begin .. end - 1 of
+ * all that go. [team] */
 static void pack(const struct ranks_link *link, const struct ranks_plan *plan,
                  const double (*const *given)[3], uint64_t begin, uint64_t end)
 {
@@ -389,8 +389,8 @@ static void pack(const struct ranks_link *link, const struct ranks_plan *plan,
     }
 }
 
-/* What has come elsewhere, and what this rank has itself, to its place: the vertices
- * begin .. end - 1 of all that are sent. [team] */
+/* Unpack what has come from elsewhere, and what this rank has itself, to its place: the
+ * vertices begin .. end - 1 of all that are sent. [team] */
 static void unpack(const struct ranks_link *link, const struct ranks_plan *plan,
                    const double (*const *given)[3], double (*const *local)[3],
                    uint64_t begin, uint64_t end)
@@ -432,7 +432,7 @@ static void pack_all(const struct pccd_mpi *world, const double (*const *given)[
     }
 }
 
-/* How many vertices that is. */
+/* Return how many vertices are unpacked. */
 static uint64_t count_unpacked(const struct ranks_link *link,
                                const struct ranks_plan *plan,
                                const double (*const *given)[3])

@@ -206,7 +206,7 @@ struct pccd_mpi {
     double fast_steps, slow_margin;
 };
 
-/* Of a handle; NULL: there is none. */
+/* Return what has a handle; NULL: there is none. */
 struct ranks_mesh *ranks_find_mesh(const struct pccd_mpi *world, uint32_t handle);
 struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle);
 /* The same by any thread: looks first at *at, a place in world->objects, and writes where
@@ -236,8 +236,8 @@ void ranks_object_free(struct ranks_object *object);
 
 bool ranks_are_ignored(const struct pccd_mpi *world, uint32_t handle_a,
                        uint32_t handle_b);
-/* May features of the two objects meet, in a step of the scene? a, b: places in
- * world->objects. */
+/* Return whether features of the two objects may meet, in a step of the scene. a, b:
+ * places in world->objects. */
 bool ranks_may_meet(const struct pccd_mpi *world, uint32_t a, uint32_t b);
 
 #endif

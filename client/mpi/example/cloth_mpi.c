@@ -18,7 +18,8 @@ enum { SHEET = 2 * (SIDE - 1) * (SIDE - 1), TRIANGLES = 2 * SHEET };
 #define RADIUS 0.3
 #define FALL   5e-5 /* gravity, in units per frame squared */
 
-/* Of the whole; a rank knows its rows, the rows beside them, and the ball. */
+/* Arrays for the whole mesh; a rank knows its rows, the rows beside them, and the
+ * ball. */
 static double x[VERTICES][3], was[VERTICES][3], end[VERTICES][3];
 static uint32_t triangles[TRIANGLES][3];
 static unsigned char held[VERTICES]; /* does it stay where it is? */

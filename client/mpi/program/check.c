@@ -104,7 +104,7 @@ static int read_frame(struct check *check, uint32_t index, struct ctl_error *err
     return together_agree(status, error);
 }
 
-/* Whether it is told which objects meet. */
+/* Return whether the report tells which objects meet. */
 static bool tells_objects(const struct check *check)
 {
     return check->part.files.mesh.object_count > 0 &&
@@ -157,8 +157,8 @@ static int begin(struct check *check, struct ctl_error *error)
     return status == PCCD_OK ? PCCD_OK : fail(check, status, error);
 }
 
-/* What check_run_repeat asks for: the answer without its records, which stay here until
- * the next step. */
+/* Make the step for check_run_repeat: the answer without its records, which stay here
+ * until the next step. */
 static int move_once(void *context, bool is_again, struct pccd_answer *answer)
 {
     const struct check *check = context;

@@ -82,13 +82,13 @@ struct deal_hand {
 
 #define DEAL_SENT (DEAL_HAND + 2u) /* all that a rank tells while it does what it has */
 
-/* What a rank has told, until MPI has it. */
+/* Message that a rank has sent, until MPI has it. */
 struct deal_sent {
     struct deal_tell tell;
     MPI_Request request; /* MPI_REQUEST_NULL: it has */
 };
 
-/* What the second thread of the root has told, until the first one takes it. */
+/* Message of the second thread of the root, until the first one takes it. */
 struct deal_note {
     struct deal_note *next;
     struct deal_tell tell;

@@ -22,7 +22,7 @@
 #define PAUSE_NS     100000u  /* between two looks for messages: after one, */
 #define PAUSE_NS_MAX 4000000u /* and at most, when long none has come */
 
-/* What was dealt to a rank, until MPI has it. */
+/* Hand that was dealt to a rank, until MPI has it. */
 struct answer {
     struct deal_hand hand;
     MPI_Request request;

@@ -117,7 +117,7 @@ static void interrupted(void *context)
 
 /* ---- all of it --------------------------------------------------------------------- */
 
-/* Of which command, version and things the results are. */
+/* Return the head of a file of results: of which command, version and things they are. */
 static json_t *head_of(const struct items *items)
 {
     char version[32];

@@ -146,8 +146,8 @@ static void close_all(struct asking *asking)
     near_run_deinit(near);
 }
 
-/* What check_run_repeat asks for: the answer without its records, which stay here until
- * the next question. */
+/* Ask the question for check_run_repeat: the answer without its records, which stay here
+ * until the next question. */
 static int ask_once(void *context, bool is_again, struct pccd_answer *answer)
 {
     const struct asking *asking = context;

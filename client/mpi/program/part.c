@@ -5,7 +5,7 @@
 
 #include "together.h"
 
-/* What differs is told of the files, which are read once more. */
+/* Explain what differs between two files, which are read once more. */
 static int explain(const char *path, const char *first_path, struct ctl_error *error)
 {
     struct ctl_mesh one = {0}, other = {0};
@@ -54,7 +54,8 @@ int part_read(struct part *part, uint32_t index, struct ctl_mesh *frame,
                                   : status;
 }
 
-/* Of a list that is this rank's, or of all ranks, what this one puts; *count: of it. */
+/* Return what this rank puts of a list that is this rank's, or of all ranks; *count: how
+ * many rows. */
 static const uint32_t *rows_of(const struct part *part, enum ctl_kind kind,
                                uint32_t *count)
 {

@@ -14,7 +14,7 @@ struct part_options {
     struct ctl_frames_options frames;
     bool is_whole;       /* each rank keeps all */
     bool names_features; /* the root wants part.named */
-    bool names_objects;  /* likewise, where the file has several */
+    bool names_objects;  /* the root wants names of objects, where there are several */
 };
 
 /* Filled by part_open. */

@@ -165,7 +165,7 @@ static int join(struct part *part, const struct part_options *options,
     return together_agree(status, error);
 }
 
-/* Of each file a part, by the rank's number. */
+/* Open a part of each file, by the rank's number. */
 static int open_parts(struct part *part, const struct part_options *options,
                       struct ctl_error *error)
 {

@@ -49,7 +49,7 @@ static void place_of(const struct ctl_mesh *mesh, uint32_t vertex, double x[3])
     }
 }
 
-/* Of all ranks, to all: bits that one of them has; or the largest of numbers. */
+/* Unite on all ranks the bits that one of them has; or find the largest of numbers. */
 static void unite(void *what, uint64_t count, MPI_Datatype type, MPI_Op op)
 {
     MPI_Request request;
@@ -192,7 +192,7 @@ static void find_near(struct search *search)
 
 /* ---- where they are ---------------------------------------------------------------- */
 
-/* What each rank has of these vertices, to all of them. */
+/* Gather on all ranks what each has of these vertices. */
 static void gather(const struct search *search, const void *mine, void *all,
                    MPI_Datatype type)
 {

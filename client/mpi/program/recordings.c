@@ -40,8 +40,8 @@ static void put(struct recordings *all, const void *result)
     all->is_begun = false;
 }
 
-/* Of the file that is being played: the place of the item to do next; 0: it is of a later
- * file, or there is none. An item that was begun and never shown was skipped. */
+/* Return the place of the item to do next of the file that is being played; 0: it is of a
+ * later file, or there is none. An item that was begun and never shown was skipped. */
 static uint64_t next_place(void *context)
 {
     struct recordings *all = context;
@@ -221,7 +221,7 @@ static json_t *depends(void *context)
 
 /* ---- all of it --------------------------------------------------------------------- */
 
-/* What each rank has spent on answers, together on the root. */
+/* Add up on the root what each rank has spent on answers. */
 static void add_seconds(struct recordings *all)
 {
     for (uint32_t i = 0; i < all->file_count; i++) {
@@ -291,8 +291,8 @@ void recordings_separate(const struct recordings *recordings,
     }
 }
 
-/* Of several recordings each has its name before its report; as JSON they are an
- * array. */
+/* Print the report; of several recordings each has its name before it; as JSON they are
+ * an array. */
 static int report(const struct recordings *all, bool *is_right, struct ctl_error *error)
 {
     const struct play_options *options = &all->options->play;

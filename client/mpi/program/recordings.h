@@ -44,7 +44,7 @@ struct recordings_work {
                   const struct recording *file, bool *is_right, struct ctl_error *error);
 };
 
-/* What a command line says; zero before. */
+/* Options of a command line; zero before. */
 struct recordings_options {
     struct play_options play; /* takes_files is set */
     const char *results;      /* NULL: no file */

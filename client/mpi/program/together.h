@@ -38,8 +38,8 @@ int together_compare(const void *mine, size_t bytes, const char *path, const cha
  * wrong usage and --help end the program on every rank. */
 int together_parse(const struct option_table *table, int argc, char **argv, void *to);
 
-/* What is written from here on goes nowhere, but for the root's. MPI may not be there:
- * then this process is the root. */
+/* Have all that is written from here on go nowhere, but for the root's. MPI may not be
+ * there: then this process is the root. */
 void together_mute(void);
 
 /* One line on the standard error of the root, after "pccd-mpi: ". */
