@@ -12,7 +12,7 @@
 #define TORN        900u
 #define STEPS_MAX   10000u
 
-/* What the objects are called. */
+/* Objects, in the order in which they are added. */
 enum { FLOOR, TILE, CLOTH, BODY, OTHER };
 
 struct world {

@@ -59,7 +59,7 @@ static struct eng_question some_settings(struct fuzz *fuzz, enum pccd_mode mode)
     return settings;
 }
 
-/* What a fresh scene, one thread and default settings answer. */
+/* Find what a fresh scene, one thread and default settings answer. */
 static void find_reference(struct fuzz *fuzz, enum pccd_mode mode, struct answer *answer)
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;

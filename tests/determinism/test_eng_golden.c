@@ -149,7 +149,7 @@ struct answer {
     void *records;
 };
 
-/* Of every step in every mode, by one thread with default settings. */
+/* Answers of every step in every mode, by one thread with default settings. */
 struct fixture {
     const struct golden *golden;
     struct play play;

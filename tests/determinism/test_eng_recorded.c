@@ -42,7 +42,7 @@ static const struct row rows[] = {
 };
 #define ROWS (sizeof rows / sizeof *rows)
 
-/* What is known of a scene: its contacts, and the hash of their records, version 1. */
+/* Known answers of a scene: its contacts, and the hash of their records, version 1. */
 struct known {
     enum data_scene_name scene;
     size_t first_row; /* of those that it is run under */

@@ -78,7 +78,7 @@ extern struct fault_page *fault_page;
 
 const char *fault_name(enum fault_call call);
 
-/* Of the calls of that kind from now on, `length` fail, the first-th and what follows. */
+/* Have `length` calls of that kind fail, the first-th from now on and what follows. */
 void fault_order(struct fault_page *page, enum fault_call call, uint64_t first,
                  uint64_t length, int error);
 /* Nothing fails any more; returns how many did. */

@@ -19,7 +19,7 @@
 struct fault_page *keeper_page;
 static char page_path[64];
 
-/* What the daemon holds when only the honest client is there. */
+/* Holdings of the daemon when only the honest client is there. */
 struct holdings {
     uint64_t counters[6];
     int64_t blocks;

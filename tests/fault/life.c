@@ -24,7 +24,7 @@ static void blame(struct life *life, const char *what, int method, int status)
     }
 }
 
-/* Whether a refusal by the world's fault is an answer to that. */
+/* Return whether a refusal by the world's fault is an answer to that. */
 static bool may_refuse(int status)
 {
     return status == PCCD_E_NOMEM || status == PCCD_E_SYSTEM || status == PCCD_E_LIMIT;
@@ -81,7 +81,7 @@ static bool note(struct life *life, int method, int status)
     return false;
 }
 
-/* Whether to go on after `tries` refusals; blames the second one. */
+/* Return whether to go on after `tries` refusals; blame the second one. */
 static bool again(struct life *life, int method, int tries)
 {
     if (life->is_lost || life->wrong[0] != '\0') {
@@ -169,7 +169,7 @@ static void sheet_triangles(uint32_t triangles[TRIANGLES][3])
     }
 }
 
-/* What a client has in the middle of its life. */
+/* Handles of a client in the middle of its life. */
 struct belongings {
     uint32_t scene;
     uint32_t floor_mesh;
@@ -452,7 +452,7 @@ static bool share(struct life *life, const struct belongings *home)
            ask(life, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL);
 }
 
-/* What there is, and what is told of steps. */
+/* Ask what there is, and be told of steps. */
 static bool watch(struct life *life, const struct belongings *has)
 {
     const struct proto_WATCH_START_request start = {.session = life->welcome.session};

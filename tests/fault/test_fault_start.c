@@ -71,7 +71,8 @@ static bool is_in_order(int status)
             test_daemon_logged(&place, "SIGABRT in process"));
 }
 
-/* Whether it has ended, as it may while it starts. It listens before its loop stands. */
+/* Return whether the daemon has ended, as it may while it starts. It listens before its
+ * loop stands. */
 static bool has_given_up(pid_t pid)
 {
     uint64_t until_ms = test_now_ms() + 2000;

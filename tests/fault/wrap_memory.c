@@ -15,7 +15,7 @@ void *__wrap_realloc(void *block, size_t bytes);
 void *__wrap_aligned_alloc(size_t alignment, size_t bytes);
 void __wrap_free(void *block);
 
-/* Whether an allocation shall fail; errno is set then. */
+/* Return whether an allocation shall fail; errno is set then. */
 static bool fails(size_t count, size_t bytes)
 {
     size_t most = atomic_load(&fault_page->bytes_max);

@@ -13,7 +13,8 @@ static double processor_seconds(void)
     return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
 }
 
-/* Of this program alone: ru_maxrss has that of the one that started it, too. */
+/* Return the peak memory of this program alone: ru_maxrss has that of the one that
+ * started it, too. */
 static long peak_bytes(void)
 {
     char line[128];

@@ -302,7 +302,7 @@ const char *fuzz_distance_differ(const struct eng_distance *got,
                : NULL;
 }
 
-/* What the oracle says of a case. */
+/* Truth of a case, by the oracle. */
 struct truth {
     struct oracle_distance due;
     bool is_within; /* d, if there is one */
@@ -354,7 +354,8 @@ static bool is_winding_wrong(struct fuzz_distance_run *run,
     return !truth->is_on && winding != truth->winding;
 }
 
-/* Of the engine's distance, found by stage `first` or a later one, which is counted. */
+/* Judge the engine's distance, found by stage `first` or a later one, which is
+ * counted. */
 static const char *judge_distance(struct fuzz_distance_run *run,
                                   const struct fuzz_distance_case *made,
                                   const struct truth *truth)

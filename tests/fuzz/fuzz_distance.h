@@ -65,7 +65,7 @@ struct oracle_distance;
 const char *fuzz_distance_differ(const struct eng_distance *got,
                                  const struct oracle_distance *due);
 
-/* What is wrong with the engine's answer to a case from `first` on, or NULL. */
+/* Return what is wrong with the engine's answer to a case from `first` on, or NULL. */
 const char *fuzz_distance_judge(struct fuzz_distance_run *run,
                                 const struct fuzz_distance_case *made,
                                 enum eng_distance_stage first);

@@ -7,11 +7,12 @@
 
 #define FUZZ_JOBS_MAX 64
 
-/* What one process does: 0 if nothing is wrong. `job`: 0 .. the number of jobs - 1. */
+/* Work of one process: returns 0 if nothing is wrong. `job`: 0 .. the number of jobs -
+ * 1. */
 typedef int (*fuzz_work_fn)(uint64_t seed, uint64_t count, long job);
 
-/* Is a process that ended with this status of wait() to be counted as failed? Print by
- * which signal, if by one. */
+/* Return whether a process that ended with this status of wait() counts as failed. Print
+ * by which signal, if by one. */
 bool fuzz_jobs_failed(int status);
 
 /* Process `job` works on seed + job. Waits for all; 0 if nothing is wrong in any. */

@@ -31,7 +31,7 @@ struct chunk {
     bool crosses[FUZZ_LANES_MAX];
 };
 
-/* What the kernels of one set say of it. */
+/* Answers of the kernels of one set. */
 struct said {
     uint32_t kept_count;
     uint32_t kept[FUZZ_LANES_MAX];
@@ -184,7 +184,7 @@ static bool is_same(const struct eng_distance *a, const struct eng_distance *b)
            memcmp(a->direction, b->direction, sizeof a->direction) == 0;
 }
 
-/* Of the numbers that were wanted. */
+/* Return whether the numbers that were wanted are right. */
 static bool is_right(const struct eng_distance *got, const struct eng_distance *due,
                      enum eng_distance_wanted wanted)
 {
@@ -299,7 +299,7 @@ static const char *judge_crossings(const struct chunk *chunk,
                                                             : NULL;
 }
 
-/* What is wrong with what batch.h says, or NULL. */
+/* Return what is wrong with what batch.h says, or NULL. */
 static const char *judge_batch(struct fuzz_lanes_run *run, const struct chunk *chunk,
                                const struct eng_kernels *kernels)
 {

@@ -78,7 +78,7 @@ static inline struct range range_unite(struct range a, struct range b)
     return (struct range){range_least(a.lo, b.lo), range_most(a.hi, b.hi)};
 }
 
-/* Of every member: 1, -1, or 0 if they differ or are not known. */
+/* Return the sign of every member: 1, -1, or 0 if they differ or are not known. */
 static inline int range_sign(struct range a)
 {
     return a.lo > 0 ? 1 : a.hi < 0 ? -1 : 0;

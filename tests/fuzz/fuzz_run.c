@@ -108,16 +108,16 @@ static void lay_out(struct fuzz_run *run, struct chunk *chunk)
     }
 }
 
-/* What the first set that tests a chunk leaves unsure. eng_search takes that over, the
- * same code for every set and for the scalar call: so all sets must leave the same pairs
- * to it, and one of them, at some chunks, goes on to the end. The others stop at the
- * first query that needs exact arithmetic, most of the time of a batch. */
+/* Pairs that the first set that tests a chunk leaves unsure. eng_search takes them over,
+ * the same code for every set and for the scalar call: so all sets must leave the same
+ * pairs to it, and one of them, at some chunks, goes on to the end. The others stop at
+ * the first query that needs exact arithmetic, most of the time of a batch. */
 struct unsure {
     bool pair[ENG_CHUNK_MAX];
 };
 
-/* Of so many turns of all sets, one is to the end; of chunks with t_end < 1, every other
- * one, because eng_search may stop early there. */
+/* Turns of all sets of which one goes on to the end; of chunks with t_end < 1 every other
+ * one does, because eng_search may stop early there. */
 #define WHOLE_EACH 12u
 #define PART_EACH  2u
 
@@ -249,7 +249,7 @@ static void compare_sets(struct fuzz_run *run, struct chunk *chunk)
     run->sets = count;
 }
 
-/* What is known of the answer to a changed query. */
+/* Compare with what is known of the answer to a changed query. */
 static void compare_changed(struct fuzz_run *run, const struct chunk *chunk, uint32_t i)
 {
     static const char *const changes[] = {"scaled by a power of two", "in another order",

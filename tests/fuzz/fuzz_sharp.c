@@ -5,7 +5,7 @@
 
 #define NUMBERS 7
 
-/* What it is between counts as a number, too. */
+/* Return one of the numbers of a distance; what it is between counts as one, too. */
 static double number_of(const struct eng_distance *distance, int i)
 {
     switch (i) {

@@ -1,4 +1,4 @@
-/* fuzz_sieve.c - does the sieve reject only what has no contact? */
+/* fuzz_sieve.c - the sieve rejects only what has no contact. */
 #include "fuzz_sieve.h"
 
 #include <math.h>
@@ -66,8 +66,8 @@ static uint32_t sift(struct fuzz_sieve *sieve, const struct eng_kernels *kernels
     return kernels->sift(kind, job, sieve->a, sieve->b, sieve->count);
 }
 
-/* Is every query that is not among those kept one without a contact up to t_end? They are
- * in their order. */
+/* Check that every query that is not among those kept is one without a contact up to
+ * t_end. They are in their order. */
 static const char *check_kept(const struct fuzz_sieve *sieve,
                               const struct fuzz_answered *chunk, uint32_t kept,
                               double t_end, uint32_t *wrong)

@@ -135,8 +135,8 @@ static void set_place(const struct ends *ends, double t, struct place *place)
     place->f = dot(&place->p, &place->n);
 }
 
-/* Has the cubic one sign from l to r? Its coefficients in Bernstein form, the middle ones
- * times 3. */
+/* Return whether the cubic has one sign from l to r. Its coefficients in Bernstein form,
+ * the middle ones times 3. */
 static bool is_one_sided(const struct place *l, const struct place *r)
 {
     int sign = range_sign(l->f);
@@ -181,8 +181,8 @@ static int domain(const struct ends *ends, const struct place *l, const struct p
     return least;
 }
 
-/* Is `direction` one along which all points of one feature are before all of the other at
- * both times? Any numbers will do. */
+/* Return whether all points of one feature are before all of the other along `direction`
+ * at both times. Any numbers will do. */
 static bool separates(const struct ends *ends, const struct place *l,
                       const struct place *r, const FUZZ_REAL direction[3])
 {
@@ -217,8 +217,9 @@ static void cross_middle(const FUZZ_REAL a[3], const FUZZ_REAL b[3], FUZZ_REAL o
     }
 }
 
-/* Is there a direction that does? The axes, the normal, what is across each edge within
- * the plane, and the way from one feature to the other. */
+/* Return whether there is a direction that separates them: the axes, the normal, what
+ * is across each edge within the plane, and the way from one feature to the other are
+ * tried. */
 static bool is_separated(const struct ends *ends, const struct place *l,
                          const struct place *r)
 {

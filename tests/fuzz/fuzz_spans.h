@@ -6,7 +6,8 @@
 
 #include "query.h"
 
-/* Does an axis separate the features throughout the step? Comparisons alone, exact. */
+/* Return whether an axis separates the features throughout the step. Comparisons alone,
+ * exact. */
 bool fuzz_is_apart(const struct eng_query *query);
 
 /* From l to r, 0 <= l < r <= 1, or to what is returned, there is certainly no contact.

@@ -39,7 +39,7 @@ void fuzz_scarcity_resume(void);
 /* Allocations that have failed in this input. */
 uint64_t fuzz_scarcity_hits(void);
 
-/* What is left of an input. Beyond its end there are zeros. */
+/* Rest of an input. Beyond its end there are zeros. */
 struct fuzz_input {
     const uint8_t *at;
     size_t left;

@@ -150,7 +150,8 @@ void fuzz_thick_print(FILE *log, const struct fuzz_thick_case *made,
     }
 }
 
-/* Does no axis keep them farther apart than r, in one order at both ends? */
+/* Return whether no axis keeps the two farther apart than r, in one order at both
+ * ends. */
 static bool is_inseparable(const struct fuzz_thick_case *made)
 {
     const double *radius = made->query.radius;
@@ -200,7 +201,7 @@ static void solve_both(struct fuzz_thick_run *run, const struct fuzz_thick_case 
     }
 }
 
-/* What they find has the same bytes, and is proved. */
+/* Return whether what both find has the same bytes, and is proved. */
 static bool agree(const bool found[ENG_THICK_STAGES],
                   const struct eng_hit hits[ENG_THICK_STAGES])
 {

@@ -64,7 +64,7 @@ struct fuzz_thick_run {
 
 const char *fuzz_thick_name(enum fuzz_thick_family family);
 
-/* Of the feature of a, side 0, or of b, side 1. */
+/* Return the number of points of the feature of a, side 0, or of b, side 1. */
 int fuzz_thick_points(const struct fuzz_thick_case *made, int side);
 bool fuzz_thick_is_of_b(const struct fuzz_thick_case *made, int point);
 /* least_kind: 0 for all kinds, PCCD_VE for VE and VV alone. */
@@ -74,19 +74,19 @@ void fuzz_thick_make(struct prng *prng, uint32_t least_kind,
 void fuzz_thick_init(struct fuzz_thick_run *run, uint64_t seed, FILE *log);
 void fuzz_thick_deinit(struct fuzz_thick_run *run);
 
-/* What the oracle says of a case; `first` is NULL where they do not meet. The caller
+/* Truth of a case, by the oracle; `first` is NULL where they do not meet. The caller
  * frees it with oracle_first_free. */
 struct fuzz_thick_truth {
     bool is_inside;
     struct oracle_first *first;
 };
 struct fuzz_thick_truth fuzz_thick_truth_of(const struct fuzz_thick_case *made);
-/* What is wrong with a hit (NULL: none was found), or NULL. */
+/* Return what is wrong with a hit (NULL: none was found), or NULL. */
 const char *fuzz_thick_judge_hit(const struct fuzz_thick_case *made,
                                  const struct fuzz_thick_truth *truth,
                                  const struct eng_hit *hit);
 
-/* What is wrong with the engine's answer to a case from `first` on, or NULL. */
+/* Return what is wrong with the engine's answer to a case from `first` on, or NULL. */
 const char *fuzz_thick_judge(struct fuzz_thick_run *run,
                              const struct fuzz_thick_case *made,
                              enum eng_thick_stage first);

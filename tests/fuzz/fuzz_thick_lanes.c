@@ -39,7 +39,7 @@ void fuzz_thick_lanes_deinit(struct fuzz_thick_lanes *run)
     eng_exact_deinit(&run->contacts);
 }
 
-/* Of a kind, with one approach for all. */
+/* Make a chunk of one kind, with one approach for all. */
 static void make_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
 {
     memset(chunk, 0, sizeof *chunk);
@@ -81,7 +81,7 @@ static void fail(struct fuzz_thick_lanes *run, const struct eng_kernels *kernels
     fuzz_thick_print(run->log, made, &(struct eng_hit){0}, what);
 }
 
-/* What the kernels of a set, and what follows, say of the chunk. */
+/* Compare what the kernels of a set, and what follows, say of the chunk. */
 static void compare(struct fuzz_thick_lanes *run, const struct chunk *chunk,
                     const struct eng_kernels *kernels, struct eng_batch *batch)
 {

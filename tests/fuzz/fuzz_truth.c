@@ -1,4 +1,4 @@
-/* fuzz_truth.c - is an answer to an elementary test the true one? */
+/* fuzz_truth.c - an answer to an elementary test is compared with the true one. */
 #include "fuzz_truth.h"
 
 #include <float.h>
@@ -12,11 +12,10 @@
 #define WORK_DOUBLE 48
 #define WORK_LONG   8
 
-/* How early a bracket begins is found out by the oracle, in some 50 us, for one of so
- * many. */
+/* Answers of which the oracle judges one, in some 50 us: how early its bracket begins. */
 #define NARROWED 16
 
-/* Of the extent: more is a parameter that names another place. */
+/* Share of the extent: a parameter that is off by more names another place. */
 #define PLACE_OFF_MAX 1e-4
 
 /* Faces and pairs of edges that are nearer to one line than this, |b x c| of the square
@@ -101,9 +100,10 @@ static bool is_nearly_a_line(const struct eng_query *query, double t)
     return n2 <= NEARLY_A_LINE * NEARLY_A_LINE * longer2 * longer2;
 }
 
-/* Do the parameters name the same place on both features? The contact is somewhere in
- * the bracket, during which nothing moves further than its share of the extent. Floats
- * allow 2^-23; where edges are nearly parallel, parameters are worse than that. */
+/* Return whether the parameters name the same place on both features. The contact is
+ * somewhere in the bracket, during which nothing moves further than its share of the
+ * extent. Floats allow 2^-23; where edges are nearly parallel, parameters are worse than
+ * that. */
 static bool is_one_place(const struct eng_query *query, const struct eng_hit *hit,
                          struct fuzz_tally *tally)
 {
@@ -137,7 +137,7 @@ static bool is_one_place(const struct eng_query *query, const struct eng_hit *hi
     return off <= PLACE_OFF_MAX * whole;
 }
 
-/* What every contact has; step.h. */
+/* Return whether a contact has what every one has (step.h). */
 static bool is_formed(const struct eng_query *query, const struct eng_hit *hit,
                       double tolerance, struct fuzz_tally *tally)
 {
@@ -167,14 +167,14 @@ const char *fuzz_judgement_text(enum fuzz_judgement judgement)
     return texts[judgement];
 }
 
-/* Certainly no contact before `end`? */
+/* Return whether there is certainly no contact before `end`. */
 static bool is_clear(const struct eng_query *query, double end)
 {
     double from = fuzz_clear_until_double(query, 0, end, WORK_DOUBLE);
     return from == end || fuzz_clear_until_long(query, from, end, WORK_LONG) == end;
 }
 
-/* Certainly the first contact is in the bracket? */
+/* Return whether the first contact is certainly in the bracket. */
 static bool is_bracketed(const struct eng_query *query, const struct eng_hit *hit,
                          double *early)
 {

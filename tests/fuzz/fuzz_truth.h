@@ -19,7 +19,7 @@ enum fuzz_judgement {
 
 const char *fuzz_judgement_text(enum fuzz_judgement judgement);
 
-/* How claims were decided. */
+/* Counts of how claims were decided. */
 struct fuzz_tally {
     uint64_t ranges;
     uint64_t exact;

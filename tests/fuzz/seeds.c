@@ -272,8 +272,8 @@ static void make_share_seeds(void)
     save("dispatch", "share.watch");
 }
 
-/* What is near: everything that can be asked, with and without a movement; in a scene
- * that is shared, too, beside a held frame and a journal. */
+/* Make inputs about what is near: everything that can be asked, with and without a
+ * movement; in a scene that is shared, too, beside a held frame and a journal. */
 static void make_near_seeds(void)
 {
     begin();

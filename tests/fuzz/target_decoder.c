@@ -14,8 +14,8 @@
 #define BODY_BYTES    8192u
 #define REFERENCE_MAX (1u << 20) /* no object within our limits needs more at once */
 
-/* Whether an object is within our limits of depth and number, `depth` containers deep.
- * msgpack-c bounds the recursion: it reads at most 32 deep. */
+/* Return whether an object is within our limits of depth and number, `depth` containers
+ * deep. msgpack-c bounds the recursion: it reads at most 32 deep. */
 static bool is_within(const msgpack_object *object, uint32_t depth, uint32_t *elements)
 {
     uint32_t size = 0;
@@ -43,7 +43,7 @@ static bool is_within(const msgpack_object *object, uint32_t depth, uint32_t *el
     return true;
 }
 
-/* Whether msgpack-c reads it all, and what it reads is within our limits. */
+/* Return whether msgpack-c reads it all, and what it reads is within our limits. */
 static bool reference_accepts(const uint8_t *data, size_t bytes)
 {
     msgpack_zone zone;

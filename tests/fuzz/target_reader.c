@@ -9,8 +9,8 @@
 #include "fuzz_target.h"
 #include "meshfile.h"
 
-/* Of one allocation: a header, 1024 triangles to begin with, then what grows with the
- * file: a vertex takes six characters at least, a triangle a few more. */
+/* Most bytes of one allocation: a header, 1024 triangles to begin with, then what grows
+ * with the file: a vertex takes six characters at least, a triangle a few more. */
 #define BYTES_AT_FIRST    (1u << 16)
 #define BYTES_A_CHARACTER 64u
 

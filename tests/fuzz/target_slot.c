@@ -21,7 +21,7 @@ static uint32_t growing; /* announced, and filled by inputs */
 static uint32_t objects[2];
 static uint64_t released; /* of the result region */
 
-/* What a session begins with must succeed. */
+/* Check what a session begins with, which must succeed. */
 static void need(int status)
 {
     if (status != 0) {

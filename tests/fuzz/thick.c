@@ -90,7 +90,7 @@ static int work(uint64_t seed, uint64_t count, long job)
 #define SLOW_US    50.0 /* then it is decided again, and the least time counts */
 #define SLOW_TRIES 5
 
-/* Of this thread: what others do meanwhile does not count. */
+/* Return the time of this thread: what others do meanwhile does not count. */
 static double thread_us(void)
 {
     struct timespec now;

@@ -693,7 +693,7 @@ static void check_listed(void *context, const struct pccd_scene_info *info)
     }
 }
 
-/* How far the batch of a session has come, as it is listed. */
+/* Progress of a session's batch, as it is listed. */
 struct progress {
     uint64_t session;
     uint32_t batch, done;

@@ -73,7 +73,8 @@ static struct pccd_box hull(const struct fallen *fallen)
     return around;
 }
 
-/* Whether a vertex of the grid, at its height at each end, is in a box of the level. */
+/* Return whether a vertex of the grid, at its height at each end, is in a box of the
+ * level. */
 static bool is_covered(const struct fallen *fallen, const float x[3])
 {
     for (uint32_t i = 0; i < fallen->count; i++) {

@@ -25,7 +25,7 @@ static struct pccd_step_settings by(enum pccd_method method)
                                        .method = method};
 }
 
-/* What a step says that takes the triangle to a height; its answer is released. */
+/* Take the triangle to a height by a step, and return its answer, released. */
 static struct pccd_answer move(struct test_crossing *crossing, float z,
                                const struct pccd_step_settings *settings)
 {

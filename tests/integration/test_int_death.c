@@ -433,7 +433,7 @@ CASE(private__daemon_gets_the_environment_that_it_needs)
     assert_int_equal(rmdir(folder), 0);
 }
 
-/* How many descriptors a process has whose link begins so. */
+/* Return how many descriptors a process has whose link begins so. */
 static int count_descriptors(pid_t pid, const char *link)
 {
     char path[300];

@@ -179,7 +179,7 @@ CASE(direct__heeds_omp_num_threads)
 
 /* ---- the same answers -------------------------------------------------------------- */
 
-/* What the same play comes to, wherever it is computed. */
+/* Results of the same play, wherever it is computed. */
 struct told {
     uint64_t hash[2];
     uint64_t total;

@@ -10,7 +10,7 @@
 #include "recording.h"
 #include "run_ctl.h"
 
-/* What lies below: a triangle, a rod of two edges and a point. */
+/* Mesh that lies below: a triangle, a rod of two edges and a point. */
 #define BELOW 7u
 static const double below[BELOW][3] = {{0, 0, 0},  {1, 0, 0},  {0, 1, 0}, {10, 0, 0},
                                        {11, 0, 0}, {12, 0, 0}, {20, 0, 0}};

@@ -397,7 +397,7 @@ CASE(misuse__a_second_thread_is_refused_or_waits)
 
     assert_int_equal(pthread_create(&thread, NULL, be_in_a_call, &call), 0);
     sleep_ms(IN_CALL_MS / 4);
-    pccd_close(client); /* likewise */
+    pccd_close(client); /* has no status, and waits */
     assert_int_equal(pthread_join(thread, NULL), 0);
     assert_int_equal(call.status, PCCD_E_TIMEOUT);
     pccd_batch_destroy(batch);

@@ -141,7 +141,7 @@ CASE_CROSSING(abandon__drops_the_answer)
 
 /* ---- memory ------------------------------------------------------------------------ */
 
-/* What pccd_options.unmap was called with. */
+/* Calls of pccd_options.unmap. */
 struct orphans {
     int count;
     void *memory[8];

@@ -169,7 +169,7 @@ CASE_CROSSING(near__has_the_distance_that_is_known)
     free(whole.records);
 }
 
-/* Of complete answers. */
+/* Check the hash of a complete answer. */
 static void expect_its_hash(const struct whole *whole)
 {
     uint64_t hash[2];

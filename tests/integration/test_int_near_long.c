@@ -47,7 +47,7 @@ static int teardown(void **state)
     return test_daemon_finish(&daemon_) ? 0 : -1;
 }
 
-/* Of the grid's whole way to height z. */
+/* Return the motion of the grid's whole way to height z. */
 static struct pccd_motion motion_to(float z)
 {
     test_grid_positions(&grid, z);

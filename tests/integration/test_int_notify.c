@@ -428,7 +428,7 @@ CASE_WITH(notify__does_not_beat_for_another_process, set_up, tear_down)
     expect_end();
 }
 
-/* Of all threads together; -1: it is gone. */
+/* Return the context switches of all threads of a process together; -1: it is gone. */
 static long context_switches(pid_t pid)
 {
     char command[128];

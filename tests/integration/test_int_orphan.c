@@ -11,7 +11,7 @@
 
 #define END_MS 10000
 
-/* What the child tells before it is killed. */
+/* Numbers that the child tells before it is killed. */
 struct told {
     struct test_daemon daemon;
     pid_t worker;

@@ -305,7 +305,8 @@ static const uint8_t *entry_at(const uint8_t **at, int method, void *request)
     return payload;
 }
 
-/* What the document says of an entry for the small triangle, made of test_triangle_x. */
+/* Check that an entry for the small triangle, made of test_triangle_x, is as the document
+ * says. */
 static void check_object(const uint8_t *payload, const uint8_t *end)
 {
     double x[3];

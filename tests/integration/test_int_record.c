@@ -397,7 +397,7 @@ CASE(record__keeps_the_newest_segments)
     pccd_close(client);
 }
 
-/* Of the files of a ring of three. */
+/* Return the bytes of all files of a ring of three. */
 static uint64_t bytes_of_ring(void)
 {
     uint64_t bytes = bytes_of(test_recording);

@@ -349,7 +349,7 @@ CASE(record__begins_with_what_others_have_done)
     }
 }
 
-/* What is near where the last step began. */
+/* Ask what is near where the last step began. */
 static void ask_start(struct member *member)
 {
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;

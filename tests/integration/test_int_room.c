@@ -86,7 +86,7 @@ static void lose_first(void)
     assert_int_equal(stats.sessions_waiting_now, 1);
 }
 
-/* Whether the first client finds its session as it was. */
+/* Return whether the first client finds its session as it was. */
 static bool first_comes_back(void)
 {
     assert_true(test_raw_reopen(&fixture.first, fixture.daemon.socket));

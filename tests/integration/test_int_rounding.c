@@ -96,7 +96,7 @@ static void make_sheets(void)
     }
 }
 
-/* What is told of the scene. */
+/* Answers about the scene. */
 struct told {
     uint64_t hash[2], near_hash[2], total, near_total, degenerate;
     double safe_step, part, reached[VERTICES][3];

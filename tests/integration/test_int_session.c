@@ -481,7 +481,7 @@ CASE(session__limit_that_is_raised_lets_in_who_waits)
 
 #define MANY 16384u
 
-/* Whether another client is told how many objects are left while they go. */
+/* Return whether another client is told how many objects are left while they go. */
 static bool is_told_meanwhile(struct pccd_client *other)
 {
     struct pccd_client *client = test_client_at(shared.url);

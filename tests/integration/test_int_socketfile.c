@@ -197,7 +197,8 @@ CASE_WITH(socketfile__without_its_lock_is_let_go, setup, teardown)
     let_go_and_take_over(*state, alone);
 }
 
-/* If it failed, likewise with a supervisor. */
+/* If it failed, daemons that have supervisors would fight for a path, or remove a socket
+ * of others. */
 CASE_WITH(socketfile__without_its_lock_is_let_go_by_a_supervisor, setup_supervised,
           teardown)
 {

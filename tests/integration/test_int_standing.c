@@ -26,7 +26,7 @@ struct world {
     float x1[COUNT][3];
 };
 
-/* How the positions of a step are handed over. */
+/* Ways to hand over the positions of a step. */
 enum manner { PART, WHOLE, BOTH_ENDS, STILL, MANNERS };
 
 /* Everything is where the last step ended; `count` vertices from `first` on go to

@@ -147,7 +147,7 @@ CASE(region__takes_what_an_answer_needs)
     assert_true(test_daemon_finish(&daemon));
 }
 
-/* What is left of the shared memory when nobody has asked anything for a while. */
+/* Return what is left of the shared memory when nobody has asked anything for a while. */
 static uint64_t bytes_when_idle(struct pccd_client *client)
 {
     test_sleep_ms(IDLE_MS);

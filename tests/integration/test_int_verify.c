@@ -146,7 +146,7 @@ static void note_object(struct forger *forger, const struct record_view *view)
     }
 }
 
-/* What would forbid contacts that are in the answers. */
+/* Forge a filter that would forbid contacts that are in the answers. */
 static void forge_filter(struct forger *forger, const struct record_view *view)
 {
     struct record_filter filter = {

@@ -17,7 +17,7 @@ static char forged[96];
 
 /* ---- the tables -------------------------------------------------------------------- */
 
-/* What becomes of a field that is changed. */
+/* Fate of a field that is changed. */
 enum fate {
     JUDGED,  /* FAIL */
     TOLD,    /* FAIL, or the step is named as not checked, or the file as damaged */
@@ -105,7 +105,7 @@ static const struct field near_fields[] = {FIELD(pccd_near, kind, 4, JUDGED, fal
 
 static const struct field bound_fields[] = {{"bound", 0, 8, 8, JUDGED, true}};
 
-/* Of both heads of pages, whose layout is the same. */
+/* Fields of both heads of pages, whose layout is the same. */
 static const struct field head_fields[] = {
     FIELD(record_records, step, 8, TOLD, false),
     FIELD(record_records, first, 8, TOLD, false),

@@ -37,7 +37,7 @@ static int ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what w
     return status == 0 && answer.total > 0 ? 0 : -1;
 }
 
-/* What is asked of objects two by two. */
+/* Ask what is asked of objects two by two. */
 static int ask_two(struct pccd_client *client)
 {
     uint32_t scene, mesh, object;
@@ -58,9 +58,9 @@ static int ask_two(struct pccd_client *client)
                : 0;
 }
 
-/* Of these two, which are 1/2 apart, with radii that add up to 1/4, and of a third object
- * that is both, whose parts are left thin. What is at most 3/10 beyond radii: pairs,
- * closest features, and the nearest of the first two. */
+/* Ask what is at most 3/10 beyond radii: pairs, closest features, and the nearest of the
+ * first two objects. These are 1/2 apart, with radii that add up to 1/4; a third object
+ * is both, and its parts are left thin. */
 static int ask_thick(struct pccd_client *client, const uint32_t mesh[2])
 {
     static const uint32_t faces[2][3] = {{0, 1, 2}, {3, 4, 5}};
@@ -176,7 +176,7 @@ enum forgery {
     FORGE_HASH = FORGE_COUNT
 };
 
-/* What a forgery needs the question to be. */
+/* Return whether the question is one that a forgery needs. */
 static bool is_about(enum forgery forgery, const struct record_near *asked)
 {
     switch (forgery) {
@@ -194,7 +194,7 @@ static bool is_about(enum forgery forgery, const struct record_near *asked)
     }
 }
 
-/* Whether the chunk was forged. */
+/* Forge a chunk of records. Return whether it was one to forge. */
 static bool forge_records(enum forgery forgery, uint8_t *payload)
 {
     struct record_records head;

@@ -55,7 +55,7 @@ static void turn(uint32_t threads, struct pccd_answer *answer)
 
 /* ---- records of threads ------------------------------------------------------------ */
 
-/* What is looked for, and its sum over the threads that were asked for. */
+/* Number that is looked for, and sums over the threads that were asked for. */
 struct sums {
     uint64_t threads, number, task_units, box_tests, tests, ns_step, low_ns;
 };

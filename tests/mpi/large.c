@@ -63,7 +63,7 @@ static double peak_mb(void)
     return kib / 1024;
 }
 
-/* Of `side` rows of squares those of this rank; the last one has the last row of
+/* Rows of this rank, of `side` rows of squares; the last rank has the last row of
  * vertices, too. */
 struct rows {
     uint32_t side, first, count, vertex_rows;
@@ -131,7 +131,7 @@ static uint32_t register_sheet(struct pccd_mpi *world, const struct rows *rows,
     return object;
 }
 
-/* What all ranks had, by the root. Returns the most of all together. */
+/* Print on the root what all ranks had. Return the most of all together. */
 static double report(struct pccd_mpi *world, const struct rows *rows,
                      const double peaks[PARTS], const struct pccd_answer *answer)
 {

@@ -258,7 +258,7 @@ static int near_open(void)
     return status;
 }
 
-/* What one rank leaves out. */
+/* Put no part on one rank. */
 static int no_part(void)
 {
     const struct pccd_mpi_part part = make_part();

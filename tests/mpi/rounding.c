@@ -54,7 +54,7 @@ static void take_way(int way)
 #endif
 }
 
-/* Whether the caller has its own way back, after a call that must have gone well. */
+/* Check that the caller has its own way back, after a call that must have gone well. */
 static void check_call(const char *what, int status, int way, uint32_t flushes)
 {
     if (status != PCCD_OK) {
@@ -66,7 +66,7 @@ static void check_call(const char *what, int status, int way, uint32_t flushes)
     }
 }
 
-/* Of the records that gather() brings. */
+/* Digest of the records that gather() brings. */
 struct digest {
     size_t record_bytes;
     uint64_t value;

@@ -296,7 +296,8 @@ static void put_act(struct actor *actor, const struct play_act *act, bool is_new
     put(actor, &whole, is_new);
 }
 
-/* What it may meet, and how thick it is: sometimes something else than at first. */
+/* Change what an actor may meet, and how thick it is: sometimes something else than at
+ * first. */
 static void change(struct actor *actor)
 {
     struct pccd_object_settings settings = {.struct_bytes = sizeof settings};
@@ -672,7 +673,7 @@ static void compare_questions(const struct pccd_near_settings *settings,
     }
 }
 
-/* What is near where the last step ended or began, or where motions lead. */
+/* Ask what is near where the last step ended or began, or where motions lead. */
 static void ask_near(void)
 {
     const struct pccd_near_settings settings = choose_question();
@@ -940,7 +941,7 @@ static void turn_cloud(struct cloud *cloud, double fast)
     }
 }
 
-/* How clouds fly. */
+/* Flight of clouds. */
 struct flight {
     struct cloud clouds[4];
     uint32_t count;

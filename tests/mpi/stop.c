@@ -116,7 +116,7 @@ static void allocate(struct part *part, uint32_t triangles)
     }
 }
 
-/* Of the needles in a cluster, each lies in a plane of its own beside the last one. */
+/* Place a needle of a cluster; each lies in a plane of its own beside the last one. */
 static void place_needle(double (*x)[3], double at, double beside)
 {
     for (int k = 0; k < 3; k++) {
@@ -467,7 +467,7 @@ static void *cancel_once(void *delay)
     return NULL;
 }
 
-/* What the ranks say beside what one process says; is_cut: the call may have ended
+/* Compare what the ranks say with what one process says; is_cut: the call may have ended
  * early. */
 static void compare(const struct pccd_answer *ranks, const struct pccd_answer *one,
                     bool is_cut)
@@ -571,8 +571,8 @@ static bool is_among(const struct pccd_contact *contact, const struct pccd_answe
     return false;
 }
 
-/* Of all contacts those that may be the earliest, to firsts[KEPT + 1] as many as fit.
- * Returns how many there are. */
+/* Find those of all contacts that may be the earliest; write as many as fit to
+ * firsts[KEPT + 1]. Return how many there are. */
 static uint64_t find_firsts(const struct pccd_answer *all, struct pccd_contact *firsts)
 {
     double bound = 1;
@@ -635,8 +635,8 @@ static void fall(int order)
     move(0);
 }
 
-/* Of what the first rank's part of libpccd finds, it keeps so many; it has one part for
- * all its clients. */
+/* Set how much the first rank's part of libpccd keeps of what it finds; it has one part
+ * for all its clients. */
 static void set_room(const char *count)
 {
     must(test.rank > 0 || pccd_config_set(test.one, "contacts-max", count) == 0, "room");

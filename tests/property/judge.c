@@ -26,7 +26,7 @@ static const struct judge_object *object_of(const struct judge *judge, uint32_t 
     return NULL;
 }
 
-/* Does the record name features that there are? */
+/* Return whether the record names features that there are. */
 static bool has_features(const struct judge *judge, const struct pccd_contact *contact)
 {
     const struct judge_object *a = object_of(judge, contact->object_a);
@@ -277,7 +277,7 @@ static void points_of(const struct judge *judge, const struct pccd_contact *cont
     load_points(judge, contact, p);
 }
 
-/* Of any record, true or not. */
+/* Check what holds for any record, true or not. */
 static void check_form(const struct judge *judge, const struct pccd_contact *contact)
 {
     double length2 = 0;

@@ -92,7 +92,7 @@ void judge_check_pairs(const struct judge *judge, const struct eng_step_result *
 /* Copy of the records of an answer with contacts. Freed by the caller. */
 struct judge_records judge_copy(const struct eng_step_result *result);
 
-/* What is staged, in mode ALL, then the same motion in every mode. */
+/* Judge what is staged in mode ALL, then the same motion in every mode. */
 void judge_everything(struct judge *judge);
 
 void judge_fail(const struct judge *judge, const char *what,

@@ -5,7 +5,7 @@
 #include "names.h"
 #include "oracle_near.h"
 
-/* What is true of it. */
+/* Truth about a question. */
 struct truth {
     struct oracle_nears pairs;
     struct oracle_nears features;
@@ -49,7 +49,7 @@ void near_objects_list(const struct player *player, struct near_objects *objects
     }
 }
 
-/* What crosses counts, too, as the question is or says. */
+/* Return whether crossings count, too: the question is about them, or says so. */
 static bool has_crossings(const struct eng_question *settings)
 {
     return settings->verb == PCCD_NEAR_CROSSINGS ||
@@ -212,7 +212,8 @@ static bool are_same_two(const struct pccd_near *a, const struct pccd_near *b)
            (a->object_a == b->object_b && a->object_b == b->object_a);
 }
 
-/* What two features are apart beside their radii, nearly. */
+/* Return how far the surfaces of two features are apart, nearly: their distance without
+ * radii. */
 static long double surfaces_of(const struct oracle_near *near, double distance)
 {
     return (long double)distance - near->radius[0] - near->radius[1];
@@ -424,8 +425,8 @@ static void sum_up(const struct truth *truth, const struct eng_question *setting
     }
 }
 
-/* What was counted on the way to a complete answer. Pairs that touch are not looked for
- * any more when it is known that features do, or cross. */
+/* Check what was counted on the way to a complete answer. Pairs that touch are not looked
+ * for any more when it is known that features do, or cross. */
 static const char *check_counters(const struct truth *truth,
                                   const struct eng_question *settings,
                                   const struct eng_step_result *result)

@@ -39,12 +39,13 @@ struct near_objects {
     struct oracle_object items[PLAYER_OBJECTS_MAX];
 };
 void near_objects_list(const struct player *player, struct near_objects *objects);
-/* May they meet, by their ids? `context`: the player. */
+/* Return whether two objects may meet, by their ids. `context`: the player. */
 bool near_may_meet(const void *context, uint32_t a, uint32_t b);
 
-/* What is wrong with an answer about that moment, whose objects are by increasing id.
- * NULL: nothing, or it would take more than `queries_max` exact decisions to know. Of one
- * with a gap: some pair of each two objects that have a nearest one, not much farther. */
+/* Return what is wrong with an answer about that moment, whose objects are by increasing
+ * id. NULL: nothing, or it would take more than `queries_max` exact decisions to know. Of
+ * an answer with a gap: some pair of each two objects that have a nearest one, not much
+ * farther. */
 const char *near_judge(const struct oracle_moment *asked,
                        const struct eng_question *settings,
                        const struct eng_step_result *result, uint64_t queries_max,

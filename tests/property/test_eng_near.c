@@ -235,8 +235,8 @@ static void check_answer(const struct sequence *s, const struct eng_step_result 
     must(s, !wrong, wrong);
 }
 
-/* How far two vertices are apart along an axis, or by their places: often a distance that
- * is met exactly. */
+/* Return how far two vertices are apart along an axis, or by their places: often a
+ * distance that is met exactly. */
 static double distance_between(struct sequence *s)
 {
     double x[2][3];

@@ -144,7 +144,7 @@ static uint64_t triangles_of(const struct player *player)
     return count;
 }
 
-/* How it says that it begins. */
+/* Judge what the answer says of the begin of the step. */
 static void judge_start(struct sequence *sequence, const struct eng_question *settings,
                         const struct near_objects *objects,
                         const struct eng_step_result *result)
@@ -184,7 +184,7 @@ static void judge_start(struct sequence *sequence, const struct eng_question *se
     oracle_nears_deinit(&pairs);
 }
 
-/* How far it would be safe if it were not crossed at first. */
+/* Return how far it would be safe if it were not crossed at first. */
 static double safe_step_of(const struct eng_step_result *result)
 {
     bool has_time = result->toi_first > 0 && result->toi_first <= 1;

@@ -75,7 +75,7 @@ static void begin(struct judge *judge, const struct motion *motion, const double
     judge_stage_whole(judge);
 }
 
-/* How far apart what meets is, and how much nearer it may come. */
+/* Distance at which features meet, and how much nearer they may come. */
 struct thickness {
     double distance;
     double approach;

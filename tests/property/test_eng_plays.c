@@ -18,7 +18,7 @@
 #define SMALL_TRIANGLES 60
 #define TEAM_TRIANGLES  1200 /* the engine runs smaller scenes on one thread */
 
-/* What was judged, for the report. */
+/* Sums of what was judged, for the report. */
 static struct judge_sums sums[PLAY_KINDS];
 static uint64_t team_steps[PLAY_KINDS];
 static uint64_t rebuilds[PLAY_KINDS];
@@ -30,7 +30,7 @@ static double now_s(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* How the steps of a play are taken. */
+/* Manner in which the steps of a play are taken. */
 struct manner {
     struct prng prng;
     bool is_random;   /* settings of every step; else one thread and the defaults */
@@ -60,8 +60,8 @@ static void take_step(struct player *player, enum play_kind kind, struct manner 
     rebuilds[kind] += result->counters.rebuilds + result->counters.swaps;
 }
 
-/* What is staged, in every mode. Sets `hash` to that of mode ALL, version 1,
- * as in golden.c. */
+/* Judge what is staged, in every mode. Set `hash` to that of mode ALL, version 1, as in
+ * golden.c. */
 static void judge_step_of(struct judge *judge, struct player *player, enum play_kind kind,
                           struct manner *manner, uint64_t hash[2])
 {

@@ -19,7 +19,7 @@
 
 /* ---- the step ---------------------------------------------------------------------- */
 
-/* What an object is made of, as it is named. */
+/* Mesh of an object, as it is named. */
 struct shape {
     uint32_t triangle_count;
     uint32_t edge_count;
@@ -265,7 +265,7 @@ static struct eng_mesh *make_mesh(const struct body *body)
     return mesh;
 }
 
-/* Of the first `kinds` of the shapes. */
+/* Begin a play with objects of the first `kinds` of the shapes. */
 static void begin(struct thick_play *play, uint64_t seed, uint32_t kinds, double base,
                   double far, double unit)
 {

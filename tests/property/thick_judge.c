@@ -29,7 +29,7 @@ static void load(const struct thick_step *step, const struct thick_truth *truth,
     }
 }
 
-/* Is the pair left thin? */
+/* Return whether the pair is left thin. */
 static bool rests(const struct thick_step *step, const struct oracle_feature *a,
                   const struct oracle_feature *b)
 {
@@ -91,8 +91,8 @@ static bool is_candidate(const double p[8][3], uint32_t points_a, const double r
     return true;
 }
 
-/* Do the boxes of their motions keep them apart by more than `reach`, whatever rounding
- * hides? */
+/* Return whether the boxes of their motions keep the two apart by more than `reach`,
+ * whatever rounding hides. */
 static bool are_far(const struct oracle_feature *a, const struct oracle_feature *b,
                     double reach)
 {
@@ -252,7 +252,7 @@ static bool names_contact(const struct pccd_pair *a, const struct pccd_contact *
            a->feature_b == contact->feature_b;
 }
 
-/* Of a pair that has one; one of thin features need not be proved. */
+/* Check the contact of a pair that has one; one of thin features need not be proved. */
 static const char *check_contact(const struct thick_step *step,
                                  const struct thick_truth *truth,
                                  const struct pccd_contact *contact)
@@ -274,7 +274,7 @@ static const char *check_contact(const struct thick_step *step,
                : NULL;
 }
 
-/* What is summed up of the records. */
+/* Check what is summed up of the records. */
 static const char *check_sums(const struct eng_step_result *result)
 {
     const struct pccd_contact *contacts = result->records;

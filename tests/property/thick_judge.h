@@ -50,8 +50,8 @@ const char *thick_judge(const struct thick_step *step, const struct thick_truths
                         const struct eng_step_result *result,
                         uint64_t contacts[PCCD_KIND_COUNT]);
 
-/* Is a pair within the distance and its radii, as they are now, at an end of the step,
- * and not left thin for its rest? */
+/* Return whether a pair is within the distance and its radii, as they are now, at an end
+ * of the step, and not left thin for its rest. */
 bool thick_judge_is_near(const struct thick_step *step, const struct thick_truth *truth,
                          double distance, uint32_t end);
 

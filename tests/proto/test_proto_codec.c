@@ -37,7 +37,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Of every magnitude, and often at the ends: MessagePack has a form for each width. */
+/* Return a number of any magnitude, often one of the ends: MessagePack has a form for
+ * each width. */
 static uint64_t random_magnitude(struct prng *random)
 {
     uint64_t value = prng_next(random) >> prng_below(random, 64);

@@ -280,7 +280,7 @@ CASE(memory__is_taken_in_steps)
     proto_memory_deinit(&ours);
 }
 
-/* Of madvise with MADV_POPULATE_WRITE; 0: as ever. */
+/* Error of madvise with MADV_POPULATE_WRITE; 0: as ever. */
 static int populate_error;
 
 int madvise(void *at, size_t bytes, int advice)

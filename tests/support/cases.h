@@ -22,7 +22,7 @@ struct test_case {
 
 void test_case_add(struct test_case *added);
 
-/* What is done before the first case and after the last one; NULL: nothing. */
+/* Set what is done before the first case and after the last one; NULL: nothing. */
 void test_group_set(CMFixtureFunction set_up, CMFixtureFunction tear_down);
 
 /* The call succeeds: its status is 0. */

@@ -125,7 +125,7 @@ bool test_crossing_turn(struct test_crossing *crossing)
     return test_crossing_is_right(crossing, &answer);
 }
 
-/* What to look for, and what was found. */
+/* Name of a number to look for, and what was found. */
 struct search {
     const char *name;
     uint64_t value;

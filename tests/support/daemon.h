@@ -31,7 +31,8 @@ struct test_daemon {
 
 #define TEST_DIRECT_URL "direct:"
 
-/* Whether the program's subject is run without a daemon: $PCCD_TEST_URL is direct: */
+/* Return whether the program's subject is run without a daemon: $PCCD_TEST_URL is
+ * direct: */
 bool test_is_direct(void);
 
 /* No daemon: its url is direct:, and `--threads N` of the options is $OMP_NUM_THREADS. */
@@ -57,7 +58,7 @@ int test_daemon_end(struct test_daemon *daemon, int signal, int timeout_ms);
  * 0. */
 bool test_daemon_finish(struct test_daemon *daemon);
 
-/* Whether the log holds `text`. */
+/* Return whether the log holds `text`. */
 bool test_daemon_logged(const struct test_daemon *daemon, const char *text);
 
 /* In a forked child: end when the test does, instead of keeping its output open. To be

@@ -9,7 +9,7 @@
 
 extern struct test_daemon test_shared;
 
-/* Of a group: start and stop the daemon; none where test_is_direct. */
+/* Start and stop the daemon of a group; none where test_is_direct. */
 int test_shared_start(void **state);
 int test_shared_start_with(const char *const *options);
 int test_shared_stop(void **state);
@@ -26,7 +26,7 @@ struct pccd_client *test_connect_as_other(void);
 int test_take_part(struct pccd_client *client, const char *name, enum pccd_share share,
                    uint32_t rights, uint32_t *scene);
 
-/* Of a test: a client of that daemon and the smallest scene of its own; *state is a
+/* Open a client of that daemon for a test, and the smallest scene of its own; *state is a
  * struct test_crossing. */
 int test_crossing_open(void **state);
 int test_crossing_close(void **state);

@@ -49,8 +49,8 @@ int test_grid_turn(struct test_grid *grid, const struct pccd_step_settings *sett
 /* Wait for a turn's answer, whatever it is. Returns a status. */
 int test_grid_await(struct test_grid *grid, uint64_t step);
 
-/* Whether an answer holds every contact of a turn, with the right times. Only for whole
- * answers (one page). */
+/* Return whether an answer holds every contact of a turn, with the right times. Only for
+ * whole answers (one page). */
 bool test_grid_is_right(const struct test_grid *grid, const struct pccd_answer *answer);
 
 #endif

@@ -36,8 +36,8 @@ bool test_hog_begin(struct hog *hog);
 /* Wait for its answer, however long it takes. Returns 0 or a status; of a step *answer is
  * set, if it is not NULL. */
 int test_hog_end(struct hog *hog, struct proto_FRAME_SUBMIT_result *answer);
-/* What the long request has made goes, so that it can be sent anew. False: it did not
- * work. */
+/* Let go of what the long request has made, so that it can be sent anew. Return false if
+ * that did not work. */
 bool test_hog_again(struct hog *hog);
 void test_hog_close(struct hog *hog);
 

@@ -11,7 +11,7 @@
 struct pccd_client *test_client(const struct pccd_options *options);
 struct pccd_client *test_client_at(const char *url); /* as test_connect */
 
-/* What pccd_link says. */
+/* Return what pccd_link says. */
 struct pccd_link_info test_link(const struct pccd_client *client);
 
 /* Make a scene without settings, a mesh, and an object of a mesh. Return the handle. */

@@ -11,7 +11,7 @@
 #define PLAY_ONE  1024    /* units in a length of 1 */
 #define PLAY_ACTS 512u    /* of one play, at most */
 
-/* What a sheet bursts into: squares along a side, vertices, triangles. */
+/* Piece that a sheet bursts into: squares along a side, vertices, triangles. */
 #define PATCH           3u
 #define PATCH_CORNERS   ((PATCH + 1) * (PATCH + 1))
 #define PATCH_TRIANGLES (2 * PATCH * PATCH)

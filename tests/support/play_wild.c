@@ -85,7 +85,7 @@ static void burst(struct actor *actor, struct prng *prng)
     }
 }
 
-/* Is every coordinate a float? */
+/* Return whether every coordinate is a float. */
 static bool is_f32(const struct actor *actor)
 {
     for (uint32_t i = 0; i < 3 * actor->vertex_count; i++) {

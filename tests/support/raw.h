@@ -38,7 +38,7 @@ bool test_raw_send(struct test_raw *raw, const void *bytes, size_t count, int fd
 /* The same with one given descriptor, waiting for room 5 s at most. */
 bool test_raw_send_fd(struct test_raw *raw, const void *bytes, size_t count, int fd);
 
-/* How long an answer may take: 10 s, unless a program needs more. */
+/* Time that an answer may take: 10 s, unless a program needs more. */
 extern int test_raw_wait_ms;
 
 /* Receive and decode one message. Returns 0, PCCD_E_TIMEOUT (nothing for that long),

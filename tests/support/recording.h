@@ -9,10 +9,10 @@
 /* The file to record to, in a folder of its own. */
 extern char test_recording[96];
 
-/* Of a group: make the folder; remove it and all in it. */
+/* Make the folder of a group; remove it and all in it. */
 bool test_recording_begin(void);
 bool test_recording_end(void);
-/* Of a group that has a shared daemon, too (fixture.h). */
+/* Set up and tear down a group that has a shared daemon, too (fixture.h). */
 int test_recording_start(void **state);
 int test_recording_stop(void **state);
 /* Remove the files of the last test. */

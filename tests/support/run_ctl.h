@@ -10,7 +10,8 @@
 int test_ctl(const char *command, const char *options, const char *file, char *said,
              size_t room);
 
-/* Of a JSON object that was said: a number; UINT64_MAX: there is none of that name. */
+/* Return a number of the JSON object that was said; UINT64_MAX: there is none of that
+ * name. */
 uint64_t test_ctl_number(const char *said, const char *name);
 
 #endif

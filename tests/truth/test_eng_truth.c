@@ -43,7 +43,7 @@ static struct oracle_pair *read_truth(const struct data_scene *scene,
     return truth;
 }
 
-/* What the comparison of a scene found. */
+/* Counts of the comparison of a scene. */
 struct tally {
     size_t missing;
     size_t extra;    /* records beside the lists */

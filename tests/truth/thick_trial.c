@@ -148,8 +148,8 @@ static void spans_init(const struct oracle_object *object, uint32_t points,
     oracle_features_deinit(&features);
 }
 
-/* Is the one beyond the other along an axis by more than that at both ends, and so all
- * the time? */
+/* Return whether one is beyond the other along an axis by more than `reach` at both ends,
+ * and so all the time. */
 static bool are_apart(const struct span *a, const struct span *b, double reach)
 {
     for (int k = 0; k < 3; k++) {
@@ -255,7 +255,7 @@ static void judge_anywhere(struct trial *trial, const struct spans of[4])
     }
 }
 
-/* How far a coordinate is from 0, at most; what rounding loses is a part of it. */
+/* Return how far a coordinate is from 0, at most; what rounding loses is a part of it. */
 static double largest(const struct oracle_object *object)
 {
     double most = 0;

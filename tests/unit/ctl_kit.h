@@ -25,7 +25,7 @@ struct kit_bytes {
     size_t count;
 };
 
-/* How one PLY file differs from the others. */
+/* Differences of one PLY file from the others. */
 struct kit_variant {
     const char *encoding;
     const char *coordinate, *count, *index; /* types */

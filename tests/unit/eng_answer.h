@@ -17,7 +17,7 @@ void answer_hash(const void *records, uint64_t count, uint32_t record_bytes,
 void answer_keep(const struct eng_step_result *result, struct answer *answer);
 void answer_free(struct answer *answer);
 
-/* What is not the same, byte for byte, in words; NULL: everything is. */
+/* Return what is not the same, byte for byte, in words; NULL: everything is. */
 const char *answer_difference(const struct answer *want,
                               const struct eng_step_result *result);
 

@@ -8,7 +8,7 @@
 #define BLOCKS 4u
 #define BOXES  (BLOCKS * ENG_WIDE)
 
-/* What a join finds. */
+/* Pairs that a join finds. */
 struct lists {
     uint32_t a[ENG_JOIN_MAX];
     uint32_t b[ENG_JOIN_MAX];
@@ -67,7 +67,7 @@ static inline void fill_boxes(struct eng_extents boxes[BOXES], uint32_t corner[3
     }
 }
 
-/* Can two boxes meet on all axes at one time, give or take `margin`? */
+/* Return whether two boxes can meet on all axes at one time, give or take `margin`. */
 static inline bool meet_in_time(const struct eng_extents *a, const struct eng_extents *b,
                                 double margin)
 {

@@ -57,7 +57,7 @@ static double some_length(struct prng *prng)
     return lengths[prng_below(prng, 8)] * PLAY_UNIT;
 }
 
-/* Of one mesh in three; half of its vertices have none. */
+/* Draw radii for one mesh in three; half of its vertices have none. */
 static void draw_radii(struct player_object *object, struct prng *prng)
 {
     if (prng_below(prng, 3) > 0) {

@@ -23,7 +23,7 @@ struct stir {
     bool is_closed;          /* objects that come are closed surfaces */
 };
 
-/* How the trees of a scene are kept. */
+/* Draw how the trees of a scene are kept. */
 struct eng_scene_settings stir_draw_scene(struct prng *prng);
 /* Triangles of its objects: STIR_TINY in most scenes; in so many of 100 enough for trees
  * of several levels in the method `wide`. */

@@ -23,8 +23,8 @@ void way_choose(uint32_t i, struct eng_question *settings);
  * high-level nodes and refit. */
 void way_draw(struct prng *prng, uint32_t thread_max, struct eng_question *settings);
 
-/* Is the binary tree what it should be after the step? Wide steps leave its boxes where
- * they were. */
+/* Return whether the binary tree is what it should be after the step. Wide steps leave
+ * its boxes where they were. */
 bool way_tree_is_sound(const struct eng_scene *scene,
                        const struct eng_step_result *result);
 

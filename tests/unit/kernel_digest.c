@@ -289,7 +289,7 @@ static void run_joins(const struct eng_kernels *kernels, const struct ground *gr
     say(kernels, "join_features", all);
 }
 
-/* Of all kinds in turn; what comes of it, described. */
+/* Digest what comes of advancing all kinds in turn, and its description. */
 static void digest_advance(const struct eng_kernels *kernels, const struct ground *ground,
                            uint32_t i, const uint32_t *pairs, uint32_t count,
                            uint64_t *advanced, uint64_t *described)

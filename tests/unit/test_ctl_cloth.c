@@ -159,7 +159,7 @@ static void free_way(struct way *way)
     free(way);
 }
 
-/* What is met between two places that were noted, as another scene has it. */
+/* Return what is met between two places that were noted, as another scene has it. */
 static uint64_t met_between(const struct cloth *fresh, const struct way *way,
                             uint32_t frame)
 {

@@ -14,7 +14,7 @@
 
 /* ---- files ------------------------------------------------------------------------- */
 
-/* What is being made: accessors in their order, each in a view of its own. */
+/* File that is being made: accessors in their order, each in a view of its own. */
 static struct {
     char data[FILE_BYTES], views[FILE_BYTES], accessors[FILE_BYTES];
     size_t bytes;
@@ -128,7 +128,7 @@ static int open_path(void)
     return status;
 }
 
-/* What was added and `rest` is a file that is read. */
+/* Open a file of what was added and `rest`; it must be read. */
 static void open_made(const char *rest)
 {
     write_glb(rest);

@@ -173,7 +173,8 @@ CASE(cache__may_be_a_pipe)
     }
 }
 
-/* What is written over a good file, its size then, and what the message says. */
+/* Damages: bytes that are written over a good file, its size then, and what the message
+ * says. */
 static const struct broken {
     bool is_mdd;
     int at; /* -1: nowhere */

@@ -256,7 +256,8 @@ CASE(writers__of_binary_stl_hear_both_counts)
     }
 }
 
-/* Of binary files: a 0 and a 1 of a float, and the first five numbers of a facet. */
+/* Bytes of binary files: a 0 and a 1 of a float, and the first five numbers of a
+ * facet. */
 #define O      "\0\0\0\0"
 #define I      "\0\0\200\77"
 #define NORMAL O O I

@@ -154,7 +154,7 @@ CASE(aabb__overlap_agrees_with_plain_code)
     assert_in_range(meets, ROUNDS / 10, ROUNDS - ROUNDS / 10);
 }
 
-/* Do the boxes, moved to time j / 64, overlap? Exact. */
+/* Return whether the boxes overlap when moved to time j / 64. Exact. */
 static bool overlap_at(const struct eng_box *a, const struct eng_box *b, int j)
 {
     double t = j / 64.0;

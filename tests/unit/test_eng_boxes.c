@@ -175,7 +175,7 @@ static void run(const struct eng_kernels *kernels, struct fixture *f, enum which
     run_job(kernels, f, which, n, m, ENG_JOIN_MOVING, t_end, false, out);
 }
 
-/* Is the pair wanted, whatever the boxes? */
+/* Return whether the pair is wanted, whatever the boxes. */
 static bool is_wanted(const struct fixture *f, enum which which, bool self, uint32_t a,
                       uint32_t b)
 {
@@ -285,8 +285,8 @@ CASE(boxes__are_joined_up_to_a_time)
     assert_true(left_out > 100 && left_out >= apart * 9 / 10);
 }
 
-/* Of the pairs whose boxes meet in the step: those that are certainly apart up to t, and
- * those that the join leaves out, which must be some of them. */
+/* Counts of pairs whose boxes meet in the step: those that are certainly apart up to t,
+ * and those that the join leaves out, which must be some of them. */
 struct left_out {
     uint64_t apart;
     uint64_t near;

@@ -171,7 +171,7 @@ static bool can(const struct eng_scene *scene)
     return eng_step_can_be_brief(scene, &settings, true);
 }
 
-/* Can one be that writes nothing, in this mode? */
+/* Return whether a step that writes nothing can be brief in this mode. */
 static bool can_rest(const struct eng_scene *scene, enum pccd_mode mode)
 {
     struct eng_question settings = settings_of(mode, false);

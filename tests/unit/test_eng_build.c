@@ -27,7 +27,7 @@ static uint32_t add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
     return idx;
 }
 
-/* What a step does to trees. */
+/* Do to trees what a step does. */
 static void settle(struct eng_scene *scene)
 {
     assert_ok(eng_paper_add_objects(scene));

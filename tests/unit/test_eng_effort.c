@@ -1,4 +1,4 @@
-/* test_eng_effort.c - does a team pay for a step? */
+/* test_eng_effort.c - when a team pays for a step. */
 #include "eng_kit.h"
 #include "step.h"
 #include "step_memory.h"

@@ -195,7 +195,8 @@ CASE(footprint__of_an_emptied_scene_is_given_back)
     assert_int_equal(eng_alloc_bytes(), cloth.engine_before);
 }
 
-/* What is promised of wide, of paper; the first step makes its hierarchies. */
+/* If it failed, paper would need more memory than is promised; the first step makes its
+ * hierarchies. */
 CASE(footprint__of_paper_is_as_promised)
 {
     struct prng random = {42};

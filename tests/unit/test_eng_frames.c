@@ -248,8 +248,8 @@ CASE(frames__a_scaled_scene_counts_as_in_place)
     }
 }
 
-/* What a step looks for a new order of the features with is no matter of the clock: all
- * of it in one step. */
+/* Have a step search for a new order of the features to the end, whatever the clock
+ * says. */
 static void sort_at_once(struct eng_scene *scene)
 {
     eng_wide_state_of(scene)->resort.budget_ns = UINT64_MAX / 2;

@@ -378,7 +378,7 @@ static void load(const struct feature *a, const struct feature *b, enum pccd_kin
     }
 }
 
-/* What is said of a pair; its answer is the next of those that are compared. */
+/* Say something of a pair; its answer is the next of those that are compared. */
 typedef void (*pair_fn)(struct play *play, enum pccd_kind kind, const struct feature *a,
                         const struct feature *b, void *context);
 

@@ -131,7 +131,7 @@ static struct records allowed(const struct records *all, const struct filters *f
     return some;
 }
 
-/* Of contacts, those that may be the first. */
+/* Keep those contacts that may be the first. */
 static void keep_first(struct records *records)
 {
     struct pccd_contact contact;

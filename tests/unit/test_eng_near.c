@@ -242,7 +242,8 @@ CASE(near__goes_by_no_staging_that_is_given_up)
 }
 
 /* If it failed: what came since the last step would be near nothing until the next one,
- * as the tree over the objects is another one, without boxes; likewise when some went. */
+ * as the tree over the objects is another one, without boxes; and what went would still
+ * be near. */
 CASE(near__sees_what_comes_and_goes_at_rest)
 {
     struct eng_question settings = kit_question(PCCD_NEAR_PAIRS);

@@ -82,7 +82,8 @@ CASE(depth__is_of_a_mesh_inside_another)
     assert_int_equal(kit_record(&result, 0)->feature_b, 0);
 }
 
-/* What is on the surface is not inside: on a face, on an edge, on a vertex. */
+/* If it failed, what is on the surface would be inside: on a face, on an edge, on a
+ * vertex. */
 CASE(depth__leaves_out_what_is_on_the_surface)
 {
     static const double places[][3] = {{4, 1, 1}, {4, 4, 1}, {4, 4, 4}, {4, 2, 2},
@@ -191,8 +192,8 @@ static struct eng_mesh *part(struct box box, uint64_t own, bool is_open)
     return mesh;
 }
 
-/* What two scenes say of which each has some vertices and edges as its own is together
- * what one says. If it failed, ranks would count a vertex twice, or not at all. */
+/* If it failed, ranks would count a vertex twice, or not at all: what two scenes say, of
+ * which each has some vertices and edges as its own, is together what one says. */
 CASE(depth__of_parts_is_that_of_their_own_vertices)
 {
     static const uint64_t own[3] = {UINT64_MAX, 0x5a341, ~UINT64_C(0x5a341)};

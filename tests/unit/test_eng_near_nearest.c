@@ -260,9 +260,9 @@ static void set_up_spikes(double tip_radius)
     kit_begin_with(triangle(floor), kit_mesh_thick(spikes, 6, corners, 2, radii));
 }
 
-/* What counts is how far surfaces are apart. If it failed: a body would be taken for as
- * far away as the nearest of its thin features, and another question about the same
- * distance would have what this one denies. */
+/* If it failed, a body would be taken for as far away as the nearest of its thin
+ * features, though it counts how far surfaces are apart; and another question about the
+ * same distance would have what this one denies. */
 CASE(nearest__is_of_surfaces)
 {
     set_up_spikes(1.5);

@@ -26,7 +26,7 @@ static struct eng_query plane_query(struct prng *random, enum pccd_kind kind,
     return query;
 }
 
-/* What is said of the plane, counted in decided[]. */
+/* Decide by the plane alone, compare with the truth, and count it in decided[]. */
 static void decide(const struct eng_query *query, int decided[3])
 {
     double l;
@@ -44,7 +44,8 @@ static void decide(const struct eng_query *query, int decided[3])
     }
 }
 
-/* What the solver says of the query is the exact truth; true: a contact. */
+/* Check that what the solver says of the query is the exact truth. Return whether it is a
+ * contact. */
 static bool check(const struct eng_query *query)
 {
     struct eng_hit hit;

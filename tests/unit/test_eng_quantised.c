@@ -443,7 +443,7 @@ static struct eng_step_result step(struct eng_scene *scene, enum pccd_method met
     return result;
 }
 
-/* How many steps used them, and how many made them in vain. */
+/* Steps that used quantised boxes, and those that made them in vain. */
 struct uses {
     uint32_t used;
     uint32_t left;

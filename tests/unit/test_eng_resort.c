@@ -212,7 +212,7 @@ CASE(resort__forgets_what_it_began_when_objects_change)
     }
 }
 
-/* What is sorted, in no order at all. */
+/* Bring what is sorted into no order at all. */
 static void spoil(struct eng_wide_resort *resort)
 {
     const struct eng_object *object = &soup.scene->objects[soup.idx];

@@ -86,7 +86,7 @@ static void some_poses(struct prng *random, enum family family, double m0[12],
     }
 }
 
-/* What is left of a vector's length at a time. */
+/* Return what is left of a vector's length at a time. */
 static long double left_of(const double m0[12], const double m1[12], const double v[3],
                            double t)
 {

@@ -8,7 +8,8 @@ static const int directions[DIRECTIONS][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},
                                               {1, 1, 0},  {1, -1, 0}, {0, 1, 1},
                                               {0, 1, -1}, {1, 0, 1},  {-1, 0, 1}};
 
-/* Is the second feature above the first at both ends, or below it at both? */
+/* Return whether the second feature is above the first at both ends, or below it at
+ * both. */
 static bool is_apart_along(const struct eng_query *query, const int d[3])
 {
     int split = query->kind == PCCD_VF ? 1 : 2;

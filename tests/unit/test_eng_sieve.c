@@ -99,8 +99,8 @@ static uint32_t sift(const struct eng_kernels *kernels, struct eng_sieve *sieve,
     return kernels->sift(ground.kind, sieve, ground.a, ground.b, count);
 }
 
-/* What it keeps are pairs as they were, in their order; returns how many it rejects that
- * miss. */
+/* Check that the sieve keeps pairs as they were, in their order. Return how many it
+ * rejects that miss. */
 static uint32_t check(uint32_t kept, float t_end)
 {
     uint32_t rejected = 0;

@@ -69,8 +69,8 @@ static float cells_of(const struct pair *pair, double d)
     return nextafterf((float)(d * pair->grid.scale), INFINITY);
 }
 
-/* Does the sieve of a set leave the pair, with a distance? As often as lanes are filled
- * with it. `prunes`: by what its marks say, too. */
+/* Return whether the sieve of a set leaves the pair, with a distance, as often as lanes
+ * are filled with it. `prunes`: by what its marks say, too. */
 static bool is_kept(const struct eng_kernels *kernels, const struct pair *pair,
                     uint32_t end, double d, bool prunes, uint32_t copies)
 {

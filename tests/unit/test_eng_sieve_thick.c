@@ -60,8 +60,8 @@ static void put(struct prng *random, uint32_t coarse, struct pair *pair)
         eng_kernels()->place_points(pair->points, 4, NULL, &pair->grid, pair->marks));
 }
 
-/* Does the sieve of a set leave the pair, with a distance? As often as lanes are filled
- * with it. */
+/* Return whether the sieve of a set leaves the pair, with a distance, as often as lanes
+ * are filled with it. */
 static bool stays(const struct eng_kernels *kernels, const struct pair *pair, double r,
                   uint32_t copies, bool planes_first)
 {
@@ -114,7 +114,7 @@ static double least_of(struct eng_thick *thick, struct pair *pair)
     return high;
 }
 
-/* Is it what the kernel that reads the points would reject, too? */
+/* Return whether the kernel that reads the points would reject the pair, too. */
 static bool is_beyond(const struct pair *pair, double r)
 {
     static const uint32_t quads[1][4] = {{0, 1, 2, 3}};

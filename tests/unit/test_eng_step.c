@@ -487,7 +487,8 @@ static bool cancel_at_question(void *context)
     return false;
 }
 
-/* Of this thread: what others do on the machine does not count. */
+/* Return the processor time of this thread: what others do on the machine does not
+ * count. */
 static uint64_t processor_ns(void)
 {
     struct timespec now;

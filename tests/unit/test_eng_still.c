@@ -6,7 +6,8 @@
 #define SIDE 40u
 #define V    ((SIDE + 1) * (SIDE + 1))
 
-/* Does vertex i move, where one of `stride` does, or the first part of that size? */
+/* Return whether vertex i moves, where one of `stride` does, or the first part of that
+ * size. */
 static bool moves(uint32_t i, uint32_t stride, bool in_one_piece)
 {
     return in_one_piece ? i * stride < V : i % stride == 0;

@@ -13,8 +13,8 @@
  * two millions, whose names alone would take 16 MB. */
 #define MORE_CANDIDATES 100u
 
-/* What far steps may add for each thread: blocks of records, which are kept for the next
- * step; who finds how many is a matter of luck. */
+/* Bytes that far steps may add for each thread: blocks of records, which are kept for the
+ * next step; who finds how many is a matter of luck. */
 #define MORE_BYTES_MAX (256u << 10)
 
 /* Blocks of records that a step may take from the system, of 64 KiB each (result.h), for

@@ -42,7 +42,8 @@ static bool solve(const struct eng_thick_query *query, double tolerance, double 
     return eng_thick_solve(thick_scratch(), case_exact(), query, tolerance, t_end, hit);
 }
 
-/* Is it the verdict that is due, and are the times around the first one? */
+/* Check that the verdict is the one that is due, and that the times are around the first
+ * one. */
 static void check(const struct thick_case *made, const struct eng_thick_query *query,
                   double tolerance)
 {
@@ -298,7 +299,7 @@ static void count_free(void *block, size_t bytes)
     free(block);
 }
 
-/* Of every exponent that there is. */
+/* Return a number of any exponent that there is. */
 static double extreme(struct prng *random)
 {
     double mantissa = prng_u32(random, 2) ? prng_between(random, -1, 1)

@@ -4,11 +4,11 @@
 #include "memory.h"
 #include "step.h"
 
-/* Of malloc and its kin since the start. Compilers believe that malloc changes nothing
- * that they see. */
+/* Calls of malloc and its kin since the start. Compilers believe that malloc changes
+ * nothing that they see. */
 static volatile size_t calls;
 
-/* Of malloc, realloc, calloc and aligned_alloc as many as are seen: the thread sanitizer
+/* Calls of malloc, realloc, calloc and aligned_alloc that are seen: the thread sanitizer
  * of clang 14 does not tell of the last. */
 #define SEEN 4
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

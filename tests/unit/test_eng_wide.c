@@ -347,8 +347,8 @@ CASE_WITH(wide__sweep_finds_the_pairs_of_brute_force, setup, teardown)
     free(found.pairs);
 }
 
-/* Whether a step of mode all looks at the times of nodes depends on the steps before it;
- * the next one does, or does not. */
+/* Have the next step of mode all look at the times of nodes, or not; otherwise the steps
+ * before it decide. */
 static void look_at_times(struct fixture *f, bool yes)
 {
     eng_wide_of(f->scene)->steps_without_times[PCCD_VF] = !yes;

@@ -12,7 +12,7 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Of any octave from 1 ns to a minute. */
+/* Return a number of any octave from 1 ns to a minute. */
 static uint64_t draw(uint64_t i)
 {
     return (uint64_t)exp2(36 * load_unit(load_mix(7, i)));

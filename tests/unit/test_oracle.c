@@ -15,7 +15,7 @@ typedef const double (*points_t)[3];
         }                                                                                \
     }
 
-/* What is expected of one query: contact or none, its first time as a fraction. */
+/* Truth that is expected of one query: contact or none, its first time as a fraction. */
 struct expected {
     bool hits;
     long numerator;

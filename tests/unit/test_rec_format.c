@@ -230,7 +230,7 @@ static void head_of(uint32_t head[4])
     assert_int_equal(fclose(from), 0);
 }
 
-/* What a reader says of a file with this head. */
+/* Return what a reader says of a file with this head. */
 static int open_with(uint32_t version, uint32_t features, char *text, size_t room)
 {
     uint8_t copy[sizeof file];

@@ -214,8 +214,8 @@ static int place_of(const struct fixture *fixture, int name)
     return at;
 }
 
-/* A session with many jobs must delay another by about as many, not by all, and a user
- * with many sessions another user likewise. */
+/* A session with many jobs must delay another by about as many, not by all, and so must
+ * a user with many sessions delay another user. */
 CASE_WITH(compute__users_and_their_sessions_take_turns, set_up, tear_down)
 {
     struct fixture *fixture = *state;

@@ -100,7 +100,7 @@ CASE(log__of_a_kind_is_bounded)
     assert_int_equal(count_lines(text, report), 1);
 }
 
-/* How long a file is to which so many lines went; the last one must be there. */
+/* Return how long a file is to which so many lines went; the last one must be there. */
 static off_t bytes_of_lines(uint32_t own_bytes_max)
 {
     char name[] = "/tmp/pccd-log-XXXXXX", last[sizeof TEXT];

@@ -46,7 +46,7 @@ CASE(quota__refusal_names_user_kind_and_limit)
     srv_quota_deinit(&quota);
 }
 
-/* What is not given back would lock a user out after a day of normal use. */
+/* If it failed, a user would be locked out after a day of normal use. */
 CASE(quota__refund_makes_room_again)
 {
     struct srv_quota quota;

@@ -169,7 +169,8 @@ CASE(region__sparse_ring_stays_where_it_has_memory)
     }
 }
 
-/* Of answers that wait in a ring which has little memory yet, the later would be cut. */
+/* If it failed, answers that wait in a ring which has little memory yet would cut later
+ * ones. */
 CASE(region__sparse_ring_holds_as_much_as_another)
 {
     struct srv_region region;
@@ -196,7 +197,7 @@ CASE(region__limited_ring_uses_what_it_has)
     assert_int_equal(reserve(&region, page.release, 64, 40).count, 16);
 }
 
-/* What pages still stand in must not be given back, and the rest should be. */
+/* If it failed, what pages still stand in would be given back, or the rest would not. */
 CASE(region__knows_how_far_it_is_used)
 {
     struct srv_region region;

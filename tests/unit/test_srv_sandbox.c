@@ -13,7 +13,7 @@ static const char *const calls[] = {
 
 #define CALL_COUNT (sizeof calls / sizeof calls[0])
 
-/* What glibc calls where there is no such call. */
+/* Return what glibc calls where there is no such call. */
 static const char *in_place_of(const char *call)
 {
     static const char *const pairs[][2] = {{"epoll_wait", "epoll_pwait"},

@@ -67,7 +67,7 @@ bool zoo_asks_for_everything(struct zoo_cage *cage)
     return true;
 }
 
-/* What object.set says of a radius. */
+/* Set a radius, and return what object.set says of it. */
 static int set_radius(double radius)
 {
     const struct proto_OBJECT_SET_request set = {.scene = hog.scene,

@@ -19,7 +19,7 @@
 
 static struct test_raw raw;
 
-/* Whether the daemon says a fatal `code` now, and closes. */
+/* Return whether the daemon says a fatal `code` now, and closes. */
 static bool is_dropped(struct test_raw *peer, int code)
 {
     return test_raw_receive(peer) == 0 && peer->envelope.failed &&

@@ -56,7 +56,7 @@ unsigned zoo_close(struct zoo_den *den);
  * millisecond at most, and never talks to the daemon. */
 struct zoo_animal zoo_burner(const struct zoo_den *den, unsigned acts);
 
-/* What went wrong, on stderr. */
+/* Print what went wrong, on stderr. */
 void zoo_say(const struct zoo_den *den, const struct zoo_animal *animal);
 
 /* Record what was expected; false. */
@@ -78,7 +78,7 @@ struct zoo_scene {
     uint32_t scene;
     uint32_t floor;  /* mesh */
     uint32_t mesh;   /* of the triangle */
-    uint32_t object; /* likewise */
+    uint32_t object; /* of the triangle */
 };
 bool zoo_build(struct zoo_cage *cage, struct test_raw *raw, struct zoo_scene *scene);
 

@@ -23,7 +23,7 @@ struct zoo_times {
     double most_ms;
 };
 
-/* What the daemon holds that a client could have left there. */
+/* Holdings of the daemon that a client could have left there. */
 struct zoo_held {
     uint64_t sessions;
     uint64_t meshes;

@@ -10,8 +10,8 @@
 #define HEAP_MAX  (256u << 10) /* of each, besides what its user's quotas are charged */
 #define LOOKS     40
 #define LOOKS_MAX 1000
-/* Of a machine where others build: p99 beside, against alone, and so much on top. The
- * figure for a machine that is left alone is printed with --long. */
+/* Limits on a machine where others build: p99 beside, against alone, and so much on top.
+ * The figure for a machine that is left alone is printed with --long. */
 #define GENEROUS_TIMES 20.0
 #define GENEROUS_MS    100.0
 
@@ -62,7 +62,8 @@ static uint32_t requests = 200;
 static unsigned each = 3;
 static unsigned pause_ms = 300;
 
-/* What the daemon's heap has grown by for each of them, beyond what is charged. */
+/* Return by how much the daemon's heap has grown for each of them, beyond what is
+ * charged. */
 static int64_t heap_of_each(const struct zoo_held *before, const struct zoo_held *now)
 {
     int64_t heap = (int64_t)(now->heap_bytes - before->heap_bytes);
@@ -126,8 +127,8 @@ static void report(const struct zoo_animal *animal, unsigned acts,
     (void)fflush(stdout);
 }
 
-/* What the animals take of the processors themselves no daemon can prevent: the honest
- * client beside others who take as much. */
+/* Work beside others who take as much of the processors as the animals do, which no
+ * daemon can prevent. */
 static bool work_beside_burners(const struct zoo_den *closed, unsigned acts,
                                 struct zoo_times *times)
 {

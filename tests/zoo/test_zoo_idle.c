@@ -45,7 +45,7 @@ static uint64_t switches_of(const struct test_daemon *daemon, const char *thread
     return sum;
 }
 
-/* Of all threads; *threads says how many there are. */
+/* Return the switches of all threads; *threads says how many there are. */
 static uint64_t switches(const struct test_daemon *daemon, unsigned *threads)
 {
     char path[64];
