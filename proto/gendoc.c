@@ -309,8 +309,8 @@ static void print_other_enums(void)
     VALUE(PCCD_OBJECT_ALL, "whatever the daemon knows");
     print_enum("pccd_tree");
     VALUE(PCCD_TREE_VERTICES, "of the method wide, over vertices: up to 16 children");
-    VALUE(PCCD_TREE_EDGES, "likewise, over edges");
-    VALUE(PCCD_TREE_FACES, "likewise, over faces");
+    VALUE(PCCD_TREE_EDGES, "of the method wide, over edges: up to 16 children");
+    VALUE(PCCD_TREE_FACES, "of the method wide, over faces: up to 16 children");
     VALUE(PCCD_TREE_TRIANGLES, "of the method paper: binary");
     print_enum("pccd_histogram_kind");
     VALUE(PCCD_HISTOGRAM_STEPS, "steps, as computed");

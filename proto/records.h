@@ -21,7 +21,7 @@ static_assert(offsetof(struct pccd_contact, toi_hi) == 32, "contact.toi_hi");
 static_assert(offsetof(struct pccd_contact, param) == 40, "contact.param");
 static_assert(offsetof(struct pccd_contact, normal) == 48, "contact.normal");
 static_assert(offsetof(struct pccd_contact, reserved) == 60, "contact.reserved");
-static_assert(sizeof(struct pccd_near) == 64, "a record of what is near likewise");
+static_assert(sizeof(struct pccd_near) == 64, "a record of what is near has 64 bytes");
 static_assert(offsetof(struct pccd_near, flags) == 4, "near.flags");
 static_assert(offsetof(struct pccd_near, object_a) == 8, "near.object_a");
 static_assert(offsetof(struct pccd_near, feature_a) == 12, "near.feature_a");

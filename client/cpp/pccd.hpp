@@ -9,8 +9,7 @@
  * Threads:  a client and all that was made with it belong to one thread at a time: while
  *           one is in a call, that of another fails with PCCD_E_BUSY.
  *
- * More than 200 lines: one header is all of it, to be read from top to bottom.
- * More than 600 lines: likewise.
+ * One header is all of it, to be read from top to bottom.
  *
  *     pccd::client client;                      // starts a daemon if none is running
  *     pccd::scene scene = client.make_scene();

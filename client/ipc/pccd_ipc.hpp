@@ -10,7 +10,7 @@
  *           arithmetic and its own rule for near-parallel edges.
  * Threads:  an object belongs to one thread at a time; pccd has threads of its own.
  *
- * More than 200 lines: one class is all of it, to be read from top to bottom.
+ * One class is all of it, to be read from top to bottom.
  *
  *     pccd::ipc_broad_phase broad_phase;                      // once for a mesh
  *     broad_phase.build_collisions(collisions, mesh, x, dhat, dmin);

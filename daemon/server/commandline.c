@@ -97,7 +97,7 @@ static const struct option_row rows[] = {
      "(default: whoever can reach the socket)",
      OPTION_OWN, .take = take_user},
     {"allow-gid", 0, "GROUP",
-     "let the members of this group be clients, likewise; may be repeated", OPTION_OWN,
+     "let the members of this group be clients, too; may be repeated", OPTION_OWN,
      .take = take_group},
 
     {.help = "Computing:", .at = 2},

@@ -26,9 +26,12 @@
 #define COMMON_KINDS(X, F)                                                               \
     X(F, u64, vf, REQ, REQ, counts[PCCD_VF],                                             \
       "VF records of the whole answer; mode pairs: pairs; any: 0")                       \
-    X(F, u64, ee, REQ, REQ, counts[PCCD_EE], "EE records, likewise")                     \
-    X(F, u64, ve, OPT, REQ, counts[PCCD_VE], "VE records, likewise")                     \
-    X(F, u64, vv, OPT, REQ, counts[PCCD_VV], "VV records, likewise")                     \
+    X(F, u64, ee, REQ, REQ, counts[PCCD_EE],                                             \
+      "EE records, counted as vf")                                                       \
+    X(F, u64, ve, OPT, REQ, counts[PCCD_VE],                                             \
+      "VE records, counted as vf")                                                       \
+    X(F, u64, vv, OPT, REQ, counts[PCCD_VV],                                             \
+      "VV records, counted as vf")                                                       \
     X(F, u64, ef, OPT, REQ, counts[PCCD_EF], "EF records; only what = 3, 4 have them")
 
 /* The numbers that the records say. */

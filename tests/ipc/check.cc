@@ -3,8 +3,8 @@
  * Generate scenes of the sorts that ipc-toolkit's own tests have (surfaces that lie in
  * each other, boxes on boxes, rods and loose points, static obstacles, planes), and
  * compare: normal collisions as sets with those of its LBVH, candidates and steps with
- * what exact arithmetic says of every pair. The recorded scenes likewise, where
- * $PCCD_DATA says.
+ * what exact arithmetic says of every pair. The recorded scenes are compared, too,
+ * where $PCCD_DATA says.
  */
 #include <ipc/broad_phase/brute_force.hpp>
 #include <ipc/ccd/additive_ccd.hpp>
@@ -678,9 +678,10 @@ void check_recorded(const data_scene &names)
     const std::string name = names.name;
     test_scene s;
     if (!read_recorded(names, &s)) {
-        skip("recorded__has_equal_sets_in_" + name, "the recorded scenes are not here");
-        skip("recorded__candidates_have_the_truth_of_" + name, "likewise");
-        skip("recorded__step_is_safe_in_" + name, "likewise");
+        const char why[] = "the recorded scenes are not here";
+        skip("recorded__has_equal_sets_in_" + name, why);
+        skip("recorded__candidates_have_the_truth_of_" + name, why);
+        skip("recorded__step_is_safe_in_" + name, why);
         return;
     }
     pccd::ipc_broad_phase ours;

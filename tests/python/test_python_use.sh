@@ -35,7 +35,7 @@ run example__cloth_moves_by_bounds "$python" \
 # each frame whether anything is nearer than it allows.
 run example__cloth_keeps_its_thickness "$python" \
     "$top_srcdir/client/python/example_cloth_thick.py"
-# If this failed, what meets could not be answered body by body from Python: likewise.
+# If this failed, what meets could not be answered body by body from Python.
 run example__balls_stay_in_a_cloth "$python" \
     "$top_srcdir/client/python/example_game_balls.py"
 run example__three_clients_share_a_scene "$python" "$top_srcdir/client/python/example_shared.py"

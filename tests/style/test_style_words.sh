@@ -139,8 +139,8 @@ judge_glossary "$work/page" "$work/words" >"$work/log"
 [ "$(tr '\n' , <"$work/log")" = 'a: two rows,b: two meanings,c: no row,' ]
 tap_result $? words__with_two_meanings_are_found "$work/log"
 
-# Comments of declarations that begin as a question or with "Of", and any comment that says
-# "likewise": one a line.
+# Comments of declarations that begin as a question or with "Of", and any line that says
+# "likewise" in the place of what is meant: one a line.
 cat >"$work/comments.awk" <<'END'
 FNR == 1 { inside = is_pending = 0 }
 function asks(text) {
@@ -151,7 +151,7 @@ is_pending && /^[A-Za-z_#]/ && asks(text) {
     print FILENAME ":" first ": " substr(text, 1, 60)
 }
 { is_pending = 0 }
-tolower($0) ~ /(\/\*|^ *\*|\/\/)[^"]*likewise/ { print FILENAME ":" FNR ": likewise" }
+tolower($0) ~ /likewise/ { print FILENAME ":" FNR ": likewise" }
 !inside && /^\/\*/ { inside = 1; text = ""; first = FNR }
 inside {
     line = $0
@@ -162,8 +162,11 @@ inside {
 }
 END
 
-# If this failed, a reader would have to turn a question into what the function does.
-xargs awk -f "$work/comments.awk" <"$work/files" >"$work/log"
+# If this failed, a reader would have to turn a question into what the function does, or
+# to look up what is meant.
+{ cat "$work/files" && find bench client daemon proto tests ./*.md -name '*.md' -o \
+    -name '*.scd' -o -name '*.def'; } | grep -v -e BOUNDS -e CHANGELOG |
+    xargs awk -f "$work/comments.awk" >"$work/log"
 [ ! -s "$work/log" ]
 tap_result $? comments__begin_with_a_verb "$work/log"
 
