@@ -27,51 +27,55 @@
 
 /* Pairs that go through the stages together: what is known of them stays in the first
  * cache. */
-#define PAIRS  64u
+#define PAIRS  64u /* as a word has bits */
 #define GROUPS (PAIRS / ENG_D_LANES)
 
-/* Append the contacts of the lanes `bits` that begin in time. */
-ENG_INLINE void write_hits(enum pccd_kind kind, const struct lanes *lanes, uint32_t bits,
-                           eng_d x, eng_d y, const struct eng_domain_test *domain,
-                           double t_end, struct eng_bracketed *out)
+/* The pairs of a few groups: all that is written of a contact, of those without one, too.
+ * Contacts are picked out afterwards: no branch in between foresees them. */
+struct hits {
+    uint64_t bits; /* of the pairs with a contact that begins in time */
+    double at[2][PAIRS];
+    float as[5][PAIRS];
+};
+
+ENG_INLINE void write_hits(const struct hits *hits, const uint32_t *pairs,
+                           struct eng_bracketed *out)
 {
-    double at[2][ENG_D_LANES];
-    float as[5][ENG_D_LANES];
-    eng_d numbers[5];
-    describe(kind, lanes, domain, numbers);
-    eng_d_store(at[0], x);
-    eng_d_store(at[1], y);
-#pragma GCC unroll 5
-    for (int i = 0; i < 5; i++) {
-        eng_d_quantised(as[i], numbers[i]);
-    }
     uint32_t count = out->hit_count;
-    for (; bits != 0; bits &= bits - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(bits);
+    for (uint64_t bits = hits->bits; bits != 0; bits &= bits - 1) {
+        uint32_t i = (uint32_t)__builtin_ctzll(bits);
         struct eng_hit *hit = &out->hits[count];
         hit->flags = PCCD_PROVED;
-        hit->toi = at[0][lane];
-        hit->toi_hi = at[1][lane];
-        hit->param[0] = as[0][lane];
-        hit->param[1] = as[1][lane];
-        hit->normal[0] = as[2][lane];
-        hit->normal[1] = as[3][lane];
-        hit->normal[2] = as[4][lane];
-        out->index[count] = lanes->pairs[lane];
-        count += hit->toi <= t_end;
+        hit->toi = hits->at[0][i];
+        hit->toi_hi = hits->at[1][i];
+        hit->param[0] = hits->as[0][i];
+        hit->param[1] = hits->as[1][i];
+        hit->normal[0] = hits->as[2][i];
+        hit->normal[1] = hits->as[3][i];
+        hit->normal[2] = hits->as[4][i];
+        out->index[count++] = pairs[i];
     }
     out->hit_count = count;
 }
 
-/* Enclose the roots and write down what meets there. What certainly misses there, and
- * not more, is returned. */
+/* Enclose the roots of the group of pairs first, first + 1 .. and note what meets there.
+ * What certainly misses there, and not more, is returned. */
 ENG_INLINE eng_dm close(enum pccd_kind kind, enum look look, struct lanes *lanes,
-                        const struct limits *limits, struct eng_bracketed *out)
+                        const struct limits *limits, uint32_t first, struct hits *hits)
 {
     struct bracket at = enclose(kind, look, lanes, limits);
     uint32_t hit = eng_dm_bits(at.meets) & lanes->wanted;
-    if (hit != 0) {
-        write_hits(kind, lanes, hit, at.x, at.y, &at.domain, limits->t_end, out);
+    if (ENG_D_LANES > 1 || hit != 0) {
+        eng_d numbers[5];
+        describe(kind, lanes, &at.domain, numbers);
+        eng_d_store(hits->at[0] + first, at.x);
+        eng_d_store(hits->at[1] + first, at.y);
+#pragma GCC unroll 5
+        for (int i = 0; i < 5; i++) {
+            eng_d_quantised(hits->as[i] + first, numbers[i]);
+        }
+        uint32_t in_time = eng_dm_bits(eng_d_at_most(at.x, eng_d_all(limits->t_end)));
+        hits->bits |= (uint64_t)(hit & in_time) << first;
         lanes->done |= hit;
     }
     return at.passed;
@@ -105,12 +109,15 @@ ENG_INLINE void look_at(enum pccd_kind kind, enum look look, struct lanes lanes[
 {
     const int pieces = look == LOOK_FALLING ? 1 : 3;
     for (int piece = 0; piece < pieces; piece++) {
+        struct hits hits;
+        hits.bits = 0; /* the rest is written before it is read */
         find_roots(look, lanes, count);
         uint32_t again = 0;
         for (uint32_t g = 0; g < count; g++) {
             uint32_t next = 0;
             if (lanes[g].wanted != 0) {
-                eng_dm passed = close(kind, look, &lanes[g], limits, out);
+                eng_dm passed =
+                    close(kind, look, &lanes[g], limits, g * ENG_D_LANES, &hits);
                 uint32_t bits = eng_dm_bits(passed) & lanes[g].wanted;
                 if (piece + 1 < pieces) {
                     next = bits & eng_dm_bits(lanes[g].bends[piece]);
@@ -120,6 +127,7 @@ ENG_INLINE void look_at(enum pccd_kind kind, enum look look, struct lanes lanes[
             lanes[g].wanted = next;
             again |= next;
         }
+        write_hits(&hits, lanes[0].pairs, out);
         if (again == 0) {
             break;
         }
@@ -148,7 +156,7 @@ ENG_INLINE uint32_t look_at_all(enum pccd_kind kind, enum look look,
             now->pairs = pairs + k;
             now->count = count - k < ENG_D_LANES ? count - k : ENG_D_LANES;
             struct eng_group group = eng_group_of(points, quads, now->pairs, now->count);
-            now->motion = eng_motion_load(kind, &group);
+            eng_motion_load(kind, &group, &now->motion);
             eng_dm sure = open(look, now);
             if (look == LOOK_FALLING) {
                 set_falling(now, sure, limits);
@@ -157,10 +165,13 @@ ENG_INLINE uint32_t look_at_all(enum pccd_kind kind, enum look look,
             }
         }
         look_at(kind, look, lanes, groups, limits, out);
+        uint64_t bits = 0;
         for (uint32_t g = 0; g < groups; g++) {
-            uint32_t n = lanes[g].count;
-            left_count += eng_compress(left + left_count, lanes[g].pairs, n,
-                                       ((1u << n) - 1) & ~lanes[g].done);
+            uint32_t all = (1u << lanes[g].count) - 1;
+            bits |= (uint64_t)(all & ~lanes[g].done) << g * ENG_D_LANES;
+        }
+        for (; bits != 0; bits &= bits - 1) {
+            left[left_count++] = pairs[i + (uint32_t)__builtin_ctzll(bits)];
         }
     }
     return left_count;

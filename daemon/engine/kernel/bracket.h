@@ -35,7 +35,7 @@ ENG_INLINE eng_d eng_d_mix(eng_d s, eng_d a, eng_d t, eng_d b)
 ENG_INLINE eng_d eng_cubic_high(const struct eng_cubic *cubic)
 {
     const eng_d *f = cubic->f;
-    return eng_d_max_abs(eng_d_max_abs(f[0], f[1]), eng_d_max_abs(f[2], f[3]));
+    return eng_d_max(eng_d_max_abs(f[0], f[1]), eng_d_max_abs(f[2], f[3]));
 }
 
 /* det[v[0], v[1], v[2]] of vectors that go from v[0][k] to v[1][k]; `size`: the product
@@ -209,13 +209,12 @@ struct eng_motion_lanes {
 };
 
 /* x[point][end], points as in struct eng_query. */
-ENG_INLINE struct eng_motion_lanes eng_motion_of(enum pccd_kind kind,
-                                                 struct eng_v x[4][2])
+ENG_INLINE void eng_motion_of(enum pccd_kind kind, struct eng_v x[4][2],
+                              struct eng_motion_lanes *motion)
 {
-    struct eng_motion_lanes motion;
 #pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
-        struct eng_v *v = motion.v[end];
+        struct eng_v *v = motion->v[end];
         if (kind == PCCD_VF) {
             v[0] = eng_v_sub(x[0][end], x[1][end]);
             v[1] = eng_v_sub(x[0][end], x[2][end]);
@@ -228,17 +227,16 @@ ENG_INLINE struct eng_motion_lanes eng_motion_of(enum pccd_kind kind,
     }
 #pragma GCC unroll 3
     for (int k = 0; k < 3; k++) {
-        motion.size[k] = eng_v_size_of_two(motion.v[0][k], motion.v[1][k]);
+        motion->size[k] = eng_v_size_of_two(motion->v[0][k], motion->v[1][k]);
     }
-    return motion;
 }
 
-ENG_INLINE struct eng_motion_lanes eng_motion_load(enum pccd_kind kind,
-                                                   const struct eng_group *group)
+ENG_INLINE void eng_motion_load(enum pccd_kind kind, const struct eng_group *group,
+                                struct eng_motion_lanes *motion)
 {
     struct eng_v x[4][2];
     eng_group_load(group, x);
-    return eng_motion_of(kind, x);
+    eng_motion_of(kind, x, motion);
 }
 
 /* The test of the domain in a bracket: do the parameters of the contact lie within both

@@ -110,7 +110,7 @@ ENG_INLINE enum eng_decision decide(enum pccd_kind kind, const struct eng_query 
         x[i][0] = (struct eng_v){x0[0], x0[1], x0[2]};
         x[i][1] = (struct eng_v){x1[0], x1[1], x1[2]};
     }
-    lanes.motion = eng_motion_of(kind, x);
+    eng_motion_of(kind, x, &lanes.motion);
     set_falling(&lanes, open(LOOK_FALLING, &lanes), limits);
     if (lanes.done != 0) {
         return ENG_MISSES;
