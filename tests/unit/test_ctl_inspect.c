@@ -45,7 +45,7 @@ static void fall_begin(struct fall *fall, uint64_t number)
                  .scene = &fall->scene,
                  .answer = &fall->answer,
                  .contacts = &fall->contact,
-                 .count = 1}};
+                 .found = {.count = 1}}};
     for (uint32_t v = 0; v < VERTICES; v++) {
         fall->x0[v][0] = fall->x1[v][0] = 1e9 + v;
         fall->x0[v][1] = 1.0 - (double)number;

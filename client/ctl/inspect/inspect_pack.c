@@ -323,7 +323,8 @@ static int8_t part_of(float value)
 
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step)
 {
-    uint64_t count = step->contacts != NULL && step->scene != NULL ? step->count : 0;
+    uint64_t count =
+        step->contacts != NULL && step->scene != NULL ? step->found.count : 0;
     size_t offset = 0;
     uint16_t a = 0, b = 0;
     uint64_t packed = 0;
@@ -356,7 +357,7 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
 
 json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near)
 {
-    uint64_t count = near->records != NULL ? near->count : 0;
+    uint64_t count = near->records != NULL ? near->found.count : 0;
     size_t offset = 0;
     uint64_t packed = 0;
     struct inspect_line *to = bytes_section(&inspect->data, count * sizeof *to, &offset);

@@ -71,10 +71,10 @@ void play_hash(const struct play_step *step, uint64_t hash[2])
         answer->mode == PCCD_MODE_ANY) {
         memcpy(hash, answer->hash, sizeof answer->hash);
     } else if (answer->mode == PCCD_MODE_PAIRS) {
-        record_answer_hash(step->hash_version, step->pairs, step->count,
+        record_answer_hash(step->hash_version, step->pairs, step->found.count,
                            sizeof *step->pairs, hash);
     } else {
-        record_answer_hash(step->hash_version, step->contacts, step->count,
+        record_answer_hash(step->hash_version, step->contacts, step->found.count,
                            sizeof *step->contacts, hash);
     }
 }
@@ -93,14 +93,6 @@ static int damaged(const struct play_reader *reader, int status, const char *tex
 }
 
 /* ---- asking again ------------------------------------------------------------------ */
-
-/* Records of an answer: a daemon's, or those that were recorded. */
-struct found {
-    const void *records; /* NULL: none */
-    uint64_t count, first_count;
-    bool is_whole; /* all of them */
-    bool is_torn;
-};
 
 /* Wait until as much time has passed as then. */
 static void keep_pace(struct play_reader *reader, uint64_t then_ns)
@@ -134,8 +126,8 @@ static int open_daemon(struct play_reader *reader, struct ctl_error *error)
 
 /* Ask the item of a daemon now, when its time has come: as then, but for what the caller
  * wants otherwise. */
-static int ask_again(struct play_reader *reader, uint64_t then_ns, struct found *found,
-                     struct ctl_error *error)
+static int ask_again(struct play_reader *reader, uint64_t then_ns,
+                     struct play_found *found, struct ctl_error *error)
 {
     const struct play_settings *settings = &reader->settings;
     struct replayer *replayer = &reader->replayer;
@@ -169,25 +161,26 @@ static int ask_again(struct play_reader *reader, uint64_t then_ns, struct found 
     if (status == PCCD_OK && is_traced) {
         step_trace_end(&reader->trace, replayer->client);
     }
-    *found = (struct found){.records = NULL};
+    *found = (struct play_found){.records = NULL};
     if (status == PCCD_OK && collects && replayer->answer.status == PCCD_OK) {
-        *found =
-            (struct found){.records = replayer->records,
-                           .count = replayer->record_count,
-                           .first_count = replayer->answer.count,
-                           .is_whole = replayer->record_count == replayer->answer.total};
+        *found = (struct play_found){.records = replayer->records,
+                                     .count = replayer->record_count,
+                                     .first_count = replayer->answer.count,
+                                     .is_whole = replayer->record_count ==
+                                                 replayer->answer.total};
     }
     return status;
 }
 
 /* The records that were recorded. */
-static int recall(struct play_reader *reader, bool is_answered, struct found *found,
+static int recall(struct play_reader *reader, bool is_answered, struct play_found *found,
                   struct ctl_error *error)
 {
     struct answers_found *is = &reader->found;
     int status =
         answers_records(&reader->answers, &reader->pages, reader->item.number, is, error);
-    *found = (struct found){.records = is_answered && is->count > 0 ? is->records : NULL,
+    *found =
+        (struct play_found){.records = is_answered && is->count > 0 ? is->records : NULL,
                             .count = is->count,
                             .first_count = is->first_count,
                             .is_whole = is->is_whole,
@@ -234,7 +227,7 @@ static bool has_lengths(const struct recorded_item *item)
 
 static int show_step(struct play_reader *reader, uint64_t then_ns,
                      const struct pccd_answer *answer, const struct registry_scene *scene,
-                     const struct found *found, struct ctl_error *error)
+                     const struct play_found *found, struct ctl_error *error)
 {
     const struct recorded_item *item = &reader->item;
     const struct record_answer *then = answers_find(&reader->answers, item->number);
@@ -255,12 +248,9 @@ static int show_step(struct play_reader *reader, uint64_t then_ns,
         .recorded = then,
         .hash_version = record_reader_hash_version(&reader->chunks),
         .answer = answer,
+        .found = *found,
         .contacts = is_pairs ? NULL : found->records,
         .pairs = is_pairs ? found->records : NULL,
-        .count = found->count,
-        .first_count = found->first_count,
-        .is_whole = found->is_whole,
-        .is_torn = found->is_torn,
         .has_old_pairs = is_old,
         .has_other_pairs = answer != NULL && is_old,
         .client = answer != NULL ? reader->replayer.client : NULL,
@@ -269,7 +259,7 @@ static int show_step(struct play_reader *reader, uint64_t then_ns,
 }
 
 static int show_near(struct play_reader *reader, const struct pccd_answer *answer,
-                     const struct registry_scene *scene, const struct found *found,
+                     const struct registry_scene *scene, const struct play_found *found,
                      struct ctl_error *error)
 {
     const struct recorded_item *item = &reader->item;
@@ -285,12 +275,9 @@ static int show_near(struct play_reader *reader, const struct pccd_answer *answe
                                    .scene = scene,
                                    .recorded = then,
                                    .answer = answer,
+                                   .found = *found,
                                    .records = is_bounds ? NULL : found->records,
-                                   .bounds = is_bounds ? found->records : NULL,
-                                   .count = found->count,
-                                   .first_count = found->first_count,
-                                   .is_whole = found->is_whole,
-                                   .is_torn = found->is_torn};
+                                   .bounds = is_bounds ? found->records : NULL};
     return reader->settings.show_near(reader->context, &near, error);
 }
 
@@ -328,7 +315,7 @@ static int show_item(struct play_reader *reader, const struct record_view *view,
 {
     const struct pccd_answer *answer =
         reader->asks_daemon ? &reader->replayer.answer : NULL;
-    struct found found;
+    struct play_found found;
     int status = reader->asks_daemon ? ask_again(reader, view->time_ns, &found, error)
                                      : recall(reader, is_answered, &found, error);
     if (status != PCCD_OK) {

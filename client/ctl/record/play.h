@@ -39,6 +39,16 @@ enum play_source {
 
 struct answers;
 
+/* Records of an answer: a daemon's, or those that were recorded. */
+struct play_found {
+    const void *records; /* [count]; NULL: none, or not asked for */
+    uint64_t count;
+    uint64_t first_count; /* of these, those of the first page */
+    bool is_whole;        /* count is the answer's total */
+    bool is_torn;         /* pages that were fetched twice were not the same */
+};
+
+/* A step, when it has been answered. */
 struct play_step {
     uint64_t number;  /* the client's, from 1 */
     uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
@@ -48,13 +58,10 @@ struct play_step {
     const struct registry_scene *scene;
     const struct record_answer *recorded; /* NULL: there was none */
     uint32_t hash_version;                /* of the recorded hash */
-    const struct pccd_answer *answer;    /* the daemon's, numbers only; NULL: not asked */
-    const struct pccd_contact *contacts; /* [count]; NULL: none, or not asked for */
-    const struct pccd_pair *pairs;       /* [count] */
-    uint64_t count;
-    uint64_t first_count; /* of these, those of the first page */
-    bool is_whole;        /* count is the answer's total */
-    bool is_torn;         /* pages that were fetched twice were not the same */
+    const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */
+    struct play_found found;
+    const struct pccd_contact *contacts; /* found.records; NULL in mode pairs */
+    const struct pccd_pair *pairs;       /* found.records; NULL in any other mode */
     /* Mode pairs was recorded by another rule than that of today (RECORD_EXACT_PAIRS),
      * and a daemon's answer may differ from it. */
     bool has_old_pairs, has_other_pairs;
@@ -75,12 +82,9 @@ struct play_near {
     const struct registry_scene *scene;        /* after the movement, if it had one */
     const struct record_near_answer *recorded; /* NULL: there was none */
     const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */
-    const struct pccd_near *records;  /* [count]; NULL: none, or not asked for */
-    const double *bounds;             /* [count], of VERTICES; NULL as `records` */
-    uint64_t count;
-    uint64_t first_count; /* of these, those of the first page */
-    bool is_whole;        /* count is the answer's total */
-    bool is_torn;         /* pages that were fetched twice were not the same */
+    struct play_found found;
+    const struct pccd_near *records; /* found.records; NULL of VERTICES */
+    const double *bounds;            /* found.records; NULL of any other question */
 };
 typedef int (*play_near_fn)(void *context, const struct play_near *near,
                             struct ctl_error *error);

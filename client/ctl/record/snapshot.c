@@ -242,7 +242,7 @@ static void find_extent(struct snapshot *snapshot)
 static int find_contact(const struct snapshot_at *at, const struct play_step *step,
                         double *t, struct ctl_error *error)
 {
-    uint64_t count = step->contacts != NULL ? step->count : 0;
+    uint64_t count = step->contacts != NULL ? step->found.count : 0;
     if (at->contact > count) {
         return ctl_error_set(
             error, PCCD_E_INVAL,
@@ -290,7 +290,7 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
             return status;
         }
     }
-    snapshot->contacts = calloc(step->count + 1, sizeof *snapshot->contacts);
+    snapshot->contacts = calloc(step->found.count + 1, sizeof *snapshot->contacts);
     if (snapshot->contacts == NULL) {
         return no_memory(error);
     }
@@ -298,7 +298,7 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
     if (status != PCCD_OK) {
         return status;
     }
-    for (uint64_t i = 0; step->contacts != NULL && i < step->count; i++) {
+    for (uint64_t i = 0; step->contacts != NULL && i < step->found.count; i++) {
         bool is_placed = place_contact(snapshot, step->scene, &step->contacts[i],
                                        &snapshot->contacts[snapshot->contact_count]);
         if (i + 1 == taking->at->contact && !is_placed) {
@@ -389,13 +389,13 @@ static int take_near(void *context, const struct play_near *near, struct ctl_err
     snapshot_deinit(snapshot);
     snapshot->step = near->number;
     snapshot->t = near->asked->end;
-    snapshot->lines = calloc(near->count + 1, sizeof *snapshot->lines);
+    snapshot->lines = calloc(near->found.count + 1, sizeof *snapshot->lines);
     if (snapshot->lines == NULL) {
         return no_memory(error);
     }
     int status = take_objects(snapshot, near->scene, error);
-    for (uint64_t i = 0; status == PCCD_OK && near->records != NULL && i < near->count;
-         i++) {
+    for (uint64_t i = 0;
+         status == PCCD_OK && near->records != NULL && i < near->found.count; i++) {
         snapshot->line_count +=
             place_line(snapshot, near->scene, &near->records[i], near->asked->end,
                        &snapshot->lines[snapshot->line_count]);

@@ -71,7 +71,7 @@ static int compare_pairs(const struct pccd_pair *a, const struct pccd_pair *b)
 
 bool verify_has(const struct play_step *step, const struct pccd_pair *pair)
 {
-    uint64_t low = 0, high = step->count;
+    uint64_t low = 0, high = step->found.count;
     while (low < high) {
         uint64_t middle = low + (high - low) / 2;
         struct pccd_pair at = pair_of(step, middle);
@@ -271,7 +271,7 @@ static bool check_records(const struct play_step *step,
                           struct verify_result *result)
 {
     double tolerance = step->frame->tolerance > 0 ? step->frame->tolerance : TOLERANCE;
-    for (uint64_t i = 0; i < step->count; i++) {
+    for (uint64_t i = 0; i < step->found.count; i++) {
         const struct pccd_pair pair = pair_of(step, i);
         const struct pccd_contact *contact =
             step->contacts != NULL ? &step->contacts[i] : NULL;
@@ -288,10 +288,10 @@ static bool check_records(const struct play_step *step,
         if (what != NULL) {
             return verify_wrong(result, step, &pair, "record %" PRIu64 ": %s", i, what);
         }
-        bool is_chosen =
-            settings->contacts_max == 0 ||
-            verify_mix(settings->seed ^ verify_mix(step->number) ^ i) % step->count <
-                settings->contacts_max;
+        bool is_chosen = settings->contacts_max == 0 ||
+                         verify_mix(settings->seed ^ verify_mix(step->number) ^ i) %
+                                 step->found.count <
+                             settings->contacts_max;
         if (!is_chosen) {
             continue;
         }
@@ -394,7 +394,8 @@ int verify_step(const struct play_step *step, const struct verify_settings *sett
     if (is_right && status == PCCD_OK && verify_mode(step) == PCCD_MODE_ANY) {
         is_right = verify_any(step, &start, result, error, &status);
     }
-    if (is_right && status == PCCD_OK && step->is_whole && verify_is_complete(step)) {
+    if (is_right && status == PCCD_OK && step->found.is_whole &&
+        verify_is_complete(step)) {
         (void)verify_near(step, settings, result);
     }
     return status;

@@ -184,9 +184,9 @@ static bool check_numbers(struct judge *judge, const struct numbers *is)
     if (name != NULL) {
         char what[120];
         (void)snprintf(what, sizeof what, "%s: it is not that of the records", name);
-        return wrong(judge, what, near->count);
+        return wrong(judge, what, near->found.count);
     }
-    judge->result->counts.near_records += near->count;
+    judge->result->counts.near_records += near->found.count;
     return true;
 }
 
@@ -194,13 +194,13 @@ static bool check_numbers(struct judge *judge, const struct numbers *is)
 static bool check_sums(struct judge *judge)
 {
     const struct play_near *near = judge->near;
-    struct numbers is = {.total = near->count, .distance_min = 2e18};
-    record_answer_hash(PCCD_HASH_VERSION, near->records, near->count,
+    struct numbers is = {.total = near->found.count, .distance_min = 2e18};
+    record_answer_hash(PCCD_HASH_VERSION, near->records, near->found.count,
                        sizeof *near->records, is.hash);
     if (play_has_gap(near->asked)) {
         memset(is.hash, 0, sizeof is.hash);
     }
-    for (uint64_t i = 0; i < near->count; i++) {
+    for (uint64_t i = 0; i < near->found.count; i++) {
         is.counts[near->records[i].kind]++; /* it was found right */
         is.distance_min = fmin(is.distance_min, near->records[i].d_lo);
         is.distance_max = fmax(is.distance_max, near->records[i].d_hi);
@@ -212,7 +212,7 @@ static bool check_sums(struct judge *judge)
 static bool check_records(struct judge *judge, const struct oracle_nears *truth)
 {
     const struct play_near *near = judge->near;
-    for (uint64_t i = 0; i < near->count && i < truth->count; i++) {
+    for (uint64_t i = 0; i < near->found.count && i < truth->count; i++) {
         const struct pccd_near *is = &near->records[i], *must = &truth->items[i].record;
         if (memcmp(is, must, sizeof *is) != 0) {
             char what[160];
@@ -228,11 +228,12 @@ static bool check_records(struct judge *judge, const struct oracle_nears *truth)
             return wrong(judge, what, i);
         }
     }
-    if (near->count != truth->count) {
+    if (near->found.count != truth->count) {
         return wrong(judge,
-                     near->count < truth->count ? "it is missing, as are those behind it"
-                                                : "there is nothing more that is near",
-                     near->count < truth->count ? near->count : truth->count);
+                     near->found.count < truth->count
+                         ? "it is missing, as are those behind it"
+                         : "there is nothing more that is near",
+                     near->found.count < truth->count ? near->found.count : truth->count);
     }
     return check_sums(judge);
 }
@@ -248,9 +249,9 @@ static bool check_object(struct judge *judge, const struct oracle_nears *pairs,
     uint32_t only = near->asked->objects[0];
     bool is_asked = only == 0 || only == of->object_id;
     double *bounds = malloc(((size_t)of->vertex_count + 1) * sizeof *bounds);
-    bool is_right = bounds != NULL || wrong(judge, "no memory", near->count);
-    if (is_right && is_asked && of->vertex_count > near->count - *at) {
-        is_right = wrong(judge, "a vertex has no bound", near->count);
+    bool is_right = bounds != NULL || wrong(judge, "no memory", near->found.count);
+    if (is_right && is_asked && of->vertex_count > near->found.count - *at) {
+        is_right = wrong(judge, "a vertex has no bound", near->found.count);
     }
     if (is_right) {
         oracle_near_bounds(&judge->moment, pairs, object, INFINITY, bounds);
@@ -278,14 +279,14 @@ static bool check_object(struct judge *judge, const struct oracle_nears *pairs,
 static bool check_bounds(struct judge *judge, const struct oracle_nears *pairs)
 {
     const struct play_near *near = judge->near;
-    struct numbers is = {.total = near->count, .distance_min = 2e18};
-    struct record_bound *records = malloc((near->count + 1) * sizeof *records);
+    struct numbers is = {.total = near->found.count, .distance_min = 2e18};
+    struct record_bound *records = malloc((near->found.count + 1) * sizeof *records);
     uint64_t at = 0;
-    bool is_right = records != NULL || wrong(judge, "no memory", near->count);
+    bool is_right = records != NULL || wrong(judge, "no memory", near->found.count);
     for (uint32_t i = 0; i < judge->moment.object_count && is_right; i++) {
         is_right = check_object(judge, pairs, i, records, &at, &is);
     }
-    if (is_right && at != near->count) {
+    if (is_right && at != near->found.count) {
         is_right = wrong(judge, "there is no such vertex", at);
     }
     if (is_right) {
@@ -307,7 +308,7 @@ static bool check_count(struct judge *judge, uint64_t crossings)
     (void)snprintf(what, sizeof what,
                    "%" PRIu64 " edges pass through faces, exact: %" PRIu64, said,
                    crossings);
-    return said == crossings || wrong(judge, what, near->count);
+    return said == crossings || wrong(judge, what, near->found.count);
 }
 
 /* NO only where nothing crosses and nothing touches. */
@@ -323,7 +324,7 @@ static bool check_crossings(struct judge *judge, const struct oracle_nears *cros
         return wrong(judge,
                      intersects ? "something intersects or touches, and it says no"
                                 : "nothing intersects or touches, and it says yes",
-                     near->count);
+                     near->found.count);
     }
     return check_count(judge, crossings->count) && check_records(judge, crossings);
 }
@@ -354,7 +355,7 @@ static bool is_within_gap(const struct oracle_near *is, const struct oracle_near
 static bool check_with_gap(struct judge *judge, const struct oracle_nears *truth)
 {
     const struct play_near *near = judge->near;
-    for (uint64_t i = 0; i < near->count; i++) {
+    for (uint64_t i = 0; i < near->found.count; i++) {
         const struct pccd_near *is = &near->records[i];
         struct oracle_near must, before;
         size_t at = 0;
@@ -376,9 +377,10 @@ static bool check_with_gap(struct judge *judge, const struct oracle_nears *truth
             return wrong(judge, "it does not come after the one before", i);
         }
     }
-    return near->count == truth->count
+    return near->found.count == truth->count
                ? check_sums(judge)
-               : wrong(judge, "two objects have no pair, or more than one", near->count);
+               : wrong(judge, "two objects have no pair, or more than one",
+                       near->found.count);
 }
 
 /* As check. */
@@ -518,7 +520,7 @@ static const char *misfit(const struct play_near *near)
     if (then != NULL && then->status != PCCD_OK) {
         return is_bare(then) ? NULL : "the question failed, and its answer has numbers";
     }
-    if (near->is_torn) {
+    if (near->found.is_torn) {
         return "a page of records that was fetched twice was not the same";
     }
     if (now != NULL || then == NULL) {
@@ -527,12 +529,14 @@ static const char *misfit(const struct play_near *near)
     if (then->incomplete > PCCD_INCOMPLETE_CONTACT_LIMIT) {
         return "the answer ended for no reason that there is";
     }
-    if (near->count > then->total || (near->count > 0 && near->count < then->total &&
-                                      then->incomplete == PCCD_COMPLETE)) {
+    if (near->found.count > then->total ||
+        (near->found.count > 0 && near->found.count < then->total &&
+         then->incomplete == PCCD_COMPLETE)) {
         return "its total is not that of the records";
     }
-    if (near->is_whole && play_is_complete(then->incomplete) &&
-        (then->incomplete == PCCD_COMPLETE) != (near->first_count == near->count)) {
+    if (near->found.is_whole && play_is_complete(then->incomplete) &&
+        (then->incomplete == PCCD_COMPLETE) !=
+            (near->found.first_count == near->found.count)) {
         return "whether its first page has all of it is claimed wrongly";
     }
     return NULL;
@@ -554,9 +558,9 @@ static bool can_check(const struct play_near *near, struct verify_result *result
         verify_leave(result, "its scene is gone");
     } else if (!play_is_complete(incomplete)) {
         verify_leave(result, "it ended before it was done");
-    } else if (!near->is_whole) {
+    } else if (!near->found.is_whole) {
         verify_leave(result, "%" PRIu64 " of its %" PRIu64 " records are known",
-                     near->count, now != NULL ? now->total : then->total);
+                     near->found.count, now != NULL ? now->total : then->total);
     }
     return result->unchecked[0] == '\0';
 }
@@ -571,7 +575,7 @@ int verify_distances(const struct play_near *near, struct verify_result *result,
     result->is_near = true;
     result->counts.nears = 1;
     if (what != NULL) {
-        wrong(&judge, what, near->count);
+        wrong(&judge, what, near->found.count);
         return PCCD_OK;
     }
     if (!can_check(near, result)) {

@@ -83,7 +83,7 @@ static bool may_be_left_out(const struct play_step *step, struct oracle_first *f
     switch (verify_mode(step)) {
     case PCCD_MODE_FIRST:
         return oracle_first_compare(first, verify_toi_first(step)) >= 0 &&
-               step->count > 0;
+               step->found.count > 0;
     case PCCD_MODE_ANY:
         return verify_verdict(step) != PCCD_VERDICT_NO;
     default:

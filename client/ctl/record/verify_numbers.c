@@ -51,8 +51,8 @@ static void number(const struct play_step *step, uint32_t hash_version,
 {
     bool is_pairs = verify_mode(step) == PCCD_MODE_PAIRS;
     bool is_thick = has_thickness(step);
-    *is = (struct numbers){.total = step->count, .toi_first = 2};
-    for (uint64_t i = 0; i < step->count; i++) {
+    *is = (struct numbers){.total = step->found.count, .toi_first = 2};
+    for (uint64_t i = 0; i < step->found.count; i++) {
         if (is_pairs) {
             is->counts[step->pairs[i].kind]++;
         } else {
@@ -66,12 +66,12 @@ static void number(const struct play_step *step, uint32_t hash_version,
         record_answer_hash(
             hash_version,
             is_pairs ? (const void *)step->pairs : (const void *)step->contacts,
-            step->count, is_pairs ? sizeof *step->pairs : sizeof *step->contacts,
+            step->found.count, is_pairs ? sizeof *step->pairs : sizeof *step->contacts,
             is->hash);
     }
     bool is_empty = verify_mode(step) == PCCD_MODE_ANY
                         ? verify_verdict(step) == PCCD_VERDICT_NO
-                        : step->count == 0;
+                        : step->found.count == 0;
     bool has_time = is->toi_first > 0 && is->toi_first <= 1;
     bool is_crossed = step->answer != NULL && step->answer->crossings > 0;
     is->safe_step = is_crossed || !verify_is_complete(step) ? 0
@@ -193,11 +193,11 @@ static const char *misended(const struct play_step *step)
     if (is_any && verdict > PCCD_VERDICT_NONE) {
         return "the answer has a verdict that there is not";
     }
-    if (incomplete == PCCD_COMPLETE && step->first_count < step->count) {
+    if (incomplete == PCCD_COMPLETE && step->found.first_count < step->found.count) {
         return "the answer is complete, and its first page is not";
     }
-    if (incomplete == PCCD_INCOMPLETE_RESULT_FULL && step->is_whole &&
-        step->first_count == step->count) {
+    if (incomplete == PCCD_INCOMPLETE_RESULT_FULL && step->found.is_whole &&
+        step->found.first_count == step->found.count) {
         return "the answer goes on behind its first page, which has all of it";
     }
     return NULL;
@@ -207,10 +207,10 @@ static const char *misended(const struct play_step *step)
 static bool check_earliest(const struct play_step *step, struct verify_result *result)
 {
     double bound = INFINITY;
-    for (uint64_t i = 0; i < step->count; i++) {
+    for (uint64_t i = 0; i < step->found.count; i++) {
         bound = fmin(bound, step->contacts[i].toi_hi);
     }
-    for (uint64_t i = 0; i < step->count; i++) {
+    for (uint64_t i = 0; i < step->found.count; i++) {
         if (step->contacts[i].toi > bound) {
             return verify_wrong(result, step, NULL,
                                 "record %" PRIu64 ": another is earlier for certain", i);
@@ -253,26 +253,26 @@ static bool check_pages(const struct play_step *step, uint64_t total,
                         struct verify_result *result)
 {
     const char *whose = step->answer != NULL ? "a daemon gives" : "the recording has";
-    if (step->is_torn) {
+    if (step->found.is_torn) {
         return verify_wrong(result, step, NULL,
                             "a page of records that was fetched twice was not the same");
     }
-    if (step->count > total || (verify_mode(step) == PCCD_MODE_ANY && total > 0) ||
-        (step->count > 0 && step->count < total &&
+    if (step->found.count > total || (verify_mode(step) == PCCD_MODE_ANY && total > 0) ||
+        (step->found.count > 0 && step->found.count < total &&
          verify_incomplete(step) == PCCD_COMPLETE)) {
         return verify_wrong(result, step, NULL,
                             "its total is not that of the records: %" PRIu64
                             ", and %s %" PRIu64,
-                            total, whose, step->count);
+                            total, whose, step->found.count);
     }
-    if (step->count < total && step->answer == NULL && !check_part(step, result)) {
+    if (step->found.count < total && step->answer == NULL && !check_part(step, result)) {
         return false;
     }
-    return step->count == total ||
+    return step->found.count == total ||
            verify_leave(result,
                         "%s %" PRIu64 " of its %" PRIu64
                         " records: its numbers, and what is missing, are not checked",
-                        whose, step->count, total);
+                        whose, step->found.count, total);
 }
 
 bool verify_numbers(const struct play_step *step, struct verify_result *result)
@@ -290,7 +290,7 @@ bool verify_numbers(const struct play_step *step, struct verify_result *result)
     if (!check_pages(step, total, result)) {
         return false;
     }
-    if (step->count != total) {
+    if (step->found.count != total) {
         return true;
     }
     if (verify_mode(step) == PCCD_MODE_FIRST && verify_is_complete(step) &&
