@@ -273,12 +273,14 @@ static uint64_t mix(uint64_t sum, uint64_t value)
 static uint64_t hash_blocks(const struct eng_wide_tree *tree, uint32_t levels)
 {
     uint64_t sum = 1;
-    uint32_t count = tree->first[levels - 1] + tree->block_count[levels - 1];
-    for (uint32_t i = 0; i < count; i++) {
-        uint64_t words[sizeof tree->blocks[0] / 8];
-        memcpy(words, &tree->blocks[i], sizeof words);
-        for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
-            sum = mix(sum, words[k]);
+    for (uint32_t level = 0; level < levels; level++) {
+        const struct eng_wide_block *blocks = eng_wide_blocks(tree, level);
+        for (uint32_t i = 0; i < tree->block_count[level]; i++) {
+            uint64_t words[sizeof *blocks / 8];
+            memcpy(words, &blocks[i], sizeof words);
+            for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
+                sum = mix(sum, words[k]);
+            }
         }
     }
     return sum;
@@ -318,7 +320,7 @@ static void box_all(struct bench *bench)
     count_part(bench, PART_MARKS, begin_ns, tree->slot_count);
     bench->outcome->sum += on_grid;
     begin_ns = common_now_ns();
-    kernels->box_fold(wide->point_boxes, tree->slot_count / ENG_WIDE, false, tree->blocks,
+    kernels->box_fold(wide->point_boxes, tree->slot_count / ENG_WIDE, false, tree->floats,
                       tree->boxes);
     count_part(bench, PART_FOLD, begin_ns, tree->slot_count);
     for (enum pccd_tree kind = PCCD_TREE_EDGES; kind <= PCCD_TREE_FACES; kind++) {
@@ -328,7 +330,7 @@ static void box_all(struct bench *bench)
                                                                    : NULL};
         begin_ns = common_now_ns();
         kernels->box_unite(wide->point_boxes, corner, tree->slot_count / ENG_WIDE, false,
-                           tree->blocks, tree->boxes);
+                           tree->floats, tree->boxes);
         count_part(bench, kind == PCCD_TREE_EDGES ? PART_EDGES : PART_FACES, begin_ns,
                    tree->slot_count);
     }

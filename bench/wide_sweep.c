@@ -192,6 +192,7 @@ int eng_wide_sweep(struct eng_scene *scene, uint32_t threads, eng_wide_visit vis
     if (status == PCCD_OK && wide->is_stale) {
         status = eng_wide_assemble(wide, scene);
     }
+    status = status == PCCD_OK ? eng_wide_reserve_floats(wide) : status;
     uint64_t begin_ns = common_now_ns();
     if (status == PCCD_OK) {
         refit(wide, scene, threads);

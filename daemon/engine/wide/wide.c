@@ -11,7 +11,6 @@ void eng_wide_init(struct eng_wide *wide)
     memset(wide, 0, sizeof *wide);
     wide->kernels = eng_kernels();
     atomic_init(&wide->left_grid, false);
-    atomic_init(&wide->left_quantised, false);
     atomic_init(&wide->farthest, 0);
     wide->frame_scale = 1;
     wide->is_stale = true;
@@ -22,6 +21,9 @@ void eng_wide_deinit(struct eng_wide *wide)
     for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
         eng_free(tree->blocks);
+        eng_free(tree->quantised);
+        eng_free(tree->quantised_boxes);
+        eng_free(tree->floats);
         eng_free(tree->boxes);
         eng_free(tree->keys);
         eng_free(tree->moving);
@@ -53,8 +55,11 @@ uint64_t eng_wide_bytes(const struct eng_wide *wide)
             (sizeof *wide->points + sizeof *wide->point_boxes + sizeof *wide->marks);
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         const struct eng_wide_tree *tree = &wide->trees[kind];
-        bytes += (uint64_t)tree->block_capacity *
-                     (sizeof *tree->blocks + sizeof *tree->boxes) +
+        bytes += (uint64_t)tree->block_capacity * sizeof *tree->boxes +
+                 (uint64_t)tree->above_capacity * sizeof *tree->blocks +
+                 (uint64_t)tree->float_capacity * sizeof *tree->floats +
+                 (uint64_t)tree->leaf_capacity *
+                     (sizeof *tree->quantised + sizeof *tree->quantised_boxes) +
                  (uint64_t)tree->moving_capacity * sizeof *tree->moving +
                  (uint64_t)tree->free_capacity * sizeof *tree->free +
                  (uint64_t)tree->own_capacity * sizeof *tree->own +
@@ -202,18 +207,67 @@ static int reserve_slots(struct eng_wide *wide, enum pccd_tree kind, uint32_t co
     return status;
 }
 
-static int reserve_blocks(struct eng_wide_tree *tree, uint32_t count)
+#define BLOCKS_KEPT (SLOTS_KEPT / ENG_WIDE)
+
+static int reserve_leaves(struct eng_wide_tree *tree, uint32_t count)
 {
-    if (fits(count, tree->block_capacity, SLOTS_KEPT / ENG_WIDE)) {
+    if (fits(count, tree->leaf_capacity, BLOCKS_KEPT)) {
         return PCCD_OK;
     }
-    uint32_t capacity = other_capacity(&tree->block_capacity, count, 1);
-    int status = eng_array_grow(&tree->blocks, capacity, sizeof *tree->blocks);
+    uint32_t capacity = other_capacity(&tree->leaf_capacity, count, 1);
+    int status = eng_array_grow(&tree->quantised, capacity, sizeof *tree->quantised);
     if (status == PCCD_OK) {
-        status = eng_array_grow(&tree->boxes, capacity, sizeof *tree->boxes);
+        status = eng_array_grow(&tree->quantised_boxes, capacity,
+                                sizeof *tree->quantised_boxes);
     }
-    tree->block_capacity = status == PCCD_OK ? capacity : tree->block_capacity;
+    tree->leaf_capacity = status == PCCD_OK ? capacity : tree->leaf_capacity;
     return status;
+}
+
+/* Room for `above` blocks of the levels above, `count` in all. */
+static int reserve_blocks(struct eng_wide_tree *tree, uint32_t above, uint32_t count)
+{
+    int status = PCCD_OK;
+    if (!fits(above, tree->above_capacity, BLOCKS_KEPT)) {
+        uint32_t capacity = other_capacity(&tree->above_capacity, above, 1);
+        status = eng_array_grow(&tree->blocks, capacity, sizeof *tree->blocks);
+        tree->above_capacity = status == PCCD_OK ? capacity : tree->above_capacity;
+    }
+    if (status == PCCD_OK && !fits(count, tree->block_capacity, BLOCKS_KEPT)) {
+        uint32_t capacity = other_capacity(&tree->block_capacity, count, 1);
+        status = eng_array_grow(&tree->boxes, capacity, sizeof *tree->boxes);
+        tree->block_capacity = status == PCCD_OK ? capacity : tree->block_capacity;
+    }
+    return status;
+}
+
+int eng_wide_reserve_floats(struct eng_wide *wide)
+{
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        uint32_t count = tree->block_count[0];
+        if (count <= tree->float_capacity) {
+            continue;
+        }
+        eng_free(tree->floats); /* they are made anew */
+        uint32_t capacity = eng_array_grown(tree->float_capacity, count);
+        tree->floats = eng_alloc(capacity, sizeof *tree->floats);
+        tree->float_capacity = tree->floats ? capacity : 0;
+        if (!tree->floats) {
+            return PCCD_E_NOMEM;
+        }
+    }
+    return PCCD_OK;
+}
+
+/* The trees are others now: what is by far too much for them goes. */
+static void drop_floats(struct eng_wide_tree *tree)
+{
+    if (!fits(tree->block_count[0], tree->float_capacity, BLOCKS_KEPT)) {
+        eng_free(tree->floats);
+        tree->floats = NULL;
+        tree->float_capacity = 0;
+    }
 }
 
 /* Room to mark what moves (wide.h), as there is for blocks and slots. */
@@ -279,9 +333,16 @@ static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
                                scene->vertex_capacity, sizeof *wide->slot_of);
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES && status == PCCD_OK; kind++) {
         status = reserve_slots(wide, kind, slots[kind]);
+        uint32_t leaves = slots[kind] / ENG_WIDE;
+        uint32_t blocks = count_blocks(slots[kind], level_count, NULL);
+        if (status == PCCD_OK) {
+            status = reserve_leaves(&wide->trees[kind], leaves);
+        }
         if (status == PCCD_OK) {
             status = reserve_blocks(&wide->trees[kind],
-                                    count_blocks(slots[kind], level_count, NULL));
+                                    level_count > 1 ? blocks - round_up(leaves, ENG_WIDE)
+                                                    : 0,
+                                    blocks);
         }
         if (status == PCCD_OK) {
             status = reserve_moving(&wide->trees[kind]);
@@ -405,6 +466,7 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
         uint32_t end = 0;
         tree->slot_count = slots[kind];
         set_nowhere(tree->boxes, count_blocks(tree->slot_count, wide->level_count, tree));
+        drop_floats(tree);
         for (uint32_t i = 0; i < scene->object_count; i++) {
             const struct eng_object *object = &scene->objects[wide->items[i].id];
             uint32_t count = eng_wide_order_of(object)->count[kind];

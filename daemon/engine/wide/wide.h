@@ -66,13 +66,18 @@ struct eng_wide_chunk_state {
 
 struct eng_wide_tree {
     uint32_t slot_count; /* a multiple of 16, at least 16 */
-    uint32_t slot_capacity, block_capacity;
+    uint32_t slot_capacity, block_capacity, leaf_capacity, above_capacity;
+    uint32_t float_capacity;
     uint32_t block_count[ENG_WIDE_LEVELS_MAX];
     uint32_t first[ENG_WIDE_LEVELS_MAX]; /* block of each level */
-    /* [block_capacity] In a step that compares whole numbers these are in the place of
-     * level 0: eng_wide_quantised_blocks. */
-    struct eng_wide_block *blocks;
     struct eng_extents *boxes; /* [block_capacity] around each block */
+    /* Level 0, of features: in whole numbers, with the boxes around them
+     * [leaf_capacity]; and in floats [float_capacity], once a step has asked for these
+     * (eng_wide_reserve_floats). */
+    struct eng_quantised_block *quantised;
+    struct eng_quantised_box *quantised_boxes;
+    struct eng_wide_block *floats;
+    struct eng_wide_block *blocks; /* [above_capacity] the levels above */
     uint32_t *corner[3];       /* edges 2, faces 3: [slot_capacity], vertex slots */
     eng_wide_key *keys;        /* edges and faces: [slot_capacity] */
     uint16_t *moving;          /* [moving_capacity] by block: bit k, child k moves */
@@ -97,13 +102,10 @@ struct eng_wide {
     /* A vertex is beyond the grid. Set by any thread of the refit, read after it: what
      * ends the refit orders the two. */
     atomic_bool left_grid;
-    /* The boxes of features in whole numbers: made in the place of floats in a step that
-     * this fits, unless a vertex was beyond their reach. That is known, as left_grid is,
-     * when all vertices are done, and decides for edges and faces, whose boxes are within
-     * those of vertices. */
+    /* The boxes of features in whole numbers, instead of floats, in a step that this
+     * fits. Its vertices are within their reach: that is known before. */
     struct eng_quantising quantising;
-    bool makes_quantised;
-    atomic_bool left_quantised;
+    bool has_quantised;
     atomic_uint farthest; /* the most that one of their numbers grows by; as left_grid */
     /* The refit makes each box around both ends, so that the same traversal finds the
      * pairs of plain swept boxes: to compare with other libraries. No step does so. */
@@ -160,6 +162,10 @@ uint64_t eng_wide_bytes(const struct eng_wide *wide);
  * not up to date afterwards. O(features); PCCD_E_NOMEM: as before, and still stale. */
 int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene);
 
+/* Make room for the features' boxes in floats, which are lost when the trees are put
+ * together. PCCD_E_NOMEM: as before. [compute] */
+int eng_wide_reserve_floats(struct eng_wide *wide);
+
 /* Where the slots of an object with `count` features begin, behind those up to `end`. */
 uint32_t eng_wide_first_slot(uint32_t end, uint32_t count);
 
@@ -178,29 +184,13 @@ static inline eng_wide_key eng_wide_key_of(const struct eng_wide *wide,
                                       : wide->trees[tree].keys[slot];
 }
 
+/* Return the blocks of a level; of level 0: the floats, which are there in a step that
+ * compares these. */
 static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree *tree,
                                                      uint32_t level)
 {
-    return tree->blocks + tree->first[level];
-}
-
-/* Return the features that are in whole numbers (eng_wide_has_quantised): one after the
- * other where the floats of level 0 would be, which take as much and more; then the boxes
- * around them. So a step that does the other thing than the last one needs no memory. */
-static inline struct eng_quantised_block *
-eng_wide_quantised_blocks(const struct eng_wide_tree *tree)
-{
-    return (struct eng_quantised_block *)(void *)tree->blocks;
-}
-
-static inline struct eng_quantised_box *
-eng_wide_quantised_boxes(const struct eng_wide_tree *tree)
-{
-    static_assert(sizeof(struct eng_quantised_block) + sizeof(struct eng_quantised_box) <=
-                      sizeof(struct eng_wide_block),
-                  "room for both");
-    return (struct eng_quantised_box *)(void *)(eng_wide_quantised_blocks(tree) +
-                                                tree->block_count[0]);
+    return level == 0 ? tree->floats
+                      : tree->blocks + (tree->first[level] - tree->first[1]);
 }
 
 static inline struct eng_extents *eng_wide_boxes(const struct eng_wide_tree *tree,

@@ -1,10 +1,12 @@
 /* wide_cells.c - the grid of the sieve, and the cells of quantised boxes. */
 #include "wide_cells.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 
 #include "box_frames.h"
+#include "thickness.h"
 #include "world.h"
 
 /* ---- the grid of the sieve --------------------------------------------------------- */
@@ -95,16 +97,25 @@ bool eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene)
 /* ---- quantised boxes --------------------------------------------------------------- */
 
 /* Half of what the numbers span along an axis holds half of the scene this many times,
- * and of its longest side the part beside it: a flat scene moves, too. */
+ * and of its longest side the part beside it: a flat scene moves, too. And a part of how
+ * far it is from the origin: floats are off by more, the farther away (SLACK). */
 #define ROOM      1.25
 #define ROOM_SIDE 0.25
+#define ROOM_FAR  0x1p-18
 
-/* Scales that floats can be multiplied by, with as much again to either side. */
-#define EXPONENT_MOST 60
+/* Scales that floats can be multiplied by, with as much again to either side. The least
+ * is that of the largest coordinates and distances (ENG_GROWTH_MOST): nowhere is far
+ * below all numbers by it, too. */
+#define EXPONENT_MOST  60
+#define EXPONENT_LEAST (-70)
 
-/* Numbers up to which a coordinate is certainly among those that there are: rounding and
- * the cells around it take a few. */
+/* Numbers up to which a coordinate is certainly among those that there are. The bound of
+ * a box, a float, is off by less than 2^-22 of itself, with what it grows by by 2^-21,
+ * and what is added for the middle by 2^-24 of that. Together this is less than SLACK of
+ * the object's two bounds, in cells, which are as far away as the middle. The other
+ * roundings and the cells around a box take a few. */
 #define REACH_SURELY (ENG_QUANTISED_REACH - 64.0)
+#define SLACK        0x1p-20
 
 /* Blocks that are looked at, and the cells that the longest side of one takes at least on
  * average. A box is larger by about a cell for its rounding, that of a feature a fourth
@@ -128,34 +139,110 @@ void eng_wide_quantised_set(struct eng_quantising *quantising, int axis, double 
     quantising->above[axis] = above;
 }
 
-/* Powers of two that bring the scene into reach, and what is added for its middle. False:
- * there is nothing in the scene, or it is too far from the numbers that floats hold. */
-static bool quantising_of(const struct eng_wide *wide, const struct eng_scene *scene,
-                          struct eng_quantising *quantising)
+/* Powers of two that bring a scene into reach that is between these, and what is added
+ * for its middle. */
+static void lay_cells(const double low[3], const double high[3],
+                      struct eng_quantising *quantising)
 {
-    double low[3];
-    double high[3];
     double side = 0;
-    if (!eng_wide_extent(wide, scene, low, high)) {
-        return false;
-    }
     for (int k = 0; k < 3; k++) {
         side = fmax(side, 0.5 * (high[k] - low[k]));
     }
-    if (!(side > 0)) {
-        return false;
-    }
     for (int k = 0; k < 3; k++) {
-        double half = ROOM * 0.5 * (high[k] - low[k]) + ROOM_SIDE * side;
-        int exponent;
-        frexp(ENG_QUANTISED_REACH / half, &exponent);
-        if (exponent > EXPONENT_MOST || exponent < -EXPONENT_MOST) {
-            return false;
+        double half = ROOM * 0.5 * (high[k] - low[k]) + ROOM_SIDE * side +
+                      ROOM_FAR * fmax(fabs(low[k]), fabs(high[k]));
+        int exponent = EXPONENT_MOST + 1; /* of no size at all */
+        if (half > 0) {
+            frexp(ENG_QUANTISED_REACH / half, &exponent);
         }
-        double scale = ldexp(1, exponent - 1); /* scale half <= ENG_QUANTISED_REACH */
+        exponent = exponent > EXPONENT_MOST ? EXPONENT_MOST : exponent - 1;
+        assert(exponent >= EXPONENT_LEAST);
+        double scale = ldexp(1, exponent); /* scale half <= ENG_QUANTISED_REACH */
         eng_wide_quantised_set(quantising, k, scale, 0.5 * (low[k] + high[k]));
     }
+}
+
+/* The bounds of an object's boxes along an axis at an end of the step, in its frame. */
+static void bounds_of(const struct eng_scene *scene, const struct eng_object *object,
+                      int end, int axis, double *low, double *high)
+{
+    const struct eng_bounds *bounds =
+        &object->bounds[end == 0 ? 1 - scene->now : scene->now];
+    double origin = object->frame.origin[4 * end + axis];
+    double growth =
+        scene->thickness.is_on ? (double)eng_thickness_reach_growth(scene) : 0;
+    *low = (bounds->low[axis] - origin) * object->frame.scale - growth;
+    *high = (bounds->high[axis] - origin) * object->frame.scale + growth;
+}
+
+/* Return whether both ends of an object are so far within the numbers that no rounding
+ * leads out. */
+static bool is_within(const struct eng_quantising *quantising,
+                      const struct eng_scene *scene, const struct eng_object *object)
+{
+    for (int j = 0; j < 6; j++) {
+        double low;
+        double high;
+        double scale = (double)quantising->scale[j % 3];
+        double middle = (double)quantising->below[j % 3];
+        bounds_of(scene, object, j / 3, j % 3, &low, &high);
+        if (low > high) {
+            continue; /* it has no boxes */
+        }
+        double slack = SLACK * scale * (fabs(low) + fabs(high));
+        if (!(low * scale - middle - slack > -REACH_SURELY &&
+              high * scale - middle + slack < REACH_SURELY)) {
+            return false;
+        }
+    }
     return true;
+}
+
+/* The same of all objects, or of those of which something moves. */
+static bool are_within(const struct eng_quantising *quantising,
+                       const struct eng_scene *scene, bool movers)
+{
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        if (object->mesh && !(movers && object->moves == ENG_STANDS) &&
+            !is_within(quantising, scene, object)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Lay the cells by the last step's boxes, and if this one goes farther than they let
+ * expect, by where it goes. */
+static void choose_cells(const struct eng_wide *wide, const struct eng_scene *scene,
+                         struct eng_quantising *quantising)
+{
+    double low[3];
+    double high[3];
+    if (eng_wide_extent(wide, scene, low, high)) {
+        lay_cells(low, high, quantising);
+        if (are_within(quantising, scene, false)) {
+            return;
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        low[k] = INFINITY;
+        high[k] = -INFINITY;
+    }
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        for (int j = 0; scene->objects[i].mesh && j < 6; j++) {
+            double least;
+            double most;
+            bounds_of(scene, &scene->objects[i], j / 3, j % 3, &least, &most);
+            low[j % 3] = fmin(low[j % 3], least);
+            high[j % 3] = fmax(high[j % 3], most);
+        }
+    }
+    for (int k = 0; k < 3 && !(low[k] <= high[k]); k++) {
+        low[k] = high[k] = 0; /* nothing is in the scene */
+    }
+    lay_cells(low, high, quantising);
+    assert(are_within(quantising, scene, false));
 }
 
 /* The longest side of a block's box at t = 0, in cells; negative: it is nowhere. */
@@ -222,45 +309,19 @@ static bool features_are_large(const struct eng_wide *wide, const struct eng_sce
     return seen > 0 && sum >= CELLS_MIN * seen;
 }
 
-/* Return whether both ends of what moves are so far within the numbers that no rounding
- * leads out. */
-static bool movers_are_within(const struct eng_wide *wide, const struct eng_scene *scene)
-{
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        const struct eng_object *object = &scene->objects[i];
-        if (!object->mesh || object->moves == ENG_STANDS) {
-            continue;
-        }
-        for (int j = 0; j < 6; j++) {
-            int k = j % 3;
-            const struct eng_bounds *bounds =
-                &object->bounds[j < 3 ? 1 - scene->now : scene->now];
-            double origin = object->frame.origin[j < 3 ? k : 4 + k];
-            double scale = (double)wide->quantising.scale[k];
-            double middle = (double)wide->quantising.below[k];
-            double low = (bounds->low[k] - origin) * object->frame.scale * scale - middle;
-            double high =
-                (bounds->high[k] - origin) * object->frame.scale * scale - middle;
-            if (!(low > -REACH_SURELY && high < REACH_SURELY)) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
 bool eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *scene,
                                bool may, bool is_current)
 {
-    bool were_quantised = eng_wide_has_quantised(wide);
-    if (is_current && may && were_quantised && movers_are_within(wide, scene)) {
+    bool were_quantised = wide->has_quantised;
+    if (is_current && may && were_quantised &&
+        are_within(&wide->quantising, scene, true)) {
         return true;
     }
-    struct eng_quantising quantising = {{0}, {0}, {0}};
-    atomic_store_explicit(&wide->left_quantised, false, memory_order_relaxed);
+    choose_cells(wide, scene, &wide->quantising);
     atomic_store_explicit(&wide->farthest, 0, memory_order_relaxed);
-    wide->makes_quantised = may && quantising_of(wide, scene, &quantising) &&
-                            features_are_large(wide, scene, &quantising);
-    wide->quantising = quantising;
-    return is_current && !were_quantised && !wide->makes_quantised;
+    /* Without memory for floats they serve small features, too. */
+    wide->has_quantised =
+        may && (features_are_large(wide, scene, &wide->quantising) ||
+                eng_wide_reserve_floats(wide) != PCCD_OK);
+    return is_current && !were_quantised && !wide->has_quantised;
 }

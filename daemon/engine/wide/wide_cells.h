@@ -3,7 +3,8 @@
  *
  * Both are laid over the scene before its vertices are placed, by the boxes of the last
  * step, because those of this step are made together with the marks; a scene without such
- * boxes goes by where it begins. A step that leaves the grid does without the sieve.
+ * boxes goes by where it begins. A step that leaves the grid does without the sieve;
+ * cells of boxes are laid by where the step goes, then.
  *
  * Threads: as marked.
  */
@@ -16,27 +17,19 @@
 
 /* ---- quantised boxes --------------------------------------------------------------- */
 
-/* Before the refit of a step, which `may` do so, when objects have their frames. A step
- * that goes farther than the last one let expect, and a scene whose features are small in
- * cells, do without. O(1), with frames O(objects). [compute]
+/* Before the refit of a step, which `may` do so, or else has room for floats, when
+ * objects have their frames. A scene whose features are small in cells does without, if
+ * there is memory for floats. O(objects). [compute]
  *
  * `is_current`: the boxes of what stands are there from the last step. True: they may
  * stay, as cells and what is made of them are the same. */
 bool eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *scene,
                                bool may, bool is_current);
 
-/* Cells of 1 / scale, a power of two, 2^-60 .. 2^60, around `middle` along an axis: what
+/* Cells of 1 / scale, a power of two, 2^-70 .. 2^60, around `middle` along an axis: what
  * is added for it is rounded, together never to less than ENG_QUANTISED_ROUND. [any] */
 void eng_wide_quantised_set(struct eng_quantising *quantising, int axis, double scale,
                             double middle);
-
-/* Return, after the refit, whether boxes of features may be compared in whole numbers.
- * [any] */
-static inline bool eng_wide_has_quantised(const struct eng_wide *wide)
-{
-    return wide->makes_quantised &&
-           !atomic_load_explicit(&wide->left_quantised, memory_order_relaxed);
-}
 
 /* ---- the grid of the sieve --------------------------------------------------------- */
 

@@ -92,7 +92,7 @@ void eng_wide_faces_open(const struct eng_faces *faces, uint32_t node,
     for (uint32_t i = 0; i < ENG_WIDE; i++) {
         below->child[i] = block * ENG_WIDE + i;
     }
-    if (eng_wide_has_quantised(wide)) {
+    if (wide->has_quantised) {
         box_faces(wide, block, faces->end, below);
     } else {
         rows_of(eng_wide_blocks(tree, 0) + block, faces->end, below);

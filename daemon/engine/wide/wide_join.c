@@ -59,7 +59,7 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         const struct eng_wide_tree *a = &wide->trees[eng_wide_tree_of(kind, 0)];
         const struct eng_wide_tree *b = &wide->trees[eng_wide_tree_of(kind, 1)];
-        bool is_quantised = boxes != ENG_JOIN_SWEPT && eng_wide_has_quantised(wide);
+        bool is_quantised = boxes != ENG_JOIN_SWEPT && wide->has_quantised;
         join->chunks[kind].count = 0;
         for (uint32_t level = 0; level < wide->level_count; level++) {
             struct eng_join *job = &join->jobs[kind][level];
@@ -75,9 +75,9 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
                 set_keys(wide, kind, job);
             }
             if (is_quantised && level == 0) {
-                job->a_quantised = eng_wide_quantised_blocks(a);
-                job->b_quantised = eng_wide_quantised_blocks(b);
-                job->b_quantised_boxes = eng_wide_quantised_boxes(b);
+                job->a_quantised = a->quantised;
+                job->b_quantised = b->quantised;
+                job->b_quantised_boxes = b->quantised_boxes;
             }
             for (int k = 0; k < 3; k++) {
                 job->a_corner[k] = a->corner[k];

@@ -180,7 +180,6 @@ static bool is_stale(const struct eng_scene *scene)
 
 static int prepare(struct eng_team *team, const struct eng_question *question)
 {
-    (void)question;
     struct eng_scene *scene = team->scene;
     int status = PCCD_OK;
     bool has_changed = false;
@@ -188,6 +187,9 @@ static int prepare(struct eng_team *team, const struct eng_question *question)
     if (eng_wide_of(scene)->is_stale) {
         eng_box_frames_choose(scene, scene->now, scene->now);
         status = eng_wide_assemble(eng_wide_of(scene), scene);
+    }
+    if (status == PCCD_OK && question->mode == PCCD_MODE_PAIRS) {
+        status = eng_wide_reserve_floats(eng_wide_of(scene));
     }
     if (status == PCCD_OK) {
         status = eng_wide_owners_prepare(&eng_wide_state_of(scene)->owners,

@@ -135,23 +135,13 @@ static void quantised_features(struct eng_wide *wide, enum pccd_tree kind, uint3
     for (uint32_t i = block; i < end; i += FLOAT_BLOCKS) {
         uint32_t part = smaller(FLOAT_BLOCKS, end - i);
         box_features(wide, kind, i, part, floats);
-        if (!wide->kernels->quantised_blocks(
-                floats, tree->boxes + i, part, &wide->quantising,
-                eng_wide_quantised_blocks(tree) + i, eng_wide_quantised_boxes(tree) + i,
-                &farthest)) {
-            assert(kind == PCCD_TREE_VERTICES);
-            atomic_store_explicit(&wide->left_quantised, true, memory_order_relaxed);
-        }
+        bool fits = wide->kernels->quantised_blocks(
+            floats, tree->boxes + i, part, &wide->quantising, tree->quantised + i,
+            tree->quantised_boxes + i, &farthest);
+        assert(fits); /* eng_wide_quantised_choose */
+        (void)fits;
     }
     keep_most(&wide->farthest, farthest);
-}
-
-/* Vertices are, as long as this is not known of all of them: floats and whole numbers are
- * in one place, and threads may not differ about what is there. */
-static bool becomes_quantised(const struct eng_wide *wide, enum pccd_tree kind)
-{
-    return kind == PCCD_TREE_VERTICES ? wide->makes_quantised
-                                      : eng_wide_has_quantised(wide);
 }
 
 static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
@@ -161,10 +151,10 @@ static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
         uint32_t slot = block * ENG_WIDE;
         refit_points(wide, scene, slot, slot + count * ENG_WIDE);
     }
-    if (!wide->is_swept && becomes_quantised(wide, kind)) {
+    if (!wide->is_swept && wide->has_quantised) {
         quantised_features(wide, kind, block, count);
     } else {
-        box_features(wide, kind, block, count, wide->trees[kind].blocks + block);
+        box_features(wide, kind, block, count, wide->trees[kind].floats + block);
     }
 }
 
@@ -185,14 +175,6 @@ static bool next_moving(const uint16_t *moving, uint32_t limit, uint32_t *first,
     return *first < block;
 }
 
-/* Return whether boxes of what stands may stay. Not if they are whole numbers, and it has
- * turned out that floats are needed in this step. */
-static bool keeps(const struct eng_wide *wide, enum pccd_tree kind)
-{
-    return wide->keeps && (kind == PCCD_TREE_VERTICES || !wide->makes_quantised ||
-                           eng_wide_has_quantised(wide));
-}
-
 void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
                           enum pccd_tree kind, uint32_t chunk)
 {
@@ -200,7 +182,7 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
     uint32_t block = chunk * ENG_WIDE_CHUNK_BLOCKS;
     uint32_t count = smaller(ENG_WIDE_CHUNK_BLOCKS, tree->block_count[0] - block);
     bool moves = !wide->has_moving || eng_wide_still_mark_chunk(wide, kind, chunk);
-    if (keeps(wide, kind)) {
+    if (wide->keeps) {
         if (!moves) {
             return;
         }
@@ -234,7 +216,7 @@ static void fold_level(const struct eng_wide *wide, enum pccd_tree kind, uint32_
 {
     const struct eng_wide_tree *tree = &wide->trees[kind];
     uint32_t count = tree->block_count[level], first, end = 0;
-    if (!keeps(wide, kind)) {
+    if (!wide->keeps) {
         fold(wide, tree, level, 0, count);
         return;
     }
@@ -249,11 +231,6 @@ void eng_wide_refit_above(struct eng_wide *wide)
     wide->boxes_of = wide->is_swept ? 0 : wide->refit_of;
     if (wide->has_moving) {
         eng_wide_still_mark_above(wide);
-    }
-    if (!wide->is_swept && wide->makes_quantised && !eng_wide_has_quantised(wide)) {
-        struct eng_wide_tree *vertices = &wide->trees[PCCD_TREE_VERTICES];
-        box_features(wide, PCCD_TREE_VERTICES, 0, vertices->block_count[0],
-                     vertices->blocks);
     }
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         for (uint32_t level = 2; level < wide->level_count; level++) {
