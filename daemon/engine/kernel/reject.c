@@ -60,7 +60,7 @@ ENG_INLINE uint32_t planes_reject(enum pccd_kind kind, const struct pairs *pairs
                  eng_v_size_of_two(sides.u[0], sides.u[1]) *
                  eng_v_size_of_two(sides.v[0], sides.v[1]);
     heights_of(&sides, n, f);
-    return heights_miss(f, 64 * ENG_U * size + ENG_TINY);
+    return heights_miss(f, 80 * ENG_U * size + ENG_TINY);
 }
 
 /* Bits of the lanes that certainly have no contact. The better one of two tests goes

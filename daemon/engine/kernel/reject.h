@@ -302,14 +302,22 @@ ENG_INLINE uint32_t are_on_one_side(int count, const eng_n *low, const eng_n *hi
     return eng_nm_bits(eng_nm_or(above, below));
 }
 
-/* Return the lanes in which these coefficients, which are off by `error`, say that there
- * is no plane. */
+/* Return the lanes in which these coefficients say that there is no plane: those over
+ * either half of the step have one sign. They are off by `error`, those in the middle by
+ * three times as much. */
 ENG_INLINE uint32_t heights_miss(const eng_n f[4], eng_n error)
 {
-    const eng_n low[2] = {eng_n_min(f[0], f[3]), eng_n_min(f[1], f[2])};
-    const eng_n high[2] = {eng_n_max(f[0], f[3]), eng_n_max(f[1], f[2])};
-    const eng_n least[2] = {error, 3 * error};
-    return are_on_one_side(2, low, high, least);
+    /* Times six the second of a half, counted from its end of the step, times twelve the
+     * third. The fourth is the mean of the two third ones. */
+    eng_n middle = f[1] + f[2];
+    eng_n second[2] = {3 * f[0] + f[1], 3 * f[3] + f[2]};
+    eng_n third[2] = {second[0] + middle, second[1] + middle};
+    const eng_n low[3] = {eng_n_min(f[0], f[3]), eng_n_min(second[0], second[1]),
+                          eng_n_min(third[0], third[1])};
+    const eng_n high[3] = {eng_n_max(f[0], f[3]), eng_n_max(second[0], second[1]),
+                           eng_n_max(third[0], third[1])};
+    const eng_n least[3] = {error, 6 * error, 12 * error};
+    return are_on_one_side(3, low, high, least);
 }
 
 /* Return the lanes in which the planes across both features stay farther apart than

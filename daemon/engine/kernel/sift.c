@@ -262,7 +262,7 @@ ENG_INLINE uint32_t planes_reject(const struct question *question,
     if (question->is_cut) {
         cut_cubic(f, question->t_end);
     }
-    return heights_miss(f, (question->is_cut ? 144 : 64) * ENG_N_U * volume + areas);
+    return heights_miss(f, (question->is_cut ? 160 : 80) * ENG_N_U * volume + areas);
 }
 
 /* ---- one test after the other ------------------------------------------------------ */
