@@ -22,6 +22,11 @@ struct eng_g {
 
 #if ENG_VECTOR_BYTES >= 32
 
+ENG_INLINE __m256i eng_marks_one(const struct eng_mark *mark)
+{
+    return _mm256_load_si256((const __m256i *)(const void *)mark);
+}
+
 ENG_INLINE __m256i eng_marks_ends(const int32_t *low, const int32_t *high)
 {
     return _mm256_inserti128_si256(
@@ -200,29 +205,57 @@ ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *siev
 
 #elif ENG_VECTOR_BYTES == 32
 
-ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *sieve,
-                               const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
+/* Four pairs, with both ends in a vector: t = 0 in its first half. One record is one load
+ * then, and what is computed at both ends is computed once. */
+ENG_INLINE void eng_marks_load_four(enum pccd_kind kind, const struct eng_sieve *sieve,
+                                    const uint32_t *a, const uint32_t *b,
+                                    struct eng_g d[3])
 {
-    __m256i v[2][3][4];
+    __m256i from[4];
 #pragma GCC unroll 4
     for (int i = 0; i < 4; i++) {
-        struct eng_corners p = eng_corners_of(kind, sieve, a[i], b[i]);
-        struct eng_corners q = eng_corners_of(kind, sieve, a[i + 4], b[i + 4]);
-        __m256i from0 = eng_marks_ends(p.mark[0]->q0, q.mark[0]->q0);
-        __m256i from1 = eng_marks_ends(p.mark[0]->q1, q.mark[0]->q1);
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; k++) {
-            v[0][k][i] = _mm256_sub_epi32(
-                eng_marks_ends(p.mark[k + 1]->q0, q.mark[k + 1]->q0), from0);
-            v[1][k][i] = _mm256_sub_epi32(
-                eng_marks_ends(p.mark[k + 1]->q1, q.mark[k + 1]->q1), from1);
-        }
+        from[i] = eng_marks_one(eng_corners_of(kind, sieve, a[i], b[i]).mark[0]);
     }
 #pragma GCC unroll 3
     for (int k = 0; k < 3; k++) {
-        d[0][k] = eng_marks_turn(v[0][k]);
-        d[1][k] = eng_marks_turn(v[1][k]);
+        __m256i v[4];
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; i++) {
+            const struct eng_mark *to =
+                eng_corners_of(kind, sieve, a[i], b[i]).mark[k + 1];
+            v[i] = _mm256_sub_epi32(eng_marks_one(to), from[i]);
+        }
+        d[k] = eng_marks_turn(v);
     }
+}
+
+/* One end of both fours. */
+ENG_INLINE eng_fi eng_marks_of_one_end(eng_fi first, eng_fi second, int end)
+{
+    return end ? (eng_fi)_mm256_permute2x128_si256((__m256i)first, (__m256i)second, 0x31)
+               : (eng_fi)_mm256_permute2x128_si256((__m256i)first, (__m256i)second, 0x20);
+}
+
+ENG_INLINE void eng_marks_by_end(const struct eng_g fours[2][3], struct eng_g d[2][3])
+{
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; k++) {
+            d[end][k].x = eng_marks_of_one_end(fours[0][k].x, fours[1][k].x, end);
+            d[end][k].y = eng_marks_of_one_end(fours[0][k].y, fours[1][k].y, end);
+            d[end][k].z = eng_marks_of_one_end(fours[0][k].z, fours[1][k].z, end);
+        }
+    }
+}
+
+ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *sieve,
+                               const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
+{
+    struct eng_g fours[2][3];
+    eng_marks_load_four(kind, sieve, a, b, fours[0]);
+    eng_marks_load_four(kind, sieve, a + 4, b + 4, fours[1]);
+    eng_marks_by_end(fours, d);
 }
 
 #elif ENG_VECTOR_BYTES == 16

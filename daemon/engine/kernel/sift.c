@@ -11,6 +11,16 @@
 #include "reject.h"
 #include "table.h"
 
+/* Pairs are taken ENG_F_LANES at a time, the last of them again where there are fewer. */
+ENG_INLINE void repeat_last(uint32_t *a, uint32_t *b, uint32_t count)
+{
+    _Static_assert(ENG_SIEVE_SPARE == 16, "eng_fill16 writes so many");
+    if (count > 0) {
+        eng_fill16(a + count, a[count - 1]);
+        eng_fill16(b + count, b[count - 1]);
+    }
+}
+
 /* ---- axes of swept pairs ----------------------------------------------------------- */
 
 /* Marks are compared in the layout that they have in memory, for the many pairs whose
@@ -162,20 +172,15 @@ ENG_INLINE uint32_t pass_axes(enum pccd_kind kind, const struct eng_sieve *sieve
 {
     struct axes axes;
     uint32_t kept = 0;
+    repeat_last(a, b, count);
     for (uint32_t first = 0; first < count; first += AXES_BYTES) {
         uint32_t n = count - first < AXES_BYTES ? count - first : AXES_BYTES;
         uint32_t *a_in = a + first;
         uint32_t *b_in = b + first;
-        uint32_t i = 0;
-        for (; i + ENG_F_LANES <= n; i += ENG_F_LANES) {
+        for (uint32_t i = 0; i < n; i += ENG_F_LANES) {
             compare_axes(kind, sieve, a_in + i, b_in + i, axes.below + i, axes.above + i);
         }
-        if (i < n) {
-            uint32_t full[2][ENG_F_LANES];
-            eng_marks_fill(a_in + i, b_in + i, n - i, full);
-            compare_axes(kind, sieve, full[0], full[1], axes.below + i, axes.above + i);
-        }
-        for (i = 0; i < n; i += ENG_F_LANES) {
+        for (uint32_t i = 0; i < n; i += ENG_F_LANES) {
             uint32_t out = axes_between(axes.below + i, axes.above + i);
             uint32_t lanes = n - i < ENG_F_LANES ? (1u << (n - i)) - 1 : ENG_F_ALL;
             kept +=
@@ -201,22 +206,15 @@ ENG_INLINE struct eng_g less(struct eng_g a, struct eng_g b)
     return (struct eng_g){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-/* Thick: sides of both features. Else it does not matter which vectors lie in a plane
- * where the features do: differences to one vertex. */
-ENG_INLINE struct sides sides_of(const struct question *question,
+/* Sides of both features. */
+ENG_INLINE struct sides sides_of(enum pccd_kind kind,
                                  const struct eng_g d[2][DIFFERENCES])
 {
-    bool is_vf = question->kind == PCCD_VF;
+    bool is_vf = kind == PCCD_VF;
     struct sides sides;
 #pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
         const struct eng_g *own = d[end];
-        if (!question->is_thick) {
-            sides.w[end] = vector_of(own[0]);
-            sides.u[end] = vector_of(own[1]);
-            sides.v[end] = vector_of(own[2]);
-            continue;
-        }
         sides.w[end] = vector_of(own[is_vf ? 0 : 1]);
         sides.u[end] = vector_of(is_vf ? less(own[1], own[0]) : own[0]);
         sides.v[end] = vector_of(less(own[2], own[is_vf ? 0 : 1]));
@@ -242,27 +240,133 @@ ENG_INLINE void cut_cubic(eng_f f[4], eng_f t)
     f[3] = mix(s, quad[0], t, quad[1]);
 }
 
-ENG_INLINE uint32_t planes_reject(const struct question *question,
-                                  const struct eng_g d[2][DIFFERENCES])
+/* Return more than what a determinant of three vectors is off by, `of_products` of it by
+ * the arithmetic. The sizes are their largest coordinates. */
+ENG_INLINE eng_f volume_error(const eng_f sizes[3], eng_f of_products)
 {
-    struct sides sides = sides_of(question, d);
-    eng_f a = eng_v_size_of_two(sides.w[0], sides.w[1]) + OFF_GRID;
-    eng_f b = eng_v_size_of_two(sides.u[0], sides.u[1]) + OFF_GRID;
-    eng_f c = eng_v_size_of_two(sides.v[0], sides.v[1]) + OFF_GRID;
-    eng_f volume = a * b * c;
-    eng_f areas = 7 * (a * b + (a + b) * c);
-    if (question->is_thick) {
-        eng_f length = 48 * ENG_N_U * (b * c) + 12 * (b + c);
-        return planes_are_beyond(&sides, question->reach, 72 * ENG_N_U * volume + areas,
-                                 length);
-    }
-    struct eng_v n[3];
+    eng_f a = sizes[0] + OFF_GRID;
+    eng_f b = sizes[1] + OFF_GRID;
+    eng_f c = sizes[2] + OFF_GRID;
+    return of_products * (a * b * c) + 7 * (a * b + (a + b) * c);
+}
+
+ENG_INLINE uint32_t thick_planes_reject(const struct question *question,
+                                        const struct eng_g d[2][DIFFERENCES])
+{
+    struct sides sides = sides_of(question->kind, d);
+    const eng_f sizes[3] = {eng_v_size_of_two(sides.w[0], sides.w[1]),
+                            eng_v_size_of_two(sides.u[0], sides.u[1]),
+                            eng_v_size_of_two(sides.v[0], sides.v[1])};
+    eng_f b = sizes[1] + OFF_GRID;
+    eng_f c = sizes[2] + OFF_GRID;
+    eng_f length = 48 * ENG_N_U * (b * c) + 12 * (b + c);
+    eng_f error = volume_error(sizes, eng_f_all(72 * ENG_N_U));
+    return planes_are_beyond(&sides, question->reach, error, length);
+}
+
+/* The cubic: it does not matter which vectors lie in a plane where the features do, so it
+ * is of the differences to one vertex. Coefficients as heights_of has them, and the
+ * largest coordinates of the three vectors. */
+struct cubic {
     eng_f f[4];
-    heights_of(&sides, n, f);
-    if (question->is_cut) {
-        cut_cubic(f, question->t_end);
+    eng_f sizes[3];
+};
+
+#if ENG_VECTOR_BYTES == 32
+
+/* Three vectors of eight pairs at both ends are 18 registers, and there are 16: so four
+ * pairs go at a time, with both ends in a register. */
+
+ENG_INLINE eng_f of_one_end(eng_f first, eng_f second, int end)
+{
+    return (eng_f)eng_marks_of_one_end((eng_fi)first, (eng_fi)second, end);
+}
+
+ENG_INLINE eng_f other_end(eng_f v)
+{
+    return (eng_f)_mm256_permute2f128_ps((__m256)v, (__m256)v, 1);
+}
+
+ENG_INLINE struct eng_v other_ends(struct eng_v v)
+{
+    return (struct eng_v){other_end(v.x), other_end(v.y), other_end(v.z)};
+}
+
+/* f[0]: the first and the last coefficient, f[1]: the second and the third. */
+ENG_INLINE struct cubic cubic_of_four(const struct eng_g d[DIFFERENCES])
+{
+    struct eng_v w = vector_of(d[0]);
+    struct eng_v u = vector_of(d[1]);
+    struct eng_v v = vector_of(d[2]);
+    struct cubic cubic = {.sizes = {eng_v_size(w), eng_v_size(u), eng_v_size(v)}};
+    struct eng_v n = eng_v_cross(u, v);
+    struct eng_v mixed = eng_v_cross(u, other_ends(v));
+    struct eng_v middle = eng_v_add(mixed, other_ends(mixed));
+    cubic.f[0] = eng_v_dot(w, n);
+    cubic.f[1] = eng_v_dot(other_ends(w), n) + eng_v_dot(w, middle);
+    return cubic;
+}
+
+/* Load the pairs, too. */
+ENG_INLINE struct cubic cubic_of(enum pccd_kind kind, const struct eng_sieve *sieve,
+                                 const uint32_t *a, const uint32_t *b,
+                                 struct eng_g d[2][DIFFERENCES])
+{
+    struct eng_g fours[2][DIFFERENCES];
+    struct cubic of[2];
+    struct cubic cubic;
+#pragma GCC unroll 2
+    for (int i = 0; i < 2; i++) {
+        eng_marks_load_four(kind, sieve, a + 4 * i, b + 4 * i, fours[i]);
+        of[i] = cubic_of_four(fours[i]);
     }
-    return heights_miss(f, (question->is_cut ? 160 : 80) * ENG_N_U * volume + areas);
+    eng_marks_by_end((const struct eng_g(*)[DIFFERENCES])fours, d);
+    cubic.f[0] = of_one_end(of[0].f[0], of[1].f[0], 0);
+    cubic.f[1] = of_one_end(of[0].f[1], of[1].f[1], 0);
+    cubic.f[2] = of_one_end(of[0].f[1], of[1].f[1], 1);
+    cubic.f[3] = of_one_end(of[0].f[0], of[1].f[0], 1);
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        eng_f first = of[0].sizes[k];
+        eng_f second = of[1].sizes[k];
+        cubic.sizes[k] =
+            eng_f_max(of_one_end(first, second, 0), of_one_end(first, second, 1));
+    }
+    return cubic;
+}
+
+#else
+
+ENG_INLINE struct cubic cubic_of(enum pccd_kind kind, const struct eng_sieve *sieve,
+                                 const uint32_t *a, const uint32_t *b,
+                                 struct eng_g d[2][DIFFERENCES])
+{
+    struct sides sides;
+    struct eng_v n[3];
+    struct cubic cubic;
+    eng_marks_load(kind, sieve, a, b, d);
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+        sides.w[end] = vector_of(d[end][0]);
+        sides.u[end] = vector_of(d[end][1]);
+        sides.v[end] = vector_of(d[end][2]);
+    }
+    cubic.sizes[0] = eng_v_size_of_two(sides.w[0], sides.w[1]);
+    cubic.sizes[1] = eng_v_size_of_two(sides.u[0], sides.u[1]);
+    cubic.sizes[2] = eng_v_size_of_two(sides.v[0], sides.v[1]);
+    heights_of(&sides, n, cubic.f);
+    return cubic;
+}
+
+#endif
+
+ENG_INLINE uint32_t planes_reject(const struct question *question, struct cubic cubic)
+{
+    if (question->is_cut) {
+        cut_cubic(cubic.f, question->t_end);
+    }
+    eng_f of_products = eng_f_all((question->is_cut ? 160 : 80) * ENG_N_U);
+    return heights_miss(cubic.f, volume_error(cubic.sizes, of_products));
 }
 
 /* ---- one test after the other ------------------------------------------------------ */
@@ -277,21 +381,23 @@ ENG_INLINE uint32_t pass(const struct question *question, enum tests tests,
 {
     uint32_t kept = 0;
     *gone = 0;
+    repeat_last(a, b, count);
     for (uint32_t i = 0; i < count; i += ENG_F_LANES) {
         uint32_t n = count - i < ENG_F_LANES ? count - i : ENG_F_LANES;
         uint32_t lanes = ENG_F_ALL >> (ENG_F_LANES - n);
-        uint32_t full[2][ENG_F_LANES];
+        uint32_t out = 0;
         struct eng_g d[2][DIFFERENCES];
-        if (n == ENG_F_LANES) {
-            eng_marks_load(question->kind, sieve, a + i, b + i, d);
+        if (tests & PLANES && !question->is_thick) {
+            out =
+                planes_reject(question, cubic_of(question->kind, sieve, a + i, b + i, d));
         } else {
-            eng_marks_fill(a + i, b + i, n, full);
-            eng_marks_load(question->kind, sieve, full[0], full[1], d);
+            eng_marks_load(question->kind, sieve, a + i, b + i, d);
         }
-        uint32_t out = tests & PLANES ? planes_reject(question, d)
-                       : tests & TIME ? leave_no_time(question->kind, d, question->t_end,
-                                                      question->reach)
-                                      : 0;
+        if (tests & PLANES && question->is_thick) {
+            out = thick_planes_reject(question, d);
+        } else if (tests & TIME) {
+            out = leave_no_time(question->kind, d, question->t_end, question->reach);
+        }
         *gone += (uint32_t)__builtin_popcount(out & lanes);
         if (tests & DIAGONALS) {
             out |= are_beyond(question->kind, d, AXES, DIRECTIONS,
@@ -313,12 +419,12 @@ ENG_INLINE uint32_t sift(const struct question *question, struct eng_sieve *siev
     uint32_t second;
     uint32_t left;
     uint32_t kept;
-    if (sieve->in_time && !question->is_cut) {
+    bool is_in_time = sieve->in_time && !question->is_cut;
+    if (is_in_time || sieve->cubic_first) {
         left = pass(question, PLANES, sieve, a, b, count, &first);
-        return pass(question, DIAGONALS, sieve, a, b, left, &second);
-    }
-    if (sieve->cubic_first) {
-        left = pass(question, PLANES, sieve, a, b, count, &first);
+        if (is_in_time) {
+            return pass(question, DIAGONALS, sieve, a, b, left, &second);
+        }
         kept = pass(question, TIME | DIAGONALS, sieve, a, b, left, &second);
     } else {
         left = pass(question, TIME, sieve, a, b, count, &first);
