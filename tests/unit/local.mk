@@ -104,6 +104,7 @@ test_programs += \
     tests/unit/test_tool_shown \
     tests/unit/test_tool_whole_file
 test_scripts += \
+    tests/unit/test_eng_margins.sh \
     tests/unit/test_eng_neon.sh \
     tests/unit/test_eng_sets.sh
 # What test_eng_neon.sh and test_eng_sets.sh run for a set.
