@@ -26,8 +26,9 @@ void bench_world_init(struct bench_world *world, const struct bench_frames *fram
                       const struct eng_scene_settings *settings);
 void bench_world_deinit(struct bench_world *world);
 
-/* Where the scene that is told has broken since the last step: give the object that did
- * its new mesh, at the start positions of `frames`. A step does so if nobody has. */
+/* Give the object that has broken since the last step its new mesh, at the start
+ * positions of `frames`, where the scene that is told has one. A step does so if nobody
+ * has. */
 void bench_world_follow(struct bench_world *world, const struct bench_frames *frames);
 
 /* All contacts or what the mode says, of one thread, none left out, by the

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Who unmaps a memory in the place of proto_memory_deinit. */
+/* Call that unmaps a memory in the place of proto_memory_deinit. */
 struct proto_unmap {
     void (*call)(void *context, void *base, size_t bytes);
     void *context;

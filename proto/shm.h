@@ -126,7 +126,7 @@ struct proto_journal_entry {
     uint32_t message_bytes;
     uint32_t reserved;
 };
-/* Where its payload begins. */
+/* Return where its payload begins. */
 #define PROTO_JOURNAL_PAYLOAD(message_bytes)                                             \
     ((sizeof(struct proto_journal_entry) + (uint64_t)(message_bytes) + 7) / 8 * 8)
 

@@ -95,7 +95,7 @@ static bool make_scene(char *text, struct bench_scene *scene)
     return true;
 }
 
-/* Where this rank's vertices are after so many steps. */
+/* Put this rank's vertices where they are after so many steps. */
 static void place(struct counter *counter, uint32_t step)
 {
     uint32_t frame = step / counter->parts;

@@ -40,9 +40,9 @@ enum peer_kind { PEER_VF = 0, PEER_EE = 1 };
 #define PEER_SINK_MAX 16u
 #define PEER_RING     1024u /* pairs: ENG_CHUNK_MAX, what is tested at a time */
 
-/* Where one thread puts its pairs. Where pairs alone are asked for, what a caller would
- * do with them is none of the library's time: they are written to a ring that stays in
- * the first cache, and are summed up only when the sets are compared. */
+/* Pairs of one thread. Where pairs alone are asked for, what a caller would do with them
+ * is none of the library's time: they are written to a ring that stays in the first
+ * cache, and are summed up only when the sets are compared. */
 struct peer_sink {
     uint64_t count[2]; /* by enum peer_kind */
     uint64_t sum[2];   /* of a hash of each pair: equal for equal sets */

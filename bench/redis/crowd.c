@@ -30,7 +30,7 @@ static void fail(const char *what)
     exit(2);
 }
 
-/* Who does not is closed after ten seconds. */
+/* Say hello: who does not is closed after ten seconds. */
 static void say_hello(int fd)
 {
     static struct proto_encoder message;

@@ -122,7 +122,7 @@ static void close_client(struct run_asked *asked)
     free(asked);
 }
 
-/* Where the scene has broken: the object that did gets its new mesh. */
+/* Give the object that has broken its new mesh, where the scene has one. */
 static void follow(struct run_asked *asked, const struct bench_frames *frames)
 {
     uint32_t i = frames->told->break_object;

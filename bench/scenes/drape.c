@@ -185,7 +185,8 @@ static uint32_t bucket_of(int64_t x, int64_t y, int64_t z)
                       (z & mask_z) << 2 * BITS_XY);
 }
 
-/* Which cell of that size a coordinate is in; all are within a few thousand metres. */
+/* Return the cell of that size that a coordinate is in; all are within a few thousand
+ * metres. */
 static int64_t cell_of(double x, double size)
 {
     return (int64_t)(x / size + 0x1p30);

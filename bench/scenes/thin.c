@@ -81,7 +81,7 @@ void bench_make_points_self(struct bench_scene *scene, bool small)
 #define SEGMENTS 100u
 #define LENGTH   5.0 /* of a segment, in r */
 
-/* Where vertex `k` of a strand is at first: strands stand on a grid and wave together. */
+/* Place vertex `k` of a strand at first: strands stand on a grid and wave together. */
 static void place_hair(uint32_t strand, uint32_t strands, uint32_t k, double x[3])
 {
     const double r = HAIR_R;

@@ -55,7 +55,7 @@ struct column {
     bool is_hidden; /* by columns_fit */
 };
 
-/* Where a member of a struct lies, for a row of a table. */
+/* Say where a member of a struct lies, for a row of a table. */
 #define COLUMN_OF(type, member)                                                          \
     .at = offsetof(type, member), .bytes = sizeof((type *)0)->member
 

@@ -54,7 +54,8 @@ enum ctl_exit {
 CTL_COMMANDS(CTL_PROTOTYPE)
 #undef CTL_PROTOTYPE
 
-/* Which program complains, if it is not pccdctl; the caller keeps the name. */
+/* Set the name of the program that complains, if it is not pccdctl; the caller keeps
+ * it. */
 void ctl_name_program(const char *name);
 /* One line on stderr, after "pccdctl: ". What could control a terminal, as a name may, is
  * written as \xNN. Returns CTL_FAILED. */

@@ -35,7 +35,7 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* Where a %d or %0Nd ends that begins here; NULL: here is none. */
+/* Return where a %d or %0Nd ends that begins here; NULL: here is none. */
 static const char *end_of_conversion(const char *at, int *width)
 {
     *width = 1;
@@ -295,7 +295,7 @@ static bool goes_down(const char *a, const char *b)
     return order > 0 && *a == *b;
 }
 
-/* Who names a file twice has chosen the order. */
+/* Return whether a file was named before: who names it twice has chosen the order. */
 static bool was_named(const struct ctl_sequence *sequence, uint32_t before,
                       const char *path)
 {

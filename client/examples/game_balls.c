@@ -65,7 +65,7 @@ static void make(struct pccd_client *client, uint32_t scene)
     }
 }
 
-/* Where all go if nothing is in the way: on as before, and down. */
+/* Predict where all go if nothing is in the way: on as before, and down. */
 static void predict(void)
 {
     for (uint32_t i = 0; i < BODIES; i++) {

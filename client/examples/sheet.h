@@ -143,8 +143,8 @@ static inline void sheet_relax(uint32_t side, double (*end)[3], uint32_t a, uint
     }
 }
 
-/* Where a sheet of side 1 goes in a frame, if it meets nothing: to `end`, from x, where
- * it is, and `was` the frame before. */
+/* Predict where a sheet of side 1 goes in a frame, if it meets nothing: to `end`, from x,
+ * where it is, and `was` the frame before. */
 static inline void sheet_predict(uint32_t side, double (*x)[3], double (*was)[3],
                                  double (*end)[3], double fall)
 {

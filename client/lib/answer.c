@@ -148,7 +148,7 @@ struct cli_call *cli_step_find(struct pccd_client *client, uint64_t step)
     return NULL;
 }
 
-/* Why there is no such step. */
+/* Say why there is no such step. */
 static int fail_not_pending(struct pccd_client *client, uint64_t step)
 {
     return client->dead ? cli_alive(client)

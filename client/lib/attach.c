@@ -14,7 +14,7 @@
 /* Slots that have memory at once: one with the last positions, one to write to. */
 #define SLOTS_NOW 2u
 
-/* Where a slot's payload begins in the upload ring. */
+/* Return where a slot's payload begins in the upload ring. */
 static uint64_t slot_offset(const struct cli_ring *ring, uint32_t slot)
 {
     return sizeof(struct proto_upload) + slot * ring->slot_stride;

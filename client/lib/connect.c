@@ -124,7 +124,7 @@ static int take_options(struct pccd_client *client, const struct pccd_options *a
     return status;
 }
 
-/* Which way the options, or the environment, lead to a daemon. */
+/* Choose the way by which the options, or the environment, lead to a daemon. */
 static int choose_way(struct pccd_client *client, const struct pccd_options *options)
 {
     struct cli_link *link = &client->link;

@@ -25,7 +25,7 @@ static struct cli_shared *find_entry(struct pccd_client *client, uint32_t scene)
     return NULL;
 }
 
-/* Where news are kept, with an entry that is free. Returns 0 or PCCD_E_NOMEM. */
+/* Make a place for news, with an entry that is free. Return 0 or PCCD_E_NOMEM. */
 static int make_room(struct pccd_client *client)
 {
     uint32_t room = client->shared_room == 0 ? ROOM_MIN : client->shared_room * 2;

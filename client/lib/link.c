@@ -177,7 +177,7 @@ static int say_hello(struct pccd_client *client, bool with_held, uint64_t deadli
     return 0;
 }
 
-/* Who listens on a path that nobody chose must be this user or root: in /tmp, or with
+/* Check that this user or root listens on a path that nobody chose: in /tmp, or with
  * another user's $XDG_RUNTIME_DIR, anybody may have been there first. */
 static int check_owner(struct pccd_client *client)
 {

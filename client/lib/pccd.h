@@ -66,9 +66,9 @@ struct pccd_client;
 const char *pccd_status_name(int status);
 const char *pccd_status_text(int status);
 
-/* Why the most recent failed call on this client failed, as a sentence; "" when none has.
- * With a NULL client it is about the last pccd_connect of this thread, or its last call
- * without a client. Valid until the next call. */
+/* Return why the most recent failed call on this client failed, as a sentence; "" when
+ * none has. With a NULL client it is about the last pccd_connect of this thread, or its
+ * last call without a client. Valid until the next call. */
 const char *pccd_error_text(const struct pccd_client *client);
 
 /* "0.1.0" of the library in use. [any thread] */
@@ -334,7 +334,7 @@ int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge 
                     uint32_t edge_count);
 int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh);
 
-/* Who shares a scene. All zeros: nobody does. */
+/* Settings of a new scene: with whom it is shared. All zeros: with nobody. */
 struct pccd_scene_settings {
     const char *name; /* of a shared scene (below), 1 .. 255 bytes; NULL: not shared */
     enum pccd_share share; /* with a name: make the scene, or take part in it */

@@ -47,8 +47,8 @@ union result {
 #undef MEMBER
 };
 
-/* Where the result of a call goes. A journal is read by whoever records, also when nobody
- * waits for it any more. */
+/* Return where the result of a call goes. A journal is read by whoever records, also when
+ * nobody waits for it any more. */
 static void *result_of(struct cli_call *call, union result *unused)
 {
     return is_answered(call)                            ? &call->answer

@@ -22,7 +22,7 @@
 
 /* ---- positions: frame.c ------------------------------------------------------------ */
 
-/* Where things lie in the payload of a slot. */
+/* Layout of the payload of a slot. */
 #define CLI_PAYLOAD_ALIGN 64u /* of the first range: a cache line */
 #define CLI_RANGE_ALIGN   8u  /* of every range: the protocol's */
 

@@ -111,8 +111,8 @@ static void order_objects(const struct pccd_mpi *world, uint32_t *order)
     }
 }
 
-/* Where the bounds of each object begin in libpccd's answer, which has one for an object
- * that has nothing here; PCCD_E_INTERNAL: they are not those. */
+/* Find where the bounds of each object begin in libpccd's answer, which has one for an
+ * object that has nothing here; PCCD_E_INTERNAL: they are not those. */
 static int find_local(struct pccd_mpi *world, const uint32_t *order, const double **local)
 {
     uint64_t at = 0;

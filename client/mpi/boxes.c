@@ -352,7 +352,7 @@ static bool choose_of(struct search *search, const struct ranks_block *block,
     return true;
 }
 
-/* Which of the own leaves go to rank r; false: no memory. */
+/* Choose which of the own leaves go to rank r. Return false without memory. */
 static bool choose_for(const struct pccd_mpi *world, struct search *search, int r)
 {
     const struct ranks_block *blocks = search->fetch->leaves->blocks;

@@ -208,7 +208,8 @@ static uint32_t corners_at_a_time(uint32_t count)
     return eighth < 1u << 14 ? 1u << 14 : eighth;
 }
 
-/* Where the numbers of words are among the local vertices, which have all of them. */
+/* Find where the numbers of words are among the local vertices, which have all of
+ * them. */
 static void find_vertices(const struct ranks_local *local, struct naming *naming,
                           uint32_t count)
 {

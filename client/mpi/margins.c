@@ -85,7 +85,7 @@ static int make_guesses(struct pccd_mpi *world)
     return PCCD_OK;
 }
 
-/* Where samples are and how they go, for the next time. */
+/* Note where samples are and how they go, for the next time. */
 static void guess(const struct pccd_mpi *world)
 {
     for (uint32_t o = 0; o < world->object_count; o++) {

@@ -173,8 +173,8 @@ static bool note_written(struct ranks_object *object, const struct pccd_motion *
     return is_free;
 }
 
-/* Where the ends of a motion are to be written: object->next, and object->start if it
- * says where it starts. */
+/* Make room for the ends of a motion: object->next, and object->start if it says where it
+ * starts. */
 static int make_room(struct pccd_mpi *world, const struct pccd_motion *motion,
                      struct ranks_object *object)
 {

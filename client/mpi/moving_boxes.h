@@ -72,9 +72,9 @@ static inline double ranks_blur(float at, float pace)
            (double)FLT_MIN;
 }
 
-/* Where a vertex that goes from x0 to x1 in a step may be then and later, by axis: if the
- * margin follows, near cover[k] + t * cover[k + 3] at the begin of the t-th later step,
- * else between these two. */
+/* Set where a vertex that goes from x0 to x1 in a step may be then and later, by axis: if
+ * the margin follows, near cover[k] + t * cover[k + 3] at the begin of the t-th later
+ * step, else between these two. */
 static inline void ranks_cover(const double x0[3], const double x1[3],
                                const struct ranks_margin *margin, float cover[6])
 {

@@ -43,7 +43,7 @@ void ranks_side_scene_deinit(const struct pccd_mpi *world, struct ranks_side_sce
 void ranks_side_scene_find(const struct ranks_side_scene *side, uint32_t object,
                            uint32_t points, uint32_t feature,
                            struct ranks_remote_leaf *remote);
-/* Where a vertex of an object, by its handle, is in the answer's scene. */
+/* Find where a vertex of an object, by its handle, is in the answer's scene. */
 void ranks_side_scene_vertex(const struct pccd_mpi *world,
                              const struct ranks_side_scene *side, uint32_t handle,
                              uint32_t vertex, double x[3]);

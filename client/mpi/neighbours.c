@@ -114,8 +114,8 @@ static uint64_t find_holder(const struct walk *walk, uint32_t vertex)
     return from;
 }
 
-/* Who asked in[] of this directory, to the others who have leaves there: out[], and to
- * whom; NULL: how many are only counted. */
+/* Pass on who asked in[] of this directory to the others who have leaves there: out[],
+ * and to whom; NULL: how many are only counted. */
 static uint64_t pass_on(const struct walk *walk, const struct at *in, uint64_t in_count,
                         struct at *out, uint32_t *to)
 {

@@ -28,7 +28,7 @@ static inline int ranks_team(const struct pccd_mpi *world, uint64_t count)
     return count < RANKS_TEAM_MIN ? 1 : (int)world->team;
 }
 
-/* Where the part of thread t of a team begins. count < 2^48. */
+/* Return where the part of thread t of a team begins. count < 2^48. */
 static inline uint64_t ranks_part(uint64_t count, int t, int team)
 {
     return count * (uint64_t)t / (uint64_t)team;

@@ -346,7 +346,7 @@ static int make_buffers(struct pccd_mpi *world)
     return plan->out_x == NULL || plan->in_x == NULL ? ranks_no_memory(world) : PCCD_OK;
 }
 
-/* Where what each rank sends is received: in[size]; first: of what comes. */
+/* Choose where what each rank sends is received: in[size]; first: of what comes. */
 static void choose_places(const struct ranks_link *link, const struct ranks_plan *plan,
                           double (*const *local)[3], const uint64_t *first, void **in)
 {

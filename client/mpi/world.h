@@ -36,7 +36,7 @@ struct ranks_leaf {
     uint32_t owns;
 };
 
-/* Where a vertex was given. */
+/* Owner of a vertex: the rank that was given it. */
 struct ranks_vertex_owner {
     int32_t rank; /* -1: nowhere */
     uint32_t index;
@@ -127,8 +127,9 @@ struct ranks_object {
     bool is_elsewhere; /* libpccd has it elsewhere than at x, on every rank */
 };
 
-/* Who gets what: given vertices that go to each rank, and local ones that come. Sorted by
- * (rank, object): those of rank r and object o are first[r * object_count + o] up. */
+/* Plan of who gets what: given vertices that go to each rank, and local ones that come.
+ * Sorted by (rank, object): those of rank r and object o are first[r * object_count + o]
+ * up. */
 struct ranks_plan {
     uint32_t object_count;
     uint64_t *out_first, *in_first; /* [size * object_count + 1] */
@@ -217,7 +218,7 @@ struct ranks_object *ranks_find_object_from(const struct pccd_mpi *world, uint32
 /* Room for one more in an array of pointers; NULL: no memory, and it stays as it was. */
 void **ranks_room_for_one(void **array, uint32_t count);
 
-/* Why the last call of libpccd failed. Returns `status`. */
+/* Set the error to why the last call of libpccd failed. Return `status`. */
 int ranks_fail_local(struct pccd_mpi *world, int status, const char *what);
 /* "out of memory". Returns PCCD_E_NOMEM. */
 int ranks_no_memory(struct pccd_mpi *world);

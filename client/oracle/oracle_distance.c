@@ -126,7 +126,7 @@ static void add_vv(struct problem *problem, int i, int j)
     }
 }
 
-/* Where the position along edge j k goes, by the kind and the edge. */
+/* Set where the position along edge j k goes, by the kind and the edge. */
 static void set_edge_param(struct problem *problem, struct way *way, int j, int k,
                            mpz_t along)
 {

@@ -216,7 +216,8 @@ uint64_t record_chunk_bytes_max(uint64_t payload_bytes)
     return sizeof(struct record_chunk) + payload_bytes + ALIGN;
 }
 
-/* Where it pays; false: to be stored as it is. `to` has room for `bytes`. */
+/* Compress where it pays. Return false if it is to be stored as it is. `to` has room for
+ * `bytes`. */
 static bool squeeze(struct record_writer *writer, enum record_kind kind, const void *raw,
                     size_t bytes, void *to, size_t *stored)
 {

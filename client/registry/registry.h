@@ -228,7 +228,7 @@ struct registry_motion {
     const void *end;
 };
 
-/* Where vertex `v` of a mesh was registered. */
+/* Find where vertex `v` of a mesh was registered. */
 void registry_registered(const struct registry_mesh *mesh, uint32_t v, double x[3]);
 
 /* The object stands where its mesh was registered, whatever steps before `step` said. 0,

@@ -36,7 +36,7 @@ void registry_registered(const struct registry_mesh *mesh, uint32_t v, double x[
     widen((double(*)[3])x, (const uint8_t *)mesh->x + v * each, mesh->format, 1);
 }
 
-/* Where a transform takes registered positions. */
+/* Move registered positions to where a transform takes them. */
 static void transform(const struct registry_mesh *mesh, const void *matrix,
                       uint32_t first, uint32_t count, double (*to)[3])
 {

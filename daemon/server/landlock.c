@@ -65,7 +65,7 @@ static size_t folder_length(const char *path, size_t length)
     return length;
 }
 
-/* Who was given its socket has no file of its own. */
+/* Allow the daemon its own files; one that was given its socket has none. */
 static bool allow_own(int ruleset, const struct srv_options *options)
 {
     const char *path = options->socket_path;

@@ -66,7 +66,8 @@ static int allow_reopening(scmp_filter_ctx filter)
     return status;
 }
 
-/* Who has bound the socket binds it anew when somebody removes its file. */
+/* Allow binding: who has bound the socket binds it anew when somebody removes its
+ * file. */
 static int allow_binding(scmp_filter_ctx filter)
 {
     static const int calls[] = {SCMP_SYS(bind), SCMP_SYS(listen), SCMP_SYS(umask),

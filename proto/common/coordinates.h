@@ -52,9 +52,10 @@ static inline uint64_t common_first_stray(const void *at, uint32_t format, uint6
     return count;
 }
 
-/* Where the transform m takes the point x: m has three rows of three factors and a shift.
- * Each operation is rounded by itself, in this order: a multiplication must not be fused
- * with an addition, which is why everything is built with -ffp-contract=off. */
+/* Set `to` to where the transform m takes the point x: m has three rows of three
+ * factors and a shift. Each operation is rounded by itself, in this order: a
+ * multiplication must not be fused with an addition, which is why everything is built
+ * with -ffp-contract=off. */
 static inline void common_transform(const double m[12], const double x[3], double to[3])
 {
     for (int row = 0; row < 3; row++) {

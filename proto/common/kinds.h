@@ -40,10 +40,10 @@ static inline bool common_is_at_vertices(const float param[2])
     return (param[0] == 0 || param[0] == 1) && (param[1] == 0 || param[1] == 1);
 }
 
-/* Where a contact with these parameters lies on its features: the weights of the points
- * of a, w[0], and of b, w[1]. The parameters are the weights of all points but the first
- * of either; VF: of the face's second and third, EE: of the second of each edge, VE: the
- * second parameter, of the edge's second. Not EF, which has more points than two
+/* Find where a contact with these parameters lies on its features: the weights of the
+ * points of a, w[0], and of b, w[1]. The parameters are the weights of all points but the
+ * first of either; VF: of the face's second and third, EE: of the second of each edge,
+ * VE: the second parameter, of the edge's second. Not EF, which has more points than two
  * parameters tell. */
 static inline void common_contact_weights(enum pccd_kind kind, const float param[2],
                                           double w[2][3])

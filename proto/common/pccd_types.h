@@ -66,7 +66,7 @@ enum pccd_mode {
     PCCD_MODE_COUNT = 4
 };
 
-/* Which engine computes it. Both give the same bytes. */
+/* Methods by which an answer is computed. All give the same bytes. */
 enum pccd_method {
     PCCD_METHOD_DEFAULT = 0, /* wide; paper where its scheduler is asked for */
     PCCD_METHOD_PAPER = 1, /* binary trees of boxes over triangles (PCCD, sections 3-6) */
@@ -197,7 +197,7 @@ enum pccd_share {
     PCCD_SHARE_COUNT = 4
 };
 
-/* Why an answer is not complete. */
+/* Reasons why an answer is not complete. */
 enum pccd_incomplete {
     PCCD_COMPLETE = 0,
     PCCD_INCOMPLETE_RESULT_FULL = 1,  /* page ended; go on with the cursor */

@@ -299,7 +299,7 @@ double FUZZ_NAME(fuzz_clear_until)(const struct eng_query *query, double l, doub
     return time[top];
 }
 
-/* Where the sign of the cubic changes, and about what it is there. */
+/* Span in which the sign of the cubic changes, and about what it is there. */
 struct span_of_root {
     double l;
     double r;

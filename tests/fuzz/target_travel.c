@@ -71,7 +71,8 @@ static int add_object(struct eng_scene *scene, const double (*x)[3], uint32_t id
     return status;
 }
 
-/* Where an object is at the end of the next step; some of its vertices may stay. */
+/* Move an object to where it is at the end of the next step; some of its vertices may
+ * stay. */
 static void move_object(struct fuzz_input *input, struct tour *tour, uint32_t i,
                         uint32_t *first, uint32_t *count)
 {

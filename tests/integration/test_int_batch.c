@@ -538,8 +538,8 @@ CASE(batch__that_makes_no_sense_is_not_made)
 
 /* ---- time -------------------------------------------------------------------------- */
 
-/* Where all scenes are after a turn, whatever came of it: a step in which nothing moves
- * and then the turn back say the same as in a farm that had all its time. */
+/* Check where all scenes are after a turn, whatever came of it: a step in which nothing
+ * moves and then the turn back say the same as in a farm that had all its time. */
 static void check_places(struct test_farm *farm, struct test_farm *other, uint32_t turn)
 {
     struct pccd_batch_answer all[2] = {PCCD_BATCH_ANSWER_INIT, PCCD_BATCH_ANSWER_INIT};

@@ -79,8 +79,8 @@ static struct rows rows_of(uint32_t side)
     return rows;
 }
 
-/* Where the vertices are at a time, in steps: the lower sheet ripples, the upper one
- * comes down on its crests. */
+/* Place the vertices at a time, in steps: the lower sheet ripples, the upper one comes
+ * down on its crests. */
 static void place(const struct rows *rows, int sheet, double time, double (*x)[3])
 {
     double size = 1.0 / rows->side, went = time * size / 40;

@@ -951,7 +951,7 @@ struct flight {
     uint32_t stop;
 };
 
-/* Where a cloud goes in the next step: as before but for a blur, as a rule. */
+/* Fly a cloud to where it goes in the next step: as before but for a blur, as a rule. */
 static void fly(const struct flight *flight, struct cloud *cloud,
                 const struct actor *actor)
 {

@@ -264,7 +264,7 @@ CASE(engine__does_not_depend_on_objects)
     }
 }
 
-/* Where a group of objects is at both ends of a step. */
+/* Place of a group of objects at both ends of a step. */
 struct somewhere {
     double at[2][3];
 };

@@ -231,7 +231,7 @@ static struct eng_step_result check(struct scene *scene, struct eng_question set
     return result;
 }
 
-/* Which objects have a pair in an answer: they are added. */
+/* Add which objects have a pair in an answer. */
 static void add_twos(const struct eng_step_result *result,
                      bool twos[OBJECTS_MAX][OBJECTS_MAX])
 {

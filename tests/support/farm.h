@@ -36,7 +36,7 @@ int test_farm_make(struct pccd_client *client, uint32_t count, uint32_t side,
 /* Before the client is closed. */
 void test_farm_free(struct test_farm *farm);
 
-/* Where the body of world `i` goes in turn `turn`: [vertex_count][3]. */
+/* Find where the body of world `i` goes in turn `turn`: [vertex_count][3]. */
 void test_farm_positions(const struct test_farm *farm, uint32_t i, uint32_t turn,
                          float (*x)[3]);
 

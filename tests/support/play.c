@@ -60,7 +60,7 @@ static void make_tear(struct play *play, uint32_t count, struct prng *prng)
 
 #define CROWD 24u
 
-/* Where the i-th of a crowd is at home: a lattice of 3 x 3 x 3 places. */
+/* Find where the i-th of a crowd is at home: a lattice of 3 x 3 x 3 places. */
 static void home_of(uint32_t i, uint32_t spacing, double home[3])
 {
     home[0] = (double)(i % 3 * spacing) * PLAY_UNIT;

@@ -24,7 +24,7 @@ struct filters {
     uint32_t ignored_count;
 };
 
-/* Where the objects of the scene are. */
+/* Place of the objects of the scene. */
 struct filters_place {
     uint32_t id;
     uint32_t idx;

@@ -88,7 +88,7 @@ CASE(cloth__grid_uses_every_vertex_and_faces_up)
 
 /* ---- with a daemon ----------------------------------------------------------------- */
 
-/* Where cloth and ball were after each frame, as they were taken. */
+/* Positions of cloth and ball after each frame, as they were taken. */
 struct way {
     float (*cloth)[CLOTH_VERTICES][3]; /* [FRAMES + 1] */
     double pose[FRAMES + 1][12];

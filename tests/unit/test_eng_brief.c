@@ -43,8 +43,8 @@ static void check_same(const struct eng_step_result *a, const struct eng_step_re
                 memcmp(a->records, b->records, a->count * a->record_bytes) == 0);
 }
 
-/* Where the triangles of a soup go: two by two to places apart, or, in a crowd, all to
- * one. */
+/* Choose where the triangles of a soup go: two by two to places apart, or, in a crowd,
+ * all to one. */
 static void choose_positions(struct prng *random, bool crowd, double (*x)[3])
 {
     for (uint32_t i = 0; i < V; i++) {

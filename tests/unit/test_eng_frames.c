@@ -117,7 +117,7 @@ struct ground {
     uint32_t objects[SHEETS];
 };
 
-/* Where a sheet is at an end of step `number`: a wave at the place of its pair. What the
+/* Place a sheet at an end of step `number`: a wave at the place of its pair. What the
  * pair's offset leaves of a coordinate stays when it is moved back by `back`. */
 static void place_sheet(uint32_t sheet, uint32_t number, const double offset[3],
                         const double back[3], double scale, double (*x)[3])

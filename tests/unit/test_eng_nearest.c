@@ -161,7 +161,7 @@ static bool crosses(double x0, double y0, double z0, double x1, double y1, doubl
     return answer;
 }
 
-/* Where an edge passes through a face in the plane z = 0, by every stage. */
+/* Expect where an edge passes through a face in the plane z = 0, by every stage. */
 static void expect_crossing(double z0, double z1, double position)
 {
     const double x[5][3] = {{1, 1, z0}, {1, 1, z1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}};

@@ -347,7 +347,7 @@ static struct eng_step_result step_pieces(struct eng_scene *scene, uint32_t idx,
     return result;
 }
 
-/* Which piece the features of an order are of: each piece's follow each other. */
+/* Check which piece the features of an order are of: each piece's follow each other. */
 static void check_pieces(const struct eng_object *object)
 {
     for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {

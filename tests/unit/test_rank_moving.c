@@ -56,8 +56,8 @@ static void make_leaf(struct leaf *leaf, bool is_whole, double scale, double far
     }
 }
 
-/* Where the cover allows a vertex to be after `t` steps: anywhere, and at its edge
- * often. */
+/* Place a vertex where the cover allows it to be after `t` steps: anywhere, and at its
+ * edge often. */
 static void place(const struct leaf *leaf, struct vertex *vertex, double t)
 {
     for (int k = 0; k < 3; k++) {

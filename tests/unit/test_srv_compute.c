@@ -204,7 +204,7 @@ CASE_WITH(compute__jobs_of_a_lane_run_in_order, set_up, tear_down)
     }
 }
 
-/* Where in the order of running job `name` came. */
+/* Return where in the order of running job `name` came. */
 static int place_of(const struct fixture *fixture, int name)
 {
     int at = 0;

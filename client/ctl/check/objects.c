@@ -96,7 +96,7 @@ int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
 
 /* ---- counting ---------------------------------------------------------------------- */
 
-/* Where a pair is in a table, or would be; a free place has no records. */
+/* Return where a pair is in a table, or would be; a free place has no records. */
 static struct report_pair *find(struct report_pair *pairs, uint32_t capacity, uint32_t a,
                                 uint32_t b)
 {

@@ -75,7 +75,7 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
  * times. */
 void report_print_rest(FILE *to, double build_ms, const struct report_step *step);
 void report_print_line(FILE *to, uint32_t number, const struct report_step *step);
-/* Which objects meet: at most 10 lines, and how many pairs there are more. */
+/* Print which objects meet: at most 10 lines, and how many pairs there are more. */
 void report_print_pairs(FILE *to, const struct report_mesh *mesh,
                         const struct report_step *step);
 /* The name of an object; "" before the first one. */

@@ -262,7 +262,8 @@ static void pull(struct cloth *cloth, double dt)
     }
 }
 
-/* Where cloth and ball would be at the end of the frame if nothing were in the way. */
+/* Move cloth and ball to where they would be at the end of the frame if nothing were in
+ * the way. */
 static void predict(struct cloth *cloth)
 {
     const double dt = FRAME_SECONDS / SMALL_STEPS;

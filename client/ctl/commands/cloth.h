@@ -81,7 +81,7 @@ void cloth_positions(const struct cloth *cloth, enum cloth_mesh mesh, uint32_t e
                      float (*x)[3]);
 /* The ball's pose there: rows of [R | t], to be applied to `ball`. */
 void cloth_ball_pose(const struct cloth *cloth, uint32_t end, double pose[12]);
-/* Where a contact's second feature is touched, at the begin of the frame. */
+/* Find where a contact's second feature is touched, at the begin of the frame. */
 void cloth_locate(const struct cloth *cloth, const struct pccd_contact *contact,
                   float at[3]);
 /* Push the vertices of a contact so far apart that they do not meet at the end. */

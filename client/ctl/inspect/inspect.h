@@ -102,7 +102,7 @@ struct inspect_event {
     uint32_t a, b;
 };
 
-/* Where an object was last, so that what stands still is written once. */
+/* Place where an object was last, so that what stands still is written once. */
 struct inspect_place {
     uint32_t scene, object;
     uint64_t hash[2]; /* XXH3-128 of the section */

@@ -491,8 +491,8 @@ static size_t sparse_index(const struct gltf_accessor *accessor, size_t k)
     return ctl_file_integer(accessor->sparse_at + k * bytes, bytes);
 }
 
-/* Where `count` elements of `bytes` each lie, by the bufferView and byteOffset of an
- * object of the accessor. NULL: nowhere. */
+/* Return where `count` elements of `bytes` each lie, by the bufferView and byteOffset of
+ * an object of the accessor. NULL: nowhere. */
 static const char *find_bytes(struct gltf *gltf, size_t accessor, const json_t *object,
                               size_t count, size_t bytes, size_t *stride)
 {
@@ -603,7 +603,7 @@ struct gltf_accessor gltf_find(struct gltf *gltf, const json_t *number,
     return gltf->status == PCCD_OK ? found : (struct gltf_accessor){.count = 0};
 }
 
-/* Where element i lies; NULL: it is zero. */
+/* Return where element i lies; NULL: it is zero. */
 static const char *place_of(const struct gltf_accessor *accessor, size_t i)
 {
     size_t low = 0, high = accessor->sparse_count;

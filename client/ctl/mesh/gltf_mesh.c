@@ -149,7 +149,7 @@ void gltf_mesh_read(struct gltf *gltf, struct gltf_object *object)
 
 /* ---- features ---------------------------------------------------------------------- */
 
-/* Which of `count` indices is corner k of feature i. */
+/* Return which of `count` indices is corner k of feature i. */
 static size_t corner_of(long long mode, size_t i, size_t k, size_t count)
 {
     switch (mode) {

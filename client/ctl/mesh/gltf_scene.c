@@ -377,7 +377,7 @@ static void place_joints(struct gltf_scene *scene, const struct gltf_object *obj
     }
 }
 
-/* Where an instance is of an object that has no skin. */
+/* Return where an instance of an object without a skin is. */
 static struct gltf_place place_instance(struct gltf_scene *scene,
                                         const struct gltf_object *object, size_t instance)
 {
@@ -401,7 +401,8 @@ static struct gltf_place place_instance(struct gltf_scene *scene,
 
 /* ---- vertices ---------------------------------------------------------------------- */
 
-/* Where a vertex goes by its joints: their places, each by its part of the weights. */
+/* Return where a vertex goes by its joints: their places, each by its part of the
+ * weights. */
 static struct gltf_place find_blend(struct gltf *gltf, const struct gltf_object *object,
                                     const struct gltf_run *run, size_t vertex)
 {

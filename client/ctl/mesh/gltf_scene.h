@@ -22,7 +22,7 @@ struct gltf_path_kind {
 };
 extern const struct gltf_path_kind gltf_path_kinds[GLTF_PATHS];
 
-/* Where something is: three rows of its axes and its origin. */
+/* Place of something: three rows of its axes and its origin. */
 struct gltf_place {
     double m[12];
 };

@@ -180,8 +180,9 @@ void ctl_mesh_keep_part(struct ctl_mesh *mesh, uint32_t number, uint32_t count);
 
 #define CTL_NO_OBJECT UINT32_MAX
 
-/* Where in `objects` that of a triangle, edge or point is, by its number in the file.
- * CTL_NO_OBJECT: it stands before all. Of one in parts, its first part is told. */
+/* Return the place in `objects` of the object that a triangle, edge or point belongs to,
+ * by its number in the file. CTL_NO_OBJECT: it stands before all. Of an object in parts
+ * it is the first part. */
 uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, enum ctl_kind kind,
                             uint32_t number);
 /* The first object that has each vertex; the caller's to free. NULL: no memory. */

@@ -470,7 +470,7 @@ static bool parse(const struct ctl_word *word, const struct type *type, double *
     return true;
 }
 
-/* Where the line of the row, or the window of the file, may be at its end. */
+/* Read a value where the line of the row, or the window of the file, may end. */
 static double read_beyond(struct ply *ply, const struct type *type, bool is_wanted)
 {
     struct ctl_file *file = ply->file;

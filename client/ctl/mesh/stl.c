@@ -27,7 +27,7 @@ struct stl {
     size_t table_mask;
 };
 
-/* Where a place, or the first free entry after it, is in the table. */
+/* Return where a place is in the table, or the first free entry after that. */
 static uint32_t *entry_of(const struct stl *stl, const float place[3])
 {
     const float(*x)[3] = stl->mesh->x;

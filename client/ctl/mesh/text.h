@@ -69,7 +69,7 @@ int ctl_file_fail(struct ctl_file *file, int status, const char *format, ...)
 
 /* Go to the beginning, behind a byte order mark, whatever was read. */
 void ctl_file_begin(struct ctl_file *file);
-/* Where its text begins. */
+/* Return where its text begins. */
 const char *ctl_file_start(const struct ctl_file *file);
 /* It is text, and so has no byte 0: where there is one is told as soon as it is read. */
 void ctl_file_expect_text(struct ctl_file *file);

@@ -87,7 +87,8 @@ void doctor_look_at_machine(struct doctor *doctor)
 
 /* ---- the socket -------------------------------------------------------------------- */
 
-/* Where the library would look. False: no path, as with another kind of url. */
+/* Find where the library would look. Return false if that is no path, as with another
+ * kind of url. */
 static bool find_path(const struct pccd_options *options, char path[PATH_BYTES])
 {
     const char *url = options->url != NULL ? options->url : getenv("PCCD_URL");

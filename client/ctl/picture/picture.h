@@ -124,7 +124,7 @@ struct picture_canvas {
 /* The objects, without marks and legend. PCCD_OK, PCCD_E_NOMEM; PCCD_E_LIMIT: so much is
  * so thick that it would take long. */
 int picture_draw(const struct picture *picture, struct picture_canvas *canvas);
-/* Where a point is on the canvas. */
+/* Find where a point is on the canvas. */
 void picture_project(const struct picture_canvas *canvas, const float x[3],
                      struct raster_corner *corner);
 /* Average its pixels, in place: rgb[height][width][3] of the picture's size. */

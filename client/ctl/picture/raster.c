@@ -285,8 +285,8 @@ bool raster_is_hidden(const struct raster *raster, const struct raster_corner *a
     return at->nearness * (1.0f + DOT_BIAS) < raster->nearness[centre];
 }
 
-/* Where on the segment between two places (dx, dy) apart the one is that is nearest to a
- * place (x, y) away from the first: 0 .. 1. */
+/* Return where on the segment between two places (dx, dy) apart the one is that is
+ * nearest to a place (x, y) away from the first: 0 .. 1. */
 static float along(float dx, float dy, float x, float y)
 {
     float square = dx * dx + dy * dy;

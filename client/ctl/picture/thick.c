@@ -61,7 +61,7 @@ static bool pixels_of(double low, double high, uint32_t limit, uint32_t *first,
     return true;
 }
 
-/* Where the ray enters the ball: its depth; INFINITY: nowhere. */
+/* Return the depth at which the ray enters the ball; INFINITY: nowhere. */
 static double meet_ball(const double centre[3], double radius, const double ray[3])
 {
     double length = dot(ray, ray), along = dot(ray, centre);

@@ -31,7 +31,7 @@ void step_trace_begin(struct step_trace *trace, struct pccd_client *client);
 void step_trace_end(struct step_trace *trace, struct pccd_client *client);
 void step_trace_deinit(struct step_trace *trace);
 
-/* Who answers a step that is shown. */
+/* Sources of the answers of steps that are shown. */
 enum play_source {
     PLAY_DAEMON,  /* a daemon, every step */
     PLAY_RECORDS, /* a daemon, but for recordings that hold the records of answers */
@@ -92,9 +92,9 @@ typedef int (*play_near_fn)(void *context, const struct play_near *near,
 /* A step or question that is not shown, because it had failed by chance. */
 typedef void (*play_skip_fn)(void *context, uint64_t number, bool is_near);
 
-/* Which item, a step or a question, is to be shown next, where several share the items of
- * a recording: its place in the order of the file, from 1, behind the one before; 0: none
- * of this file. `context` is that of play_run. */
+/* Return which item, a step or a question, is to be shown next, where several share the
+ * items of a recording: its place in the order of the file, from 1, behind the one
+ * before; 0: none of this file. `context` is that of play_run. */
 typedef uint64_t (*play_next_fn)(void *context);
 
 struct play_settings {

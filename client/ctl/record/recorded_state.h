@@ -67,8 +67,9 @@ double recorded_radius(const struct registry_object *object, const uint32_t *v,
  * INFINITY to -INFINITY. */
 void recorded_bounds(const struct registry_scene *scene, double t, double low[3],
                      double high[3]);
-/* Where a record of what is near lies, at the end of the scene's step that was asked
- * about, 0 or 1; edges of its meshes were made. False: it names what there is not. */
+/* Find where a record of what is near lies, at the end of the scene's step that was asked
+ * about, 0 or 1; edges of its meshes were made. Return false if it names what there is
+ * not. */
 bool recorded_near_line(const struct registry_scene *scene, const struct pccd_near *near,
                         uint32_t end, double ends[2][3]);
 

@@ -174,7 +174,8 @@ static void find_reach(double separation, const struct registry_object *const ob
     contact->radius = fmaxf(contact->radius, (float)both);
 }
 
-/* Where the second feature is touched; false for a record that makes no sense. */
+/* Find where the second feature is touched. Return false for a record that makes no
+ * sense. */
 static bool place_contact(const struct snapshot *snapshot,
                           const struct registry_scene *scene,
                           const struct pccd_contact *from, struct snapshot_contact *to)

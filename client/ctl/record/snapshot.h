@@ -56,7 +56,7 @@ struct snapshot {
     uint64_t chosen; /* the contact that was asked for, in `contacts` */
 };
 
-/* Which moment of a step. */
+/* Moment of a step. */
 struct snapshot_at {
     double t;         /* NAN: when `contact` happens */
     uint64_t contact; /* from 1, in the order of the answer; 0: none in particular */

@@ -509,7 +509,7 @@ static bool is_bare(const struct record_near_answer *answer)
     return memcmp(&bare, answer, sizeof bare) == 0;
 }
 
-/* Why the answers to a question cannot be; NULL: they can. */
+/* Return why the answers to a question cannot be; NULL: they can. */
 static const char *misfit(const struct play_near *near)
 {
     const struct record_near_answer *then = near->recorded;

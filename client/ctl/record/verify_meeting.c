@@ -8,7 +8,7 @@
 #include "oracle_thick.h"
 #include "registry.h"
 
-/* Where a pair's vertices are: at the beginning and the end of the step, or, alone, where
+/* Places of a pair's vertices: at the beginning and the end of the step, or, alone, where
  * they were registered. */
 enum at { AT_BEGIN, AT_END, AT_REST };
 

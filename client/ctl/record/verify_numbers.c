@@ -172,7 +172,7 @@ static bool check_daemon(const struct play_step *step, const struct numbers *is,
 
 /* ---- both -------------------------------------------------------------------------- */
 
-/* Why an answer cannot have ended as it says; NULL: it can. */
+/* Return why an answer cannot have ended as it says; NULL: it can. */
 static const char *misended(const struct play_step *step)
 {
     uint32_t incomplete = verify_incomplete(step), verdict = verify_verdict(step);

@@ -88,7 +88,7 @@ int together_compare(const void *mine, size_t bytes, const char *path, const cha
     return together_agree(status, error);
 }
 
-/* Where the standard outputs of others than the root go while options are read. */
+/* Send the standard outputs of others than the root nowhere while options are read. */
 static void hush(int kept[2])
 {
     int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);

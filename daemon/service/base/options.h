@@ -38,7 +38,8 @@ enum srv_sandbox {
 
 #define SRV_ALLOW_MAX 32u /* of a kind */
 
-/* Who may be a client. All zero: no list. Then whoever can reach the socket may. */
+/* List of those who may be clients. All zero: there is none, and whoever can reach the
+ * socket may be one. */
 struct srv_allow {
     uint32_t uid_count;
     uint32_t gid_count;

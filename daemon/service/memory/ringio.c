@@ -54,8 +54,8 @@ static uint64_t taken_first(uint64_t result_bytes)
     return result_bytes < first ? result_bytes : first;
 }
 
-/* Where the payload of a slot begins, in the upload ring; of the one behind the last:
- * where the ring ends. */
+/* Return where the payload of a slot begins, in the upload ring; of the one behind the
+ * last: where the ring ends. */
 static uint64_t slot_offset(uint64_t stride, uint32_t slot)
 {
     return sizeof(struct proto_upload) + slot * stride;

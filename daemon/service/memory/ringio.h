@@ -26,7 +26,7 @@
 struct srv_service;
 struct srv_timer;
 
-/* Who has memory to give back: part of a resource. */
+/* Memory that somebody has to give back: part of a resource. */
 struct srv_reclaimed {
     struct srv_job job; /* first: gives it back */
     struct srv_resource *resource;
@@ -175,9 +175,9 @@ int srv_ring_reserve(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted
 int srv_ring_reserve_all(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
                          struct srv_page *page, void **data, struct proto_error *error);
 
-/* Where the next page will begin, if it is of so many items and the client releases none
- * until then; nobody uses that memory so long. *bytes: how much there is; 0: nothing.
- * [compute] */
+/* Return where the next page will begin, if it is of so many items and the client
+ * releases none until then; nobody uses that memory so long. *bytes: how much there is;
+ * 0: nothing. [compute] */
 void *srv_ring_next(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
                     uint64_t *bytes);
 

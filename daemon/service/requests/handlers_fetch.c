@@ -67,7 +67,7 @@ int srv_answer_page(struct srv_request *request, const struct srv_kept *kept,
     return 0;
 }
 
-/* Which page of which answer. */
+/* Page that is wanted, and of which answer. */
 struct wanted {
     const char *what; /* it is the answer to, with a number after it; and without one */
     const char *any;

@@ -310,7 +310,7 @@ int srv_on_MESH_DATA(struct srv_call *call)
 
 /* ---- commit ------------------------------------------------------------------------ */
 
-/* Which part of what was announced is not there. */
+/* Refuse, and say which part of what was announced is not there. */
 static int refuse_unfinished(struct srv_request *request, const struct eng_mesh *engine,
                              const struct eng_mesh_counts *counts)
 {

@@ -85,7 +85,7 @@ static void *put(void *base, size_t *end, size_t count, size_t bytes)
     return at;
 }
 
-/* Where everything is that a batch has, behind each other; returns the size of it all.
+/* Lay out everything that a batch has, behind each other. Return the size of it all.
  * `batch` NULL: only that. */
 static size_t lay_out(struct srv_batch *batch, const struct srv_session *session,
                       const struct srv_step_params *params)

@@ -188,7 +188,7 @@ static bool moves(const struct srv_step_run *run)
     return run->staging.slot.segments > 0;
 }
 
-/* Where the error is left of one that was answered before its turn. */
+/* Return where the error is left of one that was answered before its turn. */
 static struct proto_error *owed_by(const struct srv_item *item)
 {
     return item->member != NULL ? &item->member->owed : &item->scene->owed;

@@ -21,7 +21,7 @@
 #define MAY_READ  4u
 #define MAY_WRITE 2u
 
-/* Which of MAY_READ and MAY_WRITE the session has, as with a file. */
+/* Return which of MAY_READ and MAY_WRITE the session has, as with a file. */
 static uint32_t rights_of(const struct srv_session *session,
                           const struct srv_shared *shared)
 {

@@ -326,7 +326,7 @@ static void note_ignored(struct srv_journal *journal, const struct eng_scene *en
     }
 }
 
-/* Where the scene's last step has moved the object, and from where, unless it stands
+/* Add where the scene's last step has moved the object, and from where, unless it stands
  * where its mesh was registered. */
 static void add_place(struct srv_sent *sent, const struct srv_scene *scene,
                       const struct srv_placed *placed)

@@ -271,8 +271,8 @@ int srv_stage(struct srv_staging *staging)
     return torn != 0 ? torn : status;
 }
 
-/* Where the last segment of a copied table ends; 0: something is wrong with one, and the
- * error is set. */
+/* Return where the last segment of a copied table ends; 0: something is wrong with one,
+ * and the error is set. */
 static uint64_t extent_of(const struct srv_staging *staging)
 {
     uint64_t extent = staging->tables_bytes;

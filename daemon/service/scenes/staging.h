@@ -8,7 +8,7 @@
 #include "shm.h"
 #include "srv_scene.h"
 
-/* Where a message says that what it moves is written. */
+/* Slot in which a message says that what it moves is written. */
 struct srv_slot_ref {
     uint32_t slot;
     uint32_t segments; /* 0: nothing moves */

@@ -25,7 +25,7 @@ enum srv_session_state {
     SRV_SESSION_KEEPER = 5   /* nobody's: holds a shared scene (shared.h) */
 };
 
-/* Who is at the other end of a socket. */
+/* Process at the other end of a socket. */
 struct srv_peer {
     uid_t uid;
     pid_t pid;
