@@ -19,10 +19,11 @@
 #define TIMES_PAY_FROM       1u
 #define CHUNKS_WITHOUT_TIMES 31u
 
-/* The filter takes some 40 cycles a pair, the solver 150: so it pays before that where it
- * rejects a fourth. */
-#define FILTER_PAYS_FROM      4u
-#define CHUNKS_WITHOUT_FILTER 15u
+/* A sieve that leaves out less than one of so many pairs is followed by the test in
+ * doubles that comes next. Of contacts: what the filter rejects the sieve rejects, too,
+ * but where features are small beside the grid. */
+#define NEXT_PAYS_BELOW   4u
+#define FILTER_PAYS_BELOW 16u
 
 int eng_wide_work_reserve(struct eng_worker *worker)
 {
@@ -147,11 +148,10 @@ static void name_pairs(const struct eng_worker *worker, enum pccd_kind kind,
 
 /* ---- sieves: what is certainly not asked for goes, by the marks of points ---------- */
 
-/* Return what is known after a test: it may have left out so many that the next one is
- * not worth it. */
-static enum eng_known known_of(uint32_t count, uint32_t left)
+/* Return what is known after a test: whether it has left out one of `part` pairs. */
+static enum eng_known known_of(uint32_t count, uint32_t left, uint32_t part)
 {
-    return count - left >= count / FILTER_PAYS_FROM ? ENG_KNOWN_SIEVED : ENG_KNOWN_BOXES;
+    return count - left >= count / part ? ENG_KNOWN_SIEVED : ENG_KNOWN_BOXES;
 }
 
 /* Contacts. */
@@ -160,14 +160,10 @@ static enum eng_known sift(struct eng_worker *worker, enum pccd_kind kind,
 {
     struct eng_wide_work *work = eng_wide_work_of(worker);
     struct eng_sieve *sieve = &work->sieves[kind];
+    uint32_t count = chunk->count;
     sieve->t_end = worker->box_bound;
-    chunk->count =
-        work->join.kernels->sift(kind, sieve, chunk->a, chunk->b, chunk->count);
-    if (work->chunks_without_filter[kind] > 0) {
-        work->chunks_without_filter[kind]--;
-        return ENG_KNOWN_SIEVED;
-    }
-    return ENG_KNOWN_BOXES;
+    chunk->count = work->join.kernels->sift(kind, sieve, chunk->a, chunk->b, count);
+    return known_of(count, chunk->count, FILTER_PAYS_BELOW);
 }
 
 /* Contacts at a distance: what is farther apart, all over the step, than any two features
@@ -186,7 +182,7 @@ static enum eng_known sift_thick(struct eng_worker *worker, enum pccd_kind kind,
     chunk->count = work->join.kernels->sift_thick(kind, &work->sieves[kind], cells,
                                                   chunk->a, chunk->b, count);
     eng_narrow_of(worker)->thick->candidates += count - chunk->count;
-    return known_of(count, chunk->count);
+    return known_of(count, chunk->count, NEXT_PAYS_BELOW);
 }
 
 /* The reach of a question for a kind in cells of the grid, rounded up; 0: there is no
@@ -213,7 +209,7 @@ static enum eng_known sift_near(struct eng_worker *worker, uint32_t kind,
     chunk->count =
         work->join.kernels->sift_near(kind, &work->sieves[kind], worker->question->end,
                                       reach, chunk->a, chunk->b, count);
-    return known_of(count, chunk->count);
+    return known_of(count, chunk->count, NEXT_PAYS_BELOW);
 }
 
 /* Those pairs that the sieve of the question leaves are the chunk's from then on. */
@@ -287,13 +283,6 @@ static void test(struct eng_worker *worker, uint32_t kind, struct eng_wide_chunk
     eng_narrow_test(worker, &pairs, name_pairs);
     if (work->sieves[kind].prunes) {
         tell_marks(worker, (enum pccd_kind)kind);
-    }
-    const struct eng_batch *batch = &eng_narrow_of(worker)->batch;
-    if (!eng_asks_near(worker->question) && pairs.known == ENG_KNOWN_BOXES) {
-        uint32_t count = chunk->count;
-        bool pays =
-            count - batch->survivors >= (count + FILTER_PAYS_FROM - 1) / FILTER_PAYS_FROM;
-        work->chunks_without_filter[kind] = pays ? 0 : CHUNKS_WITHOUT_FILTER;
     }
 }
 
@@ -382,7 +371,6 @@ void eng_wide_work_begin(struct eng_worker *worker)
                 in_time && eng_wide_of(worker->scene)->steps_without_times[kind] == 0;
         }
         work->times[kind] = (struct eng_wide_times){0, 0};
-        work->chunks_without_filter[kind] = 0;
     }
     look(worker);
 }

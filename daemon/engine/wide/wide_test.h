@@ -16,9 +16,6 @@ struct eng_wide_work {
     struct eng_partition shares[ENG_WIDE_TREES]; /* chunks of the refit */
     struct eng_wide_join join;
     struct eng_wide_times times[COMMON_KIND_COUNT];
-    /* Chunks until the filter behind the sieve is tried again: it goes where it has
-     * rejected enough before. */
-    uint32_t chunks_without_filter[COMMON_KIND_COUNT];
     struct eng_sieve sieves[COMMON_KIND_COUNT];
     uint32_t quads[ENG_CHUNK_MAX][4]; /* vertex slots of a chunk's pairs */
     uint32_t fives[ENG_CHUNK_MAX][5]; /* the same of edges and faces */
