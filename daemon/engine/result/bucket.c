@@ -9,8 +9,9 @@ static_assert(sizeof(struct pccd_contact) == 64 && sizeof(struct pccd_pair) == 2
 /* Records copied while the next ones are on their way to the cache. */
 #define AHEAD 32u
 
-/* Records that are copied, then counted into the hash while the first cache has them. */
-#define PIECE 64u
+/* Records that are copied, then counted into the hash: so few that the processor fetches
+ * the next ones while it computes. */
+#define PIECE 16u
 
 /* Sort items whose keys agree in all words before `word`, in place. A key has three words
  * at most, so that is the depth. */

@@ -74,10 +74,10 @@ static_assert(sizeof(struct eng_name) == sizeof(struct pccd_pair), "its words");
  * that was stopped before has no more (answer.c), and answers what it has found. */
 #define SOON_MAX 8192u
 
-/* Buckets: enough for the threads to end together, small enough for the cache, and not so
- * small that their number costs. Samples: a few for each bucket. */
-#define BUCKETS_MIN            256u
-#define BUCKETS_PER_THREAD     8u
+/* Buckets: enough for threads to end together, and small enough for the cache, but not so
+ * small that their number costs: of a thousand records and more, the passes of a sort
+ * take longer for these than for their counters. Samples: a few for each bucket. */
+#define BUCKETS_PER_THREAD     8u /* of several, if each has as many as: */
 #define RECORDS_PER_BUCKET_MIN 128u
 #define RECORDS_PER_BUCKET_MAX 2048u /* far more take twice as long each: sort.c */
 #define SAMPLES_MAX            2048u /* of all threads, if each has few */
@@ -248,14 +248,11 @@ static void look_at(struct eng_merge *merge, uint32_t threads, uint32_t thread)
 
 static uint32_t bucket_count(uint64_t total, uint32_t threads)
 {
-    uint32_t buckets = BUCKETS_MIN;
-    while (buckets < BUCKETS_PER_THREAD * threads && buckets < ENG_SPLIT_BUCKETS_MAX) {
-        buckets *= 2;
-    }
-    while (buckets > 1 && total / buckets < RECORDS_PER_BUCKET_MIN) {
-        buckets /= 2;
-    }
-    while (buckets < ENG_SPLIT_BUCKETS_MAX && total / buckets > RECORDS_PER_BUCKET_MAX) {
+    uint32_t wanted = threads > 1 ? BUCKETS_PER_THREAD * threads : 1;
+    uint32_t buckets = 1;
+    while (buckets < ENG_SPLIT_BUCKETS_MAX &&
+           (total / buckets > RECORDS_PER_BUCKET_MAX ||
+            (buckets < wanted && total / buckets >= 2 * RECORDS_PER_BUCKET_MIN))) {
         buckets *= 2;
     }
     return buckets;
