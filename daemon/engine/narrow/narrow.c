@@ -1,6 +1,7 @@
 /* narrow.c - contacts and pairs, and what a worker needs to test any. */
 #include "narrow.h"
 
+#include <assert.h>
 #include <string.h>
 
 #include "memory.h"
@@ -126,6 +127,60 @@ void eng_narrow_begin(struct eng_worker *worker)
 
 /* ---- contacts ---------------------------------------------------------------------- */
 
+/* So many bytes behind a contact that is written the list is fetched: when those of the
+ * next chunk come, it is not in the near caches any more. */
+#define FETCHED_AHEAD 4096u
+
+/* Fill in records one behind the other, and widen the range of their names. */
+static void write_contacts(struct pccd_contact *contacts, const struct pccd_pair *names,
+                           const struct eng_hit *hits, uint32_t count,
+                           struct eng_name_range *range)
+{
+    struct eng_name_range all = *range; /* in registers: no record can be in it */
+    for (uint32_t i = 0; i < count; i++) {
+        const struct eng_hit *hit = &hits[i];
+        const struct eng_name words = {{names[i].kind, names[i].object_a,
+                                        names[i].feature_a, names[i].object_b,
+                                        names[i].feature_b}};
+        assert(hit->toi <= hit->toi_hi); /* a bracket, NaN in neither end */
+        __builtin_prefetch((const unsigned char *)&contacts[i] + FETCHED_AHEAD, 1);
+        eng_name_range_add(&all, &words);
+        contacts[i] = (struct pccd_contact){
+            .kind = names[i].kind,
+            .flags = hit->flags,
+            .object_a = names[i].object_a,
+            .feature_a = names[i].feature_a,
+            .object_b = names[i].object_b,
+            .feature_b = names[i].feature_b,
+            .toi = hit->toi,
+            .toi_hi = hit->toi_hi,
+            .param = {hit->param[0], hit->param[1]},
+            .normal = {hit->normal[0], hit->normal[1], hit->normal[2]}};
+    }
+    *range = all;
+}
+
+/* Keep contacts, as many at a time as the list has places for; a full one knows what
+ * becomes of the next. */
+static void keep_contacts(struct eng_worker *worker, const struct pccd_pair *names,
+                          const struct eng_hit *hits, uint32_t count)
+{
+    struct eng_found *found = &worker->found;
+    for (uint32_t i = 0; i < count;) {
+        void *slots;
+        uint64_t *keys;
+        uint32_t n = eng_found_open(found, count - i, &slots, &keys);
+        if (n == 0) {
+            eng_record_contact(worker, &names[i], &hits[i]);
+            i++;
+            continue;
+        }
+        write_contacts(slots, &names[i], &hits[i], n, &found->range);
+        eng_found_close(found, n);
+        i += n;
+    }
+}
+
 /* Those of the batch, whose pairs are numbers number[..] of the candidates, NULL: as they
  * are. */
 static void keep(struct eng_worker *worker, const struct eng_pairs *pairs,
@@ -140,6 +195,10 @@ static void keep(struct eng_worker *worker, const struct eng_pairs *pairs,
         struct pccd_pair name[NAMES];
         uint32_t count = batch->found - i < NAMES ? batch->found - i : NAMES;
         names(worker, (enum pccd_kind)pairs->kind, batch->index + i, count, name);
+        if (worker->question->mode == PCCD_MODE_ALL) {
+            keep_contacts(worker, name, &batch->hits[i], count);
+            continue;
+        }
         for (uint32_t k = 0; k < count; k++) {
             if (is_listed) {
                 eng_found_add(&worker->found, &name[k]); /* a full list says so itself */

@@ -310,7 +310,7 @@ void *eng_found_add(struct eng_found *found, const struct pccd_pair *name)
 uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots,
                         uint64_t **keys)
 {
-    assert(count >= 1 && found->has_keys);
+    assert(count >= 1);
     uint64_t most = most_of(found);
     if (found->limit == 0 || found->is_cut || found->count >= most) {
         return 0;
@@ -322,7 +322,9 @@ uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots,
     uint32_t room = found->per_block - block->count;
     room = most - found->count < room ? (uint32_t)(most - found->count) : room;
     *slots = block->data + (size_t)block->count * found->record_bytes;
-    *keys = eng_found_keys(found, block) + block->count;
+    if (found->has_keys) {
+        *keys = eng_found_keys(found, block) + block->count;
+    }
     return count < room ? count : room;
 }
 

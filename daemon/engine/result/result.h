@@ -94,10 +94,10 @@ static inline uint64_t *eng_found_keys(const struct eng_found *found,
  * after `limit` others in order, or memory ran out (overflowed). */
 void *eng_found_add(struct eng_found *found, const struct pccd_pair *name);
 
-/* Slots for the next records of a list that has_keys, `count` at most and >= 1, for the
- * caller to fill in, names as well: *slots, and their keys, *keys, one after the other;
- * returns how many. 0: eng_found_add knows what becomes of the next one; it may move
- * records. */
+/* Slots for the next records, `count` at most and >= 1, for the caller to fill in, names
+ * as well: *slots; and their keys, *keys, one after the other, of a list that has_keys,
+ * else *keys is not set, and the caller adds the names to the list's range. Returns how
+ * many. 0: eng_found_add knows what becomes of the next one; it may move records. */
 uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots,
                         uint64_t **keys);
 /* The first `count` of them are there. */
