@@ -694,3 +694,29 @@ CASE(step__two_instances_of_one_mesh_are_two_objects)
     assert_int_equal(result.count, 0);
     eng_scene_free(scene);
 }
+
+/* [team] */
+static void count_weighed(void *weigher, const struct pccd_pair *pairs, uint32_t count)
+{
+    uint64_t *counts = weigher;
+    for (uint32_t i = 0; i < count; i++) {
+        counts[pairs[i].kind]++;
+    }
+}
+
+/* If it failed: who weighs would not know what it takes to tell how a step begins. */
+CASE_WITH(step__who_weighs_is_told_of_each_pair_that_the_lanes_leave, setup, teardown)
+{
+    struct fixture *f = *state;
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    uint64_t counts[PCCD_KINDS_MAX] = {0};
+    settings.method = PCCD_METHOD_WIDE;
+    settings.tells_start = true;
+    settings.weigh = count_weighed;
+    settings.weigher = counts;
+    struct eng_step_result result = run_with(f, &settings);
+    assert_true(result.crossings > 0);
+    assert_int_equal(counts[PCCD_EF], result.crossings);
+    assert_int_equal(counts[PCCD_VF] + counts[PCCD_EE] + counts[PCCD_EF],
+                     result.counters.survivors);
+}

@@ -120,8 +120,9 @@ struct eng_question {
      * lie between two questions, as a rule. NULL: nobody is asked. */
     bool (*is_stopped)(void *asked);
     void *asked;
-    /* ENG_CONTACTS: told of all pairs that the lanes do not reject, by any thread of the
-     * team; the step makes no records then. NULL: it makes them. */
+    /* ENG_CONTACTS: told of all pairs that the lanes do not reject, those of how the step
+     * begins, too, by any thread of the team; the step makes no records then. NULL: it
+     * makes them. */
     void (*weigh)(void *weigher, const struct pccd_pair *pairs, uint32_t count);
     void *weigher;
     struct eng_tuning tuning; /* of steps by more than one thread */

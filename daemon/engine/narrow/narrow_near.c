@@ -304,11 +304,25 @@ static void keep_near(struct eng_worker *worker, const struct eng_pairs *pairs,
     }
 }
 
+/* Tell whoever weighs a step of the pairs by which it says how it begins. */
+static void weigh(struct eng_worker *worker, const struct eng_pairs *pairs,
+                  eng_names_fn names)
+{
+    struct eng_narrow *narrow = worker->narrow;
+    names(worker, (enum pccd_kind)pairs->kind, narrow->batch.index, narrow->batch.found,
+          narrow->near->names);
+    pairs->question->weigh(pairs->question->weigher, narrow->near->names,
+                           narrow->batch.found);
+}
+
 void eng_near_test(struct eng_worker *worker, struct eng_pairs *pairs, eng_names_fn names)
 {
     pairs->reach = pairs->question->sought.reach;
     worker->record.tests += pairs->count;
     worker->tally.survivors += eng_batch_test(&worker->narrow->batch, pairs);
+    if (pairs->question->weigh) {
+        weigh(worker, pairs, names);
+    }
     if (pairs->kind == PCCD_EF) {
         keep_crossings(worker, pairs, names);
     } else if (pairs->question->verb == PCCD_NEAR_CROSSINGS) {
