@@ -36,14 +36,18 @@ int ranks_limit_keep(struct pccd_mpi *world)
 {
     uint32_t name[RANKS_NAME_WORDS] = {0};
     int status = PCCD_OK;
-    /* The greatest name with at most so many records before it. */
-    for (uint32_t bit = 0; bit < NAME_BITS && status == PCCD_OK; bit++) {
-        uint32_t *word = &name[bit / 32], mask = UINT32_C(1) << (31 - bit % 32);
-        *word |= mask;
-        uint64_t before = count_before(world, name);
-        status = ranks_sum(&world->link, &before, 1);
-        if (before > world->record_limit) {
-            *word &= ~mask;
+    /* The greatest name with at most so many records before it, eight bits at a time, as
+     * ranks wait for each other each time. */
+    for (uint32_t bit = 0; bit < NAME_BITS && status == PCCD_OK; bit += 8) {
+        uint32_t *word = &name[bit / 32], one = UINT32_C(1) << (24 - bit % 32);
+        uint64_t before[255];
+        for (uint32_t i = 0; i < 255; i++) {
+            *word += one;
+            before[i] = count_before(world, name);
+        }
+        status = ranks_sum(&world->link, before, 255);
+        for (uint32_t i = 255; i > 0 && before[i - 1] > world->record_limit; i--) {
+            *word -= one;
         }
     }
     if (status == PCCD_OK) {
