@@ -47,17 +47,15 @@ int ranks_pairs_count_begin(struct pccd_mpi *world);
 /* In this rank alone: have them make records again. */
 void ranks_pairs_count_end(struct pccd_mpi *world);
 /* Collective, after such a step: set object->weights to what each own leaf adds to the
- * work, by the pairs that were counted, and *sum to all of this rank. */
+ * work, by the pairs that were counted, and *is_uneven if some rank has so much more work
+ * than the mean that a cut pays. */
 int ranks_leaves_weigh(struct pccd_mpi *world, const struct pccd_step_counters *counters,
-                       uint64_t *sum);
+                       bool *is_uneven);
 /* In this rank alone: let all leaves weigh the same again. */
 void ranks_weights_forget(struct pccd_mpi *world);
 
 /* In this rank alone, after a step of libpccd: set world->share.work. */
 void ranks_work_note(struct pccd_mpi *world, const struct pccd_step_counters *counters);
-/* Collective: set *is_uneven if the weights of what the ranks own differ so much that a
- * cut pays. */
-int ranks_weights_compare(struct pccd_mpi *world, uint64_t weight, bool *is_uneven);
 /* Collective, after a step that each rank did all its work for: set
  * world->share.imbalance, and add the most work of a rank to world->right_work. */
 int ranks_work_compare(struct pccd_mpi *world);

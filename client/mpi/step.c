@@ -353,7 +353,7 @@ static int count_pairs(struct pccd_mpi *world, const struct ranks_moment *moment
 }
 
 /* Collective: what own leaves weigh in this step. Ghosts for it are there. */
-static int weigh(struct pccd_mpi *world, struct ranks_moment *moment, uint64_t *sum)
+static int weigh(struct pccd_mpi *world, struct ranks_moment *moment, bool *is_uneven)
 {
     struct ranks_sending sending = sending_of(world, moment);
     struct pccd_frame frame;
@@ -379,25 +379,24 @@ static int weigh(struct pccd_mpi *world, struct ranks_moment *moment, uint64_t *
         moment->local[o] = NULL;
     }
     if (status == PCCD_OK) {
-        status = ranks_leaves_weigh(world, &answer.counters, sum);
+        status = ranks_leaves_weigh(world, &answer.counters, is_uneven);
     }
     return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
 }
 
-/* Cut by the work of each leaf in this step; if that is uneven, or always. */
-static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool always)
+/* Cut by the work of each leaf in this step, if that is uneven, or always; *is_cut: it
+ * was. */
+static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool always,
+                       bool *is_cut)
 {
-    uint64_t weight = 0;
-    bool is_uneven = always;
+    bool is_uneven = false;
     int status = choose_ghosts(world, moment);
     if (status == PCCD_OK && moment->stopped == PCCD_COMPLETE) {
-        status = weigh(world, moment, &weight);
+        status = weigh(world, moment, &is_uneven);
     }
-    bool is_weighed = status == PCCD_OK && moment->stopped == PCCD_COMPLETE;
-    if (is_weighed && !always) {
-        status = ranks_weights_compare(world, weight, &is_uneven);
-    }
-    if (is_weighed && status == PCCD_OK && is_uneven) {
+    *is_cut =
+        status == PCCD_OK && moment->stopped == PCCD_COMPLETE && (always || is_uneven);
+    if (*is_cut) {
         status = cut_leaves(world, moment);
     }
     ranks_weights_forget(world);
@@ -405,15 +404,22 @@ static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool
 }
 
 /* The scene is cut, as that is due or it never was. By work, so that ranks have about as
- * many records, too; first by leaves, if it never was. A step of mode any mostly ends
- * long before all leaves are weighed. */
+ * many records, too; first by leaves, if it never was. Pieces by work have other ghosts
+ * than those by leaves, so it may take another cut until ranks have the same. A step of
+ * mode any mostly ends long before all leaves are weighed. */
 static int cut(struct pccd_mpi *world, struct ranks_moment *moment, bool is_of_leaves)
 {
-    bool was_cut = world->is_cut;
+    const bool was_cut = world->is_cut;
     int status = was_cut ? PCCD_OK : cut_leaves(world, moment);
-    bool ends = moment->stopped != PCCD_COMPLETE || world->link.size == 1 ||
-                !is_of_leaves || (!was_cut && moment->settings.mode == PCCD_MODE_ANY);
-    return status == PCCD_OK && !ends ? cut_by_work(world, moment, was_cut) : status;
+    bool goes_on = world->link.size > 1 && is_of_leaves &&
+                   (was_cut || moment->settings.mode != PCCD_MODE_ANY);
+    for (int cuts = was_cut ? 1 : 2; cuts > 0 && goes_on; cuts--) {
+        if (status != PCCD_OK || moment->stopped != PCCD_COMPLETE) {
+            break;
+        }
+        status = cut_by_work(world, moment, was_cut, &goes_on);
+    }
+    return status;
 }
 
 static int make_answer(struct pccd_mpi *world, const struct ranks_moment *moment,

@@ -37,7 +37,9 @@ if [ "${PCCD_MPI:-no}" = no ]; then
     for name in files numbered_files seams objects motions other_files missing_file usage $scenes; do
         tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
     done
-    tap_skip mpi__work_lies_evenly_on_four_ranks "no --with-mpi"
+    for scene in $scenes; do
+        tap_skip "mpi__work_of_${scene}_lies_evenly_on_many_ranks" "no --with-mpi"
+    done
     tap_skip mpi__triangles_lie_evenly_where_work_does_not "no --with-mpi"
     tap_skip mpi__help_is_printed_once "no --with-mpi"
     tap_skip mpi__ghosts_last_while_things_move_steadily "no --with-mpi"
@@ -533,22 +535,37 @@ met=$?
         END { exit bad || sum != 3900 || most > 2.1 * sum / 4 }'
 tap_result $? mpi__triangles_lie_evenly_where_work_does_not "$log"
 
-# Work of all ranks beside that of one process, and the largest beside the mean, in the first step:
-# its second cut is by weights.
-name=mpi__work_lies_evenly_on_four_ranks
-frames=("$PCCD_DATA/cloth-ball"/frames/*.ply)
-if [ -e "${frames[0]}" ]; then
-    ranks 4 "$top_builddir/pccd-mpi" check --repeat 0 --shares "${frames[@]}" >"$work/out" 2>"$log"
-    [ $? -eq 1 ] && [ "$(grep -c '^rank .*, cuts 2,' "$log")" -eq 4 ] &&
-        { "$PCCDCTL" check --url direct: --repeat 0 "${frames[@]}" >"$work/one" 2>>"$log" || [ $? -eq 1 ]; } &&
-        awk '/^work / { gsub(",", ""); print $2 + 8 * $11 }' "$work/one" "$work/out" |
-        paste -sd ' ' | tee -a "$log" | awk '{ exit !($1 > 0 && $2 > 0 && $2 < 1.15 * $1) }' &&
-        awk '/^rank / { sub(/.*imbalance /, ""); if ($1 + 0 < 1 || $1 + 0 > 1.05) bad = 1 }
-            END { exit bad }' "$log"
-    # If it failed, ranks would wait for one of them, or look for what others find.
-    tap_result $? $name "$log"
-else
-    tap_skip $name "no frames in \$PCCD_DATA"
-fi
+# Work of all ranks beside that of one process, and the largest beside the mean, in the first step,
+# which cuts by weights. If it failed, ranks would wait for one of them, or look for what others
+# find.
+work_of() { # OUTPUT: of the first step
+    awk '/^work / { gsub(",", ""); print $2 + 8 * $11 }' "$1"
+}
+lies_evenly() { # RANKS FRAME...
+    local count=$1 met one all
+    shift
+    ranks "$count" "$top_builddir/pccd-mpi" check --repeat 0 --shares "$@" >"$work/out" 2>>"$log"
+    met=$?
+    "$PCCDCTL" check --url direct: --repeat 0 "$@" >"$work/one" 2>>"$log"
+    [ $? -eq $met ] && [ $met -le 1 ] || return
+    one=$(work_of "$work/one") all=$(work_of "$work/out")
+    echo "$count ranks: work $all, of one process $one" >>"$log"
+    awk -v one="$one" -v all="$all" -v most="$((100 + 15 * count / 4))" \
+        'BEGIN { exit !(one > 0 && all > 0 && 100 * all < most * one) }' &&
+        tail -n "$((count + 1))" "$log" | awk '/^rank / { sub(/.*imbalance /, ""); ranks++
+                if ($1 + 0 < 1 || $1 + 0 > 1.05) bad = 1 }
+            END { exit bad || !ranks }'
+}
+for scene in $scenes; do
+    name=mpi__work_of_${scene}_lies_evenly_on_many_ranks
+    frames=("$PCCD_DATA/$scene"/frames/*.ply)
+    if [ ! -e "${frames[0]}" ]; then
+        tap_skip "$name" "no frames in \$PCCD_DATA"
+        continue
+    fi
+    : >"$log"
+    lies_evenly 4 "${frames[@]}" && lies_evenly 8 "${frames[@]}"
+    tap_result $? "$name" "$log"
+done
 
 tap_end
