@@ -26,6 +26,7 @@ struct ctl_error;
     X(ping, "measure round trips through the daemon")                                    \
     X(check, "find the contacts between two or more frames of a mesh")                   \
     X(near, "tell what is near: pairs, nearest, crossings, depth")                       \
+    X(scene, "write a scene file, or its format")                                        \
     X(load, "play the frames of a mesh in a daemon")                                     \
     X(record, "run a program and record what it asks the daemon")                        \
     X(replay, "repeat a recording and compare every answer")                             \

@@ -39,6 +39,7 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_render.c \
     client/ctl/commands/render_draw.c \
     client/ctl/commands/cmd_replay.c \
+    client/ctl/commands/cmd_scene.c \
     client/ctl/commands/cmd_stats.c \
     client/ctl/commands/cmd_status.c \
     client/ctl/commands/cmd_top.c \
@@ -82,6 +83,9 @@ libctl_la_SOURCES = \
     client/ctl/picture/picture_file.c \
     client/ctl/picture/raster.c \
     client/ctl/picture/thick.c \
+    client/ctl/scene/scene.c \
+    client/ctl/scene/scene_file.c \
+    client/ctl/scene/scene_options.c \
     client/ctl/record/answers.c \
     client/ctl/record/frames.c \
     client/ctl/record/play.c \
@@ -103,7 +107,7 @@ ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/near -iquote $(top_srcdir)/client/ctl/observe \
     -iquote $(top_srcdir)/client/ctl/export -iquote $(top_srcdir)/client/ctl/inspect \
     -iquote $(top_srcdir)/client/ctl/picture \
-    -iquote $(top_srcdir)/client/ctl/record \
+    -iquote $(top_srcdir)/client/ctl/record -iquote $(top_srcdir)/client/ctl/scene \
     -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/oracle \
     -iquote $(top_srcdir)/client/registry \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto $(tool_cppflags)

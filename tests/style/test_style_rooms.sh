@@ -94,14 +94,15 @@ daemon/service requests   base queue memory sessions scenes
 daemon/service .          base sessions requests
 client/ctl .
 client/ctl mesh           .
-client/ctl check          . mesh
-client/ctl near           . mesh check
+client/ctl scene          . mesh
+client/ctl check          . mesh scene
+client/ctl near           . mesh scene check
 client/ctl observe        . check
-client/ctl record         . mesh check
+client/ctl record         . mesh scene check
 client/ctl export         . record
 client/ctl inspect        . check record export
 client/ctl picture        . record export
-client/ctl commands       . mesh check near observe record export inspect picture
+client/ctl commands       . mesh scene check near observe record export inspect picture
 '
 
 # Folder prefix, then the libraries beside the C library.

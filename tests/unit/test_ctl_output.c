@@ -35,6 +35,10 @@ CASE(statistics__give_medians_and_nearest_ranks)
 
 static const uint32_t triangles[2][3] = {{7, 5, 6}, {0, 2, 1}};
 static const struct pccd_edge edges[3] = {{0, 1}, {0, 2}, {5, 6}};
+static const struct ctl_mesh shape = {
+    .triangles = {.vertices = (uint32_t *)(uintptr_t)triangles, .count = 2}};
+static struct objects_of object_of = {.mesh = &shape, .edges = edges};
+static const struct objects objects = {.of = &object_of, .count = 1};
 static const struct pccd_contact contacts[2] = {
     {.kind = PCCD_VF,
      .flags = PCCD_PROVED,
@@ -58,7 +62,7 @@ static void read_back(FILE *file, char *text, size_t bytes)
 CASE(csv__names_vertices_in_file_order)
 {
     const struct pccd_answer page = {.contacts = contacts, .count = 2};
-    struct contacts_csv csv = {.triangles = triangles, .edges = edges};
+    struct contacts_csv csv = {.objects = &objects};
     char text[512];
     csv.whole.to = tmpfile();
     assert_non_null(csv.whole.to);
@@ -74,7 +78,7 @@ CASE(csv__leaves_times_of_pairs_empty_and_numbers_steps)
 {
     const struct pccd_pair pairs[1] = {{.kind = PCCD_EE, .feature_a = 0, .feature_b = 2}};
     const struct pccd_answer page = {.pairs = pairs, .count = 1};
-    struct contacts_csv csv = {.triangles = triangles, .edges = edges, .has_step = true};
+    struct contacts_csv csv = {.objects = &objects, .has_step = true};
     char text[512];
     csv.whole.to = tmpfile();
     assert_non_null(csv.whole.to);
@@ -87,8 +91,7 @@ CASE(csv__leaves_times_of_pairs_empty_and_numbers_steps)
 /* If it failed: a full disk would look like a complete file. */
 CASE(csv__tells_when_the_disk_is_full)
 {
-    struct contacts_csv csv = {
-        .path = "/dev/full", .triangles = triangles, .edges = edges};
+    struct contacts_csv csv = {.path = "/dev/full", .objects = &objects};
     struct ctl_error error = {.text = ""};
     assert_ok(contacts_csv_open(&csv, &error));
     assert_int_equal(output_close(&csv.whole, csv.path, true, &error), PCCD_E_SYSTEM);
@@ -150,8 +153,10 @@ CASE(columns__that_matter_less_give_way)
     assert_true(columns[6].is_hidden);
 }
 
-static const struct report_mesh mesh = {
-    .info = {.vertex_count = 4, .edge_count = 5, .triangle_count = 2}, .build_ms = 0.5};
+static struct report_object told = {
+    .info = {.vertex_count = 4, .edge_count = 5, .triangle_count = 2}};
+static const struct report_scene scene = {
+    .objects = &told, .object_count = 1, .build_ms = 0.5};
 
 static struct report_step made_step(uint64_t total, double toi)
 {
@@ -175,7 +180,7 @@ static json_t *json_of(const struct report_step *steps, uint32_t count)
     json_error_t error;
     FILE *file = tmpfile();
     assert_non_null(file);
-    assert_true(report_json(file, &mesh, steps, count));
+    assert_true(report_json(file, &scene, steps, count));
     read_back(file, text, sizeof text);
     fclose(file);
     json_t *object = json_loads(text, 0, &error);

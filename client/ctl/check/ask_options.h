@@ -22,8 +22,6 @@
 extern const struct option_table frames_table;
 /* The same without --rate, for a command that has one of its own, in this range. */
 extern const struct option_table frames_without_rate_table;
-#define FRAMES_RATE_MIN 1e-6 /* frames a second */
-#define FRAMES_RATE_MAX 1e6
 
 /* Return whether any of these options was given; a file without frames allows none. */
 bool frames_options_are_given(const struct ctl_frames_options *options);

@@ -26,19 +26,6 @@ int check_run_fail(const struct check_run *run, int status, const char *what,
                          text[0] != '\0' ? text : pccd_status_text(status));
 }
 
-static int fetch_edges(struct check_run *run, uint32_t mesh, struct ctl_error *error)
-{
-    uint32_t count = run->mesh.info.edge_count;
-    /* A mesh of points has no edges; malloc(0) may be NULL. */
-    run->edges = malloc(((size_t)count + 1) * sizeof *run->edges);
-    if (run->edges == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu32 " edges",
-                             count);
-    }
-    int status = pccd_mesh_edges(run->client, mesh, run->edges, count);
-    return status == PCCD_OK ? PCCD_OK : check_run_fail(run, status, "edges", error);
-}
-
 int check_run_times(struct check_run *run, struct ctl_error *error)
 {
     size_t rows = REPORT_PHASE_COUNT + 1;
@@ -49,53 +36,43 @@ int check_run_times(struct check_run *run, struct ctl_error *error)
                                "no memory for %" PRIu32 " repetitions", run->repeats);
 }
 
-int check_run_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
-                       uint32_t *handle, struct pccd_mesh_info *info)
+int check_run_tell(struct check_run *run, const struct scene *files,
+                   struct ctl_error *error)
 {
-    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
-                                        .x = mesh->x,
-                                        .format = mesh->format,
-                                        .vertex_count = mesh->vertex_count,
-                                        .triangle_count = mesh->triangles.count,
-                                        .triangles = mesh->triangles.vertices,
-                                        .edges = mesh->edges.vertices,
-                                        .points = mesh->points.vertices,
-                                        .edge_count = mesh->edges.count,
-                                        .point_count = mesh->points.count};
-    *handle = 0;
-    return pccd_mesh_put(client, &data, handle, info);
+    struct report_object *told = calloc(files->object_count, sizeof *told);
+    if (told == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+    }
+    for (uint32_t i = 0; i < files->object_count; i++) {
+        const struct scene_object *object = &files->objects[i];
+        told[i] =
+            (struct report_object){.name = files->path != NULL ? object->name : NULL,
+                                   .path = object->paths[0],
+                                   .files = &object->files,
+                                   .info = object->info,
+                                   .welded = object->files.welded};
+        run->told.object_what |= object->settings.what;
+    }
+    free(run->told.objects);
+    run->told.objects = told;
+    run->told.object_count = files->object_count;
+    run->told.build_ms = files->build_ms;
+    return PCCD_OK;
 }
 
-int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool with_edges,
+int check_run_begin(struct check_run *run, struct scene *files, bool with_edges,
                     struct ctl_error *error)
 {
-    uint32_t handle;
-    run->edges = NULL;
     int status = check_run_times(run, error);
     if (status != PCCD_OK) {
         return status;
-    }
-    status = check_run_put_mesh(run->client, mesh, &handle, &run->mesh.info);
-    if (status != PCCD_OK) {
-        return check_run_fail(run, status, "the mesh was not accepted", error);
     }
     status = pccd_scene_create(run->client, NULL, &run->scene);
     if (status != PCCD_OK) {
         return check_run_fail(run, status, "no scene", error);
     }
-    /* The library does not tell how long the hierarchy took; the call does little else.
-     */
-    double start = now_ms();
-    status = pccd_scene_add(run->client, run->scene, handle, &run->object);
-    if (status != PCCD_OK) {
-        return check_run_fail(run, status, "the mesh was not placed", error);
-    }
-    run->mesh.build_ms = now_ms() - start + (double)run->mesh.info.build_ns / 1e6;
-    status = ask_set_object(run->ask, run->client, run->scene, run->object);
-    if (status != PCCD_OK) {
-        return check_run_fail(run, status, "no thickness", error);
-    }
-    return with_edges ? fetch_edges(run, handle, error) : PCCD_OK;
+    status = scene_place(files, run->client, run->scene, with_edges, error);
+    return status == PCCD_OK ? check_run_tell(run, files, error) : status;
 }
 
 /* Walk over the pages of an answer; each is shown and given back. `answer` ends as it
@@ -203,25 +180,23 @@ int check_run_repeat(struct check_run *run, const struct check_ask *ask, uint32_
 /* A step that is asked for again and again, and where its records go. */
 struct motion {
     struct check_run *run;
-    const struct ctl_mesh *before, *after;
+    const struct scene *files;
+    struct pccd_motion *motions;
     const struct contacts_csv *csv;
     uint32_t number;
     bool *is_counted; /* false: there was no memory for it */
 };
 
-/* Move to `after`; the first time from where the object stands, unless it stands
+/* Move to the frame; the first time from where the objects stand, unless they stand
  * elsewhere. */
 static int move_once(void *context, bool is_again, struct pccd_answer *answer)
 {
     const struct motion *motion = context;
     const struct check_run *run = motion->run;
-    const struct ctl_mesh *after = motion->after;
-    return is_again || run->is_apart
-               ? pccd_step_x0x1(run->client, run->scene, run->object, motion->before->x,
-                                after->x, after->format, after->vertex_count,
-                                &run->settings, answer)
-               : pccd_step_x1(run->client, run->scene, run->object, after->x,
-                              after->format, after->vertex_count, &run->settings, answer);
+    uint32_t count = scene_motions(motion->files, motion->number,
+                                   is_again || run->is_apart, motion->motions);
+    return pccd_step(run->client, run->scene, motion->motions, count, &run->settings,
+                     answer);
 }
 
 static void show_page(void *context, const struct pccd_answer *page)
@@ -235,19 +210,27 @@ static void show_page(void *context, const struct pccd_answer *page)
         *motion->is_counted && (objects == NULL || objects_count(objects, page));
 }
 
-int check_run_step(struct check_run *run, const struct ctl_mesh *before,
-                   const struct ctl_mesh *after, uint32_t number,
+int check_run_step(struct check_run *run, const struct scene *files, uint32_t number,
                    const struct contacts_csv *csv, struct report_step *step,
                    struct ctl_error *error)
 {
     bool is_counted = true;
-    struct motion motion = {run, before, after, csv, number, &is_counted};
+    struct motion motion = {.run = run,
+                            .files = files,
+                            .motions =
+                                calloc(files->object_count, sizeof *motion.motions),
+                            .csv = csv,
+                            .number = number,
+                            .is_counted = &is_counted};
     bool is_shown = csv->whole.to != NULL || run->objects != NULL;
     const struct check_ask ask = {.once = move_once,
                                   .page = is_shown ? show_page : NULL,
                                   .failed = "the step failed",
                                   .context = &motion};
-    int status = check_run_repeat(run, &ask, number, step, error);
+    int status = motion.motions != NULL
+                     ? check_run_repeat(run, &ask, number, step, error)
+                     : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+    free(motion.motions);
     if (status != PCCD_OK || run->objects == NULL) {
         return status;
     }
@@ -275,8 +258,8 @@ int check_run_judge(const struct report_step *steps, uint32_t step_count, bool *
 
 void check_run_deinit(struct check_run *run)
 {
-    free(run->edges);
+    free(run->told.objects);
     free(run->times);
-    run->edges = NULL;
+    run->told.objects = NULL;
     run->times = NULL;
 }

@@ -14,48 +14,58 @@
 #include "meshfile.h"
 #include "pccd.h"
 #include "report.h"
+#include "scene.h"
 #include "whole_file.h"
 
-/* ---- Which objects of a file meet. */
+/* ---- Which objects meet, by their names. */
+
+/* An object, and the parts of its file that have names. */
+struct objects_of {
+    uint32_t handle;
+    const struct ctl_mesh *mesh;
+    const struct pccd_edge *edges;
+    uint32_t *of_vertex, *of_edge; /* ours: places in mesh->objects; NULL: it is one */
+    uint32_t first; /* number of its first part; the last one is what stands before it */
+};
 
 struct objects {
-    const struct ctl_mesh *mesh;
-    uint32_t *of_vertex, *of_edge; /* ours: object numbers; NULL: there is one object */
-    struct report_pair *pairs;     /* of this step; a table by a hash of both objects */
+    struct objects_of *of; /* ours */
+    uint32_t count;
+    char **names; /* ours: [part_count], of parts with their objects' names before */
+    uint32_t part_count;
+    struct report_pair *pairs;     /* of this step; a table by a hash of both numbers */
     uint32_t pair_count, capacity; /* a power of 2, more than there are pairs */
 };
 
-/* Return whether all of a mesh is one object. */
+/* Return whether all of a mesh is of one part. */
 bool objects_are_one(const struct ctl_mesh *mesh);
-/* Begin to count by objects of a mesh, unless all is one. The mesh, and its edges as they
- * were registered, stay as they are until objects_deinit, which is called also on error.
- * Errors: E_NOMEM. */
-int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
-                 const struct pccd_edge *edges, uint32_t edge_count,
-                 struct ctl_error *error);
-/* The object of a feature of so many points (1 a vertex, 2 an edge, 3 a face): its place
- * in mesh->objects, or CTL_NO_OBJECT before the first one. */
-uint32_t objects_of(const struct objects *objects, uint32_t points, uint32_t feature);
+/* Add an object to `objects`, {0} at first. Its name, "" if its parts alone have names,
+ * is copied; its mesh and edges (as they were registered; needed for several parts) stay
+ * as they are until objects_deinit, which is called also on error. Errors: E_NOMEM. */
+int objects_add(struct objects *objects, uint32_t handle, const char *name,
+                const struct ctl_mesh *mesh, const struct pccd_edge *edges,
+                uint32_t edge_count, struct ctl_error *error);
+/* The object of a handle; of a handle that none has, the first one. */
+const struct objects_of *objects_find(const struct objects *objects, uint32_t handle);
+/* The number of a part: the one with a feature of so many points (1 a vertex, 2 an edge,
+ * 3 a face). */
+uint32_t objects_part(const struct objects_of *object, uint32_t points, uint32_t feature);
 /* Count the records of a page. False: no memory. */
 bool objects_count(struct objects *objects, const struct pccd_answer *page);
-/* Write what was counted, most first, to `step`, whose pairs are free()d by its owner;
- * then begin anew. Errors: E_NOMEM. */
+/* Move what was counted, most first, to `step`, whose pairs its owner free()s; then begin
+ * anew. Errors: E_NOMEM. */
 int objects_take(struct objects *objects, struct report_step *step,
                  struct ctl_error *error);
 void objects_deinit(struct objects *objects);
 
 /* ---- Writes contacts as CSV (`pccdctl check --contacts FILE`). */
 
-struct objects;
-
-/* The arrays are the caller's and stay as they are until close. */
 struct contacts_csv {
-    const char *path;        /* "-": the standard output */
-    struct whole_file whole; /* `to` NULL: nothing is to be written */
-    const uint32_t (*triangles)[3];
-    const struct pccd_edge *edges;
+    const char *path;              /* "-": the standard output */
+    struct whole_file whole;       /* `to` NULL: nothing is to be written */
     bool has_step;                 /* a first column "step" */
-    const struct objects *objects; /* NULL, or two last columns with their names */
+    bool has_names;                /* two last columns with names of objects */
+    const struct objects *objects; /* the caller's; with edges of each */
 };
 
 /* ",3,4": the vertices of a feature of so many points (1 a vertex, 2 an edge, 3 a face).
@@ -73,30 +83,28 @@ void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
 struct check_run {
     struct pccd_client *client; /* the caller's */
     struct pccd_step_settings settings;
-    const struct ask_options *ask; /* the caller's: what to set of objects */
-    uint32_t repeats;              /* timed runs after the first; 0: only the first */
-    bool is_apart; /* steps do not follow each other: each says where it begins */
-    uint32_t scene, object;
-    struct pccd_edge *edges; /* ours, of the registered mesh; NULL unless asked for */
-    struct report_mesh mesh;
+    uint32_t repeats; /* timed runs after the first; 0: only the first */
+    bool is_apart;    /* steps do not follow each other: each says where it begins */
+    uint32_t scene;
+    struct report_scene told;
     struct progress *progress; /* the caller's, of all runs of all steps; or NULL */
     struct objects *objects;   /* the caller's, or NULL: of each step, which ones meet */
     double *times; /* ours: [REPORT_PHASE_COUNT + 1][repeats], scratch for medians */
 };
 
-/* Register a mesh that was read: pccd_mesh_put. */
-int check_run_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
-                       uint32_t *handle, struct pccd_mesh_info *info);
-
-/* Register `mesh` and place it; with_edges: get its edges too. client, settings
- * and repeats are set before. Errors: those of pccd.h, E_NOMEM. */
-int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool with_edges,
+/* Register the first frame of all objects; with_edges: get their edges too. client,
+ * settings and repeats are set before. Then do as check_run_tell. Errors: those of
+ * pccd.h, E_NOMEM. */
+int check_run_begin(struct check_run *run, struct scene *files, bool with_edges,
                     struct ctl_error *error);
-/* One step from `before`, where the object stands now, to `after`: once, then `repeats`
- * times the same again. Both frames must have the same format. The last run's records go
- * to `csv` unless that has no file. Fills all of `step` but the names of files. */
-int check_run_step(struct check_run *run, const struct ctl_mesh *before,
-                   const struct ctl_mesh *after, uint32_t number,
+/* Fill `told`: of each object what its files are, and what the daemon has said of it.
+ * Errors: E_NOMEM. */
+int check_run_tell(struct check_run *run, const struct scene *files,
+                   struct ctl_error *error);
+/* One step to frame `number`, which was read beside the one before, where the objects
+ * stand now: once, then `repeats` times the same again. The last run's records go to
+ * `csv` unless that has no file. Fills all of `step` but the names of files. */
+int check_run_step(struct check_run *run, const struct scene *files, uint32_t number,
                    const struct contacts_csv *csv, struct report_step *step,
                    struct ctl_error *error);
 

@@ -12,8 +12,7 @@ int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
     int status = output_open(&csv->whole, csv->path, true, error);
     if (status == PCCD_OK) {
         fprintf(csv->whole.to, "%skind,i0,i1,i2,i3,toi,toi_hi,proved%s\n",
-                csv->has_step ? "step," : "",
-                csv->objects != NULL ? ",object_a,object_b" : "");
+                csv->has_step ? "step," : "", csv->has_names ? ",object_a,object_b" : "");
     }
     return status;
 }
@@ -32,22 +31,31 @@ uint32_t csv_vertices(FILE *to, uint32_t points, uint32_t feature,
     return points;
 }
 
+/* The vertices of a record's feature, by the file of its object. */
+static uint32_t print_feature(const struct contacts_csv *csv, uint32_t handle,
+                              uint32_t points, uint32_t feature)
+{
+    const struct objects_of *object = objects_find(csv->objects, handle);
+    return csv_vertices(csv->whole.to, points, feature, object->edges,
+                        (const uint32_t(*)[3])object->mesh->triangles.vertices);
+}
+
 /* The record up to its four vertices; those that a kind does not have are empty. */
-static void print_features(const struct contacts_csv *csv, uint32_t step, uint32_t kind,
-                           uint32_t a, uint32_t b)
+static void print_features(const struct contacts_csv *csv, uint32_t step,
+                           const struct pccd_pair *pair)
 {
     FILE *to = csv->whole.to;
     if (csv->has_step) {
         fprintf(to, "%" PRIu32 ",", step);
     }
-    if (kind >= PCCD_KIND_COUNT) {
-        fprintf(to, "%" PRIu32 ",,,,", kind); /* of a newer daemon */
+    if (pair->kind >= PCCD_KIND_COUNT) {
+        fprintf(to, "%" PRIu32 ",,,,", pair->kind); /* of a newer daemon */
         return;
     }
-    const uint32_t *points = common_kinds[kind].points;
-    fputs(common_kinds[kind].name, to);
-    uint32_t printed = csv_vertices(to, points[0], a, csv->edges, csv->triangles);
-    printed += csv_vertices(to, points[1], b, csv->edges, csv->triangles);
+    const uint32_t *points = common_kinds[pair->kind].points;
+    fputs(common_kinds[pair->kind].name, to);
+    uint32_t printed = print_feature(csv, pair->object_a, points[0], pair->feature_a);
+    printed += print_feature(csv, pair->object_b, points[1], pair->feature_b);
     for (; printed < 4; printed++) {
         fputc(',', to);
     }
@@ -65,17 +73,18 @@ static void print_name(FILE *file, const char *name)
     fputs(is_quoted ? "\"" : "", file);
 }
 
-static void end_record(const struct contacts_csv *csv, uint32_t kind, uint32_t a,
-                       uint32_t b)
+static void end_record(const struct contacts_csv *csv, const struct pccd_pair *pair)
 {
-    if (csv->objects != NULL && kind < PCCD_KIND_COUNT) {
-        const struct ctl_mesh *mesh = csv->objects->mesh;
-        const uint32_t *points = common_kinds[kind].points;
-        print_name(csv->whole.to,
-                   report_object(mesh, objects_of(csv->objects, points[0], a)));
-        print_name(csv->whole.to,
-                   report_object(mesh, objects_of(csv->objects, points[1], b)));
-    } else if (csv->objects != NULL) {
+    const struct objects *objects = csv->objects;
+    if (csv->has_names && pair->kind < PCCD_KIND_COUNT) {
+        const uint32_t *points = common_kinds[pair->kind].points;
+        uint32_t a = objects_part(objects_find(objects, pair->object_a), points[0],
+                                  pair->feature_a);
+        uint32_t b = objects_part(objects_find(objects, pair->object_b), points[1],
+                                  pair->feature_b);
+        print_name(csv->whole.to, objects->names[a]);
+        print_name(csv->whole.to, objects->names[b]);
+    } else if (csv->has_names) {
         fputs(",,", csv->whole.to);
     }
     fputc('\n', csv->whole.to);
@@ -86,15 +95,19 @@ void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
 {
     for (uint64_t i = 0; i < page->count && page->contacts != NULL; i++) {
         const struct pccd_contact *contact = &page->contacts[i];
-        print_features(csv, step, contact->kind, contact->feature_a, contact->feature_b);
+        const struct pccd_pair pair = {.kind = contact->kind,
+                                       .object_a = contact->object_a,
+                                       .object_b = contact->object_b,
+                                       .feature_a = contact->feature_a,
+                                       .feature_b = contact->feature_b};
+        print_features(csv, step, &pair);
         fprintf(csv->whole.to, ",%.17g,%.17g,%d", contact->toi, contact->toi_hi,
                 (contact->flags & PCCD_PROVED) != 0);
-        end_record(csv, contact->kind, contact->feature_a, contact->feature_b);
+        end_record(csv, &pair);
     }
     for (uint64_t i = 0; i < page->count && page->pairs != NULL; i++) {
-        const struct pccd_pair *pair = &page->pairs[i];
-        print_features(csv, step, pair->kind, pair->feature_a, pair->feature_b);
+        print_features(csv, step, &page->pairs[i]);
         fputs(",,,0", csv->whole.to);
-        end_record(csv, pair->kind, pair->feature_a, pair->feature_b);
+        end_record(csv, &page->pairs[i]);
     }
 }

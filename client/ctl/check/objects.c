@@ -1,4 +1,4 @@
-/* objects.c - records by the objects of a file. */
+/* objects.c - records by the objects that they are of. */
 #include "check_run.h"
 
 #include <inttypes.h>
@@ -20,12 +20,23 @@ bool objects_are_one(const struct ctl_mesh *mesh)
     return is_one;
 }
 
-uint32_t objects_of(const struct objects *objects, uint32_t points, uint32_t feature)
+uint32_t objects_part(const struct objects_of *object, uint32_t points, uint32_t feature)
 {
-    return objects->of_vertex == NULL ? 0
-           : points == 1              ? objects->of_vertex[feature]
-           : points == 2              ? objects->of_edge[feature]
-                         : ctl_mesh_object_at(objects->mesh, CTL_TRIANGLES, feature);
+    uint32_t part = object->of_vertex == NULL ? 0
+                    : points == 1             ? object->of_vertex[feature]
+                    : points == 2
+                        ? object->of_edge[feature]
+                        : ctl_mesh_object_at(object->mesh, CTL_TRIANGLES, feature);
+    return object->first + (part == CTL_NO_OBJECT ? object->mesh->object_count : part);
+}
+
+const struct objects_of *objects_find(const struct objects *objects, uint32_t handle)
+{
+    uint32_t i = objects->count - 1;
+    while (i > 0 && objects->of[i].handle != handle) {
+        i--;
+    }
+    return &objects->of[i];
 }
 
 /* Edges are in this order, as pccd_mesh_edges has them. */
@@ -38,60 +49,101 @@ static int compare_edges(const void *a, const void *b)
 }
 
 /* A side from p to q is of this object, unless another one had it before. */
-static void take_side(const struct objects *objects, const struct pccd_edge *edges,
-                      uint32_t edge_count, uint32_t p, uint32_t q, uint32_t object)
+static void take_side(const struct objects_of *object, uint32_t edge_count, uint32_t p,
+                      uint32_t q, uint32_t part)
 {
     const struct pccd_edge wanted = {.a = p < q ? p : q, .b = p < q ? q : p};
     const struct pccd_edge *edge =
-        bsearch(&wanted, edges, edge_count, sizeof *edges, compare_edges);
-    if (edge != NULL && objects->of_edge[edge - edges] == CTL_NO_OBJECT) {
-        objects->of_edge[edge - edges] = object;
+        bsearch(&wanted, object->edges, edge_count, sizeof *edge, compare_edges);
+    if (edge != NULL && object->of_edge[edge - object->edges] == CTL_NO_OBJECT) {
+        object->of_edge[edge - object->edges] = part;
     }
 }
 
-static void number_edges(const struct objects *objects, const struct pccd_edge *edges,
-                         uint32_t edge_count)
+static void number_edges(const struct objects_of *object, uint32_t edge_count)
 {
-    const struct ctl_mesh *mesh = objects->mesh;
+    const struct ctl_mesh *mesh = object->mesh;
     for (uint32_t i = 0; i < mesh->triangles.count; i++) {
         const uint32_t *corners = mesh->triangles.vertices + 3 * (size_t)i;
-        uint32_t object = ctl_mesh_object_at(mesh, CTL_TRIANGLES, i);
+        uint32_t part = ctl_mesh_object_at(mesh, CTL_TRIANGLES, i);
         for (uint32_t k = 0; k < 3; k++) {
-            take_side(objects, edges, edge_count, corners[k], corners[(k + 1) % 3],
-                      object);
+            take_side(object, edge_count, corners[k], corners[(k + 1) % 3], part);
         }
     }
     for (uint32_t i = 0; i < mesh->edges.count; i++) {
         const uint32_t *ends = mesh->edges.vertices + 2 * (size_t)i;
-        take_side(objects, edges, edge_count, ends[0], ends[1],
+        take_side(object, edge_count, ends[0], ends[1],
                   ctl_mesh_object_at(mesh, CTL_EDGES, i));
     }
 }
 
-int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
-                 const struct pccd_edge *edges, uint32_t edge_count,
-                 struct ctl_error *error)
+/* "body", "body/arm" or "arm"; NULL: no memory. */
+static char *join_names(const char *object, const char *part)
+{
+    char *both = malloc(strlen(object) + strlen(part) + 2);
+    if (both != NULL) {
+        const char *between = object[0] != '\0' && part[0] != '\0' ? "/" : "";
+        sprintf(both, "%s%s%s", object, between, part);
+    }
+    return both;
+}
+
+/* Name the parts of an object; one that has a name and is one part is called by that. */
+static bool name_parts(struct objects *objects, const struct objects_of *object,
+                       const char *name)
+{
+    const struct ctl_mesh *mesh = object->mesh;
+    char **names = realloc(
+        objects->names, (objects->part_count + mesh->object_count + 1) * sizeof *names);
+    if (names == NULL) {
+        return false;
+    }
+    objects->names = names;
+    for (uint32_t i = 0; i <= mesh->object_count; i++) {
+        bool is_inner =
+            i < mesh->object_count && (name[0] == '\0' || object->of_vertex != NULL);
+        char *joined = join_names(name, is_inner ? mesh->objects[i].name : "");
+        if (joined == NULL) {
+            return false;
+        }
+        names[objects->part_count++] = joined;
+    }
+    return true;
+}
+
+int objects_add(struct objects *objects, uint32_t handle, const char *name,
+                const struct ctl_mesh *mesh, const struct pccd_edge *edges,
+                uint32_t edge_count, struct ctl_error *error)
 {
     const size_t edge_bytes = ((size_t)edge_count + 1) * sizeof(uint32_t);
-    const bool is_one = objects_are_one(mesh);
-    *objects = (struct objects){.mesh = mesh,
-                                .pairs = calloc(PAIRS_MIN, sizeof *objects->pairs),
-                                .capacity = PAIRS_MIN};
-    if (!is_one) {
-        objects->of_vertex = ctl_mesh_object_of_vertices(mesh);
-        objects->of_edge = malloc(edge_bytes);
+    const bool is_one = mesh->object_count == 0 || objects_are_one(mesh);
+    struct objects_of *of =
+        realloc(objects->of, (objects->count + 1u) * sizeof *objects->of);
+    if (objects->pairs == NULL) {
+        objects->pairs = calloc(PAIRS_MIN, sizeof *objects->pairs);
+        objects->capacity = PAIRS_MIN;
     }
-    if (objects->pairs == NULL ||
-        (!is_one && (objects->of_vertex == NULL || objects->of_edge == NULL))) {
-        return ctl_error_set(error, PCCD_E_NOMEM,
-                             "no memory for the objects of %" PRIu32 " edges",
-                             edge_count);
+    objects->of = of != NULL ? of : objects->of;
+    bool has_room = of != NULL && objects->pairs != NULL;
+    if (has_room) {
+        struct objects_of *object = &of[objects->count++];
+        *object = (struct objects_of){
+            .handle = handle, .mesh = mesh, .edges = edges, .first = objects->part_count};
+        if (!is_one) {
+            object->of_vertex = ctl_mesh_object_of_vertices(mesh);
+            object->of_edge = malloc(edge_bytes);
+            has_room = object->of_vertex != NULL && object->of_edge != NULL;
+        }
+        has_room = has_room && name_parts(objects, object, name);
+        if (has_room && !is_one) {
+            memset(object->of_edge, 0xff, edge_bytes);
+            number_edges(object, edge_count);
+        }
     }
-    if (!is_one) {
-        memset(objects->of_edge, 0xff, edge_bytes);
-        number_edges(objects, edges, edge_count);
-    }
-    return PCCD_OK;
+    return has_room ? PCCD_OK
+                    : ctl_error_set(error, PCCD_E_NOMEM,
+                                    "no memory for the objects of %" PRIu32 " edges",
+                                    edge_count);
 }
 
 /* ---- counting ---------------------------------------------------------------------- */
@@ -127,15 +179,15 @@ static bool grow(struct objects *objects)
     return true;
 }
 
-static bool add(struct objects *objects, uint32_t kind, uint32_t feature_a,
-                uint32_t feature_b)
+static bool add(struct objects *objects, uint32_t kind, const uint32_t handles[2],
+                const uint32_t features[2])
 {
     if (kind >= PCCD_KIND_COUNT) {
         return true; /* of a newer daemon */
     }
     const uint32_t *points = common_kinds[kind].points;
-    uint32_t a = objects_of(objects, points[0], feature_a);
-    uint32_t b = objects_of(objects, points[1], feature_b);
+    uint32_t a = objects_part(objects_find(objects, handles[0]), points[0], features[0]);
+    uint32_t b = objects_part(objects_find(objects, handles[1]), points[1], features[1]);
     struct report_pair *pair =
         find(objects->pairs, objects->capacity, a < b ? a : b, a < b ? b : a);
     if (pair->count == 0) {
@@ -152,11 +204,14 @@ bool objects_count(struct objects *objects, const struct pccd_answer *page)
     bool ok = true;
     for (uint64_t i = 0; i < page->count && page->contacts != NULL && ok; i++) {
         const struct pccd_contact *contact = &page->contacts[i];
-        ok = add(objects, contact->kind, contact->feature_a, contact->feature_b);
+        ok = add(objects, contact->kind,
+                 (uint32_t[]){contact->object_a, contact->object_b},
+                 (uint32_t[]){contact->feature_a, contact->feature_b});
     }
     for (uint64_t i = 0; i < page->count && page->pairs != NULL && ok; i++) {
         const struct pccd_pair *pair = &page->pairs[i];
-        ok = add(objects, pair->kind, pair->feature_a, pair->feature_b);
+        ok = add(objects, pair->kind, (uint32_t[]){pair->object_a, pair->object_b},
+                 (uint32_t[]){pair->feature_a, pair->feature_b});
     }
     return ok;
 }
@@ -194,8 +249,15 @@ int objects_take(struct objects *objects, struct report_step *step,
 
 void objects_deinit(struct objects *objects)
 {
-    free(objects->of_vertex);
-    free(objects->of_edge);
+    for (uint32_t i = 0; i < objects->count; i++) {
+        free(objects->of[i].of_vertex);
+        free(objects->of[i].of_edge);
+    }
+    for (uint32_t i = 0; i < objects->part_count; i++) {
+        free(objects->names[i]);
+    }
+    free(objects->of);
+    free(objects->names);
     free(objects->pairs);
-    *objects = (struct objects){.mesh = NULL};
+    *objects = (struct objects){.of = NULL};
 }

@@ -13,60 +13,46 @@
 
 /* ---- reading ----------------------------------------------------------------------- */
 
-static int read_frames(struct player *player, struct ctl_error *error)
+/* Read the frames of one object. */
+static int read_frames(struct player *player, struct scene *files, uint32_t object,
+                       struct progress *progress, struct ctl_error *error)
 {
-    uint32_t count = player->files.count;
+    struct ctl_mesh *frames = &player->frames[(size_t)object * files->count];
     bool is_double = false;
-    struct progress progress;
-    progress_begin(&progress, "frames", count);
-    for (uint32_t i = 0; i < count; i++) {
-        struct ctl_mesh *frame = &player->frames[i];
-        int status = ctl_frames_read(&player->files, i, frame, error);
-        if (status != PCCD_OK) {
-            progress_clear(&progress);
-            return status;
-        }
-        is_double = is_double || frame->format == PCCD_FORMAT_F64;
-        progress_update(&progress, i + 1);
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < files->count && status == PCCD_OK; i++) {
+        status = scene_read_object(files, &files->objects[object], i, &frames[i], error);
+        is_double = is_double || frames[i].format == PCCD_FORMAT_F64;
+        progress_update(progress, (uint64_t)object * files->count + i + 1);
     }
-    progress_clear(&progress);
-    for (uint32_t i = 0; is_double && i < count; i++) {
-        int status = ctl_mesh_promote(&player->frames[i], error);
-        if (status != PCCD_OK) {
-            return status;
-        }
+    for (uint32_t i = 0; is_double && i < files->count && status == PCCD_OK; i++) {
+        status = ctl_mesh_promote(&frames[i], error);
     }
-    return PCCD_OK;
+    return status;
 }
 
-int player_read(struct player *player, const struct player_settings *settings,
-                struct ctl_error *error)
+int player_read(struct player *player, struct scene *files,
+                const struct player_settings *settings, struct ctl_error *error)
 {
+    struct progress progress;
     player->settings = settings;
-    int status = ctl_frames_open(&player->files, settings->files, settings->file_count,
-                                 &settings->frames, error);
-    ctl_sequence_warn(&player->files.sequence);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    player->frames = calloc(player->files.count, sizeof *player->frames);
-    player->still = calloc(settings->still_count + 1u, sizeof *player->still);
+    player->files = files;
+    player->frames =
+        calloc((size_t)files->object_count * files->count, sizeof *player->frames);
+    player->motions = calloc(files->object_count, sizeof *player->motions);
     player->times_ms = malloc(PLAYER_TIMES_MAX * sizeof *player->times_ms);
-    if (player->frames == NULL || player->still == NULL || player->times_ms == NULL) {
+    if (player->frames == NULL || player->motions == NULL || player->times_ms == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
     }
-    status = read_frames(player, error);
-    for (uint32_t i = 0; status == PCCD_OK && i < settings->still_count; i++) {
-        struct ctl_welded welded;
-        uint32_t frame_count;
-        status = ctl_frames_read_one(settings->still[i], &settings->frames,
-                                     &player->still[i], &welded, &frame_count, error);
-        if (status == PCCD_OK && frame_count > 1) {
-            status = ctl_error_set(error, PCCD_E_INVAL,
-                                   "%s has %" PRIu32 " frames: what stands has one",
-                                   settings->still[i], frame_count);
+    int status = scene_read(files, 0, error);
+    progress_begin(&progress, "frames", (uint64_t)files->object_count * files->count);
+    for (uint32_t i = 0; i < files->object_count && status == PCCD_OK; i++) {
+        /* Where nothing moves, all do, to where they are. */
+        if (files->objects[i].files.count > 1 || files->count == 1) {
+            status = read_frames(player, files, i, &progress, error);
         }
     }
+    progress_clear(&progress);
     return status;
 }
 
@@ -80,22 +66,8 @@ static int fail(const struct player *player, int status, const char *what,
                          text[0] != '\0' ? text : pccd_status_text(status));
 }
 
-static int place(struct player *player, const struct ctl_mesh *mesh, uint32_t *object,
-                 struct ctl_error *error)
+static int place_all(struct player *player, struct scene *files, struct ctl_error *error)
 {
-    uint32_t handle = 0;
-    int status = check_run_put_mesh(player->client, mesh, &handle, NULL);
-    if (status == PCCD_OK) {
-        status = pccd_scene_add(player->client, player->scene, handle, object);
-    }
-    player->triangles += mesh->triangles.count;
-    return status == PCCD_OK ? PCCD_OK
-                             : fail(player, status, "a mesh was not accepted", error);
-}
-
-static int place_all(struct player *player, struct ctl_error *error)
-{
-    uint32_t ignored = 0;
     const struct pccd_scene_settings shared = {.name = player->settings->scene,
                                                .share = PCCD_SHARE_OPEN};
     int status = pccd_scene_create(
@@ -103,14 +75,10 @@ static int place_all(struct player *player, struct ctl_error *error)
     if (status != PCCD_OK) {
         return fail(player, status, "no scene", error);
     }
-    struct ctl_mesh first = player->files.mesh;
-    first.x = player->frames[0].x;
-    first.format = player->frames[0].format;
-    status = place(player, &first, &player->object, error);
-    for (uint32_t i = 0; status == PCCD_OK && i < player->settings->still_count; i++) {
-        status = place(player, &player->still[i], &ignored, error);
+    for (uint32_t i = 0; i < files->object_count; i++) {
+        player->triangles += files->objects[i].files.mesh.triangles.count;
     }
-    return status;
+    return scene_place(files, player->client, player->scene, false, error);
 }
 
 /* The frame at the end of step `step`, from 0: forwards, backwards, forwards ... */
@@ -123,28 +91,29 @@ static uint32_t frame_after(uint64_t step, uint32_t frame_count)
     return (uint32_t)(turn % 2 == 0 ? at : frame_count - 1 - at);
 }
 
-static int submit(struct player *player, const struct ctl_mesh *frame, uint64_t *step)
+/* Move all to a frame, from where they are. */
+static int submit(struct player *player, uint32_t frame, uint64_t *step)
 {
     const struct player_settings *settings = player->settings;
+    const struct scene *files = player->files;
     const struct pccd_step_settings asked = {.struct_bytes =
                                                  sizeof(struct pccd_step_settings),
                                              .threads = settings->threads,
                                              .hold = settings->holds};
-    size_t bytes = (size_t)frame->vertex_count * common_vertex_bytes(frame->format);
-    struct pccd_frame out;
-    void *x1 = NULL;
-    int status = pccd_frame_begin(player->client, player->scene, 1, bytes, &out);
-    if (status != PCCD_OK) {
-        return status;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < files->object_count; i++) {
+        const struct ctl_mesh *mesh = &player->frames[(size_t)i * files->count + frame];
+        if (mesh->x != NULL) {
+            player->motions[count++] =
+                (struct pccd_motion){.object = files->objects[i].handle,
+                                     .count = mesh->vertex_count,
+                                     .format = mesh->format,
+                                     .x1 = mesh->x};
+        }
     }
-    status =
-        pccd_frame_x1(&out, player->object, frame->format, 0, frame->vertex_count, &x1);
-    if (status != PCCD_OK) {
-        pccd_frame_abort(&out);
-        return status;
-    }
-    memcpy(x1, frame->x, bytes);
-    return pccd_frame_commit(&out, &asked, step);
+    return count == 0 ? pccd_submit_still(player->client, player->scene, &asked, step)
+                      : pccd_submit(player->client, player->scene, player->motions, count,
+                                    &asked, step);
 }
 
 static bool is_over(const struct player *player)
@@ -172,8 +141,7 @@ static int await(struct player *player, uint64_t step, struct pccd_answer *answe
 static int play_step(struct player *player, struct ctl_error *error)
 {
     const struct player_settings *settings = player->settings;
-    const struct ctl_mesh *frame =
-        &player->frames[frame_after(player->steps, player->files.count)];
+    uint32_t frame = frame_after(player->steps, player->files->count);
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
     double begin_s = terminal_now_s();
@@ -198,10 +166,10 @@ static int play_step(struct player *player, struct ctl_error *error)
 int player_play(struct player *player, struct ctl_error *error)
 {
     const struct player_settings *settings = player->settings;
-    uint64_t turn = player->files.count > 1 ? player->files.count - 1 : 1;
+    uint64_t turn = player->files->count > 1 ? player->files->count - 1 : 1;
     uint64_t wanted = settings->seconds > 0 ? 0 : turn * settings->times;
     struct progress progress;
-    int status = place_all(player, error);
+    int status = place_all(player, player->files, error);
     player->begin_s = terminal_now_s();
     progress_begin(&progress, wanted > 0 ? "steps" : "playing (ms)",
                    wanted > 0 ? wanted : (uint64_t)(settings->seconds * 1e3));
@@ -229,15 +197,13 @@ int player_play(struct player *player, struct ctl_error *error)
 
 void player_deinit(struct player *player)
 {
-    const struct player_settings *settings = player->settings;
-    for (uint32_t i = 0; player->frames != NULL && i < player->files.count; i++) {
+    size_t count = player->frames == NULL
+                       ? 0
+                       : (size_t)player->files->object_count * player->files->count;
+    for (size_t i = 0; i < count; i++) {
         ctl_mesh_deinit(&player->frames[i]);
     }
-    for (uint32_t i = 0; player->still != NULL && i < settings->still_count; i++) {
-        ctl_mesh_deinit(&player->still[i]);
-    }
     free(player->frames);
-    free(player->still);
+    free(player->motions);
     free(player->times_ms);
-    ctl_frames_close(&player->files);
 }

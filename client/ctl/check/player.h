@@ -1,4 +1,4 @@
-/* player.h - moves a mesh in a daemon through the frames of files, for `pccdctl load`.
+/* player.h - moves meshes in a daemon through the frames of files, for `pccdctl load`.
  *
  * Threads: one.
  */
@@ -9,17 +9,12 @@
 
 #include "error.h"
 #include "meshfile.h"
-#include "meshframes.h"
 #include "pccd.h"
+#include "scene.h"
 
 #define PLAYER_TIMES_MAX 1000000u /* round trips that are kept */
 
 struct player_settings {
-    char *const *files; /* of the frames; the caller's */
-    uint32_t file_count;
-    char *const *still; /* files of meshes that stand still */
-    uint32_t still_count;
-    struct ctl_frames_options frames;
     double hz;      /* 0: as fast as they are answered */
     double seconds; /* 0: `times` decides */
     uint32_t times;
@@ -31,11 +26,11 @@ struct player_settings {
 /* All zero before player_read. */
 struct player {
     const struct player_settings *settings;
-    struct pccd_client *client; /* the caller's, between reading and playing */
-    struct ctl_frames files;
-    struct ctl_mesh *frames; /* ours, [files.count], all of one format */
-    struct ctl_mesh *still;  /* ours */
-    uint32_t scene, object;
+    struct pccd_client *client;  /* the caller's, between reading and playing */
+    struct scene *files;         /* the caller's, open */
+    struct ctl_mesh *frames;     /* ours, [object_count][frame_count]; of what moves */
+    struct pccd_motion *motions; /* ours, [object_count] */
+    uint32_t scene;
     double *times_ms; /* ours: round trips; [kept] */
     uint32_t kept;
     uint64_t steps, contacts, incomplete, triangles;
@@ -44,9 +39,10 @@ struct player {
     double seconds;
 };
 
-/* Errors: those of ctl_frames_open and ctl_frames_read. */
-int player_read(struct player *player, const struct player_settings *settings,
-                struct ctl_error *error);
+/* Read all frames of what moves, each object's of one format. Errors: those of
+ * scene_read_object. */
+int player_read(struct player *player, struct scene *files,
+                const struct player_settings *settings, struct ctl_error *error);
 /* Until the end of the settings, or an interrupt. */
 int player_play(struct player *player, struct ctl_error *error);
 void player_deinit(struct player *player);

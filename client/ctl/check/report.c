@@ -120,17 +120,22 @@ void report_print_welded(FILE *to, const struct ctl_welded *welded)
     }
 }
 
-void report_print_mesh(FILE *to, const struct report_mesh *mesh)
+/* "12 vertices, 30 edges, 20 triangles" and the end of the line. */
+static void print_counts(FILE *to, const struct pccd_mesh_info *info)
 {
-    const struct pccd_mesh_info *info = &mesh->info;
-    print_sources(to, mesh->files);
-    fputs("mesh       ", to);
     print_count(to, info->vertex_count, "vertex", "vertices");
     fputs(", ", to);
     print_count(to, info->edge_count, "edge", "edges");
     fputs(", ", to);
     print_count(to, info->triangle_count, "triangle", "triangles");
     fputc('\n', to);
+}
+
+static void print_mesh(FILE *to, const struct report_object *object)
+{
+    const struct pccd_mesh_info *info = &object->info;
+    fputs("mesh       ", to);
+    print_counts(to, info);
     if (info->free_edge_count + info->free_point_count > 0) {
         fputs("free       ", to);
         print_count(to, info->free_edge_count, "edge", "edges");
@@ -138,7 +143,7 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
         print_count(to, info->free_point_count, "point", "points");
         fputc('\n', to);
     }
-    report_print_welded(to, &mesh->welded);
+    report_print_welded(to, &object->welded);
     if (info->duplicate_count + info->degenerate_count + info->isolated_count == 0) {
         return;
     }
@@ -149,6 +154,32 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
     fputs(", ", to);
     print_count(to, info->isolated_count, "unused vertex", "unused vertices");
     fputc('\n', to);
+}
+
+void report_print_objects(FILE *to, const struct report_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct report_object *object = &scene->objects[i];
+        fprintf(to, "object %-3" PRIu32 " ", i + 1);
+        if (object->name != NULL) {
+            fprintf(to, "\"%s\", ", tool_shown(object->name));
+        }
+        fprintf(to, "%s: ", tool_shown(object->path));
+        print_counts(to, &object->info);
+        report_print_welded(to, &object->welded);
+    }
+}
+
+void report_print_scene(FILE *to, const struct report_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        print_sources(to, scene->objects[i].files);
+    }
+    if (scene->object_count == 1) {
+        print_mesh(to, &scene->objects[0]);
+    } else {
+        report_print_objects(to, scene);
+    }
 }
 
 /* Kinds of free points are told where there are any. */
@@ -226,7 +257,7 @@ static void print_first(FILE *to, const struct pccd_answer *answer)
     }
 }
 
-static void print_records(FILE *to, const struct report_mesh *mesh,
+static void print_records(FILE *to, const struct report_scene *scene,
                           const struct pccd_answer *answer)
 {
     static const char *const verdicts[] = {"no", "possible", "yes", "undecided"};
@@ -262,7 +293,7 @@ static void print_records(FILE *to, const struct report_mesh *mesh,
         fprintf(to,
                 "warning    most pairs are within their distance at the start. Is the "
                 "thickness above\n           the length of the edges? %s\n",
-                advice_of_thin(mesh->object_what));
+                advice_of_thin(scene->object_what));
     }
 }
 
@@ -274,19 +305,13 @@ bool report_meets(const struct report_step *step)
            answer->crossings + answer->start_inside > 0;
 }
 
-const char *report_object(const struct ctl_mesh *mesh, uint32_t object)
-{
-    return object < mesh->object_count ? mesh->objects[object].name : "";
-}
-
-void report_print_pairs(FILE *to, const struct report_mesh *mesh,
+void report_print_pairs(FILE *to, const struct report_scene *scene,
                         const struct report_step *step)
 {
     for (uint32_t i = 0; i < step->pair_count && i < PAIRS_TOLD; i++) {
         const struct report_pair *pair = &step->pairs[i];
-        const struct ctl_mesh *shape = &mesh->files->mesh;
-        fprintf(to, "           \"%s\"", tool_shown(report_object(shape, pair->a)));
-        fprintf(to, ", \"%s\": %" PRIu64 "\n", tool_shown(report_object(shape, pair->b)),
+        fprintf(to, "           \"%s\", \"%s\": %" PRIu64 "\n",
+                tool_shown(scene->names[pair->a]), tool_shown(scene->names[pair->b]),
                 pair->count);
     }
     if (step->pair_count > PAIRS_TOLD) {
@@ -391,18 +416,18 @@ void report_print_rest(FILE *to, double build_ms, const struct report_step *step
     print_times(to, build_ms, step);
 }
 
-void report_print_step(FILE *to, const struct report_mesh *mesh,
+void report_print_step(FILE *to, const struct report_scene *scene,
                        const struct report_step *step)
 {
     fprintf(to, "step       %s -> %s, mode %s\n", tool_shown(step->from),
             tool_shown(step->to), or_unknown(common_mode_name(step->answer.mode)));
-    print_records(to, mesh, &step->answer);
+    print_records(to, scene, &step->answer);
     if (step->pair_count > 0) {
         fprintf(to, "between    %" PRIu32 " %s of objects\n", step->pair_count,
                 proto_plural(step->pair_count, "pair", "pairs"));
-        report_print_pairs(to, mesh, step);
+        report_print_pairs(to, scene, step);
     }
-    report_print_rest(to, mesh->build_ms, step);
+    report_print_rest(to, scene->build_ms, step);
 }
 
 void report_print_line(FILE *to, uint32_t number, const struct report_step *step)

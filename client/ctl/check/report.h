@@ -37,16 +37,24 @@ extern const char *const report_phase_names[REPORT_PHASE_COUNT];
 /* Milliseconds of the phases of an answer. */
 void report_phases(const struct pccd_step_times *times, double ms[REPORT_PHASE_COUNT]);
 
-struct report_mesh {
+struct report_object {
+    const char *name;               /* NULL: only its file is told */
+    const char *path;               /* of its first file, or a pattern */
     const struct ctl_frames *files; /* or NULL: what has several frames is told */
     struct pccd_mesh_info info;
     struct ctl_welded welded;
+};
+
+/* Objects that a report is about, and what is told of all of them. */
+struct report_scene {
+    struct report_object *objects;
+    uint32_t object_count;
+    char *const *names;   /* of the parts that meet, by their numbers; or NULL */
     uint32_t object_what; /* that options have set: bits of pccd_object_what */
     double build_ms;      /* edges and feature ownership, then the hierarchy; paid once */
 };
 
-/* Two objects of a mesh that meet, by their places in its objects, the lower one first;
- * UINT32_MAX: what stands before the first one. */
+/* Two parts of objects that meet, by the numbers of their names, the lower one first. */
 struct report_pair {
     uint32_t a, b;
     uint64_t count; /* records */
@@ -65,21 +73,21 @@ struct report_step {
     uint32_t pair_count;
 };
 
-/* For people: the mesh once, then each step, long or as one line. */
-void report_print_mesh(FILE *to, const struct report_mesh *mesh);
+/* For people: the objects once, then each step, long or as one line. */
+void report_print_scene(FILE *to, const struct report_scene *scene);
+/* Print a line for each object. */
+void report_print_objects(FILE *to, const struct report_scene *scene);
 /* Print what readers have to say of their frames. */
 void report_print_notes(FILE *to, const struct ctl_frames *files);
-void report_print_step(FILE *to, const struct report_mesh *mesh,
+void report_print_step(FILE *to, const struct report_scene *scene,
                        const struct report_step *step);
 /* Print the end of the report of any answer: whether it is complete, its hash, work and
  * times. */
 void report_print_rest(FILE *to, double build_ms, const struct report_step *step);
 void report_print_line(FILE *to, uint32_t number, const struct report_step *step);
 /* Print which objects meet: at most 10 lines, and how many pairs there are more. */
-void report_print_pairs(FILE *to, const struct report_mesh *mesh,
+void report_print_pairs(FILE *to, const struct report_scene *scene,
                         const struct report_step *step);
-/* The name of an object; "" before the first one. */
-const char *report_object(const struct ctl_mesh *mesh, uint32_t object);
 
 /* Return whether something meets in a step: it has a contact, or in mode pairs a pair,
  * which may be one; or it begins crossed or inside. */
@@ -87,13 +95,16 @@ bool report_meets(const struct report_step *step);
 
 /* One JSON object: of one step, the step's values at the top; of several, their sums and
  * an array "steps". False without memory. */
-bool report_json(FILE *to, const struct report_mesh *mesh,
+bool report_json(FILE *to, const struct report_scene *scene,
                  const struct report_step *steps, uint32_t step_count);
 
 /* Tell what became of vertices at one place: lines where there is something to tell;
  * members of an object. */
 void report_print_welded(FILE *to, const struct ctl_welded *welded);
 void report_welded(json_t *object, const struct ctl_welded *welded, bool *ok);
+
+/* Return the objects as an array of files and counts. */
+json_t *report_objects(const struct report_scene *scene, bool *ok);
 
 /* Set in `object` how many records of each kind there are, under the kind's name. */
 void report_kinds(json_t *object, const uint64_t counts[PCCD_KINDS_MAX], bool *ok);

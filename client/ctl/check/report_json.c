@@ -19,24 +19,44 @@ static json_t *mode_text(const char *name)
     return name != NULL ? json_string(name) : json_null();
 }
 
-static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
+/* Set what all objects have together. */
+static void add_sums(json_t *object, const struct report_scene *scene, bool *ok)
 {
-    const struct pccd_mesh_info *info = &mesh->info;
-    json_set_count(object, "vertices", info->vertex_count, ok);
-    json_set_count(object, "edges", info->edge_count, ok);
-    json_set_count(object, "triangles", info->triangle_count, ok);
-    json_set_count(object, "duplicate_triangles", info->duplicate_count, ok);
-    json_set_count(object, "degenerate_triangles", info->degenerate_count, ok);
-    json_set_count(object, "unused_vertices", info->isolated_count, ok);
-    json_set_count(object, "free_edges", info->free_edge_count, ok);
-    json_set_count(object, "free_points", info->free_point_count, ok);
-    report_welded(object, &mesh->welded, ok);
+    struct pccd_mesh_info sum = {.vertex_count = 0};
+    struct ctl_welded welded = {.distance = 0};
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct pccd_mesh_info *info = &scene->objects[i].info;
+        const struct ctl_welded *own = &scene->objects[i].welded;
+        sum.vertex_count += info->vertex_count;
+        sum.edge_count += info->edge_count;
+        sum.triangle_count += info->triangle_count;
+        sum.duplicate_count += info->duplicate_count;
+        sum.degenerate_count += info->degenerate_count;
+        sum.isolated_count += info->isolated_count;
+        sum.free_edge_count += info->free_edge_count;
+        sum.free_point_count += info->free_point_count;
+        welded.joined += own->joined;
+        welded.between += own->between;
+        welded.apart += own->apart;
+        welded.flat += own->flat;
+        welded.more += own->more;
+        welded.distance =
+            own->distance > welded.distance ? own->distance : welded.distance;
+    }
+    json_set_count(object, "vertices", sum.vertex_count, ok);
+    json_set_count(object, "edges", sum.edge_count, ok);
+    json_set_count(object, "triangles", sum.triangle_count, ok);
+    json_set_count(object, "duplicate_triangles", sum.duplicate_count, ok);
+    json_set_count(object, "degenerate_triangles", sum.degenerate_count, ok);
+    json_set_count(object, "unused_vertices", sum.isolated_count, ok);
+    json_set_count(object, "free_edges", sum.free_edge_count, ok);
+    json_set_count(object, "free_points", sum.free_point_count, ok);
+    report_welded(object, &welded, ok);
 }
 
-/* Add each file that has several frames: how many, and which ones. */
-static void add_sources(json_t *object, const struct ctl_frames *files, bool *ok)
+/* Append, of each file that has several frames, how many, and which ones. */
+static void add_sources(json_t *array, const struct ctl_frames *files, bool *ok)
 {
-    json_t *array = json_array();
     for (uint32_t i = 0; files != NULL && i < files->source_count; i++) {
         const struct ctl_frames_source *source = &files->sources[i];
         char first[64] = "", last[64] = "";
@@ -53,12 +73,45 @@ static void add_sources(json_t *object, const struct ctl_frames *files, bool *ok
         json_set(element, "faces", json_text(files->mesh.path), ok);
         json_append(array, element, ok);
     }
-    json_set(object, "sources", array, ok);
-    array = json_array();
-    if (files != NULL && files->sequence.warning != NULL) {
-        json_append(array, json_text(files->sequence.warning), ok);
+}
+
+json_t *report_objects(const struct report_scene *scene, bool *ok)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct report_object *object = &scene->objects[i];
+        json_t *element = json_object();
+        if (object->name != NULL) {
+            json_set(element, "name", json_text(object->name), ok);
+        }
+        json_set(element, "file", json_text(object->path), ok);
+        json_set_count(element, "vertices", object->info.vertex_count, ok);
+        json_set_count(element, "edges", object->info.edge_count, ok);
+        json_set_count(element, "triangles", object->info.triangle_count, ok);
+        report_welded(element, &object->welded, ok);
+        json_append(array, element, ok);
     }
-    json_set(object, "warnings", array, ok);
+    return array;
+}
+
+/* Set the sums, files and warnings of a scene; of several objects each. */
+static void add_scene(json_t *object, const struct report_scene *scene, bool *ok)
+{
+    json_t *sources = json_array();
+    json_t *warnings = json_array();
+    add_sums(object, scene, ok);
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct ctl_frames *files = scene->objects[i].files;
+        add_sources(sources, files, ok);
+        if (files != NULL && files->sequence.warning != NULL) {
+            json_append(warnings, json_text(files->sequence.warning), ok);
+        }
+    }
+    json_set(object, "sources", sources, ok);
+    json_set(object, "warnings", warnings, ok);
+    if (scene->object_count > 1) {
+        json_set(object, "scene", report_objects(scene, ok), ok);
+    }
 }
 
 void report_welded(json_t *object, const struct ctl_welded *welded, bool *ok)
@@ -125,23 +178,22 @@ void report_json_rest(json_t *object, double build_ms, const struct report_step 
 }
 
 /* Return the objects that meet, two by two: both names, and how often. */
-static json_t *pairs_array(const struct report_mesh *mesh, const struct report_step *step,
-                           bool *ok)
+static json_t *pairs_array(const struct report_scene *scene,
+                           const struct report_step *step, bool *ok)
 {
     json_t *array = json_array();
     for (uint32_t i = 0; i < step->pair_count; i++) {
         const struct report_pair *pair = &step->pairs[i];
-        const struct ctl_mesh *shape = &mesh->files->mesh;
         json_t *element = json_object();
-        json_set(element, "a", json_text(report_object(shape, pair->a)), ok);
-        json_set(element, "b", json_text(report_object(shape, pair->b)), ok);
+        json_set(element, "a", json_text(scene->names[pair->a]), ok);
+        json_set(element, "b", json_text(scene->names[pair->b]), ok);
         json_set_count(element, "contacts", pair->count, ok);
         json_append(array, element, ok);
     }
     return array;
 }
 
-static void add_step(json_t *object, const struct report_mesh *mesh,
+static void add_step(json_t *object, const struct report_scene *scene,
                      const struct report_step *step, bool *ok)
 {
     const struct pccd_answer *answer = &step->answer;
@@ -163,11 +215,11 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
     json_set_count(object, "coincident", answer->coincident, ok);
     json_set_count(object, "crossings", answer->crossings, ok);
     json_set_count(object, "start_inside", answer->start_inside, ok);
-    json_set(object, "objects", pairs_array(mesh, step, ok), ok);
-    report_json_rest(object, mesh->build_ms, step, ok);
+    json_set(object, "objects", pairs_array(scene, step, ok), ok);
+    report_json_rest(object, scene->build_ms, step, ok);
 }
 
-static void add_steps(json_t *object, const struct report_mesh *mesh,
+static void add_steps(json_t *object, const struct report_scene *scene,
                       const struct report_step *steps, uint32_t step_count, bool *ok)
 {
     uint64_t contacts = 0, counts[PCCD_KINDS_MAX] = {0}, possible = 0;
@@ -176,7 +228,7 @@ static void add_steps(json_t *object, const struct report_mesh *mesh,
     json_t *array = json_array();
     for (uint32_t i = 0; i < step_count; i++) {
         json_t *element = json_object();
-        add_step(element, mesh, &steps[i], ok);
+        add_step(element, scene, &steps[i], ok);
         json_append(array, element, ok);
         contacts += steps[i].answer.total;
         for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
@@ -198,17 +250,16 @@ static void add_steps(json_t *object, const struct report_mesh *mesh,
     json_set(object, "steps", array, ok);
 }
 
-bool report_json(FILE *to, const struct report_mesh *mesh,
+bool report_json(FILE *to, const struct report_scene *scene,
                  const struct report_step *steps, uint32_t step_count)
 {
     json_t *object = json_object();
     bool ok = object != NULL;
-    add_mesh(object, mesh, &ok);
-    add_sources(object, mesh->files, &ok);
+    add_scene(object, scene, &ok);
     if (step_count == 1) {
-        add_step(object, mesh, &steps[0], &ok);
+        add_step(object, scene, &steps[0], &ok);
     } else {
-        add_steps(object, mesh, steps, step_count, &ok);
+        add_steps(object, scene, steps, step_count, &ok);
     }
     return output_json(object, ok, to);
 }

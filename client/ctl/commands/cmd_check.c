@@ -7,7 +7,6 @@
 
 #include "check_run.h"
 #include "ctl.h"
-#include "meshframes.h"
 #include "output.h"
 #include "shown.h"
 #include "terminal.h"
@@ -15,6 +14,7 @@
 
 struct command {
     struct check_options check;
+    struct scene_options scene;
     struct trace_options trace;
 };
 
@@ -48,10 +48,11 @@ static const struct option_row rows[] = {
 const struct option_table ctl_table_check = {
     .rows = rows,
     .parts = (const struct option_part[]){{&check_table, AT(check)},
+                                          {&scene_table, AT(scene)},
                                           {&ctl_link_table, AT(check.ask.link)},
                                           {0}},
     .check = check_usage,
-    .arguments = "MESH_T0 MESH_T1 [MESH_T2...]",
+    .arguments = "MESH_T0 MESH_T1 [MESH_T2...]\nSCENE",
     .text = "Find every contact of a mesh that moves linearly from MESH_T0 to "
             "MESH_T1, then to MESH_T2 and so on. Files are PLY, OBJ, STL or glTF and "
             "have the same faces; seq%d.obj names all that are numbered, and a point "
@@ -68,38 +69,21 @@ const struct option_table ctl_table_check = {
 
 /* Everything that lives while the frames are walked through. */
 struct check {
-    const struct check_options *options;
-    const struct trace_options *tracing;
+    const struct command *command;
     struct check_run run;
     struct contacts_csv csv;
-    struct ctl_frames files;
+    struct scene scene;
     struct objects objects;
-    struct ctl_mesh frames[2]; /* before and after the step, by turns */
-    struct report_step *steps; /* [files.count - 1] */
+    struct report_step *steps; /* [scene.count - 1] */
     struct progress progress;
     struct trace_file trace;
     FILE *report;
 };
 
-/* Read frame `index` beside the one before, and let both have one format. */
-static int read_frame(struct check *check, uint32_t index, struct ctl_error *error)
-{
-    struct ctl_mesh *frame = &check->frames[index % 2];
-    struct ctl_mesh *before = &check->frames[(index + 1) % 2];
-    int status = ctl_frames_read(&check->files, index, frame, error);
-    if (status == PCCD_OK && index > 0 && before->format != frame->format) {
-        status = ctl_mesh_promote(before, error);
-        if (status == PCCD_OK) {
-            status = ctl_mesh_promote(frame, error);
-        }
-    }
-    return status;
-}
-
 static int walk(struct check *check, struct ctl_error *error)
 {
-    const struct check_options *options = check->options;
-    uint32_t step_count = check->files.count - 1;
+    const struct ask_options *ask = &check->command->check.ask;
+    uint32_t step_count = check->scene.count - 1;
     bool is_sequence = step_count > 1;
     int status = PCCD_OK;
     progress_begin(&check->progress, "runs",
@@ -108,19 +92,19 @@ static int walk(struct check *check, struct ctl_error *error)
     check->run.progress = &check->progress;
     for (uint32_t i = 1; i <= step_count && status == PCCD_OK; i++) {
         struct report_step *step = &check->steps[i - 1];
-        step->from = check->files.names[i - 1];
-        step->to = check->files.names[i];
+        step->from = scene_frame_name(&check->scene, i - 1);
+        step->to = scene_frame_name(&check->scene, i);
         if (i > 1) {
-            status = read_frame(check, i, error);
+            status = scene_read(&check->scene, i, error);
         }
         if (status == PCCD_OK) {
-            status = check_run_step(&check->run, &check->frames[(i + 1) % 2],
-                                    &check->frames[i % 2], i, &check->csv, step, error);
+            status =
+                check_run_step(&check->run, &check->scene, i, &check->csv, step, error);
         }
-        if (status == PCCD_OK && is_sequence && !options->ask.is_json) {
+        if (status == PCCD_OK && is_sequence && !ask->is_json) {
             progress_clear(&check->progress);
             report_print_line(check->report, i, step);
-            report_print_pairs(check->report, &check->run.mesh, step);
+            report_print_pairs(check->report, &check->run.told, step);
         }
     }
     progress_clear(&check->progress);
@@ -131,7 +115,7 @@ static int walk(struct check *check, struct ctl_error *error)
 static int walk_recorded(struct check *check, struct ctl_error *error)
 {
     struct pccd_client *client = check->run.client;
-    const struct trace_options *options = check->tracing;
+    const struct trace_options *options = &check->command->trace;
     if (options->path == NULL) {
         return walk(check, error);
     }
@@ -146,103 +130,117 @@ static int walk_recorded(struct check *check, struct ctl_error *error)
     return status;
 }
 
-/* Register the mesh as its first frame is. */
+/* Return whether records are told with the names of what they are of: there are several
+ * objects, or files that name their parts. */
+static bool has_names(const struct scene *scene)
+{
+    bool has = scene->object_count > 1;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        has = has || scene->objects[i].files.mesh.object_count > 0;
+    }
+    return has;
+}
+
+/* Register the objects as their first frames are. */
 static int begin(struct check *check, struct ctl_error *error)
 {
-    const struct check_options *options = check->options;
+    const struct check_options *options = &check->command->check;
     struct check_run *run = &check->run;
-    struct ctl_mesh first = check->files.mesh;
-    first.x = check->frames[0].x;
-    first.format = check->frames[0].format;
+    struct scene *scene = &check->scene;
+    bool is_named = has_names(scene);
     run->settings = check_step_settings(options);
-    run->ask = &options->ask;
-    run->mesh.files = &check->files;
-    run->mesh.welded = check->files.welded;
-    run->mesh.object_what = options->ask.object.what;
-    bool has_objects = first.object_count > 0;
-    bool with_edges =
-        options->ask.csv != NULL || (has_objects && !objects_are_one(&first));
-    int status = check_run_begin(run, &first, with_edges, error);
-    if (status == PCCD_OK && has_objects) {
-        run->objects = &check->objects;
-        check->csv.objects = &check->objects;
-        status = objects_init(&check->objects, &check->files.mesh, run->edges,
-                              run->mesh.info.edge_count, error);
+    int status = check_run_begin(run, scene, is_named || options->ask.csv != NULL, error);
+    for (uint32_t i = 0; status == PCCD_OK && i < scene->object_count; i++) {
+        const struct scene_object *object = &scene->objects[i];
+        status = objects_add(
+            &check->objects, object->handle, scene->object_count > 1 ? object->name : "",
+            &object->files.mesh, object->edges, object->info.edge_count, error);
     }
+    run->told.names = check->objects.names;
+    run->objects = is_named ? &check->objects : NULL;
     if (status == PCCD_OK && options->ask.csv != NULL) {
-        check->csv.triangles = (const uint32_t(*)[3])check->files.mesh.triangles.vertices;
-        check->csv.edges = run->edges;
-        check->csv.has_step = check->files.count > 2;
-        check->csv.path = options->ask.csv;
+        check->csv = (struct contacts_csv){.path = options->ask.csv,
+                                           .has_step = scene->count > 2,
+                                           .has_names = is_named,
+                                           .objects = &check->objects};
         status = contacts_csv_open(&check->csv, error);
     }
     return status;
 }
 
-/* The two first frames are read before a daemon is asked for, so that a bad file costs
- * nothing else. */
-static int check_all(struct check *check, struct ctl_error *error)
+/* Open the files, and read the two first frames. */
+static int read_scene(struct check *check, struct ctl_error *error)
 {
-    const struct ask_options *ask = &check->options->ask;
-    int status = ctl_frames_open(&check->files, ask->files.list, ask->files.count,
-                                 &ask->frames, error);
-    ctl_sequence_warn(&check->files.sequence);
-    if (status == PCCD_OK && check->files.count < 2) {
+    const struct ask_options *ask = &check->command->check.ask;
+    struct scene *scene = &check->scene;
+    int status = scene_take(scene, &ask->files, false, &check->command->scene, error);
+    if (status == PCCD_OK) {
+        status = scene_open(scene, error);
+    }
+    if (status == PCCD_OK && scene->count < 2) {
         return ctl_error_set(error, PCCD_E_INVAL,
                              "%s is one frame: a step has two, before and after it",
-                             check->files.names[0]);
+                             scene_frame_name(scene, 0));
     }
     if (status == PCCD_OK) {
-        check->steps = calloc(check->files.count - 1, sizeof *check->steps);
+        check->steps = calloc(scene->count - 1, sizeof *check->steps);
         status = check->steps != NULL
-                     ? read_frame(check, 0, error)
+                     ? scene_read(scene, 0, error)
                      : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
     }
-    if (status == PCCD_OK) {
-        status = read_frame(check, 1, error);
-    }
+    return status == PCCD_OK ? scene_read(scene, 1, error) : status;
+}
+
+/* Read before a daemon is asked for, so that a bad file costs nothing else. */
+static int check_all(struct check *check, struct ctl_error *error)
+{
+    const struct ask_options *ask = &check->command->check.ask;
+    int status = read_scene(check, error);
     if (status != PCCD_OK) {
         return status;
     }
-    uint32_t default_repeats = check->files.count == 2 ? 1 : 0;
+    uint32_t default_repeats = check->scene.count == 2 ? 1 : 0;
     check->run.repeats = ask->has_repeats ? ask->repeats : default_repeats;
     if (ctl_link_open(&ask->link, &check->run.client) != CTL_DONE) {
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", "");
     }
     status = begin(check, error);
     if (status == PCCD_OK && !ask->is_json) {
-        report_print_mesh(check->report, &check->run.mesh);
+        report_print_scene(check->report, &check->run.told);
     }
-    report_print_notes(ask->is_json ? stderr : check->report, &check->files);
+    for (uint32_t i = 0; i < check->scene.object_count; i++) {
+        report_print_notes(ask->is_json ? stderr : check->report,
+                           &check->scene.objects[i].files);
+    }
     return status != PCCD_OK ? status : walk_recorded(check, error);
 }
 
 static int report_all(struct check *check, struct ctl_error *error)
 {
-    uint32_t step_count = check->files.count - 1;
-    if (check->options->ask.is_json &&
-        !report_json(check->report, &check->run.mesh, check->steps, step_count)) {
+    bool is_json = check->command->check.ask.is_json;
+    uint32_t step_count = check->scene.count - 1;
+    if (is_json &&
+        !report_json(check->report, &check->run.told, check->steps, step_count)) {
         return ctl_error_set(error, PCCD_E_SYSTEM,
                              "the JSON report could not be written");
     }
-    if (!check->options->ask.is_json && step_count == 1) {
-        report_print_step(check->report, &check->run.mesh, &check->steps[0]);
+    if (!is_json && step_count == 1) {
+        report_print_step(check->report, &check->run.told, &check->steps[0]);
     }
-    if (check->tracing->path != NULL) {
-        trace_file_report(&check->trace,
-                          check->options->ask.is_json ? stderr : check->report, false);
+    if (check->command->trace.path != NULL) {
+        trace_file_report(&check->trace, is_json ? stderr : check->report, false);
     }
     return PCCD_OK;
 }
 
 static int run_check(const struct command *command)
 {
-    const struct check_options *options = &command->check;
     struct ctl_error error = {.text = ""};
     struct ctl_error close_error = {.text = ""};
-    struct check check = {.options = options,
-                          .tracing = &command->trace,
-                          .report = ask_report_to(&options->ask)};
+    struct check check = {.command = command,
+                          .scene = {.settings = &command->check.ask.object,
+                                    .frames = &command->check.ask.frames},
+                          .report = ask_report_to(&command->check.ask)};
     bool is_free = false;
     int status = check_all(&check, &error), closed;
     if (status == PCCD_OK) {
@@ -250,18 +248,17 @@ static int run_check(const struct command *command)
     }
     closed =
         output_close(&check.csv.whole, check.csv.path, status == PCCD_OK, &close_error);
+    uint32_t step_count = check.steps != NULL ? check.scene.count - 1 : 0;
     if (status == PCCD_OK) {
-        status = check_run_judge(check.steps, check.files.count - 1, &is_free, &error);
+        status = check_run_judge(check.steps, step_count, &is_free, &error);
+    }
+    for (uint32_t i = 0; i < step_count; i++) {
+        free(check.steps[i].pairs);
     }
     check_run_deinit(&check.run);
     pccd_close(check.run.client);
-    ctl_mesh_deinit(&check.frames[0]);
-    ctl_mesh_deinit(&check.frames[1]);
-    for (uint32_t i = 0; check.steps != NULL && i + 1 < check.files.count; i++) {
-        free(check.steps[i].pairs);
-    }
     objects_deinit(&check.objects);
-    ctl_frames_close(&check.files);
+    scene_close(&check.scene);
     free(check.steps);
     return ask_end(status, is_free, &error, closed, &close_error);
 }
@@ -274,6 +271,7 @@ int ctl_cmd_check(int argc, char **argv)
     if (option_parse(&ctl_table_check, argc, argv, &command) == 0) {
         status = run_check(&command);
     }
+    scene_options_deinit(&command.scene);
     ctl_link_deinit(&command.check.ask.link);
     return status;
 }

@@ -71,7 +71,7 @@ const struct option_table ctl_table_export = {
     .rows = rows,
     .parts = (const struct option_part[]){{&play_frames_table, AT(options)}, {0}},
     .check = check,
-    .arguments = "FILE\nFRAME [FRAME...]",
+    .arguments = "FILE\nFRAME [FRAME...]\nSCENE",
     .text = "Write a step of a recording, or of the frames of a mesh, with its "
             "contacts, for other programs.",
     .more = "Without --steps it is the last step that was answered, with --steps the "

@@ -72,7 +72,7 @@ static const struct option_row rows[] = {
 const struct option_table ctl_table_inspect = {
     .rows = rows,
     .parts = (const struct option_part[]){{&play_frames_table, AT(options)}, {0}},
-    .arguments = "FILE\nFRAME [FRAME...]",
+    .arguments = "FILE\nFRAME [FRAME...]\nSCENE",
     .text = "Repeat the steps of a recording, or of the frames of a mesh, with a "
             "daemon, and write them as a page that any browser opens: the objects in "
             "motion, the contacts by kind and time, the boxes of the hierarchies, "

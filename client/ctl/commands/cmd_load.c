@@ -16,27 +16,16 @@
 
 #define TIMES_MAX  1000000000u
 #define FRAMES_MAX 100000u
-#define STILL_MAX  64u
 #define HZ_MAX     100000.0
 
 struct load_options {
     struct ctl_link link;
     struct player_settings player;
+    struct ctl_frames_options reading;
+    struct scene_options scene;
     struct option_arguments frames;
-    char *still[STILL_MAX];
     bool is_json;
 };
-
-static void take_with(struct argp_state *state, const struct option_row *row,
-                      const char *text, void *to)
-{
-    struct load_options *options = to;
-    (void)row;
-    if (options->player.still_count == STILL_MAX) {
-        option_misused(state, "--with: at most %u meshes", STILL_MAX);
-    }
-    options->still[options->player.still_count++] = (char *)(uintptr_t)text;
-}
 
 static void check(struct argp_state *state, void *to)
 {
@@ -64,8 +53,6 @@ static const struct option_row rows[] = {
      OPTION_U32, .at = AT(player.times), .min = 1, .max = TIMES_MAX},
     {"seconds", 0, "S", "Play for S seconds instead", OPTION_REAL,
      .at = AT(player.seconds), .min = 0.001, .max = 1e9},
-    {"with", 0, "FILE", "Add another mesh that stands still; may be repeated", OPTION_OWN,
-     .take = take_with},
     {"scene", 0, "NAME",
      "Play in the shared scene of that name, which is made unless there is one",
      OPTION_TEXT, .at = AT(player.scene)},
@@ -82,11 +69,12 @@ static const struct option_row rows[] = {
 
 const struct option_table ctl_table_load = {
     .rows = rows,
-    .parts = (const struct option_part[]){{&frames_table, AT(player.frames)},
+    .parts = (const struct option_part[]){{&frames_table, AT(reading)},
+                                          {&scene_table, AT(scene)},
                                           {&ctl_link_table, AT(link)},
                                           {0}},
     .check = check,
-    .arguments = "FRAME [FRAME...]",
+    .arguments = "FRAME [FRAME...]\nSCENE",
     .text = "Put a mesh, or the frames of one, into a new scene of a daemon, or into "
             "one that is shared there, and play it; a single frame stands still.",
     .more = "Without --url and --socket the user's own daemon gets it, and is "
@@ -127,19 +115,29 @@ static void print(const struct player *player, bool is_json)
     }
 }
 
+/* Read all before a daemon is asked for: a bad file costs nothing else. */
+static int read_scene(struct player *player, struct scene *scene,
+                      const struct load_options *options, struct ctl_error *error)
+{
+    int status = scene_take(scene, &options->frames, false, &options->scene, error);
+    if (status == PCCD_OK) {
+        status = scene_open(scene, error);
+    }
+    return status == PCCD_OK ? player_read(player, scene, &options->player, error)
+                             : status;
+}
+
 int ctl_cmd_load(int argc, char **argv)
 {
     struct load_options options = {.link = {.policy = CTL_LINK_USER},
                                    .player = {.times = 1}};
     struct ctl_error error = {.text = ""};
+    struct scene scene = {.frames = &options.reading};
     struct player player = {.client = NULL};
     if (option_parse(&ctl_table_load, argc, argv, &options) != 0) {
         return CTL_USAGE;
     }
-    options.player.files = options.frames.list;
-    options.player.file_count = options.frames.count;
-    options.player.still = options.still;
-    int status = player_read(&player, &options.player, &error) == PCCD_OK
+    int status = read_scene(&player, &scene, &options, &error) == PCCD_OK
                      ? ctl_link_open(&options.link, &player.client)
                      : ctl_complain("%s", error.text);
     if (status == CTL_DONE) {
@@ -153,6 +151,8 @@ int ctl_cmd_load(int argc, char **argv)
     }
     pccd_close(player.client);
     player_deinit(&player);
+    scene_close(&scene);
+    scene_options_deinit(&options.scene);
     ctl_link_deinit(&options.link);
     return status;
 }

@@ -2,12 +2,18 @@
 #include "ctl.h"
 #include "near_run.h"
 
+struct command {
+    struct near_options near;
+    struct scene_options scene;
+};
+
+#define AT(member) offsetof(struct command, member)
 const struct option_table ctl_table_near = {
-    .parts = (const struct option_part[]){{&near_table, 0},
-                                          {&ctl_link_table,
-                                           offsetof(struct near_options, ask.link)},
+    .parts = (const struct option_part[]){{&near_table, AT(near)},
+                                          {&scene_table, AT(scene)},
+                                          {&ctl_link_table, AT(near.ask.link)},
                                           {0}},
-    .arguments = "MESH [MESH...]",
+    .arguments = "MESH [MESH...]\nSCENE",
     .text = "Tell what is near where meshes stand: pairs within a distance, the "
             "nearest pair of each two, edges that pass through faces, or how deep "
             "one mesh is in another. Each file, PLY, OBJ, STL or glTF, is an object "
@@ -22,13 +28,30 @@ const struct option_table ctl_table_near = {
                 "  pccdctl near --what depth a.stl b.stl\n",
 };
 
-static int ask(struct near_run *near, const struct near_options *options,
-               struct near_csv *csv, struct ctl_error *error)
+/* Read before a daemon is asked for: a bad file costs nothing else. */
+static int read_scene(struct near_run *near, const struct command *command,
+                      struct ctl_error *error)
 {
-    const struct ask_options *asked = &options->ask;
-    int status = near_run_read(near, asked->files.list, asked->files.count, error);
+    const struct ask_options *asked = &command->near.ask;
+    struct scene *scene = &near->scene;
+    int status = scene_take(scene, &asked->files, true, &command->scene, error);
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        near_options_leave_out_self(&command->near, scene->object_count,
+                                    &scene->objects[i].settings);
+    }
+    if (status == PCCD_OK) {
+        status = scene_open(scene, error);
+    }
+    return status == PCCD_OK ? scene_read(scene, 0, error) : status;
+}
+
+static int ask(struct near_run *near, const struct command *command, struct near_csv *csv,
+               struct ctl_error *error)
+{
+    const struct ask_options *asked = &command->near.ask;
+    int status = read_scene(near, command, error);
     if (status != PCCD_OK) {
-        return status; /* before a daemon is asked for: a bad file costs nothing else */
+        return status;
     }
     near_report_warn(near);
     if (ctl_link_open(&asked->link, &near->run.client) != CTL_DONE) {
@@ -36,25 +59,27 @@ static int ask(struct near_run *near, const struct near_options *options,
     }
     status = near_csv_open(csv, error);
     if (status == PCCD_OK) {
-        status = near_run_begin(near, asked->csv != NULL, error);
+        status = check_run_begin(&near->run, &near->scene, asked->csv != NULL, error);
     }
     return status == PCCD_OK
                ? near_run_ask(near, asked->csv != NULL ? near_csv_page : NULL, csv, error)
                : status;
 }
 
-static int run_near(const struct near_options *options)
+static int run_near(const struct command *command)
 {
+    const struct ask_options *asked = &command->near.ask;
     struct ctl_error error = {.text = ""};
     struct ctl_error close_error = {.text = ""};
-    struct near_run near = {
-        .run = {.ask = &options->ask,
-                .repeats = options->ask.has_repeats ? options->ask.repeats : 1},
-        .settings = near_options_settings(options)};
-    struct near_csv csv = {.path = options->ask.csv, .near = &near};
-    FILE *to = ask_report_to(&options->ask);
-    int status = ask(&near, options, &csv, &error);
-    if (status == PCCD_OK && !options->ask.is_json) {
+    struct near_run near = {.run = {.repeats = asked->has_repeats ? asked->repeats : 1},
+                            .settings = near_options_settings(&command->near),
+                            .scene = {.settings = &asked->object,
+                                      .frames = &asked->frames,
+                                      .first_alone = true}};
+    struct near_csv csv = {.path = asked->csv, .near = &near};
+    FILE *to = ask_report_to(asked);
+    int status = ask(&near, command, &csv, &error);
+    if (status == PCCD_OK && !asked->is_json) {
         near_report_print(to, &near);
     } else if (status == PCCD_OK && !near_report_json(to, &near)) {
         status =
@@ -68,12 +93,13 @@ static int run_near(const struct near_options *options)
 
 int ctl_cmd_near(int argc, char **argv)
 {
-    struct near_options options = {.settings = PCCD_NEAR_SETTINGS_INIT};
+    struct command command = {.near.settings = PCCD_NEAR_SETTINGS_INIT};
     int status = CTL_USAGE;
-    options.ask.link.policy = CTL_LINK_PRIVATE_UNLESS_ENV;
-    if (option_parse(&ctl_table_near, argc, argv, &options) == 0) {
-        status = run_near(&options);
+    command.near.ask.link.policy = CTL_LINK_PRIVATE_UNLESS_ENV;
+    if (option_parse(&ctl_table_near, argc, argv, &command) == 0) {
+        status = run_near(&command);
     }
-    ctl_link_deinit(&options.ask.link);
+    scene_options_deinit(&command.scene);
+    ctl_link_deinit(&command.near.ask.link);
     return status;
 }

@@ -17,6 +17,7 @@
 #include "ctl.h"
 #include "printable.h"
 #include "reader.h"
+#include "scene.h"
 #include "shown.h"
 
 #define SEGMENTS_MAX  64u
@@ -70,10 +71,10 @@ const struct option_table ctl_table_record = {
     .rows = rows,
     .parts = (const struct option_part[]){{&ctl_common_table, 0}, {0}},
     .check = check,
-    .arguments = "-- PROGRAM [ARGUMENT...]",
+    .arguments = "-- PROGRAM [ARGUMENT...]\nSCENE",
     .ends_options = true,
     .text = "Run a program that uses libpccd, and record everything that it asks and "
-            "is answered.",
+            "is answered. A scene file is played by a daemon of its own.",
     .more = "The program needs no change: libpccd looks for $PCCD_RECORD. What is in "
             "the file survives the end of the program and of the daemon, however "
             "they end. Exit status: that of the program, 128 + N when signal N ended "
@@ -312,6 +313,7 @@ static int report_all(const struct record_command *command,
 
 int ctl_cmd_record(int argc, char **argv)
 {
+    char own_program[] = "/proc/self/exe";
     struct record_command command = {.level = LEVEL_UNSET};
     if (option_parse(&ctl_table_record, argc, argv, &command) != 0) {
         return CTL_USAGE;
@@ -324,7 +326,10 @@ int ctl_cmd_record(int argc, char **argv)
     }
     if (status == CTL_DONE) {
         note_files(command.path, was_there);
-        status = run(command.program.list, &has_run);
+        char *load[] = {own_program, "load", "--private", command.program.list[0], NULL};
+        bool is_scene =
+            command.program.count == 1 && scene_is_named(command.program.list[0]);
+        status = run(is_scene ? load : command.program.list, &has_run);
     }
     if (has_run) {
         int recorded = report_all(&command, was_there);

@@ -188,7 +188,7 @@ const struct option_table ctl_table_render = {
     .rows = rows,
     .parts = (const struct option_part[]){{&play_film_table, AT(options)}, {0}},
     .check = check,
-    .arguments = "FILE\nFRAME [FRAME...]",
+    .arguments = "FILE\nFRAME [FRAME...]\nSCENE",
     .text = "Draw a step of a recording, or of the frames of a mesh: its objects, "
             "and its contacts coloured by their time of impact.",
     .more = "Without --steps it is the last step that was answered, with --steps the "

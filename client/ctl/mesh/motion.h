@@ -11,6 +11,9 @@
 #include "text.h"
 
 /* Wishes about a file whose frames are not numbered; other files ignore them. */
+#define FRAMES_RATE_MIN 1e-6 /* frames a second */
+#define FRAMES_RATE_MAX 1e6
+
 struct ctl_motion_wish {
     double rate;           /* frames a second, finite and > 0; 0: at its keyframes */
     const char *animation; /* its name, or number from 0; NULL: what the reader chooses */

@@ -13,11 +13,11 @@
 static bool sort_objects(struct near_csv *csv)
 {
     const struct near_run *near = csv->near;
-    csv->order = malloc(near->object_count * sizeof *csv->order);
-    for (uint32_t i = 0; csv->order != NULL && i < near->object_count; i++) {
+    csv->order = malloc(near->scene.object_count * sizeof *csv->order);
+    for (uint32_t i = 0; csv->order != NULL && i < near->scene.object_count; i++) {
         uint32_t at = i;
-        while (at > 0 &&
-               near->objects[csv->order[at - 1]].handle > near->objects[i].handle) {
+        while (at > 0 && near->scene.objects[csv->order[at - 1]].handle >
+                             near->scene.objects[i].handle) {
             csv->order[at] = csv->order[at - 1];
             at--;
         }
@@ -44,11 +44,11 @@ int near_csv_open(struct near_csv *csv, struct ctl_error *error)
     return status;
 }
 
-static uint32_t print_vertices(FILE *to, const struct near_object *object,
+static uint32_t print_vertices(FILE *to, const struct scene_object *object,
                                uint32_t points, uint32_t feature)
 {
     return csv_vertices(to, points, feature, object->edges,
-                        (const uint32_t(*)[3])object->mesh.triangles.vertices);
+                        (const uint32_t(*)[3])object->files.mesh.triangles.vertices);
 }
 
 static void print_record(const struct near_csv *csv, const struct pccd_near *record)
@@ -56,10 +56,10 @@ static void print_record(const struct near_csv *csv, const struct pccd_near *rec
     const struct near_run *near = csv->near;
     FILE *to = csv->whole.to;
     uint32_t type = PCCD_NEAR_TYPE(record->flags), printed;
-    uint32_t a = near_run_place(near, record->object_a);
-    uint32_t b = near_run_place(near, record->object_b);
-    if (record->kind >= COMMON_KIND_COUNT || a == near->object_count ||
-        b == near->object_count) {
+    uint32_t a = scene_place_of(&near->scene, record->object_a);
+    uint32_t b = scene_place_of(&near->scene, record->object_b);
+    if (record->kind >= COMMON_KIND_COUNT || a == near->scene.object_count ||
+        b == near->scene.object_count) {
         /* Of a newer daemon. */
         fprintf(to, "%" PRIu32 ",,,,,,,,,,,,,,,,\n", record->kind);
         return;
@@ -68,8 +68,8 @@ static void print_record(const struct near_csv *csv, const struct pccd_near *rec
     fprintf(to, "%s,%s,%" PRIu32 ",%" PRIu32, common_kinds[record->kind].name,
             record->kind != PCCD_EF && type < PCCD_EF ? common_kinds[type].name : "",
             a + 1, b + 1);
-    printed = print_vertices(to, &near->objects[a], points[0], record->feature_a);
-    printed += print_vertices(to, &near->objects[b], points[1], record->feature_b);
+    printed = print_vertices(to, &near->scene.objects[a], points[0], record->feature_a);
+    printed += print_vertices(to, &near->scene.objects[b], points[1], record->feature_b);
     for (; printed < POINTS_MAX; printed++) {
         fputc(',', to);
     }
@@ -86,11 +86,11 @@ static void print_bounds(const struct near_csv *csv, const struct pccd_answer *p
     uint64_t vertex = page->first;
     uint32_t at = 0;
     for (uint64_t i = 0; i < page->count; i++, vertex++) {
-        while (at < near->object_count &&
-               vertex >= near->objects[csv->order[at]].info.vertex_count) {
-            vertex -= near->objects[csv->order[at++]].info.vertex_count;
+        while (at < near->scene.object_count &&
+               vertex >= near->scene.objects[csv->order[at]].info.vertex_count) {
+            vertex -= near->scene.objects[csv->order[at++]].info.vertex_count;
         }
-        if (at == near->object_count) {
+        if (at == near->scene.object_count) {
             return; /* more than there are vertices */
         }
         fprintf(csv->whole.to, "%" PRIu32 ",%" PRIu64 ",%.17g\n", csv->order[at] + 1,

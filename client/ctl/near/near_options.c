@@ -41,7 +41,8 @@ static void check_usage(struct argp_state *state, void *to)
     if (options->has_gap && what != PCCD_NEAR_NEAREST) {
         option_misused(state, "--gap is of --what nearest");
     }
-    if (options->ask.files.count == 1 && what == PCCD_NEAR_NEAREST) {
+    if (options->ask.files.count == 1 && what == PCCD_NEAR_NEAREST &&
+        !scene_is_named(options->ask.files.list[0])) {
         option_misused(state, "--what nearest: two files at least");
     }
     if (!options->has_distance && what == PCCD_NEAR_NEAREST) {
@@ -49,11 +50,6 @@ static void check_usage(struct argp_state *state, void *to)
     }
     if (options->has_self && what == PCCD_NEAR_NEAREST) {
         option_misused(state, "--self: nearest is of two objects");
-    }
-    if (options->ask.files.count > 1 && !options->has_self &&
-        common_near_has_all_pairs(what) && what != PCCD_NEAR_VERTICES) {
-        options->ask.object.what |= PCCD_OBJECT_SELF;
-        options->ask.object.self_collision = false;
     }
 }
 
@@ -100,4 +96,15 @@ struct pccd_near_settings near_options_settings(const struct near_options *optio
         strcpy(settings.tuning, options->ask.tuning);
     }
     return settings;
+}
+
+void near_options_leave_out_self(const struct near_options *options, uint32_t objects,
+                                 struct pccd_object_settings *settings)
+{
+    enum pccd_near_what what = options->settings.what;
+    if (objects > 1 && !options->has_self && common_near_has_all_pairs(what) &&
+        what != PCCD_NEAR_VERTICES && (settings->what & PCCD_OBJECT_SELF) == 0) {
+        settings->what |= PCCD_OBJECT_SELF;
+        settings->self_collision = false;
+    }
 }

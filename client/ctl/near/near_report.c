@@ -85,33 +85,22 @@ static void print_found(FILE *to, const struct near_run *near)
 
 void near_report_warn(const struct near_run *near)
 {
-    for (uint32_t i = 0; i < near->object_count; i++) {
-        const struct near_object *object = &near->objects[i];
-        if (object->frame_count > 1) {
+    for (uint32_t i = 0; i < near->scene.object_count; i++) {
+        const struct scene_object *object = &near->scene.objects[i];
+        if (object->files.count > 1) {
             (void)ctl_complain("warning: %s has %" PRIu32
                                " frames, and the first is read",
-                               object->path, object->frame_count);
+                               object->paths[0], object->files.count);
         }
     }
 }
 
 void near_report_print(FILE *to, const struct near_run *near)
 {
-    for (uint32_t i = 0; i < near->object_count; i++) {
-        const struct near_object *object = &near->objects[i];
-        const struct pccd_mesh_info *info = &object->info;
-        fprintf(to,
-                "object %-3" PRIu32 " %s: %" PRIu32 " %s, %" PRIu32 " %s, %" PRIu32
-                " %s\n",
-                i + 1, tool_shown(object->path), info->vertex_count,
-                proto_plural(info->vertex_count, "vertex", "vertices"), info->edge_count,
-                proto_plural(info->edge_count, "edge", "edges"), info->triangle_count,
-                proto_plural(info->triangle_count, "triangle", "triangles"));
-        report_print_welded(to, &object->welded);
-    }
+    report_print_objects(to, &near->run.told);
     print_question(to, near);
     print_found(to, near);
-    report_print_rest(to, near->run.mesh.build_ms, &near->step);
+    report_print_rest(to, near->run.told.build_ms, &near->step);
 }
 
 /* ---- JSON -------------------------------------------------------------------------- */
@@ -121,28 +110,13 @@ static json_t *real_or_null(double value, bool is_there)
     return is_there ? json_real(value) : json_null();
 }
 
-static void add_objects(json_t *all, const struct near_run *near, bool *ok)
-{
-    json_t *array = json_array();
-    for (uint32_t i = 0; i < near->object_count; i++) {
-        const struct pccd_mesh_info *info = &near->objects[i].info;
-        json_t *object = json_pack(
-            "{s:o, s:I, s:I, s:I}", "file", json_text(near->objects[i].path), "vertices",
-            (json_int_t)info->vertex_count, "edges", (json_int_t)info->edge_count,
-            "triangles", (json_int_t)info->triangle_count);
-        report_welded(object, &near->objects[i].welded, ok);
-        json_append(array, object, ok);
-    }
-    json_set(all, "objects", array, ok);
-}
-
 bool near_report_json(FILE *to, const struct near_run *near)
 {
     const struct pccd_near_settings *settings = &near->settings;
     const struct pccd_answer *answer = &near->step.answer;
     json_t *all = json_object();
     bool ok = all != NULL;
-    add_objects(all, near, &ok);
+    json_set(all, "objects", report_objects(&near->run.told, &ok), &ok);
     json_set(all, "what", json_string(common_near_name(settings->what)), &ok);
     json_set(all, "distance",
              real_or_null(settings->distance, common_near_has_distance(settings->what) &&
@@ -165,6 +139,6 @@ bool near_report_json(FILE *to, const struct near_run *near)
                  : json_integer((json_int_t)answer->crossings),
              &ok);
     json_set(all, "verdict", json_string(verdict_name(answer)), &ok);
-    report_json_rest(all, near->run.mesh.build_ms, &near->step, &ok);
+    report_json_rest(all, near->run.told.build_ms, &near->step, &ok);
     return output_json(all, ok, to);
 }

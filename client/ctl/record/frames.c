@@ -1,4 +1,4 @@
-/* frames.c - a recording of the frames of a mesh. */
+/* frames.c - a recording of frames from files. */
 #include "frames.h"
 
 #include <errno.h>
@@ -72,18 +72,21 @@ static int play_recorded(struct player *player, const struct frames_recording *r
     return played;
 }
 
-int frames_record(struct frames_recording *recording, char *const *files, uint32_t count,
-                  const struct ctl_frames_options *how, const struct ctl_link *link,
+int frames_record(struct frames_recording *recording, struct scene *scene,
+                  const struct option_arguments *files, const struct ctl_link *link,
                   struct ctl_error *error)
 {
-    const struct player_settings settings = {
-        .files = files, .file_count = count, .frames = *how, .times = 1};
+    const struct player_settings settings = {.times = 1};
     struct player player = {.settings = &settings};
     char folder[PATH_BYTES];
+    uint32_t count = files->count;
     snprintf(recording->name, sizeof recording->name, "%.*s%s%.*s", NAME_PART,
-             tool_base_name(files[0]), count > 1 ? " to " : "", count > 1 ? NAME_PART : 0,
-             tool_base_name(files[count - 1]));
-    int status = player_read(&player, &settings, error);
+             tool_base_name(files->list[0]), count > 1 ? " to " : "",
+             count > 1 ? NAME_PART : 0, tool_base_name(files->list[count - 1]));
+    int status = scene_open(scene, error);
+    if (status == PCCD_OK) {
+        status = player_read(&player, scene, &settings, error);
+    }
     if (status == PCCD_OK && ctl_link_open(link, &player.client) != 0) {
         error->text[0] = '\0'; /* told already */
         status = PCCD_E_NODAEMON;

@@ -1,4 +1,4 @@
-/* frames.h - a recording of the frames of a mesh, for commands that show recordings.
+/* frames.h - a recording of frames from files, for commands that show recordings.
  *
  * Threads: one.
  */
@@ -7,7 +7,7 @@
 
 #include "error.h"
 #include "link.h"
-#include "meshframes.h"
+#include "scene.h"
 
 /* Zero before. The file has no name in any folder once it is begun: however the program
  * ends, it is gone then. */
@@ -17,11 +17,11 @@ struct frames_recording {
     char name[224]; /* what it is told of as */
 };
 
-/* Record `count` files of one mesh, at least one; one alone stands still for a step. The
- * file is named after the first and the last. Errors: those of reading and matching them;
- * of the daemon; E_CANCELLED: interrupted. */
-int frames_record(struct frames_recording *recording, char *const *files, uint32_t count,
-                  const struct ctl_frames_options *how, const struct ctl_link *link,
+/* Record a scene that scene_take has taken from `files`; what has one frame stands still
+ * for a step. The file is named after the first and the last. Errors: those of scene_open
+ * and player_read; of the daemon; E_CANCELLED: interrupted. */
+int frames_record(struct frames_recording *recording, struct scene *scene,
+                  const struct option_arguments *files, const struct ctl_link *link,
                   struct ctl_error *error);
 /* Let go of the file. */
 void frames_forget(struct frames_recording *recording);

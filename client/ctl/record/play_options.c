@@ -75,25 +75,34 @@ const struct option_table play_table = {
 bool play_options_are_frames(const struct play_options *options)
 {
     return options->takes_frames &&
-           (options->files.count != 1 || ctl_mesh_is_named(options->files.list[0]));
+           (options->files.count != 1 || ctl_mesh_is_named(options->files.list[0]) ||
+            scene_is_named(options->files.list[0]));
 }
 
 static void check_frames(struct argp_state *state, void *to)
 {
     const struct play_options *options = to;
+    const struct scene_options *scene = &options->scene;
     if (!play_options_are_frames(options) && frames_options_are_given(&options->how)) {
         option_misused(state, "--weld, --rate, --animation: %s is a recording",
+                       options->files.list[0]);
+    }
+    if (!play_options_are_frames(options) &&
+        (scene->with_count + scene->between_count > 0 || scene->has_no_self)) {
+        option_misused(state, "--with, --between, --no-self: %s is a recording",
                        options->files.list[0]);
     }
 }
 
 const struct option_table play_frames_table = {
     .parts =
-        (const struct option_part[]){{&play_table, 0}, {&frames_table, AT(how)}, {0}},
+        (const struct option_part[]){
+            {&play_table, 0}, {&frames_table, AT(how)}, {&scene_table, AT(scene)}, {0}},
     .check = check_frames};
 const struct option_table play_film_table = {
     .parts = (const struct option_part[]){{&play_table, 0},
                                           {&frames_without_rate_table, AT(how)},
+                                          {&scene_table, AT(scene)},
                                           {0}},
     .check = check_frames};
 
@@ -114,13 +123,20 @@ int play_options_open(struct play_options *options, struct ctl_error *error)
     }
     options->play.path = options->frames.name;
     options->play.from = options->frames.from;
-    return frames_record(&options->frames, options->files.list, options->files.count,
-                         &options->how, &options->link, error);
+    struct scene scene = {.frames = &options->how};
+    int status = scene_take(&scene, &options->files, false, &options->scene, error);
+    if (status == PCCD_OK) {
+        status = frames_record(&options->frames, &scene, &options->files, &options->link,
+                               error);
+    }
+    scene_close(&scene);
+    return status;
 }
 
 void play_options_deinit(struct play_options *options)
 {
     frames_forget(&options->frames);
+    scene_options_deinit(&options->scene);
     ctl_link_deinit(&options->link);
 }
 

@@ -20,6 +20,7 @@ struct play_options {
     bool takes_files;  /* set before parsing: several recordings */
     struct option_arguments files;
     struct ctl_frames_options how; /* frames are read */
+    struct scene_options scene;
     struct frames_recording frames;
 };
 extern const struct option_table play_table;

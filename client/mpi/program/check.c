@@ -75,6 +75,7 @@ struct check {
     struct contacts_csv csv;
     struct part part;
     struct objects objects; /* on the root */
+    struct report_object told;
     uint32_t object;
     struct ctl_mesh frames[2]; /* before and after the step, by turns: this rank's part */
     struct report_step *steps; /* [part.files.count - 1] */
@@ -120,14 +121,14 @@ static int begin_names(struct check *check, struct ctl_error *error)
     int status = PCCD_OK;
     if (tells_objects(check)) {
         check->run.objects = &check->objects;
-        check->csv.objects = &check->objects;
-        status =
-            objects_init(&check->objects, named, part->edges, part->edge_count, error);
     }
+    status = objects_add(&check->objects, check->object, "", named, part->edges,
+                         part->edge_count, error);
+    check->run.told.names = check->objects.names;
     if (status == PCCD_OK && check->options->check.ask.csv != NULL) {
-        check->csv.triangles = (const uint32_t(*)[3])named->triangles.vertices;
-        check->csv.edges = part->edges;
         check->csv.has_step = part->files.count > 2;
+        check->csv.has_names = tells_objects(check);
+        check->csv.objects = &check->objects;
         check->csv.path = check->options->check.ask.csv;
         status = contacts_csv_open(&check->csv, error);
     }
@@ -146,14 +147,14 @@ static int begin(struct check *check, struct ctl_error *error)
         return status;
     }
     const struct pccd_mpi_part part = part_to_put(&check->part, &check->frames[0]);
-    status = pccd_mpi_mesh_put(check->world, &part, &mesh, &check->run.mesh.info);
+    status = pccd_mpi_mesh_put(check->world, &part, &mesh, &check->told.info);
     if (status == PCCD_OK) {
         status = pccd_mpi_add(check->world, mesh, &check->object);
     }
     if (status == PCCD_OK && object->what != 0) {
         status = pccd_mpi_object_set(check->world, check->object, object);
     }
-    check->run.mesh.build_ms = (double)(common_now_ns() - begin_ns) / 1e6;
+    check->run.told.build_ms = (double)(common_now_ns() - begin_ns) / 1e6;
     return status == PCCD_OK ? PCCD_OK : fail(check, status, error);
 }
 
@@ -242,7 +243,7 @@ static int walk(struct check *check, struct ctl_error *error)
         }
         if (status == PCCD_OK && is_told && together_is_root()) {
             report_print_line(check->report, i, step);
-            report_print_pairs(check->report, &check->run.mesh, step);
+            report_print_pairs(check->report, &check->run.told, step);
         }
     }
     if (status != PCCD_OK && check->number > 1) {
@@ -259,7 +260,7 @@ static void print_mesh(const struct check *check)
 {
     const bool is_json = check->options->check.ask.is_json;
     if (together_is_root() && !is_json) {
-        report_print_mesh(check->report, &check->run.mesh);
+        report_print_scene(check->report, &check->run.told);
     }
     if (together_is_root()) {
         report_print_notes(is_json ? stderr : check->report, &check->part.files);
@@ -351,9 +352,12 @@ static int check_all(struct check *check, struct ctl_error *error)
     }
     const struct check_options *options = &check->options->check;
     check->run.settings = check_step_settings(options);
-    check->run.mesh = (struct report_mesh){.files = &check->part.files,
-                                           .welded = check->part.files.welded,
-                                           .object_what = options->ask.object.what};
+    check->told = (struct report_object){.path = options->ask.files.list[0],
+                                         .files = &check->part.files,
+                                         .welded = check->part.files.welded};
+    check->run.told = (struct report_scene){.objects = &check->told,
+                                            .object_count = 1,
+                                            .object_what = options->ask.object.what};
     return check->options->is_dealt ? check_dealt(check, error)
                                     : check_together(check, error);
 }
@@ -363,12 +367,12 @@ static int report_all(struct check *check, struct ctl_error *error)
     const bool is_json = check->options->check.ask.is_json;
     uint32_t step_count = check->part.files.count - 1;
     if (is_json &&
-        !report_json(check->report, &check->run.mesh, check->steps, step_count)) {
+        !report_json(check->report, &check->run.told, check->steps, step_count)) {
         return ctl_error_set(error, PCCD_E_SYSTEM,
                              "the JSON report could not be written");
     }
     if (!is_json && step_count == 1) {
-        report_print_step(check->report, &check->run.mesh, &check->steps[0]);
+        report_print_step(check->report, &check->run.told, &check->steps[0]);
     }
     return PCCD_OK;
 }
@@ -419,6 +423,7 @@ static int run_check(const struct mpi_options *options)
     together_complain(&error);
     status = (int)ctl_exit_of(status, is_free);
     together_tell(&status, sizeof status);
+    check.run.told.objects = NULL; /* check.told */
     check_run_deinit(&check.run);
     pccd_mpi_close(check.world);
     ctl_mesh_deinit(&check.frames[0]);

@@ -18,9 +18,10 @@
 struct apart {
     const struct check_options *options;
     struct check_run run;
-    struct part *part;          /* all of each frame */
-    struct ctl_mesh frames[2];  /* at the ends of the last step */
-    uint64_t end;               /* the frame of frames[1]; 0: there is none yet */
+    struct part *part;  /* all of each frame */
+    struct scene scene; /* of one object, with its frames at the ends of a step */
+    struct scene_object object;
+    uint64_t end;               /* frame at the end of the last step; 0: there is none */
     uint64_t bytes, changed_ns; /* of all files, on the root */
 };
 
@@ -40,17 +41,13 @@ static int read_frame(struct apart *apart, uint64_t index, struct ctl_mesh *fram
 /* Both ends of a step; the beginning is mostly the end of the one before. */
 static int read_ends(struct apart *apart, uint64_t item, struct ctl_error *error)
 {
-    int status = PCCD_OK;
-    if (apart->end != 0 && apart->end == item) {
-        struct ctl_mesh before = apart->frames[0];
-        apart->frames[0] = apart->frames[1];
-        apart->frames[1] = before;
-    } else {
-        status = read_frame(apart, item, &apart->frames[0], error);
-    }
+    struct ctl_mesh *at = apart->object.at;
+    int status = apart->end != 0 && apart->end == item
+                     ? PCCD_OK
+                     : read_frame(apart, item, &at[item % 2], error);
     apart->end = 0;
     if (status == PCCD_OK) {
-        status = read_frame(apart, item + 1, &apart->frames[1], error);
+        status = read_frame(apart, item + 1, &at[(item + 1) % 2], error);
     }
     apart->end = status == PCCD_OK ? item + 1 : 0;
     return status;
@@ -65,8 +62,8 @@ static int compute(void *context, struct deal *deal, struct ctl_error *error)
         memset(&step, 0, sizeof step); /* all of it goes to the root */
         int status = read_ends(apart, item, error);
         if (status == PCCD_OK) {
-            status = check_run_step(&apart->run, &apart->frames[0], &apart->frames[1],
-                                    (uint32_t)item + 1, &no_csv, &step, error);
+            status = check_run_step(&apart->run, &apart->scene, (uint32_t)item + 1,
+                                    &no_csv, &step, error);
         }
         if (status != PCCD_OK) {
             return status;
@@ -142,30 +139,29 @@ static int open_all(struct apart *apart, struct ctl_error *error)
     const struct ctl_link link = {.url = (char[]){"direct:"},
                                   .result_bytes = options->ask.link.result_bytes};
     struct check_run *run = &apart->run;
-    struct ctl_mesh first = apart->part->files.mesh;
+    char *const *paths = options->ask.files.list;
     int status = look_at_files(apart, error);
     if (status == PCCD_OK) {
-        status = read_frame(apart, 0, &apart->frames[0], error);
+        status = read_frame(apart, 0, &apart->object.at[0], error);
     }
     if (status == PCCD_OK && ctl_link_open(&link, &run->client) != CTL_DONE) {
         status = ctl_error_set(error, PCCD_E_NODAEMON, "%s", "no connection");
     }
-    first.x = apart->frames[0].x;
-    first.format = apart->frames[0].format;
-    return status == PCCD_OK ? check_run_begin(run, &first, false, error) : status;
+    apart->object.paths = (char **)(uintptr_t)paths;
+    apart->object.files = apart->part->files;
+    apart->object.settings = options->ask.object;
+    apart->scene = (struct scene){.objects = &apart->object, .object_count = 1};
+    return status == PCCD_OK ? check_run_begin(run, &apart->scene, false, error) : status;
 }
 
 int check_apart(const struct check_options *options, struct part *part,
                 struct check_run *run, const char *results, struct report_step *steps,
                 struct ctl_error *error)
 {
-    struct apart apart = {.options = options,
-                          .part = part,
-                          .run = {.settings = run->settings,
-                                  .ask = &options->ask,
-                                  .repeats = run->repeats,
-                                  .is_apart = true,
-                                  .mesh = run->mesh}};
+    struct apart apart = {
+        .options = options,
+        .part = part,
+        .run = {.settings = run->settings, .repeats = run->repeats, .is_apart = true}};
     const struct items_work work = {.name = "check",
                                     .count = part->files.count - 1,
                                     .result_bytes = sizeof(struct report_step),
@@ -196,11 +192,12 @@ int check_apart(const struct check_options *options, struct part *part,
         steps[i].from = part->files.names[i];
         steps[i].to = part->files.names[i + 1];
     }
-    run->mesh = apart.run.mesh;
+    run->told.objects->info = apart.object.info;
+    run->told.build_ms = apart.scene.build_ms;
     items_deinit(&items);
     check_run_deinit(&apart.run);
     pccd_close(apart.run.client);
-    ctl_mesh_deinit(&apart.frames[0]);
-    ctl_mesh_deinit(&apart.frames[1]);
+    ctl_mesh_deinit(&apart.object.at[0]);
+    ctl_mesh_deinit(&apart.object.at[1]);
     return status;
 }

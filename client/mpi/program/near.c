@@ -36,6 +36,7 @@ const struct option_table program_table_near = {
                 "  mpirun -n 4 pccd-mpi near --what nearest --json a.ply b.ply\n"};
 
 struct asking {
+    const struct near_options *options;
     struct near_run near; /* its client stays NULL */
     struct part *parts;   /* of its objects */
     struct pccd_mpi *world;
@@ -46,43 +47,48 @@ struct asking {
 static int fail(const struct asking *asking, int status, struct ctl_error *error)
 {
     status = ctl_error_set(error, status, "%s", pccd_mpi_error_text(asking->world));
-    near_run_name_files(&asking->near, error);
+    scene_name_objects(&asking->near.scene, error);
     return status;
 }
 
 /* The first frame of a file, with vertices joined that are at one place there. */
 static int read_object(struct asking *asking, uint32_t i, struct ctl_error *error)
 {
-    const struct ask_options *asked = asking->near.run.ask;
+    const struct ask_options *asked = &asking->options->ask;
     struct part_options options = {.frames = asked->frames,
                                    .names_features = asked->csv != NULL};
-    struct near_object *object = &asking->near.objects[i];
+    struct scene_object *object = &asking->near.scene.objects[i];
     struct part *part = &asking->parts[i];
     options.frames.first_alone = true;
-    object->path = asked->files.list[i];
-    int status = part_open(part, &asked->files.list[i], 1, &options, error);
+    int status = part_open(part, object->paths, 1, &options, error);
     if (status == PCCD_OK) {
-        status = together_agree(part_read(part, 0, &object->mesh, error), error);
+        status = together_agree(part_read(part, 0, &object->at[0], error), error);
     }
-    object->welded = part->files.welded;
-    object->frame_count = part->files.count;
+    object->files = part->files; /* the part's to close */
+    near_options_leave_out_self(asking->options, asking->near.scene.object_count,
+                                &object->settings);
     return status;
 }
 
 static int read_objects(struct asking *asking, struct ctl_error *error)
 {
-    const uint32_t count = asking->near.run.ask->files.count;
+    const struct ask_options *asked = &asking->options->ask;
+    const struct scene_options none = {.with_count = 0};
+    const uint32_t count = asked->files.count;
     struct near_run *near = &asking->near;
-    near->objects = calloc(count, sizeof *near->objects);
     asking->parts = calloc(count, sizeof *asking->parts);
-    int status = near->objects == NULL || asking->parts == NULL
+    int status = asking->parts == NULL
                      ? ctl_error_set(error, PCCD_E_NOMEM, "out of memory")
-                     : PCCD_OK;
+                     : scene_take(&near->scene, &asked->files, true, &none, error);
+    if (status == PCCD_OK && near->scene.path != NULL) {
+        status = ctl_error_set(error, PCCD_E_INVAL,
+                               "%s is a scene file, which pccdctl near reads",
+                               near->scene.path);
+    }
     status = together_agree(status, error);
     if (status != PCCD_OK) {
         return status;
     }
-    near->object_count = count;
     for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
         status = read_object(asking, i, error);
     }
@@ -94,12 +100,12 @@ static int read_objects(struct asking *asking, struct ctl_error *error)
 
 static int add_object(struct asking *asking, uint32_t i, struct ctl_error *error)
 {
-    struct near_object *object = &asking->near.objects[i];
-    const struct pccd_object_settings *settings = &asking->near.run.ask->object;
-    const struct pccd_mpi_part part = part_to_put(&asking->parts[i], &object->mesh);
+    struct scene_object *object = &asking->near.scene.objects[i];
+    const struct pccd_object_settings *settings = &object->settings;
+    const struct pccd_mpi_part part = part_to_put(&asking->parts[i], &object->at[0]);
     uint32_t mesh = 0;
     int status = pccd_mpi_mesh_put(asking->world, &part, &mesh, &object->info);
-    ctl_mesh_deinit(&object->mesh);
+    ctl_mesh_deinit(&object->at[0]);
     part_drop_rows(&asking->parts[i]);
     if (status == PCCD_OK) {
         status = pccd_mpi_add(asking->world, mesh, &object->handle);
@@ -115,20 +121,20 @@ static int add_objects(struct asking *asking, struct ctl_error *error)
     struct near_run *near = &asking->near;
     uint64_t begin_ns = common_now_ns();
     int status = check_run_times(&near->run, error);
-    for (uint32_t i = 0; i < near->object_count && status == PCCD_OK; i++) {
+    for (uint32_t i = 0; i < near->scene.object_count && status == PCCD_OK; i++) {
         status = add_object(asking, i, error);
     }
-    near->run.mesh.build_ms = (double)(common_now_ns() - begin_ns) / 1e6;
-    return status;
+    near->scene.build_ms = (double)(common_now_ns() - begin_ns) / 1e6;
+    return status == PCCD_OK ? check_run_tell(&near->run, &near->scene, error) : status;
 }
 
 /* On the root: the CSV has vertices of edges and faces, which are those of the parts. */
 static int open_csv(struct asking *asking, struct ctl_error *error)
 {
     struct near_run *near = &asking->near;
-    for (uint32_t i = 0; i < near->object_count; i++) {
-        near->objects[i].mesh.triangles = asking->parts[i].named.triangles;
-        near->objects[i].edges = asking->parts[i].edges;
+    for (uint32_t i = 0; i < near->scene.object_count; i++) {
+        near->scene.objects[i].files.mesh.triangles = asking->parts[i].named.triangles;
+        near->scene.objects[i].edges = asking->parts[i].edges;
     }
     return near_csv_open(&asking->csv, error);
 }
@@ -136,10 +142,12 @@ static int open_csv(struct asking *asking, struct ctl_error *error)
 static void close_all(struct asking *asking)
 {
     struct near_run *near = &asking->near;
-    for (uint32_t i = 0; i < near->object_count; i++) {
-        near->objects[i].mesh.triangles.vertices = NULL;
-        near->objects[i].edges = NULL;
-        part_close(&asking->parts[i]);
+    for (uint32_t i = 0; i < near->scene.object_count; i++) {
+        near->scene.objects[i].files = (struct ctl_frames){.count = 0};
+        near->scene.objects[i].edges = NULL;
+        if (asking->parts != NULL) {
+            part_close(&asking->parts[i]);
+        }
     }
     free(asking->parts);
     pccd_mpi_close(asking->world);
@@ -183,7 +191,7 @@ static int ask(struct asking *asking, struct ctl_error *error)
         return pccd_mpi_error_text(asking->world)[0] != '\0' ? fail(asking, status, error)
                                                              : status;
     }
-    if (asking->near.run.ask->csv != NULL) {
+    if (asking->options->ask.csv != NULL) {
         status = pccd_mpi_gather(asking->world, 0, write_records, asking);
     }
     return status == PCCD_OK ? PCCD_OK : fail(asking, status, error);
@@ -216,9 +224,10 @@ static int run_near(const struct mpi_near_options *options)
     const struct ask_options *asked = &options->near.ask;
     struct ctl_error error = {.text = ""};
     struct asking asking = {
-        .near = {.run = {.ask = asked,
-                         .repeats = asked->has_repeats ? asked->repeats : 1},
-                 .settings = near_options_settings(&options->near)},
+        .options = &options->near,
+        .near = {.run = {.repeats = asked->has_repeats ? asked->repeats : 1},
+                 .settings = near_options_settings(&options->near),
+                 .scene = {.settings = &asked->object, .frames = &asked->frames}},
         .csv = {.path = asked->csv}};
     FILE *to = ask_report_to(asked);
     asking.csv.near = &asking.near;

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "check_run.h"
+#include "scene.h"
 #include "together.h"
 
 #define COMPARED 6u /* numbers */
@@ -70,7 +70,7 @@ static int find_edges(struct part *part, const struct ctl_mesh *mesh,
     struct pccd_mesh_info info;
     int status = pccd_connect(&options, &client);
     if (status == PCCD_OK) {
-        status = check_run_put_mesh(client, mesh, &handle, &info);
+        status = scene_put_mesh(client, mesh, &handle, &info);
     }
     if (status == PCCD_OK) {
         part->edge_count = info.edge_count;

@@ -1,0 +1,436 @@
+/* scene.c - meshes from files: read together, registered together. */
+#include "scene.h"
+
+#include <ctype.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "array.h"
+#include "clock.h"
+#include "shown.h"
+
+static int no_memory(struct ctl_error *error)
+{
+    return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the scene");
+}
+
+/* ---- what is in it ----------------------------------------------------------------- */
+
+uint32_t scene_find(const struct scene *scene, const char *name)
+{
+    uint32_t i = 0;
+    while (i < scene->object_count && strcmp(scene->objects[i].name, name) != 0) {
+        i++;
+    }
+    return i;
+}
+
+uint32_t scene_place_of(const struct scene *scene, uint32_t handle)
+{
+    uint32_t i = 0;
+    while (i < scene->object_count && scene->objects[i].handle != handle) {
+        i++;
+    }
+    return i;
+}
+
+struct scene_object *scene_append(struct scene *scene, struct ctl_error *error)
+{
+    if (scene->object_count == SCENE_OBJECTS_MAX) {
+        (void)ctl_error_set(error, PCCD_E_LIMIT, "a scene has at most %u objects",
+                            SCENE_OBJECTS_MAX);
+        return NULL;
+    }
+    void *objects = scene->objects;
+    if (!array_reserve(&objects, scene->object_count, &scene->object_room,
+                       sizeof *scene->objects)) {
+        (void)no_memory(error);
+        return NULL;
+    }
+    scene->objects = objects;
+    struct scene_object *object = &scene->objects[scene->object_count++];
+    *object = (struct scene_object){.unit = 1, .frames = *scene->frames};
+    if (scene->settings != NULL) {
+        object->settings = *scene->settings;
+    }
+    return object;
+}
+
+int scene_ignore(struct scene *scene, uint32_t a, uint32_t b, struct ctl_error *error)
+{
+    void *ignored = scene->ignored;
+    if (!array_reserve(&ignored, scene->ignored_count, &scene->ignored_room,
+                       sizeof *scene->ignored)) {
+        return no_memory(error);
+    }
+    scene->ignored = ignored;
+    scene->ignored[scene->ignored_count][0] = a;
+    scene->ignored[scene->ignored_count++][1] = b;
+    return PCCD_OK;
+}
+
+/* A name for an object from a file, which no other one has. */
+static char *name_from(const struct scene *scene, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const char *file = slash != NULL ? slash + 1 : path;
+    const char *dot = strrchr(file, '.');
+    size_t length = dot != NULL && dot > file ? (size_t)(dot - file) : strlen(file);
+    const char *number = memchr(file, '%', length); /* of a pattern */
+    length = number != NULL && number > file ? (size_t)(number - file) : length;
+    char *name = malloc(length + 16);
+    for (uint32_t i = 1; name != NULL; i++) {
+        snprintf(name, length + 16, i == 1 ? "%.*s" : "%.*s-%" PRIu32, (int)length, file,
+                 i);
+        if (scene_find(scene, name) == scene->object_count) {
+            break;
+        }
+    }
+    return name;
+}
+
+int scene_add(struct scene *scene, char *const *paths, uint32_t path_count,
+              struct ctl_error *error)
+{
+    char *name = name_from(scene, paths[0]);
+    struct scene_object *object = name != NULL ? scene_append(scene, error) : NULL;
+    if (object == NULL) {
+        free(name);
+        return name != NULL ? PCCD_E_LIMIT : no_memory(error);
+    }
+    object->name = name;
+    object->paths = calloc(path_count, sizeof *object->paths);
+    for (uint32_t i = 0; object->paths != NULL && i < path_count; i++) {
+        object->paths[i] = strdup(paths[i]);
+        object->path_count += object->paths[i] != NULL;
+    }
+    return object->path_count == path_count ? PCCD_OK : no_memory(error);
+}
+
+/* Return whether --between names a and b. */
+static bool are_between(const uint32_t (*pairs)[2], uint32_t count, uint32_t a,
+                        uint32_t b)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if ((pairs[i][0] == a && pairs[i][1] == b) ||
+            (pairs[i][0] == b && pairs[i][1] == a)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Let all pairs ignore each other, and themselves, that --between does not name. */
+static int take_between(struct scene *scene, const struct scene_options *options,
+                        struct ctl_error *error)
+{
+    uint32_t(*pairs)[2] = calloc(options->between_count, sizeof *pairs);
+    int status = pairs != NULL ? PCCD_OK : no_memory(error);
+    for (uint32_t i = 0; status == PCCD_OK && i < 2 * options->between_count; i++) {
+        const char *name = options->between[i];
+        pairs[i / 2][i % 2] = scene_find(scene, name);
+        if (pairs[i / 2][i % 2] == scene->object_count) {
+            status = ctl_error_set(error, PCCD_E_INVAL,
+                                   "--between: no object has the name \"%s\"",
+                                   tool_shown(name));
+        }
+    }
+    for (uint32_t a = 0; status == PCCD_OK && a < scene->object_count; a++) {
+        struct pccd_object_settings *settings = &scene->objects[a].settings;
+        settings->what |= PCCD_OBJECT_SELF;
+        settings->self_collision =
+            are_between((const uint32_t(*)[2])pairs, options->between_count, a, a);
+        for (uint32_t b = a + 1; status == PCCD_OK && b < scene->object_count; b++) {
+            if (!are_between((const uint32_t(*)[2])pairs, options->between_count, a, b)) {
+                status = scene_ignore(scene, a, b, error);
+            }
+        }
+    }
+    free(pairs);
+    return status;
+}
+
+int scene_take(struct scene *scene, const struct option_arguments *files, bool each,
+               const struct scene_options *options, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    scene->last = UINT32_MAX;
+    if (files->count == 1 && scene_is_named(files->list[0])) {
+        status = scene_read_file(scene, files->list[0], error);
+    } else if (!each) {
+        status = scene_add(scene, files->list, files->count, error);
+    }
+    for (uint32_t i = 0;
+         each && scene->path == NULL && status == PCCD_OK && i < files->count; i++) {
+        status = scene_add(scene, &files->list[i], 1, error);
+    }
+    for (uint32_t i = 0; status == PCCD_OK && i < options->with_count; i++) {
+        status = scene_add(scene, &options->with[i], 1, error);
+    }
+    for (uint32_t i = 0; options->has_no_self && i < scene->object_count; i++) {
+        scene->objects[i].settings.what |= PCCD_OBJECT_SELF;
+        scene->objects[i].settings.self_collision = false;
+    }
+    return status == PCCD_OK && options->between_count > 0
+               ? take_between(scene, options, error)
+               : status;
+}
+
+/* ---- files ------------------------------------------------------------------------- */
+
+/* Say behind an error which object of the scene file it is about. */
+static int blame(const struct scene *scene, const struct scene_object *object, int status,
+                 struct ctl_error *error)
+{
+    struct ctl_error what = *error;
+    return status == PCCD_OK || object->line == 0
+               ? status
+               : ctl_error_set(error, status, "%s:%" PRIu32 ": object \"%s\": %.800s",
+                               scene->path, object->line, tool_shown(object->name),
+                               what.text);
+}
+
+/* Frames of an object that are frames of the scene. */
+static uint32_t frames_of(const struct scene *scene, const struct scene_object *object)
+{
+    uint32_t last =
+        scene->last < object->files.count - 1 ? scene->last : object->files.count - 1;
+    return object->files.count == 1 || last < scene->first ? 1 : last - scene->first + 1;
+}
+
+static int open_object(struct scene *scene, uint32_t index, struct ctl_error *error)
+{
+    struct scene_object *object = &scene->objects[index];
+    object->frames.first_alone = scene->first_alone;
+    int status = ctl_frames_open(&object->files, object->paths, object->path_count,
+                                 &object->frames, error);
+    ctl_sequence_warn(&object->files.sequence);
+    if (status != PCCD_OK) {
+        return blame(scene, object, status, error);
+    }
+    uint32_t count = object->files.count;
+    if (count > 1 && scene->first >= count) {
+        status = ctl_error_set(error, PCCD_E_INVAL,
+                               "the first frame is %" PRIu32 ", and there are %" PRIu32,
+                               scene->first, count);
+    } else if (count > 1 && scene->mover == scene->object_count) {
+        scene->mover = index;
+        scene->count = frames_of(scene, object);
+    } else if (count > 1 && frames_of(scene, object) != scene->count &&
+               !scene->first_alone) {
+        status = ctl_error_set(
+            error, PCCD_E_INVAL, "%" PRIu32 " frames, and \"%s\" has %" PRIu32,
+            frames_of(scene, object), tool_shown(scene->objects[scene->mover].name),
+            scene->count);
+    }
+    return blame(scene, object, status, error);
+}
+
+int scene_open(struct scene *scene, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    scene->mover = scene->object_count;
+    scene->count = 1;
+    for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
+        status = open_object(scene, i, error);
+    }
+    return status;
+}
+
+/* Take the positions that came with the shape, which nobody else needs. */
+static int take_first(struct scene_object *object, struct ctl_mesh *frame)
+{
+    frame->x = object->files.mesh.x;
+    frame->format = object->files.mesh.format;
+    frame->vertex_count = object->files.mesh.vertex_count;
+    object->files.mesh.x = NULL;
+    return PCCD_OK;
+}
+
+int scene_read_object(struct scene *scene, struct scene_object *object, uint32_t index,
+                      struct ctl_mesh *frame, struct ctl_error *error)
+{
+    uint32_t of_file = object->files.count > 1 ? scene->first + index : 0;
+    int status = scene->first_alone && of_file == 0
+                     ? take_first(object, frame)
+                     : ctl_frames_read(&object->files, of_file, frame, error);
+    if (status == PCCD_OK && object->unit != 1) {
+        status = ctl_mesh_promote(frame, error);
+        double *x = frame->x;
+        for (size_t i = 0; status == PCCD_OK && i < (size_t)frame->vertex_count * 3;
+             i++) {
+            x[i] *= object->unit;
+        }
+    }
+    return blame(scene, object, status, error);
+}
+
+int scene_read(struct scene *scene, uint32_t index, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
+        struct scene_object *object = &scene->objects[i];
+        struct ctl_mesh *frame = &object->at[index % 2];
+        struct ctl_mesh *before = &object->at[(index + 1) % 2];
+        if (object->files.count == 1 && index > 0) {
+            continue;
+        }
+        status = scene_read_object(scene, object, index, frame, error);
+        if (status == PCCD_OK && index > 0 && before->format != frame->format) {
+            status = ctl_mesh_promote(before, error);
+            status = status == PCCD_OK ? ctl_mesh_promote(frame, error) : status;
+        }
+    }
+    return status;
+}
+
+const char *scene_frame_name(const struct scene *scene, uint32_t index)
+{
+    uint32_t mover = scene->mover < scene->object_count ? scene->mover : 0;
+    const struct ctl_frames *files = &scene->objects[mover].files;
+    return files->names[files->count > 1 ? scene->first + index : 0];
+}
+
+/* ---- the daemon -------------------------------------------------------------------- */
+
+static int fail(const struct scene *scene, const struct scene_object *object,
+                const struct pccd_client *client, int status, struct ctl_error *error)
+{
+    const char *text = pccd_error_text(client);
+    (void)ctl_error_set(error, status, "%s was not accepted: %s",
+                        tool_shown(object->files.mesh.path),
+                        text[0] != '\0' ? text : pccd_status_text(status));
+    return blame(scene, object, status, error);
+}
+
+int scene_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
+                   uint32_t *handle, struct pccd_mesh_info *info)
+{
+    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                        .x = mesh->x,
+                                        .format = mesh->format,
+                                        .vertex_count = mesh->vertex_count,
+                                        .triangle_count = mesh->triangles.count,
+                                        .triangles = mesh->triangles.vertices,
+                                        .edges = mesh->edges.vertices,
+                                        .points = mesh->points.vertices,
+                                        .edge_count = mesh->edges.count,
+                                        .point_count = mesh->points.count};
+    *handle = 0;
+    return pccd_mesh_put(client, &data, handle, info);
+}
+
+static int fetch_edges(struct scene_object *object, struct pccd_client *client,
+                       uint32_t mesh, struct ctl_error *error)
+{
+    uint32_t count = object->info.edge_count;
+    /* A mesh of points has no edges; malloc(0) may be NULL. */
+    object->edges = malloc(((size_t)count + 1) * sizeof *object->edges);
+    if (object->edges == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu32 " edges",
+                             count);
+    }
+    return pccd_mesh_edges(client, mesh, object->edges, count);
+}
+
+static int place(struct scene *scene, struct scene_object *object,
+                 struct pccd_client *client, uint32_t handle, bool with_edges,
+                 struct ctl_error *error)
+{
+    struct ctl_mesh first = object->files.mesh;
+    uint32_t mesh = 0;
+    first.x = object->at[0].x;
+    first.format = object->at[0].format;
+    uint64_t begin_ns = common_now_ns();
+    int status = scene_put_mesh(client, &first, &mesh, &object->info);
+    if (status == PCCD_OK) {
+        status = pccd_scene_add(client, handle, mesh, &object->handle);
+    }
+    if (status == PCCD_OK && object->settings.what != 0) {
+        status = pccd_object_set(client, handle, object->handle, &object->settings);
+    }
+    scene->build_ms += (double)(common_now_ns() - begin_ns) / 1e6;
+    if (scene->first_alone) {
+        ctl_mesh_deinit(&object->at[0]);
+    }
+    if (status == PCCD_OK && with_edges) {
+        status = fetch_edges(object, client, mesh, error);
+    }
+    return status == PCCD_OK ? PCCD_OK : fail(scene, object, client, status, error);
+}
+
+int scene_place(struct scene *scene, struct pccd_client *client, uint32_t handle,
+                bool with_edges, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
+        status = place(scene, &scene->objects[i], client, handle, with_edges, error);
+    }
+    for (size_t i = 0; i < scene->ignored_count && status == PCCD_OK; i++) {
+        const struct scene_object *a = &scene->objects[scene->ignored[i][0]];
+        const struct scene_object *b = &scene->objects[scene->ignored[i][1]];
+        status = pccd_pair_ignore(client, handle, a->handle, b->handle, true);
+        if (status != PCCD_OK) {
+            (void)fail(scene, a, client, status, error);
+        }
+    }
+    return status;
+}
+
+uint32_t scene_motions(const struct scene *scene, uint32_t index, bool is_again,
+                       struct pccd_motion *motions)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct scene_object *object = &scene->objects[i];
+        const struct ctl_mesh *after = &object->at[index % 2];
+        if (object->files.count > 1) {
+            motions[count++] = (struct pccd_motion){
+                .object = object->handle,
+                .count = after->vertex_count,
+                .format = after->format,
+                .x0 = is_again ? object->at[(index + 1) % 2].x : NULL,
+                .x1 = after->x};
+        }
+    }
+    return count;
+}
+
+void scene_name_objects(const struct scene *scene, struct ctl_error *error)
+{
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        struct ctl_error named = {.text = ""};
+        char word[32];
+        int length =
+            snprintf(word, sizeof word, "object 0x%" PRIx32, scene->objects[i].handle);
+        const char *at = strstr(error->text, word);
+        if (at != NULL && !isxdigit((unsigned char)at[length])) {
+            (void)ctl_error_set(&named, PCCD_OK, "%.*s%s%s", (int)(at - error->text),
+                                error->text, scene->objects[i].paths[0], at + length);
+            *error = named;
+        }
+    }
+}
+
+void scene_close(struct scene *scene)
+{
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        struct scene_object *object = &scene->objects[i];
+        for (uint32_t k = 0; k < object->path_count; k++) {
+            free(object->paths[k]);
+        }
+        ctl_frames_close(&object->files);
+        ctl_mesh_deinit(&object->at[0]);
+        ctl_mesh_deinit(&object->at[1]);
+        free(object->paths);
+        free(object->name);
+        free(object->animation);
+        free(object->edges);
+    }
+    free(scene->objects);
+    free(scene->ignored);
+    free(scene->path);
+    *scene = (struct scene){.path = NULL};
+}

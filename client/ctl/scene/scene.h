@@ -1,0 +1,138 @@
+/* scene.h - several meshes from files, as the objects of one scene.
+ *
+ * An object has a mesh and its frames (meshframes.h). Those with several frames move
+ * together; those with one stand. Where they come from: a scene file (man pccdctl, "Scene
+ * files"), or the files of a command line.
+ *
+ * Threads: one.
+ */
+#ifndef CTL_SCENE_H
+#define CTL_SCENE_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "error.h"
+#include "meshframes.h"
+#include "option_table.h"
+#include "pccd.h"
+
+#define SCENE_OBJECTS_MAX 4096u
+
+/* ---- What a command line says of a scene. */
+
+struct scene_options {
+    char **with; /* ours: [with_count], files of what stands */
+    uint32_t with_count;
+    char **between; /* ours: [2 * between_count], names by twos */
+    uint32_t between_count;
+    bool has_no_self;
+};
+
+/* Options that fill a struct scene_options: --with, --no-self, --between. */
+extern const struct option_table scene_table;
+
+void scene_options_deinit(struct scene_options *options);
+
+/* ---- A scene. */
+
+/* Before scene_open, what is said of an object; all of it is ours. */
+struct scene_object {
+    char *name;
+    char **paths; /* [path_count]: names or patterns, as ctl_frames_open takes them */
+    uint32_t path_count;
+    uint32_t line;   /* of the scene file that says so; 0: none does */
+    double unit;     /* of its files' coordinates, in that of the scene */
+    char *animation; /* that frames.wish names; NULL: none is named */
+    struct ctl_frames_options frames;
+    struct pccd_object_settings settings;
+
+    struct ctl_frames files;
+    struct ctl_mesh at[2];   /* frames with even and odd numbers; of what stands, at[0] */
+    struct pccd_edge *edges; /* ours; NULL unless asked for */
+    struct pccd_mesh_info info;
+    uint32_t handle;
+};
+
+/* Fill with {0} but for what is the caller's; scene_close's to give back, also on
+ * error. */
+struct scene {
+    /* The caller's: what an object has where nothing else is said of it. */
+    const struct pccd_object_settings *settings; /* NULL: nothing is set */
+    const struct ctl_frames_options *frames;
+    bool first_alone; /* the caller's: no later frame is read */
+    char *path;       /* ours; of the scene file; NULL: there is none */
+    struct scene_object *objects;
+    uint32_t object_count;
+    size_t object_room;
+    uint32_t (*ignored)[2]; /* ours: places of objects that ignore each other */
+    size_t ignored_count, ignored_room;
+    uint32_t first;  /* frame of the files that is frame 0 of the scene */
+    uint32_t last;   /* the last one; UINT32_MAX: as many as there are */
+    uint32_t count;  /* frames */
+    uint32_t mover;  /* an object that moves; object_count: none does */
+    double build_ms; /* how long the daemon took for meshes and hierarchies */
+};
+
+/* Return whether a file has the name of a scene file, which ends in ".json". */
+bool scene_is_named(const char *path);
+/* Read a scene file; files that it names are beside it. Errors: E_SYSTEM, E_NOMEM;
+ * E_FORMAT, with the line: what is no JSON, or no scene. */
+int scene_read_file(struct scene *scene, const char *path, struct ctl_error *error);
+/* Return the format as a JSON Schema. NULL: no memory. */
+json_t *scene_schema(void);
+/* Return a scene file for these files or patterns, an object each; they are not read.
+ * NULL: no memory. */
+json_t *scene_new(char *const *files, uint32_t count);
+
+/* Add an object from files; its name is that of the first, without folder, ending and
+ * %d, with "-2", "-3" behind it where there is one of that name. Errors: E_NOMEM,
+ * E_LIMIT. */
+int scene_add(struct scene *scene, char *const *paths, uint32_t path_count,
+              struct ctl_error *error);
+/* Make room for another object, which has what all have at first. NULL: there is no
+ * memory, or there are too many. */
+struct scene_object *scene_append(struct scene *scene, struct ctl_error *error);
+/* Let two objects ignore each other. Errors: E_NOMEM. */
+int scene_ignore(struct scene *scene, uint32_t a, uint32_t b, struct ctl_error *error);
+/* The place of the object of that name; object_count: there is none. */
+uint32_t scene_find(const struct scene *scene, const char *name);
+
+/* Take the files of a command line: a scene file alone; or files, which are one object
+ * or, with `each`, an object each. Then what `options` says. Errors: those of
+ * scene_read_file and scene_add; E_INVAL: a name of --between that no object has. */
+int scene_take(struct scene *scene, const struct option_arguments *files, bool each,
+               const struct scene_options *options, struct ctl_error *error);
+/* Open all files. Errors: those of ctl_frames_open; E_INVAL where two objects that move
+ * have other numbers of frames. What files have to say comes on stderr. */
+int scene_open(struct scene *scene, struct ctl_error *error);
+/* Have frame `index` of all objects beside the one before, each object's two of one
+ * format; frame 0 has those that stand, too. Errors: those of ctl_frames_read. */
+int scene_read(struct scene *scene, uint32_t index, struct ctl_error *error);
+/* Frame `index` of an object alone, in the scene's unit. */
+int scene_read_object(struct scene *scene, struct scene_object *object, uint32_t index,
+                      struct ctl_mesh *frame, struct ctl_error *error);
+/* Register a mesh that was read: pccd_mesh_put. */
+int scene_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
+                   uint32_t *handle, struct pccd_mesh_info *info);
+/* Register frame 0 of all objects in `handle`, a scene of the client, with their settings
+ * and what ignores what; with_edges: get their edges. Errors: those of pccd.h, with the
+ * name of the object. */
+int scene_place(struct scene *scene, struct pccd_client *client, uint32_t handle,
+                bool with_edges, struct ctl_error *error);
+/* Fill `motions`, up to [object_count], with how what moves goes from frame index - 1 to
+ * `index`, which scene_read has read; with `is_again` also where it begins. Returns how
+ * many. */
+uint32_t scene_motions(const struct scene *scene, uint32_t index, bool is_again,
+                       struct pccd_motion *motions);
+/* The library names objects by handles, of which a user of files has never heard: write
+ * their names instead. */
+void scene_name_objects(const struct scene *scene, struct ctl_error *error);
+/* The place of the object of that handle; object_count: none. */
+uint32_t scene_place_of(const struct scene *scene, uint32_t handle);
+/* Return where a frame is from, for reports. */
+const char *scene_frame_name(const struct scene *scene, uint32_t index);
+void scene_close(struct scene *scene);
+
+#endif
