@@ -10,7 +10,7 @@
 
 /* Beyond this the scene is cut anew, as soon as what was lost by it since the last cut is
  * as long as a cut takes. At once after a cut that knew nothing of work, and as long as
- * there were fewer than three cuts, as a cut changes what is to be done. */
+ * there were fewer than four cuts, as a cut changes what is to be done. */
 #define IMBALANCE_MAX 1.05
 
 /* While a new scene is cut, leaves have been weighed anyway, so less than that pays. */
@@ -225,5 +225,5 @@ void ranks_times_note(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_ns)
 bool ranks_cut_is_due(const struct pccd_mpi *world)
 {
     return world->link.size > 1 && world->share.imbalance > IMBALANCE_MAX &&
-           (world->share.cuts < 3 || world->lost_ns > (double)world->cut_ns);
+           (world->share.cuts < 4 || world->lost_ns > (double)world->cut_ns);
 }
