@@ -356,126 +356,113 @@ ENG_INLINE uint32_t overlap_from_begin(struct bounds box, struct bounds rows, bo
  * but never along all axes at the same time.
  *
  * What moving boxes let through may be apart along x up to some time and along y from an
- * earlier one on. With h0, h1 as above boxes can meet along an axis, one way,
- * while (1 - t) h0 + t h1 >= 0: from -h0 / (-h0 + h1) on where h0 < 0, up to h0 / (h0 -
- * h1) where h1 < 0 (both are not: such pairs are gone). At one end of the step boxes are
- * not apart both ways, for the two h0 add up to their sizes: so the lesser is looked at.
- * Where it is not below 0 the first time is to be 0 and the last 1: 0 / (0 + |h1|), and
- * |h0| / (|h0| + 0). Another 2^-100, so that no denominator is 0, makes the first time
- * sooner and the last one later, which rejects less. Numerators have a relative error of
- * 2 u, denominators, sums of terms of one sign, of 3 u. Of several times that which
- * products show to be the latest (soonest) is kept; to take another one rejects less.
- * The last comparison is of two products of a numerator and a denominator each: 2 (2 u +
- * 3 u + u) and u for the factor, and that, 1 + 2^-19, leaves 32 u. 2^-120 covers products
- * below the normal range.
- *
- * In whole numbers (quantised.h) the h of either end are sums of two of 16 bits, exact as
- * floats, and at least those of the boxes, in cells: so is what is between them, and what
- * can meet along an axis can by these numbers, too. Whatever they tell apart is. Here,
- * too, the two h0 add up to no less than the boxes' sizes: so do the two numbers of a box
- * (make_quantised.c). None may be saturated, though: one that is too small at the one end
- * would shorten the time. */
+ * earlier one on. With h as above boxes are apart along an axis, one way, while
+ * (1 - t) h0 + t h1 < 0. Where it is so at first, h0 = -a and h1 = o >= 0, that lasts up
+ * to the time a / (a + o); where it is so at last, h1 = -a' and h0 = o', it begins at
+ * o' / (a' + o'). The first time is the later one where a a' > o o'. Each axis is
+ * compared with the two others: with itself it need not be, for its two h0 add up to the
+ * boxes' sizes, and so do its h1. So along an axis boxes are apart one way at most at
+ * either end: that way alone is looked at. Where there is none at first, h0 >= 0 stands
+ * for -a, and o is the other end of either way, or 0; where there is none at last, a' is
+ * 0: then nothing is rejected. The margins are in elementary/BOUNDS.md, "Boxes and
+ * time". */
 
-/* The h of both ways, at both ends, of an axis. */
-struct gaps {
-    eng_f up[2];
-    eng_f down[2];
-};
-
-ENG_INLINE struct gaps gaps_as_floats(struct bounds box, struct bounds rows,
-                                      uint32_t axis, uint32_t at)
-{
-    struct gaps gaps;
-#pragma GCC unroll 2
-    for (uint32_t end = 0; end < 2; end++) {
-        gaps.up[end] =
-            bound(box, ENG_LOW0 + end, axis) + row_of(rows, ENG_HIGH0 + end, axis, at);
-        gaps.down[end] =
-            bound(box, ENG_HIGH0 + end, axis) + row_of(rows, ENG_LOW0 + end, axis, at);
-    }
-    return gaps;
-}
-
-ENG_INLINE struct gaps gaps_as_pairs(struct bounds box, struct bounds rows, uint32_t axis,
-                                     uint32_t at)
-{
-    struct gaps gaps;
-#pragma GCC unroll 2
-    for (uint32_t end = 0; end < 2; end++) {
-        eng_fi a = eng_fi_all(word_of(box, end, axis));
-        eng_fi b = eng_fi_load(place_of(rows, end, axis, at));
-        eng_fi up = eng_fi_sum_halves((a & 0xffff) | (b & ~0xffff));
-        eng_fi down = eng_fi_sum_halves((b & 0xffff) | (a & ~0xffff));
-        gaps.up[end] = __builtin_convertvector(up, eng_f);
-        gaps.down[end] = __builtin_convertvector(down, eng_f);
-    }
-    return gaps;
-}
-
-/* A time, n / d. */
-struct fraction {
-    eng_f n, d;
-};
-
-/* The one of the two ways of being apart along an axis that is at one end of the step, if
- * any: how far apart, and the gap that way at the other end. */
+/* One way along an axis, that of boxes that are apart one way at first, and at last. */
 struct parting {
-    eng_f apart; /* 0 or more */
-    eng_f other; /* |.| and 2^-100: more than 0 */
+    eng_f first[2]; /* -a or what is not below 0; o */
+    eng_f last[2];  /* -a' or 0; o' */
 };
 
-ENG_INLINE struct parting parting_of(eng_f up, eng_f down, eng_f other_up,
-                                     eng_f other_down)
+ENG_INLINE struct parting parting_as_floats(struct bounds box, struct bounds rows,
+                                            uint32_t axis, uint32_t at)
 {
     const eng_f zero = {0};
-    eng_f other = eng_f_select(eng_f_less(up, down), other_up, other_down);
-    return (struct parting){zero - eng_f_min(eng_f_min(up, down), zero),
-                            eng_f_abs(other) + 0x1p-100f};
+    eng_f up[2];
+    eng_f down[2];
+#pragma GCC unroll 2
+    for (uint32_t end = 0; end < 2; end++) {
+        up[end] =
+            bound(box, ENG_LOW0 + end, axis) + row_of(rows, ENG_HIGH0 + end, axis, at);
+        down[end] =
+            bound(box, ENG_HIGH0 + end, axis) + row_of(rows, ENG_LOW0 + end, axis, at);
+    }
+    eng_f o_first = eng_f_select(eng_f_less(down[0], up[0]), down[1], up[1]);
+    eng_f o_last = eng_f_select(eng_f_less(down[1], up[1]), down[0], up[0]);
+    return (struct parting){
+        {eng_f_min(up[0], down[0]), eng_f_max(o_first, zero) * (1 + 0x1p-19f)},
+        {eng_f_min(eng_f_min(up[1], down[1]), zero), eng_f_abs(o_last)}};
 }
 
-/* The later, or the sooner, of two times. */
-ENG_INLINE struct fraction later(struct fraction a, struct fraction b)
+/* Signs of the lanes from `at` on that no time brings together with the box. */
+ENG_INLINE eng_fi never_as_floats(struct bounds box, struct bounds rows, uint32_t at)
 {
-    eng_fm is_b = eng_f_less(a.n * b.d, b.n * a.d);
-    return (struct fraction){eng_f_select(is_b, b.n, a.n), eng_f_select(is_b, b.d, a.d)};
-}
-
-ENG_INLINE struct fraction sooner(struct fraction a, struct fraction b)
-{
-    eng_fm is_b = eng_f_less(b.n * a.d, a.n * b.d);
-    return (struct fraction){eng_f_select(is_b, b.n, a.n), eng_f_select(is_b, b.d, a.d)};
-}
-
-/* Between which times an axis lets the boxes meet. */
-ENG_INLINE void meeting_along(const struct gaps *gaps, struct fraction *from,
-                              struct fraction *to)
-{
-    struct parting first =
-        parting_of(gaps->up[0], gaps->down[0], gaps->up[1], gaps->down[1]);
-    struct parting last =
-        parting_of(gaps->up[1], gaps->down[1], gaps->up[0], gaps->down[0]);
-    *from = (struct fraction){first.apart, first.apart + first.other};
-    *to = (struct fraction){last.other, last.apart + last.other};
-}
-
-/* Bit i: no time brings the box and that of lane i together. Only for pairs that
- * overlap; `quantised`: both are in whole numbers. */
-ENG_INLINE uint32_t never_together(struct bounds box, struct bounds rows, bool quantised)
-{
-    uint32_t bits = 0;
-    for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
-        struct fraction from[3];
-        struct fraction to[3];
+    struct parting along[3];
+    eng_fi signs = {0};
 #pragma GCC unroll 3
-        for (uint32_t axis = 0; axis < 3; axis++) {
-            struct gaps gaps = quantised ? gaps_as_pairs(box, rows, axis, at)
-                                         : gaps_as_floats(box, rows, axis, at);
-            meeting_along(&gaps, &from[axis], &to[axis]);
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        along[axis] = parting_as_floats(box, rows, axis, at);
+    }
+#pragma GCC unroll 3
+    for (uint32_t i = 0; i < 3; i++) {
+#pragma GCC unroll 2
+        for (uint32_t k = 1; k < 3; k++) {
+            const struct parting *other = &along[(i + k) % 3];
+            eng_f o = along[i].first[1] * other->last[1] + 0x1p-120f;
+            signs |= (eng_fi)(o - along[i].first[0] * other->last[0]);
         }
-        struct fraction begin = later(later(from[0], from[1]), from[2]);
-        struct fraction end = sooner(sooner(to[0], to[1]), to[2]);
-        eng_f ends = end.n * begin.d * (1 + 0x1p-19f) + 0x1p-120f;
-        bits |= eng_fm_bits(eng_f_less(ends, begin.n * end.d)) << at;
+    }
+    return signs;
+}
+
+/* The same in whole numbers, half as large, so that sums fit: `turned`, the box with its
+ * halves turned (quantised.h) and 1 more. Ends are halves: h0 and h1 one way. */
+ENG_INLINE eng_fi never_as_pairs(const eng_fi turned[2][3], struct bounds rows,
+                                 uint32_t at)
+{
+    const eng_fi least_o = eng_fi_all(0x00008000u); /* and of -a all */
+    const eng_fi most_a = eng_fi_all(0x7fff0000u);  /* and of o' all */
+    eng_fi first[3];
+    eng_fi last[3];
+    eng_fi signs = {0};
+#pragma GCC unroll 3
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        eng_fi rows0 = eng_fi_half_of_halves(eng_fi_load(place_of(rows, 0, axis, at)));
+        eng_fi rows1 = eng_fi_half_of_halves(eng_fi_load(place_of(rows, 1, axis, at)));
+        eng_fi h0 = eng_fi_add_halves(turned[0][axis], rows0);
+        eng_fi h1 = eng_fi_add_halves(turned[1][axis], rows1);
+        eng_fi one_way = eng_fi_low_and_high(h0, h1 << 16);
+        eng_fi other_way = eng_fi_low_and_high(h0 >> 16, h1);
+        first[axis] =
+            eng_fi_max_halves(eng_fi_select_negative(h0, other_way, one_way), least_o);
+        last[axis] = eng_fi_turn_halves(eng_fi_select_negative(h1, other_way, one_way));
+        last[axis] = eng_fi_abs_halves(eng_fi_min_halves(last[axis], most_a));
+    }
+#pragma GCC unroll 3
+    for (uint32_t i = 0; i < 3; i++) {
+        signs = eng_fi_or_or(signs, eng_fi_dot_halves(first[i], last[(i + 1) % 3]),
+                             eng_fi_dot_halves(first[i], last[(i + 2) % 3]));
+    }
+    return signs;
+}
+
+/* Bit i: some time may bring the box and that of lane i together. Only for pairs that
+ * overlap; `quantised`: both are in whole numbers. */
+ENG_INLINE uint32_t together(struct bounds box, struct bounds rows, bool quantised)
+{
+    eng_fi turned[2][3];
+    uint32_t bits = 0;
+    if (quantised) {
+#pragma GCC unroll 6
+        for (uint32_t i = 0; i < 6; i++) {
+            eng_fi words = eng_fi_turn_halves(eng_fi_all(word_of(box, i / 3, i % 3)));
+            turned[i / 3][i % 3] =
+                eng_fi_add_halves(eng_fi_half_of_halves(words), eng_fi_all(0x00010001u));
+        }
+    }
+    for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+        bits |= eng_fi_no_signs(quantised ? never_as_pairs(turned, rows, at)
+                                          : never_as_floats(box, rows, at))
+                << at;
     }
     return bits;
 }
@@ -943,9 +930,9 @@ ENG_INLINE uint32_t find_by(struct eng_join *job, struct eng_join_round *round,
 
 /* ---- pairs, into lists ------------------------------------------------------------- */
 
-/* Those of the lanes that no time brings together with the box. */
-ENG_INLINE uint32_t never_of(const struct eng_join *job, uint32_t slot, uint32_t block,
-                             uint32_t lanes, bool quantised)
+/* Those of the lanes that some time may bring together with the box. */
+ENG_INLINE uint32_t together_of(const struct eng_join *job, uint32_t slot, uint32_t block,
+                                uint32_t lanes, bool quantised)
 {
     uint32_t n = slot / ENG_WIDE;
     uint32_t lane = slot % ENG_WIDE;
@@ -954,7 +941,7 @@ ENG_INLINE uint32_t never_of(const struct eng_join *job, uint32_t slot, uint32_t
                                 : (const void *)&job->a[n].row[0][0][lane];
     const void *rows =
         quantised ? (const void *)&job->b_quantised[block] : (const void *)&job->b[block];
-    return lanes & never_together(rows_at(box, rule), rows_at(rows, rule), quantised);
+    return lanes & together(rows_at(box, rule), rows_at(rows, rule), quantised);
 }
 
 /* As many as there is room for. Times are looked at here, not before: what a list has
@@ -971,9 +958,9 @@ ENG_INLINE uint32_t write_by(struct eng_join *job, struct eng_join_round *round,
         uint32_t block = round->first_b + (box >> 8);
         uint32_t lanes = round->lanes[i];
         if (in_time) {
-            uint32_t never = never_of(job, slot, block, lanes, quantised);
-            job->apart_in_time += (uint32_t)__builtin_popcount(never);
-            lanes ^= never;
+            uint32_t kept = together_of(job, slot, block, lanes, quantised);
+            job->apart_in_time += (uint32_t)__builtin_popcount(lanes ^ kept);
+            lanes = kept;
         }
         eng_fill16(out_a + count, slot);
         count += eng_pack16(out_b + count, lanes, block * ENG_WIDE);

@@ -127,22 +127,110 @@ ENG_INLINE eng_fi eng_fi_weigh_halves(eng_fi a, int16_t w)
 #endif
 }
 
-/* The sum of the two halves of each lane, in all of its bits. */
-ENG_INLINE eng_fi eng_fi_sum_halves(eng_fi a)
+/* The smaller of each half. */
+ENG_INLINE eng_fi eng_fi_min_halves(eng_fi a, eng_fi b)
 {
 #if ENG_VECTOR_BYTES == 64
-    return (eng_fi)_mm512_madd_epi16((__m512i)a, _mm512_set1_epi16(1));
+    return (eng_fi)_mm512_min_epi16((__m512i)a, (__m512i)b);
 #elif ENG_VECTOR_BYTES == 32
-    return (eng_fi)_mm256_madd_epi16((__m256i)a, _mm256_set1_epi16(1));
+    return (eng_fi)_mm256_min_epi16((__m256i)a, (__m256i)b);
 #elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
-    return (eng_fi)_mm_madd_epi16((__m128i)a, _mm_set1_epi16(1));
+    return (eng_fi)_mm_min_epi16((__m128i)a, (__m128i)b);
 #elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
-    return (eng_fi)vpaddlq_s16((int16x8_t)a);
+    return (eng_fi)vminq_s16((int16x8_t)a, (int16x8_t)b);
 #else
     for (uint32_t i = 0; i < ENG_F_LANES; i++) {
-        a[i] = (int16_t)a[i] + (a[i] >> 16);
+        int16_t low = (int16_t)a[i] < (int16_t)b[i] ? (int16_t)a[i] : (int16_t)b[i];
+        int32_t high = a[i] >> 16 < b[i] >> 16 ? a[i] >> 16 : b[i] >> 16;
+        a[i] = (int32_t)((uint32_t)high << 16 | (uint16_t)low);
     }
     return a;
+#endif
+}
+
+/* a / 2 of each half, rounded down. */
+ENG_INLINE eng_fi eng_fi_half_of_halves(eng_fi a)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_fi)_mm512_srai_epi16((__m512i)a, 1);
+#elif ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_srai_epi16((__m256i)a, 1);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_srai_epi16((__m128i)a, 1);
+#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+    return (eng_fi)vshrq_n_s16((int16x8_t)a, 1);
+#else
+    return ((a >> 1) & ~0xffff) | ((a << 16 >> 17) & 0xffff);
+#endif
+}
+
+/* |a| of each half; INT16_MIN stays. */
+ENG_INLINE eng_fi eng_fi_abs_halves(eng_fi a)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_fi)_mm512_abs_epi16((__m512i)a);
+#elif ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_abs_epi16((__m256i)a);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    __m128i less = _mm_sub_epi16(_mm_setzero_si128(), (__m128i)a);
+    return (eng_fi)_mm_max_epi16((__m128i)a, less);
+#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+    return (eng_fi)vabsq_s16((int16x8_t)a);
+#else
+    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
+        int32_t low = (int16_t)a[i] < 0 ? -(int16_t)a[i] : (int16_t)a[i];
+        int32_t high = a[i] < 0 ? -(a[i] >> 16) : a[i] >> 16;
+        a[i] = (int32_t)((uint32_t)high << 16 | (uint16_t)low);
+    }
+    return a;
+#endif
+}
+
+/* The sum of the products of the halves, in all bits of each lane. */
+ENG_INLINE eng_fi eng_fi_dot_halves(eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_fi)_mm512_madd_epi16((__m512i)a, (__m512i)b);
+#elif ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_madd_epi16((__m256i)a, (__m256i)b);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_madd_epi16((__m128i)a, (__m128i)b);
+#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+    int32x4_t low = vmull_s16(vget_low_s16((int16x8_t)a), vget_low_s16((int16x8_t)b));
+    return (eng_fi)vpaddq_s32(low, vmull_high_s16((int16x8_t)a, (int16x8_t)b));
+#else
+    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
+        a[i] = (int16_t)a[i] * (int16_t)b[i] + (a[i] >> 16) * (b[i] >> 16);
+    }
+    return a;
+#endif
+}
+
+/* The low half of a, the high one of b. */
+ENG_INLINE eng_fi eng_fi_low_and_high(eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_blend_epi16((__m256i)a, (__m256i)b, 0xaa);
+#elif defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_blend_epi16((__m128i)a, (__m128i)b, 0xaa);
+#else
+    return (a & 0xffff) | (b & ~0xffff);
+#endif
+}
+
+/* a where `sign` is negative, else b. */
+ENG_INLINE eng_fi eng_fi_select_negative(eng_fi sign, eng_fi a, eng_fi b)
+{
+#if ENG_VECTOR_BYTES == 64
+    return (eng_fi)_mm512_mask_blend_epi32(_mm512_movepi32_mask((__m512i)sign),
+                                           (__m512i)b, (__m512i)a);
+#elif ENG_VECTOR_BYTES == 32
+    return (eng_fi)_mm256_blendv_ps((__m256)b, (__m256)a, (__m256)sign);
+#elif defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
+    return (eng_fi)_mm_blendv_ps((__m128)b, (__m128)a, (__m128)sign);
+#else
+    eng_fi is_a = sign >> 31;
+    return (is_a & a) | (~is_a & b);
 #endif
 }
 
@@ -151,6 +239,10 @@ ENG_INLINE eng_fi eng_fi_turn_halves(eng_fi a)
 {
 #if ENG_VECTOR_BYTES == 64
     return (eng_fi)_mm512_rol_epi32((__m512i)a, 16);
+#elif ENG_VECTOR_BYTES == 32
+    const __m128i order =
+        _mm_setr_epi8(2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13);
+    return (eng_fi)_mm256_shuffle_epi8((__m256i)a, _mm256_broadcastsi128_si256(order));
 #else
     return (a << 16) | ((a >> 16) & 0xffff);
 #endif
