@@ -52,6 +52,26 @@ static void slow_query(struct prng *random, struct eng_query *query)
     }
 }
 
+/* Features in a plane as they begin, which a line of that plane keeps apart. */
+static void resting_query(struct prng *random, struct eng_query *query)
+{
+    const int split = query->kind == PCCD_VF ? 1 : 2;
+    double angle = prng_between(random, 0, 6);
+    double at[2] = {cos(angle), sin(angle)};
+    for (int i = 0; i < 4; i++) {
+        double along = prng_between(random, -1, 1);
+        double across = prng_between(random, 0.002, 0.05) * (i < split ? -1 : 1);
+        double *start = query->x[0][i];
+        double *end = query->x[1][i];
+        start[0] = along * at[0] - across * at[1];
+        start[1] = along * at[1] + across * at[0];
+        start[2] = 0;
+        end[0] = start[0] + prng_between(random, -0.001, 0.001);
+        end[1] = start[1] + prng_between(random, -0.001, 0.001);
+        end[2] = prng_between(random, -1, 1);
+    }
+}
+
 /* The points of all pairs in a random order. */
 static void fill_with(void (*make)(struct prng *random, struct eng_query *query),
                       struct prng *random, enum pccd_kind kind, uint32_t count)
@@ -146,6 +166,22 @@ CASE(batch__answers_are_those_of_single_queries)
             hits += check(kernels, round % 3 == 0 ? 0.5 : 1);
         }
         assert_true(!kernels || (hits > 2000 && hits < 10000));
+    }
+}
+
+/* If it failed: bodies that rest on one another would take a search for every two
+ * features that lie side by side. */
+CASE(batch__pairs_that_rest_side_by_side_take_no_search)
+{
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+        struct prng random = {404};
+        for (uint32_t round = 0; kernels && round < 4; round++) {
+            fill_with(resting_query, &random, round % 2 ? PCCD_EE : PCCD_VF, PAIR_MAX);
+            assert_int_equal(check(kernels, round < 2 ? 0.5 : 1), 0);
+            assert_true(batch.survivors > PAIR_MAX / 8);
+            assert_int_equal(batch.unsure_count, 0);
+        }
     }
 }
 

@@ -88,7 +88,7 @@ struct eng_batch {
     uint32_t left[ENG_CHUNK_MAX]; /* pairs on their way through */
     /* Pairs that lanes leave open; of thick features, their places in `left`. */
     uint32_t unsure[ENG_CHUNK_MAX];
-    uint32_t undecided[ENG_CHUNK_MAX]; /* of these, what `measure` leaves open */
+    uint32_t undecided[ENG_CHUNK_MAX]; /* of these, in lanes once more */
 };
 
 /* Which of the pairs are what is asked for: to batch->index and so on; returns how many.
