@@ -68,9 +68,15 @@ peers() {
         say "  left out: configure has found none of Embree, Bullet, FCL, CGAL"
         return 0
     fi
-    bench/peers/peers "${smoke[@]}" --json --threads "$threads" >"$into/peers.jsonl"
-    keep peers.md awk -f "$scripts/peers.awk" "$into/peers.jsonl"
-    rm "$into/peers.jsonl"
+    local set files=()
+    for set in avx2 avx512; do # of ours; others choose theirs
+        [ "$set" = avx2 ] || grep -qw avx512bw /proc/cpuinfo || continue
+        PCCD_CPU=$set bench/peers/peers "${smoke[@]}" --json --threads "$threads" \
+            >"$into/$set.jsonl"
+        files+=("$into/$set.jsonl")
+    done
+    keep peers.md awk -v csv="$into/peers.csv" -f "$scripts/peers.awk" "${files[@]}"
+    rm "${files[@]}"
 }
 
 # Of one scene that is there everywhere.
@@ -94,7 +100,7 @@ figures() {
         say "  left out: no gnuplot (apt-get install gnuplot-nox)"
         return 0
     fi
-    for figure in cores rates speedup shares components; do
+    for figure in cores rates speedup shares components peers; do
         gnuplot -e "folder='$into'; kind='png'; scripts='$scripts'" "$scripts/$figure.gp"
     done
 }

@@ -1,8 +1,9 @@
 # peers.awk - the lines of bench/peers/peers --json to a table, as Markdown.
 #
-# awk -f peers.awk peers.jsonl >peers.md
-# Medians; the fastest library of each row's scene and threads, and how many times as long
-# as ours it took in the same run.
+# awk -v csv=peers.csv -f peers.awk avx2.jsonl avx512.jsonl >peers.md
+# A file has the name of the instruction set of ours. Medians; the fastest library of each
+# row's scene and threads, and how many times as long as ours it took in the same run. Whole
+# steps by one thread go to `csv`, too, for peers.gp: scene, set, ours, the fastest library.
 
 function field(name,    text) {
     if (!match($0, "\"" name "\":(\"[^\"]*\"|[^,}]*)")) return ""
@@ -12,24 +13,33 @@ function field(name,    text) {
     return text
 }
 
-function best(scene, threads, step,    i, library, least) {
+function best(cpu, scene, threads, step,    i, library, least) {
     least = ""
     for (i = 1; i <= libraries; i++) {
         library = name[i]
-        if (!((scene, library, threads, step) in ms)) continue
-        if (least == "" || ms[scene, library, threads, step] < ms[scene, least, threads, step])
+        if (!((cpu, scene, library, threads, step) in ms)) continue
+        if (least == "" ||
+            ms[cpu, scene, library, threads, step] < ms[cpu, scene, least, threads, step])
             least = library
     }
     return least
 }
 
-function cells(scene, threads, step,    ours, library, theirs) {
-    if (!((scene, "ours", threads, step) in ms)) return " | | | |"
-    ours = ms[scene, "ours", threads, step]
-    library = best(scene, threads, step)
+function cells(cpu, scene, threads, step,    ours, library, theirs) {
+    if (!((cpu, scene, "ours", threads, step) in ms)) return " | | | |"
+    ours = ms[cpu, scene, "ours", threads, step]
+    library = best(cpu, scene, threads, step)
     if (library == "") return sprintf(" | %.3g | | |", ours)
-    theirs = ms[scene, library, threads, step]
+    theirs = ms[cpu, scene, library, threads, step]
+    if (step && threads == p[1]) print scene "," cpu "," ours "," theirs >csv
     return sprintf(" | %.3g | %.3g (%s) | %.1f", ours, theirs, library, theirs / ours)
+}
+
+FNR == 1 {
+    cpu = FILENAME
+    sub(/.*\//, "", cpu)
+    sub(/\..*/, "", cpu)
+    cpus[++sets] = cpu
 }
 
 field("unit") == "ms" {
@@ -43,17 +53,21 @@ field("unit") == "ms" {
     if (!(scene in seen)) { seen[scene] = 1; scenes[++count] = scene }
     if (what != "ours" && !(what in known)) { known[what] = 1; name[++libraries] = what }
     if (!(threads in is_p)) { is_p[threads] = 1; p[++counts] = threads }
-    ms[scene, what, threads, step] = field("p50") + 0
+    ms[cpu, scene, what, threads, step] = field("p50") + 0
 }
 
 END {
-    print "| scene | threads | pairs: ours, ms | fastest library, ms | times | " \
+    print "| scene | ours by | threads | pairs: ours, ms | fastest library, ms | times | " \
         "whole step: ours, ms | fastest library, ms | times |"
-    print "|---|---|---|---|---|---|---|---|"
+    print "|---|---|---|---|---|---|---|---|---|"
+    if (csv == "") csv = "/dev/null"
+    print "scene,set,ours,library" >csv
     for (i = 1; i <= count; i++) {
-        for (k = 1; k <= counts; k++) {
-            print "| " scenes[i] " | " p[k] cells(scenes[i], p[k], 0) \
-                cells(scenes[i], p[k], 1) " |"
+        for (j = 1; j <= sets; j++) {
+            for (k = 1; k <= counts; k++) {
+                print "| " scenes[i] " | " cpus[j] " | " p[k] \
+                    cells(cpus[j], scenes[i], p[k], 0) cells(cpus[j], scenes[i], p[k], 1) " |"
+            }
         }
     }
 }

@@ -38,7 +38,7 @@ tap_result $? evaluation__writes_table_1 "$log"
 
 # If this failed, nobody could tell how a step compares with the fastest library's.
 if [ -x bench/peers/peers ]; then
-    evaluate peers && awk -F'|' 'NR > 2 && ($6 <= 0 || $9 <= 0 || NF != 10) { print; bad = 1 }
+    evaluate peers && awk -F'|' 'NR > 2 && ($7 <= 0 || $10 <= 0 || NF != 11) { print; bad = 1 }
         END { exit bad || NR < 4 }' "$work/results/peers.md" >>"$log"
     tap_result $? evaluation__compares_steps_with_the_fastest_library "$log"
 else
@@ -49,7 +49,7 @@ fi
 if command -v gnuplot >/dev/null; then
     figures() {
         evaluate model && evaluate figures && (cd "$work/results" &&
-            [ "$(find . -name '*.png' -size +4k | wc -l)" -eq 5 ]) && ! grep -i warning "$log"
+            [ "$(find . -name '*.png' -size +4k | wc -l)" -eq 6 ]) && ! grep -i warning "$log"
     }
     figures
     tap_result $? evaluation__draws_its_figures "$log"
