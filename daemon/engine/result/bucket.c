@@ -9,9 +9,9 @@ static_assert(sizeof(struct pccd_contact) == 64 && sizeof(struct pccd_pair) == 2
 /* Records copied while the next ones are on their way to the cache. */
 #define AHEAD 32u
 
-/* Records that are copied, then counted into the hash: so few that the processor fetches
- * the next ones while it computes. */
-#define PIECE 16u
+/* Bytes of records that are copied, then counted into the hash: so few that the processor
+ * fetches the next ones while it computes. */
+#define PIECE_BYTES 1024u
 
 /* Sort items whose keys agree in all words before `word`, in place. A key has three words
  * at most, so that is the depth. */
@@ -99,8 +99,9 @@ static void gather(const struct eng_merge *merge, unsigned char *to,
                    struct eng_counts *counts)
 {
     uint32_t bytes = merge->out->record_bytes;
-    for (size_t i = 0; i < count; i += PIECE) {
-        size_t n = count - i < PIECE ? count - i : PIECE;
+    const size_t piece = PIECE_BYTES / bytes;
+    for (size_t i = 0; i < count; i += piece) {
+        size_t n = count - i < piece ? count - i : piece;
         unsigned char *place = to + i * bytes;
         if (bytes == sizeof(struct pccd_pair)) {
             gather_pairs((struct pccd_pair *)(void *)place, items + i, n, count - i,
