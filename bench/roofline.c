@@ -321,7 +321,7 @@ static void box_all(struct bench *bench)
     bench->outcome->sum += on_grid;
     begin_ns = common_now_ns();
     kernels->box_fold(wide->point_boxes, tree->slot_count / ENG_WIDE, false, tree->floats,
-                      tree->boxes);
+                      tree->float_boxes);
     count_part(bench, PART_FOLD, begin_ns, tree->slot_count);
     for (enum pccd_tree kind = PCCD_TREE_EDGES; kind <= PCCD_TREE_FACES; kind++) {
         tree = &wide->trees[kind];
@@ -330,7 +330,7 @@ static void box_all(struct bench *bench)
                                                                    : NULL};
         begin_ns = common_now_ns();
         kernels->box_unite(wide->point_boxes, corner, tree->slot_count / ENG_WIDE, false,
-                           tree->floats, tree->boxes);
+                           tree->floats, tree->float_boxes);
         count_part(bench, kind == PCCD_TREE_EDGES ? PART_EDGES : PART_FACES, begin_ns,
                    tree->slot_count);
     }

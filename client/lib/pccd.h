@@ -360,7 +360,9 @@ int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t objec
  * step left them that used the tree (answer.method says which one). Up to `room` boxes go
  * to `boxes`, which may be NULL with room 0. *count gets the number of boxes of the
  * level; 0: there is no such level, or no step has used the tree since objects came or
- * went. Errors:
+ * went. They hold
+ * what is below them; those of the method wide are larger by up to 2^-12 of the longest
+ * side of the scene. Errors:
  * E_HANDLE, E_INVAL, E_BUSY (release answers first), E_NOMETHOD (an older daemon). */
 int pccd_scene_boxes(struct pccd_client *client, uint32_t scene, enum pccd_tree tree,
                      uint32_t level, struct pccd_box *boxes, uint32_t room,

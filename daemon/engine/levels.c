@@ -8,6 +8,7 @@
 #include "aabb.h"
 #include "trees.h"
 #include "wide.h"
+#include "wide_cells.h"
 
 /* Copy bounds kept as distances outward: minus the lower bound, plus the upper. */
 static void copy_extents(const struct eng_extents *from, struct pccd_box *to)
@@ -86,7 +87,9 @@ static struct pccd_box out_of_frames(const struct eng_scene *scene, enum pccd_tr
         const struct eng_box_frame *frame = frame_of_block(scene, kind, (uint32_t)i);
         if (frame) {
             struct pccd_box box;
-            copy_extents(eng_wide_boxes(tree, 0) + i, &box);
+            struct eng_extents around =
+                eng_wide_box(eng_wide_of(scene), tree, 0, (uint32_t)i);
+            copy_extents(&around, &box);
             unite(&box, frame, &all);
         }
     }
@@ -109,7 +112,8 @@ static uint32_t wide_boxes(const struct eng_scene *scene, enum pccd_tree kind,
         if (wide->frames > 0) {
             to[i] = out_of_frames(scene, kind, below, first + i);
         } else {
-            copy_extents(eng_wide_boxes(tree, below) + first + i, &to[i]);
+            struct eng_extents around = eng_wide_box(wide, tree, below, first + i);
+            copy_extents(&around, &to[i]);
         }
     }
     return boxes;

@@ -344,6 +344,15 @@ CASE(frames__what_travels_counts_as_in_place)
     }
 }
 
+/* The most that a box may be larger for being a whole number of cells. */
+static double cells_of_boxes(const struct eng_scene *scene, enum pccd_tree tree, int axis)
+{
+    const struct eng_wide *wide = eng_wide_of(scene);
+    return tree == PCCD_TREE_TRIANGLES || !wide->has_quantised
+               ? 0
+               : 3 / ((double)wide->quantising.scale[axis] * scene->framing.scale);
+}
+
 /* The union of a level's boxes holds every vertex at t = 1, and hardly more. */
 static void check_level(const struct eng_scene *scene, enum pccd_tree tree,
                         uint32_t level, uint32_t boxes)
@@ -366,8 +375,9 @@ static void check_level(const struct eng_scene *scene, enum pccd_tree tree,
             most = fmax(most, x[v][k]);
         }
         assert_true(low <= least && most <= high);
-        assert_true(least - low <= 0x1p-21 * fmax(1, fabs(least)));
-        assert_true(high - most <= 0x1p-21 * fmax(1, fabs(most)));
+        double cells = cells_of_boxes(scene, tree, k);
+        assert_true(least - low <= cells + 0x1p-21 * fmax(1, fabs(least)));
+        assert_true(high - most <= cells + 0x1p-21 * fmax(1, fabs(most)));
     }
     free(box);
 }

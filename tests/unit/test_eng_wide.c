@@ -136,27 +136,36 @@ static uint32_t check_slots(const struct fixture *f, enum pccd_tree kind)
     return taken;
 }
 
-/* A bound of a feature's box or a node's; of whole numbers it is off by `slack`. */
+/* A bound of a feature's box or a node's. */
 static float bound_of(const struct eng_wide *wide, const struct eng_wide_tree *tree,
-                      uint32_t level, uint32_t box, uint32_t side, uint32_t axis,
-                      float *slack)
+                      uint32_t level, uint32_t box, uint32_t side, uint32_t axis)
 {
     uint32_t lane = box % ENG_WIDE;
-    *slack = 0;
     if (level > 0 || !wide->has_quantised) {
         return eng_wide_blocks(tree, level)[box / ENG_WIDE].row[side][axis][lane];
     }
     const struct eng_quantising *quantising = &wide->quantising;
-    uint32_t both =
-        tree->quantised[box / ENG_WIDE].row[side % 2][axis][lane];
+    uint32_t both = tree->quantised[box / ENG_WIDE].row[side % 2][axis][lane];
     bool is_low = side == ENG_LOW0 || side == ENG_LOW1;
     int16_t cells = (int16_t)(uint16_t)(is_low ? both & 0xffff : both >> 16);
-    *slack = 1 / quantising->scale[axis];
-    if (cells == INT16_MIN) {
-        return ENG_NOWHERE;
-    }
-    return ((float)cells - (is_low ? quantising->below : quantising->above)[axis]) *
-           *slack;
+    return cells == INT16_MIN
+               ? ENG_NOWHERE
+               : eng_wide_distance_of(
+                     cells, quantising->scale[axis],
+                     (is_low ? quantising->below : quantising->above)[axis]);
+}
+
+/* Return whether the box of a vertex holds where it is at both ends. Objects have no
+ * frames here. */
+static bool holds_vertex(const struct eng_wide *wide, uint32_t slot, uint32_t side,
+                         uint32_t axis)
+{
+    const struct eng_point *point = &wide->points[slot];
+    double x = (side % 2 == 0 ? point->x0 : point->x1)[axis];
+    bool is_low = side == ENG_LOW0 || side == ENG_LOW1;
+    float bound =
+        bound_of(wide, &wide->trees[PCCD_TREE_VERTICES], 0, slot, side, axis);
+    return point->word0 == ENG_WIDE_NOBODY || (double)bound >= (is_low ? -x : x);
 }
 
 static void check_boxes(const struct eng_wide *wide, enum pccd_tree kind)
@@ -168,20 +177,22 @@ static void check_boxes(const struct eng_wide *wide, enum pccd_tree kind)
             uint32_t box = i / 12;
             uint32_t side = i % 4;
             uint32_t axis = i / 4 % 3;
-            float slack;
-            float bound = bound_of(wide, tree, level, box, side, axis, &slack);
-            assert_true(eng_wide_boxes(tree, level)[box / ENG_WIDE].side[side][axis] +
-                            slack >=
-                        bound);
+            float bound = bound_of(wide, tree, level, box, side, axis);
+            struct eng_extents around =
+                eng_wide_box(wide, tree, level, box / ENG_WIDE);
+            assert_true(around.side[side][axis] >= bound);
+            assert_true(level > 0 || kind != PCCD_TREE_VERTICES ||
+                        holds_vertex(wide, box, side, axis));
             for (uint32_t k = 0; level == 0 && k < 3; k++) {
                 if (tree->corner[k]) {
-                    uint32_t v = tree->corner[k][box];
-                    assert_true(wide->point_boxes[v].side[side][axis] <= bound + slack);
+                    float of_vertex = bound_of(wide, &wide->trees[PCCD_TREE_VERTICES], 0,
+                                               tree->corner[k][box], side, axis);
+                    assert_true(of_vertex <= bound);
                 }
             }
             if (level > 0 && box < tree->block_count[level - 1]) {
-                assert_true(eng_wide_boxes(tree, level - 1)[box].side[side][axis] <=
-                            bound);
+                around = eng_wide_box(wide, tree, level - 1, box);
+                assert_true(around.side[side][axis] <= bound);
             }
         }
     }

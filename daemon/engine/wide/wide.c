@@ -24,6 +24,7 @@ void eng_wide_deinit(struct eng_wide *wide)
         eng_free(tree->quantised);
         eng_free(tree->quantised_boxes);
         eng_free(tree->floats);
+        eng_free(tree->float_boxes);
         eng_free(tree->boxes);
         eng_free(tree->keys);
         eng_free(tree->moving);
@@ -52,12 +53,14 @@ uint64_t eng_wide_bytes(const struct eng_wide *wide)
         (uint64_t)wide->slot_of_capacity * sizeof *wide->slot_of +
         (uint64_t)wide->item_capacity * sizeof *wide->items +
         (uint64_t)wide->trees[PCCD_TREE_VERTICES].slot_capacity *
-            (sizeof *wide->points + sizeof *wide->point_boxes + sizeof *wide->marks);
+            (sizeof *wide->points + sizeof *wide->marks) +
+        (uint64_t)wide->point_box_capacity * sizeof *wide->point_boxes;
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         const struct eng_wide_tree *tree = &wide->trees[kind];
-        bytes += (uint64_t)tree->block_capacity * sizeof *tree->boxes +
-                 (uint64_t)tree->above_capacity * sizeof *tree->blocks +
-                 (uint64_t)tree->float_capacity * sizeof *tree->floats +
+        bytes += (uint64_t)tree->above_capacity *
+                     (sizeof *tree->blocks + sizeof *tree->boxes) +
+                 (uint64_t)tree->float_capacity *
+                     (sizeof *tree->floats + sizeof *tree->float_boxes) +
                  (uint64_t)tree->leaf_capacity *
                      (sizeof *tree->quantised + sizeof *tree->quantised_boxes) +
                  (uint64_t)tree->moving_capacity * sizeof *tree->moving +
@@ -191,10 +194,6 @@ static int reserve_slots(struct eng_wide *wide, enum pccd_tree kind, uint32_t co
     if (kind == PCCD_TREE_VERTICES) {
         status = eng_array_grow(&wide->points, capacity, sizeof *wide->points);
         if (status == PCCD_OK) {
-            status =
-                eng_array_grow(&wide->point_boxes, capacity, sizeof *wide->point_boxes);
-        }
-        if (status == PCCD_OK) {
             status = eng_array_grow(&wide->marks, capacity, sizeof *wide->marks);
         }
     } else {
@@ -224,55 +223,94 @@ static int reserve_leaves(struct eng_wide_tree *tree, uint32_t count)
     return status;
 }
 
-/* Room for `above` blocks of the levels above, `count` in all. */
-static int reserve_blocks(struct eng_wide_tree *tree, uint32_t above, uint32_t count)
+static int reserve_above(struct eng_wide_tree *tree, uint32_t count)
 {
-    int status = PCCD_OK;
-    if (!fits(above, tree->above_capacity, BLOCKS_KEPT)) {
-        uint32_t capacity = other_capacity(&tree->above_capacity, above, 1);
-        status = eng_array_grow(&tree->blocks, capacity, sizeof *tree->blocks);
-        tree->above_capacity = status == PCCD_OK ? capacity : tree->above_capacity;
+    if (fits(count, tree->above_capacity, BLOCKS_KEPT)) {
+        return PCCD_OK;
     }
-    if (status == PCCD_OK && !fits(count, tree->block_capacity, BLOCKS_KEPT)) {
-        uint32_t capacity = other_capacity(&tree->block_capacity, count, 1);
+    uint32_t capacity = other_capacity(&tree->above_capacity, count, 1);
+    int status = eng_array_grow(&tree->blocks, capacity, sizeof *tree->blocks);
+    if (status == PCCD_OK) {
         status = eng_array_grow(&tree->boxes, capacity, sizeof *tree->boxes);
-        tree->block_capacity = status == PCCD_OK ? capacity : tree->block_capacity;
     }
+    tree->above_capacity = status == PCCD_OK ? capacity : tree->above_capacity;
     return status;
+}
+
+static void set_nowhere(struct eng_extents *boxes, uint32_t count)
+{
+    float *bound = &boxes[0].side[0][0];
+    for (size_t i = 0; i < (size_t)count * sizeof *boxes / sizeof *bound; i++) {
+        bound[i] = ENG_NOWHERE;
+    }
+}
+
+/* Floats are made anew, so they are lost where there is no room for them. */
+static void drop_floats(struct eng_wide *wide)
+{
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        eng_free(tree->floats);
+        eng_free(tree->float_boxes);
+        tree->floats = NULL;
+        tree->float_boxes = NULL;
+        tree->float_capacity = 0;
+    }
+    eng_free(wide->point_boxes);
+    wide->point_boxes = NULL;
+    wide->point_box_capacity = 0;
+}
+
+static bool has_room(const struct eng_wide *wide)
+{
+    bool has = wide->trees[PCCD_TREE_VERTICES].slot_count <= wide->point_box_capacity;
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        const struct eng_wide_tree *tree = &wide->trees[kind];
+        has &= round_up(tree->block_count[0], ENG_WIDE) <= tree->float_capacity;
+    }
+    return has;
+}
+
+static bool make_room(struct eng_wide *wide)
+{
+    uint32_t slots = wide->trees[PCCD_TREE_VERTICES].slot_count;
+    wide->point_boxes = eng_alloc(slots, sizeof *wide->point_boxes);
+    wide->point_box_capacity = wide->point_boxes ? slots : 0;
+    bool has_all = wide->point_boxes != NULL;
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES && has_all; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        uint32_t blocks = round_up(tree->block_count[0], ENG_WIDE);
+        tree->floats = eng_alloc(blocks, sizeof *tree->floats);
+        tree->float_boxes = eng_alloc(blocks, sizeof *tree->float_boxes);
+        has_all = tree->floats && tree->float_boxes;
+        tree->float_capacity = blocks;
+    }
+    return has_all;
 }
 
 int eng_wide_reserve_floats(struct eng_wide *wide)
 {
-    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        struct eng_wide_tree *tree = &wide->trees[kind];
-        uint32_t count = tree->block_count[0];
-        if (count <= tree->float_capacity) {
-            continue;
-        }
-        eng_free(tree->floats); /* they are made anew */
-        uint32_t capacity = eng_array_grown(tree->float_capacity, count);
-        tree->floats = eng_alloc(capacity, sizeof *tree->floats);
-        tree->float_capacity = tree->floats ? capacity : 0;
-        if (!tree->floats) {
+    if (!has_room(wide)) {
+        drop_floats(wide);
+        if (!make_room(wide)) {
+            drop_floats(wide);
             return PCCD_E_NOMEM;
         }
+    }
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        const struct eng_wide_tree *tree = &wide->trees[kind];
+        uint32_t blocks = tree->block_count[0]; /* a node of level 1 has sixteen */
+        set_nowhere(tree->float_boxes + blocks, round_up(blocks, ENG_WIDE) - blocks);
     }
     return PCCD_OK;
 }
 
-/* The trees are others now: what is by far too much for them goes. */
-static void drop_floats(struct eng_wide_tree *tree)
+/* Room to mark what moves (wide.h), and whatever else, of `count` blocks. */
+static int reserve_moving(struct eng_wide_tree *tree, uint32_t count)
 {
-    if (!fits(tree->block_count[0], tree->float_capacity, BLOCKS_KEPT)) {
-        eng_free(tree->floats);
-        tree->floats = NULL;
-        tree->float_capacity = 0;
+    if (!fits(count, tree->block_capacity, BLOCKS_KEPT)) {
+        tree->block_capacity = other_capacity(&tree->block_capacity, count, 1);
     }
-}
-
-/* Room to mark what moves (wide.h), as there is for blocks and slots. */
-static int reserve_moving(struct eng_wide_tree *tree)
-{
     int status = eng_array_fit(&tree->moving, &tree->moving_capacity,
                                tree->block_capacity, sizeof *tree->moving);
     return status == PCCD_OK
@@ -339,13 +377,11 @@ static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
             status = reserve_leaves(&wide->trees[kind], leaves);
         }
         if (status == PCCD_OK) {
-            status = reserve_blocks(&wide->trees[kind],
-                                    level_count > 1 ? blocks - round_up(leaves, ENG_WIDE)
-                                                    : 0,
-                                    blocks);
+            uint32_t above = level_count > 1 ? blocks - round_up(leaves, ENG_WIDE) : 0;
+            status = reserve_above(&wide->trees[kind], above);
         }
         if (status == PCCD_OK) {
-            status = reserve_moving(&wide->trees[kind]);
+            status = reserve_moving(&wide->trees[kind], blocks);
         }
         if (status == PCCD_OK) {
             status = reserve_free(&wide->trees[kind], scene, kind);
@@ -449,14 +485,6 @@ static bool is_own(const struct eng_mesh *mesh, enum pccd_tree kind, uint32_t fe
     return !eng_mesh_is_foreign(mesh, kind, feature);
 }
 
-static void set_nowhere(struct eng_extents *boxes, uint32_t count)
-{
-    float *bound = &boxes[0].side[0][0];
-    for (size_t i = 0; i < (size_t)count * sizeof *boxes / sizeof *bound; i++) {
-        bound[i] = ENG_NOWHERE;
-    }
-}
-
 static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
                          const uint32_t slots[ENG_WIDE_TREES])
 {
@@ -465,8 +493,10 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
         struct eng_wide_tree *tree = &wide->trees[kind];
         uint32_t end = 0;
         tree->slot_count = slots[kind];
-        set_nowhere(tree->boxes, count_blocks(tree->slot_count, wide->level_count, tree));
-        drop_floats(tree);
+        uint32_t blocks = count_blocks(tree->slot_count, wide->level_count, tree);
+        if (wide->level_count > 1) {
+            set_nowhere(tree->boxes, blocks - tree->first[1]);
+        }
         for (uint32_t i = 0; i < scene->object_count; i++) {
             const struct eng_object *object = &scene->objects[wide->items[i].id];
             uint32_t count = eng_wide_order_of(object)->count[kind];
@@ -485,7 +515,10 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
             mark(wide, scene, kind, tree->own, is_own);
         }
     }
-    set_nowhere(wide->point_boxes, wide->trees[PCCD_TREE_VERTICES].slot_count);
+    const struct eng_wide_tree *vertices = &wide->trees[PCCD_TREE_VERTICES];
+    if (!fits(vertices->slot_count, wide->point_box_capacity, SLOTS_KEPT)) {
+        drop_floats(wide);
+    }
 }
 
 static void add_vertices(struct eng_wide_chunk_state *chunk, uint32_t vertices)

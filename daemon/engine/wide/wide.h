@@ -70,14 +70,15 @@ struct eng_wide_tree {
     uint32_t float_capacity;
     uint32_t block_count[ENG_WIDE_LEVELS_MAX];
     uint32_t first[ENG_WIDE_LEVELS_MAX]; /* block of each level */
-    struct eng_extents *boxes; /* [block_capacity] around each block */
-    /* Level 0, of features: in whole numbers, with the boxes around them
+    /* Level 0, of features, with the boxes around its blocks: in whole numbers
      * [leaf_capacity]; and in floats [float_capacity], once a step has asked for these
      * (eng_wide_reserve_floats). */
     struct eng_quantised_block *quantised;
     struct eng_quantised_box *quantised_boxes;
     struct eng_wide_block *floats;
-    struct eng_wide_block *blocks; /* [above_capacity] the levels above */
+    struct eng_extents *float_boxes;
+    struct eng_wide_block *blocks; /* [above_capacity] the levels above, .. */
+    struct eng_extents *boxes;     /* .. and around their blocks */
     uint32_t *corner[3];       /* edges 2, faces 3: [slot_capacity], vertex slots */
     eng_wide_key *keys;        /* edges and faces: [slot_capacity] */
     uint16_t *moving;          /* [moving_capacity] by block: bit k, child k moves */
@@ -96,7 +97,8 @@ struct eng_wide {
     /* Vertices, by slot: word0 is its object's index << 32 | its own in the scene's
      * arrays, or ENG_WIDE_NOBODY; word1 its key. */
     struct eng_point *points;
-    struct eng_extents *point_boxes;
+    struct eng_extents *point_boxes; /* [point_box_capacity] with floats alone */
+    uint32_t point_box_capacity;
     struct eng_mark *marks; /* of the vertices, on the grid */
     struct eng_grid grid;   /* scale 0: there is none */
     /* A vertex is beyond the grid. Set by any thread of the refit, read after it: what
@@ -193,10 +195,12 @@ static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree 
                       : tree->blocks + (tree->first[level] - tree->first[1]);
 }
 
+/* The same of the boxes around them. */
 static inline struct eng_extents *eng_wide_boxes(const struct eng_wide_tree *tree,
                                                  uint32_t level)
 {
-    return tree->boxes + tree->first[level];
+    return level == 0 ? tree->float_boxes
+                      : tree->boxes + (tree->first[level] - tree->first[1]);
 }
 
 /* ---- what is free ------------------------------------------------------------------ */

@@ -24,10 +24,11 @@ bool eng_wide_extent(const struct eng_wide *wide, const struct eng_scene *scene,
                      double low[3], double high[3])
 {
     const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_VERTICES];
-    const struct eng_extents *box = eng_wide_boxes(tree, wide->level_count - 1);
-    if (wide->boxes_are_old || scene->framing.number != wide->frames) {
+    if (wide->boxes_are_old || scene->framing.number != wide->frames ||
+        wide->level_count == 1) { /* in whole numbers that are others by now */
         return eng_box_frames_extent(scene, low, high);
     }
+    const struct eng_extents *box = eng_wide_boxes(tree, wide->level_count - 1);
     for (int k = 0; k < 3; k++) {
         low[k] = -fmax(box->side[ENG_LOW0][k], box->side[ENG_LOW1][k]);
         high[k] = fmax(box->side[ENG_HIGH0][k], box->side[ENG_HIGH1][k]);
@@ -212,33 +213,21 @@ static bool are_within(const struct eng_quantising *quantising,
     return true;
 }
 
-/* Lay the cells by the last step's boxes, and if this one goes farther than they let
- * expect, by where it goes. */
-static void choose_cells(const struct eng_wide *wide, const struct eng_scene *scene,
-                         struct eng_quantising *quantising)
+/* Lay the cells by where the step goes. */
+static void choose_cells(const struct eng_scene *scene, struct eng_quantising *quantising)
 {
-    double low[3];
-    double high[3];
-    if (eng_wide_extent(wide, scene, low, high)) {
-        lay_cells(low, high, quantising);
-        if (are_within(quantising, scene, false)) {
-            return;
-        }
-    }
-    for (int k = 0; k < 3; k++) {
-        low[k] = INFINITY;
-        high[k] = -INFINITY;
-    }
+    double low[3] = {INFINITY, INFINITY, INFINITY};
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         for (int j = 0; scene->objects[i].mesh && j < 6; j++) {
             double least;
             double most;
             bounds_of(scene, &scene->objects[i], j / 3, j % 3, &least, &most);
-            low[j % 3] = fmin(low[j % 3], least);
-            high[j % 3] = fmax(high[j % 3], most);
+            low[j % 3] = least < low[j % 3] ? least : low[j % 3];
+            high[j % 3] = most > high[j % 3] ? most : high[j % 3];
         }
     }
-    for (int k = 0; k < 3 && !(low[k] <= high[k]); k++) {
+    for (int k = 0; k < 3 && low[k] > high[k]; k++) {
         low[k] = high[k] = 0; /* nothing is in the scene */
     }
     lay_cells(low, high, quantising);
@@ -246,12 +235,12 @@ static void choose_cells(const struct eng_wide *wide, const struct eng_scene *sc
 }
 
 /* The longest side of a block's box at t = 0, in cells; negative: it is nowhere. */
-static float cells_of(const struct eng_extents *box,
+static float cells_of(struct eng_extents box,
                       const struct eng_quantising *quantising)
 {
     float most = -1;
     for (int k = 0; k < 3; k++) {
-        float side = box->side[ENG_LOW0][k] + box->side[ENG_HIGH0][k];
+        float side = box.side[ENG_LOW0][k] + box.side[ENG_HIGH0][k];
         most = fmaxf(most, side * quantising->scale[k]);
     }
     return most;
@@ -299,8 +288,9 @@ static bool features_are_large(const struct eng_wide *wide, const struct eng_sce
     float seen = 0;
     for (uint32_t i = 0; i < samples; i++) {
         uint32_t block = (uint32_t)((uint64_t)count * i / samples);
-        float cells = has_boxes ? cells_of(&tree->boxes[block], quantising)
-                                : cells_of_edges(wide, scene, block, quantising);
+        float cells = has_boxes
+                          ? cells_of(eng_wide_box(wide, tree, 0, block), quantising)
+                          : cells_of_edges(wide, scene, block, quantising);
         if (cells >= 0) {
             sum += fminf(cells, CELLS_MAX);
             seen += 1;
@@ -317,11 +307,12 @@ bool eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *sc
         are_within(&wide->quantising, scene, true)) {
         return true;
     }
-    choose_cells(wide, scene, &wide->quantising);
+    struct eng_quantising quantising = {{0}, {0}, {0}};
+    choose_cells(scene, &quantising);
+    bool are_large = features_are_large(wide, scene, &quantising);
     atomic_store_explicit(&wide->farthest, 0, memory_order_relaxed);
     /* Without memory for floats they serve small features, too. */
-    wide->has_quantised =
-        may && (features_are_large(wide, scene, &wide->quantising) ||
-                eng_wide_reserve_floats(wide) != PCCD_OK);
+    wide->has_quantised = may && (are_large || eng_wide_reserve_floats(wide) != PCCD_OK);
+    wide->quantising = quantising;
     return is_current && !were_quantised && !wide->has_quantised;
 }

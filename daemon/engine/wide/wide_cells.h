@@ -1,16 +1,17 @@
 /* wide_cells.h - what whole numbers stand for in a step: the grid of the sieve
  * (kernel.h), and the quantised boxes (quantised.h), if there are to be any.
  *
- * Both are laid over the scene before its vertices are placed, by the boxes of the last
- * step, because those of this step are made together with the marks; a scene without such
- * boxes goes by where it begins. A step that leaves the grid does without the sieve;
- * cells of boxes are laid by where the step goes, then.
+ * Both are laid over the scene before its vertices are placed: cells of boxes by where
+ * the step goes, as the bounds of the objects say; the grid, which stays where it fits,
+ * by the boxes of the last step, and in a scene without such boxes by where it begins. A
+ * step that leaves the grid does without the sieve.
  *
  * Threads: as marked.
  */
 #ifndef ENG_WIDE_CELLS_H
 #define ENG_WIDE_CELLS_H
 
+#include <math.h>
 #include <string.h>
 
 #include "wide.h"
@@ -30,6 +31,45 @@ bool eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *sc
  * is added for it is rounded, together never to less than ENG_QUANTISED_ROUND. [any] */
 void eng_wide_quantised_set(struct eng_quantising *quantising, int axis, double scale,
                             double middle);
+
+/* Return a distance outward that is not less than any which has this number, where
+ * `origin` was added. It is at most half a cell, and for its rounding 2^-9, above what
+ * the number says; a float of it is off by 2^-24 of itself. */
+static inline float eng_wide_distance_of(int16_t number, float scale, float origin)
+{
+    double cells = (double)number - (double)origin + (0.5 + 0x1p-8);
+    double distance = cells / (double)scale;
+    return (float)(distance + fabs(distance) * 0x1p-23);
+}
+
+/* Return the box around a block of a level, in floats, whatever the step compares. */
+static inline struct eng_extents eng_wide_box(const struct eng_wide *wide,
+                                              const struct eng_wide_tree *tree,
+                                              uint32_t level, uint32_t block)
+{
+    if (level > 0 || !wide->has_quantised) {
+        return eng_wide_boxes(tree, level)[block];
+    }
+    const struct eng_quantising *quantising = &wide->quantising;
+    const struct eng_quantised_box *from = &tree->quantised_boxes[block];
+    struct eng_extents box;
+    for (int end = 0; end < 2; end++) {
+        for (int k = 0; k < 3; k++) {
+            int16_t above = from->half[end][2 * k];
+            int16_t below = from->half[end][2 * k + 1];
+            bool is_nowhere = above == INT16_MIN && below == INT16_MIN;
+            float scale = quantising->scale[k];
+            box.side[ENG_LOW0 + end][k] =
+                is_nowhere ? ENG_NOWHERE
+                           : eng_wide_distance_of(below, scale, quantising->below[k]);
+            box.side[ENG_HIGH0 + end][k] =
+                is_nowhere ? ENG_NOWHERE
+                           : eng_wide_distance_of(above, scale, quantising->above[k]);
+        }
+        box.side[ENG_LOW0 + end][3] = box.side[ENG_HIGH0 + end][3] = ENG_NOWHERE;
+    }
+    return box;
+}
 
 /* ---- the grid of the sieve --------------------------------------------------------- */
 

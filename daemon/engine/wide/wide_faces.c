@@ -28,25 +28,19 @@ void eng_wide_faces_of(const struct eng_scene *scene, uint32_t object_idx, uint3
                                 .count = object->order->count[PCCD_TREE_FACES]};
 }
 
-/* Boxes of the faces in a block of slots, which are not kept in floats in a step that
- * compares whole numbers: around their corners. */
+/* Boxes of the faces in a block of slots, of their whole numbers. */
 static void box_faces(const struct eng_wide *wide, uint32_t block, uint32_t end,
                       struct eng_faces_below *below)
 {
-    const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_FACES];
-    for (uint32_t i = 0; i < ENG_WIDE; i++) {
-        uint32_t slot = block * ENG_WIDE + i;
-        for (uint32_t side = 0; side < 2; side++) {
-            const float *a =
-                wide->point_boxes[tree->corner[0][slot]].side[2 * side + end];
-            const float *b =
-                wide->point_boxes[tree->corner[1][slot]].side[2 * side + end];
-            const float *c =
-                wide->point_boxes[tree->corner[2][slot]].side[2 * side + end];
-            for (int k = 0; k < 3; k++) {
-                float most = a[k] > b[k] ? a[k] : b[k];
-                below->own[side][k][i] = most > c[k] ? most : c[k];
-            }
+    const struct eng_quantising *quantising = &wide->quantising;
+    for (int k = 0; k < 3; k++) {
+        const uint32_t *row = wide->trees[PCCD_TREE_FACES].quantised[block].row[end][k];
+        float scale = quantising->scale[k];
+        for (uint32_t i = 0; i < ENG_WIDE; i++) {
+            int16_t low = (int16_t)(row[i] & 0xffff);
+            int16_t high = (int16_t)(row[i] >> 16);
+            below->own[0][k][i] = eng_wide_distance_of(low, scale, quantising->below[k]);
+            below->own[1][k][i] = eng_wide_distance_of(high, scale, quantising->above[k]);
         }
     }
     below->low = (const float(*)[ENG_WIDE])below->own[0];

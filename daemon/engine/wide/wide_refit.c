@@ -11,8 +11,16 @@
 #include "wide_cells.h"
 #include "world.h"
 
-/* Blocks at a time whose floats are only made to become whole numbers: 6 KiB. */
+/* Blocks at a time whose floats are only made to become whole numbers: 14 KiB. */
 #define FLOAT_BLOCKS 8u
+
+/* From a block of whole numbers to the next. */
+#define BLOCK_NUMBERS (sizeof(struct eng_quantised_block) / sizeof(uint32_t))
+
+static uint32_t smaller(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
 
 uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum pccd_tree kind)
 {
@@ -36,6 +44,9 @@ static uint32_t end_of_run(const struct eng_wide *wide, const struct eng_scene *
     return slot;
 }
 
+#define SIDE {ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE}
+static const struct eng_extents nowhere = {{SIDE, SIDE, SIDE, SIDE}};
+
 /* Boxes of vertices of one object, with its thickness. */
 static void grow(const struct eng_scene *scene, const struct eng_point *points,
                  uint32_t count, struct eng_extents *boxes)
@@ -55,18 +66,20 @@ static void grow(const struct eng_scene *scene, const struct eng_point *points,
 }
 
 /* Positions, boxes and, unless they are swept, marks of the vertices in slots first ..
- * end - 1; those of nobody are nowhere since the trees were put together. */
+ * end - 1; those of nobody are nowhere. */
 static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
-                         uint32_t first, uint32_t end)
+                         uint32_t first, uint32_t end, struct eng_extents *boxes)
 {
     const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
     const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
     for (uint32_t slot = first; slot < end;) {
         if (wide->points[slot].word0 == ENG_WIDE_NOBODY) {
+            boxes[slot - first] = nowhere;
             slot++;
             continue;
         }
         uint32_t run = slot;
+        struct eng_extents *run_boxes = boxes + (run - first);
         const struct eng_box_frame *frame =
             scene->framing.number > 0
                 ? &scene->objects[wide->points[run].word0 >> 32].frame
@@ -78,9 +91,9 @@ static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
             memcpy(point->x1, x1[(uint32_t)point->word0], sizeof point->x1);
         }
         wide->kernels->box_points(wide->points + run, slot - run, frame, wide->is_swept,
-                                  wide->point_boxes + run);
+                                  run_boxes);
         if (scene->thickness.is_on) {
-            grow(scene, wide->points + run, slot - run, wide->point_boxes + run);
+            grow(scene, wide->points + run, slot - run, run_boxes);
         }
         if (!wide->is_swept &&
             !wide->kernels->place_points(wide->points + run, slot - run, frame,
@@ -90,29 +103,23 @@ static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
     }
 }
 
-static uint32_t smaller(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
-}
-
-/* Boxes of `count` blocks of features from `block` on, to `blocks`, and those around
- * them, which are the tree's. */
+/* Boxes of `count` blocks of features from `block` on, in floats. */
 static void box_features(struct eng_wide *wide, enum pccd_tree kind, uint32_t block,
-                         uint32_t count, struct eng_wide_block *blocks)
+                         uint32_t count)
 {
     const struct eng_kernels *kernels = wide->kernels;
     struct eng_wide_tree *tree = &wide->trees[kind];
     uint32_t slot = block * ENG_WIDE;
     if (kind == PCCD_TREE_VERTICES) {
-        kernels->box_fold(wide->point_boxes + slot, count, wide->is_swept, blocks,
-                          tree->boxes + block);
+        kernels->box_fold(wide->point_boxes + slot, count, wide->is_swept,
+                          tree->floats + block, tree->float_boxes + block);
         return;
     }
     const uint32_t *const corner[3] = {tree->corner[0] + slot, tree->corner[1] + slot,
                                        kind == PCCD_TREE_FACES ? tree->corner[2] + slot
                                                                : NULL};
-    kernels->box_unite(wide->point_boxes, corner, count, wide->is_swept, blocks,
-                       tree->boxes + block);
+    kernels->box_unite(wide->point_boxes, corner, count, wide->is_swept,
+                       tree->floats + block, tree->float_boxes + block);
 }
 
 static void keep_most(atomic_uint *most, uint32_t value)
@@ -124,19 +131,22 @@ static void keep_most(atomic_uint *most, uint32_t value)
     }
 }
 
-/* The same in whole numbers: of floats that do not leave the first cache. */
-static void quantised_features(struct eng_wide *wide, enum pccd_tree kind, uint32_t block,
-                               uint32_t count)
+/* Vertices in whole numbers: of floats that do not leave the first cache. */
+static void quantised_points(struct eng_wide *wide, const struct eng_scene *scene,
+                             uint32_t block, uint32_t count)
 {
-    struct eng_wide_tree *tree = &wide->trees[kind];
+    struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_VERTICES];
+    struct eng_extents points[FLOAT_BLOCKS * ENG_WIDE];
     struct eng_wide_block floats[FLOAT_BLOCKS];
+    struct eng_extents around[FLOAT_BLOCKS];
     uint32_t farthest = 0;
     uint32_t end = block + count;
     for (uint32_t i = block; i < end; i += FLOAT_BLOCKS) {
         uint32_t part = smaller(FLOAT_BLOCKS, end - i);
-        box_features(wide, kind, i, part, floats);
+        refit_points(wide, scene, i * ENG_WIDE, (i + part) * ENG_WIDE, points);
+        wide->kernels->box_fold(points, part, false, floats, around);
         bool fits = wide->kernels->quantised_blocks(
-            floats, tree->boxes + i, part, &wide->quantising, tree->quantised + i,
+            floats, around, part, &wide->quantising, tree->quantised + i,
             tree->quantised_boxes + i, &farthest);
         assert(fits); /* eng_wide_quantised_choose */
         (void)fits;
@@ -144,17 +154,92 @@ static void quantised_features(struct eng_wide *wide, enum pccd_tree kind, uint3
     keep_most(&wide->farthest, farthest);
 }
 
+/* Numbers of four features, two each. */
+typedef int16_t numbers __attribute__((vector_size(16), may_alias));
+typedef uint32_t pairs __attribute__((vector_size(16), may_alias));
+#define PAIRS 4u
+
+static inline numbers larger(numbers a, numbers b)
+{
+    numbers is_larger = a > b;
+    return (a & is_larger) | (b & ~is_larger);
+}
+
+static inline numbers gather(const uint32_t *row, const size_t *offset)
+{
+    return (numbers)(pairs){row[offset[0]], row[offset[1]], row[offset[2]],
+                            row[offset[3]]};
+}
+
+/* A row of sixteen features: the larger of their corners' numbers, which is the number of
+ * the larger float, as rounding keeps their order. Returns the larger of them all. */
+static inline uint32_t unite_row(const uint32_t *vertices,
+                                 const size_t (*offsets)[ENG_WIDE], uint32_t corners,
+                                 uint32_t *row)
+{
+    numbers most = gather(vertices, offsets[0]);
+    for (uint32_t i = 0; i < ENG_WIDE; i += PAIRS) {
+        numbers united = gather(vertices, offsets[0] + i);
+        for (uint32_t k = 1; k < corners; k++) {
+            united = larger(united, gather(vertices, offsets[k] + i));
+        }
+        memcpy(row + i, &united, sizeof united);
+        most = larger(most, united);
+    }
+    most = larger(most, __builtin_shufflevector(most, most, 4, 5, 6, 7, 0, 1, 2, 3));
+    most = larger(most, __builtin_shufflevector(most, most, 2, 3, 0, 1, 6, 7, 4, 5));
+    uint32_t both;
+    memcpy(&both, &most, sizeof both);
+    return both;
+}
+
+/* Edges or faces, from the whole numbers of their vertices: what these grow by at most is
+ * the most that theirs do, too. */
+static inline void unite_quantised(struct eng_wide *wide, enum pccd_tree kind,
+                                   uint32_t corners, uint32_t first, uint32_t count)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    const struct eng_quantised_block *vertices =
+        wide->trees[PCCD_TREE_VERTICES].quantised;
+    for (uint32_t block = first; block < first + count; block++) {
+        struct eng_quantised_block *to = &tree->quantised[block];
+        struct eng_quantised_box around = {{{0}}};
+        size_t offsets[3][ENG_WIDE];
+        for (uint32_t i = 0; i < corners * ENG_WIDE; i++) {
+            uint32_t slot = tree->corner[i / ENG_WIDE][block * ENG_WIDE + i % ENG_WIDE];
+            offsets[i / ENG_WIDE][i % ENG_WIDE] =
+                slot / ENG_WIDE * BLOCK_NUMBERS + slot % ENG_WIDE;
+        }
+        for (uint32_t end = 0; end < 2; end++) {
+            for (uint32_t axis = 0; axis < 3; axis++) {
+                uint32_t both = unite_row(vertices->row[end][axis],
+                                          (const size_t(*)[ENG_WIDE])offsets, corners,
+                                          to->row[end][axis]);
+                around.half[end][2 * axis] = (int16_t)(both >> 16);
+                around.half[end][2 * axis + 1] = (int16_t)(both & 0xffff);
+            }
+        }
+        tree->quantised_boxes[block] = around;
+    }
+}
+
 static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
                          enum pccd_tree kind, uint32_t block, uint32_t count)
 {
-    if (kind == PCCD_TREE_VERTICES) {
-        uint32_t slot = block * ENG_WIDE;
-        refit_points(wide, scene, slot, slot + count * ENG_WIDE);
-    }
-    if (!wide->is_swept && wide->has_quantised) {
-        quantised_features(wide, kind, block, count);
+    uint32_t slot = block * ENG_WIDE;
+    bool is_quantised = wide->has_quantised && !wide->is_swept;
+    if (kind == PCCD_TREE_VERTICES && is_quantised) {
+        quantised_points(wide, scene, block, count);
+    } else if (kind == PCCD_TREE_VERTICES) {
+        refit_points(wide, scene, slot, slot + count * ENG_WIDE,
+                     wide->point_boxes + slot);
+        box_features(wide, kind, block, count);
+    } else if (!is_quantised) {
+        box_features(wide, kind, block, count);
+    } else if (kind == PCCD_TREE_EDGES) {
+        unite_quantised(wide, kind, 2, block, count);
     } else {
-        box_features(wide, kind, block, count, wide->trees[kind].floats + block);
+        unite_quantised(wide, kind, 3, block, count);
     }
 }
 
@@ -173,6 +258,25 @@ static bool next_moving(const uint16_t *moving, uint32_t limit, uint32_t *first,
     }
     *end = block;
     return *first < block;
+}
+
+/* The nodes of level 1 of a chunk. */
+static void fold_chunk(const struct eng_wide *wide, const struct eng_wide_tree *tree,
+                       uint32_t chunk)
+{
+    uint32_t node = chunk * ENG_WIDE_CHUNK_NODES;
+    uint32_t count = smaller(ENG_WIDE_CHUNK_NODES, tree->block_count[1] - node);
+    uint32_t first = node * ENG_WIDE;
+    struct eng_extents below[ENG_WIDE_CHUNK_BLOCKS];
+    bool is_quantised = wide->has_quantised && !wide->is_swept;
+    for (uint32_t i = 0; is_quantised && i < count * ENG_WIDE; i++) {
+        below[i] = first + i < tree->block_count[0]
+                       ? eng_wide_box(wide, tree, 0, first + i)
+                       : nowhere;
+    }
+    wide->kernels->box_fold(is_quantised ? below : tree->float_boxes + first, count,
+                            wide->is_swept, eng_wide_blocks(tree, 1) + node,
+                            eng_wide_boxes(tree, 1) + node);
 }
 
 void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
@@ -194,11 +298,7 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
         refit_blocks(wide, scene, kind, block, count);
     }
     if (wide->level_count > 1) {
-        uint32_t node = chunk * ENG_WIDE_CHUNK_NODES;
-        wide->kernels->box_fold(
-            tree->boxes + block,
-            smaller(ENG_WIDE_CHUNK_NODES, tree->block_count[1] - node), wide->is_swept,
-            eng_wide_blocks(tree, 1) + node, eng_wide_boxes(tree, 1) + node);
+        fold_chunk(wide, tree, chunk);
     }
 }
 
