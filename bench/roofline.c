@@ -160,13 +160,13 @@ static const char *const part_names[PART_COUNT] = {
 /* Lanes of doubles and of floats. */
 static double double_lanes(enum eng_isa isa)
 {
-    static const double lanes[ENG_ISA_COUNT] = {1, 2, 4, 8, 2};
+    static const double lanes[ENG_ISA_COUNT] = {1, 2, 2, 4, 8, 2};
     return lanes[isa];
 }
 
 static double float_lanes(enum eng_isa isa)
 {
-    static const double lanes[ENG_ISA_COUNT] = {1, 4, 8, 16, 4};
+    static const double lanes[ENG_ISA_COUNT] = {1, 4, 4, 8, 16, 4};
     return lanes[isa];
 }
 

@@ -116,7 +116,7 @@ static const struct option_row side_rows[] = {
      "those that begin nearer meet at this share of the distance they begin with "
      "(default: 0, at once)",
      OPTION_REAL, .at = SIDE(step.approach), .max = 1},
-    {"cpu", 0, "scalar|sse4|avx2|avx512|neon",
+    {"cpu", 0, "scalar|sse2|sse4|avx2|avx512|neon",
      "instruction set (default: $PCCD_CPU, or the best)", OPTION_OWN, .take = take_cpu},
     {0}};
 

@@ -190,8 +190,8 @@ int pccd_link(const struct pccd_client *client, struct pccd_link_info *info);
 /* Process id of the daemon; with direct: of this process. */
 uint32_t pccd_daemon_pid(const struct pccd_client *client);
 
-/* The instruction set that its steps use: scalar, sse4, avx2, avx512 or neon; "" from a
- * daemon that does not tell. Lives as long as the client. */
+/* The instruction set that its steps use: scalar, sse2, sse4, avx2, avx512 or neon; ""
+ * from a daemon that does not tell. Lives as long as the client. */
 const char *pccd_daemon_cpu(const struct pccd_client *client);
 
 /* "unix:PATH" of the daemon, or "direct:"; lives as long as the client. */

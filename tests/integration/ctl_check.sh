@@ -333,7 +333,7 @@ report "ping measures round trips through the daemon asked for"
 
 meets --url "unix:$work/s" t0.ply t1.ply && ctl stats --socket "$work/s" &&
     says '^steps +2  .*' "^pid +$daemon  " '^exact_share +[0-9.e-]+  ' \
-        '^cpu +(scalar|sse4|avx2|avx512|neon)  ' &&
+        '^cpu +(scalar|sse2|sse4|avx2|avx512|neon)  ' &&
     ctl stats --json --socket "$work/s" && [ "$(json_value steps)" = 2 ] &&
     [ "$(json_value candidates)" -gt 0 ] && [ -n "$(json_value cpu)" ] &&
     [ -n "$(json_value exact_share)" ]
@@ -376,7 +376,7 @@ report "trace records what a daemon does for others"
 
 PCCD_URL="unix:$work/s" "$PCCDCTL" version >out 2>err &&
     says '^tool +pccdctl [0-9.]+$' '^library +libpccd [0-9.]+$' \
-        "^daemon +.*$daemon, (scalar|sse4|avx2|avx512|neon)$"
+        "^daemon +.*$daemon, (scalar|sse2|sse4|avx2|avx512|neon)$"
 report "version names the daemon's process and instruction set"
 
 kill "$daemon" && wait "$daemon"

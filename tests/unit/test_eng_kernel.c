@@ -22,8 +22,8 @@ static unsigned others(const struct eng_kernels *sets[ENG_ISA_COUNT])
 /* If a name chose another set than it says, PCCD_CPU would measure the wrong kernels. */
 CASE(kernels__are_chosen_by_name)
 {
-    static const char *const names[ENG_ISA_COUNT] = {"scalar", "sse4", "avx2", "avx512",
-                                                     "neon"};
+    static const char *const names[ENG_ISA_COUNT] = {"scalar", "sse2",   "sse4",
+                                                     "avx2",   "avx512", "neon"};
     const struct eng_kernels *best = NULL;
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);

@@ -106,7 +106,8 @@ static void look_at_threads(struct doctor *doctor, const struct pccd_daemon_info
 
 static void look_at_cpu(struct doctor *doctor, const struct pccd_daemon_info *daemon)
 {
-    bool is_slow = strcmp(daemon->cpu, "scalar") == 0 || strcmp(daemon->cpu, "sse4") == 0;
+    bool is_slow =
+        strcmp(daemon->cpu, "scalar") == 0 || strncmp(daemon->cpu, "sse", 3) == 0;
     doctor_find(doctor, is_slow ? DOCTOR_WARN : DOCTOR_OK, "cpu",
                 is_slow ? "is PCCD_CPU set where it was started? otherwise the processor "
                           "has no better one"

@@ -45,7 +45,7 @@ class Observe(Scenes):
 
     @property
     def daemon_cpu(self) -> str:
-        """The instruction set of its steps: scalar, sse4, avx2, avx512, neon, or ""."""
+        """The instruction set of its steps, such as sse2, avx2 or neon, or ""."""
         return str(lib.pccd_daemon_cpu(self._handle).decode())
 
     @property

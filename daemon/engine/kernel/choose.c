@@ -7,6 +7,7 @@
 
 extern const struct eng_kernels eng_scalar_kernels;
 #ifdef __x86_64__
+extern const struct eng_kernels eng_sse2_kernels;
 extern const struct eng_kernels eng_sse4_kernels;
 extern const struct eng_kernels eng_avx2_kernels;
 extern const struct eng_kernels eng_avx512_kernels;
@@ -30,6 +31,8 @@ static const struct eng_kernels *kernels_here(enum eng_isa isa)
     case ENG_ISA_SCALAR:
         return &eng_scalar_kernels;
 #ifdef __x86_64__
+    case ENG_ISA_SSE2:
+        return if_built(&eng_sse2_kernels);
     /* The compiler's runtime asks the processor, and whether the system saves the
      * registers. */
     case ENG_ISA_SSE4:

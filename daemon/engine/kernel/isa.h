@@ -1,5 +1,6 @@
 /* isa.h - the instruction sets that the engine can use, from `scalar` to `avx512`, and
- * which one it uses.
+ * which one it uses. `scalar` is what the others are compared with, and computes one pair
+ * by itself: each processor has a better one for many.
  */
 #ifndef ENG_ISA_H
 #define ENG_ISA_H
@@ -8,6 +9,7 @@ struct eng_kernels;
 
 enum eng_isa {
     ENG_ISA_SCALAR, /* everywhere */
+    ENG_ISA_SSE2,   /* x86-64, any */
     ENG_ISA_SSE4,   /* x86-64: SSE 4.2 */
     ENG_ISA_AVX2,   /* x86-64: AVX2, BMI2 */
     ENG_ISA_AVX512, /* x86-64: AVX-512 F, VL, DQ, BW, BMI2 */
@@ -18,8 +20,8 @@ enum eng_isa {
 /* Kernels of a set; NULL: this processor or build has none, or it is beyond PCCD_CPU. */
 const struct eng_kernels *eng_kernels_of(enum eng_isa isa);
 
-/* The set of that name, "scalar", "sse4", "avx2", "avx512" or "neon"; NULL or "": the
- * best that the processor has. NULL: there is no such set here. */
+/* The set of that name, "scalar", "sse2", "sse4", "avx2", "avx512" or "neon"; NULL or "":
+ * the best that the processor has. NULL: there is no such set here. */
 const struct eng_kernels *eng_kernels_named(const char *name);
 
 /* Return the kernels that PCCD_CPU names, or the best; they are chosen at the first call

@@ -33,8 +33,13 @@ libkernel_scalar_la_CPPFLAGS = $(kernel_cppflags) \
 libkernel_scalar_la_CFLAGS = $(kernel_cflags)
 
 if X86_64
-noinst_LTLIBRARIES += libkernel_sse4.la libkernel_avx2.la libkernel_avx512.la
-kernel_libraries += libkernel_sse4.la libkernel_avx2.la libkernel_avx512.la
+noinst_LTLIBRARIES += libkernel_sse2.la libkernel_sse4.la libkernel_avx2.la libkernel_avx512.la
+kernel_libraries += libkernel_sse2.la libkernel_sse4.la libkernel_avx2.la libkernel_avx512.la
+
+libkernel_sse2_la_SOURCES = $(kernel_sources)
+libkernel_sse2_la_CPPFLAGS = $(kernel_cppflags) \
+    -DENG_ISA=sse2 -DENG_ISA_NUMBER=ENG_ISA_SSE2 -DENG_VECTOR_BYTES=16
+libkernel_sse2_la_CFLAGS = $(kernel_cflags)
 
 libkernel_sse4_la_SOURCES = $(kernel_sources)
 libkernel_sse4_la_CPPFLAGS = $(kernel_cppflags) \
@@ -71,7 +76,8 @@ demo-programs:
 	best=scalar && \
 	for set in $(demo_kernels); do \
 	    case $$set in \
-	    sse4) has sse4_2 ;; \
+	    sse2) ;; \
+    sse4) has sse4_2 ;; \
 	    avx2) has avx2 bmi2 ;; \
 	    avx512) has avx512f avx512vl avx512dq avx512bw bmi2 ;; \
 	    esac && best=$$set || :; \
@@ -88,8 +94,11 @@ demo-programs:
 .PHONY: demo-programs
 
 if X86_64
-demo_kernels += sse4 avx2 avx512
-EXTRA_LTLIBRARIES += libkernel_no_sse4.la libkernel_no_avx2.la libkernel_no_avx512.la
+demo_kernels += sse2 sse4 avx2 avx512
+EXTRA_LTLIBRARIES += libkernel_no_sse2.la libkernel_no_sse4.la libkernel_no_avx2.la \
+    libkernel_no_avx512.la
+libkernel_no_sse2_la_SOURCES = daemon/engine/kernel/absent.c
+libkernel_no_sse2_la_CPPFLAGS = $(kernel_cppflags) -DENG_ISA=sse2
 libkernel_no_sse4_la_SOURCES = daemon/engine/kernel/absent.c
 libkernel_no_sse4_la_CPPFLAGS = $(kernel_cppflags) -DENG_ISA=sse4
 libkernel_no_avx2_la_SOURCES = daemon/engine/kernel/absent.c
