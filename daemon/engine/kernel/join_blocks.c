@@ -165,16 +165,15 @@ ENG_INLINE eng_fi apart_as_pairs(struct bounds box, struct bounds rows, uint32_t
 ENG_INLINE uint32_t overlap(struct bounds box, struct bounds rows, enum rule rule,
                             eng_f until)
 {
-    uint32_t bits = 0;
+    eng_left left[PARTS];
     UNROLL_PARTS
     for (uint32_t part = 0; part < PARTS; part++) {
         uint32_t at = part * ENG_F_LANES;
-        eng_left left = is_quantised(rule)
-                            ? eng_left_of_halves(apart_as_pairs(box, rows, at, rule))
-                            : eng_left_of(apart_as_floats(box, rows, at, rule, until));
-        bits |= eng_left_bits(left) << at;
+        left[part] = is_quantised(rule)
+                         ? eng_left_of_halves(apart_as_pairs(box, rows, at, rule))
+                         : eng_left_of(apart_as_floats(box, rows, at, rule, until));
     }
-    return bits;
+    return eng_left_bits16(left);
 }
 
 /* ---- boxes that stand still ------------------------------------------------------ */
@@ -329,7 +328,7 @@ ENG_INLINE uint32_t overlap_from_begin(struct bounds box, struct bounds rows, bo
                                        uint32_t growth)
 {
     eng_fi grown[3];
-    uint32_t bits = 0;
+    eng_left left[PARTS];
 #pragma GCC unroll 3
     for (uint32_t axis = 0; axis < 3; axis++) {
         eng_fi words = eng_fi_all(word_of(box, 0, axis));
@@ -345,9 +344,9 @@ ENG_INLINE uint32_t overlap_from_begin(struct bounds box, struct bounds rows, bo
             h[axis] =
                 eng_fi_add_halves(grown[axis], eng_fi_load(place_of(rows, 0, axis, at)));
         }
-        bits |= eng_left_bits(eng_left_of_halves(eng_fi_or_or(h[0], h[1], h[2]))) << at;
+        left[part] = eng_left_of_halves(eng_fi_or_or(h[0], h[1], h[2]));
     }
-    return bits;
+    return eng_left_bits16(left);
 }
 
 /* ---- axes and time --------------------------------------------------------------- */
@@ -836,25 +835,25 @@ ENG_INLINE uint32_t without_vertices(const struct sides *sides, uint32_t slot, u
 {
     const uint32_t *own[3] = {sides->b_corner[0], sides->b_corner[1], sides->b_corner[2]};
     uint32_t vertex[2] = {sides->first_a * ENG_WIDE + slot, 0};
-    uint32_t bits = 0;
+    eng_left left[PARTS];
     if (wants.a_vertices == 2) {
         vertex[0] = sides->a_corner[0][slot];
         vertex[1] = sides->a_corner[1][slot];
     }
     UNROLL_PARTS
     for (uint32_t part = 0; part < PARTS; part++) {
-        eng_left left = eng_left_all();
+        left[part] = eng_left_all();
 #pragma GCC unroll 3
         for (uint32_t k = 0; k < wants.b_vertices; k++) {
             eng_fi lanes = eng_fi_load(own[k] + m * ENG_WIDE + part * ENG_F_LANES);
 #pragma GCC unroll 2
             for (uint32_t i = 0; i < wants.a_vertices; i++) {
-                left = eng_left_unequal(left, lanes, eng_fi_all(vertex[i]));
+                left[part] =
+                    eng_left_unequal(left[part], lanes, eng_fi_all(vertex[i]));
             }
         }
-        bits |= eng_left_bits(left) << (part * ENG_F_LANES);
     }
-    return bits;
+    return eng_left_bits16(left);
 }
 
 /* Lanes of b that a box of a has pairs with. */
@@ -1007,25 +1006,24 @@ ENG_INLINE uint32_t lanes_of_held(const struct eng_join *job, uint32_t slot,
 {
     const void *lows = &job->a[slot / ENG_WIDE].row[0][0][slot % ENG_WIDE];
     uint32_t vertex[2] = {slot, 0};
-    uint32_t bits = 0;
+    eng_left left[PARTS];
     if (wants.a_vertices == 2) {
         vertex[0] = job->a_corner[0][slot];
         vertex[1] = job->a_corner[1][slot];
     }
     UNROLL_PARTS
     for (uint32_t part = 0; part < PARTS; part++) {
-        eng_left left = met_by_held(rows_at(lows, RULE_SWEPT), &held->rows, part);
+        left[part] = met_by_held(rows_at(lows, RULE_SWEPT), &held->rows, part);
 #pragma GCC unroll 3
         for (uint32_t k = 0; k < wants.b_vertices; k++) {
 #pragma GCC unroll 2
             for (uint32_t i = 0; i < wants.a_vertices; i++) {
-                left =
-                    eng_left_unequal(left, held->vertex[k][part], eng_fi_all(vertex[i]));
+                left[part] = eng_left_unequal(left[part], held->vertex[k][part],
+                                              eng_fi_all(vertex[i]));
             }
         }
-        bits |= eng_left_bits(left) << (part * ENG_F_LANES);
     }
-    return bits;
+    return eng_left_bits16(left);
 }
 
 /* The boxes of block n of a that meet the box around block m of b: one bit each. */

@@ -27,6 +27,8 @@
 
 #ifdef __x86_64__
 #include <immintrin.h>
+#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+#include <arm_neon.h>
 #endif
 
 /* A vector that is wider than the registers of the target without the flags of this file
@@ -417,7 +419,7 @@ ENG_INLINE eng_f eng_f_sqrt(eng_f a)
     return (eng_f){__builtin_sqrtf(a[0])};
 }
 
-/* ---- SSE 4.2, AVX2, NEON: a mask is a vector of all-ones and zeros --------------- */
+/* ---- SSE2 to AVX2, NEON: a mask is a vector of all-ones and zeros ---------------- */
 
 #else
 
@@ -468,14 +470,11 @@ ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
 {
 #if ENG_VECTOR_BYTES == 32
     return (uint32_t)_mm256_movemask_pd((__m256d)m);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+#elif defined __SSE2__
     return (uint32_t)_mm_movemask_pd((__m128d)m);
 #else
-    uint32_t bits = 0;
-    for (unsigned i = 0; i < ENG_D_LANES; i++) {
-        bits |= (m[i] ? 1u : 0u) << i;
-    }
-    return bits;
+    const uint64x2_t bit = {1, 2};
+    return (uint32_t)vaddvq_u64(vandq_u64((uint64x2_t)m, bit));
 #endif
 }
 
@@ -483,27 +482,28 @@ ENG_INLINE uint32_t eng_fm_bits(eng_fm m)
 {
 #if ENG_VECTOR_BYTES == 32
     return (uint32_t)_mm256_movemask_ps((__m256)m);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+#elif defined __SSE2__
     return (uint32_t)_mm_movemask_ps((__m128)m);
 #else
-    uint32_t bits = 0;
-    for (unsigned i = 0; i < ENG_F_LANES; i++) {
-        bits |= (m[i] ? 1u : 0u) << i;
-    }
-    return bits;
+    const uint32x4_t bit = {1, 2, 4, 8};
+    return vaddvq_u32(vandq_u32((uint32x4_t)m, bit));
 #endif
 }
 
 ENG_INLINE eng_d eng_d_select(eng_dm m, eng_d a, eng_d b)
 {
+#if defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
+    return (eng_d)_mm_blendv_pd((__m128d)b, (__m128d)a, (__m128d)m);
+#else
     return (eng_d)((m & (eng_di)a) | (~m & (eng_di)b));
+#endif
 }
 
 ENG_INLINE eng_d eng_d_min(eng_d a, eng_d b)
 {
 #if ENG_VECTOR_BYTES == 32
     return (eng_d)_mm256_min_pd((__m256d)a, (__m256d)b);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+#elif defined __SSE2__
     return (eng_d)_mm_min_pd((__m128d)a, (__m128d)b);
 #else
     return eng_d_select(a < b, a, b);
@@ -514,7 +514,7 @@ ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
 {
 #if ENG_VECTOR_BYTES == 32
     return (eng_d)_mm256_max_pd((__m256d)a, (__m256d)b);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+#elif defined __SSE2__
     return (eng_d)_mm_max_pd((__m128d)a, (__m128d)b);
 #else
     return eng_d_select(a > b, a, b);
@@ -529,14 +529,18 @@ ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
 
 ENG_INLINE eng_f eng_f_select(eng_fm m, eng_f a, eng_f b)
 {
+#if defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
+    return (eng_f)_mm_blendv_ps((__m128)b, (__m128)a, (__m128)m);
+#else
     return (eng_f)((m & (eng_fi)a) | (~m & (eng_fi)b));
+#endif
 }
 
 ENG_INLINE eng_f eng_f_max(eng_f a, eng_f b)
 {
 #if ENG_VECTOR_BYTES == 32
     return (eng_f)_mm256_max_ps((__m256)a, (__m256)b);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+#elif defined __SSE2__
     return (eng_f)_mm_max_ps((__m128)a, (__m128)b);
 #else
     return eng_f_select(a > b, a, b);
@@ -547,7 +551,7 @@ ENG_INLINE eng_f eng_f_min(eng_f a, eng_f b)
 {
 #if ENG_VECTOR_BYTES == 32
     return (eng_f)_mm256_min_ps((__m256)a, (__m256)b);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+#elif defined __SSE2__
     return (eng_f)_mm_min_ps((__m128)a, (__m128)b);
 #else
     return eng_f_select(a < b, a, b);
@@ -563,7 +567,7 @@ ENG_INLINE eng_fi eng_fi_min(eng_fi a, eng_fi b)
 {
 #if ENG_VECTOR_BYTES == 32
     return (eng_fi)_mm256_min_epi32((__m256i)a, (__m256i)b);
-#elif defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
+#elif defined __SSE4_1__
     return (eng_fi)_mm_min_epi32((__m128i)a, (__m128i)b);
 #else
     eng_fi less = a < b;
@@ -575,7 +579,7 @@ ENG_INLINE eng_fi eng_fi_max(eng_fi a, eng_fi b)
 {
 #if ENG_VECTOR_BYTES == 32
     return (eng_fi)_mm256_max_epi32((__m256i)a, (__m256i)b);
-#elif defined __SSE4_1__ && ENG_VECTOR_BYTES == 16
+#elif defined __SSE4_1__
     return (eng_fi)_mm_max_epi32((__m128i)a, (__m128i)b);
 #else
     eng_fi more = a > b;
@@ -587,13 +591,10 @@ ENG_INLINE eng_d eng_d_sqrt(eng_d a)
 {
 #if ENG_VECTOR_BYTES == 32
     return (eng_d)_mm256_sqrt_pd((__m256d)a);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+#elif defined __SSE2__
     return (eng_d)_mm_sqrt_pd((__m128d)a);
 #else
-    for (unsigned i = 0; i < ENG_D_LANES; i++) {
-        a[i] = __builtin_sqrt(a[i]);
-    }
-    return a;
+    return (eng_d)vsqrtq_f64((float64x2_t)a);
 #endif
 }
 
@@ -601,13 +602,10 @@ ENG_INLINE eng_f eng_f_sqrt(eng_f a)
 {
 #if ENG_VECTOR_BYTES == 32
     return (eng_f)_mm256_sqrt_ps((__m256)a);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+#elif defined __SSE2__
     return (eng_f)_mm_sqrt_ps((__m128)a);
 #else
-    for (unsigned i = 0; i < ENG_F_LANES; i++) {
-        a[i] = __builtin_sqrtf(a[i]);
-    }
-    return a;
+    return (eng_f)vsqrtq_f32((float32x4_t)a);
 #endif
 }
 

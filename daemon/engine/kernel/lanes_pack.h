@@ -101,6 +101,34 @@ ENG_INLINE uint32_t eng_left_bits(eng_left left)
 #endif
 }
 
+/* The same of sixteen lanes. */
+ENG_INLINE uint32_t eng_left_bits16(const eng_left left[16 / ENG_F_LANES])
+{
+#if ENG_VECTOR_BYTES != 16
+    uint32_t bits = 0;
+#if ENG_F_LANES > 1
+#pragma GCC unroll 2
+#endif
+    for (uint32_t part = 0; part < 16 / ENG_F_LANES; part++) {
+        bits |= eng_left_bits(left[part]) << (part * ENG_F_LANES);
+    }
+    return bits;
+#elif defined __SSE2__
+    /* To 16 and to 8 bits: what does not fit keeps its sign. */
+    __m128i low = _mm_packs_epi32((__m128i)left[0], (__m128i)left[1]);
+    __m128i high = _mm_packs_epi32((__m128i)left[2], (__m128i)left[3]);
+    return ~(uint32_t)_mm_movemask_epi8(_mm_packs_epi16(low, high)) & 0xffff;
+#else
+    /* The upper halves, and of these the upper halves. */
+    const uint8x16_t bit = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
+    int16x8_t low = vuzp2q_s16((int16x8_t)left[0], (int16x8_t)left[1]);
+    int16x8_t high = vuzp2q_s16((int16x8_t)left[2], (int16x8_t)left[3]);
+    int8x16_t bytes = vuzp2q_s8((int8x16_t)low, (int8x16_t)high);
+    uint8x16_t lanes = vandq_u8(vcgezq_s8(bytes), bit);
+    return vaddv_u8(vget_low_u8(lanes)) | (uint32_t)vaddv_u8(vget_high_u8(lanes)) << 8;
+#endif
+}
+
 /* Bit i: lane i is not negative. */
 ENG_INLINE uint32_t eng_fi_no_signs(eng_fi v)
 {
@@ -129,6 +157,47 @@ ENG_INLINE __m256i eng_list_of_bits(uint32_t bits)
 }
 #endif
 
+/* Count the lanes' bits that are set. */
+ENG_INLINE uint32_t eng_count_lanes(uint32_t bits)
+{
+#if ENG_VECTOR_BYTES == 8
+    return bits;
+#elif ENG_VECTOR_BYTES == 16 && !defined __POPCNT__
+    /* For __builtin_popcount a function would be called. */
+    return (uint32_t)(0x4332322132212110u >> 4 * bits) & 7;
+#else
+    return (uint32_t)__builtin_popcount(bits);
+#endif
+}
+
+#if ENG_VECTOR_BYTES == 16
+
+/* The bytes of the lanes whose bit is set, and then others. */
+#define ENG_LANE(i)           (0x03020100u + (i) * 0x04040404u)
+#define ENG_ORDER(a, b, c, d) {ENG_LANE(a), ENG_LANE(b), ENG_LANE(c), ENG_LANE(d)}
+static const uint32_t eng_order[16][4] __attribute__((aligned(16))) = {
+    ENG_ORDER(0, 1, 2, 3), ENG_ORDER(0, 1, 2, 3), ENG_ORDER(1, 0, 2, 3),
+    ENG_ORDER(0, 1, 2, 3), ENG_ORDER(2, 0, 1, 3), ENG_ORDER(0, 2, 1, 3),
+    ENG_ORDER(1, 2, 0, 3), ENG_ORDER(0, 1, 2, 3), ENG_ORDER(3, 0, 1, 2),
+    ENG_ORDER(0, 3, 1, 2), ENG_ORDER(1, 3, 0, 2), ENG_ORDER(0, 1, 3, 2),
+    ENG_ORDER(2, 3, 0, 1), ENG_ORDER(0, 2, 3, 1), ENG_ORDER(1, 2, 3, 0),
+    ENG_ORDER(0, 1, 2, 3)};
+
+#if defined __SSSE3__ || defined __ARM_NEON
+
+ENG_INLINE eng_fi eng_bytes_of(eng_fi v, eng_fi order)
+{
+#ifdef __SSSE3__
+    return (eng_fi)_mm_shuffle_epi8((__m128i)v, (__m128i)order);
+#else
+    return (eng_fi)vqtbl1q_u8((uint8x16_t)v, (uint8x16_t)order);
+#endif
+}
+
+#endif
+
+#endif
+
 /* base + i for every set bit i of `bits` < 2^16, ascending. 16 places are written to.
  * Returns how many bits are set. */
 ENG_INLINE uint32_t eng_pack16(uint32_t *out, uint32_t bits, uint32_t base)
@@ -147,6 +216,17 @@ ENG_INLINE uint32_t eng_pack16(uint32_t *out, uint32_t bits, uint32_t base)
     _mm256_storeu_si256((__m256i *)(void *)out, first);
     _mm256_storeu_si256((__m256i *)(void *)(out + __builtin_popcount(low)), second);
     return (uint32_t)__builtin_popcount(bits);
+#elif ENG_VECTOR_BYTES == 16
+    uint32_t count = 0;
+#pragma GCC unroll 4
+    for (uint32_t at = 0; at < 16; at += ENG_F_LANES) {
+        uint32_t some = bits >> at & ENG_F_ALL;
+        eng_fi lanes = eng_fi_load(eng_order[some]) >> 26;
+        lanes += eng_fi_all(base + at);
+        memcpy(out + count, &lanes, sizeof lanes);
+        count += eng_count_lanes(some);
+    }
+    return count;
 #else
     uint32_t count = 0;
     for (; bits != 0; bits &= bits - 1) {
@@ -176,6 +256,13 @@ ENG_INLINE uint32_t eng_compress_pairs(uint32_t *a_out, uint32_t *b_out,
     _mm256_storeu_si256((__m256i *)(void *)a_out, _mm256_permutevar8x32_epi32(a, lanes));
     _mm256_storeu_si256((__m256i *)(void *)b_out, _mm256_permutevar8x32_epi32(b, lanes));
     return (uint32_t)__builtin_popcount(bits);
+#elif ENG_VECTOR_BYTES == 16 && (defined __SSSE3__ || defined __ARM_NEON)
+    eng_fi order = eng_fi_load(eng_order[bits]);
+    eng_fi a = eng_bytes_of(eng_fi_load(a_in), order);
+    eng_fi b = eng_bytes_of(eng_fi_load(b_in), order);
+    memcpy(a_out, &a, sizeof a);
+    memcpy(b_out, &b, sizeof b);
+    return eng_count_lanes(bits);
 #else
     uint32_t count = 0;
     for (uint32_t lane = 0; lane < ENG_F_LANES; lane++) {

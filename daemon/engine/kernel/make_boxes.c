@@ -222,6 +222,9 @@ ENG_INLINE struct eng_extents load(const struct eng_extents *box)
 ENG_INLINE struct eng_extents larger(struct eng_extents a, struct eng_extents b)
 {
     struct eng_extents box;
+#if ENG_F_LANES > 1
+#pragma GCC unroll 4
+#endif
     for (size_t i = 0; i < 16; i += ENG_F_LANES) {
         eng_f x = eng_f_load(&a.side[0][0] + i);
         eng_f y = eng_f_load(&b.side[0][0] + i);

@@ -26,10 +26,6 @@
 /* Vector arithmetic on pairs of 16-bit numbers that share a 32-bit lane, for
  * quantised boxes. */
 
-#if defined __ARM_NEON && ENG_VECTOR_BYTES == 16
-#include <arm_neon.h>
-#endif
-
 ENG_INLINE int32_t quantised_clamped(int32_t x)
 {
     return x < INT16_MIN ? INT16_MIN : x > INT16_MAX ? INT16_MAX : x;
@@ -115,6 +111,13 @@ ENG_INLINE eng_fi eng_fi_weigh_halves(eng_fi a, int16_t w)
     return (eng_fi)_mm256_mulhrs_epi16((__m256i)a, _mm256_set1_epi16(w));
 #elif defined __SSSE3__ && ENG_VECTOR_BYTES == 16
     return (eng_fi)_mm_mulhrs_epi16((__m128i)a, _mm_set1_epi16(w));
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    /* Twice the upper half of the product, and the highest bit of the lower one: the next
+     * bit rounds. */
+    __m128i upper = _mm_mulhi_epi16((__m128i)a, _mm_set1_epi16(w));
+    __m128i lower = _mm_mullo_epi16((__m128i)a, _mm_set1_epi16(w));
+    lower = _mm_add_epi16(_mm_srli_epi16(lower, 14), _mm_set1_epi16(1));
+    return (eng_fi)_mm_add_epi16(_mm_slli_epi16(upper, 1), _mm_srli_epi16(lower, 1));
 #elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
     return (eng_fi)vqrdmulhq_n_s16((int16x8_t)a, w);
 #else
@@ -393,7 +396,15 @@ ENG_INLINE void quantised_box_until(const struct eng_quantised_box *box,
                                     struct quantised_weights weights, bool around,
                                     struct eng_quantised_box *until)
 {
-#ifdef __SSSE3__
+#if ENG_VECTOR_BYTES == 16
+    eng_fi q0;
+    eng_fi q1;
+    memcpy(&q0, box->half[0], sizeof q0);
+    memcpy(&q1, box->half[1], sizeof q1);
+    eng_fi q = quantised_reached(q0, q1, weights, around);
+    memcpy(until->half[0], around ? &q : &q0, sizeof q);
+    memcpy(until->half[1], &q, sizeof q);
+#elif defined __SSSE3__
     __m128i q0 = _mm_load_si128((const __m128i *)(const void *)box->half[0]);
     __m128i q1 = _mm_load_si128((const __m128i *)(const void *)box->half[1]);
     __m128i q = _mm_adds_epi16(_mm_mulhrs_epi16(q0, _mm_set1_epi16(weights.begin)),

@@ -95,7 +95,7 @@ ENG_INLINE uint32_t is_above(eng_fi a, eng_fi b)
 #if ENG_VECTOR_BYTES == 64
     return _mm512_cmpgt_epi32_mask((__m512i)a, (__m512i)(b + 1));
 #else
-    return ~eng_fi_no_signs(b + 1 - a) & ENG_F_ALL;
+    return eng_fm_bits(a > b + 1);
 #endif
 }
 
@@ -156,6 +156,14 @@ ENG_INLINE uint32_t axes_between(const uint8_t *below, const uint8_t *above)
     /* 1 to 7 and 127 set the highest bit, and carry nothing into the next byte. */
     both = (both & 0x0707070707070707u) + 0x7f7f7f7f7f7f7f7fu;
     return (uint32_t)_pext_u64(both, 0x8080808080808080u);
+#elif ENG_VECTOR_BYTES == 16
+    uint32_t up;
+    uint32_t down;
+    memcpy(&up, below, sizeof up);
+    memcpy(&down, above, sizeof down);
+    uint32_t both = (up & up >> 4) | (down & down >> 4);
+    both = (both & 0x07070707u) + 0x7f7f7f7fu; /* as with AVX2 */
+    return ((both >> 7 & 0x01010101u) * 0x01020408u) >> 24;
 #else
     uint32_t bits = 0;
     for (uint32_t i = 0; i < ENG_F_LANES; i++) {
@@ -398,7 +406,7 @@ ENG_INLINE uint32_t pass(const struct question *question, enum tests tests,
         } else if (tests & TIME) {
             out = leave_no_time(question->kind, d, question->t_end, question->reach);
         }
-        *gone += (uint32_t)__builtin_popcount(out & lanes);
+        *gone += eng_count_lanes(out & lanes);
         if (tests & DIAGONALS) {
             out |= are_beyond(question->kind, d, AXES, DIRECTIONS,
                               DIAGONAL * question->reach);
