@@ -119,6 +119,15 @@ check files__have_no_trailing_blanks
 } >"$work/log"
 check waits__are_by_a_clock_that_nobody_sets
 
+# If this failed, the engine would compute with the registers of the x87, or of some processors
+# alone: another machine would give other bytes.
+{
+    grep -nE '\<long double\>|\<__float(80|128)\>|\<_Float[0-9]+x?\>' \
+        $(printf '%s\n' "${sources[@]}" | grep '^daemon/')
+    grep -nE -e '-mfpmath|-m32|-ffast-math|-Ofast|-march=' configure.ac Makefile.am "${lists[@]}"
+} >"$work/log"
+check numbers__are_those_of_every_processor
+
 # If this failed, work that is left to do would be known to nobody.
 grep -nEw 'TODO|FIXME|XXX|HACK' "${texts[@]}" |
     grep -vE 'TODO\(#[0-9]+\)|^tests/style/' >"$work/log"

@@ -1,9 +1,19 @@
-/* choose.c - which instruction set. */
+/* choose.c - which instruction set.
+ *
+ * Each x86-64 has SSE2; Intel's have SSE 4.2 since 2008, AVX2 since 2013 (small ones
+ * since 2021), AVX-512 in servers since 2017; AMD's since 2011, 2015 and 2022. Each
+ * AArch64 has NEON.
+ */
+#include <assert.h>
+#include <float.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "kernel.h"
+
+/* Not those of the x87, which keep more bits than they say. */
+static_assert(FLT_EVAL_METHOD == 0, "what is a double is rounded to one");
 
 extern const struct eng_kernels eng_scalar_kernels;
 #ifdef __x86_64__
