@@ -746,7 +746,7 @@ ENG_INLINE eng_n eng_v_size_of_two(struct eng_v a, struct eng_v b)
     eng_n x = eng_n_max_abs(a.x, b.x);
     eng_n y = eng_n_max_abs(a.y, b.y);
     eng_n z = eng_n_max_abs(a.z, b.z);
-    return eng_n_max_abs(eng_n_max_abs(x, y), z);
+    return eng_n_max(eng_n_max(x, y), z);
 }
 
 #endif
