@@ -225,6 +225,28 @@ static void run_quantised(const struct eng_kernels *kernels, struct ground *grou
     say(kernels, "quantised_blocks", all);
 }
 
+/* Edges and faces, of points that are the boxes around the blocks of the ground. */
+static void run_unite(const struct eng_kernels *kernels, struct ground *ground)
+{
+    static struct eng_quantised_block united[BLOCKS];
+    static struct eng_quantised_box around[BLOCKS];
+    static uint32_t corner[3][BLOCKS * ENG_WIDE];
+    uint64_t all = DIGEST_BEGIN;
+    for (uint32_t k = 0; k < 3; k++) {
+        for (uint32_t i = 0; i < BLOCKS * ENG_WIDE; i++) {
+            corner[k][i] = ground->corner[k][i % POINTS] % BLOCKS;
+        }
+    }
+    for (uint32_t corners = 2; corners <= 3; corners++) {
+        const uint32_t *const of[3] = {corner[0], corner[1],
+                                       corners == 3 ? corner[2] : NULL};
+        kernels->quantised_unite(ground->quantised_around, of, BLOCKS, united, around);
+        all = digest(all, united, sizeof united);
+        all = digest(all, around, sizeof around);
+    }
+    say(kernels, "quantised_unite", all);
+}
+
 typedef uint32_t join_fn(struct eng_join *job, struct eng_join_round *round,
                          uint32_t *out_a, uint32_t *out_b, uint32_t room);
 
@@ -575,6 +597,7 @@ int main(void)
         run_come_before(kernels);
         run_boxes(kernels, &ground);
         run_quantised(kernels, &ground);
+        run_unite(kernels, &ground);
         run_gaps(kernels, &ground);
         run_joins(kernels, &ground);
         run_sieve(kernels, &ground);

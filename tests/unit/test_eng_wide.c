@@ -151,7 +151,7 @@ static float bound_of(const struct eng_wide *wide, const struct eng_wide_tree *t
     return cells == INT16_MIN
                ? ENG_NOWHERE
                : eng_wide_distance_of(
-                     cells, quantising->scale[axis],
+                     cells, 1 / (double)quantising->scale[axis],
                      (is_low ? quantising->below : quantising->above)[axis]);
 }
 

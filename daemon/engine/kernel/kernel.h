@@ -175,6 +175,13 @@ struct eng_kernels {
                              struct eng_quantised_block *quantised,
                              struct eng_quantised_box *quantised_around,
                              uint32_t *farthest);
+    /* Blocks of features in whole numbers, each the union of points[corner[0 ..
+     * 2][feature]], and the boxes around them; corner[2] NULL: of two. The larger number
+     * is that of the larger float, as rounding keeps their order. */
+    void (*quantised_unite)(const struct eng_quantised_box *points,
+                            const uint32_t *const corner[3], uint32_t count,
+                            struct eng_quantised_block *quantised,
+                            struct eng_quantised_box *quantised_around);
 
     /* Of 64 items a bit for each that comes before the pivot along an axis, 0 .. 2: it is
      * less there, or as far and its id is less. No coordinate is NaN. */

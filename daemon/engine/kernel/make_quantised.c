@@ -100,3 +100,98 @@ bool ENG_KERNEL(quantised_blocks)(const struct eng_wide_block *blocks,
     return most[0] <= ENG_QUANTISED_REACH && most[1] <= ENG_QUANTISED_REACH &&
            most[2] <= ENG_QUANTISED_REACH;
 }
+
+/* ---- features, of their vertices' numbers ------------------------------------------ */
+
+/* A box at one end, or at both where a register has room for them. */
+#if ENG_VECTOR_BYTES >= 32
+#define ENDS              2u
+#define UNPACK_LOW(a, b)  __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13)
+#define UNPACK_HIGH(a, b) __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15)
+#define JOIN_LOW(a, b)    __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13)
+#define JOIN_HIGH(a, b)   __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15)
+#else
+#define ENDS              1u
+#define UNPACK_LOW(a, b)  __builtin_shufflevector(a, b, 0, 4, 1, 5)
+#define UNPACK_HIGH(a, b) __builtin_shufflevector(a, b, 2, 6, 3, 7)
+#define JOIN_LOW(a, b)    __builtin_shufflevector(a, b, 0, 1, 4, 5)
+#define JOIN_HIGH(a, b)   __builtin_shufflevector(a, b, 2, 3, 6, 7)
+#endif
+#define FOUR 4u /* features at a time */
+
+typedef int16_t numbers __attribute__((vector_size(16 * ENDS), may_alias));
+typedef uint32_t both __attribute__((vector_size(16 * ENDS), may_alias));
+
+ENG_INLINE numbers larger(numbers a, numbers b)
+{
+#if ENG_VECTOR_BYTES >= 32
+    return (numbers)_mm256_max_epi16((__m256i)a, (__m256i)b);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (numbers)_mm_max_epi16((__m128i)a, (__m128i)b);
+#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+    return (numbers)vmaxq_s16((int16x8_t)a, (int16x8_t)b);
+#else
+    numbers is_larger = a > b;
+    return (a & is_larger) | (b & ~is_larger);
+#endif
+}
+
+/* Four on an axis; a box has what is above in the lower half, a block what is below. */
+ENG_INLINE void put_row(both row, struct eng_quantised_block *to, uint32_t end,
+                        uint32_t axis, uint32_t at)
+{
+    row = row << 16 | row >> 16;
+    for (uint32_t i = 0; i < ENDS; i++) {
+        memcpy(to->row[end + i][axis] + at, (const char *)&row + 16 * i, 16);
+    }
+}
+
+ENG_INLINE void unite(const struct eng_quantised_box *points,
+                      const uint32_t *const corner[3], uint32_t corners, uint32_t count,
+                      struct eng_quantised_block *quantised,
+                      struct eng_quantised_box *around)
+{
+    for (uint32_t block = 0; block < count; block++) {
+        for (uint32_t end = 0; end < 2; end += ENDS) {
+            numbers most = {0};
+            for (uint32_t at = 0; at < ENG_WIDE; at += FOUR) {
+                uint32_t first = block * ENG_WIDE + at;
+                both v[FOUR];
+#pragma GCC unroll 4
+                for (uint32_t i = 0; i < FOUR; i++) {
+                    numbers box;
+                    memcpy(&box, points[corner[0][first + i]].half[end], sizeof box);
+#pragma GCC unroll 2
+                    for (uint32_t k = 1; k < corners; k++) {
+                        numbers other;
+                        memcpy(&other, points[corner[k][first + i]].half[end],
+                               sizeof other);
+                        box = larger(box, other);
+                    }
+                    most = at + i == 0 ? box : larger(most, box);
+                    v[i] = (both)box;
+                }
+                both xy01 = UNPACK_LOW(v[0], v[1]);
+                both xy23 = UNPACK_LOW(v[2], v[3]);
+                both z01 = UNPACK_HIGH(v[0], v[1]);
+                both z23 = UNPACK_HIGH(v[2], v[3]);
+                put_row(JOIN_LOW(xy01, xy23), &quantised[block], end, 0, at);
+                put_row(JOIN_HIGH(xy01, xy23), &quantised[block], end, 1, at);
+                put_row(JOIN_LOW(z01, z23), &quantised[block], end, 2, at);
+            }
+            memcpy(around[block].half[end], &most, sizeof most);
+        }
+    }
+}
+
+void ENG_KERNEL(quantised_unite)(const struct eng_quantised_box *points,
+                                 const uint32_t *const corner[3], uint32_t count,
+                                 struct eng_quantised_block *quantised,
+                                 struct eng_quantised_box *quantised_around)
+{
+    if (corner[2] != NULL) {
+        unite(points, corner, 3, count, quantised, quantised_around);
+    } else {
+        unite(points, corner, 2, count, quantised, quantised_around);
+    }
+}

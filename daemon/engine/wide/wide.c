@@ -38,6 +38,7 @@ void eng_wide_deinit(struct eng_wide *wide)
     eng_free(wide->points);
     eng_free(wide->point_boxes);
     eng_free(wide->marks);
+    eng_free(wide->point_numbers);
     eng_free(wide->slot_of);
     eng_free(wide->items);
 }
@@ -53,7 +54,7 @@ uint64_t eng_wide_bytes(const struct eng_wide *wide)
         (uint64_t)wide->slot_of_capacity * sizeof *wide->slot_of +
         (uint64_t)wide->item_capacity * sizeof *wide->items +
         (uint64_t)wide->trees[PCCD_TREE_VERTICES].slot_capacity *
-            (sizeof *wide->points + sizeof *wide->marks) +
+            (sizeof *wide->points + sizeof *wide->marks + sizeof *wide->point_numbers) +
         (uint64_t)wide->point_box_capacity * sizeof *wide->point_boxes;
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         const struct eng_wide_tree *tree = &wide->trees[kind];
@@ -195,6 +196,10 @@ static int reserve_slots(struct eng_wide *wide, enum pccd_tree kind, uint32_t co
         status = eng_array_grow(&wide->points, capacity, sizeof *wide->points);
         if (status == PCCD_OK) {
             status = eng_array_grow(&wide->marks, capacity, sizeof *wide->marks);
+        }
+        if (status == PCCD_OK) {
+            status = eng_array_grow(&wide->point_numbers, capacity,
+                                    sizeof *wide->point_numbers);
         }
     } else {
         status = eng_array_grow(&tree->keys, capacity, sizeof *tree->keys);

@@ -100,6 +100,9 @@ struct eng_wide {
     struct eng_extents *point_boxes; /* [point_box_capacity] with floats alone */
     uint32_t point_box_capacity;
     struct eng_mark *marks; /* of the vertices, on the grid */
+    /* Of the vertices in whole numbers, each by itself: what edges and faces are made
+     * of. */
+    struct eng_quantised_box *point_numbers;
     struct eng_grid grid;   /* scale 0: there is none */
     /* A vertex is beyond the grid. Set by any thread of the refit, read after it: what
      * ends the refit orders the two. */

@@ -33,12 +33,13 @@ void eng_wide_quantised_set(struct eng_quantising *quantising, int axis, double 
                             double middle);
 
 /* Return a distance outward that is not less than any which has this number, where
- * `origin` was added. It is at most half a cell, and for its rounding 2^-9, above what
- * the number says; a float of it is off by 2^-24 of itself. */
-static inline float eng_wide_distance_of(int16_t number, float scale, float origin)
+ * `origin` was added, and a cell is a power of two long. It is at most half a cell, and
+ * for its rounding 2^-9, above what the number says; a float of it is off by 2^-24 of
+ * itself. */
+static inline float eng_wide_distance_of(int16_t number, double cell, float origin)
 {
     double cells = (double)number - (double)origin + (0.5 + 0x1p-8);
-    double distance = cells / (double)scale;
+    double distance = cells * cell;
     return (float)(distance + fabs(distance) * 0x1p-23);
 }
 
@@ -53,20 +54,22 @@ static inline struct eng_extents eng_wide_box(const struct eng_wide *wide,
     const struct eng_quantising *quantising = &wide->quantising;
     const struct eng_quantised_box *from = &tree->quantised_boxes[block];
     struct eng_extents box;
-    for (int end = 0; end < 2; end++) {
-        for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; k++) {
+        double cell = 1 / (double)quantising->scale[k];
+        for (int end = 0; end < 2; end++) {
             int16_t above = from->half[end][2 * k];
             int16_t below = from->half[end][2 * k + 1];
             bool is_nowhere = above == INT16_MIN && below == INT16_MIN;
-            float scale = quantising->scale[k];
             box.side[ENG_LOW0 + end][k] =
                 is_nowhere ? ENG_NOWHERE
-                           : eng_wide_distance_of(below, scale, quantising->below[k]);
+                           : eng_wide_distance_of(below, cell, quantising->below[k]);
             box.side[ENG_HIGH0 + end][k] =
                 is_nowhere ? ENG_NOWHERE
-                           : eng_wide_distance_of(above, scale, quantising->above[k]);
+                           : eng_wide_distance_of(above, cell, quantising->above[k]);
         }
-        box.side[ENG_LOW0 + end][3] = box.side[ENG_HIGH0 + end][3] = ENG_NOWHERE;
+    }
+    for (int side = 0; side < ENG_SIDES; side++) {
+        box.side[side][3] = ENG_NOWHERE;
     }
     return box;
 }

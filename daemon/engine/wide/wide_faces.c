@@ -35,12 +35,12 @@ static void box_faces(const struct eng_wide *wide, uint32_t block, uint32_t end,
     const struct eng_quantising *quantising = &wide->quantising;
     for (int k = 0; k < 3; k++) {
         const uint32_t *row = wide->trees[PCCD_TREE_FACES].quantised[block].row[end][k];
-        float scale = quantising->scale[k];
+        double cell = 1 / (double)quantising->scale[k];
         for (uint32_t i = 0; i < ENG_WIDE; i++) {
             int16_t low = (int16_t)(row[i] & 0xffff);
             int16_t high = (int16_t)(row[i] >> 16);
-            below->own[0][k][i] = eng_wide_distance_of(low, scale, quantising->below[k]);
-            below->own[1][k][i] = eng_wide_distance_of(high, scale, quantising->above[k]);
+            below->own[0][k][i] = eng_wide_distance_of(low, cell, quantising->below[k]);
+            below->own[1][k][i] = eng_wide_distance_of(high, cell, quantising->above[k]);
         }
     }
     below->low = (const float(*)[ENG_WIDE])below->own[0];

@@ -14,9 +14,6 @@
 /* Blocks at a time whose floats are only made to become whole numbers: 14 KiB. */
 #define FLOAT_BLOCKS 8u
 
-/* From a block of whole numbers to the next. */
-#define BLOCK_NUMBERS (sizeof(struct eng_quantised_block) / sizeof(uint32_t))
-
 static uint32_t smaller(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
@@ -44,7 +41,10 @@ static uint32_t end_of_run(const struct eng_wide *wide, const struct eng_scene *
     return slot;
 }
 
-#define SIDE {ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE}
+#define SIDE                                                                             \
+    {                                                                                    \
+        ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE                               \
+    }
 static const struct eng_extents nowhere = {{SIDE, SIDE, SIDE, SIDE}};
 
 /* Boxes of vertices of one object, with its thickness. */
@@ -103,6 +103,15 @@ static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
     }
 }
 
+/* Set the corners of edges or faces from a slot on, as the kernels take them. */
+static void corners_of(const struct eng_wide_tree *tree, enum pccd_tree kind,
+                       uint32_t slot, const uint32_t *corner[3])
+{
+    for (uint32_t k = 0; k < 3; k++) {
+        corner[k] = k < 2 || kind == PCCD_TREE_FACES ? tree->corner[k] + slot : NULL;
+    }
+}
+
 /* Boxes of `count` blocks of features from `block` on, in floats. */
 static void box_features(struct eng_wide *wide, enum pccd_tree kind, uint32_t block,
                          uint32_t count)
@@ -115,9 +124,8 @@ static void box_features(struct eng_wide *wide, enum pccd_tree kind, uint32_t bl
                           tree->floats + block, tree->float_boxes + block);
         return;
     }
-    const uint32_t *const corner[3] = {tree->corner[0] + slot, tree->corner[1] + slot,
-                                       kind == PCCD_TREE_FACES ? tree->corner[2] + slot
-                                                               : NULL};
+    const uint32_t *corner[3];
+    corners_of(tree, kind, slot, corner);
     kernels->box_unite(wide->point_boxes, corner, count, wide->is_swept,
                        tree->floats + block, tree->float_boxes + block);
 }
@@ -129,6 +137,37 @@ static void keep_most(atomic_uint *most, uint32_t value)
            !atomic_compare_exchange_weak_explicit(
                most, &others, value, memory_order_relaxed, memory_order_relaxed)) {
     }
+}
+
+/* Numbers of a box at one end, above and below by turns of x, y and z; or of four boxes
+ * on an axis, below and above. */
+typedef int16_t numbers __attribute__((vector_size(16), may_alias));
+typedef uint32_t pairs __attribute__((vector_size(16), may_alias));
+#define PAIRS 4u
+
+static inline pairs turn(pairs both)
+{
+    return both << 16 | both >> 16;
+}
+
+/* Return four boxes at one end, from rows of a block. */
+static inline void get_boxes(const uint32_t (*row)[ENG_WIDE], numbers boxes[PAIRS])
+{
+    pairs x, y, z;
+    memcpy(&x, row[0], sizeof x);
+    memcpy(&y, row[1], sizeof y);
+    memcpy(&z, row[2], sizeof z);
+    x = turn(x);
+    y = turn(y);
+    z = turn(z);
+    pairs xy01 = __builtin_shufflevector(x, y, 0, 4, 1, 5);
+    pairs xy23 = __builtin_shufflevector(x, y, 2, 6, 3, 7);
+    pairs z01 = __builtin_shufflevector(z, (pairs){0}, 0, 4, 1, 5);
+    pairs z23 = __builtin_shufflevector(z, (pairs){0}, 2, 6, 3, 7);
+    boxes[0] = (numbers)__builtin_shufflevector(xy01, z01, 0, 1, 4, 5);
+    boxes[1] = (numbers)__builtin_shufflevector(xy01, z01, 2, 3, 6, 7);
+    boxes[2] = (numbers)__builtin_shufflevector(xy23, z23, 0, 1, 4, 5);
+    boxes[3] = (numbers)__builtin_shufflevector(xy23, z23, 2, 3, 6, 7);
 }
 
 /* Vertices in whole numbers: of floats that do not leave the first cache. */
@@ -152,74 +191,16 @@ static void quantised_points(struct eng_wide *wide, const struct eng_scene *scen
         (void)fits;
     }
     keep_most(&wide->farthest, farthest);
-}
-
-/* Numbers of four features, two each. */
-typedef int16_t numbers __attribute__((vector_size(16), may_alias));
-typedef uint32_t pairs __attribute__((vector_size(16), may_alias));
-#define PAIRS 4u
-
-static inline numbers larger(numbers a, numbers b)
-{
-    numbers is_larger = a > b;
-    return (a & is_larger) | (b & ~is_larger);
-}
-
-static inline numbers gather(const uint32_t *row, const size_t *offset)
-{
-    return (numbers)(pairs){row[offset[0]], row[offset[1]], row[offset[2]],
-                            row[offset[3]]};
-}
-
-/* A row of sixteen features: the larger of their corners' numbers, which is the number of
- * the larger float, as rounding keeps their order. Returns the larger of them all. */
-static inline uint32_t unite_row(const uint32_t *vertices,
-                                 const size_t (*offsets)[ENG_WIDE], uint32_t corners,
-                                 uint32_t *row)
-{
-    numbers most = gather(vertices, offsets[0]);
-    for (uint32_t i = 0; i < ENG_WIDE; i += PAIRS) {
-        numbers united = gather(vertices, offsets[0] + i);
-        for (uint32_t k = 1; k < corners; k++) {
-            united = larger(united, gather(vertices, offsets[k] + i));
-        }
-        memcpy(row + i, &united, sizeof united);
-        most = larger(most, united);
-    }
-    most = larger(most, __builtin_shufflevector(most, most, 4, 5, 6, 7, 0, 1, 2, 3));
-    most = larger(most, __builtin_shufflevector(most, most, 2, 3, 0, 1, 6, 7, 4, 5));
-    uint32_t both;
-    memcpy(&both, &most, sizeof both);
-    return both;
-}
-
-/* Edges or faces, from the whole numbers of their vertices: what these grow by at most is
- * the most that theirs do, too. */
-static inline void unite_quantised(struct eng_wide *wide, enum pccd_tree kind,
-                                   uint32_t corners, uint32_t first, uint32_t count)
-{
-    struct eng_wide_tree *tree = &wide->trees[kind];
-    const struct eng_quantised_block *vertices =
-        wide->trees[PCCD_TREE_VERTICES].quantised;
-    for (uint32_t block = first; block < first + count; block++) {
-        struct eng_quantised_block *to = &tree->quantised[block];
-        struct eng_quantised_box around = {{{0}}};
-        size_t offsets[3][ENG_WIDE];
-        for (uint32_t i = 0; i < corners * ENG_WIDE; i++) {
-            uint32_t slot = tree->corner[i / ENG_WIDE][block * ENG_WIDE + i % ENG_WIDE];
-            offsets[i / ENG_WIDE][i % ENG_WIDE] =
-                slot / ENG_WIDE * BLOCK_NUMBERS + slot % ENG_WIDE;
-        }
-        for (uint32_t end = 0; end < 2; end++) {
-            for (uint32_t axis = 0; axis < 3; axis++) {
-                uint32_t both = unite_row(vertices->row[end][axis],
-                                          (const size_t(*)[ENG_WIDE])offsets, corners,
-                                          to->row[end][axis]);
-                around.half[end][2 * axis] = (int16_t)(both >> 16);
-                around.half[end][2 * axis + 1] = (int16_t)(both & 0xffff);
+    for (uint32_t slot = block * ENG_WIDE; slot < end * ENG_WIDE; slot += PAIRS) {
+        const struct eng_quantised_block *from = &tree->quantised[slot / ENG_WIDE];
+        for (uint32_t at = 0; at < 2; at++) {
+            numbers boxes[PAIRS];
+            get_boxes((const uint32_t(*)[ENG_WIDE]) & from->row[at][0][slot % ENG_WIDE],
+                      boxes);
+            for (uint32_t i = 0; i < PAIRS; i++) {
+                memcpy(wide->point_numbers[slot + i].half[at], &boxes[i], sizeof *boxes);
             }
         }
-        tree->quantised_boxes[block] = around;
     }
 }
 
@@ -236,10 +217,13 @@ static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
         box_features(wide, kind, block, count);
     } else if (!is_quantised) {
         box_features(wide, kind, block, count);
-    } else if (kind == PCCD_TREE_EDGES) {
-        unite_quantised(wide, kind, 2, block, count);
     } else {
-        unite_quantised(wide, kind, 3, block, count);
+        const struct eng_wide_tree *tree = &wide->trees[kind];
+        const uint32_t *corner[3];
+        corners_of(tree, kind, slot, corner);
+        wide->kernels->quantised_unite(wide->point_numbers, corner, count,
+                                       tree->quantised + block,
+                                       tree->quantised_boxes + block);
     }
 }
 
