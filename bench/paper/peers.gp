@@ -21,7 +21,7 @@ set logscale y
 set yrange [0.3:*]
 set ylabel 'milliseconds'
 set grid ytics
-set key left top
+set key outside center top horizontal
 set xtics rotate by -20
 plot for [i = 1:words(sets)] of(word(sets, i), 3) using 2:xtic(1) \
         title 'pccd, '.word(sets, i), \
