@@ -111,10 +111,10 @@ bool eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene)
 #define EXPONENT_LEAST (-70)
 
 /* Numbers up to which a coordinate is certainly among those that there are. The bound of
- * a box, a float, is off by less than 2^-22 of itself, with what it grows by by 2^-21,
- * and what is added for the middle by 2^-24 of that. Together this is less than SLACK of
- * the object's two bounds, in cells, which are as far away as the middle. The other
- * roundings and the cells around a box take a few. */
+ * a box, a float, is off by 2^-23 of itself, with what it grows by by 2^-21, and what is
+ * added for the middle by 2^-23 of that. Together this is less than SLACK of the object's
+ * two bounds, in cells, which are as far away as the middle. The rest takes a few cells
+ * (BOUNDS.md, "Boxes in whole numbers"). */
 #define REACH_SURELY (ENG_QUANTISED_REACH - 64.0)
 #define SLACK        0x1p-20
 
@@ -152,8 +152,8 @@ static void lay_cells(const double low[3], const double high[3],
     for (int k = 0; k < 3; k++) {
         double half = ROOM * 0.5 * (high[k] - low[k]) + ROOM_SIDE * side +
                       ROOM_FAR * fmax(fabs(low[k]), fabs(high[k]));
-        int exponent = EXPONENT_MOST + 1; /* of no size at all */
-        if (half > 0) {
+        int exponent = EXPONENT_MOST + 1; /* of no size, or less than has a quotient */
+        if (half > 0x1p-900) {
             frexp(ENG_QUANTISED_REACH / half, &exponent);
         }
         exponent = exponent > EXPONENT_MOST ? EXPONENT_MOST : exponent - 1;
