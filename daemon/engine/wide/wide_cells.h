@@ -4,9 +4,10 @@
  * Both are laid over the scene before its vertices are placed: cells of boxes by where
  * the step goes, as the bounds of the objects say; the grid, which stays where it fits,
  * by the boxes of the last step, and in a scene without such boxes by where it begins. A
- * step that leaves the grid does without the sieve.
+ * step that leaves the grid does without the sieve. No step leaves the whole numbers.
  *
  * Threads: as marked.
+ * Source: elementary/BOUNDS.md, "Boxes in whole numbers".
  */
 #ifndef ENG_WIDE_CELLS_H
 #define ENG_WIDE_CELLS_H
