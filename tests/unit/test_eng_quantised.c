@@ -412,6 +412,9 @@ CASE(quantised__boxes_as_they_begin_reach_the_near_time)
 #define SIDE     12u
 #define VERTICES ((SIDE + 1) * (SIDE + 1))
 
+#define SMALL          1u
+#define SMALL_VERTICES ((SMALL + 1) * (SMALL + 1))
+
 #define FINE          60u
 #define FINE_VERTICES ((FINE + 1) * (FINE + 1))
 
@@ -483,6 +486,69 @@ CASE(quantised__are_laid_by_where_a_step_goes)
     for (uint32_t threads = 1; threads <= 4; threads++) {
         assert_int_equal(go(threads, moved, steps), steps);
     }
+}
+
+/* Two small sheets of a size, at a place along x and y, shaken by their numbers; both or,
+ * where `little`, a vertex of one. */
+static void stage_small(struct eng_scene *scene, double size, double place, bool little,
+                        struct prng *random)
+{
+    double x1[SMALL_VERTICES][3];
+    eng_stage_begin(scene);
+    for (uint32_t i = 0; i < (little ? 1 : 2); i++) {
+        const struct eng_object *object = eng_scene_object(scene, i);
+        for (uint32_t k = 0; k < 3 * SMALL_VERTICES; k++) {
+            double x = object->mesh->x[k / 3][k % 3] + prng_between(random, -0.1, 0.1);
+            x = x * size + (k % 3 < 2 ? place : 0);
+            x1[k / 3][k % 3] = fmax(fmin(x, 1e18), -1e18);
+        }
+        assert_ok(
+            eng_stage_x1(scene, i, PCCD_FORMAT_F64, 0, little ? 1 : SMALL_VERTICES, x1));
+    }
+}
+
+/* Steps there, to the other side of the origin, and of hardly anything; returns how many
+ * used quantised boxes. */
+static uint32_t go_far(double size, double place, double separation)
+{
+    static const double sides[] = {1, 1, 1, -1, -1, -1};
+    uint32_t uses = 0;
+    struct eng_scene *scenes[2] = {kit_scene(), kit_scene()};
+    for (uint32_t i = 0; i < 4; i++) {
+        assert_int_equal(
+            kit_add(scenes[i / 2], kit_sheet(SMALL, 0.05 * (i % 2)), i % 2 + 1), i % 2);
+    }
+    for (uint32_t i = 0; i < sizeof sides / sizeof sides[0]; i++) {
+        struct eng_step_result results[2];
+        for (uint32_t k = 0; k < 2; k++) {
+            struct prng random = {i};
+            struct eng_question settings = ENG_QUESTION_DEFAULT;
+            settings.distance = separation;
+            settings.method = k == 0 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
+            stage_small(scenes[k], size, sides[i] * place, i % 3 == 2, &random);
+            results[k] = kit_step(scenes[k], &settings);
+        }
+        assert_int_equal(results[0].count, results[1].count);
+        assert_int_equal(results[0].hash[0], results[1].hash[0]);
+        uses += eng_wide_of(scenes[0])->has_quantised;
+    }
+    eng_scene_free(scenes[0]);
+    eng_scene_free(scenes[1]);
+    return uses;
+}
+
+/* If what any step reaches were not within their numbers, it would end the daemon. */
+CASE(quantised__hold_whatever_a_scene_may_be)
+{
+    static const double sizes[] = {0x1p-1000, 1, 5e17};
+    static const double places[] = {0, 1, 1e18};
+    uint32_t uses = 0;
+    for (uint32_t i = 0; i < 3 * 3 * 3; i++) {
+        double size = sizes[i / 9];
+        double separations[] = {0, 0.04 * size, 1e18};
+        uses += go_far(size, places[i / 3 % 3], separations[i % 3]);
+    }
+    assert_true(uses >= 50);
 }
 
 /* Above a ground of two large triangles a fine sheet of many small ones rises. */
