@@ -410,6 +410,13 @@ same_near 3 --distance 0.5 "$work"/f[01].ply &&
     grep -q '^pccd-mpi: .*the mesh of .*/f0.ply has free edges or points' "$log"
 tap_result $? mpi__near_of_files_says_what_pccdctl_says "$log"
 
+# If it failed, ranks would end by a signal where a file names several objects.
+echo '{"pccd_scene": 1, "objects": [{"name": "a", "files": "f0.ply"}, {"name": "b", "files": "f1.ply"}]}' \
+    >"$work/scene.json"
+! ranks 2 "$top_builddir/pccd-mpi" near --distance 0.5 "$work/scene.json" >"$work/out" 2>"$log" &&
+    grep -q '^pccd-mpi: .*/scene.json is a scene file, which pccdctl near reads' "$log"
+tap_result $? mpi__near_refuses_a_scene_file "$log"
+
 # If it failed, a file that one rank cannot read would hang the others, or be read without it.
 # Each rank has a folder of its own here, and the last one lacks a file.
 cat >"$work/rank.sh" <<'END'

@@ -76,14 +76,16 @@ static int read_objects(struct asking *asking, struct ctl_error *error)
     const struct scene_options none = {.with_count = 0};
     const uint32_t count = asked->files.count;
     struct near_run *near = &asking->near;
-    asking->parts = calloc(count, sizeof *asking->parts);
-    int status = asking->parts == NULL
-                     ? ctl_error_set(error, PCCD_E_NOMEM, "out of memory")
-                     : scene_take(&near->scene, &asked->files, true, &none, error);
-    if (status == PCCD_OK && near->scene.path != NULL) {
+    int status = PCCD_OK;
+    if (count == 1 && scene_is_named(asked->files.list[0])) {
         status = ctl_error_set(error, PCCD_E_INVAL,
                                "%s is a scene file, which pccdctl near reads",
-                               near->scene.path);
+                               asked->files.list[0]);
+    } else {
+        asking->parts = calloc(count, sizeof *asking->parts);
+        status = asking->parts == NULL
+                     ? ctl_error_set(error, PCCD_E_NOMEM, "out of memory")
+                     : scene_take(&near->scene, &asked->files, true, &none, error);
     }
     status = together_agree(status, error);
     if (status != PCCD_OK) {
