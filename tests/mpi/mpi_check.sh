@@ -45,6 +45,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
     tap_skip mpi__ghosts_last_while_things_move_steadily "no --with-mpi"
     tap_skip mpi__completion_knows_commands_and_options "no --with-mpi"
     tap_skip mpi__near_of_files_says_what_pccdctl_says "no --with-mpi"
+    tap_skip mpi__near_refuses_a_scene_file "no --with-mpi"
     tap_skip mpi__example_prints_one_line_for_any_number_of_ranks "no --with-mpi"
     tap_end
     exit
