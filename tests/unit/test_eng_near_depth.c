@@ -235,3 +235,25 @@ CASE(depth__of_a_part_needs_only_what_rays_meet)
     assert_int_equal(kit_record(&result, 0)->object_a, 2);
     assert_true(kit_record(&result, 0)->d_lo == 3);
 }
+
+/* If the ray ended where coordinates do that are measured from the origin, nothing would
+ * be deep in what lies at the other end of the numbers from the finest object. */
+CASE(depth__is_found_as_far_as_numbers_go)
+{
+    static const double bridge[3][3] = {
+        {-1e18, -5e9, -5e9}, {1e18, -5e9, -5e9}, {1e18, -6e9, -5e9}};
+    static const uint32_t face[1][3] = {{0, 1, 2}};
+    const double middle = 9.9e17;
+    const struct box fine = {{-1e18, 0, 0}, {-1e18 + 1024, 1e3, 1e3}, false};
+    const struct box outer = {
+        {middle - 1e9, -1e9, -1e9}, {middle + 1e9, 1e9, 1e9}, false};
+    const struct box inner = {
+        {middle - 1e8, -1e8, -1e8}, {middle + 1e8, 1e8, 1e8}, false};
+    struct eng_question question = kit_question(PCCD_NEAR_DEPTH);
+    question.objects[0] = 2;
+    question.objects[1] = 1;
+    kit_begin_with(boxes(&outer, 1), boxes(&inner, 1));
+    kit_put(boxes(&fine, 1));
+    kit_put(kit_mesh(bridge, 3, face, 1));
+    assert_int_equal(kit_ask(&question).count, 8);
+}

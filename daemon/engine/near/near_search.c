@@ -16,8 +16,8 @@
 #define SQUARE_SLACK 0x1p-19
 #define SQUARE_TINY  0x1p-120f
 
-/* No box is as far from the origin of its frame. */
-#define FAR       0x1p60f
+/* No box is as far from the origin of its frame, which lies among the objects. */
+#define FAR       0x1p62f
 #define SHIFT_MAX 0x1p100
 
 /* Openings and looks between two looks at the clock: 20 us, as a rule; no look takes
