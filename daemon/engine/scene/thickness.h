@@ -73,8 +73,9 @@ static inline float eng_thickness_growth(const struct eng_scene *scene,
     double reach =
         half + (eng_thickness_is_by_vertex(object) ? object->mesh->reach[vertex]
                                                    : eng_thickness_most(object));
-    /* Halves and the sum are off by less than the next double. */
-    return eng_near_growth(half > 0 ? nextafter(reach, INFINITY) : reach,
+    /* Halves, which may be 0, and the sum are off by less than the next double. */
+    return eng_near_growth(scene->thickness.separation > 0 ? nextafter(reach, INFINITY)
+                                                           : reach,
                            scene->framing.scale);
 }
 
