@@ -280,7 +280,9 @@ static int compute(struct pccd_mpi *world, const struct ranks_moment *moment,
     if (status != PCCD_OK) {
         return status;
     }
-    if (answer->verdict == PCCD_VERDICT_YES && moment->near == NULL) {
+    /* Others go on where how the step begins is told of all of them. */
+    if (answer->verdict == PCCD_VERDICT_YES && moment->near == NULL &&
+        !moment->settings.tells_start) {
         ranks_stop_say(&world->stop);
     }
     return take_pages(world, answer);
