@@ -415,7 +415,7 @@ static int cut(struct pccd_mpi *world, struct ranks_moment *moment, bool is_of_l
     int status = was_cut ? PCCD_OK : cut_leaves(world, moment);
     bool goes_on = world->link.size > 1 && is_of_leaves &&
                    (was_cut || moment->settings.mode != PCCD_MODE_ANY);
-    for (int cuts = was_cut ? 1 : 2; cuts > 0 && goes_on; cuts--) {
+    for (int cuts = was_cut ? 1 : 3; cuts > 0 && goes_on; cuts--) {
         if (status != PCCD_OK || moment->stopped != PCCD_COMPLETE) {
             break;
         }
