@@ -85,7 +85,6 @@ libctl_la_SOURCES = \
     client/ctl/picture/thick.c \
     client/ctl/scene/scene.c \
     client/ctl/scene/scene_file.c \
-    client/ctl/scene/scene_options.c \
     client/ctl/record/answers.c \
     client/ctl/record/frames.c \
     client/ctl/record/play.c \

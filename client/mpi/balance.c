@@ -9,9 +9,10 @@
 #include "parts.h"
 
 /* Beyond this the scene is cut anew, as soon as what was lost by it since the last cut is
- * as long as a cut takes. At once after a cut that knew nothing of work, and as long as
- * there were fewer than four cuts, as a cut changes what is to be done. */
+ * as long as a cut takes. At once after a cut that knew nothing of work, and once more
+ * than a new scene is cut in its first step, as a cut changes what is to be done. */
 #define IMBALANCE_MAX 1.05
+#define CUTS_AT_ONCE  (1 + RANKS_CUTS_BY_WORK + 1)
 
 /* While a new scene is cut, leaves have been weighed anyway, so less than that pays. */
 #define IMBALANCE_NEW 1.02
@@ -225,5 +226,5 @@ void ranks_times_note(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_ns)
 bool ranks_cut_is_due(const struct pccd_mpi *world)
 {
     return world->link.size > 1 && world->share.imbalance > IMBALANCE_MAX &&
-           (world->share.cuts < 4 || world->lost_ns > (double)world->cut_ns);
+           (world->share.cuts < CUTS_AT_ONCE || world->lost_ns > (double)world->cut_ns);
 }

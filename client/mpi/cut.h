@@ -41,6 +41,10 @@ void ranks_pieces_deinit(struct ranks_pieces *pieces);
 
 /* ---- How evenly the work of steps lies on the ranks, and when it is cut anew. */
 
+/* A new scene is cut by leaves, and then so often at most by work, while that is uneven:
+ * pieces have other ghosts after each. */
+#define RANKS_CUTS_BY_WORK 3u
+
 /* In this rank alone: have libpccd's next steps count the pairs that begin with each own
  * feature, and make no records. PCCD_E_NOMEM. */
 int ranks_pairs_count_begin(struct pccd_mpi *world);

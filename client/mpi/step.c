@@ -406,16 +406,15 @@ static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool
 }
 
 /* The scene is cut, as that is due or it never was. By work, so that ranks have about as
- * many records, too; first by leaves, if it never was. Pieces by work have other ghosts
- * than those by leaves, so it may take another cut until ranks have the same. A step of
- * mode any mostly ends long before all leaves are weighed. */
+ * many records, too; first by leaves, if it never was. A step of mode any mostly ends
+ * long before all leaves are weighed. */
 static int cut(struct pccd_mpi *world, struct ranks_moment *moment, bool is_of_leaves)
 {
     const bool was_cut = world->is_cut;
     int status = was_cut ? PCCD_OK : cut_leaves(world, moment);
     bool goes_on = world->link.size > 1 && is_of_leaves &&
                    (was_cut || moment->settings.mode != PCCD_MODE_ANY);
-    for (int cuts = was_cut ? 1 : 3; cuts > 0 && goes_on; cuts--) {
+    for (uint32_t cuts = was_cut ? 1 : RANKS_CUTS_BY_WORK; cuts > 0 && goes_on; cuts--) {
         if (status != PCCD_OK || moment->stopped != PCCD_COMPLETE) {
             break;
         }

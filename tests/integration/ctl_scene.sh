@@ -70,7 +70,8 @@ check 1 box%d.obj --with side%d.obj --with floor.obj &&
     check 0 box%d.obj --with side%d.obj --with floor.obj --between box,side &&
     check 1 box%d.obj --with side%d.obj --with floor.obj --between box,side --between floor,side &&
     check 4 box%d.obj --with floor.obj --between box,flor &&
-    grep -qx 'pccdctl: --between: no object has the name "flor"' err &&
+    grep -qx 'pccdctl: --between: "box,flor" does not name two objects' err &&
+    cp floor.obj 'a,b.obj' && check 1 box%d.obj --with a,b.obj --between a,b,box &&
     check 2 box%d.obj --between box && check 1 cross.obj cross.obj &&
     check 0 cross.obj cross.obj --no-self && check 4 box%d.obj --with box0.obj --with both%d.obj &&
     grep -q '2 frames, and "box" has 4' err
@@ -125,11 +126,16 @@ echo '{"objects": []}' | scene && refuses '1: no "pccd_scene": 1, which says wha
 echo '{"pccd_scene": 2, "objects": []}' | scene && refuses '1: "pccd_scene" is no number from 1 to 1'
 two '' '' && mv scene.json sub/ok.json && rm box3.obj && check 1 sub/ok.json && cp sub/box3.obj . ||
     echo 'files are not beside the scene file' >>"$log"
+two '' '' && printf '\xef\xbb\xbf' | cat - scene.json >bom.json && check 1 bom.json ||
+    echo 'a byte order mark is not passed over' >>"$log"
 [ ! -s "$log" ]
 report scene__that_is_wrong_is_refused_by_its_line
 
-# If it failed, a new scene would have to be written by hand, or its format be guessed.
-timeout 100 "$PCCDCTL" scene new -o new.json box%d.obj floor.obj sub/floor.obj 2>err &&
+# If it failed, a new scene would have to be written by hand, or its format be guessed, or it would
+# name another file where JSON has no word for the name.
+! timeout 100 "$PCCDCTL" scene new $'\xff.obj' >out 2>err &&
+    grep -q 'the name is not UTF-8, which JSON cannot say' err && [ ! -s out ] &&
+    timeout 100 "$PCCDCTL" scene new -o new.json box%d.obj floor.obj sub/floor.obj 2>err &&
     grep -q '"name": "floor-2"' new.json && check 1 new.json &&
     timeout 100 "$PCCDCTL" scene schema >schema.json 2>err &&
     grep -q '"additionalProperties": false' schema.json &&

@@ -29,7 +29,7 @@ struct objects_of {
 };
 
 struct objects {
-    struct objects_of *of; /* ours */
+    struct objects_of *of; /* ours: [count], by increasing handles */
     uint32_t count;
     char **names; /* ours: [part_count], of parts with their objects' names before */
     uint32_t part_count;
@@ -45,7 +45,7 @@ bool objects_are_one(const struct ctl_mesh *mesh);
 int objects_add(struct objects *objects, uint32_t handle, const char *name,
                 const struct ctl_mesh *mesh, const struct pccd_edge *edges,
                 uint32_t edge_count, struct ctl_error *error);
-/* The object of a handle; of a handle that none has, the first one. */
+/* Return the object of a handle; of one that no object has, any. */
 const struct objects_of *objects_find(const struct objects *objects, uint32_t handle);
 /* The number of a part: the one with a feature of so many points (1 a vertex, 2 an edge,
  * 3 a face). */

@@ -32,11 +32,16 @@ uint32_t objects_part(const struct objects_of *object, uint32_t points, uint32_t
 
 const struct objects_of *objects_find(const struct objects *objects, uint32_t handle)
 {
-    uint32_t i = objects->count - 1;
-    while (i > 0 && objects->of[i].handle != handle) {
-        i--;
+    uint32_t low = 0, high = objects->count;
+    while (high - low > 1) { /* those before `high` may have it */
+        uint32_t middle = (low + high) / 2;
+        if (objects->of[middle].handle <= handle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
     }
-    return &objects->of[i];
+    return &objects->of[low];
 }
 
 /* Edges are in this order, as pccd_mesh_edges has them. */
@@ -126,7 +131,11 @@ int objects_add(struct objects *objects, uint32_t handle, const char *name,
     objects->of = of != NULL ? of : objects->of;
     bool has_room = of != NULL && objects->pairs != NULL;
     if (has_room) {
-        struct objects_of *object = &of[objects->count++];
+        uint32_t at = objects->count++;
+        for (; at > 0 && of[at - 1].handle > handle; at--) {
+            of[at] = of[at - 1];
+        }
+        struct objects_of *object = &of[at];
         *object = (struct objects_of){
             .handle = handle, .mesh = mesh, .edges = edges, .first = objects->part_count};
         if (!is_one) {

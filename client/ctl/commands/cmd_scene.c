@@ -58,12 +58,18 @@ int ctl_cmd_scene(int argc, char **argv)
         return CTL_USAGE;
     }
     char **list = command.arguments.list;
-    json_t *value = list[0][0] == 's' ? scene_schema()
-                                      : scene_new(list + 1, command.arguments.count - 1);
     const char *path = command.path != NULL ? command.path : "-";
     int status = output_open(&file, path, true, &error);
-    if (status == PCCD_OK && !output_json(value, value != NULL, file.to)) {
-        status = ctl_error_set(&error, PCCD_E_SYSTEM, "%s: cannot be written", path);
+    if (status == PCCD_OK) {
+        json_t *value = list[0][0] == 's'
+                            ? scene_schema()
+                            : scene_new(list + 1, command.arguments.count - 1, &error);
+        bool is_there = value != NULL;
+        if (!output_json(value, is_there, file.to) || !is_there) {
+            status = error.text[0] != '\0' ? PCCD_E_INVAL
+                                           : ctl_error_set(&error, PCCD_E_SYSTEM,
+                                                           "%s: cannot be written", path);
+        }
     }
     int closed = output_close(&file, path, status == PCCD_OK, &error);
     ctl_error_tell(&error);

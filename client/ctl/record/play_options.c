@@ -88,7 +88,7 @@ static void check_frames(struct argp_state *state, void *to)
                        options->files.list[0]);
     }
     if (!play_options_are_frames(options) &&
-        (scene->with_count + scene->between_count > 0 || scene->has_no_self)) {
+        (scene->with.count + scene->between.count > 0 || scene->has_no_self)) {
         option_misused(state, "--with, --between, --no-self: %s is a recording",
                        options->files.list[0]);
     }

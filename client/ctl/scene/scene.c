@@ -9,11 +9,65 @@
 
 #include "array.h"
 #include "clock.h"
+#include "ctl.h"
 #include "shown.h"
 
 static int no_memory(struct ctl_error *error)
 {
     return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the scene");
+}
+
+/* ---- what a command line says ------------------------------------------------------ */
+
+static void add(struct argp_state *state, struct scene_texts *texts, const char *text)
+{
+    void *list = texts->list;
+    if (!array_reserve(&list, texts->count, &texts->room, sizeof *texts->list)) {
+        option_misused(state, "out of memory");
+    }
+    texts->list = list;
+    texts->list[texts->count++] = (char *)(uintptr_t)text;
+}
+
+static void take_with(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
+{
+    (void)row;
+    add(state, &((struct scene_options *)to)->with, text);
+}
+
+static void take_between(struct argp_state *state, const struct option_row *row,
+                         const char *text, void *to)
+{
+    if (strchr(text, ',') == NULL) {
+        option_misused(state, "--%s: \"%s\" is not two names with a comma between them",
+                       row->name, text);
+    }
+    add(state, &((struct scene_options *)to)->between, text);
+}
+
+#define AT(member) offsetof(struct scene_options, member)
+static const struct option_row rows[] = {
+    CTL_QUESTION,
+    {"with", 0, "FILE",
+     "Add another object, which stands, or moves along if it has as many frames; may be "
+     "repeated",
+     OPTION_OWN, .take = take_with},
+    {"no-self", 0, NULL, "Leave out the pairs of each object with itself", OPTION_FLAG,
+     .at = AT(has_no_self)},
+    {"between", 0, "A,B",
+     "Ask about the pairs of these two objects alone, by their names: those of the scene "
+     "file, or those of their first files without folder and ending; may be repeated",
+     OPTION_OWN, .take = take_between},
+    {0}};
+#undef AT
+
+const struct option_table scene_table = {.name = "SCENE", .rows = rows};
+
+void scene_options_deinit(struct scene_options *options)
+{
+    free(options->with.list);
+    free(options->between.list);
 }
 
 /* ---- what is in it ----------------------------------------------------------------- */
@@ -36,26 +90,25 @@ uint32_t scene_place_of(const struct scene *scene, uint32_t handle)
     return i;
 }
 
-struct scene_object *scene_append(struct scene *scene, struct ctl_error *error)
+int scene_append(struct scene *scene, struct scene_object **object,
+                 struct ctl_error *error)
 {
-    if (scene->object_count == SCENE_OBJECTS_MAX) {
-        (void)ctl_error_set(error, PCCD_E_LIMIT, "a scene has at most %u objects",
-                            SCENE_OBJECTS_MAX);
-        return NULL;
-    }
     void *objects = scene->objects;
+    if (scene->object_count == SCENE_OBJECTS_MAX) {
+        return ctl_error_set(error, PCCD_E_LIMIT, "a scene has at most %u objects",
+                             SCENE_OBJECTS_MAX);
+    }
     if (!array_reserve(&objects, scene->object_count, &scene->object_room,
                        sizeof *scene->objects)) {
-        (void)no_memory(error);
-        return NULL;
+        return no_memory(error);
     }
     scene->objects = objects;
-    struct scene_object *object = &scene->objects[scene->object_count++];
-    *object = (struct scene_object){.unit = 1, .frames = *scene->frames};
+    *object = &scene->objects[scene->object_count++];
+    **object = (struct scene_object){.unit = 1, .frames = *scene->frames};
     if (scene->settings != NULL) {
-        object->settings = *scene->settings;
+        (*object)->settings = *scene->settings;
     }
-    return object;
+    return PCCD_OK;
 }
 
 int scene_ignore(struct scene *scene, uint32_t a, uint32_t b, struct ctl_error *error)
@@ -95,10 +148,11 @@ int scene_add(struct scene *scene, char *const *paths, uint32_t path_count,
               struct ctl_error *error)
 {
     char *name = name_from(scene, paths[0]);
-    struct scene_object *object = name != NULL ? scene_append(scene, error) : NULL;
-    if (object == NULL) {
+    struct scene_object *object;
+    int status = name != NULL ? scene_append(scene, &object, error) : no_memory(error);
+    if (status != PCCD_OK) {
         free(name);
-        return name != NULL ? PCCD_E_LIMIT : no_memory(error);
+        return status;
     }
     object->name = name;
     object->paths = calloc(path_count, sizeof *object->paths);
@@ -109,11 +163,26 @@ int scene_add(struct scene *scene, char *const *paths, uint32_t path_count,
     return object->path_count == path_count ? PCCD_OK : no_memory(error);
 }
 
-/* Return whether --between names a and b. */
-static bool are_between(const uint32_t (*pairs)[2], uint32_t count, uint32_t a,
-                        uint32_t b)
+/* Find the objects of "A,B", whose names may have commas, too. */
+static bool find_two(const struct scene *scene, const char *text, uint32_t pair[2])
 {
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        size_t length = strlen(scene->objects[i].name);
+        if (strncmp(text, scene->objects[i].name, length) == 0 && text[length] == ',') {
+            pair[0] = i;
+            pair[1] = scene_find(scene, text + length + 1);
+            if (pair[1] < scene->object_count) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Return whether one of the pairs is of a and b. */
+static bool are_between(const uint32_t (*pairs)[2], size_t count, uint32_t a, uint32_t b)
+{
+    for (size_t i = 0; i < count; i++) {
         if ((pairs[i][0] == a && pairs[i][1] == b) ||
             (pairs[i][0] == b && pairs[i][1] == a)) {
             return true;
@@ -122,31 +191,49 @@ static bool are_between(const uint32_t (*pairs)[2], uint32_t count, uint32_t a,
     return false;
 }
 
-/* Let all pairs ignore each other, and themselves, that --between does not name. */
-static int take_between(struct scene *scene, const struct scene_options *options,
-                        struct ctl_error *error)
+/* Let all pairs ignore each other, and themselves, that are not given. What is in none
+ * meets nothing. */
+static int leave_between(struct scene *scene, const uint32_t (*pairs)[2], size_t count,
+                         struct ctl_error *error)
 {
-    uint32_t(*pairs)[2] = calloc(options->between_count, sizeof *pairs);
-    int status = pairs != NULL ? PCCD_OK : no_memory(error);
-    for (uint32_t i = 0; status == PCCD_OK && i < 2 * options->between_count; i++) {
-        const char *name = options->between[i];
-        pairs[i / 2][i % 2] = scene_find(scene, name);
-        if (pairs[i / 2][i % 2] == scene->object_count) {
-            status = ctl_error_set(error, PCCD_E_INVAL,
-                                   "--between: no object has the name \"%s\"",
-                                   tool_shown(name));
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        struct pccd_object_settings *settings = &scene->objects[i].settings;
+        settings->what |= PCCD_OBJECT_SELF;
+        settings->self_collision = are_between(pairs, count, i, i);
+        bool is_named = false;
+        for (size_t k = 0; k < 2 * count && !is_named; k++) {
+            is_named = pairs[k / 2][k % 2] == i;
+        }
+        if (!is_named) {
+            settings->what |= PCCD_OBJECT_MASK;
+            settings->mask = 0;
         }
     }
-    for (uint32_t a = 0; status == PCCD_OK && a < scene->object_count; a++) {
-        struct pccd_object_settings *settings = &scene->objects[a].settings;
-        settings->what |= PCCD_OBJECT_SELF;
-        settings->self_collision =
-            are_between((const uint32_t(*)[2])pairs, options->between_count, a, a);
-        for (uint32_t b = a + 1; status == PCCD_OK && b < scene->object_count; b++) {
-            if (!are_between((const uint32_t(*)[2])pairs, options->between_count, a, b)) {
-                status = scene_ignore(scene, a, b, error);
-            }
+    for (size_t k = 0; k < 4 * count * count && status == PCCD_OK; k++) {
+        size_t first = k / (2 * count), second = k % (2 * count);
+        uint32_t a = pairs[first / 2][first % 2], b = pairs[second / 2][second % 2];
+        if (a < b && !are_between(pairs, count, a, b)) {
+            status = scene_ignore(scene, a, b, error);
         }
+    }
+    return status;
+}
+
+static int pick_between(struct scene *scene, const struct scene_texts *between,
+                        struct ctl_error *error)
+{
+    uint32_t(*pairs)[2] = calloc(between->count, sizeof *pairs);
+    int status = pairs != NULL ? PCCD_OK : no_memory(error);
+    for (size_t i = 0; status == PCCD_OK && i < between->count; i++) {
+        if (!find_two(scene, between->list[i], pairs[i])) {
+            status = ctl_error_set(error, PCCD_E_INVAL,
+                                   "--between: \"%s\" does not name two objects",
+                                   tool_shown(between->list[i]));
+        }
+    }
+    if (status == PCCD_OK) {
+        status = leave_between(scene, (const uint32_t(*)[2])pairs, between->count, error);
     }
     free(pairs);
     return status;
@@ -166,15 +253,15 @@ int scene_take(struct scene *scene, const struct option_arguments *files, bool e
          each && scene->path == NULL && status == PCCD_OK && i < files->count; i++) {
         status = scene_add(scene, &files->list[i], 1, error);
     }
-    for (uint32_t i = 0; status == PCCD_OK && i < options->with_count; i++) {
-        status = scene_add(scene, &options->with[i], 1, error);
+    for (size_t i = 0; status == PCCD_OK && i < options->with.count; i++) {
+        status = scene_add(scene, &options->with.list[i], 1, error);
     }
     for (uint32_t i = 0; options->has_no_self && i < scene->object_count; i++) {
         scene->objects[i].settings.what |= PCCD_OBJECT_SELF;
         scene->objects[i].settings.self_collision = false;
     }
-    return status == PCCD_OK && options->between_count > 0
-               ? take_between(scene, options, error)
+    return status == PCCD_OK && options->between.count > 0
+               ? pick_between(scene, &options->between, error)
                : status;
 }
 
@@ -240,22 +327,24 @@ int scene_open(struct scene *scene, struct ctl_error *error)
 }
 
 /* Take the positions that came with the shape, which nobody else needs. */
-static int take_first(struct scene_object *object, struct ctl_mesh *frame)
+static void take_first(struct scene_object *object, struct ctl_mesh *frame)
 {
     frame->x = object->files.mesh.x;
     frame->format = object->files.mesh.format;
     frame->vertex_count = object->files.mesh.vertex_count;
     object->files.mesh.x = NULL;
-    return PCCD_OK;
 }
 
 int scene_read_object(struct scene *scene, struct scene_object *object, uint32_t index,
                       struct ctl_mesh *frame, struct ctl_error *error)
 {
     uint32_t of_file = object->files.count > 1 ? scene->first + index : 0;
-    int status = scene->first_alone && of_file == 0
-                     ? take_first(object, frame)
-                     : ctl_frames_read(&object->files, of_file, frame, error);
+    int status = PCCD_OK;
+    if (scene->first_alone && of_file == 0) {
+        take_first(object, frame);
+    } else {
+        status = ctl_frames_read(&object->files, of_file, frame, error);
+    }
     if (status == PCCD_OK && object->unit != 1) {
         status = ctl_mesh_promote(frame, error);
         double *x = frame->x;
@@ -323,16 +412,13 @@ int scene_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
 }
 
 static int fetch_edges(struct scene_object *object, struct pccd_client *client,
-                       uint32_t mesh, struct ctl_error *error)
+                       uint32_t mesh)
 {
     uint32_t count = object->info.edge_count;
     /* A mesh of points has no edges; malloc(0) may be NULL. */
     object->edges = malloc(((size_t)count + 1) * sizeof *object->edges);
-    if (object->edges == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu32 " edges",
-                             count);
-    }
-    return pccd_mesh_edges(client, mesh, object->edges, count);
+    return object->edges != NULL ? pccd_mesh_edges(client, mesh, object->edges, count)
+                                 : PCCD_E_NOMEM;
 }
 
 static int place(struct scene *scene, struct scene_object *object,
@@ -356,7 +442,7 @@ static int place(struct scene *scene, struct scene_object *object,
         ctl_mesh_deinit(&object->at[0]);
     }
     if (status == PCCD_OK && with_edges) {
-        status = fetch_edges(object, client, mesh, error);
+        status = fetch_edges(object, client, mesh);
     }
     return status == PCCD_OK ? PCCD_OK : fail(scene, object, client, status, error);
 }

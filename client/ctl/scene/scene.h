@@ -22,11 +22,15 @@
 
 /* ---- What a command line says of a scene. */
 
+/* A list that grows; the texts are those of the command line. */
+struct scene_texts {
+    char **list; /* ours */
+    size_t count, room;
+};
+
 struct scene_options {
-    char **with; /* ours: [with_count], files of what stands */
-    uint32_t with_count;
-    char **between; /* ours: [2 * between_count], names by twos */
-    uint32_t between_count;
+    struct scene_texts with;    /* files of further objects */
+    struct scene_texts between; /* "A,B", names of two objects */
     bool has_no_self;
 };
 
@@ -83,17 +87,18 @@ int scene_read_file(struct scene *scene, const char *path, struct ctl_error *err
 /* Return the format as a JSON Schema. NULL: no memory. */
 json_t *scene_schema(void);
 /* Return a scene file for these files or patterns, an object each; they are not read.
- * NULL: no memory. */
-json_t *scene_new(char *const *files, uint32_t count);
+ * NULL: E_NOMEM; E_LIMIT; E_INVAL: a name that is not UTF-8, which JSON cannot say. */
+json_t *scene_new(char *const *files, uint32_t count, struct ctl_error *error);
 
 /* Add an object from files; its name is that of the first, without folder, ending and
  * %d, with "-2", "-3" behind it where there is one of that name. Errors: E_NOMEM,
  * E_LIMIT. */
 int scene_add(struct scene *scene, char *const *paths, uint32_t path_count,
               struct ctl_error *error);
-/* Make room for another object, which has what all have at first. NULL: there is no
- * memory, or there are too many. */
-struct scene_object *scene_append(struct scene *scene, struct ctl_error *error);
+/* Make room for another object, which has what all have at first. Errors: E_NOMEM,
+ * E_LIMIT. */
+int scene_append(struct scene *scene, struct scene_object **object,
+                 struct ctl_error *error);
 /* Let two objects ignore each other. Errors: E_NOMEM. */
 int scene_ignore(struct scene *scene, uint32_t a, uint32_t b, struct ctl_error *error);
 /* The place of the object of that name; object_count: there is none. */

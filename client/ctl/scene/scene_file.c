@@ -431,9 +431,9 @@ static void take_object(struct reader *reader, json_t *of, const struct step *at
     if (reader->status != PCCD_OK) {
         return;
     }
-    struct scene_object *to = scene_append(scene, reader->error);
-    if (to == NULL) {
-        reader->status = PCCD_E_LIMIT;
+    struct scene_object *to;
+    reader->status = scene_append(scene, &to, reader->error);
+    if (reader->status != PCCD_OK) {
         return;
     }
     to->unit = reader->unit;
@@ -545,7 +545,9 @@ int scene_read_file(struct scene *scene, const char *path, struct ctl_error *err
         status = ctl_file_load(&file, error);
     }
     if (status == PCCD_OK) {
-        root = json_loadb(file.data, file.bytes, JSON_REJECT_DUPLICATES, &fault);
+        const char *text = ctl_file_start(&file); /* behind a byte order mark */
+        size_t bytes = file.bytes - (size_t)(text - file.data);
+        root = json_loadb(text, bytes, JSON_REJECT_DUPLICATES, &fault);
         if (root == NULL) {
             status = ctl_error_set(error, PCCD_E_FORMAT, "%s:%d: %s", path, fault.line,
                                    tool_shown(fault.text));
@@ -554,7 +556,7 @@ int scene_read_file(struct scene *scene, const char *path, struct ctl_error *err
     if (status == PCCD_OK) {
         const char *slash = strrchr(path, '/');
         struct reader reader = {.scene = scene,
-                                .text = file.data,
+                                .text = ctl_file_start(&file),
                                 .folder_bytes =
                                     slash != NULL ? (size_t)(slash + 1 - path) : 0,
                                 .unit = 1,
@@ -570,6 +572,15 @@ int scene_read_file(struct scene *scene, const char *path, struct ctl_error *err
 }
 
 /* ---- the format -------------------------------------------------------------------- */
+
+/* Return the value if all of it is there; else NULL. */
+static json_t *keep_whole(json_t *value, bool is_whole)
+{
+    if (!is_whole) {
+        json_decref(value);
+    }
+    return is_whole ? value : NULL;
+}
 
 static json_t *schema_of(const struct member *members, const char *const *needed);
 
@@ -623,37 +634,53 @@ static json_t *schema_of(const struct member *members, const char *const *needed
     for (; *needed != NULL; needed++) {
         json_append(required, json_string(*needed), &ok);
     }
-    return json_pack("{s:s, s:b, s:o, s:o}", "type", "object", "additionalProperties", 0,
-                     "required", required, "properties", properties);
+    json_t *schema =
+        json_pack("{s:s, s:b, s:o, s:o}", "type", "object", "additionalProperties", 0,
+                  "required", required, "properties", properties);
+    return keep_whole(schema, ok);
 }
 
 json_t *scene_schema(void)
 {
     static const char *const needed[] = {"pccd_scene", "objects", NULL};
     json_t *schema = schema_of(scene_members, needed);
-    bool ok = schema != NULL;
+    bool ok = true;
     json_set(schema, "$schema",
              json_string("https://json-schema.org/draft/2020-12/schema"), &ok);
     json_set(schema, "title", json_string("A scene of pccdctl"), &ok);
-    return schema;
+    return keep_whole(schema, ok);
 }
 
-json_t *scene_new(char *const *files, uint32_t count)
+json_t *scene_new(char *const *files, uint32_t count, struct ctl_error *error)
 {
     const struct ctl_frames_options frames = {.weld = 0};
     struct scene scene = {.frames = &frames};
-    struct ctl_error error;
     json_t *objects = json_array();
     bool ok = true;
-    for (uint32_t i = 0; i < count && ok; i++) {
-        ok = scene_add(&scene, &files[i], 1, &error) == PCCD_OK;
-        if (ok) {
-            json_append(objects,
-                        json_pack("{s:o, s:o}", "name", json_text(scene.objects[i].name),
-                                  "files", json_text(files[i])),
-                        &ok);
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
+        json_t *name = json_string(files[i]);
+        if (name == NULL) {
+            status = ctl_error_set(error, PCCD_E_INVAL,
+                                   "%s: the name is not UTF-8, which JSON cannot say",
+                                   tool_shown(files[i]));
+            break;
         }
+        status = scene_add(&scene, &files[i], 1, error);
+        if (status == PCCD_OK) {
+            json_append(
+                objects,
+                json_pack("{s:s, s:O}", "name", scene.objects[i].name, "files", name),
+                &ok);
+        }
+        json_decref(name);
     }
     scene_close(&scene);
-    return json_pack("{s:i, s:o}", "pccd_scene", SCENE_VERSION, "objects", objects);
+    json_t *value =
+        json_pack("{s:i, s:o}", "pccd_scene", SCENE_VERSION, "objects", objects);
+    value = keep_whole(value, ok && status == PCCD_OK);
+    if (value == NULL && status == PCCD_OK) {
+        (void)ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+    }
+    return value;
 }

@@ -73,7 +73,7 @@ static int read_object(struct asking *asking, uint32_t i, struct ctl_error *erro
 static int read_objects(struct asking *asking, struct ctl_error *error)
 {
     const struct ask_options *asked = &asking->options->ask;
-    const struct scene_options none = {.with_count = 0};
+    const struct scene_options none = {.has_no_self = false};
     const uint32_t count = asked->files.count;
     struct near_run *near = &asking->near;
     int status = PCCD_OK;
