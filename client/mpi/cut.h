@@ -43,7 +43,7 @@ void ranks_pieces_deinit(struct ranks_pieces *pieces);
 
 /* A new scene is cut by leaves, and then so often at most by work, while that is uneven:
  * pieces have other ghosts after each. */
-#define RANKS_CUTS_BY_WORK 3u
+#define RANKS_CUTS_BY_WORK 2u
 
 /* In this rank alone: have libpccd's next steps count the pairs that begin with each own
  * feature, and make no records. PCCD_E_NOMEM. */

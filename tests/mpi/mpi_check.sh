@@ -41,6 +41,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
         tap_skip "mpi__work_of_${scene}_lies_evenly_on_many_ranks" "no --with-mpi"
     done
     tap_skip mpi__triangles_lie_evenly_where_work_does_not "no --with-mpi"
+    tap_skip mpi__yes_stops_no_rank_that_tells_how_a_step_begins "no --with-mpi"
     tap_skip mpi__help_is_printed_once "no --with-mpi"
     tap_skip mpi__ghosts_last_while_things_move_steadily "no --with-mpi"
     tap_skip mpi__completion_knows_commands_and_options "no --with-mpi"
@@ -542,6 +543,33 @@ met=$?
     awk '{ sum += $1; most = $1 > most ? $1 : most; if ($2 > 1.2) bad = 1 }
         END { exit bad || sum != 3900 || most > 2.1 * sum / 4 }'
 tap_result $? mpi__triangles_lie_evenly_where_work_does_not "$log"
+
+# Few triangles that cross, which a rank has looked through soon, and far from them a heap that keeps
+# the others long. If it failed, the first rank with a yes would stop others that have to tell how
+# the step begins.
+crossed() { # HOW FAR IT HAS COME
+    awk -v by="$1" 'function triangle(x, y, z, size, rise) {
+            z += by
+            printf "v %.4f %.4f %.4f\nv %.4f %.4f %.4f\nv %.4f %.4f %.4f\n", \
+                x, y, z, x + size, y, z, x, y + size, z + size / rise
+            faces = faces sprintf("f %d %d %d\n", n + 1, n + 2, n + 3)
+            n += 3
+        }
+        BEGIN {
+            for (i = 0; i < 8000; i++)
+                triangle(i % 100 * 2, int(i / 100) * 2, i % 2 * 0.05, 1.9, 3 + i % 2)
+            for (i = 0; i < 4000; i++)
+                triangle(400 + i % 60 / 60, int(i / 60) / 60, i * 7 / 4000 % 1, 1.5, 3 + i % 7)
+            printf "%s", faces
+        }'
+}
+crossed 0 >"$work/crossed0.obj"
+crossed 0.001 >"$work/crossed1.obj"
+"$PCCDCTL" check --url direct: --mode any "$work"/crossed?.obj >"$work/one" 2>"$log"
+[ $? -eq 1 ] && grep '^begins' "$work/one" >"$work/told" && [ -s "$work/told" ] &&
+    { ranks 3 "$top_builddir/pccd-mpi" check --mode any "$work"/crossed?.obj >"$work/out" 2>"$log"; [ $? -eq 1 ]; } &&
+    grep '^begins' "$work/out" | diff "$work/told" - >>"$log" && grep -qx 'answer     complete' "$work/out"
+tap_result $? mpi__yes_stops_no_rank_that_tells_how_a_step_begins "$log"
 
 # Work of all ranks beside that of one process, and the largest beside the mean, in the first step,
 # which cuts by weights. If it failed, ranks would wait for one of them, or look for what others
