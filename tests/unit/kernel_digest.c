@@ -204,6 +204,17 @@ static void run_gaps(const struct eng_kernels *kernels, const struct ground *gro
     say(kernels, "box_gaps", all);
 }
 
+/* The boxes around blocks by themselves: the same numbers as with the blocks. */
+static void run_single(const struct eng_kernels *kernels, const struct ground *ground,
+                       const struct eng_quantising *quantising)
+{
+    static struct eng_quantised_box boxes[BLOCKS];
+    kernels->quantised_boxes(ground->around, BLOCKS, quantising, boxes);
+    bool is_same = memcmp(boxes, ground->quantised_around, sizeof boxes) == 0;
+    uint64_t all = digest(DIGEST_BEGIN, &is_same, sizeof is_same);
+    say(kernels, "quantised_boxes", digest(all, boxes, sizeof boxes));
+}
+
 /* Cells in which the lattice and the cloud have much room and what is far away has none;
  * the joins below use what is written here. */
 static void run_quantised(const struct eng_kernels *kernels, struct ground *ground)
@@ -223,6 +234,7 @@ static void run_quantised(const struct eng_kernels *kernels, struct ground *grou
     all = digest(all, ground->quantised_around, sizeof ground->quantised_around);
     all = digest(all, &ground->farthest, sizeof ground->farthest);
     say(kernels, "quantised_blocks", all);
+    run_single(kernels, ground, &quantising);
 }
 
 /* Edges and faces, of points that are the boxes around the blocks of the ground. */

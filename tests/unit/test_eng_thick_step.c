@@ -1,6 +1,8 @@
 /* test_eng_thick_step.c - steps of thick objects that were made by hand. */
 #include "eng_kit.h"
 #include "eng_way.h"
+#include "thickness.h"
+#include "world.h"
 
 static struct eng_question way(uint32_t i, enum pccd_mode mode, double separation)
 {
@@ -58,6 +60,19 @@ CASE(step__finds_what_is_within_r_across_a_gap)
         assert_int_equal(result.verdict, PCCD_VERDICT_YES);
         eng_scene_free(scene);
     }
+}
+
+/* Half of 2^-1074, the least separation there is, is rounded to 0. If it failed, boxes
+ * would not grow, and pairs be missed that are just as far apart. */
+CASE(step__grows_boxes_for_the_least_separation)
+{
+    struct eng_question settings = way(0, PCCD_MODE_ANY, 0x1p-1074);
+    struct eng_scene *scene = kit_scene();
+    kit_add(scene, two_triangles(), 1);
+    eng_stage_begin(scene);
+    (void)kit_step(scene, &settings);
+    assert_true(eng_thickness_growth(scene, &scene->objects[0], 0) > 0);
+    eng_scene_free(scene);
 }
 
 #define RODS 40u

@@ -175,6 +175,10 @@ struct eng_kernels {
                              struct eng_quantised_block *quantised,
                              struct eng_quantised_box *quantised_around,
                              uint32_t *farthest);
+    /* The same numbers of boxes one by one. */
+    void (*quantised_boxes)(const struct eng_extents *boxes, uint32_t count,
+                            const struct eng_quantising *quantising,
+                            struct eng_quantised_box *quantised);
     /* Blocks of features in whole numbers, each the union of points[corner[0 ..
      * 2][feature]], and the boxes around them; corner[2] NULL: of two. The larger number
      * is that of the larger float, as rounding keeps their order. */

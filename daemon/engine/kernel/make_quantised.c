@@ -101,6 +101,15 @@ bool ENG_KERNEL(quantised_blocks)(const struct eng_wide_block *blocks,
            most[2] <= ENG_QUANTISED_REACH;
 }
 
+void ENG_KERNEL(quantised_boxes)(const struct eng_extents *boxes, uint32_t count,
+                                 const struct eng_quantising *quantising,
+                                 struct eng_quantised_box *quantised)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        (void)quantised_box(&boxes[i], quantising, (eng_float4){0}, &quantised[i]);
+    }
+}
+
 /* ---- features, of their vertices' numbers ------------------------------------------ */
 
 /* A box at one end, or at both where a register has room for them. */
@@ -124,12 +133,10 @@ typedef uint32_t both __attribute__((vector_size(16 * ENDS), may_alias));
 
 ENG_INLINE numbers larger(numbers a, numbers b)
 {
-#if ENG_VECTOR_BYTES >= 32
+#if ENG_VECTOR_BYTES == 64
     return (numbers)_mm256_max_epi16((__m256i)a, (__m256i)b);
-#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
-    return (numbers)_mm_max_epi16((__m128i)a, (__m128i)b);
-#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
-    return (numbers)vmaxq_s16((int16x8_t)a, (int16x8_t)b);
+#elif ENG_VECTOR_BYTES >= 16
+    return (numbers)eng_fi_max_halves((eng_fi)a, (eng_fi)b);
 #else
     numbers is_larger = a > b;
     return (a & is_larger) | (b & ~is_larger);

@@ -41,10 +41,7 @@ static uint32_t end_of_run(const struct eng_wide *wide, const struct eng_scene *
     return slot;
 }
 
-#define SIDE                                                                             \
-    {                                                                                    \
-        ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE                               \
-    }
+#define SIDE {ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE}
 static const struct eng_extents nowhere = {{SIDE, SIDE, SIDE, SIDE}};
 
 /* Boxes of vertices of one object, with its thickness. */
@@ -139,37 +136,6 @@ static void keep_most(atomic_uint *most, uint32_t value)
     }
 }
 
-/* Numbers of a box at one end, above and below by turns of x, y and z; or of four boxes
- * on an axis, below and above. */
-typedef int16_t numbers __attribute__((vector_size(16), may_alias));
-typedef uint32_t pairs __attribute__((vector_size(16), may_alias));
-#define PAIRS 4u
-
-static inline pairs turn(pairs both)
-{
-    return both << 16 | both >> 16;
-}
-
-/* Return four boxes at one end, from rows of a block. */
-static inline void get_boxes(const uint32_t (*row)[ENG_WIDE], numbers boxes[PAIRS])
-{
-    pairs x, y, z;
-    memcpy(&x, row[0], sizeof x);
-    memcpy(&y, row[1], sizeof y);
-    memcpy(&z, row[2], sizeof z);
-    x = turn(x);
-    y = turn(y);
-    z = turn(z);
-    pairs xy01 = __builtin_shufflevector(x, y, 0, 4, 1, 5);
-    pairs xy23 = __builtin_shufflevector(x, y, 2, 6, 3, 7);
-    pairs z01 = __builtin_shufflevector(z, (pairs){0}, 0, 4, 1, 5);
-    pairs z23 = __builtin_shufflevector(z, (pairs){0}, 2, 6, 3, 7);
-    boxes[0] = (numbers)__builtin_shufflevector(xy01, z01, 0, 1, 4, 5);
-    boxes[1] = (numbers)__builtin_shufflevector(xy01, z01, 2, 3, 6, 7);
-    boxes[2] = (numbers)__builtin_shufflevector(xy23, z23, 0, 1, 4, 5);
-    boxes[3] = (numbers)__builtin_shufflevector(xy23, z23, 2, 3, 6, 7);
-}
-
 /* Vertices in whole numbers: of floats that do not leave the first cache. */
 static void quantised_points(struct eng_wide *wide, const struct eng_scene *scene,
                              uint32_t block, uint32_t count)
@@ -189,19 +155,10 @@ static void quantised_points(struct eng_wide *wide, const struct eng_scene *scen
             tree->quantised_boxes + i, &farthest);
         assert(fits); /* eng_wide_quantised_choose */
         (void)fits;
+        wide->kernels->quantised_boxes(points, part * ENG_WIDE, &wide->quantising,
+                                       wide->point_numbers + i * ENG_WIDE);
     }
     keep_most(&wide->farthest, farthest);
-    for (uint32_t slot = block * ENG_WIDE; slot < end * ENG_WIDE; slot += PAIRS) {
-        const struct eng_quantised_block *from = &tree->quantised[slot / ENG_WIDE];
-        for (uint32_t at = 0; at < 2; at++) {
-            numbers boxes[PAIRS];
-            get_boxes((const uint32_t(*)[ENG_WIDE]) & from->row[at][0][slot % ENG_WIDE],
-                      boxes);
-            for (uint32_t i = 0; i < PAIRS; i++) {
-                memcpy(wide->point_numbers[slot + i].half[at], &boxes[i], sizeof *boxes);
-            }
-        }
-    }
 }
 
 static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
