@@ -82,7 +82,21 @@ LETTERS = "xyz"
 
 
 def operators(bits):
-    return [f"@{name} = {name}_rel<{bits}>;" for name in ("add", "sub", "mul")]
+    # Exponents as low as that: nothing that is rounded here is too small for its bits.
+    # (add_rel and the like say the same; gappa 1.6.0, of Debian 13, has not their names.)
+    return [f"@rnd = float<{bits},-30000,ne>;"]
+
+
+def add(a, b):
+    return f"rnd({a} + {b})"
+
+
+def sub(a, b):
+    return f"rnd({a} - {b})"
+
+
+def mul(a, b):
+    return f"rnd({a} * {b})"
 
 
 def cross(name, a, b):
@@ -90,30 +104,30 @@ def cross(name, a, b):
     lines = []
     for i, c in enumerate(LETTERS):
         y, z = LETTERS[(i + 1) % 3], LETTERS[(i + 2) % 3]
-        lines += [f"{name}{c} = sub(mul({a}{y}, {b}{z}), mul({a}{z}, {b}{y}));",
+        lines += [f"{name}{c} = {sub(mul(a + y, b + z), mul(a + z, b + y))};",
                   f"E{name}{c} = E{a}{y} * E{b}{z} - E{a}{z} * E{b}{y};"]
     return lines
 
 
 def dot(a, b):
     """As eng_v_dot: rounded, and true."""
-    x, y, z = (f"mul({a}{c}, {b}{c})" for c in LETTERS)
+    x, y, z = (mul(a + c, b + c) for c in LETTERS)
     true = " + ".join(f"E{a}{c} * E{b}{c}" for c in LETTERS)
-    return f"add(add({x}, {y}), {z})", f"({true})"
+    return add(add(x, y), z), f"({true})"
 
 
 def is_sum(name, first, second):
-    return [f"{name} = add({first[0]}, {second[0]});",
+    return [f"{name} = {add(first[0], second[0])};",
             f"E{name} = {first[1]} + {second[1]};"]
 
 
 def halves(first, second, third):
     """As heights_miss: of three coefficients, from an end of the step on."""
-    return [f"second = add(mul(3, {first}), {second});",
+    return [f"second = {add(mul(3, first), second)};",
             f"Esecond = 3 * E{first} + E{second};",
-            f"middle = add({second}, {third});",
+            f"middle = {add(second, third)};",
             f"Emiddle = E{second} + E{third};",
-            "third = add(second, middle);",
+            f"third = {add('second', 'middle')};",
             "Ethird = Esecond + Emiddle;"]
 
 
@@ -123,7 +137,8 @@ def cubic(bits):
     for name, a, b in (("na", "ua", "va"), ("p", "ua", "vb"), ("q", "ub", "va"),
                        ("nc", "ub", "vb")):
         lines += cross(name, a, b)
-    lines += [f"nb{c} = add(p{c}, q{c}); Enb{c} = Ep{c} + Eq{c};" for c in LETTERS]
+    lines += [f"nb{c} = {add('p' + c, 'q' + c)}; Enb{c} = Ep{c} + Eq{c};"
+              for c in LETTERS]
     height = dot("wa", "na")
     lines += [f"fa = {height[0]}; Efa = {height[1]};"]
     lines += is_sum("fb", dot("wb", "na"), dot("wa", "nb"))
@@ -141,14 +156,15 @@ COEFFICIENTS = {"fa": (6, 48), "fb": (18, 180), "fc": (18, 180), "fd": (6, 48)}
 
 def cut(bits):
     """As cut_cubic and heights_miss. The end of the halves at t is off by more."""
-    lines = operators(bits) + ["s = sub(1, t); Es = 1 - t;"]
-    lines += [f"{b} = mul({f}, near_third); E{b} = E{f} * a_third;"
+    lines = operators(bits) + [f"s = {sub(1, 't')}; Es = 1 - t;"]
+    lines += [f"{b} = {mul(f, 'near_third')}; E{b} = E{f} * a_third;"
               for b, f in (("bb", "fb"), ("bc", "fc"))]
     for name, a, b in (("la", "fa", "bb"), ("lb", "bb", "bc"), ("lc", "bc", "fd"),
                        ("ma", "la", "lb"), ("mb", "lb", "lc"), ("end", "ma", "mb")):
-        lines += [f"{name} = add(mul(s, {a}), mul(t, {b}));",
+        lines += [f"{name} = {add(mul('s', a), mul('t', b))};",
                   f"E{name} = Es * E{a} + t * E{b};"]
-    lines += ["gb = mul(3, la); Egb = 3 * Ela;", "gc = mul(3, ma); Egc = 3 * Ema;"]
+    lines += [f"gb = {mul(3, 'la')}; Egb = 3 * Ela;",
+              f"gc = {mul(3, 'ma')}; Egc = 3 * Ema;"]
     lines += halves("end", "gc", "gb")
     given = ["t in [0,1]", "a_third in [0.33333,0.33334]",
              f"near_third -/ a_third in [-1b-{bits},1b-{bits}]"]
@@ -161,8 +177,9 @@ def cut(bits):
 def times(bits, slack):
     """As cut_span and leave_no_time: magnitudes of fractions of whole numbers."""
     lines = operators(bits)
-    lines += ["d = add(n, m); Ed = En + Em;", "e = add(k, l); Ee = Ek + El;",
-              "later = mul(n, e);", "sooner = mul(mul(k, d), slack);"]
+    lines += [f"d = {add('n', 'm')}; Ed = En + Em;",
+              f"e = {add('k', 'l')}; Ee = Ek + El;",
+              f"later = {mul('n', 'e')};", f"sooner = {mul(mul('k', 'd'), 'slack')};"]
     given = [f"slack in [{slack},{slack}]"]
     for name in "nmkl":
         given += [f"E{name} in [1,1b31]",
