@@ -154,8 +154,8 @@ static struct eng_step_result step(struct bench_world *world,
 }
 
 bool model_measure(const struct bench_frames *frames, struct bench_world *world,
-                   const struct eng_affinity *affinity, const struct model_way *ways,
-                   uint32_t way_count, uint32_t turns, struct model_measured *measured)
+                   const struct eng_affinity *affinity, struct model_way *ways,
+                   uint32_t way_count, uint32_t turns)
 {
     struct bench_samples samples[MODEL_WAYS_MAX][QUANTITIES] = {0};
     uint64_t hash[2] = {0, 0};
@@ -190,7 +190,7 @@ bool model_measure(const struct bench_frames *frames, struct bench_world *world,
             of[q] = bench_summarise(&samples[i][q]);
             bench_free(&samples[i][q]);
         }
-        measured[i] =
+        ways[i].measured =
             (struct model_measured){of[STEP].p50,  of[RATIO].p50,     of[SERIAL].min,
                                     of[REFIT].min, of[DETECTION].min, of[MERGE].min};
     }

@@ -31,9 +31,11 @@ struct scheme {
 };
 
 static const struct scheme schemes[] = {
-    {"paper", "round-robin", {0, ENG_SCHEDULER_PAPER, PCCD_METHOD_PAPER}},
-    {"steal", "none", {0, ENG_SCHEDULER_STEAL, PCCD_METHOD_PAPER}},
-    {"wide", "none", {0, ENG_SCHEDULER_STEAL, PCCD_METHOD_WIDE}},
+    {"paper",
+     "round-robin",
+     {.scheduler = ENG_SCHEDULER_PAPER, .method = PCCD_METHOD_PAPER}},
+    {"steal", "none", {.scheduler = ENG_SCHEDULER_STEAL, .method = PCCD_METHOD_PAPER}},
+    {"wide", "none", {.scheduler = ENG_SCHEDULER_STEAL, .method = PCCD_METHOD_WIDE}},
 };
 #define SCHEMES (sizeof schemes / sizeof schemes[0])
 
@@ -55,9 +57,8 @@ struct run {
     FILE *validation; /* CSV: predictions beside measurements */
     char name[64];
     struct model_record record;
-    struct model_measured measured[MODEL_WAYS_MAX];
-    uint32_t measured_count;
     struct model_way ways[MODEL_WAYS_MAX];
+    uint32_t way_count;
     double alone; /* the step by one thread */
 };
 
@@ -92,7 +93,7 @@ static void predict(const struct run *run, const struct scheme *scheme,
     *out =
         (struct prediction){.refit_work = division->refit_end_ns,
                             .high_work = is_paper ? model_tasks_sum(&division->tasks) : 0,
-                            .merge_work = run->measured[0].merge};
+                            .merge_work = run->ways[0].measured.merge};
     double begin = costs->wake_each * (threads.count - 1);
     threads.now[0] = begin;
     for (uint32_t t = 1; t < threads.count; t++) { /* the team is woken one by one */
@@ -131,12 +132,12 @@ static void predict(const struct run *run, const struct scheme *scheme,
         busy += threads.busy[t];
     }
     double end = model_latest(&threads);
-    out->serial = run->measured[0].serial + begin;
+    out->serial = run->ways[0].measured.serial + begin;
     out->refit = refitted - begin;
     out->low = low - refitted;
     out->high = detected - low;
     out->merge = end - detected;
-    out->total = end + run->measured[0].serial;
+    out->total = end + run->ways[0].measured.serial;
     out->low_work = busy - out->refit_work - out->high_work - out->merge_work;
     out->wait = end - busy / threads.count;
     out->critical = model_tasks_chain(tasks, roots, root_count);
@@ -178,8 +179,8 @@ static void print(const struct run *run, const struct scheme *scheme, uint32_t t
 static void validate(const struct run *run, const struct scheme *scheme, uint32_t threads,
                      const struct prediction *output)
 {
-    for (uint32_t i = 0; i < run->measured_count; i++) {
-        const struct model_measured *m = &run->measured[i];
+    for (uint32_t i = 0; i < run->way_count; i++) {
+        const struct model_measured *m = &run->ways[i].measured;
         if (run->ways[i].threads == threads &&
             run->ways[i].scheduler == scheme->way.scheduler) {
             double error = output->total / m->step - 1;
@@ -200,7 +201,7 @@ static void replay(struct run *run)
 {
     static struct model_division division;
     struct model_record *record = &run->record;
-    const struct model_measured *one = &run->measured[0];
+    const struct model_measured *one = &run->ways[0].measured;
     /* All parts add up to the fastest step by one thread, whatever caches and the clock
      * did while each task was timed: the one-thread row is no prediction. */
     double scale = one->detection / model_tasks_sum(&record->steal);
@@ -237,18 +238,18 @@ static void model_method(struct run *run, const struct bench_frames *frames,
 {
     const struct options *options = &run->options;
     struct bench_world world;
-    run->measured_count = 0;
-    run->ways[run->measured_count++] = (struct model_way){1, ENG_SCHEDULER_STEAL, method};
+    run->way_count = 0;
+    run->ways[run->way_count++] = (struct model_way){
+        .threads = 1, .scheduler = ENG_SCHEDULER_STEAL, .method = method};
     for (size_t s = 0; s < SCHEMES; s++) {
         if (schemes[s].way.method == method) {
-            run->ways[run->measured_count] = schemes[s].way;
-            run->ways[run->measured_count++].threads = options->validate;
+            run->ways[run->way_count] = schemes[s].way;
+            run->ways[run->way_count++].threads = options->validate;
         }
     }
     bench_world_init(&world, frames, NULL);
-    bench_check(model_measure(frames, &world, &run->affinity, run->ways,
-                              run->measured_count, options->bench.smoke ? 3 : TURNS,
-                              run->measured),
+    bench_check(model_measure(frames, &world, &run->affinity, run->ways, run->way_count,
+                              options->bench.smoke ? 3 : TURNS),
                 run->name, "all ways give the same answer");
     run->record = (struct model_record){.scene = world.scene,
                                         .method = method,

@@ -12,13 +12,6 @@
 
 #define MODEL_WAYS_MAX 3
 
-/* One way to run the step. */
-struct model_way {
-    uint32_t threads;
-    enum eng_scheduler scheduler;
-    enum pccd_method method;
-};
-
 /* Nanoseconds. The parts are minima: other work on the machine only adds to them. */
 struct model_measured {
     double step;   /* median */
@@ -29,12 +22,20 @@ struct model_measured {
     double merge;
 };
 
+/* One way to run the step. */
+struct model_way {
+    uint32_t threads;
+    enum eng_scheduler scheduler;
+    enum pccd_method method;
+    struct model_measured measured; /* by model_measure */
+};
+
 /* Run the same step `turns` times in each way, by turns, so that other work on the
  * machine hits all of them; ways[0] is by one thread. Returns whether all answers have
  * the same hash. */
 bool model_measure(const struct bench_frames *frames, struct bench_world *world,
-                   const struct eng_affinity *affinity, const struct model_way *ways,
-                   uint32_t way_count, uint32_t turns, struct model_measured *measured);
+                   const struct eng_affinity *affinity, struct model_way *ways,
+                   uint32_t way_count, uint32_t turns);
 
 /* ---- Measures what it costs on this machine that threads meet.
  *

@@ -101,8 +101,8 @@ static bool judge(struct run *run)
     if (run->theirs) {
         ask_theirs(run, &theirs, &relabelled);
     }
-    near_judge(run->input, run->d, &ours.answers, ours.brackets,
-               run->theirs ? &theirs : NULL, &of_ours, &of_theirs);
+    near_judge(run->input, run->d, &ours, run->theirs ? &theirs : NULL, &of_ours,
+               &of_theirs);
     uint64_t wrong = of_ours.missing + of_ours.surplus + of_ours.distances +
                      of_ours.closest + of_ours.merged + of_ours.bounds;
     bench_number(run->name, "distance", "", run->d);
@@ -184,35 +184,40 @@ static void take_turns(struct run *run, uint32_t most, unsigned repeats)
     free(bounds);
 }
 
-static void print_row(const struct run *run, const char *who, const char *what,
-                      uint32_t threads, const struct near_quantity *quantity,
-                      const char *base_name, const struct near_quantity *base)
+static struct bench_side side_of(const char *who, const char *what, uint32_t threads,
+                                 const struct near_quantity *quantity)
 {
-    struct bench_side side = {.unit = "ms",
-                              .base_name = base_name,
-                              .threads = threads,
-                              .samples = quantity->ms};
+    struct bench_side side = {.unit = "ms", .threads = threads, .samples = quantity->ms};
     snprintf(side.what, sizeof side.what, "%s, %s, %u", who, what, threads);
-    bench_side_row(run->name, &side, base ? &base->ms : NULL);
+    return side;
+}
+
+static void print_row(const char *scene, struct bench_side side, const char *base_name,
+                      const struct near_quantity *base)
+{
+    side.base_name = base_name;
+    bench_side_row(scene, &side, base ? &base->ms : NULL);
 }
 
 static void print(const struct run *run, uint32_t most)
 {
     for (uint32_t threads = 1; threads <= most; threads++) {
         const struct near_quantity *step = &run->step[threads - 1];
-        print_row(run, "ours", "contact step", threads, step, NULL, NULL);
+        print_row(run->name, side_of("ours", "contact step", threads, step), NULL, NULL);
         for (unsigned i = 0; i < ASKED; i++) {
-            print_row(run, "ours", asked[i].name, threads, &run->ours[threads - 1][i],
+            print_row(run->name,
+                      side_of("ours", asked[i].name, threads, &run->ours[threads - 1][i]),
                       "contact step", step);
         }
     }
     for (unsigned i = 0; i < THEIRS && run->theirs; i++) {
-        print_row(run, peer->name, their_name[i], 1, &run->others[i], "ours",
-                  &run->ours[0][beside[i]]);
+        print_row(run->name, side_of(peer->name, their_name[i], 1, &run->others[i]),
+                  "ours", &run->ours[0][beside[i]]);
     }
     for (uint32_t threads = 2; threads <= most; threads++) {
         for (unsigned i = 0; i < ASKED; i++) {
-            print_row(run, "one thread", asked[i].name, threads, &run->ours[0][i],
+            print_row(run->name,
+                      side_of("one thread", asked[i].name, threads, &run->ours[0][i]),
                       "so many", &run->ours[threads - 1][i]);
         }
     }
@@ -325,11 +330,11 @@ static void measure_passing(const struct bench_options *options)
             ask_of_two(&world, &frames, of_two[k].what, &asked_of[k]);
         }
     }
-    struct run run = {.name = scene.name};
-    print_row(&run, "ours", "contact step", 1, &step, NULL, NULL);
+    print_row(scene.name, side_of("ours", "contact step", 1, &step), NULL, NULL);
     bench_free(&step.ms);
     for (unsigned k = 0; k < OF_TWO; k++) {
-        print_row(&run, "ours", of_two[k].name, 1, &asked_of[k], NULL, NULL);
+        print_row(scene.name, side_of("ours", of_two[k].name, 1, &asked_of[k]), NULL,
+                  NULL);
         bench_free(&asked_of[k].ms);
     }
     bench_world_deinit(&world);

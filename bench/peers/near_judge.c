@@ -23,6 +23,7 @@ struct judge {
     struct near_feature *features; /* of all pairs that are within d */
     uint64_t feature_count;
     struct near_bracket *bounds; /* by vertex: of its nearest pair */
+    struct near_verdict ours, theirs;
 };
 
 static int compare_names(const void *left, const void *right)
@@ -132,9 +133,9 @@ static void bound(struct judge *judge, const struct points *points,
 /* The oracle's answer for one pair against those of both sides, where they have it. */
 static void judge_pair(struct judge *judge, struct near_name name,
                        const struct near_pair *of_us, const struct near_bracket *bracket,
-                       const struct near_pair *of_them, struct near_verdict *ours,
-                       struct near_verdict *theirs)
+                       const struct near_pair *of_them)
 {
+    struct near_verdict *ours = &judge->ours, *theirs = &judge->theirs;
     struct points points;
     struct oracle_distance found;
     gather(judge->input, name, &points);
@@ -166,11 +167,10 @@ static void judge_pair(struct judge *judge, struct near_name name,
 }
 
 /* Both sides' pairs in one order. */
-static void judge_pairs(struct judge *judge, const struct near_answers *ours,
-                        const struct near_bracket *brackets,
-                        const struct near_answers *theirs, struct near_verdict *of_ours,
-                        struct near_verdict *of_theirs)
+static void judge_pairs(struct judge *judge, const struct near_ours *of_ours,
+                        const struct near_answers *theirs)
 {
+    const struct near_answers *ours = &of_ours->answers;
     uint64_t i = 0;
     uint64_t j = 0;
     while (i < ours->pair_count || j < theirs->pair_count) {
@@ -181,7 +181,7 @@ static void judge_pairs(struct judge *judge, const struct near_answers *ours,
         const struct near_pair *of_us = order <= 0 ? &ours->pairs[i] : NULL;
         const struct near_pair *of_them = order >= 0 ? &theirs->pairs[j] : NULL;
         judge_pair(judge, of_us ? of_us->name : of_them->name, of_us,
-                   of_us ? &brackets[i] : NULL, of_them, of_ours, of_theirs);
+                   of_us ? &of_ours->brackets[i] : NULL, of_them);
         i += of_us != NULL;
         j += of_them != NULL;
     }
@@ -218,16 +218,14 @@ static uint64_t differences(const struct judge *judge, const struct near_feature
     return wrong + (judge->feature_count - i) + (count - j);
 }
 
-static void judge_bounds(const struct judge *judge, const double *ours,
-                         const double *theirs, struct near_verdict *of_ours,
-                         struct near_verdict *of_theirs)
+static void judge_bounds(struct judge *judge, const double *ours, const double *theirs)
 {
     for (uint32_t i = 0; i < judge->input->vertex_count; i++) {
         double hi = fmin(judge->bounds[i].hi, judge->d);
-        of_ours->bounds += ours[i] != fmin(judge->bounds[i].lo, judge->d);
+        judge->ours.bounds += ours[i] != fmin(judge->bounds[i].lo, judge->d);
         if (theirs && theirs[i] > hi) {
-            of_theirs->bounds++;
-            of_theirs->most = fmax(of_theirs->most, theirs[i] / hi - 1);
+            judge->theirs.bounds++;
+            judge->theirs.most = fmax(judge->theirs.most, theirs[i] / hi - 1);
         }
     }
 }
@@ -240,14 +238,14 @@ static void bounds_init(struct judge *judge)
     }
 }
 
-void near_judge(const struct near_input *input, double d, const struct near_answers *ours,
-                const struct near_bracket *brackets, struct near_answers *theirs,
-                struct near_verdict *of_ours, struct near_verdict *of_theirs)
+void near_judge(const struct near_input *input, double d, const struct near_ours *of_us,
+                struct near_answers *theirs, struct near_verdict *of_ours,
+                struct near_verdict *of_theirs)
 {
+    const struct near_answers *ours = &of_us->answers;
     struct near_answers nobody = {0};
     struct near_answers *others = theirs ? theirs : &nobody;
     struct judge judge = {.input = input, .d = d};
-    *of_ours = *of_theirs = (struct near_verdict){0};
     judge.features =
         bench_alloc(ours->pair_count + others->pair_count + 1, sizeof *judge.features);
     list_edges(&judge);
@@ -255,16 +253,19 @@ void near_judge(const struct near_input *input, double d, const struct near_answ
     if (others->pair_count > 0) {
         qsort(others->pairs, others->pair_count, sizeof *others->pairs, compare_names);
     }
-    judge_pairs(&judge, ours, brackets, others, of_ours, of_theirs);
-    of_ours->pairs = of_theirs->pairs = judge.feature_count;
+    judge_pairs(&judge, of_us, others);
+    judge.ours.pairs = judge.theirs.pairs = judge.feature_count;
     judge.feature_count = merge(judge.features, judge.feature_count);
-    of_ours->features = of_theirs->features = judge.feature_count;
-    of_ours->merged = differences(&judge, ours->features, ours->feature_count);
+    judge.ours.features = judge.theirs.features = judge.feature_count;
+    judge.ours.merged = differences(&judge, ours->features, ours->feature_count);
     if (theirs) {
         theirs->feature_count = merge(theirs->features, theirs->feature_count);
-        of_theirs->merged = differences(&judge, theirs->features, theirs->feature_count);
+        judge.theirs.merged =
+            differences(&judge, theirs->features, theirs->feature_count);
     }
-    judge_bounds(&judge, ours->bounds, others->bounds, of_ours, of_theirs);
+    judge_bounds(&judge, ours->bounds, others->bounds);
+    *of_ours = judge.ours;
+    *of_theirs = judge.theirs;
     free(judge.edges);
     free(judge.features);
     free(judge.bounds);

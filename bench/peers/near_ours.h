@@ -46,11 +46,16 @@ struct near_verdict {
     double most;      /* else: by how much of the bound, at most */
 };
 
-/* ours->pairs[i] has the bracket brackets[i]; they are sorted by name, as features are.
- * `theirs` NULL: there is no other. */
-void near_judge(const struct near_input *input, double d, const struct near_answers *ours,
-                const struct near_bracket *brackets, struct near_answers *theirs,
-                struct near_verdict *of_ours, struct near_verdict *of_theirs);
+struct near_ours {
+    struct near_answers answers;
+    struct near_bracket *brackets; /* of each pair */
+};
+
+/* Judge both. The pairs of ours are sorted by name, as features are. `theirs` NULL: there
+ * is no other. */
+void near_judge(const struct near_input *input, double d, const struct near_ours *of_us,
+                struct near_answers *theirs, struct near_verdict *of_ours,
+                struct near_verdict *of_theirs);
 
 /* Measured times of one question. */
 struct near_quantity {
@@ -75,11 +80,6 @@ struct near_scene {
 
 void near_scene_init(struct near_scene *scene, const struct bench_scene *source);
 void near_scene_deinit(struct near_scene *scene);
-
-struct near_ours {
-    struct near_answers answers;
-    struct near_bracket *brackets; /* of each pair */
-};
 
 /* Settings of a question, by the method `wide`. */
 struct eng_question near_ours_settings(enum pccd_near_what what, double d,

@@ -167,18 +167,12 @@ static enum load_kind kind_of(uint32_t kinds, uint32_t number)
     return LOAD_FOLLOW;
 }
 
-int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t number,
-                    struct load_tally *tally, bool is_alone, bool sheet_first, bool loud)
+int load_actor_open(struct load_actor *actor, bool loud)
 {
-    memset(actor, 0, sizeof *actor);
-    actor->load = load;
-    actor->tally = tally;
-    actor->number = number;
-    actor->is_alone = is_alone;
-    actor->sheet_first = sheet_first;
-    actor->shape = load_shape_of(load, number);
-    actor->kind = kind_of(load->settings.kinds, number);
-    actor->pace = (struct load_pace){.client = number, .due_ns = common_now_ns()};
+    const struct load *load = actor->load;
+    actor->shape = load_shape_of(load, actor->number);
+    actor->kind = kind_of(load->settings.kinds, actor->number);
+    actor->pace = (struct load_pace){.client = actor->number, .due_ns = common_now_ns()};
     return connect_and_add(actor, loud);
 }
 

@@ -62,7 +62,7 @@ struct load_pending {
     uint64_t step;
     uint32_t from; /* position; the next one is where it goes */
     enum load_mischief mischief;
-    bool is_near; /* it asks what is near there */
+    bool is_near;    /* it asks what is near there */
     uint64_t due_ns; /* in the open loop: when it should have been submitted */
     uint64_t sent_ns;
 };
@@ -96,10 +96,10 @@ struct load_actor {
     uint64_t moved_ns; /* when something last came of a turn */
 };
 
-/* Connect and register; `is_alone`: for the truth, as is who adds the sheet first.
- * Returns 0 or a status, after saying why if `loud`; close it in either case. */
-int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t number,
-                    struct load_tally *tally, bool is_alone, bool sheet_first, bool loud);
+/* Connect and register an actor of which `load`, `tally`, `number`, `is_alone` and
+ * `sheet_first` are set, and all else is zero. Return 0 or a status, after saying why if
+ * `loud`; close it in either case. */
+int load_actor_open(struct load_actor *actor, bool loud);
 
 /* Write the descriptors that it waits for. */
 void load_actor_fds(const struct load_actor *actor, struct pollfd fds[2]);

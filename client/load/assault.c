@@ -24,15 +24,17 @@ static uint64_t draw(struct load_assault *assault, uint64_t below)
 /* In the child: a client, until it is killed. */
 static void live(const struct load *load, uint32_t index, pid_t parent)
 {
-    struct load_actor actor;
-    uint32_t number = load->settings.clients + index;
+    const struct load_actor unborn = {.load = load,
+                                      .tally = &load->shared->victims[index],
+                                      .number = load->settings.clients + index};
+    struct load_actor actor = unborn;
     if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) {
         _exit(1);
     }
-    while (load_actor_open(&actor, load, number, &load->shared->victims[index], false,
-                           false, false) != 0) {
+    while (load_actor_open(&actor, false) != 0) {
         load_actor_close(&actor); /* the worker may have been killed in the middle */
         load_sleep_ms(1);
+        actor = unborn;
     }
     for (;;) {
         if (!load_actor_turn(&actor, true, true)) {

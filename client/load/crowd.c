@@ -79,8 +79,9 @@ static uint32_t number_of(const struct crowd *crowd, uint32_t i)
 
 static bool join(struct crowd *crowd, uint32_t i)
 {
-    return load_actor_open(&crowd->actors[i], crowd->load, number_of(crowd, i),
-                           crowd->tally, false, false, true) == 0;
+    crowd->actors[i] = (struct load_actor){
+        .load = crowd->load, .tally = crowd->tally, .number = number_of(crowd, i)};
+    return load_actor_open(&crowd->actors[i], true) == 0;
 }
 
 /* Those that do not join one after the other. */
@@ -229,8 +230,12 @@ pid_t load_crowd_start(struct load *load, uint32_t index)
 static int go_round(const struct load *load, uint32_t number, bool sheet_first,
                     struct load_tally *tally)
 {
-    struct load_actor actor;
-    int status = load_actor_open(&actor, load, number, tally, true, sheet_first, true);
+    struct load_actor actor = {.load = load,
+                               .tally = tally,
+                               .number = number,
+                               .is_alone = true,
+                               .sheet_first = sheet_first};
+    int status = load_actor_open(&actor, true);
     while (status == 0 && (actor.next < LOAD_FRAMES || actor.pending_count > 0)) {
         bool more = actor.next < LOAD_FRAMES;
         if (!load_actor_turn(&actor, more, true) && actor.pending_count > 0) {

@@ -57,10 +57,10 @@ void ranks_box_grow(float box[6], double growth)
     }
 }
 
-/* Make boxes around all local vertices of an object, each for all leaves that have it. */
+/* Make boxes around all local vertices of an object, which begin at x[0] and end at x[1],
+ * each for all leaves that have it. */
 static int bound(struct pccd_mpi *world, uint32_t o, const struct ranks_margin *margin,
-                 double growth, const double (*x0)[3], const double (*x1)[3],
-                 struct ranks_boxes *boxes)
+                 double growth, const double (*const x[2])[3], struct ranks_boxes *boxes)
 {
     const struct ranks_object *object = world->objects[o];
     uint32_t count = object->local.vertex_count;
@@ -71,7 +71,7 @@ static int bound(struct pccd_mpi *world, uint32_t o, const struct ranks_margin *
         return ranks_no_memory(world);
     }
     for (uint32_t i = 0; i < count; i++) {
-        ranks_vertex_box(x0[i], x1[i], margin, &vertices[i]);
+        ranks_vertex_box(x[0][i], x[1][i], margin, &vertices[i]);
         ranks_box_grow(vertices[i].box, growth);
     }
     return ranks_local_corners(world, &object->local, object->own, object->own_count,
@@ -158,8 +158,8 @@ int ranks_boxes_make(struct pccd_mpi *world, double separation, uint64_t block_c
     int status = begin(world, boxes);
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         const struct ranks_object *object = world->objects[o];
-        status = bound(world, o, &object->margin, ranks_reach(object, separation), x0[o],
-                       x1[o], boxes);
+        status = bound(world, o, &object->margin, ranks_reach(object, separation),
+                       (const double(*const[2])[3]){x0[o], x1[o]}, boxes);
     }
     return status == PCCD_OK ? make_blocks(world, block_count, boxes) : status;
 }
@@ -170,7 +170,8 @@ int ranks_boxes_make_still(struct pccd_mpi *world, uint64_t block_count,
     const struct ranks_margin none = {.steps = 1};
     int status = begin(world, boxes);
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
-        status = bound(world, o, &none, 0, x[o], x[o], boxes);
+        status =
+            bound(world, o, &none, 0, (const double(*const[2])[3]){x[o], x[o]}, boxes);
     }
     return status == PCCD_OK ? make_blocks(world, block_count, boxes) : status;
 }

@@ -75,13 +75,20 @@ static int await(struct ranks_link *link, MPI_Request *request)
     return status;
 }
 
-static int begin(struct ranks_link *link, bool sends, void *bytes, size_t count, int rank,
-                 int tag, MPI_Request *request)
+static int send_to(struct ranks_link *link, const void *bytes, size_t count, int rank,
+                   int tag, MPI_Request *request)
 {
-    int code =
-        sends ? MPI_Isend(bytes, (int)count, MPI_BYTE, rank, tag, link->comm, request)
-              : MPI_Irecv(bytes, (int)count, MPI_BYTE, rank, tag, link->comm, request);
-    return ranks_mpi(link, code, "gathering records");
+    return ranks_mpi(
+        link, MPI_Isend(bytes, (int)count, MPI_BYTE, rank, tag, link->comm, request),
+        "gathering records");
+}
+
+static int receive_from(struct ranks_link *link, void *bytes, size_t count, int rank,
+                        int tag, MPI_Request *request)
+{
+    return ranks_mpi(
+        link, MPI_Irecv(bytes, (int)count, MPI_BYTE, rank, tag, link->comm, request),
+        "gathering records");
 }
 
 /* ---- the others ------------------------------------------------------------------- */
@@ -95,15 +102,15 @@ static int serve(struct pccd_mpi *world, int root)
     int status = PCCD_OK;
     while (sent < count_of(world) && status == PCCD_OK) {
         char goes_on = 0;
-        status = begin(link, false, &goes_on, 1, root, TAG_ASK, &request);
+        status = receive_from(link, &goes_on, 1, root, TAG_ASK, &request);
         status = status == PCCD_OK ? await(link, &request) : status;
         if (status != PCCD_OK || !goes_on) {
             break;
         }
         uint64_t count = count_of(world) - sent;
         count = count < CHUNK_RECORDS ? count : CHUNK_RECORDS;
-        status = begin(link, true, records_of(world) + sent * record_bytes,
-                       count * record_bytes, root, TAG_RECORDS, &request);
+        status = send_to(link, records_of(world) + sent * record_bytes,
+                         count * record_bytes, root, TAG_RECORDS, &request);
         status = status == PCCD_OK ? await(link, &request) : status;
         sent += count;
     }
@@ -129,11 +136,11 @@ static int ask(struct merge *merge, int r, bool goes_on)
                count * merge->record_bytes);
     } else {
         MPI_Request request;
-        int status = begin(link, true, &word, 1, r, TAG_ASK, &request);
+        int status = send_to(link, &word, 1, r, TAG_ASK, &request);
         status = status == PCCD_OK ? ranks_wait(link, &request, 1) : status;
         if (status == PCCD_OK && goes_on) {
-            status = begin(link, false, stream->records, count * merge->record_bytes, r,
-                           TAG_RECORDS, &request);
+            status = receive_from(link, stream->records, count * merge->record_bytes, r,
+                                  TAG_RECORDS, &request);
             status = status == PCCD_OK ? ranks_wait(link, &request, 1) : status;
         }
         if (status != PCCD_OK) {

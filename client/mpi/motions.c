@@ -35,17 +35,19 @@ static void copy_vertex(const struct pccd_motion *motion, const void *from, uint
     }
 }
 
-/* Copy one end of vertices begin .. end - 1 of a motion, by m or from `from`. Return
- * whether all coordinates are finite, and none beyond 1e18. [team] */
-static bool copy_end(const struct pccd_motion *motion, const void *from,
-                     const double m[12], const double (*registered)[3], double (*to)[3],
-                     uint64_t begin, uint64_t end)
+/* Copy one end of vertices begin .. end - 1 of a motion. Return whether all coordinates
+ * are finite, and none beyond 1e18. [team] */
+static bool copy_end(const struct pccd_motion *motion, const struct ranks_object *object,
+                     bool is_start, uint64_t begin, uint64_t end)
 {
+    const void *from = is_start ? motion->x0 : motion->x1;
+    const double *m = is_start ? motion->m0 : motion->m1;
+    double(*to)[3] = is_start ? object->start : object->next;
     bool is_good = true;
     for (uint32_t i = (uint32_t)begin; i < end; i++) {
         double *out = to[motion->first + i];
         if (m != NULL) {
-            transform(m, registered[motion->first + i], out);
+            transform(m, object->mesh->x[motion->first + i], out);
         } else {
             copy_vertex(motion, from, i, out);
         }
@@ -74,12 +76,9 @@ static uint32_t copy_part(const struct pccd_mpi *world, const struct pccd_motion
         }
         const struct ranks_object *object =
             ranks_find_object_from(world, motion->object, &place);
-        const double(*registered)[3] = (const double(*)[3])object->mesh->x;
-        bool is_good = copy_end(motion, motion->x1, motion->m1, registered, object->next,
-                                first, last);
+        bool is_good = copy_end(motion, object, false, first, last);
         if (has_start(motion)) {
-            is_good &= copy_end(motion, motion->x0, motion->m0, registered, object->start,
-                                first, last);
+            is_good &= copy_end(motion, object, true, first, last);
         }
         bad = is_good || bad < i ? bad : i;
     }

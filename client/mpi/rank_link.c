@@ -291,30 +291,36 @@ static uint64_t count_messages(const struct ranks_link *link, size_t item_bytes,
     return count;
 }
 
-/* Begin to send to a rank, or to receive from it. Returns how many requests began. */
-static int begin(struct ranks_link *link, bool sends, char *bytes, uint64_t count,
-                 int rank, MPI_Request *requests, int *status)
+/* Messages that are under way. */
+struct messages {
+    MPI_Request *requests;
+    int begun; /* of these */
+    int status;
+};
+
+/* Begin to send to a rank, or to receive from it. */
+static void begin(struct ranks_link *link, bool sends, char *bytes, uint64_t count,
+                  int rank, struct messages *messages)
 {
-    int begun = 0;
-    for (uint64_t at = 0; at < count && *status == PCCD_OK; at += CHUNK_BYTES) {
+    for (uint64_t at = 0; at < count && messages->status == PCCD_OK; at += CHUNK_BYTES) {
+        MPI_Request *request = &messages->requests[messages->begun];
         int length = (int)(count - at < CHUNK_BYTES ? count - at : CHUNK_BYTES);
-        int code = sends ? MPI_Isend(bytes + at, length, MPI_BYTE, rank, TAG, link->comm,
-                                     &requests[begun])
-                         : MPI_Irecv(bytes + at, length, MPI_BYTE, rank, TAG, link->comm,
-                                     &requests[begun]);
-        *status = ranks_mpi(link, code, sends ? "MPI_Isend" : "MPI_Irecv");
-        begun += *status == PCCD_OK;
+        int code =
+            sends
+                ? MPI_Isend(bytes + at, length, MPI_BYTE, rank, TAG, link->comm, request)
+                : MPI_Irecv(bytes + at, length, MPI_BYTE, rank, TAG, link->comm, request);
+        messages->status = ranks_mpi(link, code, sends ? "MPI_Isend" : "MPI_Irecv");
+        messages->begun += messages->status == PCCD_OK;
     }
-    return begun;
 }
 
 /* Nothing is received any more into memory that the caller will free. */
-static void give_up(MPI_Request *requests, int count)
+static void give_up(struct messages *messages)
 {
-    for (int i = 0; i < count; i++) {
-        if (requests[i] != MPI_REQUEST_NULL) {
-            MPI_Cancel(&requests[i]);
-            MPI_Request_free(&requests[i]);
+    for (int i = 0; i < messages->begun; i++) {
+        if (messages->requests[i] != MPI_REQUEST_NULL) {
+            MPI_Cancel(&messages->requests[i]);
+            MPI_Request_free(&messages->requests[i]);
         }
     }
 }
@@ -324,32 +330,32 @@ int ranks_swap_into(struct ranks_link *link, size_t item_bytes, const void *out,
 {
     uint64_t count = count_messages(link, item_bytes, first_out) +
                      count_messages(link, item_bytes, first_in);
-    MPI_Request *requests = shared_array(link, count, sizeof(MPI_Request));
-    int begun = 0;
-    int status = link->broken;
-    if (requests == NULL) {
+    struct messages messages = {.requests =
+                                    shared_array(link, count, sizeof(MPI_Request)),
+                                .status = link->broken};
+    if (messages.requests == NULL) {
         return link->broken;
     }
     for (int turn = 1; turn < link->size; turn++) {
         int r = (link->rank + link->size - turn) % link->size;
-        begun += begin(link, false, in[r], (first_in[r + 1] - first_in[r]) * item_bytes,
-                       r, requests + begun, &status);
+        begin(link, false, in[r], (first_in[r + 1] - first_in[r]) * item_bytes, r,
+              &messages);
     }
     for (int turn = 1; turn < link->size; turn++) {
         int r = (link->rank + turn) % link->size;
         uint64_t bytes = (first_out[r + 1] - first_out[r]) * item_bytes;
-        begun += begin(link, true, (char *)(uintptr_t)out + first_out[r] * item_bytes,
-                       bytes, r, requests + begun, &status);
+        begin(link, true, (char *)(uintptr_t)out + first_out[r] * item_bytes, bytes, r,
+              &messages);
         link->sent_bytes += bytes;
     }
-    if (status == PCCD_OK) {
-        status = ranks_wait(link, requests, begun);
+    if (messages.status == PCCD_OK) {
+        messages.status = ranks_wait(link, messages.requests, messages.begun);
     }
-    if (status != PCCD_OK) {
-        give_up(requests, begun);
+    if (messages.status != PCCD_OK) {
+        give_up(&messages);
     }
-    free((void *)requests);
-    return status;
+    free((void *)messages.requests);
+    return messages.status;
 }
 
 int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,

@@ -93,28 +93,20 @@ static const uint32_t *numbers_of(const struct ranks_local *local, uint32_t poin
     return points == 1 ? local->vertices : points == 2 ? local->edges : local->triangles;
 }
 
-static void look_up(const struct pccd_mpi *world, struct reader *reader, uint32_t kind,
-                    uint32_t object_a, uint32_t object_b)
+/* Find the numbers that features of a record get. */
+static inline void look_up(const struct pccd_mpi *world, struct reader *reader,
+                           uint32_t kind, uint32_t object_a, uint32_t object_b)
 {
+    if (reader->a != NULL && reader->kind == kind && reader->a->handle == object_a &&
+        reader->b->handle == object_b) {
+        return;
+    }
     const uint32_t *points = common_kinds[kind].points;
     reader->a = ranks_find_object_from(world, object_a, &reader->at_a);
     reader->b = ranks_find_object_from(world, object_b, &reader->at_b);
     reader->kind = kind;
     reader->numbers_a = numbers_of(&reader->a->local, points[0]);
     reader->numbers_b = numbers_of(&reader->b->local, points[1]);
-}
-
-/* Give a record its numbers. */
-static inline void translate(const struct pccd_mpi *world, struct reader *reader,
-                             uint32_t kind, uint32_t object_a, uint32_t *feature_a,
-                             uint32_t object_b, uint32_t *feature_b)
-{
-    if (reader->a == NULL || reader->kind != kind || reader->a->handle != object_a ||
-        reader->b->handle != object_b) {
-        look_up(world, reader, kind, object_a, object_b);
-    }
-    *feature_a = reader->numbers_a[*feature_a];
-    *feature_b = reader->numbers_b[*feature_b];
 }
 
 bool ranks_record_is_own(struct pccd_mpi *world, const struct pccd_near *record)
@@ -198,8 +190,9 @@ static int take_near(struct pccd_mpi *world, const struct pccd_answer *page)
     for (uint64_t i = 0; i < page->count && status == PCCD_OK; i++) {
         struct pccd_near *to = (struct pccd_near *)world->records + world->record_count;
         *to = page->near[i];
-        translate(world, &reader, to->kind, to->object_a, &to->feature_a, to->object_b,
-                  &to->feature_b);
+        look_up(world, &reader, to->kind, to->object_a, to->object_b);
+        to->feature_a = reader.numbers_a[to->feature_a];
+        to->feature_b = reader.numbers_b[to->feature_b];
         if (is_own(&reader, page->near[i].feature_a)) {
             world->record_count++;
         } else if (world->is_merged) {
@@ -228,8 +221,9 @@ static void take_contacts(const struct pccd_mpi *world, struct reader *reader,
 {
     for (uint64_t i = 0; i < count; i++) {
         to[i] = from[i];
-        translate(world, reader, to[i].kind, to[i].object_a, &to[i].feature_a,
-                  to[i].object_b, &to[i].feature_b);
+        look_up(world, reader, to[i].kind, to[i].object_a, to[i].object_b);
+        to[i].feature_a = reader->numbers_a[to[i].feature_a];
+        to[i].feature_b = reader->numbers_b[to[i].feature_b];
     }
 }
 
@@ -238,8 +232,9 @@ static void take_pairs(const struct pccd_mpi *world, struct reader *reader,
 {
     for (uint64_t i = 0; i < count; i++) {
         to[i] = from[i];
-        translate(world, reader, to[i].kind, to[i].object_a, &to[i].feature_a,
-                  to[i].object_b, &to[i].feature_b);
+        look_up(world, reader, to[i].kind, to[i].object_a, to[i].object_b);
+        to[i].feature_a = reader->numbers_a[to[i].feature_a];
+        to[i].feature_b = reader->numbers_b[to[i].feature_b];
     }
 }
 

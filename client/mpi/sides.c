@@ -55,30 +55,6 @@ static struct ranks_key *gather(const struct ranks_leaf *leaves, uint32_t leaf_c
     return ranks_sort(memory, memory + *count, *count);
 }
 
-/* Each once, with the lowest leaf, to said[]; first[size + 1] by directory. */
-static uint64_t say_each(const struct ranks_mesh *mesh, int size,
-                         const struct ranks_leaf *leaves, const struct ranks_key *keys,
-                         uint64_t count, struct said *said, uint64_t *first)
-{
-    uint64_t each = 0;
-    memset(first, 0, ((size_t)size + 1) * sizeof *first);
-    for (uint64_t i = 0; i < count; i++) {
-        uint32_t number = leaves[keys[i].value / 4].number;
-        if (i > 0 && keys[i].key == keys[i - 1].key) {
-            said[each - 1].leaf =
-                number < said[each - 1].leaf ? number : said[each - 1].leaf;
-            continue;
-        }
-        uint32_t high = (uint32_t)(keys[i].key >> 32);
-        said[each++] = (struct said){high, (uint32_t)keys[i].key, number};
-        first[ranks_directory(mesh, high) + 1]++;
-    }
-    for (int r = 0; r < size; r++) {
-        first[r + 1] += first[r];
-    }
-    return each;
-}
-
 /* In the directory: number what the ranks said, and tell the lowest leaf of each. Returns
  * how many there are, or UINT64_MAX: no memory. */
 static uint64_t number_all(const struct said *in, uint64_t count, struct heard *heard)
@@ -127,6 +103,32 @@ static void question_deinit(struct question *question)
     free(question->first);
 }
 
+/* Write each once, with the lowest leaf, to question->said, and where those of each
+ * directory begin, to first[size + 1]. Return how many there are. */
+static uint64_t say_each(const struct ranks_mesh *mesh, int size,
+                         const struct ranks_leaf *leaves, struct question *question)
+{
+    const struct ranks_key *keys = question->keys;
+    struct said *said = question->said;
+    uint64_t *first = question->first, each = 0;
+    memset(first, 0, ((size_t)size + 1) * sizeof *first);
+    for (uint64_t i = 0; i < question->count; i++) {
+        uint32_t number = leaves[keys[i].value / 4].number;
+        if (i > 0 && keys[i].key == keys[i - 1].key) {
+            said[each - 1].leaf =
+                number < said[each - 1].leaf ? number : said[each - 1].leaf;
+            continue;
+        }
+        uint32_t high = (uint32_t)(keys[i].key >> 32);
+        said[each++] = (struct said){high, (uint32_t)keys[i].key, number};
+        first[ranks_directory(mesh, high) + 1]++;
+    }
+    for (int r = 0; r < size; r++) {
+        first[r + 1] += first[r];
+    }
+    return each;
+}
+
 /* Edges are numbered on behind those of the directories before. */
 static int number_on(struct pccd_mpi *world, struct question *question, uint64_t each)
 {
@@ -170,8 +172,7 @@ static int ask(struct pccd_mpi *world, const struct ranks_mesh *mesh,
     }
     uint64_t *first = question->first, *first_in = first + link->size + 1;
     question->keys = gather(leaves, leaf_count, say, question->memory, &question->count);
-    uint64_t each = say_each(mesh, link->size, leaves, question->keys, question->count,
-                             question->said, first);
+    uint64_t each = say_each(mesh, link->size, leaves, question);
     status = ranks_deal(link, sizeof(struct said), question->said, first,
                         (void **)&question->in, first_in);
     if (status != PCCD_OK) {

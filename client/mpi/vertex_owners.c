@@ -49,27 +49,33 @@ int ranks_vertex_owners(struct pccd_mpi *world, const struct ranks_mesh *mesh,
 
 /* ---- once ------------------------------------------------------------------------- */
 
-/* Positions of `width` numbers from those who were given them: asked[i] of this rank's
- * list is answered at place[i]. */
-static int fetch(struct pccd_mpi *world, const double *given, uint32_t width,
-                 const uint64_t *first_wanted, const uint32_t *asked,
-                 const uint64_t *first_asked, const uint32_t *place, double *to)
+/* Given vertices that this rank wants, and those that it is asked for, both by rank. */
+struct wanted {
+    uint64_t *first, *first_asked; /* [size + 1] */
+    uint32_t *asked;               /* given vertices */
+    uint32_t *place;               /* of what comes, in the order of the caller */
+};
+
+/* Fetch `width` numbers of each vertex from those who were given it. */
+static int fetch(struct pccd_mpi *world, const struct wanted *wanted, const double *given,
+                 uint32_t width, double *to)
 {
     struct ranks_link *link = &world->link;
-    uint64_t out_count = first_asked[link->size], in_count = first_wanted[link->size];
+    const uint64_t out_count = wanted->first_asked[link->size];
+    const uint64_t in_count = wanted->first[link->size];
     double *out = ranks_array(out_count * width, sizeof *out);
     double *in = ranks_array(in_count * width, sizeof *in);
     int status = ranks_agree_memory(world, out != NULL && in != NULL);
     if (status == PCCD_OK) {
         for (uint64_t i = 0; i < out_count; i++) {
-            memcpy(out + i * width, given + (size_t)asked[i] * width,
+            memcpy(out + i * width, given + (size_t)wanted->asked[i] * width,
                    width * sizeof *out);
         }
-        status =
-            ranks_swap(link, width * sizeof *out, out, first_asked, in, first_wanted);
+        status = ranks_swap(link, width * sizeof *out, out, wanted->first_asked, in,
+                            wanted->first);
     }
     for (uint64_t i = 0; status == PCCD_OK && i < in_count; i++) {
-        memcpy(to + (size_t)place[i] * width, in + i * width, width * sizeof *in);
+        memcpy(to + (size_t)wanted->place[i] * width, in + i * width, width * sizeof *in);
     }
     free(out);
     free(in);
@@ -104,7 +110,8 @@ int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh
     bool with_radii = radii != NULL && mesh->has_radii;
     struct ranks_vertex_owner *owners = ranks_array(count, sizeof *owners);
     uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
-    uint32_t *index = ranks_array(2 * (uint64_t)count, sizeof *index), *asked = NULL;
+    uint32_t *index = ranks_array(2 * (uint64_t)count, sizeof *index);
+    struct wanted wanted = {.first = first};
     double *values = ranks_array(3 * (uint64_t)count, sizeof *values);
     double *some_radii = with_radii ? ranks_array(count, sizeof *some_radii) : NULL;
     int status = owners == NULL || first == NULL || index == NULL || values == NULL ||
@@ -116,24 +123,22 @@ int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh
         status = ranks_vertex_owners(world, mesh, vertices, count, owners);
     }
     if (status == PCCD_OK) {
-        uint64_t *first_asked = first + link->size + 1;
-        uint32_t *place = index + count;
-        order_by_rank(owners, count, link->size, first, index, place);
-        status =
-            ranks_deal(link, sizeof *index, index, first, (void **)&asked, first_asked);
+        wanted.first_asked = first + link->size + 1;
+        wanted.place = index + count;
+        order_by_rank(owners, count, link->size, first, index, wanted.place);
+        status = ranks_deal(link, sizeof *index, index, first, (void **)&wanted.asked,
+                            wanted.first_asked);
         if (status == PCCD_OK) {
-            status = fetch(world, (const double *)mesh->x, 3, first, asked, first_asked,
-                           place, values);
+            status = fetch(world, &wanted, (const double *)mesh->x, 3, values);
         }
         if (status == PCCD_OK && with_radii) {
-            status = fetch(world, mesh->radii, 1, first, asked, first_asked, place,
-                           some_radii);
+            status = fetch(world, &wanted, mesh->radii, 1, some_radii);
         }
     }
     free(owners);
     free(first);
     free(index);
-    free(asked);
+    free(wanted.asked);
     if (status != PCCD_OK) {
         free(values);
         free(some_radii);

@@ -64,9 +64,10 @@ static bool rest(const struct oracle_moment *moment, const struct oracle_feature
     if (object->rest_rings > 0) {
         uint32_t count;
         uint32_t(*edges)[2] = oracle_edges(object, &count);
-        bool are_joined =
-            oracle_are_joined((const uint32_t(*)[2])edges, count, object->vertex_count,
-                              a->v, a->points, b->v, b->points, object->rest_rings);
+        bool are_joined = oracle_are_joined(
+            (const uint32_t(*)[2])edges, count, object->vertex_count,
+            (const uint32_t *const[2]){a->v, b->v},
+            (const uint32_t[2]){a->points, b->points}, object->rest_rings);
         free(edges);
         if (are_joined) {
             return true;

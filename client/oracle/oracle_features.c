@@ -13,9 +13,10 @@ void *oracle_grow(void *block, size_t bytes)
     return block;
 }
 
-static void add_feature(struct oracle_features *features,
-                        const struct oracle_object *objects, uint32_t object,
-                        uint32_t index, const uint32_t *v, uint32_t points, bool is_free)
+static struct oracle_feature *add_feature(struct oracle_features *features,
+                                          const struct oracle_object *objects,
+                                          uint32_t object, uint32_t index,
+                                          const uint32_t *v, uint32_t points)
 {
     if (features->count == features->capacity) {
         features->capacity = features->capacity ? 2 * features->capacity : 256;
@@ -26,7 +27,7 @@ static void add_feature(struct oracle_features *features,
     feature->object = object;
     feature->index = index;
     feature->points = points;
-    feature->is_free = is_free;
+    feature->is_free = false;
     for (uint32_t i = 0; i < points; i++) {
         const double *ends[2] = {objects[object].x0[v[i]], objects[object].x1[v[i]]};
         feature->v[i] = v[i];
@@ -40,6 +41,7 @@ static void add_feature(struct oracle_features *features,
             }
         }
     }
+    return feature;
 }
 
 static int compare_edges(const void *a, const void *b)
@@ -104,7 +106,7 @@ static void add_vertices(const struct oracle_object *objects, uint32_t at,
     }
     for (uint32_t i = 0; i < object->vertex_count; i++) {
         if (use[i] != UNUSED) {
-            add_feature(vertices, objects, at, i, &i, 1, use[i] == POINT);
+            add_feature(vertices, objects, at, i, &i, 1)->is_free = use[i] == POINT;
         }
     }
     free(use);
@@ -122,7 +124,7 @@ static void add_edges(const struct oracle_object *objects, uint32_t at,
     for (uint32_t i = 0; i < edge_count; i++) {
         bool is_side = side_count > 0 && bsearch(pairs[i], sides, side_count,
                                                  sizeof *sides, compare_edges) != NULL;
-        add_feature(edges, objects, at, i, pairs[i], 2, !is_side);
+        add_feature(edges, objects, at, i, pairs[i], 2)->is_free = !is_side;
     }
     free(pairs);
     free(sides);
@@ -132,7 +134,7 @@ static void add_faces(const struct oracle_object *objects, uint32_t at,
                       struct oracle_features *faces)
 {
     for (uint32_t i = 0; i < objects[at].triangle_count; i++) {
-        add_feature(faces, objects, at, i, objects[at].triangles[i], 3, false);
+        add_feature(faces, objects, at, i, objects[at].triangles[i], 3);
     }
 }
 

@@ -136,18 +136,18 @@ static int look(const struct two *two, uint32_t kind,
     return sign;
 }
 
-/* The best of vertices and faces, and, unless a vertex alone is looked at, of edges and
- * of edges that pass through faces. false: that is too much. */
+/* Find the best of vertices and faces, and, unless they are not all vertices of the two,
+ * of edges and of edges that pass through faces. false: that is too much. */
 static bool look_at_all(struct two *two, const struct oracle_features *vertices,
-                        bool with_edges, double reach, uint64_t queries_max,
-                        struct oracle_nears *nears, struct best *best)
+                        double reach, uint64_t queries_max, struct oracle_nears *nears,
+                        struct best *best)
 {
     static const uint32_t kinds[3] = {PCCD_VF, PCCD_EE, PCCD_EF};
     struct oracle_candidates candidates[3] = {{NULL, 0, 0}};
     memset(best, 0, sizeof *best);
     oracle_candidates_find(&two->moment, vertices, &two->of_points[2], reach,
                            &candidates[0]);
-    if (with_edges) {
+    if (vertices == &two->of_points[0]) {
         oracle_candidates_find(&two->moment, &two->of_points[1], &two->of_points[1],
                                reach, &candidates[1]);
         oracle_candidates_find(&two->moment, &two->of_points[1], &two->of_points[2], 0,
@@ -192,7 +192,7 @@ static bool add_nearest(struct two *two, double distance, uint64_t queries_max,
     const struct oracle_features *vertices = &two->of_points[0];
     double reach = fmin(distance, reach_of(two, vertices->items, vertices->count));
     struct best best;
-    if (!look_at_all(two, vertices, true, reach, queries_max, nears, &best)) {
+    if (!look_at_all(two, vertices, reach, queries_max, nears, &best)) {
         return false;
     }
     if (best.is_made &&
@@ -263,8 +263,7 @@ static bool add_depth(struct two *two, struct oracle_feature *vertex,
         winding == 0) {
         return true;
     }
-    if (!look_at_all(two, &one, false, reach_of(two, vertex, 1), queries_max, nears,
-                     &best)) {
+    if (!look_at_all(two, &one, reach_of(two, vertex, 1), queries_max, nears, &best)) {
         return false;
     }
     add_best(two, &best, nears);

@@ -42,11 +42,12 @@ struct oracle_first *oracle_thick_first_new(const struct oracle_thick *thick);
 double oracle_radius(const struct oracle_object *object, const uint32_t *v,
                      uint32_t points);
 
-/* Return whether at most `rings` edges lead from a vertex of a to one of b. Ends the
+/* Return whether at most `rings` edges lead from one of the vertices v[0], of which there
+ * are points[0], to one of v[1]. Ends the
  * process where memory ends. */
 bool oracle_are_joined(const uint32_t (*edges)[2], uint32_t edge_count,
-                       uint32_t vertex_count, const uint32_t *a, uint32_t points_a,
-                       const uint32_t *b, uint32_t points_b, uint32_t rings);
+                       uint32_t vertex_count, const uint32_t *const v[2],
+                       const uint32_t points[2], uint32_t rings);
 
 /* Return whether the distance is below d. x: the points of a vertex and a face or,
  * points_a 2, of two edges; of fewer points the last is repeated. */

@@ -33,20 +33,20 @@ static void grow(const uint32_t (*edges)[2], uint32_t edge_count, uint8_t *marks
 }
 
 bool oracle_are_joined(const uint32_t (*edges)[2], uint32_t edge_count,
-                       uint32_t vertex_count, const uint32_t *a, uint32_t points_a,
-                       const uint32_t *b, uint32_t points_b, uint32_t rings)
+                       uint32_t vertex_count, const uint32_t *const v[2],
+                       const uint32_t points[2], uint32_t rings)
 {
     uint8_t *marks = oracle_grow(NULL, (size_t)vertex_count + 1);
     bool are_joined = false;
     memset(marks, 0, (size_t)vertex_count + 1);
-    for (uint32_t i = 0; i < points_a; i++) {
-        marks[a[i]] = 1;
+    for (uint32_t i = 0; i < points[0]; i++) {
+        marks[v[0][i]] = 1;
     }
     for (uint32_t ring = 1; ring <= rings; ring++) {
         grow(edges, edge_count, marks, ring);
     }
-    for (uint32_t i = 0; i < points_b; i++) {
-        are_joined |= marks[b[i]] != 0;
+    for (uint32_t i = 0; i < points[1]; i++) {
+        are_joined |= marks[v[1][i]] != 0;
     }
     free(marks);
     return are_joined;

@@ -46,7 +46,8 @@ static bool rests(const struct thick_step *step, const struct oracle_feature *a,
     uint32_t(*edges)[2] = oracle_edges(object, &edge_count);
     bool are_joined =
         oracle_are_joined((const uint32_t(*)[2])edges, edge_count, object->vertex_count,
-                          a->v, a->points, b->v, b->points, object->rest_rings);
+                          (const uint32_t *const[2]){a->v, b->v},
+                          (const uint32_t[2]){a->points, b->points}, object->rest_rings);
     free(edges);
     return are_joined ||
            oracle_is_nearer(a->points, (const double(*)[3])x, object->rest_distance);

@@ -61,10 +61,10 @@ static bool are_joined(const struct registry_mesh *mesh, const struct pccd_pair 
                        uint32_t rings)
 {
     const uint32_t *points = common_kinds[pair->kind].points;
-    return oracle_are_joined(
-        (const uint32_t(*)[2])mesh->edges, mesh->edge_count, mesh->vertex_count,
-        recorded_feature(mesh, points[0], &pair->feature_a), points[0],
-        recorded_feature(mesh, points[1], &pair->feature_b), points[1], rings);
+    const uint32_t *const v[2] = {recorded_feature(mesh, points[0], &pair->feature_a),
+                                  recorded_feature(mesh, points[1], &pair->feature_b)};
+    return oracle_are_joined((const uint32_t(*)[2])mesh->edges, mesh->edge_count,
+                             mesh->vertex_count, v, points, rings);
 }
 
 static bool is_excluded(const struct registry_scene *scene,

@@ -23,15 +23,17 @@
  *     {"pccd-mpi": "replay", "version": "0.1.0", ...}        of which work: the head
  *     {"item": 3, ...}                                       one result, as it came */
 
-struct results {
-    const char *path; /* the caller's */
-    int fd;           /* -1: there is no file */
-    uint64_t bytes;   /* of whole lines */
-};
-
 /* A line that is there: what it says. Errors: it is none of this work. */
 typedef int (*results_line_fn)(void *context, const json_t *line,
                                struct ctl_error *error);
+
+struct results {
+    const char *path; /* the caller's */
+    results_line_fn each;
+    void *context;  /* of each */
+    int fd;         /* -1: there is no file */
+    uint64_t bytes; /* of whole lines */
+};
 
 /* Open, or begin with `head`; tell each line. PCCD_E_FORMAT: it has another head, or is
  * no file of results at all, and nothing in it was changed; PCCD_E_STATE: another run

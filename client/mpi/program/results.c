@@ -114,12 +114,12 @@ static char *read_all(const struct results *results, size_t *bytes,
 }
 
 static int tell_line(const struct results *results, const char *text, size_t bytes,
-                     uint64_t number, results_line_fn each, void *context,
-                     struct ctl_error *error)
+                     uint64_t number, struct ctl_error *error)
 {
     struct ctl_error why = {.text = "it is not JSON"};
     json_t *line = json_loadb(text, bytes, 0, NULL);
-    int status = line != NULL ? each(context, line, &why) : PCCD_E_FORMAT;
+    int status =
+        line != NULL ? results->each(results->context, line, &why) : PCCD_E_FORMAT;
     json_decref(line);
     return status == PCCD_OK
                ? PCCD_OK
@@ -129,8 +129,7 @@ static int tell_line(const struct results *results, const char *text, size_t byt
 
 /* A file with something in it: its head must be the same, byte by byte. */
 static int read_lines(struct results *results, const char *text, size_t bytes,
-                      const char *head, size_t head_bytes, results_line_fn each,
-                      void *context, struct ctl_error *error)
+                      const char *head, size_t head_bytes, struct ctl_error *error)
 {
     const char *end = memchr(text, '\n', bytes);
     size_t common = bytes < head_bytes ? bytes : head_bytes;
@@ -150,8 +149,7 @@ static int read_lines(struct results *results, const char *text, size_t bytes,
     for (const char *line = text + head_bytes;
          status == PCCD_OK && (end = memchr(line, '\n', bytes - (size_t)(line - text)));
          line = end + 1) {
-        status = tell_line(results, line, (size_t)(end - line), number++, each, context,
-                           error);
+        status = tell_line(results, line, (size_t)(end - line), number++, error);
         results->bytes = (uint64_t)(end + 1 - text);
     }
     return status;
@@ -159,7 +157,7 @@ static int read_lines(struct results *results, const char *text, size_t bytes,
 
 /* Read it, cut off what is not whole, and begin it if nothing is left. */
 static int take_over(struct results *results, const char *head, size_t head_bytes,
-                     results_line_fn each, void *context, struct ctl_error *error)
+                     struct ctl_error *error)
 {
     size_t bytes = 0;
     if (flock(results->fd, LOCK_EX | LOCK_NB) != 0) {
@@ -172,9 +170,8 @@ static int take_over(struct results *results, const char *head, size_t head_byte
     if (text == NULL) {
         return PCCD_E_SYSTEM;
     }
-    int status = bytes > 0 ? read_lines(results, text, bytes, head, head_bytes, each,
-                                        context, error)
-                           : PCCD_OK;
+    int status =
+        bytes > 0 ? read_lines(results, text, bytes, head, head_bytes, error) : PCCD_OK;
     free(text);
     if (status != PCCD_OK) {
         return status;
@@ -196,14 +193,14 @@ int results_open(struct results *results, const char *path, const json_t *head,
                  results_line_fn each, void *context, struct ctl_error *error)
 {
     size_t bytes = 0;
-    *results = (struct results){.path = path, .fd = -1};
+    *results = (struct results){.path = path, .fd = -1, .each = each, .context = context};
     char *text = text_of(head, &bytes);
     if (text == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for a result");
     }
     results->fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     int status = results->fd < 0 ? failed(results, "cannot be opened", error)
-                                 : take_over(results, text, bytes, each, context, error);
+                                 : take_over(results, text, bytes, error);
     free(text);
     if (status != PCCD_OK) {
         results_close(results);
