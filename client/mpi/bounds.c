@@ -25,23 +25,19 @@ static int find_numbers(struct pccd_mpi *world, struct ranks_mesh *mesh)
     uint32_t end = mesh->vertex_total;
     uint32_t count = base < end ? (end - base < mesh->span ? end - base : mesh->span) : 0;
     uint64_t in_count = 0;
-    struct numbered *out = ranks_array(count, sizeof *out), *in = NULL;
-    uint32_t *to = ranks_array(count, sizeof *to);
+    struct numbered *in = NULL;
+    struct ranks_post post;
     uint32_t *numbers = ranks_array(mesh->vertex_count, sizeof *numbers);
-    int status = ranks_agree_memory(world, out != NULL && to != NULL && numbers != NULL);
-    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
-        out[i] = (struct numbered){mesh->owners[i].index, base + i};
-        to[i] = (uint32_t)mesh->owners[i].rank;
+    ranks_post_begin(&post, sizeof *in, count);
+    post.is_lost = post.is_lost || numbers == NULL;
+    for (uint32_t i = 0; i < count; i++) {
+        ranks_post_add(&post, (uint32_t)mesh->owners[i].rank,
+                       &(struct numbered){mesh->owners[i].index, base + i});
     }
-    if (status == PCCD_OK) {
-        status =
-            ranks_deal_to(link, sizeof *out, out, to, count, (void **)&in, &in_count);
-    }
+    int status = ranks_post_deal(link, &post, (void **)&in, &in_count);
     for (uint64_t i = 0; i < in_count; i++) {
         numbers[in[i].index] = in[i].number;
     }
-    free(to);
-    free(out);
     free(in);
     if (status != PCCD_OK) {
         free(numbers);

@@ -204,9 +204,7 @@ struct search {
     /* What is near an own band, or a block of it; scratch. */
     const struct band **near_bands;
     const struct ranks_block **near_blocks;
-    char *out; /* items of fetch->item_bytes */
-    uint64_t out_count, out_capacity;
-    uint64_t *out_first; /* [size + 1] */
+    struct ranks_post post; /* items of fetch */
 };
 
 static void search_deinit(struct search *search)
@@ -218,8 +216,6 @@ static void search_deinit(struct search *search)
     free(search->own_bands);
     free((void *)search->near_bands);
     free((void *)search->near_blocks);
-    free(search->out);
-    free(search->out_first);
 }
 
 static bool meet(const struct search *search, const struct ranks_moving_box *a,
@@ -277,10 +273,9 @@ static int make_bands(struct pccd_mpi *world, struct search *search)
     search->own_bands = ranks_array(own / BAND_BLOCKS + 1, sizeof *search->own_bands);
     search->near_bands = ranks_array(most, sizeof *search->near_bands);
     search->near_blocks = ranks_array(search->first[size], sizeof *search->near_blocks);
-    search->out_first = ranks_array((uint64_t)size + 1, sizeof *search->out_first);
     if (search->bands == NULL || search->band_first == NULL ||
         search->own_bands == NULL || search->near_bands == NULL ||
-        search->near_blocks == NULL || search->out_first == NULL) {
+        search->near_blocks == NULL) {
         return ranks_no_memory(world);
     }
     for (uint32_t r = 0; r < size; r++) {
@@ -313,25 +308,9 @@ static uint32_t find_near(const struct pccd_mpi *world, const struct search *sea
     return count;
 }
 
-/* A place for one more that goes out; NULL: no memory. */
-static void *next_place(struct search *search)
-{
-    const size_t bytes = search->fetch->item_bytes;
-    if (search->out_count == search->out_capacity) {
-        uint64_t capacity = search->out_capacity + search->out_capacity / 2 + 1024;
-        char *out = realloc(search->out, capacity * bytes);
-        if (out == NULL) {
-            return NULL;
-        }
-        search->out = out;
-        search->out_capacity = capacity;
-    }
-    return search->out + search->out_count++ * bytes;
-}
-
-/* The leaves of an own block that meet any of those near: out they go. */
-static bool choose_of(struct search *search, const struct ranks_block *block,
-                      uint32_t near_count)
+/* Post the leaves of an own block that meet any of those near to rank r. */
+static void choose_of(struct search *search, const struct ranks_block *block,
+                      uint32_t near_count, int r)
 {
     const struct ranks_fetch *fetch = search->fetch;
     for (uint32_t i = 0; i < block->count && near_count > 0; i++) {
@@ -342,50 +321,33 @@ static bool choose_of(struct search *search, const struct ranks_block *block,
         while (n < near_count && !meet(search, &box, &search->near_blocks[n]->box)) {
             n++;
         }
-        void *item = n < near_count ? next_place(search) : NULL;
-        if (n < near_count && item == NULL) {
-            return false;
-        }
+        void *item = n < near_count ? ranks_post_room(&search->post, (uint32_t)r) : NULL;
         if (item != NULL) {
             fetch->put(fetch->context, block->object, leaf, item);
         }
     }
-    return true;
 }
 
-/* Choose which of the own leaves go to rank r. Return false without memory. */
-static bool choose_for(const struct pccd_mpi *world, struct search *search, int r)
+/* Choose which of the own leaves go to rank r. */
+static void choose_for(const struct pccd_mpi *world, struct search *search, int r)
 {
     const struct ranks_block *blocks = search->fetch->leaves->blocks;
-    bool has_memory = true;
-    for (uint64_t m = 0; m < search->own_band_count && has_memory; m++) {
+    for (uint64_t m = 0; m < search->own_band_count; m++) {
         const struct band *own = &search->own_bands[m];
         uint64_t bands = 0;
         for (uint64_t i = search->band_first[r]; i < search->band_first[r + 1]; i++) {
             search->near_bands[bands] = &search->bands[i];
             bands += meet(search, &own->box, &search->bands[i].box);
         }
-        for (uint64_t b = own->begin; b < own->end && bands > 0 && has_memory; b++) {
+        for (uint64_t b = own->begin; b < own->end && bands > 0; b++) {
             uint32_t count = 0;
             for (uint64_t i = 0; i < bands; i++) {
                 count += find_near(world, search, &blocks[b], search->near_bands[i],
                                    search->near_blocks + count);
             }
-            has_memory = choose_of(search, &blocks[b], count);
+            choose_of(search, &blocks[b], count, r);
         }
     }
-    return has_memory;
-}
-
-static int choose(struct pccd_mpi *world, struct search *search)
-{
-    int status = make_bands(world, search);
-    for (int r = 0; r < world->link.size && status == PCCD_OK; r++) {
-        search->out_first[r] = search->out_count;
-        status = choose_for(world, search, r) ? PCCD_OK : ranks_no_memory(world);
-        search->out_first[r + 1] = search->out_count;
-    }
-    return status;
 }
 
 int ranks_fetch_leaves(struct pccd_mpi *world, const struct ranks_fetch *fetch, void **in,
@@ -393,9 +355,8 @@ int ranks_fetch_leaves(struct pccd_mpi *world, const struct ranks_fetch *fetch, 
 {
     struct ranks_link *link = &world->link;
     struct search search = {.fetch = fetch};
-    uint64_t *first_in = ranks_array((uint64_t)link->size + 1, sizeof *first_in);
     search.first = ranks_array((uint64_t)link->size + 1, sizeof *search.first);
-    int status = ranks_agree_memory(world, first_in != NULL && search.first != NULL);
+    int status = ranks_agree_memory(world, search.first != NULL);
     *in_count = 0;
     if (status == PCCD_OK) {
         status = ranks_spread(link, sizeof *fetch->boxes, fetch->boxes, fetch->box_count,
@@ -403,16 +364,15 @@ int ranks_fetch_leaves(struct pccd_mpi *world, const struct ranks_fetch *fetch, 
     }
     if (status == PCCD_OK) {
         forget_far(world, &search);
-        status = ranks_agree_on(link, choose(world, &search));
+        status = ranks_agree_on(link, make_bands(world, &search));
     }
     if (status == PCCD_OK) {
-        status = ranks_deal(link, fetch->item_bytes, search.out, search.out_first, in,
-                            first_in);
+        ranks_post_begin(&search.post, fetch->item_bytes, 0);
+        for (int r = 0; r < link->size && !search.post.is_lost; r++) {
+            choose_for(world, &search, r);
+        }
+        status = ranks_post_deal(link, &search.post, in, in_count);
     }
-    if (status == PCCD_OK) {
-        *in_count = first_in[link->size];
-    }
-    free(first_in);
     search_deinit(&search);
     return status;
 }

@@ -198,21 +198,20 @@ static int move(struct pccd_mpi *world, struct ranks_leaf_in_transit **leaves,
     struct ranks_link *link = &world->link;
     struct ranks_leaf_in_transit *came = NULL;
     uint64_t came_count = 0, slice = 0;
-    uint32_t *to = ranks_array(count, sizeof *to);
-    int status = ranks_agree_memory(world, to != NULL);
-    for (uint64_t i = 0; i < count && status == PCCD_OK; i++) {
-        while ((*leaves)[i].place >= pieces->ends[slice]) {
+    struct ranks_post post = {.item_bytes = sizeof *came,
+                              .items = *leaves,
+                              .to = ranks_array(count, sizeof *post.to),
+                              .count = count};
+    post.is_lost = post.to == NULL;
+    *leaves = NULL;
+    for (uint64_t i = 0; i < count && !post.is_lost; i++) {
+        const struct ranks_leaf_in_transit *leaf = post.items;
+        while (leaf[i].place >= pieces->ends[slice]) {
             slice++;
         }
-        to[i] = pieces->rank[slice];
+        post.to[i] = pieces->rank[slice];
     }
-    if (status == PCCD_OK) {
-        status = ranks_deal_to(link, sizeof *came, *leaves, to, count, (void **)&came,
-                               &came_count);
-    }
-    free(to);
-    free(*leaves);
-    *leaves = NULL;
+    int status = ranks_post_deal(link, &post, (void **)&came, &came_count);
     if (status == PCCD_OK) {
         status = ranks_agree_on(link, settle(world, came, came_count));
         link->broken = status; /* leaves may be lost */

@@ -23,20 +23,18 @@ struct run {
     uint32_t vertex[2]; /* from, to */
 };
 
-/* The runs of own faces, and the rank that counts each edge. Returns how many. */
-static uint64_t list_runs(const struct ranks_object *object, uint32_t size,
-                          struct run *runs, uint32_t *to)
+/* Post the runs of own faces to the rank that counts each edge. */
+static void post_runs(const struct ranks_object *object, uint32_t size,
+                      struct ranks_post *post)
 {
-    uint64_t count = 0;
     for (uint32_t i = 0; i < 3 * object->own_count; i++) {
         const struct ranks_leaf *leaf = &object->own[i / 3];
         uint32_t edge = leaf->side[i % 3];
         if (edge != RANKS_NONE) {
-            to[count] = edge % size;
-            runs[count++] = (struct run){edge, {leaf->v[i % 3], leaf->v[(i + 1) % 3]}};
+            const struct run run = {edge, {leaf->v[i % 3], leaf->v[(i + 1) % 3]}};
+            ranks_post_add(post, edge % size, &run);
         }
     }
-    return count;
 }
 
 static int compare_runs(const void *a, const void *b)
@@ -74,16 +72,12 @@ static int find_out(struct pccd_mpi *world, const struct ranks_object *object)
 {
     struct ranks_link *link = &world->link;
     uint64_t open[4] = {0}, in_count = 0;
-    struct run *out = ranks_array(3 * (uint64_t)object->own_count, sizeof *out);
     struct run *in = NULL;
-    uint32_t *to = ranks_array(3 * (uint64_t)object->own_count, sizeof *to);
+    struct ranks_post post;
     double least = RANKS_NONE;
-    int status = ranks_agree_memory(world, out != NULL && to != NULL);
-    if (status == PCCD_OK) {
-        uint64_t count = list_runs(object, (uint32_t)link->size, out, to);
-        status =
-            ranks_deal_to(link, sizeof *out, out, to, count, (void **)&in, &in_count);
-    }
+    ranks_post_begin(&post, sizeof *in, 3 * (uint64_t)object->own_count);
+    post_runs(object, (uint32_t)link->size, &post);
+    int status = ranks_post_deal(link, &post, (void **)&in, &in_count);
     if (status == PCCD_OK) {
         uint32_t mine = find_open(in, in_count, open);
         least = mine;
@@ -102,8 +96,6 @@ static int find_out(struct pccd_mpi *world, const struct ranks_object *object)
             mesh->open[i] = (uint32_t)open[i];
         }
     }
-    free(to);
-    free(out);
     free(in);
     return status;
 }

@@ -273,25 +273,21 @@ static int judge_of(const struct pccd_mpi *world, const struct pccd_near *record
 static int send_to_judges(struct pccd_mpi *world, const struct ranks_side_scene *found,
                           struct ranks_remote_leaf **in, uint64_t *in_count)
 {
-    struct ranks_remote_leaf *out = ranks_array(2 * found->count, sizeof *out);
-    uint32_t *to = ranks_array(2 * found->count, sizeof *to);
-    int status = ranks_agree_memory(world, out != NULL && to != NULL);
-    for (uint64_t i = 0; i < found->count && status == PCCD_OK; i++) {
+    struct ranks_remote_leaf leaf;
+    struct ranks_post post;
+    ranks_post_begin(&post, sizeof leaf, 2 * found->count);
+    for (uint64_t i = 0; i < found->count; i++) {
         const struct pccd_near *record = &found->records[i];
         const uint32_t *points = common_kinds[record->kind].points;
+        const uint32_t judge = (uint32_t)judge_of(world, record);
         ranks_side_scene_find(found, ranks_place_of_object(world, record->object_a),
-                              points[0], record->feature_a, &out[2 * i]);
+                              points[0], record->feature_a, &leaf);
+        ranks_post_add(&post, judge, &leaf);
         ranks_side_scene_find(found, ranks_place_of_object(world, record->object_b),
-                              points[1], record->feature_b, &out[2 * i + 1]);
-        to[2 * i] = to[2 * i + 1] = (uint32_t)judge_of(world, record);
+                              points[1], record->feature_b, &leaf);
+        ranks_post_add(&post, judge, &leaf);
     }
-    if (status == PCCD_OK) {
-        status = ranks_deal_to(&world->link, sizeof *out, out, to, 2 * found->count,
-                               (void **)in, in_count);
-    }
-    free(to);
-    free(out);
-    return status;
+    return ranks_post_deal(&world->link, &post, (void **)in, in_count);
 }
 
 /* Keep the records of two objects that this rank judges; of the others it has not all

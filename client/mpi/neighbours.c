@@ -17,8 +17,8 @@ struct at {
 struct walk {
     struct pccd_mpi *world;
     struct ranks_object *object;
-    /* The directory: who has leaves at its vertices, sorted by vertex. */
-    struct at *holders;
+    /* The directory: the ranks with leaves at its vertices, by vertex. value: rank. */
+    struct ranks_key *holders, *holder_memory;
     uint64_t holder_count;
     /* Own leaves by vertex: value: leaf. */
     struct ranks_key *at, *at_memory;
@@ -32,7 +32,7 @@ struct walk {
 
 static void walk_deinit(struct walk *walk)
 {
-    free(walk->holders);
+    free(walk->holder_memory);
     free(walk->at_memory);
     free(walk->seen);
     free(walk->edge);
@@ -42,29 +42,36 @@ static void walk_deinit(struct walk *walk)
 /* The newest vertices of each rank, to their directories. */
 static int tell_directory(const struct walk *walk, struct at **in, uint64_t *in_count)
 {
-    struct ranks_link *link = &walk->world->link;
-    struct at *out = ranks_array(walk->edge_count, sizeof *out);
-    uint32_t *to = ranks_array(walk->edge_count, sizeof *to);
-    int status = ranks_agree_memory(walk->world, out != NULL && to != NULL);
-    for (uint32_t i = 0; i < walk->edge_count && status == PCCD_OK; i++) {
-        out[i] = (struct at){walk->edge[i], (uint32_t)link->rank};
-        to[i] = (uint32_t)ranks_directory(walk->object->mesh, walk->edge[i]);
+    struct ranks_post post;
+    ranks_post_begin(&post, sizeof **in, walk->edge_count);
+    for (uint32_t i = 0; i < walk->edge_count; i++) {
+        ranks_post_add(&post,
+                       (uint32_t)ranks_directory(walk->object->mesh, walk->edge[i]),
+                       &(struct at){walk->edge[i], (uint32_t)walk->world->link.rank});
     }
-    if (status == PCCD_OK) {
-        status = ranks_deal_to(link, sizeof *out, out, to, walk->edge_count, (void **)in,
-                               in_count);
-    }
-    free(to);
-    free(out);
-    return status;
+    return ranks_post_deal(&walk->world->link, &post, (void **)in, in_count);
 }
 
-static int compare_at(const void *a, const void *b)
+/* Learn, in the directory, which ranks have leaves at its vertices. */
+static int find_holders(struct walk *walk)
 {
-    const struct at *one = a, *other = b;
-    return one->vertex != other->vertex
-               ? (one->vertex < other->vertex ? -1 : 1)
-               : (one->rank > other->rank) - (one->rank < other->rank);
+    struct at *in = NULL;
+    uint64_t count = 0;
+    int status = tell_directory(walk, &in, &count);
+    if (status == PCCD_OK) {
+        walk->holder_memory = ranks_array(2 * count, sizeof *walk->holder_memory);
+        status = ranks_agree_memory(walk->world, walk->holder_memory != NULL);
+    }
+    for (uint64_t i = 0; i < count && status == PCCD_OK; i++) {
+        walk->holder_memory[i] = (struct ranks_key){in[i].vertex, in[i].rank};
+    }
+    free(in);
+    if (status == PCCD_OK) {
+        walk->holders =
+            ranks_sort(walk->holder_memory, walk->holder_memory + count, count);
+        walk->holder_count = count;
+    }
+    return status;
 }
 
 /* Begin with the vertices of the own leaves. */
@@ -92,20 +99,16 @@ static int begin(struct walk *walk)
     }
     memcpy(walk->seen, walk->edge, walk->edge_count * sizeof *walk->seen);
     walk->seen_count = walk->edge_count;
-    status = tell_directory(walk, &walk->holders, &walk->holder_count);
-    if (status == PCCD_OK && walk->holder_count > 1) {
-        qsort(walk->holders, walk->holder_count, sizeof *walk->holders, compare_at);
-    }
-    return status;
+    return find_holders(walk);
 }
 
-/* The first holder of a vertex, or where it would be. */
-static uint64_t find_holder(const struct walk *walk, uint32_t vertex)
+/* Return where the first of a vertex is, or would be, among keys in order. */
+static uint64_t find_first(const struct ranks_key *keys, uint64_t count, uint32_t vertex)
 {
-    uint64_t from = 0, end = walk->holder_count;
+    uint64_t from = 0, end = count;
     while (from < end) {
         uint64_t middle = from + (end - from) / 2;
-        if (walk->holders[middle].vertex < vertex) {
+        if (keys[middle].key < vertex) {
             from = middle + 1;
         } else {
             end = middle;
@@ -114,96 +117,43 @@ static uint64_t find_holder(const struct walk *walk, uint32_t vertex)
     return from;
 }
 
-/* Pass on who asked in[] of this directory to the others who have leaves there: out[],
- * and to whom; NULL: how many are only counted. */
-static uint64_t pass_on(const struct walk *walk, const struct at *in, uint64_t in_count,
-                        struct at *out, uint32_t *to)
-{
-    uint64_t count = 0;
-    for (uint64_t i = 0; i < in_count; i++) {
-        for (uint64_t h = find_holder(walk, in[i].vertex);
-             h < walk->holder_count && walk->holders[h].vertex == in[i].vertex; h++) {
-            if (walk->holders[h].rank != in[i].rank && out != NULL) {
-                out[count] = in[i];
-                to[count] = walk->holders[h].rank;
-            }
-            count += walk->holders[h].rank != in[i].rank;
-        }
-    }
-    return count;
-}
-
-/* Ask the directory for the newest vertices; whoever has leaves there hears who asks. */
+/* Ask the directory for the newest vertices; it passes on who asks to the others who have
+ * leaves there. */
 static int ask(const struct walk *walk, struct at **asked, uint64_t *asked_count)
 {
-    struct at *in = NULL, *out = NULL;
-    uint32_t *to = NULL;
-    uint64_t in_count = 0, count = 0;
+    struct at *in = NULL;
+    struct ranks_post post;
+    uint64_t in_count = 0;
     int status = tell_directory(walk, &in, &in_count);
-    if (status == PCCD_OK) {
-        count = pass_on(walk, in, in_count, NULL, NULL);
-        out = ranks_array(count, sizeof *out);
-        to = ranks_array(count, sizeof *to);
-        status = ranks_agree_memory(walk->world, out != NULL && to != NULL);
+    if (status != PCCD_OK) {
+        return status;
     }
-    if (status == PCCD_OK) {
-        (void)pass_on(walk, in, in_count, out, to);
-        status = ranks_deal_to(&walk->world->link, sizeof *out, out, to, count,
-                               (void **)asked, asked_count);
-    }
-    free(in);
-    free(out);
-    free(to);
-    return status;
-}
-
-/* Own leaves at a vertex begin here. */
-static uint64_t find_at(const struct walk *walk, uint32_t vertex)
-{
-    uint64_t from = 0, end = walk->at_count;
-    while (from < end) {
-        uint64_t middle = from + (end - from) / 2;
-        if (walk->at[middle].key < vertex) {
-            from = middle + 1;
-        } else {
-            end = middle;
-        }
-    }
-    return from;
-}
-
-/* The leaves that are asked for: out[], and for whom; NULL: how many are only counted. */
-static uint64_t answer(const struct walk *walk, const struct at *asked,
-                       uint64_t asked_count, struct ranks_leaf *out, uint32_t *to)
-{
-    uint64_t count = 0;
-    for (uint64_t i = 0; i < asked_count; i++) {
-        for (uint64_t a = find_at(walk, asked[i].vertex);
-             a < walk->at_count && walk->at[a].key == asked[i].vertex; a++, count++) {
-            if (out != NULL) {
-                out[count] = walk->object->own[walk->at[a].value];
-                to[count] = asked[i].rank;
+    ranks_post_begin(&post, sizeof *in, 0);
+    for (uint64_t i = 0; i < in_count; i++) {
+        for (uint64_t h = find_first(walk->holders, walk->holder_count, in[i].vertex);
+             h < walk->holder_count && walk->holders[h].key == in[i].vertex; h++) {
+            if (walk->holders[h].value != in[i].rank) {
+                ranks_post_add(&post, (uint32_t)walk->holders[h].value, &in[i]);
             }
         }
     }
-    return count;
+    free(in);
+    return ranks_post_deal(&walk->world->link, &post, (void **)asked, asked_count);
 }
 
+/* Send the leaves that are asked for. */
 static int hand_over(const struct walk *walk, const struct at *asked,
                      uint64_t asked_count, struct ranks_leaf **came, uint64_t *came_count)
 {
-    uint64_t count = answer(walk, asked, asked_count, NULL, NULL);
-    struct ranks_leaf *out = ranks_array(count, sizeof *out);
-    uint32_t *to = ranks_array(count, sizeof *to);
-    int status = ranks_agree_memory(walk->world, out != NULL && to != NULL);
-    if (status == PCCD_OK) {
-        (void)answer(walk, asked, asked_count, out, to);
-        status = ranks_deal_to(&walk->world->link, sizeof *out, out, to, count,
-                               (void **)came, came_count);
+    struct ranks_post post;
+    ranks_post_begin(&post, sizeof **came, 0);
+    for (uint64_t i = 0; i < asked_count; i++) {
+        for (uint64_t a = find_first(walk->at, walk->at_count, asked[i].vertex);
+             a < walk->at_count && walk->at[a].key == asked[i].vertex; a++) {
+            ranks_post_add(&post, asked[i].rank, &walk->object->own[walk->at[a].value]);
+        }
     }
-    free(out);
-    free(to);
-    return status;
+    return ranks_post_deal(&walk->world->link, &post, (void **)came, came_count);
 }
 
 /* Add leaves to those that were found; their vertices that were not seen yet are the

@@ -170,27 +170,23 @@ static int make_claim(struct pccd_mpi *world, const struct claim *claim)
                             "the parts have more than the %" PRIu32 " %s of the mesh",
                             claim->total, claim->what);
     }
-    struct named *out = ranks_array(claim->count, sizeof *out), *in = NULL;
-    uint32_t *to = ranks_array(claim->count, sizeof *to);
-    if (status == PCCD_OK && (out == NULL || to == NULL)) {
-        status = ranks_no_memory(world);
-    }
     status = ranks_agree_on(link, status);
-    for (uint32_t i = 0; i < claim->count && status == PCCD_OK; i++) {
+    if (status != PCCD_OK) {
+        return status;
+    }
+    struct named *in = NULL;
+    struct ranks_post post;
+    ranks_post_begin(&post, sizeof *in, claim->count);
+    for (uint32_t i = 0; i < claim->count; i++) {
         uint32_t number = numbers ? numbers[i] : (uint32_t)(before + i);
-        out[i] = (struct named){number, {link->rank, i}};
-        to[i] = number / claim->span;
+        ranks_post_add(&post, number / claim->span,
+                       &(struct named){number, {link->rank, i}});
     }
-    if (status == PCCD_OK) {
-        status = ranks_deal_to(link, sizeof *out, out, to, claim->count, (void **)&in,
-                               &in_count);
-    }
+    status = ranks_post_deal(link, &post, (void **)&in, &in_count);
     if (status == PCCD_OK) {
         status = ranks_agree_on(link, note_owners(world, claim, in, in_count));
     }
     free(in);
-    free(out);
-    free(to);
     return status;
 }
 

@@ -418,15 +418,56 @@ int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
     return status;
 }
 
-int ranks_deal_to(struct ranks_link *link, size_t item_bytes, const void *items,
-                  const uint32_t *to, uint64_t count, void **in, uint64_t *in_count)
+void ranks_post_begin(struct ranks_post *post, size_t item_bytes, uint64_t room)
 {
-    const size_t size = (size_t)link->size;
+    *post = (struct ranks_post){.item_bytes = item_bytes,
+                                .items = ranks_array(room, item_bytes),
+                                .to = ranks_array(room, sizeof *post->to),
+                                .room = room};
+    post->is_lost = post->items == NULL || post->to == NULL;
+}
+
+static void grow(struct ranks_post *post)
+{
+    uint64_t room = post->room + post->room / 2 + 1024;
+    void *items = realloc(post->items, room * post->item_bytes);
+    post->items = items != NULL ? items : post->items;
+    uint32_t *to = realloc(post->to, room * sizeof *to);
+    post->to = to != NULL ? to : post->to;
+    post->is_lost = items == NULL || to == NULL;
+    post->room = room;
+}
+
+void *ranks_post_room(struct ranks_post *post, uint32_t to)
+{
+    if (post->count == post->room && !post->is_lost) {
+        grow(post);
+    }
+    if (post->is_lost) {
+        return NULL;
+    }
+    post->to[post->count] = to;
+    return (char *)post->items + post->count++ * post->item_bytes;
+}
+
+void ranks_post_add(struct ranks_post *post, uint32_t to, const void *item)
+{
+    void *room = ranks_post_room(post, to);
+    if (room != NULL) {
+        memcpy(room, item, post->item_bytes);
+    }
+}
+
+/* Send what all ranks had memory for. */
+static int deal_post(struct ranks_link *link, const struct ranks_post *post, void **in,
+                     uint64_t *in_count)
+{
+    const size_t size = (size_t)link->size, item_bytes = post->item_bytes;
+    const uint64_t count = post->count;
+    const uint32_t *to = post->to;
     uint64_t *first = shared_array(link, 3 * (size + 1), sizeof *first);
     char *out = shared_array(link, count, item_bytes);
     int status = link->broken;
-    *in = NULL;
-    *in_count = 0;
     if (status == PCCD_OK) {
         uint64_t *next = first + size + 1, *first_in = next + size + 1;
         memset(first, 0, (size + 1) * sizeof *first);
@@ -438,8 +479,8 @@ int ranks_deal_to(struct ranks_link *link, size_t item_bytes, const void *items,
         }
         memcpy(next, first, size * sizeof *next);
         for (uint64_t i = 0; i < count; i++) {
-            memcpy(out + next[to[i]]++ * item_bytes, (const char *)items + i * item_bytes,
-                   item_bytes);
+            memcpy(out + next[to[i]]++ * item_bytes,
+                   (const char *)post->items + i * item_bytes, item_bytes);
         }
         status = ranks_deal(link, item_bytes, out, first, in, first_in);
         *in_count = status == PCCD_OK ? first_in[size] : 0;
@@ -448,6 +489,24 @@ int ranks_deal_to(struct ranks_link *link, size_t item_bytes, const void *items,
         free(out);
         free(first);
     }
+    return status;
+}
+
+int ranks_post_deal(struct ranks_link *link, struct ranks_post *post, void **in,
+                    uint64_t *in_count)
+{
+    *in = NULL;
+    *in_count = 0;
+    int status = ranks_agree_on(
+        link, post->is_lost
+                  ? ranks_fail(link, PCCD_E_NOMEM, "rank %d: out of memory", link->rank)
+                  : PCCD_OK);
+    if (status == PCCD_OK) {
+        status = deal_post(link, post, in, in_count);
+    }
+    free(post->items);
+    free(post->to);
+    *post = (struct ranks_post){0};
     return status;
 }
 

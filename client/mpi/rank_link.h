@@ -82,10 +82,24 @@ int ranks_swap_into(struct ranks_link *link, size_t item_bytes, const void *out,
  * written. */
 int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
                const uint64_t *first_out, void **in, uint64_t *first_in);
-/* items[i] to rank to[i]; what comes is in the order of the ranks and of their items. *in
- * is allocated. */
-int ranks_deal_to(struct ranks_link *link, size_t item_bytes, const void *items,
-                  const uint32_t *to, uint64_t count, void **in, uint64_t *in_count);
+/* Items that are to go to other ranks, each to one. */
+struct ranks_post {
+    size_t item_bytes;
+    void *items;
+    uint32_t *to;
+    uint64_t count, room;
+    bool is_lost; /* this rank had no memory: ranks_post_deal says so to all */
+};
+/* In this rank alone: begin it with room for so many; it grows where there are more. */
+void ranks_post_begin(struct ranks_post *post, size_t item_bytes, uint64_t room);
+/* In this rank alone: room for one more item, for rank `to`. NULL: no memory. */
+void *ranks_post_room(struct ranks_post *post, uint32_t to);
+/* The same, and a copy of an item to it. */
+void ranks_post_add(struct ranks_post *post, uint32_t to, const void *item);
+/* Send all; what comes is in the order of the ranks and of their items. *in is allocated,
+ * what the post held is freed. */
+int ranks_post_deal(struct ranks_link *link, struct ranks_post *post, void **in,
+                    uint64_t *in_count);
 /* Spread `count` items of each rank to all; otherwise as ranks_deal. */
 int ranks_spread(struct ranks_link *link, size_t item_bytes, const void *mine,
                  uint64_t count, void **all, uint64_t *first);

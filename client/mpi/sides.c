@@ -253,18 +253,15 @@ static int count_duplicates(struct pccd_mpi *world, const struct ranks_mesh *mes
                             const struct ranks_leaf *leaves, uint32_t count,
                             uint64_t *duplicates)
 {
-    struct ranks_link *link = &world->link;
-    uint32_t(*out)[3] = ranks_array(count, sizeof *out), (*in)[3] = NULL;
-    uint32_t *to = ranks_array(count, sizeof *to);
+    uint32_t corners[3], (*in)[3] = NULL;
+    struct ranks_post post;
     uint64_t all = 0;
-    int status = ranks_agree_memory(world, out != NULL && to != NULL);
-    for (uint32_t t = 0; t < count && status == PCCD_OK; t++) {
-        order_corners(leaves[t].v, out[t]);
-        to[t] = (uint32_t)ranks_directory(mesh, out[t][0]);
+    ranks_post_begin(&post, sizeof corners, count);
+    for (uint32_t t = 0; t < count; t++) {
+        order_corners(leaves[t].v, corners);
+        ranks_post_add(&post, (uint32_t)ranks_directory(mesh, corners[0]), corners);
     }
-    if (status == PCCD_OK) {
-        status = ranks_deal_to(link, sizeof *out, out, to, count, (void **)&in, &all);
-    }
+    int status = ranks_post_deal(&world->link, &post, (void **)&in, &all);
     if (all > 1) {
         qsort(in, all, sizeof *in, compare_corners);
     }
@@ -272,8 +269,6 @@ static int count_duplicates(struct pccd_mpi *world, const struct ranks_mesh *mes
     for (uint64_t i = 1; i < all; i++) {
         *duplicates += compare_corners(in[i], in[i - 1]) == 0;
     }
-    free(to);
-    free(out);
     free(in);
     return status;
 }
