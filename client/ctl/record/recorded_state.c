@@ -186,6 +186,19 @@ const uint32_t *recorded_feature(const struct registry_mesh *mesh, uint32_t poin
                          : mesh->triangles[*feature];
 }
 
+const uint32_t *recorded_place(const struct registry_object *object, uint32_t points,
+                               const uint32_t *feature, struct place_feature *ends)
+{
+    const uint32_t *corners =
+        object != NULL ? recorded_feature(object->mesh, points, feature) : NULL;
+    for (uint32_t i = 0; i < points && corners != NULL; i++) {
+        ends->corners[i] = corners[i];
+        memcpy(ends->from[i], object->x0[corners[i]], sizeof ends->from[i]);
+        memcpy(ends->to[i], object->x1[corners[i]], sizeof ends->to[i]);
+    }
+    return corners;
+}
+
 bool recorded_is_free(const struct registry_mesh *mesh, uint32_t points, uint32_t feature)
 {
     return points == 1 ? mesh->is_free_vertex[feature] : mesh->is_free_edge[feature];
@@ -562,45 +575,26 @@ void recorded_bounds(const struct registry_scene *scene, double t, double low[3]
 
 /* ---- where a record of what is near lies -------------------------------------- */
 
-/* The weights of a record's features. Those of EF are of a point of the edge, and nobody
- * asks for them. */
-static void near_weights(const struct pccd_near *near, double w[2][3])
-{
-    if (near->kind != PCCD_EF) {
-        common_contact_weights((enum pccd_kind)near->kind, near->param, w);
-    }
-}
-
 bool recorded_near_line(const struct registry_scene *scene, const struct pccd_near *near,
                         uint32_t end, double ends[2][3])
 {
     const uint32_t handles[2] = {near->object_a, near->object_b};
     const uint32_t features[2] = {near->feature_a, near->feature_b};
-    double w[2][3] = {{0}};
+    struct place_feature of[2];
     if (near->kind >= COMMON_KIND_COUNT) {
         return false;
     }
-    near_weights(near, w);
-    memset(ends, 0, 6 * sizeof(double));
     for (uint32_t side = 0; side < 2; side++) {
-        const struct registry_object *object = registry_object(scene, handles[side]);
-        uint32_t points = common_kinds[near->kind].points[side];
-        const uint32_t *corners =
-            object != NULL ? recorded_feature(object->mesh, points, &features[side])
-                           : NULL;
-        if (corners == NULL) {
+        if (recorded_place(registry_object(scene, handles[side]),
+                           common_kinds[near->kind].points[side], &features[side],
+                           &of[side]) == NULL) {
             return false;
         }
-        double(*x)[3] = end == 0 ? object->x0 : object->x1;
-        for (uint32_t i = 0; i < points; i++) {
-            for (uint32_t k = 0; k < 3; k++) {
-                if (near->kind != PCCD_EF) {
-                    ends[side][k] += w[side][i] * x[corners[i]][k];
-                } else if (side == 0) {
-                    ends[i][k] = x[corners[i]][k];
-                }
-            }
-        }
+    }
+    if (near->kind == PCCD_EF) {
+        memcpy(ends, end == 0 ? of[0].from : of[0].to, 6 * sizeof(double));
+    } else {
+        place_find((enum pccd_kind)near->kind, near->param, of, end, ends);
     }
     return true;
 }

@@ -7,6 +7,7 @@
 
 #include "error.h"
 #include "pccd.h"
+#include "place.h"
 #include "reader.h"
 #include "registry.h"
 
@@ -57,6 +58,10 @@ bool recorded_is_free(const struct registry_mesh *mesh, uint32_t points,
 uint32_t recorded_feature_count(const struct registry_mesh *mesh, uint32_t points);
 const uint32_t *recorded_feature(const struct registry_mesh *mesh, uint32_t points,
                                  const uint32_t *feature);
+/* The same of an object, NULL if there is none; and where its vertices are at both ends
+ * of the scene's last step. */
+const uint32_t *recorded_place(const struct registry_object *object, uint32_t points,
+                               const uint32_t *feature, struct place_feature *ends);
 /* Return whether two features of one mesh, by their vertices, have a vertex in common. */
 bool recorded_share_vertex(const uint32_t *a, uint32_t count_a, const uint32_t *b,
                            uint32_t count_b);

@@ -137,26 +137,12 @@ static void widen(struct snapshot_contact *contact, const struct snapshot_object
     }
 }
 
-/* A point of a feature, whose vertices are weighed, at a time. */
-static void point_of(const struct registry_object *object, const uint32_t *corners,
-                     const double w[3], uint32_t count, double t, double at[3])
-{
-    for (uint32_t k = 0; k < 3; k++) {
-        at[k] = 0;
-        for (uint32_t i = 0; i < count; i++) {
-            double x0 = object->x0[corners[i]][k], x1 = object->x1[corners[i]][k];
-            at[k] += w[i] * (x0 + t * (x1 - x0));
-        }
-    }
-}
-
-/* Find how far apart the two features are when they meet, unless they keep no distance:
- * then what is between their points is rounding. */
+/* Find how far apart the points of two features are that meet, unless these keep no
+ * distance: then what is between their points is rounding. */
 static void find_reach(double separation, const struct registry_object *const objects[2],
                        const uint32_t *const corners[2], const uint32_t counts[2],
-                       const double w[2][3], struct snapshot_contact *contact)
+                       const double at[2][3], struct snapshot_contact *contact)
 {
-    double at[2][3];
     double own = recorded_radius(objects[1], corners[1], counts[1]) + separation / 2;
     double both =
         own + recorded_radius(objects[0], corners[0], counts[0]) + separation / 2;
@@ -164,10 +150,6 @@ static void find_reach(double separation, const struct registry_object *const ob
         return;
     }
     contact->share = (float)(own / both);
-    for (uint32_t side = 0; side < 2; side++) {
-        point_of(objects[side], corners[side], w[side], counts[side],
-                 fmin(fmax(contact->toi, 0), 1), at[side]);
-    }
     for (uint32_t k = 0; k < 3; k++) {
         contact->reach[k] = (float)(at[0][k] - at[1][k]);
     }
@@ -180,20 +162,25 @@ static bool place_contact(const struct snapshot *snapshot,
                           const struct registry_scene *scene,
                           const struct pccd_contact *from, struct snapshot_contact *to)
 {
-    const struct snapshot_object *a = find_object(snapshot, from->object_a);
-    const struct snapshot_object *b = find_object(snapshot, from->object_b);
-    const struct registry_object *known_a = registry_object(scene, from->object_a);
-    const struct registry_object *known_b = registry_object(scene, from->object_b);
-    double w[2][3];
-    if (a == NULL || b == NULL || known_a == NULL || known_b == NULL ||
-        from->kind >= PCCD_KIND_COUNT) {
+    const uint32_t handles[2] = {from->object_a, from->object_b};
+    const uint32_t features[2] = {from->feature_a, from->feature_b};
+    struct snapshot_object *shown[2];
+    const struct registry_object *known[2];
+    const uint32_t *corners[2];
+    struct place_feature ends[2];
+    double at[2][3];
+    if (from->kind >= PCCD_KIND_COUNT) {
         return false;
     }
     const uint32_t *points = common_kinds[from->kind].points;
-    const uint32_t *of_a = recorded_feature(known_a->mesh, points[0], &from->feature_a);
-    const uint32_t *of_b = recorded_feature(known_b->mesh, points[1], &from->feature_b);
-    if (of_a == NULL || of_b == NULL) {
-        return false;
+    for (uint32_t side = 0; side < 2; side++) {
+        shown[side] = find_object(snapshot, handles[side]);
+        known[side] = registry_object(scene, handles[side]);
+        corners[side] =
+            recorded_place(known[side], points[side], &features[side], &ends[side]);
+        if (shown[side] == NULL || corners[side] == NULL) {
+            return false;
+        }
     }
     *to = (struct snapshot_contact){.toi = from->toi,
                                     .kind = from->kind,
@@ -203,21 +190,17 @@ static bool place_contact(const struct snapshot *snapshot,
                                     .object_b = from->object_b,
                                     .feature_b = from->feature_b};
     memcpy(to->normal, from->normal, sizeof to->normal);
-    common_contact_weights((enum pccd_kind)from->kind, from->param, w);
+    place_find((enum pccd_kind)from->kind, from->param, ends, snapshot->t, at);
     for (uint32_t k = 0; k < 3; k++) {
-        double at = 0;
-        for (uint32_t i = 0; i < points[1]; i++) {
-            at += w[1][i] * (double)b->x[of_b[i]][k];
-        }
-        to->at[k] = (float)at;
+        to->at[k] = (float)(at[1][k] - snapshot->origin[k]);
     }
     if (points[1] == 3) {
-        b->hits[from->feature_b]++;
+        shown[1]->hits[from->feature_b]++;
     }
-    widen(to, a, of_a, points[0]);
-    widen(to, b, of_b, points[1]);
-    find_reach(snapshot->separation, (const struct registry_object *[]){known_a, known_b},
-               (const uint32_t *[]){of_a, of_b}, points, (const double(*)[3])w, to);
+    widen(to, shown[0], corners[0], points[0]);
+    widen(to, shown[1], corners[1], points[1]);
+    place_find((enum pccd_kind)from->kind, from->param, ends, place_time(from), at);
+    find_reach(snapshot->separation, known, corners, points, (const double(*)[3])at, to);
     return true;
 }
 
@@ -250,7 +233,7 @@ static int find_contact(const struct snapshot_at *at, const struct play_step *st
             "step %" PRIu64 " has %" PRIu64 " %s, and no contact %" PRIu64, step->number,
             count, proto_plural(count, "contact", "contacts"), at->contact);
     }
-    *t = isnan(at->t) ? fmin(fmax(step->contacts[at->contact - 1].toi, 0), 1) : at->t;
+    *t = isnan(at->t) ? place_time(&step->contacts[at->contact - 1]) : at->t;
     return PCCD_OK;
 }
 
