@@ -38,6 +38,7 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_record.c \
     client/ctl/commands/cmd_render.c \
     client/ctl/commands/render_draw.c \
+    client/ctl/commands/failing.c \
     client/ctl/commands/cmd_replay.c \
     client/ctl/commands/cmd_scene.c \
     client/ctl/commands/cmd_stats.c \

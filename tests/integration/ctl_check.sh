@@ -123,6 +123,52 @@ meets --thickness 0.25 t0.ply t1.ply && says '^safe step +0\.2(5|4999)' &&
     fails 2 rings check --rings 9 t0.ply t1.ply
 report "check has thickness, separation, approach and what rest excludes"
 
+# If it failed, a report would say when something meets first, and nobody would know where: in
+# text, a line a step, and JSON; with names where there are names; of an edge its vertices.
+bar() { # Z: that of an edge which crosses another one in (0.5, 0, 0) when it is 0
+    printf 'o bar\nv -1 0 0\nv 3 0 0\nv 1 -9 -9\nf 1 2 3\no rail\nv 0.5 -1 %s\nv 0.5 1 %s\nv 9 9 %s\nf 4 5 6\n' \
+        "$1" "$1" $(($1 + 9))
+}
+bar 1 >bar0.obj
+bar -1 >bar1.obj
+meets t0.ply t1.ply &&
+    says '^first at +t = 0\.[0-9]+: vertex 3 meets face 0 at \(0\.25, 0\.25, 0\)$' &&
+    meets t0.ply t1.ply t0.ply &&
+    says '^ +2  .*, first at 0\.5: vertex 3 meets face 0 at \(0\.25, 0\.25, 0\), begins crossed' &&
+    meets bar0.obj bar1.obj &&
+    says '^first at .*: edge 0-1 of "bar" meets edge 3-4 of "rail" at \(0\.5, 0, [-0-9.e]+\)$' &&
+    meets --json bar0.obj bar1.obj && tr -d ' \n' <out | grep -qE \
+    '"first":\{"a":\{"object":"bar","edge":\[0,1\]\},"b":\{"object":"rail","edge":\[3,4\]\},"at":\[0\.5,0\.0,'
+report "check says where something meets first, in text and JSON"
+
+# Where vertex 3 has come to at toi, in the doubles of its record, and where it touches the face; to
+# the last bit. If it failed, whoever draws contacts would have to guess which rule we use.
+meets --contacts plain.csv t0.ply t1.ply t0.ply &&
+    meets --geometry --contacts places.csv t0.ply t1.ply t0.ply && python3 - <<'PYTHON'
+import csv
+plain, places = (list(csv.reader(open(name))) for name in ("plain.csv", "places.csv"))
+assert [row[:9] for row in places] == plain, places
+assert places[0][9:] == "object_a object_b ax ay az bx by bz nx ny nz".split()
+first, second = ([float(value) for value in row[11:]] for row in places[1:])
+toi = float(places[1][6])
+assert first == [0.25, 0.25, 1 + toi * -2, 0.25, 0.25, 0, 0, 0, 1], first
+toi = float(places[2][6])
+assert second == [0.25, 0.25, -1 + toi * 2, 0.25, 0.25, 0, 0, 0, -1], second
+assert places[1][9:11] == ["t0", "t0"]
+PYTHON
+[ $? -eq 0 ] && meets --geometry --contacts bars.csv bar0.obj bar1.obj && python3 - <<'PYTHON'
+import csv
+row = next(row for row in csv.DictReader(open("bars.csv"))
+           if [row["i0"], row["i1"], row["i2"], row["i3"]] == ["0", "1", "3", "4"])
+assert row["object_a"] == "bar" and row["object_b"] == "rail"
+a, b, n = ([float(row[side + axis]) for axis in "xyz"] for side in "abn")
+assert a == [0.5, 0, 0] and b == [0.5, 0, 1 + float(row["toi"]) * -2] and n == [0, 0, -1]
+PYTHON
+[ $? -eq 0 ] && meets --mode pairs --geometry --contacts - t0.ply t1.ply &&
+    grep -qx 'vf,3,0,1,2,,,0,t0,t0,,,,,,,,,' out &&
+    fails 2 'of the contacts that --contacts writes' check --geometry t0.ply t1.ply
+report "check --geometry writes where contacts are, and leaves the other columns as they were"
+
 # Surfaces that pass through each other from the first frame to the last have no contact:
 # if that were all that is said, they would be taken for free. Nothing of a box inside a
 # box passes through anything, and check says nothing of it (near --what depth does).

@@ -2,11 +2,13 @@
 #include "check_run.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "clock.h"
+#include "kinds.h"
 #include "printable.h"
 #include "statistics.h"
 #include "terminal.h"
@@ -184,7 +186,8 @@ struct motion {
     struct pccd_motion *motions;
     const struct contacts_csv *csv;
     uint32_t number;
-    bool *is_counted; /* false: there was no memory for it */
+    bool *is_counted;           /* false: there was no memory for it */
+    struct pccd_contact *first; /* the earliest one so far; its toi is above 1 at first */
 };
 
 /* Move to the frame; the first time from where the objects stand, unless they stand
@@ -199,6 +202,55 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
                      answer);
 }
 
+/* In the order of the answer, where several are the earliest. */
+static void find_first(const struct pccd_answer *page, struct pccd_contact *first)
+{
+    for (uint64_t i = 0; page->contacts != NULL && i < page->count; i++) {
+        if (page->contacts[i].toi < first->toi) {
+            *first = page->contacts[i];
+        }
+    }
+}
+
+/* Say where the earliest contact is. */
+static int place_first(struct check_run *run, const struct scene *files, uint32_t number,
+                       const struct pccd_contact *contact, struct report_first *first)
+{
+    const uint32_t handles[2] = {contact->object_a, contact->object_b};
+    const uint32_t features[2] = {contact->feature_a, contact->feature_b};
+    struct place_feature ends[2];
+    double at[2][3];
+    *first = (struct report_first){.kind = contact->kind};
+    if (contact->kind >= PCCD_KIND_COUNT) {
+        return PCCD_OK; /* of a newer daemon */
+    }
+    for (uint32_t side = 0; side < 2; side++) {
+        uint32_t points = common_kinds[contact->kind].points[side];
+        uint32_t place = scene_place_of(files, handles[side]);
+        int status = place == files->object_count
+                         ? PCCD_E_FORMAT
+                         : scene_feature(&files->objects[place], run->client, number,
+                                         points, features[side], &ends[side]);
+        if (status != PCCD_OK) {
+            return status;
+        }
+        first->part[side] = REPORT_NO_PART;
+        if (run->objects != NULL) {
+            first->part[side] = objects_part(objects_find(run->objects, handles[side]),
+                                             points, features[side]);
+        }
+        first->feature[side] = points == 2 ? ends[side].corners[0] : features[side];
+        first->other[side] = points == 2 ? ends[side].corners[1] : 0;
+    }
+    place_find((enum pccd_kind)contact->kind, contact->param, ends, place_time(contact),
+               at);
+    first->x = at[1][0];
+    first->y = at[1][1];
+    first->z = at[1][2];
+    first->is_known = true;
+    return PCCD_OK;
+}
+
 static void show_page(void *context, const struct pccd_answer *page)
 {
     const struct motion *motion = context;
@@ -206,6 +258,7 @@ static void show_page(void *context, const struct pccd_answer *page)
     if (motion->csv->whole.to != NULL) {
         contacts_csv_page(motion->csv, motion->number, page);
     }
+    find_first(page, motion->first);
     *motion->is_counted =
         *motion->is_counted && (objects == NULL || objects_count(objects, page));
 }
@@ -215,27 +268,53 @@ int check_run_step(struct check_run *run, const struct scene *files, uint32_t nu
                    struct ctl_error *error)
 {
     bool is_counted = true;
+    struct pccd_contact first = {.toi = INFINITY};
     struct motion motion = {.run = run,
                             .files = files,
                             .motions =
                                 calloc(files->object_count, sizeof *motion.motions),
                             .csv = csv,
                             .number = number,
-                            .is_counted = &is_counted};
-    bool is_shown = csv->whole.to != NULL || run->objects != NULL;
+                            .is_counted = &is_counted,
+                            .first = &first};
     const struct check_ask ask = {.once = move_once,
-                                  .page = is_shown ? show_page : NULL,
+                                  .page = show_page,
                                   .failed = "the step failed",
                                   .context = &motion};
     int status = motion.motions != NULL
                      ? check_run_repeat(run, &ask, number, step, error)
                      : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
     free(motion.motions);
+    if (status == PCCD_OK && first.toi <= 1) {
+        status = place_first(run, files, number, &first, &step->first);
+        status =
+            status == PCCD_OK ? PCCD_OK : check_run_fail(run, status, "no place", error);
+    }
     if (status != PCCD_OK || run->objects == NULL) {
         return status;
     }
     return is_counted ? objects_take(run->objects, step, error)
                       : ctl_error_set(error, PCCD_E_NOMEM, "no memory for objects");
+}
+
+int check_run_again(struct check_run *run, const struct scene *files, uint32_t number,
+                    struct ctl_error *error)
+{
+    struct pccd_motion *motions = calloc(files->object_count, sizeof *motions);
+    const struct motion motion = {
+        .run = run, .files = files, .motions = motions, .number = number};
+    const struct check_ask ask = {.page = NULL};
+    struct pccd_answer answer = {.step = 0};
+    bool is_complete = false;
+    if (motions == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+    }
+    int status = move_once((void *)&motion, true, &answer);
+    status = status == PCCD_OK
+                 ? take_pages(run, &ask, false, &answer, &is_complete, error)
+                 : check_run_fail(run, status, "the step failed", error);
+    free(motions);
+    return status;
 }
 
 int check_run_judge(const struct report_step *steps, uint32_t step_count, bool *is_free,

@@ -66,6 +66,7 @@ struct contacts_csv {
     bool has_step;                 /* a first column "step" */
     bool has_names;                /* two last columns with names of objects */
     const struct objects *objects; /* the caller's; with edges of each */
+    struct scene *geometry; /* the caller's, its edges fetched; NULL: no columns of it */
 };
 
 /* ",3,4": the vertices of a feature of so many points (1 a vertex, 2 an edge, 3 a face).
@@ -77,7 +78,8 @@ uint32_t csv_vertices(FILE *to, uint32_t points, uint32_t feature,
 int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error);
 /* Append the records of a page; `step` counts from 1. vf: the vertex, then the triangle's
  * three as in the file; ee: the first edge's two, ascending, then the second's. Records
- * of mode pairs have empty times and proved = 0. */
+ * of mode pairs have empty times and proved = 0. Geometry is that of frames step - 1 and
+ * `step`, which are read; pairs have none. */
 void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
                        const struct pccd_answer *page);
 struct check_run {
@@ -107,6 +109,11 @@ int check_run_tell(struct check_run *run, const struct scene *files,
 int check_run_step(struct check_run *run, const struct scene *files, uint32_t number,
                    const struct contacts_csv *csv, struct report_step *step,
                    struct ctl_error *error);
+
+/* The step that was made last once more, whose frames are still read: all its records
+ * are fetched, and given back. */
+int check_run_again(struct check_run *run, const struct scene *files, uint32_t number,
+                    struct ctl_error *error);
 
 /* Question that check_run_repeat asks, and where the pages of the last answer go. */
 struct check_ask {

@@ -2,6 +2,7 @@
 #include "check_run.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "kinds.h"
@@ -11,8 +12,9 @@ int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
 {
     int status = output_open(&csv->whole, csv->path, true, error);
     if (status == PCCD_OK) {
-        fprintf(csv->whole.to, "%skind,i0,i1,i2,i3,toi,toi_hi,proved%s\n",
-                csv->has_step ? "step," : "", csv->has_names ? ",object_a,object_b" : "");
+        fprintf(csv->whole.to, "%skind,i0,i1,i2,i3,toi,toi_hi,proved%s%s\n",
+                csv->has_step ? "step," : "", csv->has_names ? ",object_a,object_b" : "",
+                csv->geometry != NULL ? ",ax,ay,az,bx,by,bz,nx,ny,nz" : "");
     }
     return status;
 }
@@ -73,7 +75,52 @@ static void print_name(FILE *file, const char *name)
     fputs(is_quoted ? "\"" : "", file);
 }
 
-static void end_record(const struct contacts_csv *csv, const struct pccd_pair *pair)
+/* A comma, and the shortest decimals that are read as the same number. */
+static void print_number(FILE *to, double x)
+{
+    char text[32];
+    int digits = 15;
+    do {
+        snprintf(text, sizeof text, "%.*g", digits, x);
+    } while (digits++ < 17 && strtod(text, NULL) != x);
+    fprintf(to, ",%s", text);
+}
+
+/* The point on either side when they meet, and the normal; empty where there is no
+ * place. */
+static void print_geometry(const struct contacts_csv *csv, uint32_t step,
+                           const struct pccd_contact *contact)
+{
+    FILE *to = csv->whole.to;
+    struct scene *scene = csv->geometry;
+    struct place_feature ends[2];
+    double at[2][3];
+    bool is_known = contact != NULL && contact->kind < PCCD_KIND_COUNT;
+    for (uint32_t side = 0; side < 2 && is_known; side++) {
+        uint32_t place =
+            scene_place_of(scene, side == 0 ? contact->object_a : contact->object_b);
+        is_known = place < scene->object_count &&
+                   scene_feature(&scene->objects[place], NULL, step,
+                                 common_kinds[contact->kind].points[side],
+                                 side == 0 ? contact->feature_a : contact->feature_b,
+                                 &ends[side]) == PCCD_OK;
+    }
+    if (!is_known) {
+        fputs(",,,,,,,,,", to);
+        return;
+    }
+    place_find((enum pccd_kind)contact->kind, contact->param, ends, place_time(contact),
+               at);
+    for (uint32_t i = 0; i < 6; i++) {
+        print_number(to, at[i / 3][i % 3]);
+    }
+    for (uint32_t k = 0; k < 3; k++) {
+        print_number(to, (double)contact->normal[k]);
+    }
+}
+
+static void end_record(const struct contacts_csv *csv, uint32_t step,
+                       const struct pccd_pair *pair, const struct pccd_contact *contact)
 {
     const struct objects *objects = csv->objects;
     if (csv->has_names && pair->kind < PCCD_KIND_COUNT) {
@@ -86,6 +133,9 @@ static void end_record(const struct contacts_csv *csv, const struct pccd_pair *p
         print_name(csv->whole.to, objects->names[b]);
     } else if (csv->has_names) {
         fputs(",,", csv->whole.to);
+    }
+    if (csv->geometry != NULL) {
+        print_geometry(csv, step, contact);
     }
     fputc('\n', csv->whole.to);
 }
@@ -103,11 +153,11 @@ void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
         print_features(csv, step, &pair);
         fprintf(csv->whole.to, ",%.17g,%.17g,%d", contact->toi, contact->toi_hi,
                 (contact->flags & PCCD_PROVED) != 0);
-        end_record(csv, &pair);
+        end_record(csv, step, &pair, contact);
     }
     for (uint64_t i = 0; i < page->count && page->pairs != NULL; i++) {
         print_features(csv, step, &page->pairs[i]);
         fputs(",,,0", csv->whole.to);
-        end_record(csv, &page->pairs[i]);
+        end_record(csv, step, &page->pairs[i], NULL);
     }
 }

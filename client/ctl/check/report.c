@@ -242,10 +242,35 @@ static void print_start(FILE *to, const struct pccd_answer *answer)
     }
 }
 
-static void print_first(FILE *to, const struct pccd_answer *answer)
+/* ": vertex 3 of "cloth" meets face 12 of "ball" at (0.2, 0.2, 0)" */
+static void print_place(FILE *to, const struct report_scene *scene,
+                        const struct report_first *first)
 {
+    static const char *const before[] = {": ", " meets "};
+    for (int side = 0; side < 2 && first->is_known; side++) {
+        uint32_t points = common_kinds[first->kind].points[side];
+        fprintf(to, "%s%s %" PRIu32, before[side], common_feature_names[points],
+                first->feature[side]);
+        if (points == 2) {
+            fprintf(to, "-%" PRIu32, first->other[side]);
+        }
+        if (first->part[side] != REPORT_NO_PART) {
+            fprintf(to, " of \"%s\"", tool_shown(scene->names[first->part[side]]));
+        }
+    }
+    if (first->is_known) {
+        fprintf(to, " at (%.6g, %.6g, %.6g)", first->x, first->y, first->z);
+    }
+}
+
+static void print_first(FILE *to, const struct report_scene *scene,
+                        const struct report_step *step)
+{
+    const struct pccd_answer *answer = &step->answer;
     if (answer->toi_first < NO_TOI) {
-        fprintf(to, "first at   t = %.17g\n", answer->toi_first);
+        fprintf(to, "first at   t = %.17g", answer->toi_first);
+        print_place(to, scene, &step->first);
+        fputc('\n', to);
     } else if (answer->crossings > 0) {
         fputs("first at   the start, where it is crossed\n", to);
     } else if (answer->start_inside > 0) {
@@ -258,8 +283,9 @@ static void print_first(FILE *to, const struct pccd_answer *answer)
 }
 
 static void print_records(FILE *to, const struct report_scene *scene,
-                          const struct pccd_answer *answer)
+                          const struct report_step *step)
 {
+    const struct pccd_answer *answer = &step->answer;
     static const char *const verdicts[] = {"no", "possible", "yes", "undecided"};
     print_start(to, answer);
     if (answer->mode == PCCD_MODE_ANY) {
@@ -282,7 +308,7 @@ static void print_records(FILE *to, const struct report_scene *scene,
         fprintf(to, "           %" PRIu64 " nearer than their distance from the start\n",
                 answer->inside);
     }
-    print_first(to, answer);
+    print_first(to, scene, step);
     fprintf(to, "safe step  %.17g\n", answer->safe_step);
     if (answer->coincident > answer->total / 2) {
         fputs(
@@ -421,7 +447,7 @@ void report_print_step(FILE *to, const struct report_scene *scene,
 {
     fprintf(to, "step       %s -> %s, mode %s\n", tool_shown(step->from),
             tool_shown(step->to), or_unknown(common_mode_name(step->answer.mode)));
-    print_records(to, scene, &step->answer);
+    print_records(to, scene, step);
     if (step->pair_count > 0) {
         fprintf(to, "between    %" PRIu32 " %s of objects\n", step->pair_count,
                 proto_plural(step->pair_count, "pair", "pairs"));
@@ -430,7 +456,8 @@ void report_print_step(FILE *to, const struct report_scene *scene,
     report_print_rest(to, scene->build_ms, step);
 }
 
-void report_print_line(FILE *to, uint32_t number, const struct report_step *step)
+void report_print_line(FILE *to, const struct report_scene *scene, uint32_t number,
+                       const struct report_step *step)
 {
     const struct pccd_answer *answer = &step->answer;
     fprintf(to, "%4" PRIu32 "  %s: %" PRIu64 " (", number, tool_shown(step->to),
@@ -439,6 +466,7 @@ void report_print_line(FILE *to, uint32_t number, const struct report_step *step
     fprintf(to, ", %" PRIu64 " possible)", answer->possible);
     if (answer->toi_first < NO_TOI) {
         fprintf(to, ", first at %.9g", answer->toi_first);
+        print_place(to, scene, &step->first);
     }
     if (answer->crossings > 0) {
         fprintf(to, ", begins crossed %" PRIu64 " %s", answer->crossings,

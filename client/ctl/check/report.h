@@ -60,6 +60,18 @@ struct report_pair {
     uint64_t count; /* records */
 };
 
+#define REPORT_NO_PART UINT32_MAX
+
+/* The earliest contact of a step, and where it is. */
+struct report_first {
+    bool is_known;
+    uint32_t kind;
+    uint32_t part[2];    /* number of the name; REPORT_NO_PART: it has none */
+    uint32_t feature[2]; /* vertex, or face; of an edge its lower vertex .. */
+    uint32_t other[2];   /* .. and its other one */
+    double x, y, z;      /* the point of the second feature, then */
+};
+
 struct report_step {
     const char *from, *to; /* files */
     struct pccd_answer
@@ -68,7 +80,8 @@ struct report_step {
     uint32_t repeats; /* timed runs; 0: the first run is the timed one */
     double first_ms;  /* `step` of the first run, which warms up */
     double ms[REPORT_PHASE_COUNT]; /* medians of the timed runs */
-    double round_trip_ms;      /* the same, from submit to answer as the client sees it */
+    double round_trip_ms; /* the same, from submit to answer as the client sees it */
+    struct report_first first;
     struct report_pair *pairs; /* whose free() is the caller's; NULL: no objects */
     uint32_t pair_count;
 };
@@ -84,7 +97,8 @@ void report_print_step(FILE *to, const struct report_scene *scene,
 /* Print the end of the report of any answer: whether it is complete, its hash, work and
  * times. */
 void report_print_rest(FILE *to, double build_ms, const struct report_step *step);
-void report_print_line(FILE *to, uint32_t number, const struct report_step *step);
+void report_print_line(FILE *to, const struct report_scene *scene, uint32_t number,
+                       const struct report_step *step);
 /* Print which objects meet: at most 10 lines, and how many pairs there are more. */
 void report_print_pairs(FILE *to, const struct report_scene *scene,
                         const struct report_step *step);

@@ -193,6 +193,33 @@ static json_t *pairs_array(const struct report_scene *scene,
     return array;
 }
 
+/* Return the earliest contact: of both sides the name of the object, if it has one, the
+ * feature and its number, of an edge its vertices; then the point. */
+static json_t *first_object(const struct report_scene *scene,
+                            const struct report_first *first, bool *ok)
+{
+    static const char *const sides[] = {"a", "b"};
+    if (!first->is_known) {
+        return json_null();
+    }
+    json_t *object = json_object();
+    for (int side = 0; side < 2; side++) {
+        uint32_t points = common_kinds[first->kind].points[side];
+        json_t *element = json_object();
+        if (first->part[side] != REPORT_NO_PART) {
+            json_set(element, "object", json_text(scene->names[first->part[side]]), ok);
+        }
+        json_set(element, common_feature_names[points],
+                 points == 2 ? json_pack("[I, I]", (json_int_t)first->feature[side],
+                                         (json_int_t)first->other[side])
+                             : json_integer((json_int_t)first->feature[side]),
+                 ok);
+        json_set(object, sides[side], element, ok);
+    }
+    json_set(object, "at", json_pack("[f, f, f]", first->x, first->y, first->z), ok);
+    return object;
+}
+
 static void add_step(json_t *object, const struct report_scene *scene,
                      const struct report_step *step, bool *ok)
 {
@@ -209,6 +236,7 @@ static void add_step(json_t *object, const struct report_scene *scene,
         json_set(object, "verdict", mode_text(common_verdict_name(answer->verdict)), ok);
     }
     set_toi(object, answer->toi_first, ok);
+    json_set(object, "first", first_object(scene, &step->first, ok), ok);
     json_set(object, "safe_step", json_real(answer->safe_step), ok);
     json_set_count(object, "inside", answer->inside, ok);
     json_set(object, "crowded", json_boolean(answer->crowded), ok);

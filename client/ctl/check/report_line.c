@@ -28,7 +28,18 @@ static const struct column columns[] = {
 #define PHASE(name) {#name, .type = COLUMN_EXACT, OF(ms[REPORT_##name])},
     REPORT_PHASES(PHASE)
 #undef PHASE
-        {0}};
+        {"first_known", .type = COLUMN_NUMBER, OF(first.is_known)},
+    {"first_kind", .type = COLUMN_NUMBER, OF(first.kind)},
+    {"first_part_a", .type = COLUMN_NUMBER, OF(first.part[0])},
+    {"first_part_b", .type = COLUMN_NUMBER, OF(first.part[1])},
+    {"first_a", .type = COLUMN_NUMBER, OF(first.feature[0])},
+    {"first_b", .type = COLUMN_NUMBER, OF(first.feature[1])},
+    {"first_other_a", .type = COLUMN_NUMBER, OF(first.other[0])},
+    {"first_other_b", .type = COLUMN_NUMBER, OF(first.other[1])},
+    {"first_x", .type = COLUMN_EXACT, OF(first.x)},
+    {"first_y", .type = COLUMN_EXACT, OF(first.y)},
+    {"first_z", .type = COLUMN_EXACT, OF(first.z)},
+    {0}};
 
 json_t *report_line(const struct report_step *step)
 {

@@ -7,6 +7,7 @@
 
 #include "check_run.h"
 #include "ctl.h"
+#include "failing.h"
 #include "output.h"
 #include "shown.h"
 #include "terminal.h"
@@ -16,11 +17,17 @@ struct command {
     struct check_options check;
     struct scene_options scene;
     struct trace_options trace;
+    struct failing_options failing;
+    bool has_geometry;
 };
 
 static void check_usage(struct argp_state *state, void *to)
 {
-    const struct trace_options *trace = &((const struct command *)to)->trace;
+    const struct command *command = to;
+    const struct trace_options *trace = &command->trace;
+    if (command->has_geometry && command->check.ask.csv == NULL) {
+        option_misused(state, "--geometry is of the contacts that --contacts writes");
+    }
     if (trace->path != NULL && strcmp(trace->path, "-") == 0) {
         option_misused(state, "--trace: the standard output is the report's");
     }
@@ -33,6 +40,10 @@ static void check_usage(struct argp_state *state, void *to)
 #define AT(member) offsetof(struct command, member)
 static const struct option_row rows[] = {
     CTL_OUTPUT,
+    {"geometry", 0, NULL,
+     "With --contacts: add names of objects, where both features are touched, and the "
+     "normal",
+     OPTION_FLAG, .at = AT(has_geometry)},
     {"trace", 0, "FILE",
      "Write a trace of what the daemon's threads do, for Perfetto; see pccdctl trace",
      OPTION_TEXT, .at = AT(trace.path)},
@@ -48,6 +59,7 @@ static const struct option_row rows[] = {
 const struct option_table ctl_table_check = {
     .rows = rows,
     .parts = (const struct option_part[]){{&check_table, AT(check)},
+                                          {&failing_table, AT(failing)},
                                           {&scene_table, AT(scene)},
                                           {&ctl_link_table, AT(check.ask.link)},
                                           {0}},
@@ -77,6 +89,7 @@ struct check {
     struct report_step *steps; /* [scene.count - 1] */
     struct progress progress;
     struct trace_file trace;
+    struct failing failing;
     FILE *report;
 };
 
@@ -101,9 +114,12 @@ static int walk(struct check *check, struct ctl_error *error)
             status =
                 check_run_step(&check->run, &check->scene, i, &check->csv, step, error);
         }
+        if (status == PCCD_OK && report_meets(step)) {
+            status = failing_keep(&check->failing, &check->run, &check->scene, i, error);
+        }
         if (status == PCCD_OK && is_sequence && !ask->is_json) {
             progress_clear(&check->progress);
-            report_print_line(check->report, i, step);
+            report_print_line(check->report, &check->run.told, i, step);
             report_print_pairs(check->report, &check->run.told, step);
         }
     }
@@ -147,22 +163,27 @@ static int begin(struct check *check, struct ctl_error *error)
     const struct check_options *options = &check->command->check;
     struct check_run *run = &check->run;
     struct scene *scene = &check->scene;
-    bool is_named = has_names(scene);
+    bool is_named = has_names(scene), has_geometry = check->command->has_geometry;
     run->settings = check_step_settings(options);
     int status = check_run_begin(run, scene, is_named || options->ask.csv != NULL, error);
     for (uint32_t i = 0; status == PCCD_OK && i < scene->object_count; i++) {
         const struct scene_object *object = &scene->objects[i];
-        status = objects_add(
-            &check->objects, object->handle, scene->object_count > 1 ? object->name : "",
-            &object->files.mesh, object->edges, object->info.edge_count, error);
+        status = objects_add(&check->objects, object->handle,
+                             scene->object_count > 1 || !is_named ? object->name : "",
+                             &object->files.mesh, object->edges, object->info.edge_count,
+                             error);
     }
     run->told.names = check->objects.names;
     run->objects = is_named ? &check->objects : NULL;
+    if (status == PCCD_OK) {
+        status = failing_begin(&check->failing, run, error);
+    }
     if (status == PCCD_OK && options->ask.csv != NULL) {
         check->csv = (struct contacts_csv){.path = options->ask.csv,
                                            .has_step = scene->count > 2,
-                                           .has_names = is_named,
-                                           .objects = &check->objects};
+                                           .has_names = is_named || has_geometry,
+                                           .objects = &check->objects,
+                                           .geometry = has_geometry ? scene : NULL};
         status = contacts_csv_open(&check->csv, error);
     }
     return status;
@@ -230,7 +251,8 @@ static int report_all(struct check *check, struct ctl_error *error)
     if (check->command->trace.path != NULL) {
         trace_file_report(&check->trace, is_json ? stderr : check->report, false);
     }
-    return PCCD_OK;
+    return failing_write(&check->failing, &check->command->check.ask.link,
+                         is_json ? stderr : check->report, error);
 }
 
 static int run_check(const struct command *command)
@@ -240,6 +262,7 @@ static int run_check(const struct command *command)
     struct check check = {.command = command,
                           .scene = {.settings = &command->check.ask.object,
                                     .frames = &command->check.ask.frames},
+                          .failing = {.options = &command->failing},
                           .report = ask_report_to(&command->check.ask)};
     bool is_free = false;
     int status = check_all(&check, &error), closed;
@@ -257,6 +280,7 @@ static int run_check(const struct command *command)
     }
     check_run_deinit(&check.run);
     pccd_close(check.run.client);
+    failing_deinit(&check.failing);
     objects_deinit(&check.objects);
     scene_close(&check.scene);
     free(check.steps);

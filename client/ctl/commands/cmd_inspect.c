@@ -12,10 +12,8 @@
 #include "whole_file.h"
 
 #define MIB              (1u << 20)
-#define SIZE_DEFAULT_MIB 64u
 #define SIZE_MAX_MIB     2048u /* browsers do not open much more */
 #define EVERY_MAX        (1u << 30)
-#define BOXES_DEFAULT    512u
 #define BOXES_MAX        (1u << 20)
 
 struct command {
@@ -132,13 +130,8 @@ static int write_page(struct command *command, struct whole_file *file,
 {
     struct play_settings *play_settings = &command->options.play;
     struct page_file page;
-    size_t template_bytes = 0;
-    const char *template = page_template(&template_bytes);
-    int status = inspect_init(inspect, &command->settings, &page, error);
-    if (status == PCCD_OK) {
-        status = page_file_begin(&page, file->to, command->path, template, template_bytes,
-                                 error);
-    }
+    int status = inspect_init(inspect, &command->settings, &page, file->to, command->path,
+                              error);
     if (status == PCCD_OK) {
         status = play(play_settings, inspect_step, inspect, summary, error);
     }
@@ -160,13 +153,12 @@ int ctl_cmd_inspect(int argc, char **argv)
 {
     struct command command = {
         .settings = {.every = 1,
-                     .boxes_max = BOXES_DEFAULT,
-                     .bytes_max = (uint64_t)SIZE_DEFAULT_MIB * MIB}};
+                     .boxes_max = INSPECT_BOXES_DEFAULT,
+                     .bytes_max = INSPECT_BYTES_DEFAULT}};
     struct ctl_error error = {.text = ""};
     struct whole_file file = {.to = NULL};
     struct inspect inspect = {.kept = 0};
     struct play_summary summary;
-    size_t bytes;
     play_options_init(&command.options, "steps");
     command.options.takes_frames = true;
     command.options.play.source = PLAY_DAEMON;
@@ -176,15 +168,7 @@ int ctl_cmd_inspect(int argc, char **argv)
     if (option_parse(&ctl_table_inspect, argc, argv, &command) != 0) {
         return CTL_USAGE;
     }
-    int status = PCCD_OK;
-    if (page_template(&bytes) == NULL) {
-        status = ctl_error_set(
-            &error, PCCD_E_SYSTEM,
-            "this pccdctl was built without the page of inspect: build it again with "
-            "./bootstrap, or with configure --with-inspect=fetch, where node (18 or "
-            "later) and npm are installed; \"pccdctl render\" and \"export\" need "
-            "neither");
-    }
+    int status = inspect_has_page(&error);
     if (status == PCCD_OK) {
         status = play_options_open(&command.options, &error);
     }

@@ -293,44 +293,68 @@ static void report_film(const struct render *render, uint32_t frame_count)
     }
 }
 
-/* All steps, twice: once for what is to be seen, without their contacts. */
-static int make_film(const struct render *render, struct whole_file *file,
-                     struct play_summary *summary, struct ctl_error *error)
+/* Go through the steps of all parts; the pass that measures wants no contacts. */
+static int pass(struct shooting *shooting, const struct play_settings *parts,
+                bool measures, struct play_summary *summary, struct ctl_error *error)
+{
+    const struct render *render = shooting->render;
+    double t = render->has_first_tries ? 0 : isnan(render->t) ? 1 : render->t;
+    int status = PCCD_OK;
+    for (; parts->path != NULL && status == PCCD_OK; parts++) {
+        struct play_settings settings = *parts;
+        settings.only_last = false;
+        settings.needs_records = !measures;
+        status = snapshot_each(&settings, t, measures ? measure : shoot, shooting,
+                               summary, error);
+    }
+    return status;
+}
+
+int render_film(const struct render *render, const struct play_settings *parts, FILE *to,
+                uint32_t *frame_count, struct play_summary *summary,
+                struct ctl_error *error)
 {
     struct shooting shooting = {.render = render,
                                 .low = {INFINITY, INFINITY, INFINITY},
                                 .high = {-INFINITY, -INFINITY, -INFINITY}};
-    struct play_settings settings = render->options.play;
-    double t = render->has_first_tries ? 0 : isnan(render->t) ? 1 : render->t;
-    settings.only_last = false;
-    settings.needs_records = false;
-    int status = snapshot_each(&settings, t, measure, &shooting, summary, error);
-    settings.needs_records = true;
+    int status = pass(&shooting, parts, true, summary, error);
     if (status == PCCD_OK && !(shooting.low[0] <= shooting.high[0])) {
         status =
             ctl_error_set(error, PCCD_E_INVAL, "the steps are of scenes without objects");
     }
     if (status == PCCD_OK) {
-        status = output_open(file, render->path, false, error);
-    }
-    if (status == PCCD_OK) {
         shooting.begins = 0;
         shooting.step_count = 0;
-        film_begin(&shooting.film, file->to, render->path, shooting.frame_count,
+        film_begin(&shooting.film, to, render->path, shooting.frame_count,
                    render->rate > 0 ? (uint32_t)render->rate : RATE);
-        status = snapshot_each(&settings, t, shoot, &shooting, summary, error);
+        status = pass(&shooting, parts, false, summary, error);
     }
     if (status == PCCD_OK && shooting.film.written != shooting.frame_count) {
         status =
-            ctl_error_set(error, PCCD_E_STATE, "%s has changed meanwhile", settings.path);
+            ctl_error_set(error, PCCD_E_STATE, "%s has changed meanwhile", parts->path);
     }
     if (status == PCCD_OK) {
         film_end(&shooting.film);
+    }
+    *frame_count = shooting.frame_count;
+    return status;
+}
+
+static int make_film(const struct render *render, struct whole_file *file,
+                     struct play_summary *summary, struct ctl_error *error)
+{
+    const struct play_settings parts[2] = {render->options.play};
+    uint32_t frame_count = 0;
+    int status = output_open(file, render->path, false, error);
+    if (status == PCCD_OK) {
+        status = render_film(render, parts, file->to, &frame_count, summary, error);
+    }
+    if (status == PCCD_OK) {
         status = output_finish(file, render->path, error);
     }
     if (status == PCCD_OK) {
-        play_options_warn(&settings, summary);
-        report_film(render, shooting.frame_count);
+        play_options_warn(&render->options.play, summary);
+        report_film(render, frame_count);
     }
     return status;
 }

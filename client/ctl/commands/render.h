@@ -22,6 +22,7 @@ struct render {
     bool is_near; /* what is near, and not contacts */
     bool is_thick;
     bool is_film;
+    bool marks_first;     /* the earliest contact of each step is drawn larger */
     bool has_first_tries; /* of a film: one step for each place where steps begin */
     double rate;    /* pictures a second of a film, frames of a file; 0: not given */
     uint32_t every; /* a film has each N-th step; 0: not given */
@@ -31,5 +32,12 @@ struct render {
  * those of picture_write and film_add. */
 int render_draw(const struct render *render, const struct snapshot *snapshot, FILE *file,
                 struct film *film, const float (*bounds)[3], struct ctl_error *error);
+
+/* Draw a film of the steps that these settings play, one after the other, up to one
+ * without a path, seen within one box; *frame_count: how many. Errors: those of
+ * render_draw and snapshot_each; E_LIMIT: more than a film has. */
+int render_film(const struct render *render, const struct play_settings *parts, FILE *to,
+                uint32_t *frame_count, struct play_summary *summary,
+                struct ctl_error *error);
 
 #endif

@@ -204,19 +204,32 @@ static uint32_t mark_contact(const struct snapshot_contact *contact, bool is_thi
     return count + 1;
 }
 
+/* The one that is drawn larger; contact_count: none is. */
+static uint64_t chosen_of(const struct render *render, const struct snapshot *snapshot)
+{
+    uint64_t chosen = render->contact > 0 ? snapshot->chosen : snapshot->contact_count;
+    for (uint64_t i = 0; render->marks_first && i < snapshot->contact_count; i++) {
+        if (chosen == snapshot->contact_count ||
+            snapshot->contacts[i].toi < snapshot->contacts[chosen].toi) {
+            chosen = i;
+        }
+    }
+    return chosen;
+}
+
 /* Contacts by their times, the chosen one over the others. Returns how many marks. */
 static uint32_t mark_contacts(const struct render *render,
                               const struct snapshot *snapshot, struct picture_mark *marks)
 {
+    uint64_t chosen = chosen_of(render, snapshot);
     uint32_t count = 0;
     for (uint64_t i = 0; i < snapshot->contact_count; i++) {
-        if (render->contact == 0 || i != snapshot->chosen) {
+        if (i != chosen) {
             count = mark_contact(&snapshot->contacts[i], render->is_thick, marks, count);
         }
     }
-    if (render->contact > 0) {
-        count = mark_contact(&snapshot->contacts[snapshot->chosen], render->is_thick,
-                             marks, count);
+    if (chosen < snapshot->contact_count) {
+        count = mark_contact(&snapshot->contacts[chosen], render->is_thick, marks, count);
         marks[count - 1].is_chosen = true;
     }
     return count;

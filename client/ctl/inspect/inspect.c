@@ -22,14 +22,32 @@ static int no_memory(struct ctl_error *error)
     return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the page");
 }
 
-int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
-                 struct page_file *page, struct ctl_error *error)
+int inspect_has_page(struct ctl_error *error)
 {
+    size_t bytes = 0;
+    return page_template(&bytes) != NULL
+               ? PCCD_OK
+               : ctl_error_set(
+                     error, PCCD_E_SYSTEM,
+                     "this pccdctl was built without the page of inspect: build it again "
+                     "with ./bootstrap, or with configure --with-inspect=fetch, where "
+                     "node (18 or later) and npm are installed; \"pccdctl render\" and "
+                     "\"export\" need neither");
+}
+
+int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
+                 struct page_file *page, FILE *to, const char *path,
+                 struct ctl_error *error)
+{
+    size_t bytes = 0;
+    const char *template = page_template(&bytes);
     *inspect = (struct inspect){.settings = *settings,
                                 .page = page,
                                 .steps = json_array(),
                                 .meshes = json_array()};
-    return inspect->steps != NULL && inspect->meshes != NULL ? PCCD_OK : no_memory(error);
+    return inspect->steps != NULL && inspect->meshes != NULL
+               ? page_file_begin(page, to, path, template, bytes, error)
+               : no_memory(error);
 }
 
 void inspect_deinit(struct inspect *inspect)

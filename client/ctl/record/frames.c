@@ -32,12 +32,16 @@ static int make_folder(char folder[PATH_BYTES], struct ctl_error *error)
 }
 
 /* Begin the file, open it, and take its name and the folder away again. */
-static int begin(struct frames_recording *recording, struct pccd_client *client,
-                 const char *folder, struct ctl_error *error)
+int frames_begin(struct frames_recording *recording, struct pccd_client *client,
+                 struct ctl_error *error)
 {
     /* With their contacts, so that nobody has to compute the steps once more. */
     const struct pccd_record_settings settings = {.contacts = 1};
-    char path[PATH_BYTES + 16];
+    char folder[PATH_BYTES], path[PATH_BYTES + 16];
+    int made = make_folder(folder, error);
+    if (made != PCCD_OK) {
+        return made;
+    }
     snprintf(path, sizeof path, "%s/frames", folder);
     int status = pccd_record_start(client, path, &settings);
     if (status != PCCD_OK) {
@@ -78,7 +82,6 @@ int frames_record(struct frames_recording *recording, struct scene *scene,
 {
     const struct player_settings settings = {.times = 1};
     struct player player = {.settings = &settings};
-    char folder[PATH_BYTES];
     uint32_t count = files->count;
     snprintf(recording->name, sizeof recording->name, "%.*s%s%.*s", NAME_PART,
              tool_base_name(files->list[0]), count > 1 ? " to " : "",
@@ -92,10 +95,7 @@ int frames_record(struct frames_recording *recording, struct scene *scene,
         status = PCCD_E_NODAEMON;
     }
     if (status == PCCD_OK) {
-        status = make_folder(folder, error);
-    }
-    if (status == PCCD_OK) {
-        status = begin(recording, player.client, folder, error);
+        status = frames_begin(recording, player.client, error);
     }
     if (status == PCCD_OK) {
         status = play_recorded(&player, recording, error);

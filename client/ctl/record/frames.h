@@ -17,6 +17,11 @@ struct frames_recording {
     char name[224]; /* what it is told of as */
 };
 
+/* Record what the client does from now on, until pccd_record_stop: of steps with the
+ * contacts that are fetched. `name` is set before. Errors: those of pccd_record_start;
+ * E_INVAL: $TMPDIR; E_SYSTEM. */
+int frames_begin(struct frames_recording *recording, struct pccd_client *client,
+                 struct ctl_error *error);
 /* Record a scene that scene_take has taken from `files`; what has one frame stands still
  * for a step. The file is named after the first and the last. Errors: those of scene_open
  * and player_read; of the daemon; E_CANCELLED: interrupted. */

@@ -238,8 +238,9 @@ static int show_step(struct play_reader *reader, uint64_t then_ns,
     bool is_old = item->frame.mode == PCCD_MODE_PAIRS &&
                   (reader->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
     bool is_traced = answer != NULL && reader->settings.is_traced;
+    uint64_t told = reader->settings.number;
     const struct play_step step = {
-        .number = item->number,
+        .number = told != 0 ? told : item->number,
         .time_ns = then_ns,
         .frame = &item->frame,
         .separation = item->separation,

@@ -107,6 +107,7 @@ struct play_settings {
     bool at_recorded_pace;
     bool only_last; /* of these steps, or, with show_near, questions: the last that was
                        answered */
+    uint64_t number; /* that steps are told of by; 0: their own */
     uint64_t first, last;    /* steps to show and to repeat; last 0: to the end */
     enum pccd_method method; /* 0: as recorded */
     uint32_t threads;        /* 0: as recorded */

@@ -411,14 +411,14 @@ int scene_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
     return pccd_mesh_put(client, &data, handle, info);
 }
 
-static int fetch_edges(struct scene_object *object, struct pccd_client *client,
-                       uint32_t mesh)
+static int fetch_edges(struct scene_object *object, struct pccd_client *client)
 {
     uint32_t count = object->info.edge_count;
     /* A mesh of points has no edges; malloc(0) may be NULL. */
     object->edges = malloc(((size_t)count + 1) * sizeof *object->edges);
-    return object->edges != NULL ? pccd_mesh_edges(client, mesh, object->edges, count)
-                                 : PCCD_E_NOMEM;
+    return object->edges != NULL
+               ? pccd_mesh_edges(client, object->mesh, object->edges, count)
+               : PCCD_E_NOMEM;
 }
 
 static int place(struct scene *scene, struct scene_object *object,
@@ -426,13 +426,12 @@ static int place(struct scene *scene, struct scene_object *object,
                  struct ctl_error *error)
 {
     struct ctl_mesh first = object->files.mesh;
-    uint32_t mesh = 0;
     first.x = object->at[0].x;
     first.format = object->at[0].format;
     uint64_t begin_ns = common_now_ns();
-    int status = scene_put_mesh(client, &first, &mesh, &object->info);
+    int status = scene_put_mesh(client, &first, &object->mesh, &object->info);
     if (status == PCCD_OK) {
-        status = pccd_scene_add(client, handle, mesh, &object->handle);
+        status = pccd_scene_add(client, handle, object->mesh, &object->handle);
     }
     if (status == PCCD_OK && object->settings.what != 0) {
         status = pccd_object_set(client, handle, object->handle, &object->settings);
@@ -442,7 +441,7 @@ static int place(struct scene *scene, struct scene_object *object,
         ctl_mesh_deinit(&object->at[0]);
     }
     if (status == PCCD_OK && with_edges) {
-        status = fetch_edges(object, client, mesh);
+        status = fetch_edges(object, client);
     }
     return status == PCCD_OK ? PCCD_OK : fail(scene, object, client, status, error);
 }
@@ -461,6 +460,42 @@ int scene_place(struct scene *scene, struct pccd_client *client, uint32_t handle
         if (status != PCCD_OK) {
             (void)fail(scene, a, client, status, error);
         }
+    }
+    return status;
+}
+
+/* A vertex of a frame, in doubles. */
+static void vertex_of(const struct ctl_mesh *frame, uint32_t vertex, double at[3])
+{
+    for (size_t k = 0, first = 3 * (size_t)vertex; k < 3; k++) {
+        at[k] = frame->format == PCCD_FORMAT_F64
+                    ? ((const double *)frame->x)[first + k]
+                    : (double)((const float *)frame->x)[first + k];
+    }
+}
+
+int scene_feature(struct scene_object *object, struct pccd_client *client, uint32_t index,
+                  uint32_t points, uint32_t feature, struct place_feature *ends)
+{
+    const struct ctl_mesh *mesh = &object->files.mesh;
+    bool moves = object->files.count > 1;
+    const struct ctl_mesh *to = &object->at[moves ? index % 2 : 0];
+    const struct ctl_mesh *from = &object->at[moves ? (index + 1) % 2 : 0];
+    uint32_t counts[4] = {0, to->vertex_count, object->info.edge_count,
+                          mesh->triangles.count};
+    if (feature >= counts[points]) {
+        return PCCD_E_FORMAT;
+    }
+    int status =
+        points == 2 && object->edges == NULL ? fetch_edges(object, client) : PCCD_OK;
+    uint32_t *corners = ends->corners;
+    for (uint32_t i = 0; i < points && status == PCCD_OK; i++) {
+        corners[i] = points == 1 ? feature
+                     : points == 2
+                         ? (i == 0 ? object->edges[feature].a : object->edges[feature].b)
+                         : mesh->triangles.vertices[3 * (size_t)feature + i];
+        vertex_of(from, corners[i], ends->from[i]);
+        vertex_of(to, corners[i], ends->to[i]);
     }
     return status;
 }

@@ -17,6 +17,7 @@
 #include "meshframes.h"
 #include "option_table.h"
 #include "pccd.h"
+#include "place.h"
 
 #define SCENE_OBJECTS_MAX 4096u
 
@@ -56,7 +57,7 @@ struct scene_object {
     struct ctl_mesh at[2];   /* frames with even and odd numbers; of what stands, at[0] */
     struct pccd_edge *edges; /* ours; NULL unless asked for */
     struct pccd_mesh_info info;
-    uint32_t handle;
+    uint32_t handle, mesh; /* the daemon's */
 };
 
 /* Fill with {0} but for what is the caller's; scene_close's to give back, also on
@@ -126,6 +127,11 @@ int scene_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
  * name of the object. */
 int scene_place(struct scene *scene, struct pccd_client *client, uint32_t handle,
                 bool with_edges, struct ctl_error *error);
+/* Find the vertices of a feature of so many points, as they are in frames
+ * index - 1 and `index`, which scene_read has read; edges are got when they are first
+ * asked for. Errors: those of pccd_mesh_edges, E_NOMEM; E_FORMAT: there is none. */
+int scene_feature(struct scene_object *object, struct pccd_client *client, uint32_t index,
+                  uint32_t points, uint32_t feature, struct place_feature *ends);
 /* Fill `motions`, up to [object_count], with how what moves goes from frame index - 1 to
  * `index`, which scene_read has read; with `is_again` also where it begins. Returns how
  * many. */

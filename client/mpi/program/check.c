@@ -242,7 +242,7 @@ static int walk(struct check *check, struct ctl_error *error)
             status = make_step(check, step, error);
         }
         if (status == PCCD_OK && is_told && together_is_root()) {
-            report_print_line(check->report, i, step);
+            report_print_line(check->report, &check->run.told, i, step);
             report_print_pairs(check->report, &check->run.told, step);
         }
     }
@@ -307,7 +307,7 @@ static int check_dealt(struct check *check, struct ctl_error *error)
     print_mesh(check);
     const uint32_t step_count = check->part.files.count - 1;
     for (uint32_t i = 1; i <= step_count && step_count > 1 && !ask->is_json; i++) {
-        report_print_line(check->report, i, &check->steps[i - 1]);
+        report_print_line(check->report, &check->run.told, i, &check->steps[i - 1]);
     }
     return PCCD_OK;
 }

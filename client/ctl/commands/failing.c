@@ -1,0 +1,236 @@
+/* failing.c - the steps of a check that fail become a page and a film. */
+#include "failing.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "ctl.h"
+#include "inspect.h"
+#include "output.h"
+#include "printable.h"
+#include "render.h"
+#include "shown.h"
+
+#define STEPS_DEFAULT 24u
+#define STEPS_MAX     256u /* each has a file that is open */
+#define RATE          2    /* steps a second: people look at them */
+
+static void take_page(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
+{
+    struct failing_options *options = to;
+    (void)row;
+    if (!tool_ends_with(text, ".html")) {
+        option_misused(state, "--page: \"%s\" does not end with .html", text);
+    }
+    options->page = text;
+}
+
+static void take_film(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
+{
+    struct failing_options *options = to;
+    (void)row;
+    if (!tool_ends_with(text, ".apng")) {
+        option_misused(state, "--film: \"%s\" does not end with .apng", text);
+    }
+    options->film = text;
+}
+
+static void check(struct argp_state *state, void *to)
+{
+    const struct failing_options *options = to;
+    if (options->most > 0 && options->page == NULL && options->film == NULL) {
+        option_misused(state, "--failing is of what --page and --film show");
+    }
+}
+
+#define AT(member) offsetof(struct failing_options, member)
+const struct option_table failing_table = {
+    .rows =
+        (const struct option_row[]){
+            CTL_OUTPUT,
+            {"page", 0, "FILE",
+             "Write the steps in which something meets as a page, FILE.html, as pccdctl "
+             "inspect does",
+             OPTION_OWN, .at = AT(page), .take = take_page},
+            {"film", 0, "FILE",
+             "Draw the steps in which something meets as a film, FILE.apng, as pccdctl "
+             "render does, two a second",
+             OPTION_OWN, .at = AT(film), .take = take_film},
+            {"failing", 0, "N",
+             "With --page and --film: show at most the first N steps in which something "
+             "meets (default: 24)",
+             OPTION_U32, .at = AT(most), .min = 1, .max = STEPS_MAX},
+            {0}},
+    .check = check};
+
+static bool is_asked(const struct failing *failing)
+{
+    return failing->options->page != NULL || failing->options->film != NULL;
+}
+
+static uint32_t most_of(const struct failing *failing)
+{
+    return failing->options->most > 0 ? failing->options->most : STEPS_DEFAULT;
+}
+
+int failing_begin(struct failing *failing, struct check_run *run, struct ctl_error *error)
+{
+    struct frames_recording tried = {.name = "the steps that fail"};
+    if (!is_asked(failing)) {
+        return PCCD_OK;
+    }
+    int status = failing->options->page != NULL ? inspect_has_page(error) : PCCD_OK;
+    if (status == PCCD_OK) {
+        failing->steps = calloc(most_of(failing), sizeof *failing->steps);
+        status = failing->steps != NULL
+                     ? frames_begin(&tried, run->client, error)
+                     : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+    }
+    if (status == PCCD_OK) {
+        (void)pccd_record_stop(run->client, NULL);
+    }
+    frames_forget(&tried);
+    return status;
+}
+
+int failing_keep(struct failing *failing, struct check_run *run,
+                 const struct scene *files, uint32_t number, struct ctl_error *error)
+{
+    if (!is_asked(failing)) {
+        return PCCD_OK;
+    }
+    if (failing->count == most_of(failing)) {
+        failing->left_out++;
+        return PCCD_OK;
+    }
+    struct failing_step *step = &failing->steps[failing->count++];
+    step->number = number;
+    snprintf(step->recording.name, sizeof step->recording.name, "step %" PRIu32, number);
+    int status = frames_begin(&step->recording, run->client, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    status = check_run_again(run, files, number, error);
+    int stopped = pccd_record_stop(run->client, NULL);
+    return status != PCCD_OK || stopped == PCCD_OK
+               ? status
+               : check_run_fail(run, stopped, step->recording.name, error);
+}
+
+/* ---- what is written --------------------------------------------------------------- */
+
+static struct play_settings play_of(const struct failing_step *step,
+                                    const struct ctl_link *link)
+{
+    return (struct play_settings){.path = step->recording.name,
+                                  .from = step->recording.from,
+                                  .link = link,
+                                  .source = PLAY_DAEMON,
+                                  .needs_records = true,
+                                  .first = 1,
+                                  .number = step->number,
+                                  .label = "steps"};
+}
+
+static int write_page(const struct failing *failing, const struct ctl_link *link,
+                      FILE *to, uint64_t *shown, struct ctl_error *error)
+{
+    const struct inspect_settings settings = {.every = 1,
+                                              .boxes_max = INSPECT_BOXES_DEFAULT,
+                                              .bytes_max = INSPECT_BYTES_DEFAULT};
+    struct inspect inspect = {.kept = 0};
+    struct page_file page;
+    struct play_summary summary = {.frames = 0};
+    int status =
+        inspect_init(&inspect, &settings, &page, to, failing->options->page, error);
+    for (uint32_t i = 0; status == PCCD_OK && i < failing->count && !inspect.is_full;
+         i++) {
+        struct play_settings play_settings = play_of(&failing->steps[i], link);
+        play_settings.is_traced = true;
+        status = play(&play_settings, inspect_step, &inspect, &summary, error);
+    }
+    if (status == PCCD_OK) {
+        summary.frames = failing->count + failing->left_out;
+        status = inspect_finish(&inspect, "steps that fail", &summary, error);
+    }
+    *shown = inspect.kept;
+    inspect_deinit(&inspect);
+    return status;
+}
+
+static int draw_film(const struct failing *failing, const struct ctl_link *link, FILE *to,
+                     uint64_t *shown, struct ctl_error *error)
+{
+    const struct render render = {.path = failing->options->film,
+                                  .t = NAN,
+                                  .azimuth = NAN,
+                                  .rate = RATE,
+                                  .marks_first = true};
+    struct play_summary summary;
+    uint32_t drawn = 0;
+    struct play_settings *parts = calloc(failing->count + 1, sizeof *parts);
+    if (parts == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", render.path);
+    }
+    for (uint32_t i = 0; i < failing->count; i++) {
+        parts[i] = play_of(&failing->steps[i], link);
+        parts[i].source = PLAY_RECORDS;
+    }
+    int status = render_film(&render, parts, to, &drawn, &summary, error);
+    *shown = drawn;
+    free(parts);
+    return status;
+}
+
+static int write_one(const struct failing *failing, const struct ctl_link *link,
+                     bool is_page, FILE *report, struct ctl_error *error)
+{
+    const char *path = is_page ? failing->options->page : failing->options->film;
+    const char *what = is_page ? "page" : "film";
+    uint64_t all = failing->count + failing->left_out, shown = 0;
+    struct whole_file file = {.to = NULL};
+    if (path == NULL) {
+        return PCCD_OK;
+    }
+    if (all == 0) {
+        fprintf(report, "%-10s none: no step fails, %s is as it was\n", what,
+                tool_shown(path));
+        return PCCD_OK;
+    }
+    int status = output_open(&file, path, false, error);
+    if (status == PCCD_OK) {
+        status = is_page ? write_page(failing, link, file.to, &shown, error)
+                         : draw_film(failing, link, file.to, &shown, error);
+    }
+    if (status == PCCD_OK) {
+        status = output_finish(&file, path, error);
+    }
+    if (status == PCCD_OK) {
+        fprintf(report, "%-10s %s: %" PRIu64 " of %" PRIu64 " %s%s\n", what,
+                tool_shown(path), shown, all,
+                proto_plural(all, "step that fails", "steps that fail"),
+                shown == all             ? ""
+                : shown < failing->count ? "; it is full"
+                                         : "; --failing has more");
+    }
+    whole_file_discard(&file);
+    return status;
+}
+
+int failing_write(const struct failing *failing, const struct ctl_link *link,
+                  FILE *report, struct ctl_error *error)
+{
+    int status = write_one(failing, link, true, report, error);
+    return status == PCCD_OK ? write_one(failing, link, false, report, error) : status;
+}
+
+void failing_deinit(struct failing *failing)
+{
+    for (uint32_t i = 0; i < failing->count; i++) {
+        frames_forget(&failing->steps[i].recording);
+    }
+    free(failing->steps);
+}

@@ -1,0 +1,175 @@
+"""check_failing.py - the steps that fail, as pccdctl check shows them.
+
+Room:     tests/inspect.
+Does:     check frames of which some steps are free; read the page without a browser and
+          in one, and the film by its pixels; compare them with what check says in JSON.
+          $PCCD_PICTURES: a folder for the film.
+"""
+
+import csv
+import json
+import os
+import shutil
+import struct
+import tempfile
+import unittest
+import zlib
+
+from browser import Browser, is_here
+from page import Page
+from scene import pccdctl, positions, write_frame
+
+# Frames of scene.py: nothing moves; the sheet comes down on the pyramid; it rests there,
+# crossed; it goes on.
+ORDER = (0, 0, 1, 1, 2)
+FAILING = (2, 3, 4)
+
+
+def film(path):
+    """The pictures of a film: of each its width, height and pixels, row after row."""
+    with open(path, "rb") as source:
+        data = source.read()
+    at, packed, size = 8, [], (0, 0)
+    while at < len(data):
+        count, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + count]
+        at += 12 + count
+        if kind == b"IHDR":
+            size = struct.unpack(">II", body[:8])
+        elif kind == b"fcTL":
+            packed.append(b"")
+        elif kind == b"IDAT":
+            packed[-1] += body
+        elif kind == b"fdAT":
+            packed[-1] += body[4:]
+    return [rows_of(zlib.decompress(picture), *size) for picture in packed]
+
+
+def paeth(left, above, corner):
+    first = left + above - corner
+    return min((left, above, corner), key=lambda value: abs(first - value))
+
+
+def rows_of(data, width, height):
+    """PNG's filters undone: rows of bytes, three for each pixel."""
+    rows, wide = [], 3 * width
+    before = bytearray(wide)
+    for y in range(height):
+        kind, row = data[y * (wide + 1)], bytearray(data[y * (wide + 1) + 1:][:wide])
+        for x in range(wide if kind else 0):
+            left, above = row[x - 3] if x >= 3 else 0, before[x]
+            corner = before[x - 3] if x >= 3 else 0
+            row[x] = (row[x] + (0, left, above, (left + above) // 2,
+                                paeth(left, above, corner))[kind]) & 255
+        rows.append(row)
+        before = row
+    return rows
+
+
+def timed(rows):
+    """How many pixels are of the colour of a time, dark blue to yellow by red: surfaces
+    and background have about as much green as blue, and no more red."""
+    return sum(row[x] > row[x + 1] + 60 or row[x + 2] > row[x + 1] + 80
+               for row in rows for x in range(0, len(row), 3))
+
+
+class Failing(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.made = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.made.cleanup)
+        cls.files = [f"f{place}.ply" for place in range(len(ORDER))]
+        for name, frame in zip(cls.files, ORDER, strict=True):
+            write_frame(os.path.join(cls.made.name, name), frame)
+        cls.done = cls.check("--page", "bad.html", "--film", "bad.apng", "--json",
+                             "--contacts", "contacts.csv")
+        cls.steps = json.loads(cls.done.stdout)["steps"]
+
+    @classmethod
+    def check(cls, *options, files=None):
+        return pccdctl("check", *options, *(files or cls.files), folder=cls.made.name)
+
+    def path(self, name):
+        return os.path.join(self.made.name, name)
+
+    # If it failed, the steps that fail would be others than those that are shown.
+    def test_scene__fails_where_it_was_made_to(self):
+        bad = [number for number, step in enumerate(self.steps, 1)
+               if step["contacts"] + step["crossings"] > 0]
+        self.assertEqual(tuple(bad), FAILING)
+        self.assertIn("page       bad.html: 3 of 3 steps that fail\n", self.done.stderr)
+        self.assertIn("film       bad.apng: 3 of 3 steps that fail\n", self.done.stderr)
+
+    # If it failed, the page would show what nobody asked for, or other numbers.
+    def test_page__has_the_steps_that_fail_as_check_told_them(self):
+        page = Page(self.path("bad.html"))
+        shown = page.meta["steps"]
+        self.assertEqual(tuple(step["number"] for step in shown), FAILING)
+        for place, step in enumerate(shown):
+            said = self.steps[step["number"] - 1]
+            self.assertEqual(step["answer"]["total"], said["contacts"])
+            self.assertEqual(step["answer"]["hash"], said["hash"])
+            self.assertEqual(step["contacts"]["count"], said["contacts"])
+            for end, frame in (("x0", step["number"] - 1), ("x1", step["number"])):
+                for given, true in zip(page.positions(place, end),
+                                       positions(ORDER[frame]), strict=True):
+                    self.assertLess(max(abs(a - b) for a, b in zip(given, true)), 1e-5)
+
+    # If it failed, a film of what fails would not show where. In mode any there are no
+    # contacts, and nothing else is of a time's colour but the legend.
+    def test_film__marks_the_contacts_of_its_steps(self):
+        pictures = film(self.path("bad.apng"))
+        if "PCCD_PICTURES" in os.environ:
+            shutil.copy(self.path("bad.apng"), os.environ["PCCD_PICTURES"])
+        self.check("--mode", "any", "--film", "any.apng")
+        without = film(self.path("any.apng"))
+        self.assertEqual((len(pictures), len(without)), (len(FAILING), len(FAILING)))
+        for rows, bare in zip(pictures, without, strict=True):
+            self.assertGreater(timed(rows), timed(bare) + 60)  # of the larger dot some 80
+
+    # If it failed, a bad bake would fill disk and memory, or be cut without a word.
+    def test_failing__bounds_what_is_shown_and_says_so(self):
+        said = self.check("--page", "few.html", "--failing", "2").stdout
+        self.assertIn("few.html: 2 of 3 steps that fail; --failing has more", said)
+        shown = Page(self.path("few.html")).meta["steps"]
+        self.assertEqual(tuple(step["number"] for step in shown), FAILING[:2])
+
+    # If it failed, an old page would be taken for one of this check.
+    def test_free__has_no_page_and_says_so(self):
+        said = self.check("--page", "none.html", "--film", "none.apng",
+                          files=self.files[:2]).stdout
+        self.assertIn("page       none: no step fails, none.html is as it was", said)
+        self.assertIn("film       none: no step fails", said)
+        self.assertFalse(os.path.exists(self.path("none.html")))
+
+    # If it failed, wrong usage would be found after hours, or do nothing.
+    def test_usage__is_refused_before_anything_else(self):
+        for options, text in ((("--page", "x.png"), "does not end with .html"),
+                              (("--film", "x.png"), "does not end with .apng"),
+                              (("--failing", "2"), "what --page and --film show")):
+            done = pccdctl("check", *options, *self.files, check=False,
+                           folder=self.made.name)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(text, done.stderr)
+
+    @unittest.skipUnless(is_here(), "no chromium, or no chromedriver")
+    # If it failed, nobody could look at it.
+    def test_page__opens_in_a_browser_with_its_contacts(self):
+        browser = Browser(self.made.name)
+        self.addCleanup(browser.close)
+        browser.open_blank()
+        browser.said(), browser.asked()
+        browser.open(self.path("bad.html"))
+        browser.wait("return document.body.classList.contains('ready')")
+        browser.frames()
+        with open(self.path("contacts.csv"), newline="") as rows:
+            told = list(csv.DictReader(rows))
+        for place, number in enumerate(FAILING):
+            browser.run("""const input = document.getElementById('step');
+                input.value = arguments[0];
+                input.dispatchEvent(new Event('input'));""", str(place))
+            browser.frames()
+            count = browser.run("return document.getElementById('total').textContent")
+            self.assertEqual(int("".join(c for c in count if c.isdigit())),
+                             sum(int(row["step"]) == number for row in told))
+        self.assertEqual(browser.said(), [])
