@@ -177,6 +177,56 @@ assert vertices['radius'] == (0.25,) * 9 + (0,) * 3
 END
 report contacts__at_a_distance_are_lines_and_rods_and_points_are_exported
 
+# If it failed, ParaView would show a series without its contacts, at other times, or no arrows. The
+# cloud comes down to the triangle at t = 1, and leaves it in the second step.
+ctl export -o 'a&b.pvd' all0.obj all1.obj all0.obj && grep -qx 'a&b.pvd: 2 steps' out &&
+    ctl export --time 0.5 --json -o half.pvd --steps 2 all0.obj all1.obj all0.obj &&
+    tr -d ' \n' <out | grep -qx '{"file":"half.pvd","steps":1}' &&
+    [ "$(ls a\&b_*.vtp half_*.vtp | tr '\n' ' ')" = 'a&b_000001.vtp a&b_000002.vtp half_000002.vtp ' ] &&
+    python3 - >>"$log" 2>&1 <<'END'
+import xml.etree.ElementTree as tree
+def sets(path):
+    return [(float(a.get('timestep')), a.get('file')) for a in tree.parse(path).getroot().iter('DataSet')]
+assert sets('a&b.pvd') == [(1, 'a&b_000001.vtp'), (2, 'a&b_000002.vtp')], sets('a&b.pvd')
+assert sets('half.pvd') == [(1.5, 'half_000002.vtp')], sets('half.pvd')
+END
+[ $? -eq 0 ] && ! ctl export --near -o no.pvd all0.obj all1.obj && grep -q 'no --near' err &&
+    ! ctl export --time 0.5 -o no.vtk all.rec && grep -q 'neither .glb, .vtp nor .pvd' err
+report export__a_series_has_a_file_for_each_step
+if /usr/bin/python3 -c 'import vtk' 2>/dev/null; then
+    /usr/bin/python3 - >>"$log" 2>&1 <<'END'
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+for step, toi in ((1, 1), (2, 0)):
+    reader = vtk.vtkXMLPolyDataReader()
+    reader.SetFileName(f'a&b_{step:06}.vtp')
+    reader.Update()
+    data = reader.GetOutput()
+    cells = {data.GetCellData().GetArrayName(i): vtk_to_numpy(data.GetCellData().GetArray(i))
+             for i in range(data.GetCellData().GetNumberOfArrays())}
+    points = {data.GetPointData().GetArrayName(i): vtk_to_numpy(data.GetPointData().GetArray(i))
+              for i in range(data.GetPointData().GetNumberOfArrays())}
+    assert data.GetNumberOfPoints() == 10, data.GetNumberOfPoints()
+    assert max(abs(a - b) for a, b in zip(data.GetPoint(9), (1, 1, 0))) < 1e-6
+    assert tuple(points['normal'][9]) == (0, 0, 1) and not points['normal'][:9].any()
+    assert abs(points['toi'][9] - toi) < 1e-6 and (points['toi'][:9] == 2).all()
+    assert cells['kind'][0] == 0 and (cells['kind'][1:] == 8).all()
+    assert (cells['object_a'][0], cells['feature_a'][0], cells['feature_b'][0]) == (cells['object_b'][0], 6, 0)
+    arrows, arrow = vtk.vtkGlyph3D(), vtk.vtkArrowSource()
+    arrows.SetInputData(data)
+    arrows.SetSourceConnection(arrow.GetOutputPort())
+    arrows.SetInputArrayToProcess(1, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_POINTS, 'normal')
+    arrows.SetVectorModeToUseVector()
+    arrows.SetScaleModeToScaleByVector()
+    arrows.Update()
+    low_x, high_x, _, _, low_z, high_z = arrows.GetOutput().GetBounds()
+    assert high_z - low_z >= 1, (low_z, high_z)
+END
+    report export__vtk_reads_contacts_as_points_with_normals
+else
+    tap_skip export__vtk_reads_contacts_as_points_with_normals "no vtk for /usr/bin/python3"
+fi
+
 # If it failed, what was exported would come back without its rods and points, or with the marks of
 # contacts as if they were some.
 ctl check --repeat 0 all.glb all.glb && grep -q '^mesh  *9 vertices, 4 edges, 1 triangle$' out &&

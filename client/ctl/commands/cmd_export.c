@@ -3,6 +3,8 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "answers.h"
 #include "ctl.h"
@@ -21,6 +23,7 @@ struct export
     double t; /* NAN: not given */
     bool is_near;
     bool is_list;
+    bool is_series; /* a file for each step, and one that names them */
 };
 
 static void take_output(struct argp_state *state, const struct option_row *row,
@@ -28,8 +31,10 @@ static void take_output(struct argp_state *state, const struct option_row *row,
 {
     struct export *export = to;
     (void)row;
-    if (!tool_ends_with(text, ".glb") && !tool_ends_with(text, ".vtp")) {
-        option_misused(state, "-o: \"%s\" ends with neither .glb nor .vtp", text);
+    export->is_series = tool_ends_with(text, ".pvd");
+    if (!tool_ends_with(text, ".glb") && !tool_ends_with(text, ".vtp") &&
+        !export->is_series) {
+        option_misused(state, "-o: \"%s\" ends with neither .glb, .vtp nor .pvd", text);
     }
     export->path = text;
 }
@@ -40,12 +45,15 @@ static void check(struct argp_state *state, void *to)
     if (export->is_near && !isnan(export->t)) {
         option_misused(state, "--near is of one moment: no --time");
     }
+    if (export->is_near && export->is_series) {
+        option_misused(state, "a .pvd has a file for each step: no --near");
+    }
     if (export->is_list &&
         (export->is_near || !isnan(export->t) || export->path != NULL)) {
         option_misused(state, "--list writes nothing: no -o, --time, --near");
     }
     if (export->path == NULL && !export->is_list) {
-        option_misused(state, "-o FILE.glb or -o FILE.vtp says what to write");
+        option_misused(state, "-o FILE.glb, .vtp or .pvd says what to write");
     }
 }
 
@@ -59,7 +67,9 @@ static const struct option_row rows[] = {
      "nearest points, and edges that cross",
      OPTION_FLAG, .at = AT(is_near)},
     CTL_OUTPUT,
-    {"output", 'o', "FILE", "Where it goes: FILE.glb is glTF 2.0, FILE.vtp VTK PolyData",
+    {"output", 'o', "FILE",
+     "Where it goes: FILE.glb is glTF 2.0, FILE.vtp VTK PolyData; FILE.pvd names a "
+     "FILE_N.vtp of each step N, a time series of ParaView",
      OPTION_OWN, .take = take_output},
     {"list", 0, NULL,
      "Write nothing, but print which steps were answered, each with what was recorded of "
@@ -75,29 +85,102 @@ const struct option_table ctl_table_export = {
     .text = "Write a step of a recording, or of the frames of a mesh, with its "
             "contacts, for other programs.",
     .more = "Without --steps it is the last step that was answered, with --steps the "
-            "last of the range; with --near it is the last answer about what is near "
+            "last of the range, and with -o FILE.pvd each one of it; with --near it is "
+            "the last answer about what is near "
             "instead. The contacts are those of the recording, or of a daemon that "
             "repeats the step.",
     .examples = "  pccdctl export -o step.glb --steps 7 run.rec\n"
                 "  pccdctl export --list --json run.rec\n",
 };
 
-static int write_still(const struct export *export, const struct snapshot *snapshot,
+static int write_still(const char *path, const struct snapshot *snapshot,
                        struct ctl_error *error)
 {
     struct whole_file file = {.to = NULL};
     int status = snapshot->object_count > 0
-                     ? output_open(&file, export->path, false, error)
+                     ? output_open(&file, path, false, error)
                      : ctl_error_set(error, PCCD_E_INVAL,
                                      "step %" PRIu64 " is of a scene without objects",
                                      snapshot->step);
     if (status == PCCD_OK) {
-        status = tool_ends_with(export->path, ".glb")
-                     ? gltf_write(snapshot, file.to, export->path, error)
-                     : vtp_write(snapshot, file.to, export->path, error);
+        status = tool_ends_with(path, ".glb") ? gltf_write(snapshot, file.to, path, error)
+                                              : vtp_write(snapshot, file.to, path, error);
     }
     if (status == PCCD_OK) {
+        status = output_finish(&file, path, error);
+    }
+    whole_file_discard(&file);
+    return status;
+}
+
+/* ---- a file for each step ---------------------------------------------------------- */
+
+struct series {
+    const struct export *export;
+    double t;
+    FILE *to;
+    uint64_t count;
+};
+
+/* The value of an attribute of XML. */
+static void print_quoted(FILE *to, const char *text)
+{
+    for (; *text != '\0'; text++) {
+        const char *escaped = *text == '&'   ? "&amp;"
+                              : *text == '<' ? "&lt;"
+                              : *text == '"' ? "&quot;"
+                                             : NULL;
+        if (escaped != NULL) {
+            fputs(escaped, to);
+        } else {
+            fputc(*text, to);
+        }
+    }
+}
+
+/* At the number of the step, less what is left of it at the time that is shown. */
+static int write_member(void *context, const struct snapshot *snapshot,
+                        struct ctl_error *error)
+{
+    struct series *series = context;
+    const char *path = series->export->path;
+    char *member = NULL;
+    if (asprintf(&member, "%.*s_%06" PRIu64 ".vtp", (int)(strlen(path) - strlen(".pvd")),
+                 path, snapshot->step) < 0) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", path);
+    }
+    int status = write_still(member, snapshot, error);
+    fprintf(series->to, "<DataSet timestep=\"%.17g\" part=\"0\" file=\"",
+            (double)snapshot->step - 1 + series->t);
+    print_quoted(series->to, tool_base_name(member));
+    fputs("\"/>\n", series->to);
+    series->count++;
+    free(member);
+    return status;
+}
+
+static int write_series(const struct export *export, double t,
+                        struct play_summary *summary, struct ctl_error *error)
+{
+    struct play_settings settings = export->options.play;
+    struct whole_file file = {.to = NULL};
+    struct series series = {.export = export, .t = t};
+    settings.only_last = false;
+    int status = output_open(&file, export->path, false, error);
+    if (status == PCCD_OK) {
+        series.to = file.to;
+        fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n"
+              "<Collection>\n",
+              file.to);
+        status = snapshot_each(&settings, t, write_member, &series, summary, error);
+    }
+    if (status == PCCD_OK) {
+        fputs("</Collection>\n</VTKFile>\n", file.to);
         status = output_finish(&file, export->path, error);
+    }
+    if (status == PCCD_OK) {
+        play_options_warn(&settings, summary);
+        snapshot_report_steps(export->path, series.count, export->options.is_json);
     }
     whole_file_discard(&file);
     return status;
@@ -182,16 +265,19 @@ int ctl_cmd_export(int argc, char **argv)
     int status = play_options_open(&export.options, &error);
     if (status == PCCD_OK && export.is_list) {
         status = list_steps(&export.options, &error);
+    } else if (status == PCCD_OK && export.is_series) {
+        status = write_series(&export, at.t, &summary, &error);
     } else if (status == PCCD_OK) {
         status =
             export.is_near
                 ? snapshot_take_near(&export.options.play, &snapshot, &summary, &error)
                 : snapshot_take(&export.options.play, &at, &snapshot, &summary, &error);
     }
-    if (status == PCCD_OK && !export.is_list) {
-        status = write_still(&export, &snapshot, &error);
+    bool is_still = !export.is_list && !export.is_series;
+    if (status == PCCD_OK && is_still) {
+        status = write_still(export.path, &snapshot, &error);
     }
-    if (status == PCCD_OK && !export.is_list) {
+    if (status == PCCD_OK && is_still) {
         play_options_warn(&export.options.play, &summary);
         snapshot_report(&snapshot, export.path, export.options.is_json);
     } else {

@@ -281,18 +281,6 @@ static int shoot(void *context, const struct snapshot *snapshot, struct ctl_erro
                        (const float(*)[3])bounds, error);
 }
 
-static void report_film(const struct render *render, uint32_t frame_count)
-{
-    if (render->options.is_json) {
-        json_t *object = json_pack("{s:o, s:I}", "file", json_text(render->path), "steps",
-                                   (json_int_t)frame_count);
-        (void)output_json(object, true, stdout);
-    } else {
-        printf("%s: %" PRIu32 " %s\n", tool_shown(render->path), frame_count,
-               proto_plural(frame_count, "step", "steps"));
-    }
-}
-
 /* Go through the steps of all parts; the pass that measures wants no contacts. */
 static int pass(struct shooting *shooting, const struct play_settings *parts,
                 bool measures, struct play_summary *summary, struct ctl_error *error)
@@ -354,7 +342,7 @@ static int make_film(const struct render *render, struct whole_file *file,
     }
     if (status == PCCD_OK) {
         play_options_warn(&render->options.play, summary);
-        report_film(render, frame_count);
+        snapshot_report_steps(render->path, frame_count, render->options.is_json);
     }
     return status;
 }

@@ -92,6 +92,25 @@ static void put_points(struct vtp *vtp)
     fputs("</Points>\n", vtp->to);
 }
 
+/* Write what arrows at contacts are drawn by; other points have a normal of 0, and so no
+ * arrow. */
+static void put_contact_points(struct vtp *vtp)
+{
+    const struct snapshot_contact *contacts = vtp->snapshot->contacts;
+    const uint64_t count = point_count(vtp);
+    float(*normal)[3] = vtp->scratch, *toi = vtp->scratch;
+    memset(normal, 0, count * sizeof *normal);
+    for (uint64_t i = 0; i < vtp->contacts; i++) {
+        memcpy(normal[vtp->vertices + i], contacts[i].normal, sizeof *normal);
+    }
+    put_array(vtp, "Float32", "normal", 3, count * sizeof *normal);
+    for (uint64_t i = 0; i < count; i++) {
+        bool is_contact = i >= vtp->vertices && i - vtp->vertices < vtp->contacts;
+        toi[i] = is_contact ? (float)contacts[i - vtp->vertices].toi : TOI_NONE;
+    }
+    put_array(vtp, "Float32", "toi", 1, count * sizeof *toi);
+}
+
 static void put_point_data(struct vtp *vtp)
 {
     float(*motion)[3] = vtp->scratch;
@@ -121,6 +140,7 @@ static void put_point_data(struct vtp *vtp)
         }
     }
     put_array(vtp, "UInt32", "object", 1, point_count(vtp) * sizeof *handle);
+    put_contact_points(vtp);
     fputs("</PointData>\n", vtp->to);
 }
 

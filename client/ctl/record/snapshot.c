@@ -450,6 +450,18 @@ void snapshot_report(const struct snapshot *snapshot, const char *path, bool is_
     (void)output_json(object, true, stdout);
 }
 
+void snapshot_report_steps(const char *path, uint64_t step_count, bool is_json)
+{
+    if (is_json) {
+        json_t *object = json_pack("{s:o, s:I}", "file", json_text(path), "steps",
+                                   (json_int_t)step_count);
+        (void)output_json(object, true, stdout);
+    } else {
+        printf("%s: %" PRIu64 " %s\n", tool_shown(path), step_count,
+               proto_plural(step_count, "step", "steps"));
+    }
+}
+
 void snapshot_deinit(struct snapshot *snapshot)
 {
     for (uint32_t i = 0; i < snapshot->object_count; i++) {

@@ -81,6 +81,8 @@ int snapshot_take_near(const struct play_settings *settings, struct snapshot *sn
 double snapshot_greatest(const struct snapshot *snapshot);
 /* Print what there is of it in the file `path`, on the standard output. */
 void snapshot_report(const struct snapshot *snapshot, const char *path, bool is_json);
+/* The same of a file with several steps. */
+void snapshot_report_steps(const char *path, uint64_t step_count, bool is_json);
 void snapshot_deinit(struct snapshot *snapshot);
 
 #endif
