@@ -99,6 +99,7 @@ test_scripts += \
     tests/model/check_models.sh \
     tests/proto/test_proto_document.sh \
     tests/python/test_python_client.sh \
+    tests/python/test_python_contacts.sh \
     tests/python/test_python_files.sh \
     tests/python/test_python_use.sh \
     tests/python/test_python_vtk.sh \

@@ -10,6 +10,7 @@ python_module = \
     client/python/module/answer.py \
     client/python/module/batch.py \
     client/python/module/client.py \
+    client/python/module/contacts.py \
     client/python/module/files.py \
     client/python/module/frame.py \
     client/python/module/library.py \

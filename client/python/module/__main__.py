@@ -19,14 +19,15 @@ import sys
 import tempfile
 import threading
 import traceback
-from typing import IO, Dict, List, TextIO
+from typing import IO, Dict, List, Optional, TextIO
 
-from . import files
+from . import contacts, files
 
 USAGE = """Usage: python3 -m pccd check [OPTION...] FILE [FILE...]
 Find the contacts of a mesh that moves from file to file, as pccdctl check does, in
 files of VTU, PVD, legacy VTK, Gmsh, XDMF and whatever else meshio reads. Solid cells
-give their boundary. Options and exit status are those of pccdctl check:
+give their boundary. --contacts FILE.parquet, .h5 or .hdf5 writes contacts with their
+geometry. Other options and the exit status are those of pccdctl check:
 0 when nothing meets, 1 when something does, 2 after wrong usage, 3 without a daemon,
 4 after any other error."""
 
@@ -57,6 +58,7 @@ class Run:
         self.is_json = is_json
         self.names: Dict[str, str] = {}
         self.arguments: List[str] = []
+        self.table: Optional[str] = None  # of contacts, which is not CSV
         # No name that is given has this in it.
         self.mark = os.path.basename(folder)
 
@@ -74,6 +76,18 @@ class Run:
             files.Mesh(path).write(made)
             self.names[number] = path
             self.arguments.append(made)
+
+    def option(self, word: str, value: Optional[str] = None) -> None:
+        """An option, and its value if that is a word of its own."""
+        name, _, own = word.partition("=")
+        path = own if value is None else value
+        if name == "--contacts" and contacts.is_named(path):
+            contacts.need(path)
+            self.table = path
+            self.arguments += ["--geometry", "--contacts",
+                               os.path.join(self.folder, "contacts.csv")]
+        else:
+            self.arguments += [word] if value is None else [word, value]
 
     def pass_on(self, source: IO[bytes], to: TextIO) -> None:
         """Lines, with the names that were given, whose bytes may be no text."""
@@ -98,6 +112,8 @@ class Run:
             other.start()
             self.pass_on(child.stdout, sys.stdout)
             other.join()
+        if self.table is not None and child.returncode in (0, 1):
+            contacts.write(os.path.join(self.folder, "contacts.csv"), self.table)
         return child.returncode if child.returncode >= 0 else 4
 
 
@@ -107,11 +123,12 @@ def check(given: List[str]) -> int:
     valued = with_values(program)
     with tempfile.TemporaryDirectory(prefix="pccd-check-") as folder:
         run = Run(folder, "--json" in given)
-        is_value = False
-        for word in given:
-            if is_value or (word.startswith("-") and word != "-"):
-                run.arguments.append(word)
-                is_value = not is_value and word in valued
+        words = iter(given)
+        for word in words:
+            if word in valued:
+                run.option(word, next(words, None))
+            elif word.startswith("-") and word != "-":
+                run.option(word)
             else:
                 run.add(word)
         return run.run(program)

@@ -1,0 +1,119 @@
+"""contacts.py - the contacts that pccdctl check writes as CSV, as Parquet or HDF5.
+
+Room:     client/python. Needs numpy; pyarrow for Parquet, h5py for HDF5.
+Does:     a column for each of the CSV with --geometry, and `step` in any case: whole
+          numbers (-1: the kind has fewer vertices), doubles (NaN: mode pairs has none),
+          text. Rows are read and written in pieces, so memory does not grow with them.
+Threads:  any.
+"""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import os
+from typing import Any, Dict, Iterator, List
+
+import numpy as np
+
+from .files import Refusal
+
+# The module that writes a file of this ending, and where it is from.
+_H5PY = ("h5py", "Debian: python3-h5py")
+WRITERS = {".parquet": ("pyarrow", "pip install pyarrow"), ".h5": _H5PY, ".hdf5": _H5PY}
+ROWS = 1 << 16  # of a piece
+WHOLE = ("step", "i0", "i1", "i2", "i3", "proved")
+TEXT = ("kind", "object_a", "object_b")
+
+Piece = Dict[str, Any]  # arrays of numpy, lists of text
+
+
+def is_named(path: str) -> bool:
+    """Whether the file is one of these."""
+    return os.path.splitext(path)[1].lower() in WRITERS
+
+
+def need(path: str) -> None:
+    """A Refusal where its writer is missing: before the work."""
+    name, source = WRITERS[os.path.splitext(path)[1].lower()]
+    try:
+        importlib.import_module(name)
+    except ImportError:
+        raise Refusal(f"{path}: this needs the Python module {name} ({source}); "
+                      "pccdctl itself writes CSV") from None
+
+
+def _piece(head: List[str], rows: List[List[str]]) -> Piece:
+    columns = dict(zip(head, zip(*rows))) if rows else {name: () for name in head}
+    if "step" not in columns:
+        columns = {"step": ("1",) * len(rows), **columns}
+    piece: Piece = {}
+    for name, values in columns.items():
+        if name in TEXT:
+            piece[name] = list(values)
+        elif name in WHOLE:
+            piece[name] = np.array([value or "-1" for value in values], np.int64)
+        else:
+            piece[name] = np.array([value or "nan" for value in values], np.float64)
+    return piece
+
+
+def _pieces(path: str) -> Iterator[Piece]:
+    """At least one, which may have no rows."""
+    with open(path, newline="", encoding="utf-8", errors="surrogateescape") as source:
+        reader = csv.reader(source)
+        head = next(reader)
+        rows: List[List[str]] = []
+        is_first = True
+        for row in reader:
+            rows.append(row)
+            if len(rows) == ROWS:
+                yield _piece(head, rows)
+                rows, is_first = [], False
+        if rows or is_first:
+            yield _piece(head, rows)
+
+
+def _write_parquet(pieces: Iterator[Piece], path: str) -> None:
+    arrow = importlib.import_module("pyarrow")
+    parquet = importlib.import_module("pyarrow.parquet")
+    writer = None
+    for piece in pieces:
+        table = arrow.table({name: arrow.array(values, type=arrow.string())
+                             if name in TEXT else arrow.array(values)
+                             for name, values in piece.items()})
+        writer = writer or parquet.ParquetWriter(path, table.schema)
+        writer.write_table(table)
+    if writer is not None:
+        writer.close()
+
+
+def _write_hdf5(pieces: Iterator[Piece], path: str) -> None:
+    h5py = importlib.import_module("h5py")
+    with h5py.File(path, "w") as file:
+        group, count = file.create_group("contacts"), 0
+        for piece in pieces:
+            more = len(piece["kind"])
+            for name, values in piece.items():
+                if name not in group:
+                    group.create_dataset(
+                        name, (0,), h5py.string_dtype() if name in TEXT else values.dtype,
+                        maxshape=(None,), chunks=(ROWS,))
+                group[name].resize((count + more,))
+                if more > 0:
+                    group[name][count:] = values
+            count += more
+
+
+def write(table: str, path: str) -> None:
+    """The CSV file `table` as `path`, which appears whole or not at all."""
+    made = f"{path}.{os.getpid()}.part"
+    parquet = path.lower().endswith(".parquet")
+    try:
+        (_write_parquet if parquet else _write_hdf5)(_pieces(table), made)
+        os.replace(made, path)
+    except OSError as error:
+        raise Refusal(f"{path}: cannot write: {error}") from None
+    finally:
+        if os.path.exists(made):
+            os.remove(made)
