@@ -11,10 +11,10 @@
 #include "shown.h"
 #include "whole_file.h"
 
-#define MIB              (1u << 20)
-#define SIZE_MAX_MIB     2048u /* browsers do not open much more */
-#define EVERY_MAX        (1u << 30)
-#define BOXES_MAX        (1u << 20)
+#define MIB          (1u << 20)
+#define SIZE_MAX_MIB 2048u /* browsers do not open much more */
+#define EVERY_MAX    (1u << 30)
+#define BOXES_MAX    (1u << 20)
 
 struct command {
     struct play_options options;
@@ -130,8 +130,10 @@ static int write_page(struct command *command, struct whole_file *file,
 {
     struct play_settings *play_settings = &command->options.play;
     struct page_file page;
-    int status = inspect_init(inspect, &command->settings, &page, file->to, command->path,
-                              error);
+    int status = inspect_init(inspect, &command->settings, &page, error);
+    if (status == PCCD_OK) {
+        status = inspect_begin_page(&page, file->to, command->path, error);
+    }
     if (status == PCCD_OK) {
         status = play(play_settings, inspect_step, inspect, summary, error);
     }
@@ -151,10 +153,9 @@ static int write_page(struct command *command, struct whole_file *file,
 
 int ctl_cmd_inspect(int argc, char **argv)
 {
-    struct command command = {
-        .settings = {.every = 1,
-                     .boxes_max = INSPECT_BOXES_DEFAULT,
-                     .bytes_max = INSPECT_BYTES_DEFAULT}};
+    struct command command = {.settings = {.every = 1,
+                                           .boxes_max = INSPECT_BOXES_DEFAULT,
+                                           .bytes_max = INSPECT_BYTES_DEFAULT}};
     struct ctl_error error = {.text = ""};
     struct whole_file file = {.to = NULL};
     struct inspect inspect = {.kept = 0};

@@ -144,8 +144,10 @@ static int write_page(const struct failing *failing, const struct ctl_link *link
     struct inspect inspect = {.kept = 0};
     struct page_file page;
     struct play_summary summary = {.frames = 0};
-    int status =
-        inspect_init(&inspect, &settings, &page, to, failing->options->page, error);
+    int status = inspect_init(&inspect, &settings, &page, error);
+    if (status == PCCD_OK) {
+        status = inspect_begin_page(&page, to, failing->options->page, error);
+    }
     for (uint32_t i = 0; status == PCCD_OK && i < failing->count && !inspect.is_full;
          i++) {
         struct play_settings play_settings = play_of(&failing->steps[i], link);

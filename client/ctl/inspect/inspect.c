@@ -35,19 +35,22 @@ int inspect_has_page(struct ctl_error *error)
                      "\"export\" need neither");
 }
 
-int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
-                 struct page_file *page, FILE *to, const char *path,
-                 struct ctl_error *error)
+int inspect_begin_page(struct page_file *page, FILE *to, const char *path,
+                       struct ctl_error *error)
 {
     size_t bytes = 0;
     const char *template = page_template(&bytes);
+    return page_file_begin(page, to, path, template, bytes, error);
+}
+
+int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
+                 struct page_file *page, struct ctl_error *error)
+{
     *inspect = (struct inspect){.settings = *settings,
                                 .page = page,
                                 .steps = json_array(),
                                 .meshes = json_array()};
-    return inspect->steps != NULL && inspect->meshes != NULL
-               ? page_file_begin(page, to, path, template, bytes, error)
-               : no_memory(error);
+    return inspect->steps != NULL && inspect->meshes != NULL ? PCCD_OK : no_memory(error);
 }
 
 void inspect_deinit(struct inspect *inspect)

@@ -175,11 +175,11 @@ int inspect_has_page(struct ctl_error *error);
 #define INSPECT_BOXES_DEFAULT 512u
 #define INSPECT_BYTES_DEFAULT (64u << 20)
 
-/* Begin the page `path`, written to `to`. `inspect` is all zeros before, and to be given
- * to inspect_deinit also after an error. */
+/* Begin the page `path` with it, written to `to`; as page_file_begin. */
+int inspect_begin_page(struct page_file *page, FILE *to, const char *path,
+                       struct ctl_error *error);
 int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
-                 struct page_file *page, FILE *to, const char *path,
-                 struct ctl_error *error);
+                 struct page_file *page, struct ctl_error *error);
 /* A play_fn; its context is the inspect. Ends the playing when the file is full. */
 int inspect_step(void *inspect, const struct play_step *step, struct ctl_error *error);
 /* The same of a question about what is near, a play_near_fn. */
