@@ -164,6 +164,8 @@ struct pccd_client {
     int goaway; /* status of the daemon's last words, 0: none */
     int timeout_ms;
     uint32_t spin_us;
+    uint32_t spins_in_vain;   /* the last ones, in a row */
+    uint32_t waits_unspun;    /* that are still to go without */
     uint32_t slot_count;      /* wanted */
     uint64_t slot_bytes;      /* wanted at least; 0: grown to what is needed */
     uint64_t result_bytes;    /* wanted */

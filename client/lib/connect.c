@@ -17,7 +17,7 @@
 
 #define CLI_TIMEOUT_MS     30000
 #define CLI_TIMEOUT_MS_MAX 3600000
-#define CLI_SPIN_US        50u
+#define CLI_SPIN_US        200u
 #define CLI_SPIN_US_MAX    1000u
 #define CLI_SLOT_COUNT     4u
 #define CLI_RESULT_BYTES   (64ull << 20)

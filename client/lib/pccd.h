@@ -92,8 +92,9 @@ struct pccd_options {
                               get memory when they are first used */
     uint64_t slot_bytes;   /* payload of one slot; 0 = grown to what is needed */
     uint64_t result_bytes; /* of answers, at most; taken as needed; 0 = 64 MiB */
-    uint32_t spin_us;      /* spin before blocking, 0 .. 1000; the default, when
-                              struct_bytes = 0 or options = NULL: 50, or 0 with one CPU */
+    uint32_t spin_us;      /* spin before blocking, 0 .. 1000, seldom while nothing comes
+                              meanwhile; the default, when struct_bytes = 0 or options =
+                              NULL: 200, or 0 with one CPU */
     int reconnect_ms;      /* how long to look for a daemon that was lost (see below);
                               0 = 10000; negative: not at all, its loss is an error */
     bool no_keep;          /* keep no copies for another daemon: saves their memory */

@@ -89,6 +89,27 @@ static int wait_and_receive(struct pccd_client *client, uint64_t deadline_ns)
     return status == 0 ? cli_receive(client) : status;
 }
 
+/* Spins in a row may be for nothing: the step takes longer, or the daemon waits for this
+ * very processor. After n of them the next 2^n - 1 waits go without. */
+#define SPINS_IN_VAIN_MAX 8u
+
+static bool may_spin(struct pccd_client *client)
+{
+    if (client->waits_unspun > 0) {
+        client->waits_unspun--;
+        return false;
+    }
+    return client->spin_us > 0;
+}
+
+static void note_spin(struct pccd_client *client, bool was_in_vain)
+{
+    uint32_t count = was_in_vain ? client->spins_in_vain + 1 : 0;
+
+    client->spins_in_vain = count < SPINS_IN_VAIN_MAX ? count : SPINS_IN_VAIN_MAX;
+    client->waits_unspun = (1u << client->spins_in_vain) - 1;
+}
+
 /* Spin until a message has come or the budget is spent. done_seq changes a little before
  * the reply comes; reading it costs no system call. */
 static int spin(struct pccd_client *client, struct proto_upload *upload,
@@ -117,7 +138,7 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     struct proto_upload *upload = client->ring.upload.base;
     uint64_t done_seen = upload != NULL ? atomic_load(&upload->done_seq.value) : 0;
     bool spins =
-        upload != NULL && client->spin_us > 0 && count_inflight(client).computed > 0;
+        upload != NULL && count_inflight(client).computed > 0 && may_spin(client);
     int status = cli_alive(client);
 
     if (status != 0) {
@@ -131,6 +152,7 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     }
     if (status == PCCD_E_AGAIN && spins) {
         status = spin(client, upload, done_seen, deadline_ns);
+        note_spin(client, status == PCCD_E_AGAIN);
     }
     if (status != PCCD_E_AGAIN || client->link.is_down) {
         return client->link.is_down ? client->callbacks->recover(client, deadline_ns)

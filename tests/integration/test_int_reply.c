@@ -3,6 +3,7 @@
 
 #include <signal.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "crossing.h"
@@ -14,6 +15,9 @@
 #define TURNS  100
 #define SIDE   12 /* of a grid that is no brief step */
 #define KILLED 20
+
+#define SIDE_SLOW 200 /* of one whose steps take longer than a client spins */
+#define SPIN_US   300u
 
 static uint64_t replied(const struct test_crossing *crossing)
 {
@@ -79,6 +83,48 @@ CASE_CROSSING(reply__leaves_room_for_the_next_step)
     }
     for (int i = 0; i < 4; i++) {
         assert_ok(test_grid_await(&grid, steps[i]));
+    }
+    pccd_close(client);
+    grid.client = NULL;
+    test_grid_free(&grid);
+}
+
+/* Return the processor time that this thread has had. */
+static uint64_t own_us(void)
+{
+    struct timespec time;
+
+    assert_int_equal(clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time), 0);
+    return (uint64_t)time.tv_sec * 1000000u + (uint64_t)time.tv_nsec / 1000u;
+}
+
+/* If it failed: who waits for steps that take longer than it spins would take a processor
+ * of the team for each, or keep the daemon from the only one. */
+CASE_CROSSING(reply__is_not_spun_for_in_vain)
+{
+    struct pccd_client *client =
+        test_client(&(struct pccd_options){.url = test_shared.url, .spin_us = SPIN_US});
+    struct test_grid grid;
+    uint64_t waited_us = 0;
+    uint32_t longer = 0;
+
+    (void)state;
+    assert_ok(test_grid_make(client, SIDE_SLOW, &grid));
+    for (int i = 0; i < TURNS; i++) {
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
+        uint64_t begin_us;
+        uint64_t step;
+
+        assert_ok(test_grid_submit(&grid, NULL, &step));
+        begin_us = own_us();
+        assert_ok(pccd_wait(client, step, -1, &answer));
+        waited_us += own_us() - begin_us;
+        longer += answer.times.step > SPIN_US * 1000u;
+        pccd_answer_release(client, &answer);
+    }
+    if (!test_is_direct()) {
+        assert_true(longer > TURNS / 2);
+        assert_true(waited_us < longer * SPIN_US / 2);
     }
     pccd_close(client);
     grid.client = NULL;
