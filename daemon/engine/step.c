@@ -23,21 +23,42 @@
 
 /* ---- is the step certain to end soon? ---------------------------------------------- */
 
-/* The work of the last step, as it is believed (step_memory.h). */
-#define WORK_NS 30000u
+/* Say how large a step may be that is brief. */
+struct bounds {
+    uint64_t work_ns; /* of the last step, as it is believed (step_memory.h) */
+    /* Of sixteen: boxes are made of each, and all pairs of blocks may be joined. Two
+     * blocks are 256 tests of boxes, 0.1 us of a vector kernel, 2 without. */
+    uint32_t vertex_blocks;
+    uint32_t edge_blocks;
+    uint32_t face_blocks;
+    uint32_t objects; /* places for them, taken or not: some loops are over all */
+};
 
-/* Blocks of sixteen: boxes are made of each, and all pairs of blocks may be joined. Two
- * blocks are 256 tests of boxes, 0.1 us of a vector kernel, 2 without: 16 pairs of
- * vertices and faces, 36 of edges. */
-#define VERTEX_BLOCKS 4u
-#define EDGE_BLOCKS   8u
-#define FACE_BLOCKS   4u
+/* At most 16 pairs of blocks of vertices and faces, and 36 of edges. */
+static const struct bounds among_others = {
+    .work_ns = 30000,
+    .vertex_blocks = 4,
+    .edge_blocks = 8,
+    .face_blocks = 4,
+    .objects = 64,
+};
 
-/* Places for objects, taken or not: some loops of a step are over all of them. */
-#define OBJECTS 64u
+/* A thousand triangles that share no vertex. If each block met each, which it does not in
+ * what has taken so little: 6 ms. */
+static const struct bounds for_one = {
+    .work_ns = 300000,
+    .vertex_blocks = 256,
+    .edge_blocks = 256,
+    .face_blocks = 128,
+    .objects = 1024,
+};
 
-/* The same of a step that does nothing else: some 20 us. */
+/* Places for objects of a step that does nothing else: some 20 us. */
 #define OBJECTS_AT_REST 1024u
+
+/* Steps after one that has given up until one of more work than that of `among_others` is
+ * brief again: what it did was done twice. */
+#define TRY_AGAIN_AFTER 32u
 
 /* Return whether they are settings of a step that can be brief: whose work is bounded as
  * step.h says. */
@@ -48,13 +69,18 @@ static bool can_be_brief(const struct eng_question *question)
            eng_method_of(question) == PCCD_METHOD_WIDE;
 }
 
+static const struct bounds *bounds_of(const struct eng_question *question)
+{
+    return question->alone ? &for_one : &among_others;
+}
+
 /* The trees are there, and small. */
-static bool trees_are_small(const struct eng_wide *wide)
+static bool trees_are_small(const struct eng_wide *wide, const struct bounds *bounds)
 {
     return !wide->is_stale &&
-           wide->trees[PCCD_TREE_VERTICES].block_count[0] <= VERTEX_BLOCKS &&
-           wide->trees[PCCD_TREE_EDGES].block_count[0] <= EDGE_BLOCKS &&
-           wide->trees[PCCD_TREE_FACES].block_count[0] <= FACE_BLOCKS;
+           wide->trees[PCCD_TREE_VERTICES].block_count[0] <= bounds->vertex_blocks &&
+           wide->trees[PCCD_TREE_EDGES].block_count[0] <= bounds->edge_blocks &&
+           wide->trees[PCCD_TREE_FACES].block_count[0] <= bounds->face_blocks;
 }
 
 /* No step beside its search goes on with what takes several. */
@@ -84,9 +110,10 @@ static bool is_at_rest(const struct eng_scene *scene, const struct eng_question 
 
 /* Return whether what is left of a brief step, after a look at the boxes and records at
  * hand, is bounded so. */
-static bool is_bounded(const struct eng_scene *scene, const struct eng_team *team)
+static bool is_bounded(const struct eng_scene *scene, const struct eng_team *team,
+                       const struct eng_question *question)
 {
-    return trees_are_small(eng_wide_of(scene)) ||
+    return trees_are_small(eng_wide_of(scene), bounds_of(question)) ||
            (scene->moving.objects == 0 && team->prunes && team->has_boxes);
 }
 
@@ -101,12 +128,18 @@ bool eng_step_can_be_brief(const struct eng_scene *scene,
     if (!is_staged && is_at_rest(scene, question)) {
         return true;
     }
-    if (scene->object_capacity > OBJECTS || !trees_are_small(eng_wide_of(scene))) {
+    const struct bounds *bounds = bounds_of(question);
+    if (scene->object_capacity > bounds->objects ||
+        !trees_are_small(eng_wide_of(scene), bounds)) {
         return false;
     }
-    /* One worker: those of others, once there are any, are freed by some later step. */
     uint64_t work_ns = memory->effort[PCCD_METHOD_WIDE].work_ns[question->mode];
-    return work_ns > 0 && work_ns <= WORK_NS && memory->worker_count == 1 &&
+    /* Workers beyond the first are freed by some later step: a millisecond of it. */
+    bool has_worker =
+        question->alone ? memory->worker_count > 0 : memory->worker_count == 1;
+    bool would_lose_little =
+        work_ns <= among_others.work_ns || memory->steps_until_brief == 0;
+    return work_ns > 0 && work_ns <= bounds->work_ns && would_lose_little && has_worker &&
            eng_wide_work_of(memory->workers[0]);
 }
 
@@ -302,18 +335,21 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     eng_box_frames_follow(scene);
     eng_rigid_choose(scene, question->mode != PCCD_MODE_PAIRS && !is_part);
     team.method->start(&team, question);
-    if (question->brief && !is_bounded(scene, &team)) {
+    if (question->brief && !is_bounded(scene, &team, question)) {
         eng_worker_give_up(team.workers[0]);
     }
     uint64_t detect_ns = eng_detect_run(&team, &r.times);
     scene->has_moved_without_answer = stop.gave_up;
+    struct eng_step_memory *memory = eng_step_memory_of(scene);
     if (stop.gave_up) {
+        memory->steps_until_brief = TRY_AGAIN_AFTER;
         return PCCD_E_AGAIN;
     }
     assert(!PCCD_VALIDATE || !team.method->validate || team.method->validate(scene));
+    memory->steps_until_brief -= memory->steps_until_brief > 0;
     r.incomplete =
         (enum pccd_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
-    merge(&team, eng_step_memory_of(scene), begin_ns, detect_ns, &r);
+    merge(&team, memory, begin_ns, detect_ns, &r);
     if (is_part) {
         eng_part_leave(scene);
     }

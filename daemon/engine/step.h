@@ -69,6 +69,9 @@ uint32_t eng_level_boxes(const struct eng_scene *scene, enum pccd_tree tree,
  * step, unless it is staged, is the same step once more. So it takes some tens of
  * microseconds at most, by one thread.
  *
+ * With `alone` set, too, nobody but who asks is held up: it may be of some thousand
+ * vertices, and take 10 ms at most, where things are as bad as can be.
+ *
  * A large scene's steps can be brief, too, as long as it is at rest: nothing is written
  * in this one (not `is_staged`), nothing moved in the last one, and its answer, which has
  * few records, is at hand. */

@@ -88,9 +88,10 @@ struct eng_step_memory {
     struct eng_pool own_pool;
     struct eng_merge *merge;
     struct eng_merge own_merge;
-    struct eng_records sorted; /* the last answer */
-    bool was_emptied;          /* the scene, since that answer */
-    struct eng_records found;  /* what a step adds to those of it that it keeps */
+    struct eng_records sorted;  /* the last answer */
+    bool was_emptied;           /* the scene, since that answer */
+    uint32_t steps_until_brief; /* of large ones; one has given up (step.c) */
+    struct eng_records found;   /* what a step adds to those of it that it keeps */
     struct eng_answer_cache cache;
     struct eng_counts kept_counts; /* of what a step keeps */
     struct eng_near_memory near;   /* of eng_near */

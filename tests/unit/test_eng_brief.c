@@ -252,6 +252,50 @@ CASE(brief__scenes_that_had_a_team_cannot_be)
     eng_scene_free(scene);
 }
 
+/* ---- for one client ---- */
+
+/* If it failed: a client that is alone would wait for threads to wake; or others would
+ * for its step, or it would wait for as much as is not brief. */
+CASE(brief__of_one_who_is_alone_may_be_larger)
+{
+    struct prng random = {20261129};
+    struct eng_question settings = settings_of(PCCD_MODE_ALL, true);
+    struct eng_step_result result;
+    struct eng_scene *scene = soup_new(&random, 1000);
+    struct eng_scene *large = soup_new(&random, 3000);
+    static double x[3000][3];
+    uint64_t *work_ns;
+    warm(scene);
+    warm(large);
+    work_ns = &eng_step_memory_of(scene)->effort[PCCD_METHOD_WIDE].work_ns[0];
+    *work_ns = 200000;
+    assert_false(can(scene));
+    settings.alone = true;
+    assert_true(eng_step_can_be_brief(scene, &settings, true));
+    assert_false(eng_step_can_be_brief(large, &settings, true));
+    *work_ns = 1000000;
+    assert_false(eng_step_can_be_brief(scene, &settings, true));
+    *work_ns = 200000;
+    for (uint32_t i = 0; i < 3000; i++) {
+        for (int k = 0; k < 3; k++) {
+            x[i][k] = prng_between(&random, 0, 1);
+        }
+    }
+    move(scene, (const double(*)[3])x, 3000);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_AGAIN); /* a crowd */
+    assert_true(eng_step_memory_of(scene)->workers[0]->record.tests <=
+                ENG_BRIEF_TESTS_ALONE);
+    for (uint32_t i = 0; i < 40; i++) { /* what was for nothing is not tried at once */
+        *work_ns = 200000;
+        assert_int_equal(eng_step_can_be_brief(scene, &settings, true), i >= 32);
+        settings.brief = false;
+        kit_step(scene, &settings);
+        settings.brief = true;
+    }
+    eng_scene_free(scene);
+    eng_scene_free(large);
+}
+
 /* ---- at rest ----------------------------------------------------------------------- */
 
 #define LARGE 2000u /* triangles */

@@ -134,6 +134,7 @@ struct eng_question {
     const struct eng_kernels *kernels;
     bool team_always; /* by `threads` threads however small the work: for tests */
     bool brief;       /* end soon or not at all (step.h) */
+    bool alone;       /* of a brief one: nobody but who asks is held up meanwhile */
     /* Whose worker a step by one thread uses in the place of its own: so that of many
      * scenes few have workers. No step of that scene is computed meanwhile. NULL, or the
      * scene itself: its own. Only of eng_step, and not of brief ones. */

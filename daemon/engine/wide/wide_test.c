@@ -318,6 +318,15 @@ static uint32_t left_out_in_time(struct eng_wide_work *work, enum pccd_kind kind
     return apart;
 }
 
+/* Return whether so many tests more are too many for a brief step. */
+static bool takes_long(const struct eng_worker *worker, uint32_t count)
+{
+    const struct eng_question *question = worker->question;
+    return question->brief &&
+           worker->record.tests + count >
+               (question->alone ? ENG_BRIEF_TESTS_ALONE : ENG_BRIEF_TESTS);
+}
+
 static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk)
 {
     struct eng_worker *worker = owner;
@@ -326,7 +335,7 @@ static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk
     const uint32_t count = chunk->count;
     work->sieves[kind].in_time = work->join.jobs[kind][0].in_time;
     eng_count_candidates(worker, kind, count + left_out_in_time(work, kind, count));
-    if (worker->question->brief && worker->record.tests + count > ENG_BRIEF_TESTS) {
+    if (takes_long(worker, count)) {
         eng_worker_give_up(worker);
     }
     if (!eng_near_leaves_out(worker->question, kind) && !eng_stop_is_set(worker->stop)) {

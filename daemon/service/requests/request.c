@@ -389,7 +389,8 @@ static bool dequeue(struct srv_request *request)
 /* The loop does what is brief itself when the compute thread sleeps: waking it, and being
  * woken by it, is 60 us where processors sleep, ten times such a step. Between two of
  * them it has as long for others, so that many who ask for little are served by the two
- * threads as if there were no brief steps. */
+ * threads as if there were no brief steps. For a client that is alone there are no
+ * others: its steps are brief when they are of some thousand triangles, too. */
 #define BREAK_NS_MAX 100000u /* after one that lost its processor */
 
 /* Run a request that is brief, if it can be now: it has been answered then, or goes on in
@@ -399,9 +400,10 @@ static bool run_here(struct srv_request *request)
     struct srv_session *session = request->session;
     struct srv_service *service = session->service;
     uint64_t begin_ns = common_now_ns();
-    if (!service->does_brief || request->plan.can_be_brief == NULL ||
-        begin_ns < service->brief_from_ns || !srv_compute_is_idle(&service->compute) ||
-        !request->plan.can_be_brief(request)) {
+    request->is_alone = service->client_count == 1;
+    bool has_break = begin_ns < service->brief_from_ns && !request->is_alone;
+    if (!service->does_brief || request->plan.can_be_brief == NULL || has_break ||
+        !srv_compute_is_idle(&service->compute) || !request->plan.can_be_brief(request)) {
         return false;
     }
     srv_request_move(request, SRV_REQUEST_BRIEF);

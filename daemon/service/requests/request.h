@@ -128,6 +128,7 @@ struct srv_request {
     uint32_t id;
     int method;
     uint64_t arrival_ns;
+    bool is_alone; /* it came when its client was the only one: nobody else is held up */
     union srv_params params;
     union srv_result result;
     struct proto_error error;

@@ -116,6 +116,7 @@ void srv_step_ask(struct srv_request *request, struct eng_question *question)
     question->weigher = service->weigher;
     question->contact_max = service->options->contacts_max;
     question->brief = srv_request_state(request) == SRV_REQUEST_BRIEF;
+    question->alone = request->is_alone;
     if (service->is_pinned) {
         question->affinity =
             srv_workspace_of_thread(request->session->service->workspaces)->affinity;
