@@ -13,6 +13,7 @@ libctl_la_SOURCES = \
     client/ctl/link.c \
     client/ctl/output.c \
     client/ctl/progress.c \
+    client/ctl/results.c \
     client/ctl/sequence.c \
     client/ctl/terminal.c \
     client/ctl/check/ask_options.c \
@@ -24,6 +25,7 @@ libctl_la_SOURCES = \
     client/ctl/check/report.c client/ctl/check/report_json.c \
     client/ctl/check/report_line.c \
     client/ctl/commands/cloth.c \
+    client/ctl/commands/check_jobs.c client/ctl/commands/check_walk.c \
     client/ctl/commands/cmd_check.c \
     client/ctl/commands/cmd_config.c \
     client/ctl/commands/cmd_demo.c \
@@ -55,6 +57,8 @@ libctl_la_SOURCES = \
     client/ctl/inspect/inspect_boxes.c \
     client/ctl/inspect/inspect_pack.c \
     client/ctl/inspect/page_file.c \
+    client/ctl/commands/check_lines.c \
+    client/ctl/judge/crossings.c client/ctl/judge/judge.c \
     client/ctl/mesh/meshframes.c \
     client/ctl/mesh/gltf_animation.c \
     client/ctl/mesh/gltf_file.c \
@@ -106,6 +110,7 @@ ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
     -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/near -iquote $(top_srcdir)/client/ctl/observe \
     -iquote $(top_srcdir)/client/ctl/export -iquote $(top_srcdir)/client/ctl/inspect \
+    -iquote $(top_srcdir)/client/ctl/judge \
     -iquote $(top_srcdir)/client/ctl/picture \
     -iquote $(top_srcdir)/client/ctl/record -iquote $(top_srcdir)/client/ctl/scene \
     -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/oracle \

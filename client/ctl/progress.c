@@ -11,12 +11,14 @@
 
 #define BAR_CHARS 40u /* at most */
 #define REDRAW_NS 50000000u
+#define LEFT_NS   2000000000u /* until then nobody knows how long it takes */
 
 void progress_begin(struct progress *progress, const char *label, uint64_t total)
 {
     progress->label = label;
     progress->total = total;
     progress->drawn_ns = 0;
+    progress->begin_ns = 0;
     progress->is_on = total > 0 && terminal_has_live_errors();
 }
 
@@ -30,20 +32,40 @@ static uint32_t bar_chars(uint32_t other_chars)
     return left < BAR_CHARS ? left : BAR_CHARS;
 }
 
+/* ", 1:05 left", as long as the rest takes at the speed so far; "" while that is not
+ * known. */
+static void tell_left(const struct progress *progress, uint64_t now, uint64_t done,
+                      char *text, size_t bytes)
+{
+    uint64_t made = done - progress->begun, taken = now - progress->begin_ns;
+    text[0] = '\0';
+    if (done > progress->begun && done < progress->total && taken > LEFT_NS) {
+        double left = (double)taken / (double)made * (double)(progress->total - done);
+        uint64_t seconds = (uint64_t)(left / 1e9 + 0.5);
+        snprintf(text, bytes, ", %" PRIu64 ":%02" PRIu64 " left", seconds / 60,
+                 seconds % 60);
+    }
+}
+
 void progress_update(struct progress *progress, uint64_t done)
 {
     if (!progress->is_on) {
         return;
     }
     uint64_t now = common_now_ns();
+    done = done < progress->total ? done : progress->total; /* time goes on */
+    if (progress->begin_ns == 0) {
+        progress->begin_ns = now;
+        progress->begun = done;
+    }
     if (progress->drawn_ns != 0 && now - progress->drawn_ns < REDRAW_NS &&
         done < progress->total) {
         return;
     }
-    char bar[BAR_CHARS + 1], count[48];
-    done = done < progress->total ? done : progress->total; /* time goes on */
-    int count_chars =
-        snprintf(count, sizeof count, "%" PRIu64 "/%" PRIu64, done, progress->total);
+    char bar[BAR_CHARS + 1], left[40], count[96];
+    tell_left(progress, now, done, left, sizeof left);
+    int count_chars = snprintf(count, sizeof count, "%" PRIu64 "/%" PRIu64 "%s", done,
+                               progress->total, left);
     uint32_t chars =
         bar_chars((uint32_t)strlen(progress->label) + (uint32_t)count_chars + 5);
     uint64_t filled = done * chars / progress->total;

@@ -43,6 +43,8 @@ struct progress {
     const char *label;
     uint64_t total;
     uint64_t drawn_ns; /* when; 0 = never */
+    uint64_t begin_ns; /* when `begun` were done, from which the time left is estimated */
+    uint64_t begun;
     bool is_on;
 };
 

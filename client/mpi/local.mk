@@ -46,7 +46,6 @@ mpi_program_sources = \
     client/mpi/program/part_weld.c \
     client/mpi/program/recordings.c \
     client/mpi/program/replay.c \
-    client/mpi/program/results.c \
     client/mpi/program/together.c \
     client/mpi/program/verify.c
 ranks_cppflags = -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib

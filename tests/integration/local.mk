@@ -76,6 +76,7 @@ test_scripts += \
     tests/integration/ctl_record.sh \
     tests/integration/ctl_near.sh \
     tests/integration/ctl_see.sh \
+    tests/integration/ctl_judge.sh \
     tests/integration/ctl_scene.sh \
     tests/integration/ctl_sequence.sh \
     tests/integration/ctl_objects.sh \

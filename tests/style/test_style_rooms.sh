@@ -98,11 +98,12 @@ client/ctl scene          . mesh
 client/ctl check          . mesh scene
 client/ctl near           . mesh scene check
 client/ctl observe        . check
+client/ctl judge          . mesh scene check
 client/ctl record         . mesh scene check
 client/ctl export         . record
 client/ctl inspect        . check record export
 client/ctl picture        . record export
-client/ctl commands       . mesh scene check near observe record export inspect picture
+client/ctl commands       . mesh scene check near observe judge record export inspect picture
 '
 
 # Folder prefix, then the libraries beside the C library.

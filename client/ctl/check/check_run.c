@@ -220,7 +220,8 @@ static int place_first(struct check_run *run, const struct scene *files, uint32_
     const uint32_t features[2] = {contact->feature_a, contact->feature_b};
     struct place_feature ends[2];
     double at[2][3];
-    *first = (struct report_first){.kind = contact->kind};
+    *first = (struct report_first){
+        .kind = contact->kind, .toi = contact->toi, .toi_hi = contact->toi_hi};
     if (contact->kind >= PCCD_KIND_COUNT) {
         return PCCD_OK; /* of a newer daemon */
     }

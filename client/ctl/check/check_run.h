@@ -127,7 +127,7 @@ struct check_ask {
 int check_run_repeat(struct check_run *run, const struct check_ask *ask, uint32_t number,
                      struct report_step *step, struct ctl_error *error);
 /* Set *is_free if nothing meets in any step. Errors: E_TIMEOUT where nothing does in what
- * was looked at, and an answer is incomplete. */
+ * was looked at, and an answer is incomplete. (pccd-mpi; judge.h says more.) */
 int check_run_judge(const struct report_step *steps, uint32_t step_count, bool *is_free,
                     struct ctl_error *error);
 /* Make run->times. */

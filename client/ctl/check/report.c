@@ -479,5 +479,8 @@ void report_print_line(FILE *to, const struct report_scene *scene, uint32_t numb
     if (!step->is_complete) {
         fprintf(to, ", INCOMPLETE: %s", why_incomplete(answer->incomplete));
     }
-    fprintf(to, ", %.3f ms\n", step->ms[REPORT_step]);
+    if (step->ms[REPORT_step] > 0) { /* of a line that was read it is not known */
+        fprintf(to, ", %.3f ms", step->ms[REPORT_step]);
+    }
+    fputc('\n', to);
 }

@@ -69,7 +69,8 @@ struct report_first {
     uint32_t part[2];    /* number of the name; REPORT_NO_PART: it has none */
     uint32_t feature[2]; /* vertex, or face; of an edge its lower vertex .. */
     uint32_t other[2];   /* .. and its other one */
-    double x, y, z;      /* the point of the second feature, then */
+    double toi, toi_hi;
+    double x, y, z; /* the point of the second feature, then */
 };
 
 struct report_step {

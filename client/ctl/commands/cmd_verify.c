@@ -1,7 +1,10 @@
 /* cmd_verify.c - pccdctl verify. */
+#include "check_walk.h"
 #include "ctl.h"
 #include "play_options.h"
 #include "verify.h"
+
+#define THREADS_MAX 1024u
 
 struct verification {
     struct play_options options;
@@ -18,16 +21,69 @@ const struct option_table ctl_table_verify = {
             {&verify_table, offsetof(struct verification, checks)},
             {&play_table, offsetof(struct verification, options)},
             {0}},
-    .arguments = "FILE",
+    .arguments = "FILE\nCERTIFICATE FILE [FILE...]",
     .text = "Check the answers of a recording by exact rational arithmetic, which "
             "shares nothing with the engine: every contact, every number, and a "
-            "sample of pairs that are not among them.",
-    .more = "The contacts are those of the recording, or a daemon's that repeats it "
+            "sample of pairs that are not among them. Of a certificate, which pccdctl "
+            "check has written as its results, do the check again and compare every "
+            "line.",
+    .more = "A certificate wants the files that the check had, those of further objects "
+            "last; of the options, it takes those of the daemon, --threads and --method. "
+            "The contacts are those of the recording, or a daemon's that repeats it "
             "(a private one, unless another is named). Exit status: 0 after PASS, 1 "
             "after FAIL.",
     .examples = "  pccdctl verify run.rec\n"
-                "  pccdctl verify --steps 7 --sample 100000 run.rec\n",
+                "  pccdctl verify bake.jsonl cloth.obj cloth.pc2\n",
 };
+
+/* ---- a certificate ----------------------------------------------------------------- */
+
+#define AT(member) offsetof(struct check_command, member)
+static const struct option_row certificate_rows[] = {
+    {.type = OPTION_ARGUMENTS, .at = AT(check.ask.files)},
+    CTL_ENGINE,
+    {"method", 0, "default|paper|wide", "Method that finds the candidates", OPTION_WORD,
+     .at = AT(check.ask.method)},
+    {"threads", 0, "N", "Use at most N threads", OPTION_U32, .at = AT(check.ask.threads),
+     .min = 1, .max = THREADS_MAX},
+    {0}};
+#undef AT
+
+static const struct option_table certificate_table = {
+    .rows = certificate_rows,
+    .parts =
+        (const struct option_part[]){
+            {&ctl_link_table, offsetof(struct check_command, check.ask.link)}, {0}},
+    .arguments = "CERTIFICATE FILE [FILE...]"};
+
+/* Return whether the first file that is named is a certificate. */
+static bool has_certificate(int argc, char **argv)
+{
+    int i = 1;
+    while (i < argc && (argv[i][0] == '-' || !check_is_certificate(argv[i]))) {
+        i++;
+    }
+    return i < argc;
+}
+
+static int verify_certificate(int argc, char **argv)
+{
+    struct check_command command = {.check.settings = PCCD_STEP_SETTINGS_INIT};
+    struct option_arguments *files = &command.check.ask.files;
+    int status = CTL_USAGE;
+    command.check.ask.link.policy = CTL_LINK_PRIVATE_UNLESS_ENV;
+    if (option_parse(&certificate_table, argc, argv, &command) == 0) {
+        const char *certificate = files->list[0];
+        files->list++;
+        files->count--;
+        status = check_verify(certificate, &command);
+    }
+    scene_options_deinit(&command.scene);
+    ctl_link_deinit(&command.check.ask.link);
+    return status;
+}
+
+/* ---- a recording ------------------------------------------------------------------- */
 
 static int add(struct verification *verification, int status, struct ctl_error *error)
 {
@@ -76,14 +132,13 @@ static int run(struct verification *verification, struct play_summary *summary,
         status = verification->status;
     }
     if (status == PCCD_OK && verification->report.witness == NULL) {
-        status =
-            verify_report_strays(&verification->report, play_answers(reader), error);
+        status = verify_report_strays(&verification->report, play_answers(reader), error);
     }
     play_close(reader);
     return status;
 }
 
-int ctl_cmd_verify(int argc, char **argv)
+static int verify_recording(int argc, char **argv)
 {
     struct verification verification = {.checks = VERIFY_OPTIONS_INIT};
     struct play_summary summary;
@@ -120,4 +175,10 @@ int ctl_cmd_verify(int argc, char **argv)
     verify_report_deinit(&verification.report);
     play_options_deinit(&verification.options);
     return (int)ctl_exit_of(status, is_right);
+}
+
+int ctl_cmd_verify(int argc, char **argv)
+{
+    return has_certificate(argc, argv) ? verify_certificate(argc, argv)
+                                       : verify_recording(argc, argv);
 }

@@ -242,6 +242,13 @@ static int weld_frames(struct ctl_frames *frames, const struct pccd_mesh_data *s
             continue;
         }
         status = read_frame(frames, i, &frame, error);
+        if (status != PCCD_OK && !ctl_mesh_is_pipe(source->path)) {
+            ctl_mesh_deinit(&frame);
+            error->text[0] = '\0';
+            frames->welded.frame_count = i; /* those before it are told of */
+            status = PCCD_OK;
+            break; /* who reads that frame is told why he cannot */
+        }
         if (status == PCCD_OK) {
             status = told(frames, pccd_weld_frame(*weld, frame.x, frame.format), error);
             (void)pccd_weld_read(*weld, &counts);

@@ -367,7 +367,7 @@ int scene_read(struct scene *scene, uint32_t index, struct ctl_error *error)
             continue;
         }
         status = scene_read_object(scene, object, index, frame, error);
-        if (status == PCCD_OK && index > 0 && before->format != frame->format) {
+        if (status == PCCD_OK && before->x != NULL && before->format != frame->format) {
             status = ctl_mesh_promote(before, error);
             status = status == PCCD_OK ? ctl_mesh_promote(frame, error) : status;
         }

@@ -1,5 +1,5 @@
 /* results.c - lines on a disk. */
-#include "items.h"
+#include "results.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -24,8 +24,7 @@ static int failed(const struct results *results, const char *what,
                          strerror(errno));
 }
 
-/* A line with its end; NULL: no memory. */
-static char *text_of(const json_t *line, size_t *bytes)
+char *results_text(const json_t *line, size_t *bytes)
 {
     char *text = json_dumps(line, LINE_FLAGS);
     char *longer = NULL;
@@ -64,7 +63,7 @@ int results_append(struct results *results, const json_t *line, struct ctl_error
     if (results->fd < 0) {
         return PCCD_OK;
     }
-    char *text = text_of(line, &bytes);
+    char *text = results_text(line, &bytes);
     if (text == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for a result");
     }
@@ -134,10 +133,11 @@ static int read_lines(struct results *results, const char *text, size_t bytes,
     const char *end = memchr(text, '\n', bytes);
     size_t common = bytes < head_bytes ? bytes : head_bytes;
     if (memcmp(text, head, common) != 0 || (end == NULL && bytes >= head_bytes)) {
-        bool is_ours = bytes > 12 && memcmp(text, "{\"pccd-mpi\":", 12) == 0;
+        size_t kind = (size_t)(strchr(head, ':') + 1 - head); /* {"pccd-mpi": */
+        bool is_ours = bytes > kind && memcmp(text, head, kind) == 0;
         return ctl_error_set(error, PCCD_E_FORMAT, "%s: %s", results->path,
-                             is_ours ? "it has results of other recordings, options or "
-                                       "another version"
+                             is_ours ? "it has results of other files, other "
+                                       "recordings, options or another version"
                                      : "it is there, and is no file of results");
     }
     if (end == NULL) {
@@ -194,7 +194,7 @@ int results_open(struct results *results, const char *path, const json_t *head,
 {
     size_t bytes = 0;
     *results = (struct results){.path = path, .fd = -1, .each = each, .context = context};
-    char *text = text_of(head, &bytes);
+    char *text = results_text(head, &bytes);
     if (text == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for a result");
     }

@@ -1,0 +1,112 @@
+/* judge.h - one verdict on a sequence of frames, from what is known of each step.
+ *
+ * A step is judged by its contacts and by the edges that pass through faces where it
+ * ends. What crosses in the first frame stands; at a later frame a crossing is new if its
+ * two features crossed neither in the first frame nor in the one before. So a step is
+ * judged by three frames alone, whoever has judged the others.
+ *
+ * Threads: one.
+ */
+#ifndef CTL_JUDGE_H
+#define CTL_JUDGE_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "check_run.h"
+#include "error.h"
+#include "pccd.h"
+#include "report.h"
+
+/* ---- Crossings at a frame. */
+
+struct crossing {
+    uint32_t object_a, edge, object_b, face; /* objects by their handles */
+};
+
+/* {0}: nothing crosses, but that is not known to be all. */
+struct crossings {
+    struct crossing *of; /* ours: [count], ascending */
+    size_t count, room;
+    bool is_complete;
+    double ms; /* that the daemon took */
+};
+
+/* Ask what crosses where the motions lead; NULL, 0: where the objects are. Errors: those
+ * of pccd.h, E_NOMEM. */
+int crossings_ask(struct crossings *crossings, const struct check_run *run,
+                  const struct pccd_motion *motions, uint32_t motion_count,
+                  struct ctl_error *error);
+/* Errors: E_NOMEM. */
+int crossings_copy(struct crossings *to, const struct crossings *from,
+                   struct ctl_error *error);
+/* Count those of `a` that are in neither of two others. */
+uint64_t crossings_beyond(const struct crossings *a, const struct crossings *b,
+                          const struct crossings *c);
+void crossings_deinit(struct crossings *crossings);
+
+/* ---- A step, and what is said of it. */
+
+#define JUDGE_NAME_BYTES 256 /* of an object; more is cut */
+
+/* The earliest contact of a step, with names of its objects; "": there is but one. */
+struct judged_contact {
+    struct report_first at; /* of a line that was read without a place */
+    char names[2][JUDGE_NAME_BYTES];
+};
+
+struct judged {
+    uint32_t number;           /* of the step, from 1; 0: the first frame by itself */
+    struct report_step report; /* of the first frame: no answer; crossings says it all */
+    bool meets;                /* something does, besides what crosses when it begins */
+    struct judged_contact first;
+    bool knows_end;     /* these are known: */
+    uint64_t crossings; /* at its end */
+    uint64_t standing;  /* of these, as in the first frame */
+    uint64_t fresh;     /* new: neither there nor at its beginning */
+    uint64_t gone;      /* at its beginning, and not any more */
+};
+
+/* Take the earliest contact of a report, with the names that its parts have. */
+void judged_contact_set(struct judged_contact *contact, const struct report_first *first,
+                        char *const *names);
+/* Return whether a step fails by itself: something meets, or crosses that did not. */
+bool judged_fails(const struct judged *judged);
+/* Print what is new and what is gone, where there is something. */
+void judged_print(FILE *to, const struct judged *judged);
+/* As one JSON object, and back but for the names of files. NULL: no memory; false: it is
+ * none. */
+json_t *judged_line(const struct judged *judged);
+bool judged_read(const json_t *line, struct judged *judged);
+
+/* ---- All of them. */
+
+struct judge {
+    bool is_thick; /* the caller's: something meets before it touches */
+    uint32_t steps, incomplete;
+    uint32_t meeting;             /* steps in which something meets */
+    uint32_t meets_at;            /* the first of them */
+    struct judged_contact meets;  /* the earliest there, of a mode that tells it */
+    bool begins_crossed;          /* some step does */
+    bool knows_standing;          /* these are known: */
+    uint64_t crossings, standing; /* in the first frame; of these in the last */
+    uint64_t fresh;               /* new ones, of all frames */
+    uint32_t fresh_at;            /* the first step that ends with one */
+};
+
+/* Take the next step, or the first frame. */
+void judge_take(struct judge *judge, const struct judged *judged);
+/* Return whether nothing meets or crosses in what was looked at. Errors: E_TIMEOUT where
+ * that is so, and something was not. */
+int judge_end(const struct judge *judge, bool *is_free, struct ctl_error *error);
+/* Print the verdict, on one line that begins with `label`, and what it rests on. */
+void judge_print(FILE *to, const struct judge *judge, const char *label);
+/* The same as a JSON object; NULL: no memory. */
+json_t *judge_line(const struct judge *judge);
+/* Return whether a line is such an object. */
+bool judge_is_line(const json_t *line);
+
+#endif

@@ -1,0 +1,152 @@
+#!/bin/bash
+# tests/integration/ctl_judge.sh - pccdctl check of whole sequences: verdicts, results, jobs,
+# certificates (TAP).
+
+set -u
+: "${top_srcdir:?is set by make check}"
+# shellcheck source=tests/support/ctl.sh
+. "$top_srcdir/tests/support/ctl.sh"
+
+# A floor and three spikes that pass through it, or stand above it: each crosses the floor with two
+# of its edges, or with none. spikes A B C: how high their tips are.
+spikes() {
+    echo 'v -30 -30 0'; echo 'v 30 -30 0'; echo 'v 0 30 0'; echo 'f 1 2 3'
+    local i=0 tip
+    for tip; do
+        echo "v $((3 * i)) 0 $tip"; echo "v $((3 * i + 1)) 0 9"; echo "v $((3 * i)) 1 9"
+        echo "f $((3 * i + 4)) $((3 * i + 5)) $((3 * i + 6))"
+        i=$((i + 1))
+    done
+}
+# The first stands crossed until it leaves, and comes back; the second comes and goes; the third
+# never touches.
+spikes -2 1 1 >seq0.obj
+spikes -2 1 2 >seq1.obj
+spikes -2 -1 2 >seq2.obj
+spikes 1 -1 2 >seq3.obj
+spikes -1 -1 2 >seq4.obj
+spikes -1 1 2 >seq5.obj
+spikes -1 -1 2 >seq6.obj
+steps() { sed -n 's/.*"step":\([0-9]*\),.*"begins_crossed":\([0-9]*\),"ends_crossed":\([0-9]*\),"standing":\([0-9]*\),"new":\([0-9]*\),"gone":\([0-9]*\),.*/\1 \2 \3 \4 \5 \6/p' "$1"; }
+
+# If it failed, what stood crossed in the first frame would be told again and again, or what is new
+# would be lost among it.
+cat >expected <<'END'
+1 2 2 2 0 0
+2 2 4 2 2 0
+3 4 2 0 0 2
+4 2 4 2 0 0
+5 4 2 2 0 2
+6 2 4 2 2 0
+END
+check 1 --results r.jsonl seq%d.obj && steps r.jsonl | diff - expected >>"$log" &&
+    says '^standing +2 crossings in the first frame' \
+        '^ +ends crossed 4 times: 2 new, 2 of the first frame.s; 0 gone$' \
+        '^verdict +meets first in step 2, at t in \[0\.[45][0-9]*, 0\.5[0-9]*\], between vertex 6 and face 0; in 5 of 6 steps; standing 2 crossings, in the last frame 2; new 4 crossings, the first at the end of step 2$' \
+        '^ +frames are samples: between them each vertex is taken to go straight$' &&
+    tail -n 1 r.jsonl | grep -q '^{"verdict":"meets","steps":6,"meeting":5,"first_step":2,' &&
+    [ "$(grep -c '"fails":true' r.jsonl)" -eq 5 ]
+report judge__tells_what_stands_and_what_is_new
+
+# If it failed, a verdict would say more, or less, than the steps.
+check 0 seq0.obj seq0.obj --no-self && says '^verdict +free: nothing meets, at frames or between them$' &&
+    check 1 seq0.obj seq0.obj seq0.obj && says '^verdict +crossed, and nothing else meets; standing 2 crossings, in the last frame 2; no new crossings$' &&
+    check 1 seq0.obj seq0.obj && says '^verdict +crossed, and nothing else meets$' &&
+    spikes 1 1 1 >high.obj && spikes 2 2 2 >higher.obj &&
+    check 0 --thickness 0.25 higher.obj high.obj higher.obj && says '^verdict +free: .*; thickness kept$' &&
+    check 1 --thickness 0.75 higher.obj high.obj higher.obj &&
+    says '^verdict +too near first in step 1, at t in .*; thickness not kept$' &&
+    check 1 --mode any seq%d.obj && says '^verdict +meets first in step 2; in 5 of 6 steps' &&
+    check 1 --mode any seq0.obj seq0.obj seq0.obj && says '^verdict +crossed, and nothing else meets'
+report judge__has_a_verdict_for_each_outcome
+
+# If it failed, who reads a pipe would wait for the last step to hear of the first; a box that
+# nobody sees is not drawn there.
+mkfifo late.obj
+{ timeout 100 "$PCCDCTL" check --private --weld off seq0.obj seq1.obj late.obj >piped 2>err; } &
+pid=$!
+for _ in $(seq 200); do grep -q '^ *1  seq1.obj: 0 ' piped 2>/dev/null && break; sleep 0.1; done
+grep -q '^ *1  seq1.obj: 0 ' piped && ! grep -q '^ *2 ' piped && cat seq2.obj >late.obj && wait $pid
+[ $? -eq 1 ] && grep -q '^ *2  late.obj: ' piped
+report judge__tells_each_step_when_it_is_known
+
+# If it failed, what was done before a machine died would be done again, or a run that goes on would
+# say something else than one that was never ended.
+status=0
+for bytes in 0 20 $(($(head -n 1 r.jsonl | wc -c) - 1)) $(head -n 1 r.jsonl | wc -c) \
+    $(($(head -n 2 r.jsonl | wc -c) + 5)) $(head -n 4 r.jsonl | wc -c) $(($(wc -c <r.jsonl) - 3)); do
+    head -c "$bytes" r.jsonl >again.jsonl
+    check 1 --results again.jsonl seq%d.obj && cmp r.jsonl again.jsonl >>"$log" 2>&1 &&
+        says '^verdict +meets first in step 2, .*new 4 crossings' || { status=1; break; }
+done
+[ $status -eq 0 ] && check 4 --results r.jsonl --thickness 1 seq%d.obj &&
+    grep -q 'r.jsonl: it has results of other files' err && echo text >text &&
+    check 4 --results text seq%d.obj && grep -q 'text: it is there, and is no file of results' err &&
+    ctl check --private --results - seq%d.obj; cmp out r.jsonl >>"$log" 2>&1 && grep -q '^verdict ' err
+report judge__goes_on_with_results_that_are_there
+
+# If it failed, several machines or processes would come to another verdict than one.
+for i in 1 2 3; do
+    check 1 --part $i/3 --results jobs.jsonl seq%d.obj || echo "part $i" >>"$log"
+done
+[ -s jobs.jsonl.3-of-3 ] && check 1 --jobs 3 --results jobs.jsonl seq%d.obj && cmp r.jsonl jobs.jsonl >>"$log" &&
+    [ ! -e jobs.jsonl.1-of-3 ] && says '^ +6  seq6.obj: ' '^verdict +meets first in step 2, ' &&
+    check 1 --jobs 2 seq%d.obj && says '^verdict +meets first in step 2, .*new 4 crossings' &&
+    for n in 2 4 9; do
+        rm -f jobs.jsonl
+        check 1 --jobs $n --results jobs.jsonl seq%d.obj && cmp r.jsonl jobs.jsonl || echo "$n jobs"
+    done >>"$log" 2>&1
+[ ! -s "$log" ]
+report judge__says_the_same_in_parts_and_jobs
+
+# If it failed, a bake that was cut off would be free, or meet something, or be no word.
+cp seq0.obj cut0.obj && cp seq1.obj cut1.obj && head -n 7 seq2.obj >cut2.obj && cp seq3.obj cut3.obj
+for options in '' '--jobs 2' '--results cut.jsonl'; do
+    # shellcheck disable=SC2086 # words
+    check 4 $options cut%d.obj && grep -qE 'cut2.obj' err && grep -q '^ *1  cut1.obj: 0 ' out &&
+        ! grep -q '^verdict' out || { echo "$options:"; cat out err; } >>"$log"
+done
+says '^so far +' && [ "$(wc -l <cut.jsonl)" -eq 3 ] && [ ! -s "$log" ]
+report judge__of_frames_that_are_cut_off_says_what_was_whole
+
+# If it failed, a certificate would be believed whatever it says, or not be reproduced elsewhere.
+verify() {
+    local status=$1
+    shift
+    ctl verify --private "$@"
+    [ $? -eq "$status" ]
+}
+cat >scene.json <<'END'
+{"pccd_scene": 1, "objects": [
+  {"name": "one", "files": "seq%d.obj", "thickness": 0.125},
+  {"name": "two", "files": ["seq1.obj"], "unit": 0.5, "self": false}]}
+END
+check 1 --results s.jsonl --with high.obj --between one,high --between one,one --mode first --weld off scene.json &&
+    verify 0 s.jsonl scene.json high.obj && says '^PASS +all 9 lines are the same$' &&
+    verify 0 --method paper --threads 2 s.jsonl scene.json high.obj &&
+    verify 0 r.jsonl seq%d.obj && mkdir -p other && cp seq?.obj other &&
+    ctl verify --url direct: r.jsonl other/seq%d.obj && verify 0 r.jsonl other/seq?.obj &&
+    cp higher.obj other/high.obj && verify 1 s.jsonl scene.json other/high.obj &&
+    says '^different +high.obj: was high.obj with [0-9]+ bytes' '^FAIL ' &&
+    sed '5s/"new":0/"new":1/; 6s/"toi":0/"toi":1/' r.jsonl >w.jsonl && verify 1 w.jsonl seq%d.obj &&
+    says '^different +line 5, step 3$' '^ +new was 1, is 0$' '^ +first was ' '^FAIL +2 differences' &&
+    sed '1s/"thickness":0.0/"thickness":2.0/' r.jsonl >w.jsonl && verify 1 w.jsonl seq%d.obj && says '^FAIL' &&
+    cp seq6.obj was6.obj && spikes -1 -1 3 >seq6.obj && verify 1 r.jsonl seq%d.obj &&
+    says '^different +seq6.obj: was seq6.obj with' && cp was6.obj seq6.obj &&
+    head -n 5 r.jsonl >w.jsonl && verify 4 w.jsonl seq%d.obj && grep -q 'has no verdict at its end' err &&
+    verify 4 r.jsonl seq0.obj && verify 4 r.jsonl absent.obj && verify 4 s.jsonl &&
+    grep -q 'name the files of s.jsonl behind it, those of --with last' err &&
+    echo '{"pccd_check":1,"settings":3}' >w.jsonl && echo '{"verdict":"free"}' >>w.jsonl && verify 4 w.jsonl seq0.obj
+report judge__certificate_is_verified_byte_for_byte
+
+# If it failed, options would be taken and not do what they say.
+ends 2 '--part wants a file of --results' check --part 1/2 seq%d.obj &&
+    ends 2 '"3/2" is not I/N' check --results r --part 3/2 seq%d.obj &&
+    ends 2 '"1/2x" is not I/N' check --results r --part 1/2x seq%d.obj &&
+    ends 2 'not with --json; lines of --results are JSON' check --results r --json seq%d.obj &&
+    ends 2 'not with --deadline' check --jobs 2 --deadline 10 seq%d.obj &&
+    ends 2 '--jobs: not with --contacts' check --jobs 2 --contacts c seq%d.obj && mkfifo pipe.obj &&
+    { timeout 5 cat seq1.obj >pipe.obj & ends 4 'pipe.obj is no regular file' check --private --results r seq0.obj pipe.obj; }
+report judge__refuses_what_does_not_go_together
+
+tap_end
