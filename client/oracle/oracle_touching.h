@@ -1,0 +1,34 @@
+/* oracle_touching.h - what becomes of two features that touch at t = 0, by looking at
+ * where everything is at one time so soon after that nothing has happened in between.
+ *
+ * Threads: [any]; no global state.
+ */
+#ifndef ORACLE_ORACLE_TOUCHING_H
+#define ORACLE_ORACLE_TOUCHING_H
+
+#include <gmp.h>
+#include <stdint.h>
+
+/* A surface: vertices at t = 0 and t = 1, and what is made of them. A face whose last two
+ * corners are the same is a free edge, one of three equal corners a free point. */
+struct oracle_surface {
+    const double (*x[2])[3];
+    const uint32_t (*leaves)[3];
+    uint32_t leaf_count;
+    uint32_t face_count; /* the first so many leaves are faces, whatever their corners */
+};
+
+enum oracle_fate { ORACLE_ENTERS, ORACLE_SLIDES, ORACLE_LEAVES };
+
+/* Features that touch at t = 0, by vertices: count_a of surface a, 1 of VF, 2 of EE, then
+ * those of b. Surfaces with features around them of which none has more than 500 bits
+ * between its largest and its smallest. */
+enum oracle_fate oracle_touching_fate(const struct oracle_surface *a,
+                                      const struct oracle_surface *b, int count_a,
+                                      const uint32_t v[4]);
+
+/* The time at which it looks, 2^-*bits, for such features. */
+void oracle_touching_soon(const struct oracle_surface *a, const struct oracle_surface *b,
+                          int count_a, const uint32_t v[4], mpq_t soon);
+
+#endif
