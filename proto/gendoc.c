@@ -286,6 +286,15 @@ static void print_answer_enums(void)
                         "meet, at t = 0; then toi = toi_hi = 0");
     VALUE(PCCD_INSIDE, "they begin within that distance, and come nearer than the part "
                        "of their first distance that approach allows");
+    VALUE(PCCD_ENTERS, "with touching: just after t = 0 the surfaces pass through each "
+                       "other there, or nothing tells their sides apart");
+    VALUE(PCCD_SLIDES, "with touching: they go on touching");
+    VALUE(PCCD_LEAVES, "with touching: they separate");
+    print_enum("pccd_touching");
+    VALUE(PCCD_TOUCHING_KEPT, "thin features that touch at t = 0 are a contact then");
+    VALUE(PCCD_TOUCHING_TOLD, "the same, with one of the flags 8, 16 and 32");
+    VALUE(PCCD_TOUCHING_LEFT_OUT, "those that slide or leave are a contact when they "
+                                  "meet next");
     print_enum("pccd_near_flag");
     VALUE(PCCD_NEAR_GAP, "another pair may be nearer, by the gap that was asked for");
     print_enum("pccd_format");

@@ -78,6 +78,7 @@ test_programs += \
     tests/property/test_eng_rigid \
     tests/property/test_eng_standing \
     tests/property/test_eng_thick_plays \
+    tests/property/test_eng_touching \
     tests/proto/test_proto_codec \
     tests/proto/test_proto_damage \
     tests/proto/test_proto_malformed \

@@ -34,6 +34,7 @@ static const struct {
     {PROTO_FEATURE_THICK, "; to it all features are without thickness"},
     {PROTO_FEATURE_FREE, "; it knows triangles alone"},
     {PROTO_FEATURE_TELLS, "; it does not tell what crosses"},
+    {PROTO_FEATURE_TOUCHING, "; it does not tell what becomes of what touches"},
 };
 
 int cli_check_feature(struct pccd_client *client, uint64_t feature, const char *what)

@@ -494,6 +494,19 @@ struct pccd_step_settings {
                                 the question CROSSINGS of pccd_near.h. Not of a batch,
                                 nor with `hold` (E_INVAL). E_VERSION: the daemon is
                                 older than this */
+    /* What becomes of two features without thickness that touch at t = 0; not in mode
+     * pairs. 0: they are a contact at t = 0. TOLD: that has one of three flags, too,
+     * which say what happens just after t = 0, exactly. PCCD_ENTERS: it approaches, the
+     * surfaces pass through each other there. PCCD_SLIDES: the features go on touching.
+     * PCCD_LEAVES: they separate. LEFT_OUT: what slides or leaves is no contact at t = 0,
+     * so that a box that leaves its floor has a safe_step; where it meets again within
+     * the step, it is a contact then, and has its flag. Where nothing tells on which
+     * side of each other the surfaces are, they enter: faces that lie in each other and
+     * do not show each other their fronts, or part to the back; rods and points in the
+     * plane of what they touch; faces and edges without extent. Costs some 20 us of a
+     * processor for a pair that touches; nothing is kept from step to step. E_VERSION:
+     * the daemon is older than this */
+    enum pccd_touching touching;
 };
 
 /* All defaults: struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT; */
@@ -566,6 +579,9 @@ struct pccd_answer {
      * touch for ever: pccd_weld of pccd_weld.h tells which vertices are one. 0 if
      * anything is thick, and in modes any and pairs. */
     uint64_t coincident;
+    /* Of a step with `touching`: pairs that touch at t = 0 and enter, slide or leave,
+     * whether they are contacts or left out. 0 in modes any and pairs. */
+    uint64_t entering, sliding, leaving;
 };
 
 /* An answer that is ready to be filled in: struct pccd_answer answer = PCCD_ANSWER_INIT;

@@ -137,12 +137,12 @@ int cli_record_separation(struct pccd_client *client, double separation, double 
                : 0;
 }
 
-int cli_record_tells(struct pccd_client *client, bool tells)
+int cli_record_tells(struct pccd_client *client, bool tells, uint32_t touching)
 {
-    const struct record_tells now = {1};
+    const struct record_tells now = {(tells ? RECORD_TELLS_START : 0) + 2 * touching};
     const struct record_part part = {&now, sizeof now};
 
-    return tells ? cli_record_add(client, RECORD_TELLS, &part, 1) : 0;
+    return now.tells != 0 ? cli_record_add(client, RECORD_TELLS, &part, 1) : 0;
 }
 
 bool cli_record_is_on(const struct pccd_client *client)

@@ -42,7 +42,8 @@ int cli_record_tuning(struct pccd_client *client, const char *text);
 
 /* At which distance pairs meet in that step; zeros: nothing is appended. */
 int cli_record_separation(struct pccd_client *client, double separation, double approach);
-int cli_record_tells(struct pccd_client *client, bool tells);
+/* Append what that tells, too; zeros: nothing. */
+int cli_record_tells(struct pccd_client *client, bool tells, uint32_t touching);
 
 /* Nothing is recorded any more, because of `status`, which it returns. */
 int cli_record_stop_because(struct pccd_client *client, int status, const char *why);

@@ -92,7 +92,7 @@ static int write_near(struct pccd_client *client,
                                      .distance = request->distance,
                                      .gap = request->gap,
                                      .deadline_ns = request->deadline_ns};
-    int status = cli_record_tells(client, request->tells_crossings);
+    int status = cli_record_tells(client, request->tells_crossings, 0);
 
     return status != 0 ? status
                        : write_motion(client, RECORD_NEAR, request->tuning,
@@ -115,7 +115,9 @@ static int write_frame(struct pccd_client *client,
     int status = cli_record_separation(client, request->separation, request->approach);
 
     client->recorder->segment_frames += kind == RECORD_FRAME;
-    status = status != 0 ? status : cli_record_tells(client, request->tells_start);
+    status = status != 0
+                 ? status
+                 : cli_record_tells(client, request->tells_start, request->touching);
     return status != 0 ? status
                        : write_motion(client, kind, request->tuning,
                                       (struct record_part){&frame, sizeof frame}, moved);

@@ -217,7 +217,8 @@ static int write_scene_frame(struct pccd_client *client, const struct cli_call *
                                                 .deadline_ns = batch->deadline_ns,
                                                 .step = batch->step + scene,
                                                 .separation = batch->separation,
-                                                .approach = batch->approach}};
+                                                .approach = batch->approach,
+                                                .touching = batch->touching}};
     struct record_part moved[2] = {{table, count * sizeof *table}, {NULL, 0}};
 
     static_assert(sizeof params.FRAME_SUBMIT.tuning == sizeof batch->tuning, "a text");

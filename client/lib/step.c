@@ -29,7 +29,7 @@ static int put_tuning(struct pccd_client *client, const char *tuning, char *to)
     .mode = (uint32_t)(settings).mode, .method = (uint32_t)(settings).method,            \
     .threads = (settings).threads, .tolerance = (settings).tolerance,                    \
     .deadline_ns = (settings).deadline_ns, .separation = (settings).separation,          \
-    .approach = (settings).approach
+    .approach = (settings).approach, .touching = (uint32_t)(settings).touching
 
 static int describe_step(struct pccd_client *client, const void *asked, uint32_t scene,
                          struct proto_FRAME_SUBMIT_request *message)
@@ -51,6 +51,9 @@ static int describe_step(struct pccd_client *client, const void *asked, uint32_t
     }
     if (status == 0 && (settings.separation != 0.0 || settings.approach != 0.0)) {
         status = cli_check_feature(client, PROTO_FEATURE_THICK, "frame.submit");
+    }
+    if (status == 0 && settings.touching != PCCD_TOUCHING_KEPT) {
+        status = cli_check_feature(client, PROTO_FEATURE_TOUCHING, "frame.submit");
     }
     if (status == 0 && settings.tells_start) {
         status = cli_check_feature(client, PROTO_FEATURE_TELLS, "frame.submit");

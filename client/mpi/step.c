@@ -65,6 +65,10 @@ static int read_settings(struct pccd_mpi *world, const struct pccd_step_settings
     if (settings->threads == 0) {
         settings->threads = world->threads;
     }
+    if (settings->touching != PCCD_TOUCHING_KEPT) {
+        return ranks_fail(&world->link, PCCD_E_INVAL,
+                          "touching: a rank does not know all that is around a vertex");
+    }
     if (settings->hold || (unsigned)settings->mode >= PCCD_MODE_COUNT ||
         !(settings->separation >= 0)) {
         return ranks_fail(&world->link, PCCD_E_INVAL,

@@ -56,7 +56,13 @@ const char *record_kind_name(uint16_t kind)
 uint32_t record_payload_feature(uint16_t kind, const void *payload)
 {
     struct record_filter filter;
+    struct record_tells tells;
 
+    if (kind == RECORD_TELLS) {
+        memcpy(&tells, payload, sizeof tells);
+        return record_kind_feature(kind) |
+               (tells.tells > RECORD_TELLS_START ? RECORD_FEATURE_TOUCHING : 0);
+    }
     if (kind != RECORD_FILTER) {
         return record_kind_feature(kind);
     }

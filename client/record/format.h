@@ -76,7 +76,7 @@
     X(SEPARATION, 23, "at which distance pairs meet in the next FRAME or MOVE")          \
     X(RADII, 24, "radii of the vertices of the next MESH or GUEST")                      \
     X(FREE, 25, "edges and points that the next MESH or GUEST names by themselves")      \
-    X(TELLS, 26, "the next FRAME, MOVE or NEAR tells what crosses, too")
+    X(TELLS, 26, "what the next FRAME, MOVE or NEAR tells, too")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)
@@ -94,7 +94,8 @@ enum record_feature {
     RECORD_FEATURE_THICK = 16,  /* SEPARATION, RADII, and radii in FILTER */
     RECORD_FEATURE_FREE = 32,   /* FREE, a MESH or GUEST without triangles */
     RECORD_FEATURE_TELLS = 64,  /* TELLS */
-    RECORD_FEATURES = 127       /* all of them */
+    RECORD_FEATURE_TOUCHING = 128, /* more than 1 in TELLS */
+    RECORD_FEATURES = 255          /* all of them */
 };
 
 enum record_encoding { RECORD_STORED = 0, RECORD_ZSTD = 1 };

@@ -69,8 +69,14 @@ struct record_separation { /* as frame.submit has them; before none of it both a
     double approach;
 };
 
-struct record_tells { /* tells_start of frame.submit, tells_crossings of scene.near */
-    uint64_t tells;   /* 1 */
+struct record_tells {
+    uint64_t tells; /* enum record_telling */
+};
+enum record_telling {
+    RECORD_TELLS_START = 1,    /* tells_start of frame.submit, tells_crossings of
+                                * scene.near */
+    RECORD_TELLS_TOUCHING = 6, /* of frame.submit: twice its `touching` */
+    RECORD_TELLS_ALL = 7
 };
 
 struct record_radii { /* and a double for each vertex */

@@ -117,9 +117,10 @@ bool eng_answer_cache_fits(const struct eng_answer_cache *cache,
                            const struct eng_scene *scene,
                            const struct eng_question *question, uint64_t number)
 {
-    return cache->is_valid && question->tuning.still == ENG_STILL_KEPT &&
-           cache->number == number && cache->mode == question->mode &&
-           cache->tolerance == question->tolerance &&
+    /* What becomes of a pair that touches depends on what is around it, too. */
+    return cache->is_valid && !eng_asks_touching(question) &&
+           question->tuning.still == ENG_STILL_KEPT && cache->number == number &&
+           cache->mode == question->mode && cache->tolerance == question->tolerance &&
            cache->masks_version == scene->masks.version &&
            cache->thickness == scene->thickness.number &&
            cache->separation == question->distance &&
@@ -339,7 +340,8 @@ void eng_answer_cache_finish(struct eng_answer_cache *cache,
                              const struct eng_counts *counts,
                              const struct pccd_pair *proof)
 {
-    cache->is_valid = result->incomplete == PCCD_COMPLETE && !question->weigh;
+    cache->is_valid = result->incomplete == PCCD_COMPLETE && !question->weigh &&
+                      !eng_asks_touching(question);
     cache->number = scene->moving.number;
     cache->mode = question->mode;
     cache->tolerance = question->tolerance;

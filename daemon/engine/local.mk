@@ -45,6 +45,7 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/thick.c \
     daemon/engine/elementary/thick_exact.c \
     daemon/engine/elementary/thick_roots.c \
+    daemon/engine/elementary/touching.c \
     daemon/engine/elementary/winding.c \
     daemon/engine/result/bucket.c \
     daemon/engine/result/found.c \
@@ -66,6 +67,7 @@ libengine_la_SOURCES = \
     daemon/engine/scene/objects.c \
     daemon/engine/scene/rigid.c \
     daemon/engine/scene/rings.c \
+    daemon/engine/scene/stars.c \
     daemon/engine/scene/stage.c \
     daemon/engine/scene/thickness.c \
     daemon/engine/scene/world.c \
@@ -104,6 +106,7 @@ libengine_la_SOURCES = \
     daemon/engine/narrow/narrow.c \
     daemon/engine/narrow/narrow_near.c \
     daemon/engine/narrow/narrow_thick.c \
+    daemon/engine/narrow/narrow_touching.c \
     daemon/engine/near/near_best.c \
     daemon/engine/near/near_objects.c \
     daemon/engine/near/near_search.c \

@@ -18,6 +18,7 @@
 #include "rigid.h"
 #include "step_memory.h"
 #include "thickness.h"
+#include "topology.h"
 #include "wide_state.h"
 #include "wide_test.h"
 
@@ -66,7 +67,7 @@ static bool can_be_brief(const struct eng_question *question)
 {
     return question->mode != PCCD_MODE_PAIRS && question->distance == 0 &&
            !question->tells_start && !eng_asks_part(question) && !question->weigh &&
-           eng_method_of(question) == PCCD_METHOD_WIDE;
+           !eng_asks_touching(question) && eng_method_of(question) == PCCD_METHOD_WIDE;
 }
 
 static const struct bounds *bounds_of(const struct eng_question *question)
@@ -166,6 +167,7 @@ static bool settings_are_valid(const struct eng_question *question)
 {
     return thickness_is_valid(question) && question->verb == ENG_CONTACTS &&
            span_is_valid(question) && question->mode < PCCD_MODE_COUNT &&
+           question->touching < PCCD_TOUCHING_COUNT &&
            question->method < PCCD_METHOD_COUNT && question->threads >= 1 &&
            question->tuning.scheduler < ENG_SCHEDULER_COUNT &&
            question->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
@@ -259,6 +261,12 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
         eng_effort_learn(effort, result->mode, work_ns);
         eng_effort_time(effort, result->mode, team->count > 1, end_ns - step_ns);
     }
+    for (uint32_t i = 0; i < team->count && result->mode != PCCD_MODE_ANY; i++) {
+        const uint64_t *touching = team->workers[i]->tally.touching;
+        result->entering += touching[0];
+        result->sliding += touching[1];
+        result->leaving += touching[2];
+    }
     result->thread_records = memory->threads.items;
     result->threads = team->count;
 }
@@ -290,6 +298,20 @@ static int arrive(struct eng_scene *scene, const struct eng_question *question,
     return status;
 }
 
+/* Have what only some questions need. */
+static int reserve(struct eng_scene *scene, const struct eng_question *question)
+{
+    int status = PCCD_OK;
+    uint32_t objects = eng_asks_touching(question) ? scene->object_capacity : 0;
+    for (uint32_t i = 0; i < objects && status == PCCD_OK; i++) {
+        if (scene->objects[i].mesh) {
+            status = eng_stars_prepare(scene->objects[i].mesh);
+        }
+    }
+    return status == PCCD_OK && eng_asks_part(question) ? eng_part_reserve(scene)
+                                                        : status;
+}
+
 /* The step, by the workers that the scene has, or was lent. */
 static int step(struct eng_scene *scene, const struct eng_question *question,
                 struct eng_step_result *result)
@@ -312,8 +334,8 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
                                &memory->sorted, &stop, &team);
     }
     bool is_part = eng_asks_part(question);
-    if (status == PCCD_OK && is_part) {
-        status = eng_part_reserve(scene);
+    if (status == PCCD_OK) {
+        status = reserve(scene, question);
     }
     if (status != PCCD_OK) {
         eng_stage_abort(scene);

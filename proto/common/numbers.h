@@ -127,7 +127,11 @@
       "tells_start, with an approach: pairs within their distance at t = 0")             \
     X(F, u64, coincident, OPT, OPT, coincident,                                          \
       "records that touch at t = 0 in a vertex of both features, as where a surface is " \
-      "split; modes any, pairs, or if anything is thick: 0")
+      "split; modes any, pairs, or if anything is thick: 0")                             \
+    X(F, u64, entering, OPT, OPT, entering,                                              \
+      "with touching: pairs that touch at t = 0 and enter; modes any, pairs: 0")         \
+    X(F, u64, sliding, OPT, OPT, sliding, "of those that slide")                         \
+    X(F, u64, leaving, OPT, OPT, leaving, "of those that leave")
 
 #define COMMON_NUMBERS(X, F)                                                             \
     COMMON_OUTCOME(X, F)                                                                 \

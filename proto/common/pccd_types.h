@@ -183,9 +183,25 @@ enum pccd_contact_flag {
     PCCD_PROVED = 1u,  /* it begins in [toi, toi_hi]: every contact of this release */
     PCCD_INITIAL = 2u, /* the features already touch at t = 0, or are within the distance
                           at which they meet (then toi = toi_hi = 0) */
-    PCCD_INSIDE = 4u   /* of a step with approach: at t = 0 they are within that distance;
+    PCCD_INSIDE = 4u,  /* of a step with approach: at t = 0 they are within that distance;
                           they meet where they come nearer than the part of their first
                           distance that the step allows */
+    /* Of a step that tells what becomes of what touches (enum pccd_touching), one of
+     * these: just after t = 0 .. */
+    PCCD_ENTERS = 8u, /* they approach: the surfaces pass through each other there, or
+                         nothing tells their sides apart */
+    PCCD_SLIDES = 16u, /* they go on touching, on either side of a plane */
+    PCCD_LEAVES = 32u  /* they separate */
+};
+
+/* The fate of two features without thickness that touch at t = 0. */
+enum pccd_touching {
+    PCCD_TOUCHING_KEPT = 0, /* a contact at t = 0, and no more is said */
+    PCCD_TOUCHING_TOLD = 1, /* the same, with PCCD_ENTERS, PCCD_SLIDES or PCCD_LEAVES */
+    /* What slides or leaves is no contact then. It is one when it next meets, and has its
+     * flag, too. */
+    PCCD_TOUCHING_LEFT_OUT = 2,
+    PCCD_TOUCHING_COUNT = 3
 };
 
 /* Says if a named scene is made. */

@@ -28,6 +28,7 @@
 #define PROTO_FEATURE_FREE    512u  /* edges and points that are named by themselves */
 #define PROTO_FEATURE_BATCH   1024u /* batch.submit */
 #define PROTO_FEATURE_TELLS   2048u /* tells_start, tells_crossings */
+#define PROTO_FEATURE_TOUCHING 4096u /* what becomes of what touches */
 
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u

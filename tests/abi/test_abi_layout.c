@@ -236,6 +236,7 @@ CASE(step__structs_keep_their_layout)
     AT(pccd_step_settings, separation, 56);
     AT(pccd_step_settings, approach, 64);
     AT(pccd_step_settings, tells_start, 72);
+    AT(pccd_step_settings, touching, 76);
     SIZE(pccd_near_settings, 136);
     AT(pccd_near_settings, struct_bytes, 0);
     AT(pccd_near_settings, what, 8);
@@ -314,7 +315,7 @@ CASE(batch__keeps_its_layout)
 /* If this failed, a program would read an answer's members at the wrong places. */
 CASE(answer__keeps_its_layout)
 {
-    SIZE(pccd_answer, 664);
+    SIZE(pccd_answer, 688);
     AT(pccd_answer, struct_bytes, 0);
     AT(pccd_answer, step, 8);
     AT(pccd_answer, status, 16);
@@ -351,6 +352,9 @@ CASE(answer__keeps_its_layout)
     AT(pccd_answer, crowded, 640);
     AT(pccd_answer, start_inside, 648);
     AT(pccd_answer, coincident, 656);
+    AT(pccd_answer, entering, 664);
+    AT(pccd_answer, sliding, 672);
+    AT(pccd_answer, leaving, 680);
     SIZE(pccd_frame, 32);
     AT(pccd_frame, client, 0);
     AT(pccd_frame, scene, 8);

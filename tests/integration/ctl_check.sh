@@ -205,6 +205,34 @@ meets crossed0.obj crossed1.obj && says '^begins +crossed 2 times: ' '^contacts 
     ctl check boxes.obj boxes.obj && ! grep -q begins out
 report "check says how a step begins that is crossed or inside, and does not call it free"
 
+# A box at height Z on a floor of four squares.
+box_on_floor() { # Z
+    printf 'v %s\n' '0 0 0' '2 0 0' '4 0 0' '0 2 0' '2 2 0' '4 2 0' '0 4 0' '2 4 0' '4 4 0'
+    awk -v z="$1" 'BEGIN { for (i = 0; i < 8; i++)
+        print "v", (i % 2 ? 3 : 1), (int(i / 2) % 2 ? 3 : 1), (i > 3 ? 2 : 0) + z }'
+    printf 'f %s\n' '1 2 5 4' '2 3 6 5' '4 5 8 7' '5 6 9 8' '10 12 13 11' '14 15 17 16' \
+        '10 11 15 14' '12 16 17 13' '10 14 16 12' '11 13 17 15'
+}
+for z in 0 1 -1; do
+    box_on_floor $z >"box$z.obj"
+done
+meets box0.obj box1.obj && says '^contacts +36: ' '^safe step +0$' && ! grep -q '^touching' out &&
+    meets --touching told box0.obj box1.obj && says '^contacts +36: ' '^safe step +0$' \
+        '^touching +36 at t = 0: 0 enter, 0 slide, 36 leave$' &&
+    ctl check --touching left-out box0.obj box1.obj && says '^contacts +0: ' '^safe step +1$' &&
+    ctl check --touching left-out --mode any --method paper box0.obj box1.obj &&
+    ctl check --touching left-out --json --url direct: box0.obj box1.obj &&
+    [ "$(json_value leaving)" = 36 ] && [ "$(json_value entering)" = 0 ] &&
+    ctl check --touching left-out box0.obj box0.obj &&
+    says '^touching +36 at t = 0: 0 enter, 36 slide, 0 leave$' &&
+    meets --touching left-out box0.obj box-1.obj && says '^safe step +0$' &&
+    meets --touching left-out box0.obj box0.obj box1.obj box-1.obj &&
+    says 'box1.obj: 0 .*, 0 enter, 0 slide, 36 leave, ' &&
+    ! ctl check --touching left box0.obj box1.obj &&
+    ctl record -o box.rec --contacts -- "$PCCDCTL" check --touching left-out box0.obj box1.obj &&
+    ctl verify box.rec && ctl replay box.rec && says ' the same, 0 not$'
+report "check lets a box go that leaves its floor, and none that goes in"
+
 # A body that crosses itself in each of its frames: not one step of it is free, also those
 # that have no contact.
 kick=${PCCD_DATA:-}/kick

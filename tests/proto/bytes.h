@@ -43,7 +43,11 @@ static inline void put_array(struct bytes *bytes, unsigned count)
 
 static inline void put_map(struct bytes *bytes, unsigned count)
 {
-    put_byte(bytes, 0x80 | count);
+    if (count < 16) {
+        put_byte(bytes, 0x80 | count);
+    } else {
+        put_number(bytes, 0xde, count, 2);
+    }
 }
 
 static inline void put_str(struct bytes *bytes, const char *text)

@@ -52,6 +52,31 @@ class Thick(Case):
             self.assertEqual((total, inside, crowded), (15, 15, True))
             self.assertAlmostEqual(safe, 0.5, delta=1e-8)
 
+    # If this failed, a Python program could not let go what leaves.
+    def test_thin__is_let_go_where_it_leaves(self):
+        for client in (self.client, pccd.connect("direct:", result_bytes=1 << 21)):
+            scene = client.scene_create()
+            client.scene_add(scene, client.mesh_create(at(0), FACE))
+            upper = client.scene_add(scene, client.mesh_create(at(0), FACE[:, ::-1]))
+            told = pccd.StepSettings(touching="told")
+            left = pccd.StepSettings(touching=pccd.Touching.LEFT_OUT)
+            for height, safe, flag in ((0.5, 1, pccd.ContactFlag.LEAVES),
+                                       (-0.5, 0, pccd.ContactFlag.ENTERS),
+                                       (0.0, 1, pccd.ContactFlag.SLIDES)):
+                with client.step_x0x1(scene, upper, at(0), at(height), told) as answer:
+                    self.assertTrue(np.all(answer.records["flags"] & flag != 0))
+                    self.assertEqual(answer.total, answer.initial)
+                    self.assertEqual(answer.safe_step, 0)
+                    total = answer.total
+                with client.step_x0x1(scene, upper, at(0), at(height), left) as answer:
+                    self.assertEqual(answer.total, 0 if safe else total)
+                    self.assertEqual((answer.entering, answer.sliding, answer.leaving),
+                                     (total * (height < 0), total * (height == 0),
+                                      total * (height > 0)))
+                    self.assertEqual(answer.safe_step, safe)
+        with self.assertRaisesRegex(pccd.PccdError, "kept, told, left_out"):
+            pccd.StepSettings(touching="left")
+
     # If this failed, Python would have no rods and clouds, or others than it says.
     def test_thick__meets_rods_and_points(self):
         scene = self.client.scene_create()

@@ -75,6 +75,7 @@ test_programs += \
     tests/unit/test_eng_teleport \
     tests/unit/test_eng_thick \
     tests/unit/test_eng_thick_step \
+    tests/unit/test_eng_touching \
     tests/unit/test_eng_trace \
     tests/unit/test_eng_warm \
     tests/unit/test_eng_wide \

@@ -242,6 +242,20 @@ static void print_start(FILE *to, const struct pccd_answer *answer)
     }
 }
 
+/* Print what becomes of what touches, if that was asked. */
+static void print_touching(FILE *to, const struct pccd_answer *answer)
+{
+    uint64_t all = answer->entering + answer->sliding + answer->leaving;
+    if (all > 0) {
+        fprintf(to,
+                "touching   %" PRIu64 " at t = 0: %" PRIu64 " %s, %" PRIu64
+                " %s, %" PRIu64 " %s\n",
+                all, answer->entering, proto_plural(answer->entering, "enters", "enter"),
+                answer->sliding, proto_plural(answer->sliding, "slides", "slide"),
+                answer->leaving, proto_plural(answer->leaving, "leaves", "leave"));
+    }
+}
+
 /* ": vertex 3 of "cloth" meets face 12 of "ball" at (0.2, 0.2, 0)" */
 static void print_place(FILE *to, const struct report_scene *scene,
                         const struct report_first *first)
@@ -288,6 +302,7 @@ static void print_records(FILE *to, const struct report_scene *scene,
     const struct pccd_answer *answer = &step->answer;
     static const char *const verdicts[] = {"no", "possible", "yes", "undecided"};
     print_start(to, answer);
+    print_touching(to, answer);
     if (answer->mode == PCCD_MODE_ANY) {
         uint32_t verdict = (uint32_t)answer->verdict;
         fprintf(to, "contact    %s\n", verdict < 4 ? verdicts[verdict] : "unknown");
@@ -475,6 +490,12 @@ void report_print_line(FILE *to, const struct report_scene *scene, uint32_t numb
     if (answer->start_inside > 0) {
         fprintf(to, ", begins inside %" PRIu64 " %s", answer->start_inside,
                 proto_plural(answer->start_inside, "time", "times"));
+    }
+    if (answer->entering + answer->sliding + answer->leaving > 0) {
+        fprintf(to, ", %" PRIu64 " %s, %" PRIu64 " %s, %" PRIu64 " %s", answer->entering,
+                proto_plural(answer->entering, "enters", "enter"), answer->sliding,
+                proto_plural(answer->sliding, "slides", "slide"), answer->leaving,
+                proto_plural(answer->leaving, "leaves", "leave"));
     }
     if (!step->is_complete) {
         fprintf(to, ", INCOMPLETE: %s", why_incomplete(answer->incomplete));

@@ -243,6 +243,9 @@ static void add_step(json_t *object, const struct report_scene *scene,
     json_set_count(object, "coincident", answer->coincident, ok);
     json_set_count(object, "crossings", answer->crossings, ok);
     json_set_count(object, "start_inside", answer->start_inside, ok);
+    json_set_count(object, "entering", answer->entering, ok);
+    json_set_count(object, "sliding", answer->sliding, ok);
+    json_set_count(object, "leaving", answer->leaving, ok);
     json_set(object, "objects", pairs_array(scene, step, ok), ok);
     report_json_rest(object, scene->build_ms, step, ok);
 }

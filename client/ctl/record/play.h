@@ -54,7 +54,8 @@ struct play_step {
     uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
     const struct record_frame *frame;
     struct record_separation separation;
-    bool tells_start; /* it was asked how it begins */
+    bool tells_start;  /* it was asked how it begins */
+    uint32_t touching; /* enum pccd_touching */
     const struct registry_scene *scene;
     const struct record_answer *recorded; /* NULL: there was none */
     uint32_t hash_version;                /* of the recorded hash */

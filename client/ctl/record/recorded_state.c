@@ -461,12 +461,15 @@ int recorded_state_follow(struct registry *state, const struct record_view *view
 
 bool recorded_item_take(struct recorded_item *item, const struct record_view *view)
 {
+    struct record_tells tells;
     switch (view->kind) {
     case RECORD_TUNING:
         memcpy(item->tuning, view->payload, sizeof item->tuning);
         return false;
     case RECORD_TELLS:
-        item->tells = true;
+        memcpy(&tells, view->payload, sizeof tells);
+        item->tells = (tells.tells & RECORD_TELLS_START) != 0;
+        item->touching = (uint32_t)(tells.tells & RECORD_TELLS_TOUCHING) / 2;
         return false;
     case RECORD_SEPARATION:
         memcpy(&item->separation, view->payload, sizeof item->separation);

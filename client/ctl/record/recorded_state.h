@@ -27,6 +27,7 @@ struct recorded_item {
     char tuning[PCCD_TUNING_BYTES];
     struct record_separation separation;
     bool tells; /* how the step begins; what crosses */
+    uint32_t touching;
 };
 
 /* Take what a chunk says of the item, which is all zero before its first. True: it is

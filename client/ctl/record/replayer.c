@@ -369,7 +369,9 @@ static int submit_step(struct replayer *replayer, const struct recorded_item *it
                                                 .deadline_ns = item->deadline_ns,
                                                 .separation = item->separation.separation,
                                                 .approach = item->separation.approach,
-                                                .tells_start = item->tells};
+                                                .tells_start = item->tells,
+                                                .touching =
+                                                    (enum pccd_touching)item->touching};
     return pccd_submit(replayer->client, item->scene, replayer->motions, motion_count,
                        &settings, step);
 }

@@ -141,6 +141,7 @@ struct verify_meeting {
     double r;                   /* above 0: they are thick, and meet about there */
     struct oracle_first *first; /* NULL: they never meet; the caller's to free */
     uint32_t flags;             /* PCCD_INITIAL and PCCD_INSIDE, as a record of it has */
+    bool touches;               /* thin, at t = 0 */
 };
 
 /* The eight points of a pair of features that exist, in the order of oracle.h; a kind of

@@ -215,6 +215,11 @@ bool verify_any(const struct play_step *step, const struct verify_start *start,
                             "the verdict is that nothing meets, and it begins crossed or "
                             "inside");
     }
+    if (step->touching == PCCD_TOUCHING_LEFT_OUT) {
+        return verify_leave(result,
+                            "what touches and does not enter was left out: whether "
+                            "anything else meets is not checked");
+    }
     *status = search(&sweep, error);
     if (*status != PCCD_OK) {
         return true;

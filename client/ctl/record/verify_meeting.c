@@ -114,6 +114,7 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                          : NULL; /* points that keep no distance do not meet anything */
     bool at_once = meeting->first != NULL && oracle_first_compare(meeting->first, 0) == 0;
     bool is_inside = is_thick && thick.approach > 0 && oracle_thick_is_inside(&thick);
+    meeting->touches = at_once && !is_thick;
     meeting->flags =
         (at_once ? (uint32_t)PCCD_INITIAL : 0) | (is_inside ? (uint32_t)PCCD_INSIDE : 0);
 }

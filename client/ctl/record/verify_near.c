@@ -107,7 +107,8 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
                             "a pair that no axis separates is missing in the answer");
     }
     verify_meet(draw->step, pair, &meeting);
-    bool is_right = meeting.first == NULL || may_be_left_out(draw->step, meeting.first);
+    bool is_right = meeting.first == NULL || may_be_left_out(draw->step, meeting.first) ||
+                    (meeting.touches && draw->step->touching == PCCD_TOUCHING_LEFT_OUT);
     oracle_first_free(meeting.first);
     if (!is_right) {
         return verify_wrong(draw->result, draw->step, pair,

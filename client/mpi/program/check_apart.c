@@ -119,10 +119,11 @@ static json_t *depends(void *context)
     char sum[40], numbers[300];
     (void)snprintf(sum, sizeof sum, "%016" PRIx64 "%016" PRIx64, apart->bytes,
                    apart->changed_ns);
-    (void)snprintf(numbers, sizeof numbers, "%d %d %a %a %a %a %a %d %a %a", step->mode,
-                   (int)step->method, step->tolerance, step->separation, step->approach,
-                   object->radius, object->rest_distance, (int)object->rest_rings,
-                   frames->weld, frames->wish.rate);
+    (void)snprintf(numbers, sizeof numbers, "%d %d %d %a %a %a %a %a %d %a %a",
+                   step->mode, (int)step->method, (int)step->touching, step->tolerance,
+                   step->separation, step->approach, object->radius,
+                   object->rest_distance, (int)object->rest_rings, frames->weld,
+                   frames->wish.rate);
     return json_pack("{s:I, s:s, s:s*, s:s, s:I, s:I, s:s}", "steps",
                      (json_int_t)apart->part->files.count - 1, "files", sum, "animation",
                      frames->wish.animation, "settings", numbers, "deadline",

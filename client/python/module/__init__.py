@@ -38,7 +38,7 @@ wait for it.
 
 from . import abi
 from .abi import (BatchWay, ContactFlag, Format, HistogramKind, Incomplete, Kind, Method,
-                  Mode, NearFlag, NearKind, NearWhat, ObjectWhat, Share,
+                  Mode, NearFlag, NearKind, NearWhat, ObjectWhat, Share, Touching,
                   Status, TraceKind, Tree, Verdict)
 from .answer import Answer
 from .batch import SCENE, Batch, BatchAnswer, Part
@@ -60,6 +60,6 @@ __all__ = [
     "NearWhat", "ObjectSettings", "ObjectWhat",
     "PAIR", "Part", "PccdError", "RecordInfo", "SCENE", "SceneNews",
     "Setting", "Share", "Status", "StepCounters", "StepEvent", "StepSettings",
-    "StepTimes", "TRACE_EVENT", "TraceInfo", "TraceKind", "Tree", "Verdict", "weld",
-    "Welded",
+    "StepTimes", "TRACE_EVENT", "Touching", "TraceInfo", "TraceKind", "Tree", "Verdict",
+    "weld", "Welded",
 ]

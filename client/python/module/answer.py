@@ -102,6 +102,8 @@ class Answer(abi.pccd_answer, Held):
     inside, crowded    records that began within their distance; whether most did,
                 or most are coincident
     coincident  records that touch at t = 0 in a vertex of both features
+    entering, sliding, leaving    of a step with touching: pairs that touch at t = 0, by
+                what becomes of them; of `records` flags tell (ContactFlag.ENTERS ..)
     crossings, start_inside    of a step with tells_start: edges that pass through faces
                 at t = 0 (then safe_step is 0); with an approach, pairs within their
                 distance then. If there are any, the verdict is not NO

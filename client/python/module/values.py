@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import abi
-from .abi import Format, Method, Mode, NearWhat, Status
+from .abi import Format, Method, Mode, NearWhat, Status, Touching
 from .library import PccdError
 
 CONTACT = np.dtype(abi.pccd_contact)
@@ -122,12 +122,14 @@ class StepSettings:
     approach: float = 0.0  # of pairs that begin within their distance: 0: they meet at
     # t = 0; above 0 and below 1: at this part of the distance that they begin with
     tells_start: bool = False  # say how it begins, too: Answer.crossings, start_inside
+    touching: Union[int, str] = Touching.KEPT  # what touches at t = 0: "told": whether it
+    # enters, slides or leaves; "left_out": what does not enter is no contact then
 
     _as_parameter_: ClassVar[Any]  # the struct, for ctypes
 
     def __post_init__(self) -> None:
         made = with_size(abi.pccd_step_settings())
-        for name, kind in (("mode", Mode), ("method", Method)):
+        for name, kind in (("mode", Mode), ("method", Method), ("touching", Touching)):
             number = enumerator(kind, name, getattr(self, name))
             object.__setattr__(self, name, number)
         for name, given in vars(self).items():

@@ -96,6 +96,8 @@ struct eng_question {
     /* ENG_CONTACTS, of pairs that begin within r: 0 reports each, at t = 0; between 0 and
      * 1: those that come within so large a part of their first distance. */
     double approach;
+    /* ENG_CONTACTS, not brief: what becomes of thin pairs that touch at t = 0. */
+    enum pccd_touching touching;
     double tolerance;     /* of toi_hi - toi, 1e-12 .. 1; default 1e-6 */
     double gap;           /* NEAREST: 0 .. 1e18 */
     uint32_t objects[2];  /* ids; 0: any. pccd_near.h says when they are looked at */
@@ -168,6 +170,13 @@ static inline enum pccd_method eng_method_of(const struct eng_question *question
 static inline bool eng_asks_part(const struct eng_question *question)
 {
     return question->span[0] != 0 || question->span[1] != 1;
+}
+
+/* Return whether it is told what becomes of what touches at t = 0. */
+static inline bool eng_asks_touching(const struct eng_question *question)
+{
+    return question->verb == ENG_CONTACTS && question->mode != PCCD_MODE_PAIRS &&
+           question->touching != PCCD_TOUCHING_KEPT;
 }
 
 /* More than what rounding adds to a time that goes from the part to the step or back. */

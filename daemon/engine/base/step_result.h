@@ -63,6 +63,11 @@ struct eng_step_result {
     /* Records that touch at t = 0 in a vertex of both features, as where a surface is
      * split; 0 if anything is thick. */
     uint64_t coincident;
+    /* Thin pairs that touch at t = 0, if it was asked what becomes of them: kept or left
+     * out. 0 in modes any and pairs. */
+    uint64_t entering;
+    uint64_t sliding;
+    uint64_t leaving;
     /* VERTICES: the least and the greatest bound by a pair, in the whole scene. */
     double distance_min; /* least d_lo; 2e18 without any record */
     double distance_max; /* greatest d_hi; 0 without any record */

@@ -139,4 +139,18 @@ bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, dou
 bool eng_exact_first(struct eng_exact *exact, const struct eng_query *query,
                      double tolerance, double *l, double *r);
 
+/* Features that touch at t = 0, and what comes after that. */
+enum eng_again {
+    ENG_AGAIN_NEVER,
+    ENG_AGAIN_MEETS,
+    ENG_AGAIN_UNKNOWN /* it would have to be told from 0: sooner than 2^-996 */
+};
+
+/* The next contact of features that touch at t = 0, after they have parted: *l, *r become
+ * a span that holds it, as those of eng_exact_first. Features whose points stay in one
+ * plane also meet again where, touching still, a point of one comes to an edge of the
+ * other. *side: the sign of det[p, b, c] just after t = 0; 0: it stays 0. */
+enum eng_again eng_exact_again(struct eng_exact *exact, const struct eng_query *query,
+                               double tolerance, double *l, double *r, int *side);
+
 #endif

@@ -112,8 +112,10 @@ static void load_event(struct eng_exact_span *span, struct eng_exact_event *even
 }
 
 /* Return whether the point lies on the closed segment from j to k at some time of the
- * span. */
-static bool event_occurs(struct eng_exact_span *span, const struct eng_exact_event *event)
+ * span; `begins`: of one that is on its line all the time, whether it comes to an end of
+ * the segment. */
+static bool event_occurs(struct eng_exact_span *span, const struct eng_exact_event *event,
+                         bool begins)
 {
     struct eng_poly *between = &span->part.side[0][0];
     span->form = &span->part;
@@ -125,7 +127,7 @@ static bool event_occurs(struct eng_exact_span *span, const struct eng_exact_eve
     }
     /* On one line all the time. */
     const struct eng_conditions none = {0, false, 0, NULL, NULL};
-    if (eng_poly_sign_at_0(between) >= 0) {
+    if (!begins && eng_poly_sign_at_0(between) >= 0) {
         go_to_begin(span);
         eng_roots_found_at(span, 0);
         return true;
@@ -145,13 +147,13 @@ static struct eng_exact_event *event_of(struct eng_exact_span *span, int number)
     return event;
 }
 
-static bool any_event_occurs(struct eng_exact_span *span)
+static bool any_event_occurs(struct eng_exact_span *span, bool begins)
 {
     int count = span->query.kind == PCCD_VF ? 3 : 4;
     bool any = false;
     for (int i = 0; i < count && !(any && !span->wants_first); i++) {
         const struct eng_exact_event *event = event_of(span, i);
-        any |= !event->never && event_occurs(span, event);
+        any |= !event->never && event_occurs(span, event, begins);
     }
     return any;
 }
@@ -365,7 +367,7 @@ static bool meets(struct eng_exact *exact, const struct eng_query *query, double
     if (any && !span->wants_first) {
         return true;
     }
-    return any_event_occurs(span) || any;
+    return any_event_occurs(span, false) || any;
 }
 
 bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, double l,
@@ -375,23 +377,114 @@ bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, dou
     return meets(exact, query, l, r);
 }
 
-bool eng_exact_first(struct eng_exact *exact, const struct eng_query *query,
-                     double tolerance, double *l, double *r)
+/* Get ready to find the first of what happens, and where. */
+static void begin_first(struct eng_exact_span *span, double tolerance, double l, double r)
 {
-    struct eng_exact_span *span = &exact->span;
-    double width = *r - *l;
     int exponent;
-    frexp(width / tolerance, &exponent); /* width / tolerance < 2^exponent */
+    frexp((r - l) / tolerance, &exponent); /* width / tolerance < 2^exponent */
     span->wants_first = true;
     span->depth_min = exponent > 0 ? (unsigned long)exponent + 1 : 1;
+    span->found[0] = INFINITY;
+    span->found[1] = INFINITY;
     assert(span->depth_min < ENG_EXACT_DEPTH);
-    if (!meets(exact, query, *l, *r)) {
-        return false;
-    }
+}
+
+/* The span l to r becomes the shorter one in which it is. */
+static void set_found(const struct eng_exact_span *span, double *l, double *r)
+{
+    double width = *r - *l;
     /* Three roundings of numbers that are not negative: less than 4 u of the sum. */
     double first = (*l + width * span->found[0]) * (1 - 0x1p-50);
     double last = (*l + width * span->found[1]) * (1 + 0x1p-50);
     *l = fmax(*l, first);
     *r = fmin(*r, last);
+}
+
+bool eng_exact_first(struct eng_exact *exact, const struct eng_query *query,
+                     double tolerance, double *l, double *r)
+{
+    struct eng_exact_span *span = &exact->span;
+    begin_first(span, tolerance, *l, *r);
+    if (!meets(exact, query, *l, *r)) {
+        return false;
+    }
+    set_found(span, l, r);
     return true;
+}
+
+/* ---- after a touch at t = 0 -------------------------------------------------------- */
+
+/* The polynomial without its roots at 0: to span->sign. Returns whether it may have
+ * others in (0, 1]; then none of them is at 2^-*depth or before. */
+static bool may_return(struct eng_exact_span *span, const struct eng_poly *poly,
+                       size_t *depth)
+{
+    struct eng_poly *rest = &span->sign;
+    int zeros = 0;
+    if (poly->degree < 0) {
+        return false;
+    }
+    while (mpz_sgn(poly->c[zeros]) == 0) {
+        zeros++;
+    }
+    rest->degree = poly->degree - zeros;
+    for (int i = 0; i <= rest->degree; i++) {
+        mpz_set(rest->c[i], poly->c[i + zeros]);
+    }
+    if (rest->degree == 0 || keeps_its_sign(rest)) {
+        return false;
+    }
+    /* |c[0]| >= 2^(bits of it - 1); the others add up to less than 4 times the
+     * longest. */
+    size_t most = eng_poly_bits(rest);
+    size_t own = mpz_sizeinbase(rest->c[0], 2);
+    size_t needed = most - own + 4;
+    *depth = needed > *depth ? needed : *depth;
+    return true;
+}
+
+/* Times before 2^-AGAIN_DEPTH are not told apart from 0. */
+#define AGAIN_DEPTH 1000u
+
+enum eng_again eng_exact_again(struct eng_exact *exact, const struct eng_query *query,
+                               double tolerance, double *l, double *r, int *side)
+{
+    struct eng_exact_span *span = &exact->span;
+    size_t depth = 1;
+    bool may = false;
+    exact->queries++;
+    load(span, query);
+    *side = 0;
+    if (span->whole.det.degree >= 0) {
+        for (int i = 0; *side == 0; i++) {
+            *side = mpz_sgn(span->whole.det.c[i]);
+        }
+        may = may_return(span, &span->whole.det, &depth);
+    } else {
+        for (int i = 0; i < (query->kind == PCCD_VF ? 3 : 4); i++) {
+            const struct eng_exact_event *event = event_of(span, i);
+            const struct eng_poly *poly =
+                event->common.degree < 0 ? &event->between : &event->common;
+            may |= !event->never && may_return(span, poly, &depth);
+        }
+    }
+    if (!may) {
+        return ENG_AGAIN_NEVER;
+    }
+    if (depth > AGAIN_DEPTH) {
+        return ENG_AGAIN_UNKNOWN;
+    }
+    *l = ldexp(1, -(int)depth);
+    *r = 1;
+    if (span->whole.det.degree >= 0) {
+        return eng_exact_first(exact, query, tolerance, l, r) ? ENG_AGAIN_MEETS
+                                                              : ENG_AGAIN_NEVER;
+    }
+    begin_first(span, tolerance, *l, *r);
+    set_span(span, *l, *r);
+    if (!any_event_occurs(span, true)) {
+        return ENG_AGAIN_NEVER;
+    }
+    set_found(span, l, r);
+    return ENG_AGAIN_MEETS;
 }

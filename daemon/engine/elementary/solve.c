@@ -397,6 +397,25 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
     return false;
 }
 
+enum eng_again eng_search_again(const struct eng_query *query, double tolerance,
+                                struct eng_exact *exact, struct eng_hit *hit)
+{
+    struct search search;
+    double l;
+    double r;
+    int side;
+    search.base = rebase(query, &search.query);
+    search.exact = exact;
+    eng_motion_init(&search.motion, &search.query);
+    enum eng_again again = eng_exact_again(
+        exact, &search.query, eng_least(tolerance, WIDTH_MAX), &l, &r, &side);
+    if (again == ENG_AGAIN_MEETS) {
+        search.f_start = side * 2 * search.motion.e_det; /* certain */
+        set_hit(&search, l, r, PCCD_PROVED, hit);
+    }
+    return again;
+}
+
 /* ---- one query ------------------------------------------------------------------- */
 
 /* The filter takes half the time of the bracket kernel, and the search ten times that. */

@@ -20,6 +20,11 @@ bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
 bool eng_search(const struct eng_query *query, double tolerance, double t_end,
                 struct eng_exact *exact, struct eng_hit *hit);
 
+/* When features that touch at t = 0 meet next (exact.h). MEETS: *hit is set, and says
+ * PCCD_PROVED alone; its bracket is at most `tolerance` long. */
+enum eng_again eng_search_again(const struct eng_query *query, double tolerance,
+                                struct eng_exact *exact, struct eng_hit *hit);
+
 /* ---- points in a plane of two axes (plane.c) --------------------------------------- */
 
 /* Queries in which three or four points have exactly equal x, y or z at both ends of the

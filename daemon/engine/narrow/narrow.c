@@ -55,6 +55,21 @@ static int reserve_near(struct eng_narrow *narrow)
     return PCCD_OK;
 }
 
+static int reserve_touching(struct eng_narrow *narrow)
+{
+    struct eng_touching *touching = eng_alloc(1, sizeof *touching);
+    if (!touching) {
+        return PCCD_E_NOMEM;
+    }
+    int status = eng_touching_init(touching);
+    if (status != PCCD_OK) {
+        eng_free(touching);
+        return status;
+    }
+    narrow->touching = touching;
+    return PCCD_OK;
+}
+
 static int reserve_batch(struct eng_worker *worker)
 {
     struct eng_narrow *narrow = eng_alloc(1, sizeof *narrow);
@@ -63,6 +78,7 @@ static int reserve_batch(struct eng_worker *worker)
     }
     narrow->thick = NULL;
     narrow->near = NULL;
+    narrow->touching = NULL;
     narrow->batch.should_stop = should_stop;
     narrow->batch.owner = worker;
     narrow->batch.contacts = &worker->exact;
@@ -82,6 +98,9 @@ int eng_narrow_reserve(struct eng_worker *worker, const struct eng_scene *scene,
     if (status == PCCD_OK && is_near && !worker->narrow->near) {
         status = reserve_near(worker->narrow);
     }
+    if (status == PCCD_OK && eng_asks_touching(question) && !worker->narrow->touching) {
+        status = reserve_touching(worker->narrow);
+    }
     return status;
 }
 
@@ -97,6 +116,10 @@ void eng_narrow_free(struct eng_worker *worker)
         eng_distances_deinit(&narrow->near->distances);
         eng_free(narrow->near);
     }
+    if (narrow && narrow->touching) {
+        eng_touching_deinit(narrow->touching);
+        eng_free(narrow->touching);
+    }
     eng_free(narrow);
     worker->narrow = NULL;
 }
@@ -107,6 +130,9 @@ uint64_t eng_narrow_bytes(const struct eng_worker *worker)
     uint64_t bytes = narrow ? sizeof *narrow : 0;
     if (narrow && narrow->thick) {
         bytes += sizeof *narrow->thick + eng_thick_exact_bytes() + eng_numbers_bytes();
+    }
+    if (narrow && narrow->touching) {
+        bytes += sizeof *narrow->touching + eng_touching_bytes();
     }
     return bytes + (narrow && narrow->near ? sizeof *narrow->near : 0);
 }
@@ -246,6 +272,9 @@ static void test_contacts(struct eng_worker *worker, const struct eng_pairs *pai
     if (worker->question->weigh) {
         weigh(worker, pairs, number, names);
     } else {
+        if (eng_asks_touching(worker->question) && !pairs->radius) {
+            eng_narrow_touching(worker, pairs);
+        }
         keep(worker, pairs, number, names);
     }
 }

@@ -3,6 +3,7 @@
  *     method      fills struct eng_pairs: points, and which of them each pair has
  *     narrow.c    contacts, and mode pairs
  *                 -> narrow_thick.c   takes those apart that meet at a distance
+ *                 -> narrow_touching.c   tells what becomes of those that touch
  *     narrow_near.c    what is near
  *     -> elementary/batch.c   decides, by the row of the question
  *     -> result/              records
@@ -16,6 +17,7 @@
 #include "distance.h"
 #include "thick.h"
 #include "thickness.h"
+#include "touching.h"
 #include "worker.h"
 #include "world.h"
 
@@ -72,6 +74,7 @@ struct eng_narrow {
     struct eng_batch batch;
     struct eng_narrow_thick *thick; /* NULL: no step has asked for it yet */
     struct eng_narrow_near *near;   /* NULL: no question has asked for it yet */
+    struct eng_touching *touching;  /* the same */
 };
 
 static inline struct eng_narrow *eng_narrow_of(const struct eng_worker *worker)
@@ -101,6 +104,10 @@ void eng_narrow_test(struct eng_worker *worker, struct eng_pairs *pairs,
  * others to parts[1]. */
 void eng_narrow_split(struct eng_worker *worker, const struct eng_pairs *pairs,
                       struct eng_pairs parts[2]);
+
+/* Tell what becomes of contacts that the batch has found, none of them thick, and that
+ * touch at t = 0, or leave them out, as question->touching wants it. */
+void eng_narrow_touching(struct eng_worker *worker, const struct eng_pairs *pairs);
 
 /* Return whether a pair whose distance is *found is within that of the question and its
  * radii, and not left out for its rest, exactly. VERTICES: found->lo becomes its bound,

@@ -81,6 +81,7 @@ void eng_mesh_release(struct eng_mesh *mesh)
     eng_free(mesh->reach);
     eng_free(mesh->order);
     eng_rings_deinit(mesh);
+    eng_stars_deinit(mesh);
     eng_free(mesh->clearance.search);
     for (int tree = 0; tree <= PCCD_TREE_FACES; tree++) {
         eng_free(mesh->clearance.crowded[tree]);
@@ -391,5 +392,5 @@ uint64_t eng_mesh_bytes(const struct eng_mesh *mesh)
                 ? (words_for(info->vertex_count) + words_for(info->edge_count)) * 8
                 : 0) +
            (mesh->radii ? (uint64_t)info->vertex_count * 2 * sizeof *mesh->radii : 0) +
-           eng_rings_bytes(mesh) + mesh->order_bytes;
+           eng_rings_bytes(mesh) + eng_stars_bytes(mesh) + mesh->order_bytes;
 }

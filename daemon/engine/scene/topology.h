@@ -47,6 +47,7 @@ struct eng_clearance {
 };
 
 struct eng_rings; /* topology.h */
+struct eng_stars; /* topology.h */
 struct eng_account;
 struct eng_wide_order;
 struct eng_wide_crowded;
@@ -82,6 +83,7 @@ struct eng_mesh {
      * another one's scene; NULL: nobody. */
     struct eng_account *account;
     _Atomic(struct eng_rings *) rings[ENG_RINGS_MAX]; /* [n - 1], those that were asked */
+    _Atomic(struct eng_stars *) stars; /* NULL: nobody has asked */
     struct eng_clearance clearance; /* which is found out after commit, if at all */
     /* Of the method wide: the order of the features at the registered positions, which
      * objects share until they need another (wide.h); `order_bytes` of eng_alloc. NULL:
@@ -200,5 +202,17 @@ bool eng_rings_join(const struct eng_mesh *mesh, uint32_t rings, uint32_t v, uin
 /* The mesh goes. */
 void eng_rings_deinit(struct eng_mesh *mesh);
 uint64_t eng_rings_bytes(const struct eng_mesh *mesh);
+
+/* ---- the leaves around a vertex ---------------------------------------------------- */
+
+/* Have the lists of a committed mesh. PCCD_E_NOMEM. O(leaves) the first time. [any] */
+int eng_stars_prepare(struct eng_mesh *mesh);
+
+/* The leaves, by index and in order, that have the vertex. The lists are there. [any] */
+const uint32_t *eng_stars_of(const struct eng_mesh *mesh, uint32_t v, uint64_t *count);
+
+/* The mesh goes. */
+void eng_stars_deinit(struct eng_mesh *mesh);
+uint64_t eng_stars_bytes(const struct eng_mesh *mesh);
 
 #endif

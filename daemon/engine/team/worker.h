@@ -52,6 +52,7 @@ struct eng_tally {
     uint64_t rebuilt_triangles;
     uint64_t still_features;
     uint64_t still_pairs;
+    uint64_t touching[3]; /* pairs that enter, slide and leave */
 };
 
 /* Every access is relaxed: these are hints that only save work, and the end of the

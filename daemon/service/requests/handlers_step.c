@@ -40,6 +40,10 @@ static int check_step(struct srv_call *call, const struct srv_step_params *param
     if (status != 0) {
         return status;
     }
+    status = srv_check_choice(call, "touching", params->touching, PCCD_TOUCHING_COUNT);
+    if (status != 0) {
+        return status;
+    }
     /* Written so that NaN is refused. */
     if (params->tolerance != 0.0 &&
         !(params->tolerance >= TOLERANCE_MIN && params->tolerance <= TOLERANCE_MAX)) {

@@ -26,7 +26,7 @@
     .deadline_ns = (of)->deadline_ns, .step = (of)->step, .tuning = (of)->tuning
 #define OF_STEP(of)                                                                      \
     .mode = (of)->mode, .tolerance = (of)->tolerance, .separation = (of)->separation,    \
-    .approach = (of)->approach
+    .approach = (of)->approach, .touching = (of)->touching
 
 struct srv_step_params srv_step_params_of(int method, const union srv_params *params)
 {
@@ -94,6 +94,7 @@ static void choose(const struct srv_request *request,
         params->tolerance == 0.0 ? TOLERANCE_DEFAULT : params->tolerance;
     question->distance = params->separation;
     question->approach = params->approach;
+    question->touching = (enum pccd_touching)params->touching;
     question->tells_start = params->tells_start;
     question->no_hash = request->session->service->write != NULL;
 }
@@ -367,7 +368,8 @@ static void note(const struct srv_step_run *run)
                                                    .tolerance = params->tolerance,
                                                    .deadline_ns = params->deadline_ns,
                                                    .separation = params->separation,
-                                                   .approach = params->approach};
+                                                   .approach = params->approach,
+                                                   .touching = params->touching};
         memcpy(frame.tuning, params->tuning,
                strnlen(params->tuning, sizeof frame.tuning));
         srv_journal_step(scene, &frame, member, run->item->taken);

@@ -32,6 +32,7 @@ struct srv_step_params {
     double tolerance;
     double separation;
     double approach;
+    uint32_t touching;
     bool tells_start;
     bool holds;
     bool places; /* it only brings objects to their places */
