@@ -142,6 +142,34 @@ class Failing(unittest.TestCase):
         self.assertIn("film       none: no step fails", said)
         self.assertFalse(os.path.exists(self.path("none.html")))
 
+    # If it failed, what stands would not be seen, or stand elsewhere.
+    def test_scene_file__is_shown_with_what_stands(self):
+        peg = [(0, 0, 0), (2, 2, 0), (1, 3, -3)]
+        sheet = [(-2, -2), (2, -2), (0, 2)]
+        files = {"peg.obj": peg}
+        for number, height in enumerate((2, 1, -1, -2)):
+            files[f"sheet{number}.obj"] = [(x, y, height) for x, y in sheet]
+        for name, points in files.items():
+            with open(self.path(name), "w", encoding="utf-8") as to:
+                to.writelines("v %g %g %g\n" % point for point in points)
+                to.write("f 1 2 3\n")
+        with open(self.path("scene.json"), "w", encoding="utf-8") as to:
+            json.dump({"pccd_scene": 1, "objects": [
+                {"name": "sheet", "files": "sheet%d.obj"},
+                {"name": "peg", "files": "peg.obj"}]}, to)
+        self.check("--page", "scene.html", "--contacts", "scene.csv", "--geometry",
+                   files=["scene.json"])
+        page = Page(self.path("scene.html"))
+        self.assertEqual([step["number"] for step in page.meta["steps"]], [2, 3])
+        for end in ("x0", "x1"):
+            self.assertEqual([tuple(round(c, 6) for c in point)
+                              for point in page.positions(0, end, 1)], peg)
+        with open(self.path("scene.csv"), newline="") as rows:
+            row = next(row for row in csv.DictReader(rows) if row["kind"] == "vf")
+        self.assertEqual((row["object_a"], row["object_b"]), ("peg", "sheet"))
+        self.assertEqual([float(row["a" + axis]) for axis in "xyz"], [0, 0, 0])
+        self.assertEqual([float(row["n" + axis]) for axis in "xyz"], [0, 0, -1])
+
     # If it failed, wrong usage would be found after hours, or do nothing.
     def test_usage__is_refused_before_anything_else(self):
         for options, text in ((("--page", "x.png"), "does not end with .html"),

@@ -193,6 +193,15 @@ END
 [ $? -eq 0 ] && ! ctl export --near -o no.pvd all0.obj all1.obj && grep -q 'no --near' err &&
     ! ctl export --time 0.5 -o no.vtk all.rec && grep -q 'neither .glb, .vtp nor .pvd' err
 report export__a_series_has_a_file_for_each_step
+# If it failed, Blender would show objects whose names say nothing.
+ctl export -o named.glb --with all1.obj all0.obj all1.obj && python3 - >>"$log" 2>&1 <<'END'
+import json, struct
+data = open('named.glb', 'rb').read()
+size, = struct.unpack('<I', data[12:16])
+names = [node['name'] for node in json.loads(data[20:20 + size])['nodes']]
+assert names[:2] == ['all0', 'all1'], names
+END
+report export__objects_of_files_keep_their_names
 if /usr/bin/python3 -c 'import vtk' 2>/dev/null; then
     /usr/bin/python3 - >>"$log" 2>&1 <<'END'
 import vtk
@@ -221,6 +230,9 @@ for step, toi in ((1, 1), (2, 0)):
     arrows.Update()
     low_x, high_x, _, _, low_z, high_z = arrows.GetOutput().GetBounds()
     assert high_z - low_z >= 1, (low_z, high_z)
+    field = data.GetFieldData()
+    assert field.GetAbstractArray('object_names').GetValue(0) == 'all0'
+    assert field.GetArray('object_handles').GetTuple1(0) == cells['object_b'][0]
 END
     report export__vtk_reads_contacts_as_points_with_normals
 else

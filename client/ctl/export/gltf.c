@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "output.h"
+
 #define GLB_MAGIC    0x46546c67u /* "glTF" */
 #define GLB_JSON     0x4e4f534au
 #define GLB_BIN      0x004e4942u
@@ -112,12 +114,13 @@ static void add_material(struct gltf *gltf, const float colour[3], bool is_surfa
 static void add_node(struct gltf *gltf, json_t *primitives, const char *name,
                      json_t *weights)
 {
-    json_t *mesh = json_pack("{s:s, s:o}", "name", name, "primitives", primitives);
+    json_t *mesh =
+        json_pack("{s:o, s:o}", "name", json_text(name), "primitives", primitives);
     if (weights != NULL) {
         json_object_set_new(mesh, "weights", weights);
     }
     append(gltf->meshes, mesh, gltf);
-    json_t *node = json_pack("{s:s, s:I}", "name", name, "mesh",
+    json_t *node = json_pack("{s:o, s:I}", "name", json_text(name), "mesh",
                              (json_int_t)json_array_size(gltf->meshes) - 1);
     const double *origin = gltf->snapshot->origin;
     if (gltf->snapshot->has_origin) {
@@ -217,7 +220,8 @@ static void add_object(struct gltf *gltf, const struct snapshot_object *object,
                  attributes, motion);
     json_decref(attributes);
     snprintf(name, sizeof name, "object 0x%x", object->handle);
-    add_node(gltf, primitives, name, json_pack("[f]", t));
+    add_node(gltf, primitives, object->name != NULL ? object->name : name,
+             json_pack("[f]", t));
     animate(gltf, json_array_size(gltf->nodes) - 1);
     free(x);
 }

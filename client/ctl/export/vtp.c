@@ -349,6 +349,34 @@ static void put_triangle_cells(struct vtp *vtp)
     fputs("</Polys>\n", vtp->to);
 }
 
+/* Write the names of objects beside their handles, where they have names: text is the
+ * numbers of its bytes, and a 0. */
+static void put_names(const struct snapshot *snapshot, FILE *to)
+{
+    uint32_t count = snapshot->object_count;
+    if (count == 0 || snapshot->objects[0].name == NULL) {
+        return;
+    }
+    fprintf(to,
+            "<FieldData>\n<DataArray type=\"UInt32\" Name=\"object_handles\" "
+            "NumberOfTuples=\"%" PRIu32 "\" format=\"ascii\">",
+            count);
+    for (uint32_t i = 0; i < count; i++) {
+        fprintf(to, "%" PRIu32 " ", snapshot->objects[i].handle);
+    }
+    fprintf(to,
+            "</DataArray>\n<DataArray type=\"String\" Name=\"object_names\" "
+            "NumberOfTuples=\"%" PRIu32 "\" format=\"ascii\">",
+            count);
+    for (uint32_t i = 0; i < count; i++) {
+        for (const char *at = snapshot->objects[i].name; *at != '\0'; at++) {
+            fprintf(to, "%d ", (unsigned char)*at);
+        }
+        fputs("0 ", to);
+    }
+    fputs("</DataArray>\n</FieldData>\n", to);
+}
+
 int vtp_write(const struct snapshot *snapshot, FILE *to, const char *path,
               struct ctl_error *error)
 {
@@ -376,12 +404,15 @@ int vtp_write(const struct snapshot *snapshot, FILE *to, const char *path,
     fprintf(to,
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "
             "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<!-- pccdctl export, "
-            "step %" PRIu64 ", t = %g -->\n<PolyData>\n<Piece NumberOfPoints=\"%" PRIu64
-            "\" NumberOfVerts=\"%" PRIu64 "\" NumberOfLines=\"%" PRIu64
-            "\" NumberOfStrips=\"0\" "
+            "step %" PRIu64 ", t = %g -->\n<PolyData>\n",
+            snapshot->step, snapshot->t);
+    put_names(snapshot, to);
+    fprintf(to,
+            "<Piece NumberOfPoints=\"%" PRIu64 "\" NumberOfVerts=\"%" PRIu64
+            "\" NumberOfLines=\"%" PRIu64 "\" NumberOfStrips=\"0\" "
             "NumberOfPolys=\"%" PRIu64 "\">\n",
-            snapshot->step, snapshot->t, point_count(&vtp), vtp.contacts + vtp.points,
-            vtp.lines + vtp.rods, vtp.triangles);
+            point_count(&vtp), vtp.contacts + vtp.points, vtp.lines + vtp.rods,
+            vtp.triangles);
     put_point_data(&vtp);
     if (snapshot->lines != NULL) {
         put_near_data(&vtp);

@@ -15,6 +15,8 @@ struct frames_recording {
     int fd;         /* of the file, while `from` is not "" */
     char from[32];  /* what opens it, in this process; "": there is none */
     char name[224]; /* what it is told of as */
+    char **names;   /* ours: of the objects, in the order of their handles */
+    uint32_t name_count;
 };
 
 /* Record what the client does from now on, until pccd_record_stop: of steps with the
@@ -28,7 +30,7 @@ int frames_begin(struct frames_recording *recording, struct pccd_client *client,
 int frames_record(struct frames_recording *recording, struct scene *scene,
                   const struct option_arguments *files, const struct ctl_link *link,
                   struct ctl_error *error);
-/* Let go of the file. */
+/* Let go of the file and the names. */
 void frames_forget(struct frames_recording *recording);
 
 #endif

@@ -108,8 +108,10 @@ struct play_settings {
     bool at_recorded_pace;
     bool only_last; /* of these steps, or, with show_near, questions: the last that was
                        answered */
-    uint64_t number; /* that steps are told of by; 0: their own */
-    uint64_t first, last;    /* steps to show and to repeat; last 0: to the end */
+    char *const *names;   /* of the objects of its scene, in the order of their handles */
+    uint32_t name_count;  /* 0: they have none */
+    uint64_t number;      /* that steps are told of by; 0: their own */
+    uint64_t first, last; /* steps to show and to repeat; last 0: to the end */
     enum pccd_method method; /* 0: as recorded */
     uint32_t threads;        /* 0: as recorded */
     const char *label;       /* of the progress bar */

@@ -17,6 +17,7 @@
 #define ORIGIN_RATIO 1024.0 /* how much farther off than large a scene is */
 
 struct taking {
+    const struct play_settings *settings;
     struct snapshot *snapshot;
     const struct snapshot_at *at;
     bool is_taken;
@@ -238,9 +239,11 @@ static int find_contact(const struct snapshot_at *at, const struct play_step *st
 }
 
 /* The objects of a scene at snapshot->t. */
-static int take_objects(struct snapshot *snapshot, const struct registry_scene *scene,
+static int take_objects(const struct taking *taking, const struct registry_scene *scene,
                         struct ctl_error *error)
 {
+    const struct play_settings *settings = taking->settings;
+    struct snapshot *snapshot = taking->snapshot;
     snapshot->objects = calloc(scene->object_count + 1, sizeof *snapshot->objects);
     if (snapshot->objects == NULL) {
         return no_memory(error);
@@ -253,6 +256,7 @@ static int take_objects(struct snapshot *snapshot, const struct registry_scene *
                          &snapshot->objects[i])) {
             return no_memory(error);
         }
+        snapshot->objects[i].name = i < settings->name_count ? settings->names[i] : NULL;
     }
     return PCCD_OK;
 }
@@ -278,7 +282,7 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
     if (snapshot->contacts == NULL) {
         return no_memory(error);
     }
-    int status = take_objects(snapshot, step->scene, error);
+    int status = take_objects(taking, step->scene, error);
     if (status != PCCD_OK) {
         return status;
     }
@@ -325,7 +329,7 @@ int snapshot_take(const struct play_settings *settings, const struct snapshot_at
                   struct snapshot *snapshot, struct play_summary *summary,
                   struct ctl_error *error)
 {
-    struct taking taking = {.snapshot = snapshot, .at = at};
+    struct taking taking = {.settings = settings, .snapshot = snapshot, .at = at};
     memset(snapshot, 0, sizeof *snapshot);
     int status = play_steps(settings, &taking, summary, error);
     if (status != PCCD_OK) {
@@ -339,8 +343,11 @@ int snapshot_each(const struct play_settings *settings, double t, snapshot_fn sh
 {
     const struct snapshot_at at = {.t = t};
     struct snapshot snapshot = {.object_count = 0};
-    struct taking taking = {
-        .snapshot = &snapshot, .at = &at, .show = show, .context = context};
+    struct taking taking = {.settings = settings,
+                            .snapshot = &snapshot,
+                            .at = &at,
+                            .show = show,
+                            .context = context};
     int status = play_steps(settings, &taking, summary, error);
     snapshot_deinit(&snapshot);
     return status;
@@ -377,7 +384,7 @@ static int take_near(void *context, const struct play_near *near, struct ctl_err
     if (snapshot->lines == NULL) {
         return no_memory(error);
     }
-    int status = take_objects(snapshot, near->scene, error);
+    int status = take_objects(taking, near->scene, error);
     for (uint64_t i = 0;
          status == PCCD_OK && near->records != NULL && i < near->found.count; i++) {
         snapshot->line_count +=
@@ -402,7 +409,7 @@ int snapshot_take_near(const struct play_settings *settings, struct snapshot *sn
                        struct play_summary *summary, struct ctl_error *error)
 {
     struct play_settings asked = *settings;
-    struct taking taking = {.snapshot = snapshot};
+    struct taking taking = {.settings = settings, .snapshot = snapshot};
     memset(snapshot, 0, sizeof *snapshot);
     asked.show_near = take_near;
     int status = play(&asked, pass, &taking, summary, error);

@@ -8,6 +8,7 @@
 #include "play.h"
 
 struct snapshot_object {
+    const char *name; /* of the play_settings; NULL: it has none */
     uint32_t handle;
     uint32_t vertex_count, triangle_count;
     uint32_t edge_count, point_count;
