@@ -219,6 +219,8 @@ done
 meets box0.obj box1.obj && says '^contacts +36: ' '^safe step +0$' && ! grep -q '^touching' out &&
     meets --touching told box0.obj box1.obj && says '^contacts +36: ' '^safe step +0$' \
         '^touching +36 at t = 0: 0 enter, 0 slide, 36 leave$' &&
+    meets --touching told --contacts box.csv box0.obj box1.obj &&
+    head -1 box.csv | grep -q ',proved,touching$' && [ "$(grep -c ',1,leaves$' box.csv)" = 36 ] &&
     ctl check --touching left-out box0.obj box1.obj && says '^contacts +0: ' '^safe step +1$' &&
     ctl check --touching left-out --mode any --method paper box0.obj box1.obj &&
     ctl check --touching left-out --json --url direct: box0.obj box1.obj &&

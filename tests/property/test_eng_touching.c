@@ -465,11 +465,15 @@ static void check(struct trial *trial)
     uint64_t count = result.count;
     assert_true(count <= RECORDS_MAX);
     assert_int_equal(result.entering + result.sliding + result.leaving, 0);
-    memcpy(kept, result.records, count * sizeof *kept);
+    if (count > 0) {
+        memcpy(kept, result.records, count * sizeof *kept);
+    }
 
     result = ask(trial, PCCD_TOUCHING_TOLD, PCCD_MODE_ALL);
     assert_int_equal(result.count, count);
-    memcpy(told, result.records, count * sizeof *told);
+    if (count > 0) {
+        memcpy(told, result.records, count * sizeof *told);
+    }
     uint64_t fates[3] = {0, 0, 0};
     for (uint64_t i = 0; i < count; i++) {
         struct pccd_contact must = kept[i];

@@ -64,7 +64,8 @@ struct contacts_csv {
     const char *path;              /* "-": the standard output */
     struct whole_file whole;       /* `to` NULL: nothing is to be written */
     bool has_step;                 /* a first column "step" */
-    bool has_names;                /* two last columns with names of objects */
+    bool has_names;                /* two more columns with names of objects */
+    bool has_touching;             /* a last column: what becomes of what touches */
     const struct objects *objects; /* the caller's; with edges of each */
     struct scene *geometry; /* the caller's, its edges fetched; NULL: no columns of it */
 };

@@ -12,9 +12,10 @@ int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
 {
     int status = output_open(&csv->whole, csv->path, true, error);
     if (status == PCCD_OK) {
-        fprintf(csv->whole.to, "%skind,i0,i1,i2,i3,toi,toi_hi,proved%s%s\n",
+        fprintf(csv->whole.to, "%skind,i0,i1,i2,i3,toi,toi_hi,proved%s%s%s\n",
                 csv->has_step ? "step," : "", csv->has_names ? ",object_a,object_b" : "",
-                csv->geometry != NULL ? ",ax,ay,az,bx,by,bz,nx,ny,nz" : "");
+                csv->geometry != NULL ? ",ax,ay,az,bx,by,bz,nx,ny,nz" : "",
+                csv->has_touching ? ",touching" : "");
     }
     return status;
 }
@@ -119,6 +120,17 @@ static void print_geometry(const struct contacts_csv *csv, uint32_t step,
     }
 }
 
+/* ",enters", and so on; a comma alone where it did not touch. */
+static void print_touching(FILE *to, const struct pccd_contact *contact)
+{
+    uint32_t flags = contact != NULL ? contact->flags : 0;
+    fputs((flags & PCCD_ENTERS) != 0   ? ",enters"
+          : (flags & PCCD_SLIDES) != 0 ? ",slides"
+          : (flags & PCCD_LEAVES) != 0 ? ",leaves"
+                                       : ",",
+          to);
+}
+
 static void end_record(const struct contacts_csv *csv, uint32_t step,
                        const struct pccd_pair *pair, const struct pccd_contact *contact)
 {
@@ -136,6 +148,9 @@ static void end_record(const struct contacts_csv *csv, uint32_t step,
     }
     if (csv->geometry != NULL) {
         print_geometry(csv, step, contact);
+    }
+    if (csv->has_touching) {
+        print_touching(csv->whole.to, contact);
     }
     fputc('\n', csv->whole.to);
 }

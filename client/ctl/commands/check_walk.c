@@ -333,6 +333,8 @@ static int place(struct walk *walk, struct ctl_error *error)
         walk->csv = (struct contacts_csv){.path = options->ask.csv,
                                           .has_step = scene->count > 2,
                                           .has_names = walk->has_names || has_geometry,
+                                          .has_touching = options->settings.touching !=
+                                                          PCCD_TOUCHING_KEPT,
                                           .objects = &walk->objects,
                                           .geometry = has_geometry ? scene : NULL};
         status = contacts_csv_open(&walk->csv, error);

@@ -128,6 +128,8 @@ static int begin_names(struct check *check, struct ctl_error *error)
     if (status == PCCD_OK && check->options->check.ask.csv != NULL) {
         check->csv.has_step = part->files.count > 2;
         check->csv.has_names = tells_objects(check);
+        check->csv.has_touching =
+            check->options->check.settings.touching != PCCD_TOUCHING_KEPT;
         check->csv.objects = &check->objects;
         check->csv.path = check->options->check.ask.csv;
         status = contacts_csv_open(&check->csv, error);
