@@ -406,6 +406,7 @@ enum eng_again eng_search_again(const struct eng_query *query, double tolerance,
     int side;
     search.base = rebase(query, &search.query);
     search.exact = exact;
+    search.moment_known[0] = false;
     eng_motion_init(&search.motion, &search.query);
     enum eng_again again = eng_exact_again(
         exact, &search.query, eng_least(tolerance, WIDTH_MAX), &l, &r, &side);
