@@ -192,7 +192,7 @@ static void check_boxes(const struct eng_wide *wide, enum pccd_tree kind)
             }
             if (level > 0 && box < tree->block_count[level - 1]) {
                 around = eng_wide_box(wide, tree, level - 1, box);
-                assert_true(around.side[side][axis] <= bound);
+                assert_true(around.side[side][axis] == bound);
             }
         }
     }

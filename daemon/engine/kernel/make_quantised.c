@@ -101,26 +101,65 @@ bool ENG_KERNEL(quantised_blocks)(const struct eng_wide_block *blocks,
            most[2] <= ENG_QUANTISED_REACH;
 }
 
+/* ---- boxes one by one -------------------------------------------------------------- */
+
+/* A box at one end, or at both where a register has room for them. */
+#if ENG_VECTOR_BYTES >= 32
+#define ENDS 2u
+#else
+#define ENDS 1u
+#endif
+
+typedef float side __attribute__((vector_size(16 * ENDS), may_alias));
+typedef int32_t side_bits __attribute__((vector_size(16 * ENDS), may_alias));
+
+ENG_INLINE side twice(const float axes[4])
+{
+    side both;
+    for (uint32_t i = 0; i < ENDS; i++) {
+        memcpy((char *)&both + 16 * i, axes, 16);
+    }
+    return both;
+}
+
+ENG_INLINE side_bits whole_side(const float x[4], side scale, side origin)
+{
+    side y;
+    memcpy(&y, x, sizeof y);
+    y = y * scale + origin;
+#if ENG_VECTOR_BYTES >= 32
+    y = (side)_mm256_max_ps((__m256)y, _mm256_set1_ps(-0x1p15f));
+#else
+    y = (side)eng_float4_max((eng_float4)y, (eng_float4){0} - 0x1p15f);
+#endif
+    return (side_bits)(y + WHOLE);
+}
+
 void ENG_KERNEL(quantised_boxes)(const struct eng_extents *boxes, uint32_t count,
                                  const struct eng_quantising *quantising,
                                  struct eng_quantised_box *quantised)
 {
+    const side scale = twice(quantising->scale);
+    const side below = twice(quantising->below);
+    const side above = twice(quantising->above);
     for (uint32_t i = 0; i < count; i++) {
-        (void)quantised_box(&boxes[i], quantising, (eng_float4){0}, &quantised[i]);
+        for (uint32_t end = 0; end < 2; end += ENDS) {
+            side_bits low = whole_side(boxes[i].side[ENG_LOW0 + end], scale, below);
+            side_bits high = whole_side(boxes[i].side[ENG_HIGH0 + end], scale, above);
+            side_bits both = (high & 0xffff) | (low << 16);
+            memcpy(quantised[i].half[end], &both, sizeof both);
+        }
     }
 }
 
 /* ---- features, of their vertices' numbers ------------------------------------------ */
 
-/* A box at one end, or at both where a register has room for them. */
 #if ENG_VECTOR_BYTES >= 32
-#define ENDS              2u
 #define UNPACK_LOW(a, b)  __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13)
 #define UNPACK_HIGH(a, b) __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15)
 #define JOIN_LOW(a, b)    __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13)
 #define JOIN_HIGH(a, b)   __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15)
 #else
-#define ENDS              1u
 #define UNPACK_LOW(a, b)  __builtin_shufflevector(a, b, 0, 4, 1, 5)
 #define UNPACK_HIGH(a, b) __builtin_shufflevector(a, b, 2, 6, 3, 7)
 #define JOIN_LOW(a, b)    __builtin_shufflevector(a, b, 0, 1, 4, 5)

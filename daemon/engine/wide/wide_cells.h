@@ -33,15 +33,74 @@ bool eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *sc
 void eng_wide_quantised_set(struct eng_quantising *quantising, int axis, double scale,
                             double middle);
 
+/* Add this to a number for its cells: `origin` was added, and what rounding took. */
+static inline float eng_wide_back_by(float origin)
+{
+    float back = 0.5F + 0x1p-8F - origin;
+    return back + fabsf(back) * 0x1p-22F;
+}
+
 /* Return a distance outward that is not less than any which has this number, where
- * `origin` was added, and a cell is a power of two long. It is at most half a cell, and
- * for its rounding 2^-9, above what the number says; a float of it is off by 2^-24 of
- * itself. */
+ * `origin` was added, and a cell is a power of two long. It is at most half a cell and
+ * 2^-8, 2^-21 of the origin and 2^-21 of itself above what the number says. */
 static inline float eng_wide_distance_of(int16_t number, double cell, float origin)
 {
-    double cells = (double)number - (double)origin + (0.5 + 0x1p-8);
-    double distance = cells * cell;
-    return (float)(distance + fabs(distance) * 0x1p-23);
+    float distance = ((float)number + eng_wide_back_by(origin)) * (float)cell;
+    return distance + fabsf(distance) * 0x1p-22F;
+}
+
+/* One side of a box: three axes, and nowhere. */
+typedef float eng_wide_side __attribute__((vector_size(16), may_alias));
+typedef int32_t eng_wide_bits __attribute__((vector_size(16), may_alias));
+
+/* Keep what makes distances of all numbers of a step. */
+struct eng_wide_back {
+    eng_wide_side cell;
+    eng_wide_side below;
+    eng_wide_side above;
+};
+
+static inline struct eng_wide_back
+eng_wide_back_of(const struct eng_quantising *quantising)
+{
+    struct eng_wide_back back = {.cell = {0}};
+    for (int k = 0; k < 3; k++) {
+        back.cell[k] = 1 / quantising->scale[k];
+        back.below[k] = eng_wide_back_by(quantising->below[k]);
+        back.above[k] = eng_wide_back_by(quantising->above[k]);
+    }
+    return back;
+}
+
+/* eng_wide_distance_of three numbers. */
+static inline eng_wide_bits eng_wide_distances(eng_wide_bits numbers, eng_wide_side cell,
+                                               eng_wide_side back)
+{
+    eng_wide_side distance =
+        (__builtin_convertvector(numbers, eng_wide_side) + back) * cell;
+    eng_wide_side size = (eng_wide_side)((eng_wide_bits)distance & INT32_MAX);
+    return (eng_wide_bits)(distance + size * 0x1p-22F);
+}
+
+/* Write the box that has these numbers. */
+static inline void eng_wide_box_of(const struct eng_quantised_box *from,
+                                   const struct eng_wide_back *back,
+                                   struct eng_extents *box)
+{
+    const eng_wide_bits nowhere = (eng_wide_bits)((eng_wide_side){0} + ENG_NOWHERE);
+    for (int end = 0; end < 2; end++) {
+        eng_wide_bits both; /* above: the lower half; below: the upper one */
+        memcpy(&both, from->half[end], sizeof both);
+        eng_wide_bits low = eng_wide_distances(both >> 16, back->cell, back->below);
+        eng_wide_bits high =
+            eng_wide_distances((both << 16) >> 16, back->cell, back->above);
+        eng_wide_bits is_out =
+            (both == (int32_t)0x80008000) | (eng_wide_bits){0, 0, 0, -1};
+        low = (is_out & nowhere) | (~is_out & low);
+        high = (is_out & nowhere) | (~is_out & high);
+        memcpy(box->side[ENG_LOW0 + end], &low, sizeof low);
+        memcpy(box->side[ENG_HIGH0 + end], &high, sizeof high);
+    }
 }
 
 /* Return the box around a block of a level, in floats, whatever the step compares. */
@@ -52,26 +111,9 @@ static inline struct eng_extents eng_wide_box(const struct eng_wide *wide,
     if (level > 0 || !wide->has_quantised) {
         return eng_wide_boxes(tree, level)[block];
     }
-    const struct eng_quantising *quantising = &wide->quantising;
-    const struct eng_quantised_box *from = &tree->quantised_boxes[block];
     struct eng_extents box;
-    for (int k = 0; k < 3; k++) {
-        double cell = 1 / (double)quantising->scale[k];
-        for (int end = 0; end < 2; end++) {
-            int16_t above = from->half[end][2 * k];
-            int16_t below = from->half[end][2 * k + 1];
-            bool is_nowhere = above == INT16_MIN && below == INT16_MIN;
-            box.side[ENG_LOW0 + end][k] =
-                is_nowhere ? ENG_NOWHERE
-                           : eng_wide_distance_of(below, cell, quantising->below[k]);
-            box.side[ENG_HIGH0 + end][k] =
-                is_nowhere ? ENG_NOWHERE
-                           : eng_wide_distance_of(above, cell, quantising->above[k]);
-        }
-    }
-    for (int side = 0; side < ENG_SIDES; side++) {
-        box.side[side][3] = ENG_NOWHERE;
-    }
+    struct eng_wide_back back = eng_wide_back_of(&wide->quantising);
+    eng_wide_box_of(&tree->quantised_boxes[block], &back, &box);
     return box;
 }
 

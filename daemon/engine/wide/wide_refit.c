@@ -210,10 +210,13 @@ static void fold_chunk(const struct eng_wide *wide, const struct eng_wide_tree *
     uint32_t first = node * ENG_WIDE;
     struct eng_extents below[ENG_WIDE_CHUNK_BLOCKS];
     bool is_quantised = wide->has_quantised && !wide->is_swept;
+    const struct eng_wide_back back = eng_wide_back_of(&wide->quantising);
     for (uint32_t i = 0; is_quantised && i < count * ENG_WIDE; i++) {
-        below[i] = first + i < tree->block_count[0]
-                       ? eng_wide_box(wide, tree, 0, first + i)
-                       : nowhere;
+        if (first + i < tree->block_count[0]) {
+            eng_wide_box_of(&tree->quantised_boxes[first + i], &back, &below[i]);
+        } else {
+            below[i] = nowhere;
+        }
     }
     wide->kernels->box_fold(is_quantised ? below : tree->float_boxes + first, count,
                             wide->is_swept, eng_wide_blocks(tree, 1) + node,
