@@ -106,7 +106,16 @@ for options in '' '--jobs 2' '--results cut.jsonl'; do
     check 4 $options cut%d.obj && grep -qE 'cut2.obj' err && grep -q '^ *1  cut1.obj: 0 ' out &&
         ! grep -q '^verdict' out || { echo "$options:"; cat out err; } >>"$log"
 done
-says '^so far +' && [ "$(wc -l <cut.jsonl)" -eq 3 ] && [ ! -s "$log" ]
+says '^so far +' && [ "$(wc -l <cut.jsonl)" -eq 3 ] && [ ! -s "$log" ] && python3 - <<'END'
+import struct
+rows = [[float(x) for line in open(f"seq{i}.obj") if line[0] == "v" for x in line.split()[1:]] for i in range(4)]
+head = struct.pack("<12siiffi", b"POINTCACHE2", 1, 12, 0, 1, 7)
+with open("cut.pc2", "wb") as to:
+    to.write(head + b"".join(struct.pack("<36f", *row) for row in rows)[:-20])
+END
+[ $? -eq 0 ] && check 4 seq0.obj cut.pc2 && says '^ *1  cut.pc2 frame 1: 0 ' '^ *2  cut.pc2 frame 2: 1 ' '^so far +meets' &&
+    grep -qx 'pccdctl: cut.pc2: frame 3 is cut off: by its header, 7 frames of 12 vertices, it has 1040 bytes; it has 588' err &&
+    ! ctl near --private seq0.obj cut.pc2
 report judge__of_frames_that_are_cut_off_says_what_was_whole
 
 # If it failed, a certificate would be believed whatever it says, or not be reproduced elsewhere.

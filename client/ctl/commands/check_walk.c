@@ -15,6 +15,7 @@
 /* Everything that lives while the frames are walked through. */
 struct walk {
     const struct check_command *command;
+    struct ctl_frames_options frames; /* the command's; what is cut off is judged, too */
     struct scene scene;
     uint32_t begin, end; /* steps begin + 1 to end are asked for */
     uint32_t at;         /* the last step that is known */
@@ -483,10 +484,12 @@ static void walk_init(struct walk *walk, const struct check_command *command)
 {
     const struct ask_options *ask = &command->check.ask;
     *walk = (struct walk){.command = command,
-                          .scene = {.settings = &ask->object, .frames = &ask->frames},
+                          .frames = ask->frames,
+                          .scene = {.settings = &ask->object, .frames = &walk->frames},
                           .lines = CHECK_LINES_INIT,
                           .failing = {.options = &command->failing},
                           .report = ask_report_to(ask)};
+    walk->frames.wish.takes_cut = true;
     if (command->results.path != NULL && strcmp(command->results.path, "-") == 0) {
         walk->report = stderr;
     }
@@ -570,6 +573,8 @@ int check_verify(const char *certificate, struct check_command *command)
     }
     walk.expected = expected;
     if (status == PCCD_OK) {
+        walk.frames = command->check.ask.frames;
+        walk.frames.wish.takes_cut = true;
         files->count -= (uint32_t)with;
         command->scene.with = (struct scene_texts){.list = files->list + files->count,
                                                    .count = (size_t)with};

@@ -17,6 +17,8 @@
 struct ctl_motion_wish {
     double rate;           /* frames a second, finite and > 0; 0: at its keyframes */
     const char *animation; /* its name, or number from 0; NULL: what the reader chooses */
+    bool takes_cut;        /* of a point cache that is cut off behind its second frame,
+                              those that are not whole are there, and cannot be read */
 };
 
 struct ctl_mesh;
@@ -61,8 +63,7 @@ void ctl_motion_close(struct ctl_motion *motion);
 
 /* All frames of a file. Of glTF without a wish for one all animations that move a mesh
  * are played at once, if no two of them move the same thing; else the first of them.
- * E_INVAL: there is no animation that is wished for. Of point caches, of which nothing is
- * wished for, a piece of 64 KiB is in memory, of a pipe all. */
+ * E_INVAL: there is no animation that is wished for. Of point caches a piece of 64 KiB is in memory, of a pipe all. */
 ctl_motion_reader ctl_gltf_open, ctl_pc2_open, ctl_mdd_open;
 
 #endif

@@ -29,6 +29,7 @@ static const struct kind pc2 = {false, 32, 28, 16}, mdd = {true, 8, 0, 4};
 struct cache {
     struct kind kind;
     uint64_t first_byte; /* of the first frame's positions */
+    uint64_t bytes;      /* of the file, by its header */
 };
 
 static uint32_t word_at(const struct cache *cache, const char *at)
@@ -81,10 +82,20 @@ static bool is_same(struct ctl_file *file, uint64_t first_byte, uint64_t frame_b
     return is_same;
 }
 
+/* Refuse a file of another size than its header says; `before`: what that is about. */
+static int refuse_size(const struct ctl_file *file, const char *before, uint32_t frames,
+                       uint32_t vertices, uint64_t said, struct ctl_error *error)
+{
+    return ctl_error_set(error, PCCD_E_FORMAT,
+                         "%s: %sby its header, %" PRIu32 " frames of %" PRIu32
+                         " vertices, it has %" PRIu64 " bytes; it has %" PRIu64,
+                         file->path, before, frames, vertices, said, ctl_file_size(file));
+}
+
 /* The size that the header says is the file's. Blender writes the first frame of an MDD
  * twice, and counts it once. */
 static int judge_size(struct ctl_file *file, struct cache *cache, uint32_t frames,
-                      uint32_t vertices)
+                      uint32_t vertices, bool takes_cut)
 {
     uint64_t size = ctl_file_size(file), frame_bytes = VERTEX_BYTES * vertices, said;
     cache->first_byte =
@@ -96,12 +107,12 @@ static int judge_size(struct ctl_file *file, struct cache *cache, uint32_t frame
     bool is_double = cache->kind.is_mdd && said < size && size - said == frame_bytes &&
                      is_same(file, cache->first_byte, frame_bytes);
     cache->first_byte += is_double ? frame_bytes : 0;
-    return file->status != PCCD_OK || said == size || is_double
+    bool is_cut = takes_cut && said > size && said != UINT64_MAX &&
+                  size >= cache->first_byte + 2 * frame_bytes;
+    cache->bytes = said;
+    return file->status != PCCD_OK || said == size || is_double || is_cut
                ? file->status
-               : ctl_error_set(file->error, PCCD_E_FORMAT,
-                               "%s: by its header, %" PRIu32 " frames of %" PRIu32
-                               " vertices, it has %" PRIu64 " bytes; it has %" PRIu64,
-                               file->path, frames, vertices, said, size);
+               : refuse_size(file, "", frames, vertices, said, file->error);
 }
 
 static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
@@ -113,6 +124,12 @@ static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
     const uint64_t first = cache->first_byte + bytes * frame;
     char piece[PIECE_BYTES];
     float *to = x;
+    if (first + bytes > ctl_file_size(file)) {
+        char before[40];
+        (void)snprintf(before, sizeof before, "frame %" PRIu32 " is cut off: ", frame);
+        return refuse_size(file, before, motion->frame_count, motion->vertex_count,
+                           cache->bytes, error);
+    }
     for (uint64_t at = 0; at < bytes; at += sizeof piece) {
         size_t now = bytes - at < sizeof piece ? (size_t)(bytes - at) : sizeof piece;
         int status = read_at(file, first + at, piece, now, error);
@@ -149,7 +166,7 @@ static void name_frame(const struct ctl_motion *motion, uint32_t frame, char *te
                    is_mdd ? first : first + step * frame);
 }
 
-static int open_cache(struct ctl_motion *motion, const struct kind *kind)
+static int open_cache(struct ctl_motion *motion, const struct kind *kind, bool takes_cut)
 {
     struct ctl_file *file = &motion->file;
     const char *header = file->data;
@@ -187,17 +204,15 @@ static int open_cache(struct ctl_motion *motion, const struct kind *kind)
     motion->format = PCCD_FORMAT_F32;
     motion->read = read_frame;
     motion->name = name_frame;
-    return judge_size(file, cache, frames, vertices);
+    return judge_size(file, cache, frames, vertices, takes_cut);
 }
 
 int ctl_pc2_open(struct ctl_motion *motion, const struct ctl_motion_wish *wish)
 {
-    (void)wish;
-    return open_cache(motion, &pc2);
+    return open_cache(motion, &pc2, wish != NULL && wish->takes_cut);
 }
 
 int ctl_mdd_open(struct ctl_motion *motion, const struct ctl_motion_wish *wish)
 {
-    (void)wish;
-    return open_cache(motion, &mdd);
+    return open_cache(motion, &mdd, wish != NULL && wish->takes_cut);
 }
