@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "confined.h"
 #include "ctl.h"
 #include "pccd_types.h"
 
@@ -138,11 +139,15 @@ static int list_numbers(const struct pattern *pattern, struct numbers *numbers,
 {
     size_t length = (size_t)(pattern->file - pattern->name);
     char *folder = length > 0 ? strndup(pattern->name, length) : strdup(".");
-    DIR *entries = folder != NULL ? opendir(folder) : NULL;
+    int fd = folder != NULL ? tool_open(folder) : -1;
+    DIR *entries = fd >= 0 ? fdopendir(fd) : NULL;
     int status = folder == NULL ? no_memory(error) : PCCD_OK;
     if (status == PCCD_OK && entries == NULL) {
         status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot read the folder: %s",
-                               pattern->name, strerror(errno));
+                               pattern->name, tool_why(errno));
+        if (fd >= 0) {
+            (void)close(fd);
+        }
     }
     while (status == PCCD_OK) {
         const struct dirent *entry = readdir(entries);

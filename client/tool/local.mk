@@ -2,6 +2,7 @@
 
 noinst_LTLIBRARIES += libtools.la
 libtools_la_SOURCES = \
+    client/tool/confined.c \
     client/tool/shown.c \
     client/tool/whole_file.c
 tool_cppflags = -iquote $(top_srcdir)/client/tool $(text_cppflags)

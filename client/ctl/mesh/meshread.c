@@ -1,12 +1,12 @@
 /* client/ctl/mesh/meshread.c - tells what a file is, and has a mesh read from it. */
 #include <ctype.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "confined.h"
 #include "meshfile.h"
 
 static bool is_json(const struct ctl_file *file)
@@ -97,7 +97,7 @@ static const struct format *format_of_path(const char *path)
     char begin[512];
     struct ctl_file file = {.path = path, .data = begin};
     struct stat info;
-    int fd = ctl_mesh_is_pipe(path) ? -1 : open(path, O_RDONLY | O_CLOEXEC);
+    int fd = ctl_mesh_is_pipe(path) ? -1 : tool_open(path);
     if (fd >= 0) {
         ssize_t got = read(fd, begin, sizeof begin - 1);
         file.bytes = got > 0 ? (size_t)got : 0;

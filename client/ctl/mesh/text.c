@@ -5,7 +5,6 @@
 #include "text.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
@@ -17,6 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "confined.h"
 #include "pccd_types.h"
 
 /* The window of a larger file. Of a small one only as much is touched as it has. */
@@ -114,11 +114,11 @@ int ctl_file_open(const char *path, struct ctl_file *file, struct ctl_error *err
 {
     struct stat info;
     *file = (struct ctl_file){
-        .path = path, .error = error, .fd = open(path, O_RDONLY | O_CLOEXEC)};
+        .path = path, .error = error, .fd = tool_open(path)};
     file->is_open = file->has_more = file->fd >= 0;
     if (!file->is_open || fstat(file->fd, &info) != 0) {
         file->status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot %s: %s", path,
-                                     file->is_open ? "stat" : "open", strerror(errno));
+                                     file->is_open ? "stat" : "open", tool_why(errno));
     } else if (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode)) {
         file->status = ctl_error_set(error, PCCD_E_FORMAT,
                                      "%s: a device, neither file nor pipe", path);
