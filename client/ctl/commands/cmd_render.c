@@ -109,7 +109,7 @@ static void take_output(struct argp_state *state, const struct option_row *row,
     (void)row;
     render->is_film = tool_ends_with(text, ".apng");
     if (!render->is_film && !tool_ends_with(text, ".png") &&
-        !tool_ends_with(text, ".svg")) {
+        !tool_ends_with(text, ".svg") && strcmp(text, "-") != 0) {
         option_misused(state, "-o: \"%s\" ends with neither .png, .svg nor .apng", text);
     }
     render->path = text;
@@ -152,7 +152,8 @@ static const struct option_row rows[] = {
     CTL_OUTPUT,
     {"output", 'o', "FILE",
      "Where the picture goes: FILE.png; FILE.svg with contacts and legend as shapes and "
-     "text; FILE.apng, a film of all steps, which browsers show",
+     "text; FILE.apng, a film of all steps, which browsers show; -, a PNG to the "
+     "standard output, and no report",
      OPTION_OWN, .at = AT(path), .take = take_output,
      .needed = "-o FILE.png, .svg or .apng says what to draw"},
     {"rate", 0, "N",
@@ -367,7 +368,7 @@ static int make_picture(const struct render *render, struct whole_file *file,
                                snapshot.step);
     }
     if (status == PCCD_OK) {
-        status = output_open(file, render->path, false, error);
+        status = output_open(file, render->path, true, error);
     }
     if (status == PCCD_OK) {
         status = render_draw(render, &snapshot, file->to, NULL, NULL, error);
@@ -381,7 +382,9 @@ static int make_picture(const struct render *render, struct whole_file *file,
             ctl_complain("nothing in %s %" PRIu64 " has a thickness",
                          render->is_near ? "question" : "step", snapshot.step);
         }
-        snapshot_report(&snapshot, render->path, render->options.is_json);
+        if (strcmp(render->path, "-") != 0) {
+            snapshot_report(&snapshot, render->path, render->options.is_json);
+        }
     }
     snapshot_deinit(&snapshot);
     return status;
