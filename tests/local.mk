@@ -97,6 +97,7 @@ test_scripts += \
     tests/docs/test_site.sh \
     tests/inspect/test_inspect_page.sh \
     tests/inspect/test_make_page.sh \
+    tests/mcp/test_mcp.sh \
     tests/model/check_models.sh \
     tests/proto/test_proto_document.sh \
     tests/python/test_python_client.sh \

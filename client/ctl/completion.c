@@ -34,7 +34,7 @@ static bool is_file(const char *argument)
     return argument != NULL && !has_words(argument) &&
            (strstr(argument, "FILE") != NULL || strstr(argument, "PATH") != NULL ||
             strstr(argument, "PROGRAM") != NULL || strstr(argument, "MESH") != NULL ||
-            strstr(argument, "FRAME") != NULL);
+            strstr(argument, "FRAME") != NULL || strstr(argument, "FOLDER") != NULL);
 }
 
 /* The words of "[a|b|c] [NAME]", with blanks between them. */

@@ -34,6 +34,7 @@ struct ctl_error;
     X(render, "draw a step of a recording")                                              \
     X(export, "write a step of a recording for Blender or ParaView")                     \
     X(inspect, "write a recording as a page for a browser")                              \
+    X(mcp, "give agents tools, by the Model Context Protocol")                           \
     X(demo, "stream a falling cloth through a daemon and draw its contacts")             \
     X(completion, "print what a shell needs to complete commands and options")           \
     X(version, "print the versions of tool and library, and the daemon's process")

@@ -34,6 +34,7 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_inspect.c \
     client/ctl/commands/cmd_list.c \
     client/ctl/commands/cmd_load.c \
+    client/ctl/commands/cmd_mcp.c \
     client/ctl/commands/cmd_metrics.c \
     client/ctl/commands/cmd_near.c \
     client/ctl/commands/cmd_ping.c \
@@ -59,6 +60,8 @@ libctl_la_SOURCES = \
     client/ctl/inspect/page_file.c \
     client/ctl/commands/check_lines.c \
     client/ctl/judge/crossings.c client/ctl/judge/judge.c \
+    client/ctl/mcp/fields.c client/ctl/mcp/job.c client/ctl/mcp/kept.c \
+    client/ctl/mcp/look.c client/ctl/mcp/message.c client/ctl/mcp/tools.c \
     client/ctl/mesh/meshframes.c \
     client/ctl/mesh/gltf_animation.c \
     client/ctl/mesh/gltf_file.c \
@@ -108,6 +111,7 @@ libctl_la_SOURCES = \
     client/ctl/record/verify_report.c
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
+    -iquote $(top_srcdir)/client/ctl/mcp \
     -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/near -iquote $(top_srcdir)/client/ctl/observe \
     -iquote $(top_srcdir)/client/ctl/export -iquote $(top_srcdir)/client/ctl/inspect \
     -iquote $(top_srcdir)/client/ctl/judge \

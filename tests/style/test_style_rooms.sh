@@ -103,7 +103,8 @@ client/ctl record         . mesh scene check
 client/ctl export         . record
 client/ctl inspect        . check record export
 client/ctl picture        . record export
-client/ctl commands       . mesh scene check near observe judge record export inspect picture
+client/ctl mcp            . mesh scene check record
+client/ctl commands       . mesh scene check near observe judge record export inspect picture mcp
 '
 
 # Folder prefix, then the libraries beside the C library.
