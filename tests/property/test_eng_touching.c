@@ -524,7 +524,7 @@ static void check(struct trial *trial)
 static uint64_t wanted(void)
 {
     const char *text = getenv("PCCD_TOUCHING_PAIRS");
-    return text ? (uint64_t)strtod(text, NULL) : 20000;
+    return text ? (uint64_t)strtod(text, NULL) : 10000;
 }
 
 /* Signs, returns and what is left out are those of exact arithmetic. */

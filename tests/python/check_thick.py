@@ -74,6 +74,20 @@ class Thick(Case):
                                      (total * (height < 0), total * (height == 0),
                                       total * (height > 0)))
                     self.assertEqual(answer.safe_step, safe)
+            reached = np.empty((3, 3))
+            for height, must in ((0.5, 1), (-0.5, 0)):
+                motions = pccd.Motions()
+                motions.x0x1(upper, at(0.0), at(height))
+                part, answer = client.step_safe(scene, motions, [reached], left)
+                answer.release()
+                self.assertEqual((part, reached[0, 2]), (must, max(height, 0)))
+            with client.step_x0x1(scene, upper, at(0), at(0.0), left):
+                pass
+            batch = client.batch([pccd.Part(scene, upper, 3)])
+            for height, safe in ((0.5, 1), (0.0, None), (-0.5, 0)):
+                with batch.step(at(height)[np.newaxis], left) as answer:
+                    if safe is not None:  # it began at 0
+                        self.assertEqual(answer.scenes[0]["total"], 0 if safe else total)
         with self.assertRaisesRegex(pccd.PccdError, "kept, told, left_out"):
             pccd.StepSettings(touching="left")
 
