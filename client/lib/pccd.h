@@ -717,7 +717,8 @@ int pccd_step(struct pccd_client *client, uint32_t scene,
  * (PCCD_INITIAL) leaves no way to go, unless the settings have an `approach`, or leave
  * out what touches and does not enter (`touching`). The answer is that of the whole step,
  * in the mode that was asked for, and the caller's to release; an incomplete one, and
- * mode any or pairs with a hit, are taken for a contact at t = 0. Errors: those of pccd_step; E_INVAL: no x0, x1 or x, x lies in one of the other two,
+ * mode any or pairs with a hit, are taken for a contact at t = 0.
+ * Errors: those of pccd_step; E_INVAL: no x0, x1 or x, x lies in one of the other two,
  * or settings with `hold`. */
 int pccd_step_safe(struct pccd_client *client, uint32_t scene,
                    const struct pccd_motion *motions, uint32_t motion_count,
