@@ -153,10 +153,6 @@ void eng_narrow_begin(struct eng_worker *worker)
 
 /* ---- contacts ---------------------------------------------------------------------- */
 
-/* So many bytes behind a contact that is written the list is fetched: when those of the
- * next chunk come, it is not in the near caches any more. */
-#define FETCHED_AHEAD 4096u
-
 /* Fill in records one behind the other, and widen the range of their names. */
 static void write_contacts(struct pccd_contact *contacts, const struct pccd_pair *names,
                            const struct eng_hit *hits, uint32_t count,
@@ -169,7 +165,7 @@ static void write_contacts(struct pccd_contact *contacts, const struct pccd_pair
                                         names[i].feature_a, names[i].object_b,
                                         names[i].feature_b}};
         assert(hit->toi <= hit->toi_hi); /* a bracket, NaN in neither end */
-        __builtin_prefetch((const unsigned char *)&contacts[i] + FETCHED_AHEAD, 1);
+        __builtin_prefetch((const unsigned char *)&contacts[i] + ENG_FETCHED_AHEAD, 1);
         eng_name_range_add(&all, &words);
         contacts[i] = (struct pccd_contact){
             .kind = names[i].kind,

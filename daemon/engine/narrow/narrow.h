@@ -100,6 +100,10 @@ void eng_narrow_test(struct eng_worker *worker, struct eng_pairs *pairs,
 
 /* ---- within this folder ------------------------------------------------------------ */
 
+/* So many bytes behind a record that is written the list is fetched: when those of the
+ * next chunk come, it is not in the near caches any more. */
+#define ENG_FETCHED_AHEAD 4096u
+
 /* In a step with thickness: those of the pairs that meet at a distance to parts[0], the
  * others to parts[1]. */
 void eng_narrow_split(struct eng_worker *worker, const struct eng_pairs *pairs,

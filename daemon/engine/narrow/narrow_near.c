@@ -122,6 +122,7 @@ static void keep_records(struct eng_worker *worker, const struct pccd_pair *name
         struct pccd_near *records = slots;
         for (uint32_t k = 0; k < n; k++) {
             keys[k] = key_of(found, &names[i + k]);
+            __builtin_prefetch((const unsigned char *)&records[k] + ENG_FETCHED_AHEAD, 1);
             write_record(&records[k], &names[i + k], &distances[i + k]);
         }
         eng_found_close(found, n);
