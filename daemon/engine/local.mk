@@ -88,6 +88,7 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_crowded.c \
     daemon/engine/wide/wide_faces.c \
     daemon/engine/wide/wide_join.c \
+    daemon/engine/wide/wide_leads.c \
     daemon/engine/wide/wide_sort.c \
     daemon/engine/wide/wide_method.c \
     daemon/engine/wide/wide_cells.c \

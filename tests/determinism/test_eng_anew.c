@@ -20,6 +20,7 @@ struct world {
     struct eng_question settings;
     struct eng_step_result result; /* of the last step */
     uint32_t moves;                /* of the patch, so far */
+    bool asks_bounds;              /* of vertices, after each step, too */
 };
 
 /* A sheet of side x side squares with its corner at `at`; its third column of vertices
@@ -91,6 +92,25 @@ static void lift(struct world *world, uint32_t id, uint32_t first, uint32_t coun
     free(x1);
 }
 
+/* Ask what is near each vertex now: a fresh scene must answer it so, whatever pairs set
+ * the bounds of the last answer. */
+static void check_bounds(struct world *world)
+{
+    struct eng_question question = world->settings;
+    struct eng_step_result result;
+    struct answer fresh;
+    question.verb = PCCD_NEAR_VERTICES;
+    question.distance = 2 * CELL;
+    question.end = 1;
+    assert_ok(eng_near(world->player.scene, &question, &result));
+    answer_find_fresh(&world->player, &question, &fresh);
+    const char *difference = answer_difference(&fresh, &result);
+    if (difference) {
+        fail_msg("other bounds: %s", difference);
+    }
+    answer_free(&fresh);
+}
+
 /* The step that is staged must be answered as by a fresh scene. */
 static void check_step(struct world *world)
 {
@@ -107,6 +127,9 @@ static void check_step(struct world *world)
     }
     assert_true(way_tree_is_sound(world->player.scene, &world->result));
     answer_free(&fresh);
+    if (world->asks_bounds) {
+        check_bounds(world);
+    }
 }
 
 /* A few vertices of the cloth go up or down through the floor and the tile; all else
@@ -161,6 +184,8 @@ static void for_each_way(void (*happen)(struct world *))
     for (uint32_t way = 0; way < 2 * WAY_METHODS; way++) {
         struct world world;
         begin(&world, way_methods[way / 2], 1 + way % 2);
+        world.asks_bounds = true;
+        go_on(&world, 1);
         happen(&world);
         go_on(&world, 2);
         end(&world);

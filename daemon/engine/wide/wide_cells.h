@@ -147,21 +147,25 @@ static inline float eng_wide_cells_of(double distance)
 }
 
 /* To each of four marks something is known to be as near as `cells`, at most the reach
- * that the sieve is asked with. Of two that two threads tell at once either may stay. */
-static inline void eng_wide_mark_near(struct eng_mark *marks, const uint32_t quad[4],
+ * that the sieve is asked with. Of two that two threads tell at once either may stay.
+ * Bit k: it was not known of point k. */
+static inline uint32_t eng_wide_mark_near(struct eng_mark *marks, const uint32_t quad[4],
                                       uint32_t end, float reach, float cells)
 {
     int32_t bits[2];
     memcpy(&bits[0], &reach, sizeof bits[0]);
     memcpy(&bits[1], &cells, sizeof bits[1]);
     int32_t less = bits[0] - bits[1];
+    uint32_t is_new = 0;
     for (int k = 0; k < 4; k++) {
         struct eng_mark *mark = &marks[quad[k]];
         _Atomic int32_t *known = end == 0 ? &mark->less0 : &mark->less1;
         if (atomic_load_explicit(known, memory_order_relaxed) < less) {
             atomic_store_explicit(known, less, memory_order_relaxed);
+            is_new |= 1u << k;
         }
     }
+    return is_new;
 }
 
 /* Return, after the refit, whether a sieve may use the marks. [any] */

@@ -198,6 +198,10 @@ static int prepare(struct eng_team *team, const struct eng_question *question)
     if (has_changed) {
         eng_wide_resort_unlearn(&eng_wide_state_of(scene)->resort);
     }
+    if (status == PCCD_OK && eng_near_prunes(question)) {
+        status = eng_wide_leads_reserve(&eng_wide_state_of(scene)->leads,
+                                        eng_wide_of(scene));
+    }
     for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
         status = eng_wide_work_reserve(team->workers[i]);
     }
@@ -256,6 +260,8 @@ static void start(struct eng_team *team, const struct eng_question *question)
     wide->kernels = team->workers[0]->kernels;
     if (eng_near_prunes(question)) {
         eng_wide_forget_near(wide, question->end);
+        eng_wide_leads_begin(&eng_wide_state_of(team->scene)->leads, wide,
+                             team->scene->masks.version);
     }
     if (team->has_boxes) {
         return;

@@ -27,6 +27,7 @@ static void destroy(struct eng_scene *scene)
         eng_wide_deinit(&state->trees);
         eng_wide_owners_deinit(&state->owners);
         eng_wide_resort_deinit(&state->resort);
+        eng_wide_leads_deinit(&state->leads);
         eng_free(state);
         scene->slots[ENG_SLOT_WIDE] = NULL;
     }
@@ -43,7 +44,8 @@ static uint64_t bytes(const struct eng_scene *scene)
         }
     }
     return sizeof *state + orders + eng_wide_bytes(&state->trees) +
-           eng_wide_owners_bytes(&state->owners) + eng_wide_resort_bytes(&state->resort);
+           eng_wide_owners_bytes(&state->owners) + eng_wide_resort_bytes(&state->resort) +
+           eng_wide_leads_bytes(&state->leads);
 }
 
 static int add(struct eng_scene *scene, struct eng_object *object)
@@ -89,6 +91,7 @@ static void emptied(struct eng_scene *scene)
     struct eng_wide_state *state = eng_wide_state_of(scene);
     eng_wide_deinit(&state->trees);
     eng_wide_owners_deinit(&state->owners);
+    eng_wide_leads_deinit(&state->leads);
     memset(&state->trees, 0, sizeof state->trees);
     memset(&state->owners, 0, sizeof state->owners);
     eng_wide_init(&state->trees);

@@ -7,6 +7,7 @@
 
 #include "method.h"
 #include "wide.h"
+#include "wide_leads.h"
 #include "wide_owner.h"
 #include "wide_resort.h"
 
@@ -14,6 +15,7 @@ struct eng_wide_state {
     struct eng_wide trees;         /* first: eng_wide_of finds them by it */
     struct eng_wide_owners owners; /* made anew after the trees */
     struct eng_wide_resort resort;
+    struct eng_wide_leads leads; /* of bounds of vertices, once they were asked for */
     uint64_t left_out; /* triangles of rigid objects that `resort` has learned without */
 };
 

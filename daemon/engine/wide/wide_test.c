@@ -25,6 +25,10 @@
 #define NEXT_PAYS_BELOW   4u
 #define FILTER_PAYS_BELOW 16u
 
+/* Part of the reach within which a pair that bounds a vertex is asked first in the next
+ * answer: one that is farther leaves out few others. */
+#define LEADS_WITHIN 0.5
+
 int eng_wide_work_reserve(struct eng_worker *worker)
 {
     if (!worker->work[PCCD_METHOD_WIDE]) {
@@ -234,10 +238,13 @@ static enum eng_known sieve(struct eng_worker *worker, uint32_t kind,
     return known;
 }
 
-/* Tell the points of the pairs of work->quads what was found: a pair that is farther
- * apart than the bound of each of its own and any radii is not looked for any more. */
-static void tell_marks(struct eng_worker *worker, enum pccd_kind kind)
+/* Tell the points of the pairs of a chunk, of work->quads, what was found: a pair that is
+ * farther apart than the bound of each of its own and any radii is not looked for any
+ * more. */
+static void tell_marks(struct eng_worker *worker, enum pccd_kind kind,
+                       const struct eng_wide_chunk *chunk)
 {
+    struct eng_wide_leads *leads = &eng_wide_state_of(worker->scene)->leads;
     struct eng_wide *wide = eng_wide_of(worker->scene);
     const struct eng_batch *batch = &eng_narrow_of(worker)->batch;
     const struct eng_wide_work *work = eng_wide_work_of(worker);
@@ -250,8 +257,15 @@ static void tell_marks(struct eng_worker *worker, enum pccd_kind kind)
         if (radii > 0) { /* they are taken off lengths that are rounded down to 33 bits */
             known = (known + radii) * (1 + 0x1p-30);
         }
-        eng_wide_mark_near(wide->marks, work->quads[batch->index[i]], question->end,
-                           reach, eng_wide_cells_of(known * scale));
+        const uint32_t pair = batch->index[i];
+        const uint32_t *quad = work->quads[pair];
+        uint32_t is_new = eng_wide_mark_near(wide->marks, quad, question->end, reach,
+                                             eng_wide_cells_of(known * scale));
+        is_new = known < LEADS_WITHIN * question->sought.reach ? is_new : 0;
+        for (; is_new != 0; is_new &= is_new - 1) {
+            eng_wide_leads_learn(leads, quad[__builtin_ctz(is_new)], kind, chunk->a[pair],
+                                 chunk->b[pair]);
+        }
     }
 }
 
@@ -282,7 +296,7 @@ static void test(struct eng_worker *worker, uint32_t kind, struct eng_wide_chunk
     }
     eng_narrow_test(worker, &pairs, name_pairs);
     if (work->sieves[kind].prunes) {
-        tell_marks(worker, (enum pccd_kind)kind);
+        tell_marks(worker, (enum pccd_kind)kind, chunk);
     }
 }
 
@@ -346,6 +360,22 @@ static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk
     eng_count_test_time(worker, kind, count, begin_ns);
 }
 
+/* Pairs that bounded vertices in the last answer. */
+static void test_leads(struct eng_worker *worker)
+{
+    struct eng_wide_leads *leads = &eng_wide_state_of(worker->scene)->leads;
+    struct eng_wide_chunk *chunks = eng_wide_work_of(worker)->join.chunks;
+    while (!eng_worker_should_stop(worker) &&
+           eng_wide_leads_take(leads, eng_wide_of(worker->scene), chunks)) {
+        for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+            if (chunks[kind].count > 0) {
+                test(worker, kind, &chunks[kind]);
+                chunks[kind].count = 0;
+            }
+        }
+    }
+}
+
 void eng_wide_work_begin(struct eng_worker *worker)
 {
     assert(eng_wide_work_of(worker)); /* reserved */
@@ -382,6 +412,9 @@ void eng_wide_work_begin(struct eng_worker *worker)
         work->times[kind] = (struct eng_wide_times){0, 0};
     }
     look(worker);
+    if (eng_near_prunes(worker->question)) {
+        test_leads(worker);
+    }
 }
 
 void eng_wide_work_end(struct eng_worker *worker)
