@@ -231,6 +231,9 @@ meets box0.obj box1.obj && says '^contacts +36: ' '^safe step +0$' && ! grep -q 
     meets --touching left-out box0.obj box0.obj box1.obj box-1.obj &&
     says 'box1.obj: 0 .*, 0 enter, 0 slide, 36 leave, ' &&
     ! ctl check --touching left box0.obj box1.obj &&
+    ctl check --touching left-out --results box.certificate box0.obj box0.obj box1.obj &&
+    says '^verdict +free: nothing enters what it touches, or meets, at frames or between them' &&
+    ctl verify box.certificate box0.obj box0.obj box1.obj &&
     ctl record -o box.rec --contacts -- "$PCCDCTL" check --touching left-out box0.obj box1.obj &&
     ctl verify box.rec && ctl replay box.rec && says ' the same, 0 not$'
 report "check lets a box go that leaves its floor, and none that goes in"

@@ -107,6 +107,7 @@ static const struct column settings[] = {
     {"tolerance", .type = COLUMN_REAL, OF(check.settings.tolerance)},
     {"separation", .type = COLUMN_REAL, OF(check.settings.separation)},
     {"approach", .type = COLUMN_REAL, OF(check.settings.approach)},
+    {"touching", .type = COLUMN_NUMBER, OF(check.settings.touching)},
     {"thickness", .type = COLUMN_REAL, OF(check.ask.object.radius)},
     {"rest_exclusion", .type = COLUMN_REAL, OF(check.ask.object.rest_distance)},
     {"rings", .type = COLUMN_NUMBER, OF(check.ask.object.rest_rings)},

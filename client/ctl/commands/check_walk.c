@@ -511,6 +511,7 @@ static int walk_all(struct walk *walk, struct ctl_error *error)
     walk->is_judged =
         !command->check.ask.is_json && (walk->scene.count > 2 || asked->path != NULL ||
                                         asked->jobs > 1 || walk->expected != NULL);
+    walk->judge.leaves_out = command->check.settings.touching == PCCD_TOUCHING_LEFT_OUT;
     walk->judge.is_thick = command->check.settings.separation > 0;
     for (uint32_t i = 0; i < walk->scene.object_count; i++) {
         walk->judge.is_thick =

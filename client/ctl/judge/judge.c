@@ -268,7 +268,8 @@ static void print_verdict(FILE *to, const struct judge *judge)
     } else if (judge->incomplete > 0) {
         fputs("not known: an answer is incomplete", to);
     } else {
-        fputs("free: nothing meets, at frames or between them", to);
+        fprintf(to, "free: nothing %s, at frames or between them",
+                judge->leaves_out ? "enters what it touches, or meets" : "meets");
     }
 }
 

@@ -85,7 +85,8 @@ bool judged_read(const json_t *line, struct judged *judged);
 /* ---- All of them. */
 
 struct judge {
-    bool is_thick; /* the caller's: something meets before it touches */
+    bool is_thick;   /* the caller's: something meets before it touches */
+    bool leaves_out; /* the caller's: what touches and does not enter is no contact */
     uint32_t steps, incomplete;
     uint32_t meeting;             /* steps in which something meets */
     uint32_t meets_at;            /* the first of them */
