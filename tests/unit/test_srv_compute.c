@@ -135,6 +135,14 @@ static void name_job(struct named_job *named, struct fixture *fixture, int name,
     named->parts = 0;
 }
 
+/* Name a job and queue it. */
+static void push(struct fixture *fixture, struct srv_job_list *list,
+                 struct named_job *named, int name, srv_job_fn run)
+{
+    name_job(named, fixture, name, run);
+    assert_int_equal(srv_compute_push(&fixture->compute, list, &named->job), 0);
+}
+
 static int set_up(void **state)
 {
     static struct fixture fixture;
@@ -181,8 +189,7 @@ static void drain(struct fixture *fixture, int count)
 static void block(struct fixture *fixture, struct srv_job_list *list,
                   struct named_job *gate)
 {
-    name_job(gate, fixture, -1, run_gate);
-    assert_int_equal(srv_compute_push(&fixture->compute, list, &gate->job), 0);
+    push(fixture, list, gate, -1, run_gate);
     sem_wait(&fixture->blocked);
 }
 
@@ -193,8 +200,7 @@ CASE_WITH(compute__jobs_of_a_lane_run_in_order, set_up, tear_down)
     struct srv_job_list list = {.group = &fixture->group};
     struct named_job jobs[50];
     for (int i = 0; i < 50; i++) {
-        name_job(&jobs[i], fixture, i, run_named);
-        assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[i].job), 0);
+        push(fixture, &list, &jobs[i], i, run_named);
     }
     drain(fixture, 50);
     srv_compute_stop(&fixture->compute);
@@ -229,9 +235,7 @@ CASE_WITH(compute__users_and_their_sessions_take_turns, set_up, tear_down)
     open_lists(&none, lists + 3, 1);
     block(fixture, &lists[3], &gate);
     for (int i = 0; i < 16; i++) {
-        name_job(&jobs[i], fixture, i, run_long);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lists[i / 6], &jobs[i].job),
-                         0);
+        push(fixture, &lists[i / 6], &jobs[i], i, run_long);
     }
     assert_int_equal(srv_compute_queued(&fixture->compute), 16);
     sem_post(&fixture->gate);
@@ -244,52 +248,40 @@ CASE_WITH(compute__users_and_their_sessions_take_turns, set_up, tear_down)
     assert_true(place_of(fixture, 1) <= 8 && place_of(fixture, 7) <= 8);
 }
 
+/* Queue `count` jobs, `each` of a session, of which the first runs as `first` says, and
+ * check in which order they run. */
+static void expect_order(struct fixture *fixture, int count, int each, srv_job_fn first,
+                         srv_job_fn others, const int *expected, int run_count)
+{
+    struct srv_job_list lists[3];
+    struct named_job gate;
+    struct named_job jobs[6];
+    open_lists(&fixture->group, lists, 3);
+    block(fixture, &lists[2], &gate);
+    for (int i = 0; i < count; i++) {
+        push(fixture, &lists[i / each], &jobs[i], i, i == 0 ? first : others);
+    }
+    sem_post(&fixture->gate);
+    drain(fixture, count + 1);
+    srv_compute_stop(&fixture->compute);
+    assert_int_equal(fixture->run_count, run_count);
+    assert_memory_equal(fixture->run, expected, (size_t)run_count * sizeof *expected);
+}
+
 /* Without it a session whose jobs take long would keep the others waiting as often as it
  * has jobs, however little they ask for. */
 CASE_WITH(compute__what_a_job_took_is_charged_to_its_lane, set_up, tear_down)
 {
-    struct fixture *fixture = *state;
-    struct srv_job_list lists[3];
-    struct named_job gate;
-    struct named_job jobs[6];
     static const int expected[6] = {0, 3, 4, 5, 1, 2};
-    open_lists(&fixture->group, lists, 3);
-    block(fixture, &lists[2], &gate);
-    for (int i = 0; i < 6; i++) {
-        name_job(&jobs[i], fixture, i, i == 0 ? run_long : run_named);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lists[i / 3], &jobs[i].job),
-                         0);
-    }
-    sem_post(&fixture->gate);
-    drain(fixture, 7);
-    srv_compute_stop(&fixture->compute);
-    for (int i = 0; i < 6; i++) {
-        assert_int_equal(fixture->run[i], expected[i]);
-    }
+    expect_order(*state, 6, 3, run_long, run_named, expected, 6);
 }
 
 /* Without it, where processors are short, a client would be made to wait because others
  * had the processor while its job ran. */
 CASE_WITH(compute__what_a_job_waits_is_not_charged, set_up, tear_down)
 {
-    struct fixture *fixture = *state;
-    struct srv_job_list lists[3];
-    struct named_job gate;
-    struct named_job jobs[4];
     static const int expected[4] = {0, 2, 1, 3};
-    open_lists(&fixture->group, lists, 3);
-    block(fixture, &lists[2], &gate);
-    for (int i = 0; i < 4; i++) {
-        name_job(&jobs[i], fixture, i, i == 0 ? run_late : run_short);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lists[i / 2], &jobs[i].job),
-                         0);
-    }
-    sem_post(&fixture->gate);
-    drain(fixture, 5);
-    srv_compute_stop(&fixture->compute);
-    for (int i = 0; i < 4; i++) {
-        assert_int_equal(fixture->run[i], expected[i]);
-    }
+    expect_order(*state, 4, 2, run_late, run_short, expected, 4);
 }
 
 /* Without it a large upload would hold up everybody for as long as it takes to copy; a
@@ -298,24 +290,8 @@ CASE_WITH(compute__what_a_job_waits_is_not_charged, set_up, tear_down)
 CASE_WITH(compute__others_come_between_the_parts_of_a_job, set_up, tear_down)
 {
     struct fixture *fixture = *state;
-    struct srv_job_list lists[3];
-    struct named_job gate;
-    struct named_job jobs[3];
     static const int expected[6] = {0, 2, 0, 0, 0, 1};
-    open_lists(&fixture->group, lists, 3);
-    block(fixture, &lists[2], &gate);
-    for (int i = 0; i < 3; i++) {
-        name_job(&jobs[i], fixture, i, i == 0 ? run_part : run_named);
-        assert_int_equal(srv_compute_push(&fixture->compute, &lists[i / 2], &jobs[i].job),
-                         0);
-    }
-    sem_post(&fixture->gate);
-    drain(fixture, 4);
-    srv_compute_stop(&fixture->compute);
-    assert_int_equal(fixture->run_count, 6);
-    for (int i = 0; i < 6; i++) {
-        assert_int_equal(fixture->run[i], expected[i]);
-    }
+    expect_order(fixture, 3, 2, run_part, run_named, expected, 6);
     assert_int_equal(fixture->done[1], 2); /* done once, when the last part is */
     assert_int_equal(fixture->done[2], 0);
 }
@@ -330,11 +306,9 @@ CASE_WITH(compute__a_job_can_be_removed_between_its_parts, set_up, tear_down)
     struct named_job job;
     open_lists(&fixture->group, lists, 2);
     block(fixture, &lists[1], &gate);
-    name_job(&job, fixture, 0, run_part);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lists[0], &job.job), 0);
+    push(fixture, &lists[0], &job, 0, run_part);
     struct named_job second;
-    name_job(&second, fixture, -1, run_gate);
-    assert_int_equal(srv_compute_push(&fixture->compute, &lists[1], &second.job), 0);
+    push(fixture, &lists[1], &second, -1, run_gate);
     sem_post(&fixture->gate);
     sem_wait(&fixture->blocked); /* the second gate: behind the first part, by its cost */
     assert_int_equal(fixture->run_count, 1);
@@ -355,8 +329,7 @@ CASE_WITH(compute__queue_is_bounded_but_not_for_reaping, set_up, tear_down)
     static struct named_job jobs[CAPACITY + 2];
     block(fixture, &list, &gate);
     for (uint32_t i = 0; i < CAPACITY; i++) {
-        name_job(&jobs[i], fixture, (int)i, run_named);
-        assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[i].job), 0);
+        push(fixture, &list, &jobs[i], (int)i, run_named);
     }
     name_job(&jobs[CAPACITY], fixture, 1000, run_named);
     assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[CAPACITY].job),
@@ -424,9 +397,7 @@ CASE_WITH(compute__removed_jobs_do_not_run, set_up, tear_down)
     open_lists(&fixture->group, lists, 3);
     block(fixture, &lists[0], &gate);
     for (int i = 0; i < 6; i++) {
-        name_job(&jobs[i], fixture, i, run_named);
-        assert_int_equal(
-            srv_compute_push(&fixture->compute, &lists[lane_of[i]], &jobs[i].job), 0);
+        push(fixture, &lists[lane_of[i]], &jobs[i], i, run_named);
     }
     assert_true(srv_compute_remove(&fixture->compute, &jobs[1].job));  /* in the middle */
     assert_true(srv_compute_remove(&fixture->compute, &jobs[3].job));  /* a whole list */
@@ -462,8 +433,7 @@ CASE_WITH(compute__only_queued_jobs_are_changed, set_up, tear_down)
     int changes = 0;
     open_lists(&fixture->group, &list, 1);
     block(fixture, &list, &gate);
-    name_job(&job, fixture, 0, run_named);
-    assert_int_equal(srv_compute_push(&fixture->compute, &list, &job.job), 0);
+    push(fixture, &list, &job, 0, run_named);
     assert_true(srv_compute_amend(&fixture->compute, &job.job, count_change, &changes));
     assert_false(srv_compute_amend(&fixture->compute, &gate.job, count_change, &changes));
     assert_int_equal(changes, 1);
@@ -481,8 +451,7 @@ CASE_WITH(compute__running_job_sees_its_cancel_flag, set_up, tear_down)
     struct fixture *fixture = *state;
     struct srv_job_list list = {.group = &fixture->group};
     struct named_job job;
-    name_job(&job, fixture, 1, run_until_cancelled);
-    assert_int_equal(srv_compute_push(&fixture->compute, &list, &job.job), 0);
+    push(fixture, &list, &job, 1, run_until_cancelled);
     sem_wait(&fixture->blocked);
     assert_false(srv_compute_remove(&fixture->compute, &job.job));
     atomic_store(&job.job.cancel, true);
@@ -499,8 +468,7 @@ CASE_WITH(compute__completions_are_batched, set_up, tear_down)
     struct named_job jobs[20];
     struct named_job gate;
     for (int i = 0; i < 20; i++) {
-        name_job(&jobs[i], fixture, i, run_named);
-        assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[i].job), 0);
+        push(fixture, &list, &jobs[i], i, run_named);
     }
     block(fixture, &list, &gate); /* now the 20 have finished and nobody has drained */
     assert_int_equal(atomic_load(&fixture->notify_count), 1);
