@@ -155,77 +155,62 @@ static void decode_same(const struct proto_envelope *envelope,
     assert_same_body(fields, sent, got.bytes);
 }
 
+/* Send random bodies of a message as `kind`, and compare what comes. */
+static void send_and_compare(struct fixture *fixture, int kind, int method)
+{
+    const struct proto_fields *fields = kind == PROTO_RESPONSE
+                                            ? &proto_messages[method].result
+                                            : &proto_messages[method].request;
+    for (int round = 0; round < ROUNDS; round++) {
+        union any_body sent;
+        struct proto_envelope envelope;
+        void *copy;
+        uint32_t id =
+            kind == PROTO_NOTIFICATION ? 0 : (uint32_t)random_magnitude(&fixture->random);
+        assert_true(fields->struct_bytes <= sizeof sent);
+        random_body(&fixture->random, fields, sent.bytes);
+        assert_int_equal(
+            kind == PROTO_REQUEST
+                ? proto_encode_request(&fixture->encoder, id, method, &sent)
+            : kind == PROTO_RESPONSE
+                ? proto_encode_result(&fixture->encoder, id, method, &sent)
+                : proto_encode_notification(&fixture->encoder, method, &sent),
+            0);
+        decode(fixture, &envelope, &copy);
+        assert_int_equal(envelope.kind, kind);
+        assert_int_equal(envelope.id, id);
+        if (kind != PROTO_NOTIFICATION) {
+            assert_false(envelope.failed);
+        }
+        if (kind != PROTO_RESPONSE) {
+            assert_int_equal(envelope.method, method);
+        }
+        decode_same(&envelope, fields, sent.bytes);
+        free(copy);
+    }
+}
+
 /* If this failed, a request would arrive with other values than it was sent with. */
 CASE(request__comes_back_with_the_same_fields)
 {
-    struct fixture *fixture = *state;
     for (int method = 0; method < PROTO_METHOD_COUNT; method++) {
-        const struct proto_fields *fields = &proto_messages[method].request;
-        for (int round = 0; round < ROUNDS; round++) {
-            union any_body sent;
-            struct proto_envelope envelope;
-            void *copy;
-            uint32_t id = (uint32_t)random_magnitude(&fixture->random);
-            assert_true(fields->struct_bytes <= sizeof sent);
-            random_body(&fixture->random, fields, sent.bytes);
-            assert_int_equal(proto_encode_request(&fixture->encoder, id, method, &sent),
-                             0);
-            decode(fixture, &envelope, &copy);
-            assert_int_equal(envelope.kind, PROTO_REQUEST);
-            assert_int_equal(envelope.id, id);
-            assert_int_equal(envelope.method, method);
-            assert_false(envelope.failed);
-            decode_same(&envelope, fields, sent.bytes);
-            free(copy);
-        }
+        send_and_compare(*state, PROTO_REQUEST, method);
     }
 }
 
 /* If this failed, an answer would arrive with other values than it was sent with. */
 CASE(result__comes_back_with_the_same_fields)
 {
-    struct fixture *fixture = *state;
     for (int method = 0; method < PROTO_METHOD_COUNT; method++) {
-        const struct proto_fields *fields = &proto_messages[method].result;
-        for (int round = 0; round < ROUNDS; round++) {
-            union any_body sent;
-            struct proto_envelope envelope;
-            void *copy;
-            uint32_t id = (uint32_t)random_magnitude(&fixture->random);
-            assert_true(fields->struct_bytes <= sizeof sent);
-            random_body(&fixture->random, fields, sent.bytes);
-            assert_int_equal(proto_encode_result(&fixture->encoder, id, method, &sent),
-                             0);
-            decode(fixture, &envelope, &copy);
-            assert_int_equal(envelope.kind, PROTO_RESPONSE);
-            assert_int_equal(envelope.id, id);
-            assert_false(envelope.failed);
-            decode_same(&envelope, fields, sent.bytes);
-            free(copy);
-        }
+        send_and_compare(*state, PROTO_RESPONSE, method);
     }
 }
 
 /* If this failed, a goaway would not say why. */
 CASE(notification__comes_back_with_the_same_fields)
 {
-    struct fixture *fixture = *state;
     for (int note = PROTO_METHOD_COUNT; note < PROTO_MESSAGE_COUNT; note++) {
-        const struct proto_fields *fields = &proto_messages[note].request;
-        for (int round = 0; round < ROUNDS; round++) {
-            union any_body sent;
-            struct proto_envelope envelope;
-            void *copy;
-            random_body(&fixture->random, fields, sent.bytes);
-            assert_int_equal(proto_encode_notification(&fixture->encoder, note, &sent),
-                             0);
-            decode(fixture, &envelope, &copy);
-            assert_int_equal(envelope.kind, PROTO_NOTIFICATION);
-            assert_int_equal(envelope.id, 0);
-            assert_int_equal(envelope.method, note);
-            decode_same(&envelope, fields, sent.bytes);
-            free(copy);
-        }
+        send_and_compare(*state, PROTO_NOTIFICATION, note);
     }
 }
 
