@@ -395,21 +395,6 @@ CASE_WITH(near__knows_no_beginning_after_a_crash, NULL, teardown)
 
 static struct test_raw raw;
 
-static int say_hello(const struct proto_HELLO_result *resume,
-                     struct proto_HELLO_result *result)
-{
-    struct proto_HELLO_request hello = {
-        .version_min = 1, .version_max = 1, .client = "raw", .resumable = true};
-
-    if (resume != NULL) {
-        hello.resume_epoch = resume->epoch;
-        hello.resume_session = resume->session;
-        hello.token_hi = resume->token_hi;
-        hello.token_lo = resume->token_lo;
-    }
-    return test_raw_call(&raw, PROTO_METHOD_HELLO, &hello, result);
-}
-
 /* A triangle over a floor; the triangle. */
 static uint32_t open_raw_scene(uint32_t *scene)
 {
@@ -447,7 +432,7 @@ CASE_WITH(near__is_answered_once_over_a_connection_that_is_lost, NULL, teardown)
 
     start_with((const char *const[]){"--linger", "5", NULL}, 2);
     assert_true(test_raw_open(&raw, daemon_.socket));
-    assert_int_equal(say_hello(NULL, &session), 0);
+    assert_int_equal(test_raw_hello_again(&raw, NULL, &session), 0);
     assert_true((session.features & PROTO_FEATURE_NEAR) != 0);
     segment.object = open_raw_scene(&asked[0].scene);
     asked[1].scene = asked[0].scene;
@@ -463,7 +448,7 @@ CASE_WITH(near__is_answered_once_over_a_connection_that_is_lost, NULL, teardown)
     for (int turn = 0; turn < 2; turn++) {
         (void)close(raw.socket);
         assert_true(test_raw_reopen(&raw, daemon_.socket));
-        assert_int_equal(say_hello(&session, &again), 0);
+        assert_int_equal(test_raw_hello_again(&raw, &session, &again), 0);
         assert_true(again.resumed);
         for (uint32_t i = 0; i < 2; i++) {
             assert_ok(proto_encode_request(&raw.encoder, ids[i], PROTO_METHOD_SCENE_NEAR,

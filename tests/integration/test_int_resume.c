@@ -47,20 +47,6 @@ static int teardown(void **state)
     return test_daemon_finish(&fixture.daemon) ? 0 : -1;
 }
 
-static int say_hello(struct test_raw *raw, const struct proto_HELLO_result *resume,
-                     struct proto_HELLO_result *result)
-{
-    struct proto_HELLO_request hello = {
-        .version_min = 1, .version_max = 1, .client = "raw", .resumable = true};
-    if (resume != NULL) {
-        hello.resume_epoch = resume->epoch;
-        hello.resume_session = resume->session;
-        hello.token_hi = resume->token_hi;
-        hello.token_lo = resume->token_lo;
-    }
-    return test_raw_call(raw, PROTO_METHOD_HELLO, &hello, result);
-}
-
 static int connect_socket(void)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -78,7 +64,7 @@ static bool come_back(struct fixture *f)
 {
     struct proto_HELLO_result result;
     f->raw.socket = connect_socket();
-    assert_int_equal(say_hello(&f->raw, &f->session, &result), 0);
+    assert_int_equal(test_raw_hello_again(&f->raw, &f->session, &result), 0);
     assert_int_equal(result.epoch, f->session.epoch);
     return result.resumed && result.session == f->session.session;
 }
@@ -99,7 +85,7 @@ static void open_named(struct fixture *f, const char *name)
     uint32_t floor = 0;
     (void)snprintf(create.name, sizeof create.name, "%s", name);
     assert_true(test_raw_open(&f->raw, f->daemon.socket));
-    assert_int_equal(say_hello(&f->raw, NULL, &f->session), 0);
+    assert_int_equal(test_raw_hello_again(&f->raw, NULL, &f->session), 0);
     assert_false(f->session.resumed);
     assert_true((f->session.features & PROTO_FEATURE_RESUME) != 0);
     assert_true((f->session.token_hi | f->session.token_lo) != 0);
@@ -360,7 +346,7 @@ CASE_WITH(resume__needs_the_secret, setup, teardown)
         wrong.session += bit == 2;
         wrong.epoch ^= bit == 3;
         assert_true(test_raw_open(&thief, f->daemon.socket));
-        assert_int_equal(say_hello(&thief, &wrong, &other), 0);
+        assert_int_equal(test_raw_hello_again(&thief, &wrong, &other), 0);
         assert_false(other.resumed);
         assert_int_not_equal(other.session, f->session.session);
         assert_true(other.token_hi != f->session.token_hi ||
@@ -448,14 +434,14 @@ CASE_WITH(resume__gives_way_to_a_new_client_at_the_quota, setup_alone, teardown)
     lose(f);
     assert_true(come_back(f)); /* beyond the quota until it has its own session back */
     assert_true(test_raw_open(&raw, f->daemon.socket));
-    assert_int_equal(say_hello(&raw, NULL, &other), PCCD_E_QUOTA);
+    assert_int_equal(test_raw_hello_again(&raw, NULL, &other), PCCD_E_QUOTA);
     test_raw_close(&raw);
     lose(f);
     test_sleep_ms(50);
     assert_true(test_raw_open(&raw, f->daemon.socket));
-    assert_int_equal(say_hello(&raw, NULL, &other), 0);
+    assert_int_equal(test_raw_hello_again(&raw, NULL, &other), 0);
     f->raw.socket = connect_socket();
-    assert_int_equal(say_hello(&f->raw, &f->session, &other), PCCD_E_QUOTA);
+    assert_int_equal(test_raw_hello_again(&f->raw, &f->session, &other), PCCD_E_QUOTA);
     test_raw_close(&raw);
     test_raw_close(&f->raw);
 }
@@ -473,7 +459,7 @@ CASE_WITH(resume__tells_of_steps_that_were_watched, setup, teardown)
     struct proto_HELLO_result session, again;
     open_scene(f);
     assert_true(test_raw_open(&watcher, f->daemon.socket));
-    assert_int_equal(say_hello(&watcher, NULL, &session), 0);
+    assert_int_equal(test_raw_hello_again(&watcher, NULL, &session), 0);
     assert_ok(test_raw_call(&watcher, PROTO_METHOD_WATCH_START, &watch, NULL));
     (void)close(watcher.socket);
     while (stats.sessions_waiting_now == 0) { /* until it has been noticed */
@@ -482,7 +468,7 @@ CASE_WITH(resume__tells_of_steps_that_were_watched, setup, teardown)
     step = turn(f, 0, -1.0f);
     assert_ok(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &step, NULL));
     watcher.socket = connect_socket();
-    assert_int_equal(say_hello(&watcher, &session, &again), 0);
+    assert_int_equal(test_raw_hello_again(&watcher, &session, &again), 0);
     assert_true(again.resumed);
     assert_ok(test_raw_receive(&watcher));
     assert_int_equal(watcher.envelope.kind, PROTO_NOTIFICATION);

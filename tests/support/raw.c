@@ -257,6 +257,20 @@ int test_raw_hello(struct test_raw *raw)
     return test_raw_call(raw, PROTO_METHOD_HELLO, &request, &result);
 }
 
+int test_raw_hello_again(struct test_raw *raw, const struct proto_HELLO_result *resume,
+                         struct proto_HELLO_result *result)
+{
+    struct proto_HELLO_request hello = {
+        .version_min = 1, .version_max = 1, .client = "raw", .resumable = true};
+    if (resume != NULL) {
+        hello.resume_epoch = resume->epoch;
+        hello.resume_session = resume->session;
+        hello.token_hi = resume->token_hi;
+        hello.token_lo = resume->token_lo;
+    }
+    return test_raw_call(raw, PROTO_METHOD_HELLO, &hello, result);
+}
+
 int test_raw_attach(struct test_raw *raw, uint32_t slot_count, uint64_t slot_bytes)
 {
     const struct proto_SHM_ATTACH_request request = {.slot_count = slot_count,

@@ -62,6 +62,10 @@ int test_raw_entry(struct test_raw *raw, const uint8_t **at, void *request,
 
 /* hello, and a ring. Both return as test_raw_call. */
 int test_raw_hello(struct test_raw *raw);
+/* hello of a session that may be resumed; `resume`: that of which it is; NULL: a new
+ * one. */
+int test_raw_hello_again(struct test_raw *raw, const struct proto_HELLO_result *resume,
+                         struct proto_HELLO_result *result);
 int test_raw_attach(struct test_raw *raw, uint32_t slot_count, uint64_t slot_bytes);
 int test_raw_attach_as(struct test_raw *raw,
                        const struct proto_SHM_ATTACH_request *request);

@@ -260,3 +260,32 @@ void kit_place(struct eng_query *query, double factor, double offset)
         *x = *x * factor + offset;
     }
 }
+
+uint32_t kit_word(struct prng *random)
+{
+    switch (prng_u32(random, 4)) {
+    case 0:
+        return prng_u32(random, 3);
+    case 1:
+        return UINT32_MAX - prng_u32(random, 3); /* the high bit */
+    case 2:
+        return 0x80000000u;
+    default:
+        return (uint32_t)prng_next(random);
+    }
+}
+
+void kit_poly_init(struct eng_poly *poly)
+{
+    poly->degree = -1;
+    for (int i = 0; i < ENG_POLY_TERMS; i++) {
+        mpz_inits(poly->c[i], poly->scratch[i], NULL);
+    }
+}
+
+void kit_poly_deinit(struct eng_poly *poly)
+{
+    for (int i = 0; i < ENG_POLY_TERMS; i++) {
+        mpz_clears(poly->c[i], poly->scratch[i], NULL);
+    }
+}

@@ -6,6 +6,7 @@
 
 #include "mesh.h"
 #include "near.h"
+#include "poly.h"
 #include "prng.h"
 #include "query.h"
 #include "step.h"
@@ -72,6 +73,13 @@ static inline const struct pccd_near *kit_record(const struct eng_step_result *r
 /* Whose features it is about. */
 void kit_check_names(const struct pccd_near *record, uint32_t kind, uint32_t object_a,
                      uint32_t feature_a, uint32_t object_b, uint32_t feature_b);
+
+/* Return a word of any size, often the least or the greatest. */
+uint32_t kit_word(struct prng *random);
+
+/* A polynomial of numbers that GMP makes longer as needed. */
+void kit_poly_init(struct eng_poly *poly);
+void kit_poly_deinit(struct eng_poly *poly);
 
 /* A query whose features meet at exactly `t` = numerator / 8, and maybe before: every
  * coordinate is a multiple of 2^-9 below 2^9, so no rounding took part in its making. */

@@ -2,21 +2,6 @@
 #include "eng_kit.h"
 #include "poly.h"
 
-static void poly_init(struct eng_poly *poly)
-{
-    poly->degree = -1;
-    for (int i = 0; i < ENG_POLY_TERMS; i++) {
-        mpz_inits(poly->c[i], poly->scratch[i], NULL);
-    }
-}
-
-static void poly_deinit(struct eng_poly *poly)
-{
-    for (int i = 0; i < ENG_POLY_TERMS; i++) {
-        mpz_clears(poly->c[i], poly->scratch[i], NULL);
-    }
-}
-
 static void set_numbers(struct eng_poly *poly, int degree, const long *numbers,
                         unsigned long shift)
 {
@@ -50,7 +35,7 @@ CASE(divisor__is_that_of_remainders)
     struct eng_poly p[6];
     int degrees[6] = {0}; /* 3 + 2 at most */
     for (int i = 0; i < 6; i++) {
-        poly_init(&p[i]);
+        kit_poly_init(&p[i]);
     }
     for (int n = 0; n < 2000; n++) {
         unsigned long shift = prng_u32(&random, 3) ? prng_u32(&random, 40) : 700;
@@ -86,7 +71,7 @@ CASE(divisor__is_that_of_remainders)
     eng_divisor_find(divisor, &p[3], &p[4]);
     assert_int_equal(divisor->common.degree, 0);
     for (int i = 0; i < 6; i++) {
-        poly_deinit(&p[i]);
+        kit_poly_deinit(&p[i]);
     }
     free(block);
 }

@@ -195,22 +195,6 @@ CASE(exact__scratch_carries_nothing_over)
     }
 }
 
-/* Polynomials of numbers that GMP makes longer as needed. */
-static void poly_init(struct eng_poly *poly)
-{
-    poly->degree = -1;
-    for (int i = 0; i < ENG_POLY_TERMS; i++) {
-        mpz_inits(poly->c[i], poly->scratch[i], NULL);
-    }
-}
-
-static void poly_deinit(struct eng_poly *poly)
-{
-    for (int i = 0; i < ENG_POLY_TERMS; i++) {
-        mpz_clears(poly->c[i], poly->scratch[i], NULL);
-    }
-}
-
 /* poly = product of (a t - b), over the rational roots b / a. */
 static void poly_of_roots(struct eng_poly *poly, const int (*roots)[2], int count)
 {
@@ -219,8 +203,8 @@ static void poly_of_roots(struct eng_poly *poly, const int (*roots)[2], int coun
     mpz_t at0;
     mpz_t at1;
     mpz_inits(at0, at1, NULL);
-    poly_init(&factor);
-    poly_init(&product);
+    kit_poly_init(&factor);
+    kit_poly_init(&product);
     mpz_set_si(at0, 1);
     mpz_set_si(at1, 1);
     eng_poly_set_linear(poly, at0, at1); /* the constant 1 */
@@ -231,8 +215,8 @@ static void poly_of_roots(struct eng_poly *poly, const int (*roots)[2], int coun
         eng_poly_mul(&product, poly, &factor);
         eng_poly_copy(poly, &product);
     }
-    poly_deinit(&factor);
-    poly_deinit(&product);
+    kit_poly_deinit(&factor);
+    kit_poly_deinit(&product);
     mpz_clears(at0, at1, NULL);
 }
 
@@ -241,7 +225,7 @@ CASE(exact__variations_count_the_roots_inside)
 {
     struct prng random = {72};
     struct eng_poly poly;
-    poly_init(&poly);
+    kit_poly_init(&poly);
     for (int round = 0; round < 5000; round++) {
         int roots[4][2]; /* b / a with 1 <= a <= 9, b in -9 .. 9 */
         int count = (int)prng_u32(&random, 5);
@@ -270,7 +254,7 @@ CASE(exact__variations_count_the_roots_inside)
             assert_int_equal(sign, expected0);
         }
     }
-    poly_deinit(&poly);
+    kit_poly_deinit(&poly);
 }
 
 /* If it failed: an event would be missed where three polynomials share a root, or a
@@ -298,7 +282,7 @@ CASE(exact__common_divisors_hold_the_common_roots)
     };
     struct eng_poly p[5];
     for (int i = 0; i < 5; i++) {
-        poly_init(&p[i]);
+        kit_poly_init(&p[i]);
     }
     poly_of_roots(&p[0], a_roots, 4);
     poly_of_roots(&p[1], b_roots, 3);
@@ -323,7 +307,7 @@ CASE(exact__common_divisors_hold_the_common_roots)
         }
     }
     for (int i = 0; i < 5; i++) {
-        poly_deinit(&p[i]);
+        kit_poly_deinit(&p[i]);
     }
 }
 
@@ -472,8 +456,8 @@ CASE(exact__a_quadratic_has_its_sign_at_a_root)
     struct eng_poly f;
     struct eng_poly g;
     int signs[3] = {0};
-    poly_init(&f);
-    poly_init(&g);
+    kit_poly_init(&f);
+    kit_poly_init(&g);
     for (int round = 0; round < 20000; round++) {
         int roots[5][2]; /* three of f, then two of g */
         int f_count = 1 + (int)prng_u32(&random, 3);
@@ -526,8 +510,8 @@ CASE(exact__a_quadratic_has_its_sign_at_a_root)
     for (int i = 0; i < 3; i++) {
         assert_true(signs[i] > 100);
     }
-    poly_deinit(&f);
-    poly_deinit(&g);
+    kit_poly_deinit(&f);
+    kit_poly_deinit(&g);
 }
 
 CASES_WITH(NULL, case_end);

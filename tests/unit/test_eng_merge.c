@@ -56,20 +56,6 @@ enum pattern {
     PATTERNS
 };
 
-static uint32_t wide_word(struct prng *random)
-{
-    switch (prng_u32(random, 4)) {
-    case 0:
-        return prng_u32(random, 3);
-    case 1:
-        return UINT32_MAX - prng_u32(random, 3);
-    case 2:
-        return 0x80000000u;
-    default:
-        return (uint32_t)prng_next(random);
-    }
-}
-
 static struct eng_name name_of(enum pattern pattern, struct prng *random, uint32_t i,
                                uint32_t count)
 {
@@ -79,7 +65,7 @@ static struct eng_name name_of(enum pattern pattern, struct prng *random, uint32
     switch (pattern) {
     case WIDE:
         for (unsigned k = 1; k < ENG_NAME_WORDS; k++) {
-            name.word[k] = wide_word(random);
+            name.word[k] = kit_word(random);
         }
         return name;
     case EQUAL:

@@ -37,25 +37,10 @@ static int teardown(void **state)
 }
 
 /* Names of any size, and often alike but for one word. */
-static uint32_t random_word(struct prng *random)
-{
-    switch (prng_u32(random, 4)) {
-    case 0:
-        return prng_u32(random, 3);
-    case 1:
-        return UINT32_MAX - prng_u32(random, 3); /* the high bit */
-    case 2:
-        return 0x80000000u;
-    default:
-        return (uint32_t)prng_next(random);
-    }
-}
-
 static struct pccd_pair random_name(struct prng *random)
 {
-    return (struct pccd_pair){prng_u32(random, 2), random_word(random),
-                              random_word(random), random_word(random),
-                              random_word(random)};
+    return (struct pccd_pair){prng_u32(random, 2), kit_word(random), kit_word(random),
+                              kit_word(random), kit_word(random)};
 }
 
 static int compare_words(const uint32_t *a, const uint32_t *b)
@@ -144,39 +129,35 @@ static void add_pairs(struct lists *lists, struct prng *random, uint32_t count)
     }
 }
 
+/* Sort lists that `add` fills, and compare with qsort. */
+static void check_sorting(struct lists *lists, uint64_t seed, size_t record_bytes,
+                          void (*add)(struct lists *, struct prng *, uint32_t),
+                          int (*compare)(const void *, const void *))
+{
+    struct prng random = {seed};
+    for (uint32_t count = 1; count < 6000; count = count * 2 + 1) {
+        add(lists, &random, count);
+        void *expected = copy_found(lists);
+        qsort(expected, count, record_bytes, compare);
+        assert_ok(sort(lists));
+        assert_int_equal(lists->sorted.count, count);
+        assert_int_equal(lists->sorted.record_bytes, record_bytes);
+        assert_memory_equal(lists->sorted.data, expected, count * record_bytes);
+        free(expected);
+    }
+}
+
 /* If it failed: the same contacts would come back in another order another time. */
 CASE_WITH(result__contacts_sort_canonically, setup, teardown)
 {
-    struct lists *lists = *state;
-    struct prng random = {80};
-    for (uint32_t count = 1; count < 6000; count = count * 2 + 1) {
-        add_contacts(lists, &random, count);
-        size_t bytes = count * sizeof(struct pccd_contact);
-        struct pccd_contact *expected = copy_found(lists);
-        qsort(expected, count, sizeof *expected, compare_contacts);
-        assert_ok(sort(lists));
-        assert_int_equal(lists->sorted.count, count);
-        assert_int_equal(lists->sorted.record_bytes, sizeof(struct pccd_contact));
-        assert_memory_equal(lists->sorted.data, expected, bytes);
-        free(expected);
-    }
+    check_sorting(*state, 80, sizeof(struct pccd_contact), add_contacts,
+                  compare_contacts);
 }
 
 /* If it failed: candidate pairs would be sorted by the wrong words. */
 CASE_WITH(result__pairs_sort_canonically, setup, teardown)
 {
-    struct lists *lists = *state;
-    struct prng random = {81};
-    for (uint32_t count = 1; count < 6000; count = count * 2 + 1) {
-        add_pairs(lists, &random, count);
-        size_t bytes = count * sizeof(struct pccd_pair);
-        struct pccd_pair *expected = copy_found(lists);
-        qsort(expected, count, sizeof *expected, compare_pairs);
-        assert_ok(sort(lists));
-        assert_int_equal(lists->sorted.count, count);
-        assert_memory_equal(lists->sorted.data, expected, bytes);
-        free(expected);
-    }
+    check_sorting(*state, 81, sizeof(struct pccd_pair), add_pairs, compare_pairs);
 }
 
 /* If it failed: a step without contacts would have an answer of the wrong form. */
