@@ -20,34 +20,25 @@ work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-mpi-XXXXXX") || exit 99
 trap 'rm -rf "$work"' EXIT
 log=$work/log
 
+cases() { # the names of all
+    printf 'plays_of_%s_ranks_are_those_of_one_process\n' $counts
+    printf '%s_ends_a_call_on_all_ranks\n' $ends
+    printf 'mistake_%s_is_told_to_all_ranks\n' $mistakes dies
+    printf 'check_of_%s_says_what_pccdctl_says\n' files numbered_files seams objects motions \
+        other_files missing_file usage $scenes
+    printf 'work_of_%s_lies_evenly_on_many_ranks\n' $scenes
+    printf '%s\n' rank_of_one_thread_starts_no_others threads_of_a_rank_change_no_byte \
+        first_is_known_however_few_records_are_kept answers_do_not_show_how_ranks_round \
+        triangles_lie_evenly_where_work_does_not yes_stops_no_rank_that_tells_how_a_step_begins \
+        help_is_printed_once ghosts_last_while_things_move_steadily \
+        completion_knows_commands_and_options near_of_files_says_what_pccdctl_says \
+        near_refuses_a_scene_file example_prints_one_line_for_any_number_of_ranks
+}
+
 if [ "${PCCD_MPI:-no}" = no ]; then
-    for count in $counts; do
-        tap_skip "mpi__plays_of_${count}_ranks_are_those_of_one_process" "no --with-mpi"
+    for name in $(cases); do
+        tap_skip "mpi__$name" "no --with-mpi"
     done
-    for what in $ends; do
-        tap_skip "mpi__${what}_ends_a_call_on_all_ranks" "no --with-mpi"
-    done
-    tap_skip mpi__rank_of_one_thread_starts_no_others "no --with-mpi"
-    tap_skip mpi__threads_of_a_rank_change_no_byte "no --with-mpi"
-    tap_skip mpi__first_is_known_however_few_records_are_kept "no --with-mpi"
-    for mistake in $mistakes dies; do
-        tap_skip "mpi__mistake_${mistake}_is_told_to_all_ranks" "no --with-mpi"
-    done
-    tap_skip mpi__answers_do_not_show_how_ranks_round "no --with-mpi"
-    for name in files numbered_files seams objects motions other_files missing_file usage $scenes; do
-        tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
-    done
-    for scene in $scenes; do
-        tap_skip "mpi__work_of_${scene}_lies_evenly_on_many_ranks" "no --with-mpi"
-    done
-    tap_skip mpi__triangles_lie_evenly_where_work_does_not "no --with-mpi"
-    tap_skip mpi__yes_stops_no_rank_that_tells_how_a_step_begins "no --with-mpi"
-    tap_skip mpi__help_is_printed_once "no --with-mpi"
-    tap_skip mpi__ghosts_last_while_things_move_steadily "no --with-mpi"
-    tap_skip mpi__completion_knows_commands_and_options "no --with-mpi"
-    tap_skip mpi__near_of_files_says_what_pccdctl_says "no --with-mpi"
-    tap_skip mpi__near_refuses_a_scene_file "no --with-mpi"
-    tap_skip mpi__example_prints_one_line_for_any_number_of_ranks "no --with-mpi"
     tap_end
     exit
 fi
