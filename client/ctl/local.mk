@@ -106,7 +106,6 @@ libctl_la_SOURCES = \
     client/ctl/record/verify_any.c client/ctl/record/verify_distance.c \
     client/ctl/record/verify_meeting.c \
     client/ctl/record/verify_near.c client/ctl/record/verify_numbers.c \
-    client/ctl/record/verify_options.c \
     client/ctl/record/verify_place.c \
     client/ctl/record/verify_report.c
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \

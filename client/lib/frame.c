@@ -34,7 +34,8 @@ uint64_t pccd_frame_bytes(uint32_t segment_max, uint64_t payload_bytes)
 
 /* ---- segments ---------------------------------------------------------------------- */
 
-uint64_t cli_segment_bytes(const struct proto_segment *segment)
+/* Return the bytes of either end of what a segment moves. */
+static uint64_t bytes_of(const struct proto_segment *segment)
 {
     return segment->kind == PROTO_SEGMENT_RIGID
                ? PROTO_RIGID_BYTES
@@ -48,7 +49,7 @@ static bool has_start(const struct proto_segment *segment)
 
 uint64_t cli_segment_place(struct proto_segment *segment, uint64_t used)
 {
-    uint64_t bytes = cli_round_up(cli_segment_bytes(segment), CLI_RANGE_ALIGN);
+    uint64_t bytes = cli_round_up(bytes_of(segment), CLI_RANGE_ALIGN);
 
     segment->offset0 = has_start(segment) ? used : 0;
     segment->offset1 = has_start(segment) ? used + bytes : used;
@@ -58,7 +59,7 @@ uint64_t cli_segment_place(struct proto_segment *segment, uint64_t used)
 void cli_segment_write(uint8_t *payload, const struct proto_segment *segment,
                        const void *x0, const void *x1)
 {
-    uint64_t bytes = cli_segment_bytes(segment);
+    uint64_t bytes = bytes_of(segment);
 
     if (has_start(segment)) {
         memcpy(payload + segment->offset0, x0, bytes);
@@ -393,8 +394,7 @@ int cli_frame_write(struct pccd_client *client, uint32_t scene,
         struct proto_segment segment;
 
         status = describe(client, &motions[i], i, &segment);
-        bytes +=
-            status != 0 ? 0 : cli_segment_bytes(&segment) * (has_start(&segment) ? 2 : 1);
+        bytes += status != 0 ? 0 : bytes_of(&segment) * (has_start(&segment) ? 2 : 1);
     }
     if (status == 0) {
         status = begin(client, scene, motion_count, bytes, slot);

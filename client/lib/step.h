@@ -31,8 +31,6 @@ static inline uint64_t cli_round_up(uint64_t bytes, uint64_t unit)
     return (bytes + unit - 1) / unit * unit;
 }
 
-/* Bytes of either end of what a segment moves. */
-uint64_t cli_segment_bytes(const struct proto_segment *segment);
 /* Let its ends begin at byte `used` of the payload. Returns the byte behind them. */
 uint64_t cli_segment_place(struct proto_segment *segment, uint64_t used);
 /* Copy its ends there. Of one that is as PROTO_SEGMENT_X1, x0 is not read. */

@@ -32,7 +32,9 @@ static uint64_t count_before(const struct pccd_mpi *world,
     return from;
 }
 
-int ranks_limit_keep(struct pccd_mpi *world)
+/* Collective: keep the first world->record_limit of the records of all ranks, which have
+ * more together, all of them sorted. */
+static int keep_first(struct pccd_mpi *world)
 {
     uint32_t name[RANKS_NAME_WORDS] = {0};
     int status = PCCD_OK;
@@ -211,7 +213,7 @@ static int slowest(struct pccd_mpi *world, uint64_t *cut_ns, struct pccd_answer 
 /* Keep the first records of an answer that is too long, and count them anew. */
 static int shorten(struct pccd_mpi *world, enum pccd_mode mode, struct totals *totals)
 {
-    int status = ranks_limit_keep(world);
+    int status = keep_first(world);
     if (status == PCCD_OK) {
         totals->thin = count_thin(world, mode);
         status = ranks_sum(&world->link, &totals->thin, 1);
@@ -298,7 +300,7 @@ static void sum_near(const struct pccd_mpi *world, struct ranks_sums *sums,
 
 static int shorten_near(struct pccd_mpi *world, struct totals *totals, double reach[2])
 {
-    int status = ranks_limit_keep(world);
+    int status = keep_first(world);
     if (status == PCCD_OK) {
         sum_near(world, &totals->sums, reach);
         status = ranks_min_doubles(&world->link, reach, 2);

@@ -111,8 +111,4 @@ int ranks_bounds_make(struct pccd_mpi *world, const struct pccd_near_settings *n
  * order are kept. Each rank's libpccd keeps as many of its own, so those are among
  * them. */
 
-/* Collective, where the ranks have more than world->record_limit records together, all
- * of them sorted. */
-int ranks_limit_keep(struct pccd_mpi *world);
-
 #endif

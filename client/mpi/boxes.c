@@ -43,7 +43,9 @@ static float grow_high(float high, double growth)
                       : high;
 }
 
-double ranks_reach(const struct ranks_object *object, double separation)
+/* Return by how much the box of a leaf of the object is larger than the leaf: at least
+ * the leaf's half of the distance at which any of its features meets another. */
+static double reach_of(const struct ranks_object *object, double separation)
 {
     double reach = separation / 2 + radius_of(object);
     return reach > 0 ? nextafter(reach, INFINITY) : 0;
@@ -158,7 +160,7 @@ int ranks_boxes_make(struct pccd_mpi *world, double separation, uint64_t block_c
     int status = begin(world, boxes);
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         const struct ranks_object *object = world->objects[o];
-        status = bound(world, o, &object->margin, ranks_reach(object, separation),
+        status = bound(world, o, &object->margin, reach_of(object, separation),
                        (const double(*const[2])[3]){x0[o], x1[o]}, boxes);
     }
     return status == PCCD_OK ? make_blocks(world, block_count, boxes) : status;

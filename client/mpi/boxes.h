@@ -22,9 +22,6 @@ struct ranks_boxes {
     uint32_t block_count;
 };
 
-/* Return by how much the box of a leaf of the object is larger than the leaf: at least
- * the leaf's half of the distance at which any of its features meets another. */
-double ranks_reach(const struct ranks_object *object, double separation);
 /* Grow the box on all sides by `growth`, or by a little more (rounding). */
 void ranks_box_grow(float box[6], double growth);
 /* In this rank alone: make boxes of all objects. x0[o], x1[o]: where the local vertices

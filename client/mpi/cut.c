@@ -8,7 +8,7 @@
 #include "parts.h"
 #include "rank_sort.h"
 
-/* ---- Hilbert's curve in three dimensions. */
+/* ---- Hilbert's curve in three dimensions: what is near along it is near in space. */
 
 #define BITS 21u
 
@@ -39,7 +39,11 @@ static void transpose(uint32_t x[3])
     }
 }
 
-uint64_t ranks_curve_place(const double x[3], const double low[3], const double high[3])
+/* Return the place of a point on the curve, 63 bits. low, high: of the box that is
+ * filled; its longest side is as long as the curve's cube, so that pieces of the curve
+ * are about as long as they are wide in a flat box, too. Points beyond it have the place
+ * of the nearest in it. */
+static uint64_t place_of(const double x[3], const double low[3], const double high[3])
 {
     uint32_t cell[3];
     double size = 0;
@@ -131,7 +135,7 @@ static int place_leaves(struct pccd_mpi *world, double (*const *x)[3],
                             3;
             }
             sorted[at] = (struct ranks_leaf_in_transit){
-                .place = ranks_curve_place(middle, box, box + 3),
+                .place = place_of(middle, box, box + 3),
                 .object = o,
                 .weight = object->weights != NULL ? object->weights[i] : 1,
                 .leaf = object->own[i]};

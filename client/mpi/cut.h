@@ -6,13 +6,6 @@
 
 #include "world.h"
 
-/* ---- A curve through all of space: what is near along it is near in space. */
-
-/* low, high: of the box that is filled; its longest side is as long as the curve's cube,
- * so that pieces of the curve are about as long as they are wide in a flat box, too.
- * Points beyond it have the place of the nearest in it. 63 bits. */
-uint64_t ranks_curve_place(const double x[3], const double low[3], const double high[3]);
-
 /* Collective: deal out the leaves by where their given vertices are (object->x), and by
  * their weights (balance.c), which are of no use then. Afterwards there are no ghosts. */
 int ranks_cut(struct pccd_mpi *world);

@@ -6,7 +6,6 @@
 
 #include "mpi_hooks.h"
 #include "rank_sort.h"
-#include "recent.h"
 
 /* Leaf i of an object: first its own, then ghosts. */
 static const struct ranks_leaf *leaf_of(const struct ranks_object *object, uint32_t i)

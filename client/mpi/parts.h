@@ -30,11 +30,6 @@ int ranks_sides_find(struct pccd_mpi *world, struct ranks_mesh *mesh,
 /* ---- Who was given which vertices, and how their positions come to where they are
  * needed. */
 
-/* Collective: where each of vertices[count], ascending, was given, to owners[count]. */
-int ranks_vertex_owners(struct pccd_mpi *world, const struct ranks_mesh *mesh,
-                        const uint32_t *vertices, uint32_t count,
-                        struct ranks_vertex_owner *owners);
-
 /* Collective: their registered positions, and radii unless `radii` is NULL or the mesh
  * has none; both are allocated. */
 int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh,

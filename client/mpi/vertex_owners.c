@@ -7,9 +7,10 @@
 #include "rank_sort.h"
 #include "team.h"
 
-int ranks_vertex_owners(struct pccd_mpi *world, const struct ranks_mesh *mesh,
-                        const uint32_t *vertices, uint32_t count,
-                        struct ranks_vertex_owner *owners)
+/* Collective: where each of vertices[count], ascending, was given, to owners[count]. */
+static int find_places(struct pccd_mpi *world, const struct ranks_mesh *mesh,
+                       const uint32_t *vertices, uint32_t count,
+                       struct ranks_vertex_owner *owners)
 {
     struct ranks_link *link = &world->link;
     uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
@@ -120,7 +121,7 @@ int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh
                      : PCCD_OK;
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
-        status = ranks_vertex_owners(world, mesh, vertices, count, owners);
+        status = find_places(world, mesh, vertices, count, owners);
     }
     if (status == PCCD_OK) {
         wanted.first_asked = first + link->size + 1;
@@ -190,8 +191,8 @@ static int find_owners(struct pccd_mpi *world, struct ranks_vertex_owner **owner
     int status = ranks_agree_memory(world, *owners != NULL);
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         const struct ranks_object *object = world->objects[o];
-        status = ranks_vertex_owners(world, object->mesh, object->local.vertices,
-                                     object->local.vertex_count, *owners + at);
+        status = find_places(world, object->mesh, object->local.vertices,
+                             object->local.vertex_count, *owners + at);
         at += object->local.vertex_count;
     }
     return status;

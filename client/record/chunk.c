@@ -53,27 +53,8 @@ const char *record_kind_name(uint16_t kind)
     }
 }
 
-uint32_t record_payload_feature(uint16_t kind, const void *payload)
-{
-    struct record_filter filter;
-    struct record_tells tells;
-
-    if (kind == RECORD_TELLS) {
-        memcpy(&tells, payload, sizeof tells);
-        return record_kind_feature(kind) |
-               (tells.tells > RECORD_TELLS_START ? RECORD_FEATURE_TOUCHING : 0);
-    }
-    if (kind != RECORD_FILTER) {
-        return record_kind_feature(kind);
-    }
-    memcpy(&filter, payload, RECORD_FILTER_BYTES);
-    return record_kind_feature(kind) |
-           ((COMMON_OBJECT_BITS(filter.what) & COMMON_OBJECT_THICK) != 0
-                ? RECORD_FEATURE_THICK
-                : 0);
-}
-
-uint32_t record_kind_feature(uint16_t kind)
+/* Return what a chunk of this kind needs, an enum record_feature; 0: nothing. */
+static uint32_t kind_feature(uint16_t kind)
 {
     switch (kind) {
     case RECORD_SEPARATION:
@@ -96,6 +77,27 @@ uint32_t record_kind_feature(uint16_t kind)
     default:
         return 0;
     }
+}
+
+/* The same of one with this payload, which is as long as its kind says. */
+static uint32_t payload_feature(uint16_t kind, const void *payload)
+{
+    struct record_filter filter;
+    struct record_tells tells;
+
+    if (kind == RECORD_TELLS) {
+        memcpy(&tells, payload, sizeof tells);
+        return kind_feature(kind) |
+               (tells.tells > RECORD_TELLS_START ? RECORD_FEATURE_TOUCHING : 0);
+    }
+    if (kind != RECORD_FILTER) {
+        return kind_feature(kind);
+    }
+    memcpy(&filter, payload, RECORD_FILTER_BYTES);
+    return kind_feature(kind) |
+           ((COMMON_OBJECT_BITS(filter.what) & COMMON_OBJECT_THICK) != 0
+                ? RECORD_FEATURE_THICK
+                : 0);
 }
 
 /* ---- writing ----------------------------------------------------------------------- */
@@ -309,8 +311,7 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
     chunk.header_sum = header_sum(&chunk);
     memcpy(writer->out, &chunk, sizeof chunk);
     memset(body + stored, 0, padded(stored) - stored);
-    status =
-        record_writer_need(writer, record_payload_feature((uint16_t)kind, writer->raw));
+    status = record_writer_need(writer, payload_feature((uint16_t)kind, writer->raw));
     status =
         status != 0 ? status : append(writer, writer->out, sizeof chunk + padded(stored));
     if (status == 0) {

@@ -84,10 +84,6 @@ uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,
 int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
                          char text[RECORD_TEXT_BYTES]);
 
-/* enum record_feature, that a chunk of this kind needs; 0: none. */
-uint32_t record_kind_feature(uint16_t kind);
-/* The same of one with this payload, which is as long as its kind says. */
-uint32_t record_payload_feature(uint16_t kind, const void *payload);
 /* "FRAME"; NULL: not known. */
 const char *record_kind_name(uint16_t kind);
 

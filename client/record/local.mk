@@ -3,7 +3,6 @@
 noinst_LTLIBRARIES += librecord.la
 
 librecord_la_SOURCES = \
-    client/record/answer_hash.c \
     client/record/chunk.c \
     client/record/judge.c \
     client/record/payload.c \

@@ -5,6 +5,7 @@
 #ifndef RECORD_PAYLOAD_H
 #define RECORD_PAYLOAD_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "object_attributes.h"
@@ -242,5 +243,22 @@ void record_filter_read(const void *payload, uint64_t bytes, struct record_filte
  * "" where all three are 0, as in every frame that is written now; a number that has
  * never had a meaning counts as 0. */
 void record_former_tuning(const struct record_frame *frame, char text[PCCD_TUNING_BYTES]);
+
+/* ---- The hash of an answer, from its records, to check the one that a daemon sent: by
+ * the version that the recording was made with (proto/PROTOCOL.md, "The hash of an
+ * answer"). */
+
+/* hash[0] high, hash[1] low, of all records of an answer, in their order; `version` is 1
+ * or 2. Not for mode any: its hash is that of the verdict, in both versions. */
+void record_answer_hash(uint32_t version, const void *records, uint64_t count,
+                        size_t record_bytes, uint64_t hash[2]);
+/* The same of mode any, in both versions. */
+void record_verdict_hash(uint32_t verdict, uint64_t hash[2]);
+/* The record that record_answer_hash takes of answers about the bounds of vertices, whose
+ * records are the bounds alone. */
+struct record_bound {
+    uint32_t object, vertex;
+    double bound;
+};
 
 #endif

@@ -56,7 +56,7 @@ int record_reader_next(struct record_reader *reader, struct record_view *view);
  * in `kinds`. */
 int record_reader_skim(struct record_reader *reader, uint32_t kinds,
                        struct record_view *view);
-/* 1 or 2: of the hashes in the file's answers (answer_hash.h). */
+/* 1 or 2: of the hashes in the file's answers (payload.h). */
 uint32_t record_reader_hash_version(const struct record_reader *reader);
 /* Go on with the chunk at `offset`, which a view has named. */
 void record_reader_seek(struct record_reader *reader, uint64_t offset);

@@ -58,7 +58,7 @@ tests/ipc           client/lib+ client/oracle tests/support
 tests/planner       client/lib+
 tests/support       proto client/lib+ client/oracle
 tests/integration   proto client/record client/lib+ client/lib/mpi_hooks.h tests/support client/oracle
-tests/unit          proto daemon/engine bench/wide_sweep.h daemon/service daemon/server client/record client/registry client/lib client/ctl client/load client/mpi/moving_boxes.h client/mpi/rank_sort.h client/mpi/recent.h client/tool proto/text tests/support client/oracle
+tests/unit          proto daemon/engine bench/wide_sweep.h daemon/service daemon/server client/record client/registry client/lib client/ctl client/load client/mpi/moving_boxes.h client/mpi/rank_sort.h client/tool proto/text tests/support client/oracle
 tests/files         client/ctl
 tests/fuzz          proto daemon/engine daemon/service daemon/server client/record client/registry client/ctl tests/support client/oracle tests/fault
 tests/fault         proto client/lib+ tests/support client/oracle

@@ -2,7 +2,6 @@
 #include "cases.h"
 #include "prng.h"
 #include "rank_sort.h"
-#include "recent.h"
 
 #define KEYS 3000u
 

@@ -147,14 +147,6 @@ const struct option_table ask_table = {
     .rows = rows,
     .parts = (const struct option_part[]){{&frames_table, AT(frames)}, {0}}};
 
-int ask_set_object(const struct ask_options *options, struct pccd_client *client,
-                   uint32_t scene, uint32_t object)
-{
-    return options->object.what == 0
-               ? PCCD_OK
-               : pccd_object_set(client, scene, object, &options->object);
-}
-
 FILE *ask_report_to(const struct ask_options *options)
 {
     return options->csv != NULL && strcmp(options->csv, "-") == 0 ? stderr : stdout;

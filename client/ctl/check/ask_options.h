@@ -45,10 +45,6 @@ struct ask_options {
  * `link` are ctl_link_table's. */
 extern const struct option_table ask_table;
 
-/* Set of an object what was asked for. Errors: as pccd_object_set, which says why. */
-int ask_set_object(const struct ask_options *options, struct pccd_client *client,
-                   uint32_t scene, uint32_t object);
-
 /* The standard output, unless that is the CSV's. */
 FILE *ask_report_to(const struct ask_options *options);
 /* Tell what went wrong first: the work, or else the end of the CSV. Returns the exit

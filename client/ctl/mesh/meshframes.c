@@ -393,27 +393,6 @@ static void drop_shape(struct ctl_frames *frames)
     frames->shape = (struct ctl_mesh){.x = NULL};
 }
 
-int ctl_frames_read_one(const char *path, const struct ctl_frames_options *options,
-                        struct ctl_mesh *mesh, struct ctl_welded *welded,
-                        uint32_t *frame_count, struct ctl_error *error)
-{
-    struct ctl_frames frames;
-    char *const paths[1] = {(char *)(uintptr_t)path};
-    struct ctl_frames_options how = *options;
-    how.first_alone = true;
-    int status = ctl_frames_open(&frames, paths, 1, &how, error);
-    if (status == PCCD_OK) {
-        drop_shape(&frames);
-        *mesh = frames.mesh;
-        mesh->path = path; /* a pattern's first file is not ours */
-        *welded = frames.welded;
-        *frame_count = frames.count;
-        frames.mesh = (struct ctl_mesh){.x = NULL};
-    }
-    ctl_frames_close(&frames);
-    return status;
-}
-
 void ctl_frames_close(struct ctl_frames *frames)
 {
     for (uint32_t i = 0; i < frames->source_count; i++) {

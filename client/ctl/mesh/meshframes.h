@@ -73,10 +73,5 @@ int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *
 int ctl_frames_rename(struct ctl_frames *frames, const uint32_t *to,
                       struct ctl_error *error);
 void ctl_frames_close(struct ctl_frames *frames);
-/* The first frame of one file or pattern, what became of its vertices, and how many
- * frames there are. `mesh` is empty before. Errors: those of ctl_frames_open. */
-int ctl_frames_read_one(const char *path, const struct ctl_frames_options *options,
-                        struct ctl_mesh *mesh, struct ctl_welded *welded,
-                        uint32_t *frame_count, struct ctl_error *error);
 
 #endif

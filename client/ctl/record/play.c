@@ -8,7 +8,6 @@
 #include <string.h>
 #include <time.h>
 
-#include "answer_hash.h"
 #include "answers.h"
 #include "clock.h"
 #include "ctl.h"
@@ -42,7 +41,8 @@ struct play_reader {
     char damage_text[sizeof(((struct record_reader *)0)->text)];
 };
 
-bool play_is_repeatable(int status)
+/* Return whether a step that failed so fails again. */
+static bool is_repeatable(int status)
 {
     return status == PCCD_OK || status == PCCD_E_INVAL || status == PCCD_E_HANDLE ||
            status == PCCD_E_SEGMENT || status == PCCD_E_NOTFINITE ||
@@ -360,7 +360,7 @@ static int follow_item(struct play_reader *reader, const struct record_view *vie
     const struct play_settings *settings = &reader->settings;
     bool shows = is_wanted(reader) && (!item->is_near || settings->show_near != NULL);
     reader->wanted += shows;
-    if (!play_is_repeatable(then)) { /* it had failed by chance */
+    if (!is_repeatable(then)) { /* it had failed by chance */
         reader->summary->skipped++;
         if (settings->show_skipped != NULL && is_wanted(reader)) {
             settings->show_skipped(reader->context, item->number, item->is_near);

@@ -164,7 +164,4 @@ bool play_has_gap(const struct record_near *asked);
  * equal. */
 bool play_is_complete(uint32_t incomplete);
 
-/* Return whether a step that failed so fails again. */
-bool play_is_repeatable(int status);
-
 #endif

@@ -144,10 +144,6 @@ struct verify_meeting {
     bool touches;               /* thin, at t = 0 */
 };
 
-/* The eight points of a pair of features that exist, in the order of oracle.h; a kind of
- * fewer repeats the last. */
-void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
-                   double p[8][3]);
 /* The mesh of either object has its edges (recorded_edges). */
 void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                  struct verify_meeting *meeting);

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "answer_hash.h"
 #include "kinds.h"
 #include "names.h"
 #include "oracle_near.h"
+#include "payload.h"
 #include "registry.h"
 #include "verify.h"
 

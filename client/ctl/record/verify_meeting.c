@@ -37,8 +37,10 @@ static void find_points(const struct registry_scene *scene, const struct pccd_pa
     }
 }
 
-void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
-                   double p[8][3])
+/* Find the eight points of a pair of features that exist, in the order of oracle.h; a
+ * kind of fewer repeats the last. */
+static void find_ends(const struct registry_scene *scene, const struct pccd_pair *pair,
+                      double p[8][3])
 {
     find_points(scene, pair, AT_BEGIN, p);
     find_points(scene, pair, AT_END, p + 4);
@@ -107,7 +109,7 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                                  .approach = step->separation.approach};
     bool is_thick = find_radii(step, pair, thick.radius);
     meeting->r = thick.radius[0] + thick.radius[1] + thick.radius[2];
-    verify_points(step->scene, pair, meeting->p);
+    find_ends(step->scene, pair, meeting->p);
     meeting->first = is_thick ? oracle_thick_first_new(&thick)
                      : pair->kind == PCCD_VF || pair->kind == PCCD_EE
                          ? oracle_first_new((enum oracle_kind)pair->kind, thick.p)
@@ -144,7 +146,7 @@ bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair
     double p[8][3], radius[3];
     bool is_beside =
         find_radii(step, pair, radius) || pair->kind == PCCD_VF || pair->kind == PCCD_EE;
-    verify_points(step->scene, pair, p);
+    find_ends(step->scene, pair, p);
     for (uint32_t way = 0; way < 6 && is_beside; way++) {
         bool are_apart = true;
         for (uint32_t i = 0; i < points[0] && are_apart; i++) {

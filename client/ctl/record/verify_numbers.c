@@ -8,8 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "answer_hash.h"
 #include "kinds.h"
+#include "payload.h"
 #include "recorded_state.h"
 #include "verify.h"
 
