@@ -553,3 +553,19 @@ void judge_everything(struct judge *judge)
     free(all.items);
     oracle_contacts_deinit(&truth);
 }
+
+void judge_check_play(struct judge_sums *sums, const struct player *player,
+                      double tolerance, uint64_t seed, uint32_t step,
+                      struct eng_step_result *result)
+{
+    struct judge judge;
+    struct oracle_contacts truth;
+    judge_watch_init(&judge, sums, tolerance);
+    snprintf(judge.context, sizeof judge.context, "PCCD_SEED=%llu, step %u",
+             (unsigned long long)seed, step);
+    judge_watch(&judge, player);
+    judge_find(&judge, &truth);
+    judge_check_all(&judge, result, &truth);
+    oracle_contacts_deinit(&truth);
+    judge_deinit(&judge);
+}

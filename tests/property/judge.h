@@ -57,6 +57,10 @@ void judge_deinit(struct judge *judge);
  * at each call. */
 void judge_watch_init(struct judge *judge, struct judge_sums *sums, double tolerance);
 void judge_watch(struct judge *judge, const struct player *player);
+/* Compare a step of a play with all that the oracle finds, from the start on. */
+void judge_check_play(struct judge_sums *sums, const struct player *player,
+                      double tolerance, uint64_t seed, uint32_t step,
+                      struct eng_step_result *result);
 
 /* Register a copy of the mesh at its x0. The id is the caller's. */
 void judge_add(struct judge *judge, const struct scenes_mesh *mesh, uint32_t object_id);

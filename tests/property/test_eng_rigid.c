@@ -322,20 +322,6 @@ static void count(const struct eng_step_result *result)
     sums.beside += within > 0 ? result->counters.rigid_objects : 0;
 }
 
-static void check_by_oracle(struct sequence *sequence, struct eng_step_result *result)
-{
-    struct judge judge;
-    struct oracle_contacts truth;
-    judge_watch_init(&judge, &judged, sequence->settings.tolerance);
-    snprintf(judge.context, sizeof judge.context, "PCCD_SEED=%llu, step %u",
-             (unsigned long long)sequence->seed, sequence->step);
-    judge_watch(&judge, &sequence->player);
-    judge_find(&judge, &truth);
-    judge_check_all(&judge, result, &truth);
-    oracle_contacts_deinit(&truth);
-    judge_deinit(&judge);
-}
-
 static bool all_are_small(const struct player *player)
 {
     uint32_t vertices = 0;
@@ -366,7 +352,8 @@ static void take_step(struct sequence *sequence)
     answer_free(&fresh);
     count(&result);
     if (result.mode == PCCD_MODE_ALL && all_are_small(&sequence->player)) {
-        check_by_oracle(sequence, &result);
+        judge_check_play(&judged, &sequence->player, sequence->settings.tolerance,
+                         sequence->seed, sequence->step, &result);
     }
 }
 

@@ -77,20 +77,6 @@ static void change_settings(struct sequence *sequence)
     }
 }
 
-static void check_by_oracle(struct sequence *sequence, struct eng_step_result *result)
-{
-    struct judge judge;
-    struct oracle_contacts truth;
-    judge_watch_init(&judge, &judged, sequence->settings.tolerance);
-    snprintf(judge.context, sizeof judge.context, "PCCD_SEED=%llu, step %u",
-             (unsigned long long)sequence->seed, sequence->step);
-    judge_watch(&judge, &sequence->stir.player);
-    judge_find(&judge, &truth);
-    judge_check_all(&judge, result, &truth);
-    oracle_contacts_deinit(&truth);
-    judge_deinit(&judge);
-}
-
 static void check(struct sequence *sequence, const struct eng_question *settings,
                   struct eng_step_result *result)
 {
@@ -103,7 +89,8 @@ static void check(struct sequence *sequence, const struct eng_question *settings
     answer_free(&fresh);
     if (sequence->is_tiny && result->mode == PCCD_MODE_ALL &&
         result->incomplete == PCCD_COMPLETE) {
-        check_by_oracle(sequence, result);
+        judge_check_play(&judged, &sequence->stir.player, sequence->settings.tolerance,
+                         sequence->seed, sequence->step, result);
     }
     sums.complete++;
     sums.records += result->count;
