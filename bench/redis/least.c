@@ -18,8 +18,6 @@
 #include <seccomp.h>
 #endif
 
-#include "report.h"
-
 #define BUFFER_BYTES  65536u
 #define CONTROL_BYTES 1048u /* for as many descriptors as can come */
 

@@ -1,8 +1,6 @@
 /* frame.c - what is kept of one step. */
 #include "frame.h"
 
-#include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>

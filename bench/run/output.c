@@ -2,7 +2,6 @@
 #include "output.h"
 
 #include <inttypes.h>
-#include <string.h>
 
 struct bench_summary run_summarise_time(const struct run_play *play, uint32_t side,
                                         enum run_time time)

@@ -1,5 +1,4 @@
 /* output_json.c - a measurement as one JSON object. */
-#include <inttypes.h>
 #include <jansson.h>
 
 #include "output.h"

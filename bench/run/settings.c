@@ -1,7 +1,6 @@
 /* settings.c - what pccd-bench was asked for. */
 #include "settings.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 

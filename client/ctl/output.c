@@ -1,7 +1,6 @@
 /* output.c - the files that commands write. */
 #include "output.h"
 
-#include <errno.h>
 #include <string.h>
 
 #include "pccd_types.h"

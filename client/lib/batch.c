@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "attach.h"
 #include "step.h"
 
 static_assert((int)PCCD_BATCH_X1 == PROTO_SEGMENT_X1 &&

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* A slot takes both ends of the sheet in double; the region the answers to LOAD_DEPTH_MAX
  * steps of a small sheet, which has most records for its size. */

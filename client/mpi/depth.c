@@ -13,7 +13,6 @@
 #include <string.h>
 
 #include "near_objects.h"
-#include "rank_sort.h"
 
 /* ---- closed meshes ----------------------------------------------------------------- */
 

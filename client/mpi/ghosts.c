@@ -1,9 +1,7 @@
 /* ghosts.c - leaves that ranks have to know of each other. */
 #include "ghosts.h"
 
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "boxes.h"
 #include "parts.h"

@@ -2,7 +2,6 @@
 #include "answer.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 /* Take the own ones of the strays of all ranks, in order, to *own. */
 static int take_own(struct pccd_mpi *world, struct pccd_near **own, uint64_t *own_count)

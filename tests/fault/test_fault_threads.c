@@ -6,7 +6,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
 #include "must.h"

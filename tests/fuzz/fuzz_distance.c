@@ -1,7 +1,6 @@
 /* fuzz_distance.c - exact distances of the engine against those of the oracle. */
 #include "fuzz_distance.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

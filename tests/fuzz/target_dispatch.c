@@ -1,5 +1,4 @@
 /* target_dispatch.c - any messages to a real server. */
-#include <string.h>
 
 #include "fuzz_target.h"
 #include "host.h"

@@ -4,7 +4,6 @@
 
 #include <unistd.h>
 
-#include "daemon.h"
 #include "fixture.h"
 #include "forge.h"
 #include "run_ctl.h"

@@ -4,7 +4,6 @@
 #include <signal.h>
 
 #include <dirent.h>
-#include <errno.h>
 #include <poll.h>
 #include <pthread.h>
 #include <sys/wait.h>

@@ -1,7 +1,6 @@
 /* test_int_session.c - sessions with a real daemon: start, agree, share, end. */
 #include "cases.h"
 
-#include <errno.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>

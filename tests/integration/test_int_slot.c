@@ -1,7 +1,6 @@
 /* test_int_slot.c - nonsense in the memory that is shared with a real daemon. */
 #include "cases.h"
 
-#include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
 #include <sys/mman.h>

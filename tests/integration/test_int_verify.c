@@ -3,7 +3,6 @@
 
 #include <unistd.h>
 
-#include "daemon.h"
 #include "fixture.h"
 #include "grid.h"
 #include "must.h"

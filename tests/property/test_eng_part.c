@@ -3,7 +3,6 @@
  * Threads: one; the engine's steps by one to four, by every method and instruction set.
  */
 #include "cases.h"
-#include "eng_answer.h"
 #include "judge.h"
 
 #define SPANS_MAX 8

@@ -7,7 +7,6 @@
  */
 #include "eng_kit.h"
 #include "eng_way.h"
-#include "near.h"
 #include "thick_judge.h"
 
 #define TOLERANCE 1e-6

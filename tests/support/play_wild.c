@@ -1,5 +1,4 @@
 /* play_wild.c - a play in which anything may happen. */
-#include <string.h>
 
 #include "play_actor.h"
 

@@ -1,8 +1,6 @@
 /* test_eng_thick_truth.c - public scenes and queries with a thickness, against exact
  * arithmetic.
  */
-#include "eng_way.h"
-#include "oracle_root.h"
 #include "thick_trial.h"
 #include "truth_engine.h"
 

@@ -2,7 +2,6 @@
 #include "thick_trial.h"
 
 #include "cases.h"
-#include "oracle_root.h"
 #include "truth_kit.h"
 
 #define STRIPS 64

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include "ctl_kit.h"
-#include "meshfile.h"
 
 #define FRAMES   3u
 #define VERTICES 4u

@@ -7,7 +7,6 @@
 #include <time.h>
 
 #include "kernel.h"
-#include "memory.h"
 #include "refit.h"
 #include "sort.h"
 #include "step.h"

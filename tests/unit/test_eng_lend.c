@@ -5,7 +5,6 @@
 
 #include <stdatomic.h>
 
-#include "memory.h"
 #include "parallel.h"
 #include "step.h"
 #include "step_memory.h"

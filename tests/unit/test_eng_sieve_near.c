@@ -3,7 +3,6 @@
  * Source: BOUNDS.md, "The sieve: what is near".
  */
 #include "distance.h"
-#include "eng_case.h"
 #include "kernel.h"
 #include "kinds.h"
 

@@ -1,7 +1,5 @@
 /* test_eng_warm.c - a warm step allocates nothing. */
 #include "eng_kit.h"
-#include "exact.h"
-#include "memory.h"
 #include "step.h"
 
 /* Calls of malloc and its kin since the start. Compilers believe that malloc changes

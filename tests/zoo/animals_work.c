@@ -1,6 +1,5 @@
 /* animals_work.c - hostile clients: what is asked to be computed. */
 #include <signal.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -12,7 +12,6 @@
 #include "output.h"
 #include "play_options.h"
 #include "printable.h"
-#include "shown.h"
 #include "snapshot.h"
 #include "whole_file.h"
 

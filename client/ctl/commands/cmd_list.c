@@ -11,7 +11,6 @@
 #include "output.h"
 #include "printable.h"
 #include "sessions.h"
-#include "shown.h"
 #include "terminal.h"
 
 enum what { SESSIONS, SCENES, OBJECTS, PAIRS, MESHES };

@@ -10,7 +10,6 @@
 #include "output.h"
 #include "player.h"
 #include "printable.h"
-#include "shown.h"
 #include "statistics.h"
 #include "terminal.h"
 

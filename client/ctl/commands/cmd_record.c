@@ -18,7 +18,6 @@
 #include "printable.h"
 #include "reader.h"
 #include "scene.h"
-#include "shown.h"
 
 #define SEGMENTS_MAX  64u
 #define LEVEL_MAX     19u

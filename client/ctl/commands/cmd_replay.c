@@ -4,7 +4,6 @@
 #include "ctl.h"
 #include "play_options.h"
 #include "replay.h"
-#include "shown.h"
 
 struct replay {
     struct play_options options;

@@ -12,7 +12,6 @@
 #include "link.h"
 #include "printable.h"
 #include "sessions.h"
-#include "shown.h"
 #include "terminal.h"
 
 #define COUNT_MAX        1000000000u

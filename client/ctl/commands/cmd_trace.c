@@ -7,7 +7,6 @@
 #include "clock.h"
 #include "ctl.h"
 #include "link.h"
-#include "shown.h"
 #include "terminal.h"
 #include "trace_file.h"
 

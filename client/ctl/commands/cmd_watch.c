@@ -7,7 +7,6 @@
 #include "ctl.h"
 #include "link.h"
 #include "printable.h"
-#include "shown.h"
 #include "terminal.h"
 
 #define COUNT_MAX 1000000000000u

@@ -1,6 +1,5 @@
 /* inspect_boxes.c - the hierarchies of a step as sections of data. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "inspect.h"
 

@@ -1,7 +1,6 @@
 /* doctor_machine.c - what is wrong with a machine for pccdd. */
 #include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* answers.c - what was answered, by step. */
 #include "answers.h"
 
-#include <assert.h>
 #include <inttypes.h>
 #include <stddef.h>
 #include <stdlib.h>

@@ -9,7 +9,6 @@
 #include "ask_options.h"
 #include "ctl.h"
 #include "meshfile.h"
-#include "report.h"
 
 #define STEP_MAX    (1ull << 62)
 #define THREADS_MAX 1024u

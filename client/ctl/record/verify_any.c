@@ -1,6 +1,5 @@
 /* verify_any.c - whether anything meets in a step at all. */
 #include <float.h>
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,7 +1,6 @@
 /* verify_meeting.c - when two features meet first, exactly. */
 #include "verify.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "kinds.h"

@@ -3,7 +3,6 @@
  * Draw vertices and edges, find all faces and edges whose motion comes near theirs by
  * trying every one, and put those that the answer leaves out to exact arithmetic.
  */
-#include <inttypes.h>
 #include <stddef.h>
 
 #include "kinds.h"

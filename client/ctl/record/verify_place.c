@@ -2,9 +2,7 @@
  *
  * Source: proto/PROTOCOL.md, "Records"; oracle_distance.h.
  */
-#include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "kinds.h"
 #include "oracle_distance.h"

@@ -3,7 +3,6 @@
 #include <malloc.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "check_apart.h"
@@ -16,7 +15,6 @@
 #include "pccd_mpi.h"
 #include "process_status.h"
 #include "sequence.h"
-#include "shown.h"
 #include "together.h"
 
 struct mpi_options {

@@ -6,7 +6,6 @@
 #include "near_run.h"
 #include "part.h"
 #include "pccd_mpi.h"
-#include "shown.h"
 #include "together.h"
 
 struct mpi_near_options {

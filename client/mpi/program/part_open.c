@@ -1,9 +1,7 @@
 /* part_open.c - opens the files of a mesh on all ranks. */
 #include "part.h"
 
-#include <inttypes.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "check_run.h"
