@@ -10,8 +10,6 @@
 #include "report.h"
 #include "world.h"
 
-#define TOLERANCE 1e-6 /* the default of a step */
-
 /* One thread's. */
 struct tester {
     const struct peers_tests *tests;
@@ -42,7 +40,7 @@ static void test(void *context, enum peer_kind kind, const uint32_t (*pairs)[2],
             memcpy(quad + 2, groups[PEER_EDGES].corners[pairs[i][1]], 2 * sizeof *quad);
         }
     }
-    const struct eng_question question = ENG_QUESTION_DEFAULT; /* of TOLERANCE */
+    const struct eng_question question = ENG_QUESTION_DEFAULT;
     const struct eng_pairs asked = {.question = &question,
                                     .kind = (uint32_t)kind,
                                     .count = count,
