@@ -71,6 +71,7 @@ static int try_step(struct eng_scene *scene, enum pccd_mode mode, enum pccd_meth
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
     settings.method = method;
+    settings.touching = seed % 2 == 0 ? PCCD_TOUCHING_LEFT_OUT : PCCD_TOUCHING_KEPT;
     eng_stage_begin(scene);
     for (uint32_t idx = 0; idx < scene->object_capacity; idx++) {
         int status =
