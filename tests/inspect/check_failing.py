@@ -122,10 +122,10 @@ class Failing(unittest.TestCase):
         if "PCCD_PICTURES" in os.environ:
             shutil.copy(self.path("bad.apng"), os.environ["PCCD_PICTURES"])
         self.check("--mode", "any", "--film", "any.apng")
-        without = film(self.path("any.apng"))
-        self.assertEqual((len(pictures), len(without)), (len(FAILING), len(FAILING)))
-        for rows, bare in zip(pictures, without, strict=True):
-            self.assertGreater(timed(rows), timed(bare) + 60)  # of the larger dot some 80
+        bare = timed(film(self.path("any.apng"))[0])
+        self.assertEqual(len(pictures), len(FAILING))
+        for rows in pictures:
+            self.assertGreater(timed(rows), bare + 60)  # of the larger dot some 80
 
     # If it failed, a bad bake would fill disk and memory, or be cut without a word.
     def test_failing__bounds_what_is_shown_and_says_so(self):

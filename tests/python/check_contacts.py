@@ -37,7 +37,7 @@ class Contacts(unittest.TestCase):
         made = tempfile.TemporaryDirectory()
         self.addCleanup(made.cleanup)
         self.folder = made.name
-        for number, drop in enumerate((0, 2, 0)):
+        for number, drop in enumerate((0, 2, 0, 1)):
             with open(os.path.join(made.name, f"f{number}.obj"), "w",
                       encoding="utf-8") as to:
                 moved = [(x, y, z - drop) for x, y, z in POST]
@@ -95,6 +95,10 @@ class Contacts(unittest.TestCase):
         self.assertEqual(columns["object_b"], ["fl\u00f6r"] * 2)
         self.assertEqual([columns["b" + axis][0] for axis in "xyz"], [.25, .25, 0])
         self.assertEqual([columns["n" + axis][1] for axis in "xyz"], [0, 0, -1])
+        # What touches at t = 0 leaves: a column that not each table has.
+        self.check(1, "--touching", "told", "--contacts", name, "f3.obj", "f0.obj")
+        self.assertEqual(set(self.read(name)), set(columns) | {"touching"})
+        self.assertEqual(set(self.read(name)["touching"]), {"leaves"})
         # Of one step there is its number, too; of none there are the columns.
         self.check(1, f"--contacts={name}", "f0.obj", "f1.obj")
         self.assertEqual(self.read(name)["step"], [1])

@@ -23,7 +23,7 @@ _H5PY = ("h5py", "Debian: python3-h5py")
 WRITERS = {".parquet": ("pyarrow", "pip install pyarrow"), ".h5": _H5PY, ".hdf5": _H5PY}
 ROWS = 1 << 16  # of a piece
 WHOLE = ("step", "i0", "i1", "i2", "i3", "proved")
-TEXT = ("kind", "object_a", "object_b")
+REAL = ("toi", "toi_hi", *(side + axis for side in "abn" for axis in "xyz"))
 
 Piece = Dict[str, Any]  # arrays of numpy, lists of text
 
@@ -49,12 +49,12 @@ def _piece(head: List[str], rows: List[List[str]]) -> Piece:
         columns = {"step": ("1",) * len(rows), **columns}
     piece: Piece = {}
     for name, values in columns.items():
-        if name in TEXT:
-            piece[name] = list(values)
-        elif name in WHOLE:
+        if name in WHOLE:
             piece[name] = np.array([value or "-1" for value in values], np.int64)
-        else:
+        elif name in REAL:
             piece[name] = np.array([value or "nan" for value in values], np.float64)
+        else:
+            piece[name] = list(values)
     return piece
 
 
@@ -80,7 +80,7 @@ def _write_parquet(pieces: Iterator[Piece], path: str) -> None:
     writer = None
     for piece in pieces:
         table = arrow.table({name: arrow.array(values, type=arrow.string())
-                             if name in TEXT else arrow.array(values)
+                             if isinstance(values, list) else arrow.array(values)
                              for name, values in piece.items()})
         writer = writer or parquet.ParquetWriter(path, table.schema)
         writer.write_table(table)
@@ -96,8 +96,9 @@ def _write_hdf5(pieces: Iterator[Piece], path: str) -> None:
             more = len(piece["kind"])
             for name, values in piece.items():
                 if name not in group:
+                    is_text = isinstance(values, list)
                     group.create_dataset(
-                        name, (0,), h5py.string_dtype() if name in TEXT else values.dtype,
+                        name, (0,), h5py.string_dtype() if is_text else values.dtype,
                         maxshape=(None,), chunks=(ROWS,))
                 group[name].resize((count + more,))
                 if more > 0:
