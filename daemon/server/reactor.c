@@ -59,6 +59,7 @@ struct srv_reactor {
     uv_timer_t report;              /* until what the log has left out is said */
     uv_prepare_t stopper; /* looks, before each wait, whether the next phase can begin */
     uv_prepare_t sender;  /* lets, before each wait, what is kept of answers go */
+    struct srv_awake awake;
 };
 
 static struct srv_reactor *reactor_of(struct srv_server *server)
@@ -102,6 +103,7 @@ static void close_handles(struct srv_reactor *reactor)
     close_if_open((uv_handle_t *)&reactor->report);
     close_if_open((uv_handle_t *)&reactor->stopper);
     close_if_open((uv_handle_t *)&reactor->sender);
+    close_if_open((uv_handle_t *)&reactor->awake.idle);
     close_if_open((uv_handle_t *)&reactor->heartbeat.timer);
     close_timers(reactor);
 }
@@ -363,6 +365,7 @@ static void on_sender(uv_prepare_t *prepare)
 {
     struct srv_reactor *reactor = prepare->data;
     srv_conn_send_kept(&reactor->server);
+    srv_awake_before_wait(&reactor->awake);
     if (srv_log_owes_report() && !uv_is_active((uv_handle_t *)&reactor->report) &&
         !uv_is_closing((uv_handle_t *)&reactor->report)) {
         uv_timer_start(&reactor->report, on_report, REPORT_MS, 0);
@@ -398,6 +401,7 @@ static int init_handles(struct srv_reactor *reactor)
     uv_timer_init(&reactor->server.uv, &reactor->report);
     uv_prepare_init(&reactor->server.uv, &reactor->stopper);
     uv_prepare_init(&reactor->server.uv, &reactor->sender);
+    srv_awake_init(&reactor->awake, &reactor->server.uv, &reactor->server.service);
     reactor->sender.data = reactor;
     uv_prepare_start(&reactor->sender, on_sender);
     srv_heartbeat_init(&reactor->heartbeat, &reactor->server.uv,

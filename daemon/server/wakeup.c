@@ -1,4 +1,4 @@
-/* wakeup.c - how another thread wakes the loop. */
+/* wakeup.c - how another thread wakes the loop, and when it stays awake. */
 #include "watch.h"
 
 #include <errno.h>
@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "invariant.h"
+#include "now.h"
 #include "pccd_types.h"
 
 #define TRIES 1000 /* for calls that a signal interrupts */
@@ -60,4 +61,54 @@ void srv_wakeup_close(struct srv_wakeup *wakeup)
 {
     uv_close((uv_handle_t *)&wakeup->poll, NULL); /* stops it, too */
     close(wakeup->fd);
+}
+
+/* ---- staying awake ----------------------------------------------------------------- */
+
+#define AWAKE_NS    50000u
+#define IN_VAIN_MAX 8u
+
+/* It ends, in vain or not. */
+static void end(struct srv_awake *awake, bool was_in_vain)
+{
+    uint32_t count = was_in_vain ? awake->in_vain + 1 : 0;
+    awake->in_vain = count < IN_VAIN_MAX ? count : IN_VAIN_MAX;
+    awake->skip = (1u << awake->in_vain) - 1;
+    uv_idle_stop(&awake->idle);
+}
+
+/* Between two looks. */
+static void on_idle(uv_idle_t *idle)
+{
+    struct srv_awake *awake = (struct srv_awake *)idle;
+    if (awake->service->metrics.counters.messages != awake->messages_seen) {
+        end(awake, false);
+    } else if (common_now_ns() >= awake->until_ns) {
+        end(awake, true);
+    }
+}
+
+void srv_awake_init(struct srv_awake *awake, uv_loop_t *loop,
+                    const struct srv_service *service)
+{
+    *awake = (struct srv_awake){.service = service};
+    uv_idle_init(loop, &awake->idle);
+}
+
+void srv_awake_before_wait(struct srv_awake *awake)
+{
+    const struct proto_STATS_result *counters = &awake->service->metrics.counters;
+    bool has_stepped = counters->steps_brief != awake->steps_seen;
+    awake->steps_seen = counters->steps_brief;
+    if (!has_stepped || counters->processors < 2 ||
+        awake->service->phase != SRV_PHASE_RUNNING) {
+        return;
+    }
+    if (awake->skip > 0) {
+        awake->skip--;
+        return;
+    }
+    awake->messages_seen = counters->messages;
+    awake->until_ns = common_now_ns() + AWAKE_NS;
+    uv_idle_start(&awake->idle, on_idle);
 }

@@ -91,6 +91,7 @@ test_programs += \
     tests/unit/test_reg_pairs \
     tests/unit/test_reg_positions \
     tests/unit/test_reg_registry \
+    tests/unit/test_srv_awake \
     tests/unit/test_srv_compute \
     tests/unit/test_srv_fairqueue \
     tests/unit/test_srv_handles \
@@ -161,6 +162,8 @@ tests_unit_test_ctl_writers_LDADD = $(ctl_test_libs)
 # The daemon's, without a socket.
 server_test_cppflags = $(server_cppflags) $(AM_CPPFLAGS) $(UV_CFLAGS)
 server_test_libs = libserver.la $(LDADD) $(UV_LIBS)
+tests_unit_test_srv_awake_CPPFLAGS = $(server_test_cppflags)
+tests_unit_test_srv_awake_LDADD = $(server_test_libs)
 tests_unit_test_srv_compute_CPPFLAGS = $(server_test_cppflags)
 tests_unit_test_srv_compute_LDADD = $(server_test_libs)
 tests_unit_test_srv_fairqueue_CPPFLAGS = $(server_test_cppflags)
