@@ -63,7 +63,8 @@ void ctl_motion_close(struct ctl_motion *motion);
 
 /* All frames of a file. Of glTF without a wish for one all animations that move a mesh
  * are played at once, if no two of them move the same thing; else the first of them.
- * E_INVAL: there is no animation that is wished for. Of point caches a piece of 64 KiB is in memory, of a pipe all. */
+ * E_INVAL: there is no animation that is wished for. Of point caches a piece of 64 KiB is
+ * in memory, of a pipe all. */
 ctl_motion_reader ctl_gltf_open, ctl_pc2_open, ctl_mdd_open;
 
 #endif
