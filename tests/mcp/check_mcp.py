@@ -425,6 +425,16 @@ class Tools(Case):
         self.assertEqual(client.ask("resources/read", uri=uris[0])["error"]["code"],
                          -32602)
 
+    # If it failed, a box that leaves its floor would never have a safe step.
+    def test_touching__is_left_out_where_it_leaves(self):
+        for i in (0, 1):
+            write_box(self.path / f"up{i}.obj", (0, 0, 3 * i), (2, 2, 2 + 3 * i))
+        client = self.client()
+        both = {"files": ["up%d.obj"], "with": ["floor.obj"]}
+        self.assertEqual(client.call("check", **both)["safe_step"], 0)
+        told = client.call("check", touching="left-out", **both)
+        self.assertEqual((told["verdict"], told["safe_step"]), ("free", 1))
+
     # If it failed, a step that begins crossed would be called free.
     def test_verdict__says_how_steps_begin(self):
         for i in (0, 1):

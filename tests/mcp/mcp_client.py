@@ -27,13 +27,12 @@ class Client:
 
     def __init__(self, folder, *options):
         passed_on = {key: os.environ[key] for key in PASSED_ON if key in os.environ}
-        for key in ("ASAN_OPTIONS", "UBSAN_OPTIONS", "LD_LIBRARY_PATH"):  # of test builds
+        for key in ("ASAN_OPTIONS", "LD_LIBRARY_PATH", "PCCD_DIRECT"):  # of test builds
             if key in os.environ:
                 passed_on[key] = os.environ[key]
         self.server = subprocess.Popen(
             [os.environ["PCCDCTL"], "mcp", "--daemon", os.environ["PCCD_DAEMON"],
-             *options,
-             str(folder)],
+             *options, str(folder)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=passed_on)
         self.number = 0
         self.calls = 0

@@ -484,6 +484,10 @@ static const struct mcp_field check_takes[] = {
      .meaning =
          "What begins nearer than its thickness meets at this part of that distance",
      .min = 1e-9, .max = 0.999999999, .option = "--approach"},
+    {"touching", MCP_WORD,
+     .meaning = "What touches at t = 0 is a contact then (kept, the default); left-out: "
+                "not if it slides or leaves, so that it has a safe step",
+     .words = "kept|left-out", .option = "--touching"},
     {"output", MCP_FILE,
      .meaning = "Write a certificate there, FILE.jsonl: what comes of each step, which "
                 "verify does again"},
