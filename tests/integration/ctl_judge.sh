@@ -148,6 +148,16 @@ check 1 --results s.jsonl --with high.obj --between one,high --between one,one -
     echo '{"pccd_check":1,"settings":3}' >w.jsonl && echo '{"verdict":"free"}' >>w.jsonl && verify 4 w.jsonl seq0.obj
 report judge__certificate_is_verified_byte_for_byte
 
+# If it failed, what leaves its floor would never be free, or a certificate of that would be none.
+spikes 0 1 1 >leave0.obj
+spikes 1 1 1 >leave1.obj
+spikes 2 1 1 >leave2.obj
+check 1 leave%d.obj && says '^verdict +meets first in step 1, at t in \[0, 0\]' &&
+    check 0 --touching left-out --results l.jsonl leave%d.obj &&
+    says '^verdict +free: nothing enters what it touches, or meets, ' &&
+    grep -q '"step":1,.*"entering":0,"sliding":0,"leaving":1,' l.jsonl && verify 0 l.jsonl leave%d.obj
+report judge__leaves_out_what_leaves
+
 # If it failed, options would be taken and not do what they say.
 ends 2 '--part wants a file of --results' check --part 1/2 seq%d.obj &&
     ends 2 '"3/2" is not I/N' check --results r --part 3/2 seq%d.obj &&

@@ -167,7 +167,9 @@ static int look_at_end(struct walk *walk, struct judged *judged, struct ctl_erro
     walk->before = walk->now;
     walk->now = spare;
     set_begin(walk, &step->answer);
-    if (!report_meets(step) && step->is_complete && walk->before.is_complete) {
+    /* What slides may go on to cross, and was left out. */
+    if (!walk->judge.leaves_out && !report_meets(step) && step->is_complete &&
+        walk->before.is_complete) {
         walk->now.count = 0;
         walk->now.is_complete = true;
     } else {
