@@ -479,11 +479,11 @@ fi
 
 # ---- for programs --------------------------------------------------------------------
 
-# metrics is OpenMetrics, completion a script, scene writes JSON; the standard output of record is its
-# program's.
+# metrics is OpenMetrics, completion a script, scene and mcp write JSON; the standard output of record
+# is its program's.
 while read -r command; do
     "$PCCDCTL" "$command" --help | grep -q -- '--json' || echo "$command has no --json"
-done < <(grep -vxE 'metrics|completion|record|scene' commands) >"$log"
+done < <(grep -vxE 'metrics|completion|record|scene|mcp' commands) >"$log"
 [ ! -s "$log" ]
 # If it failed, a script would have to read what is meant for people.
 report commands__have_json_where_a_program_may_read
