@@ -3,6 +3,7 @@
 
 #include <malloc.h>
 #include <pthread.h>
+#include <sys/resource.h>
 
 #include "memory.h"
 
@@ -112,6 +113,35 @@ CASE(memory__realloc_keeps_the_content)
         bytes = next;
     }
     eng_free(block);
+}
+
+static long page_faults(void)
+{
+    struct rusage usage;
+    assert_int_equal(getrusage(RUSAGE_SELF, &usage), 0);
+    return usage.ru_minflt;
+}
+
+/* If it failed: with each object that comes, all positions of its scene would be copied
+ * to fresh pages. */
+CASE(memory__large_blocks_grow_without_a_copy)
+{
+#ifdef PCCD_SANITIZED
+    test_skip("a sanitizer copies");
+#else
+    const size_t bytes = 64u << 20; /* beyond what the C library cuts out of a heap */
+    unsigned char *block = eng_alloc(bytes, 1);
+    assert_non_null(block);
+    memset(block, 0x5a, bytes);
+    long before = page_faults();
+    block = eng_realloc(block, bytes + bytes / 8, 1);
+    assert_non_null(block);
+    assert_true(page_faults() - before < 64);
+    assert_int_equal((uintptr_t)block % 128, 0);
+    assert_int_equal(block[0], 0x5a);
+    assert_int_equal(block[bytes - 1], 0x5a);
+    eng_free(block);
+#endif
 }
 
 /* If it failed: a scene that cannot grow would lose the array that it has. */

@@ -126,15 +126,32 @@ static bool charge(size_t total)
     return true;
 }
 
+/* The bytes that a block is charged with. False: there cannot be so many. */
+static bool total_of(size_t count, size_t bytes, size_t *total)
+{
+    if (__builtin_mul_overflow(count, bytes, total) ||
+        __builtin_add_overflow(*total, BESIDES + ALIGNMENT - 1, total)) {
+        return false;
+    }
+    *total = ((*total - BESIDES) & ~(size_t)(ALIGNMENT - 1)) + BESIDES;
+    return *total <= INT64_MAX;
+}
+
+/* Write the header into what malloc gave, and return the block. */
+static void *begin(void *origin, size_t total)
+{
+    unsigned char *base = align(origin);
+    struct header header = {.total = total, .origin = origin};
+    memcpy(base, &header, sizeof header);
+    atomic_fetch_add_explicit(&alloc_count, 1, memory_order_relaxed);
+    atomic_fetch_add_explicit(&eng_payer()->allocs, 1, memory_order_relaxed);
+    return base + HEADER_BYTES;
+}
+
 void *eng_alloc(size_t count, size_t bytes)
 {
     size_t total;
-    if (__builtin_mul_overflow(count, bytes, &total) ||
-        __builtin_add_overflow(total, BESIDES + ALIGNMENT - 1, &total)) {
-        return NULL;
-    }
-    total = ((total - BESIDES) & ~(size_t)(ALIGNMENT - 1)) + BESIDES;
-    if (total > INT64_MAX || !charge(total)) {
+    if (!total_of(count, bytes, &total) || !charge(total)) {
         return NULL;
     }
     void *origin = malloc(total);
@@ -142,12 +159,7 @@ void *eng_alloc(size_t count, size_t bytes)
         uncharge(total);
         return NULL;
     }
-    unsigned char *base = align(origin);
-    struct header header = {.total = total, .origin = origin};
-    memcpy(base, &header, sizeof header);
-    atomic_fetch_add_explicit(&alloc_count, 1, memory_order_relaxed);
-    atomic_fetch_add_explicit(&eng_payer()->allocs, 1, memory_order_relaxed);
-    return base + HEADER_BYTES;
+    return begin(origin, total);
 }
 
 static struct header header_of(const void *block)
@@ -157,17 +169,30 @@ static struct header header_of(const void *block)
     return header;
 }
 
+/* The C library moves the pages of a large block, and touches none of them; whatever it
+ * moved, the block is to be aligned again. */
 void *eng_realloc(void *block, size_t count, size_t bytes)
 {
-    void *grown = eng_alloc(count, bytes);
-    if (!grown || !block) {
-        return grown;
+    size_t total;
+    if (!block) {
+        return eng_alloc(count, bytes);
     }
-    size_t old_bytes = header_of(block).total - BESIDES;
-    size_t new_bytes = count * bytes;
-    memcpy(grown, block, old_bytes < new_bytes ? old_bytes : new_bytes);
-    eng_free(block);
-    return grown;
+    if (!total_of(count, bytes, &total) || !charge(total)) {
+        return NULL;
+    }
+    struct header old = header_of(block);
+    size_t place = (size_t)((unsigned char *)block - (unsigned char *)old.origin);
+    unsigned char *origin = realloc(old.origin, total);
+    if (!origin) {
+        uncharge(total);
+        return NULL;
+    }
+    uncharge(old.total);
+    size_t kept = (old.total < total ? old.total : total) - BESIDES;
+    if (align(origin) + HEADER_BYTES != origin + place) {
+        memmove(align(origin) + HEADER_BYTES, origin + place, kept);
+    }
+    return begin(origin, total);
 }
 
 void eng_free(void *block)
