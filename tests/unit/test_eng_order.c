@@ -77,6 +77,7 @@ CASE(lists__make_the_groups_that_medians_make)
 {
     static struct eng_wide_lists lists;
     static struct eng_split_item items[2][ENG_WIDE_LISTS_MAX + 300];
+    static uint32_t ids[ENG_WIDE_LISTS_MAX + 300];
     const uint32_t counts[] = {1, 16, 17, 255, 256, 257, 1000, 2048, ENG_WIDE_LISTS_MAX};
     struct prng random = {11};
     for (uint32_t round = 0; round < 4 * sizeof counts / sizeof *counts; round++) {
@@ -99,7 +100,10 @@ CASE(lists__make_the_groups_that_medians_make)
         eng_wide_sorter_begin(&sorter, range, 16);
         while (eng_wide_sorter_advance(&sorter, items[0], 64)) {
         }
-        eng_wide_lists_sort(&lists, items[1], range, 16);
+        eng_wide_lists_sort(&lists, items[1], range, ids);
+        for (uint32_t i = 0; i < count; i++) {
+            items[1][range.first + i].id = ids[range.first + i];
+        }
         sort_groups(items[0], range);
         sort_groups(items[1], range);
         for (uint32_t i = 0; i < count; i++) {

@@ -101,12 +101,20 @@ static inline void eng_box_of_point(struct eng_box *box,
 
 static inline eng_f4 eng_min4(eng_f4 a, eng_f4 b)
 {
+#ifdef __SSE__
+    return __builtin_ia32_minps(a, b); /* the same, and one instruction */
+#else
     return (eng_f4)(((eng_i4)a & (a < b)) | ((eng_i4)b & ~(a < b)));
+#endif
 }
 
 static inline eng_f4 eng_max4(eng_f4 a, eng_f4 b)
 {
+#ifdef __SSE__
+    return __builtin_ia32_maxps(a, b);
+#else
     return (eng_f4)(((eng_i4)a & (a > b)) | ((eng_i4)b & ~(a > b)));
+#endif
 }
 
 #define ENG_IS_BOUND ((eng_i4){-1, -1, -1, 0})

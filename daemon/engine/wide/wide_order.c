@@ -212,10 +212,12 @@ struct making {
     uint32_t *of;                  /* [vertex_count] */
     uint32_t piece_count;          /* 1: not told apart */
     uint32_t *size;                /* [ENG_WIDE_TREES][piece_count] */
-    struct eng_split_item *items;  /* of all three trees */
+    struct eng_split_item *items;  /* of the largest tree; for a team of all three */
     struct eng_split_item *pieces; /* [piece_count] */
     uint32_t *next;                /* [piece_count] */
     struct eng_wide_range *parts;  /* of a tree each piece, or more parts */
+    int team;                      /* threads */
+    struct eng_wide_lists *lists;  /* of each; NULL: none */
 };
 
 static void making_free(struct making *making)
@@ -226,6 +228,7 @@ static void making_free(struct making *making)
     eng_free(making->pieces);
     eng_free(making->next);
     eng_free(making->parts);
+    eng_free(making->lists);
 }
 
 static void count_features(const struct making *making, const struct eng_mesh *mesh)
@@ -310,7 +313,7 @@ static struct eng_wide_order *order_of(const struct making *making,
 }
 
 static struct eng_wide_order *making_begin(struct making *making,
-                                           const struct eng_mesh *mesh)
+                                           const struct eng_mesh *mesh, uint32_t threads)
 {
     struct eng_wide_order *order = NULL;
     memset(making, 0, sizeof *making);
@@ -326,15 +329,21 @@ static struct eng_wide_order *making_begin(struct making *making,
     if (order) {
         size_t slots = (size_t)order->count[0] + order->count[1] + order->count[2];
         size_t parts = (size_t)ENG_WIDE_TREES * order->piece_count;
+        making->team = threads_for(slots, threads);
+        making->lists =
+            slots < ENG_WIDE_LISTS_MIN
+                ? NULL
+                : eng_alloc((size_t)making->team, sizeof *making->lists); /* or without */
+        for (int kind = 0; making->team == 1 && kind < ENG_WIDE_TREES; kind++) {
+            slots = kind == 0 || order->count[kind] > slots ? order->count[kind] : slots;
+        }
         parts = parts > ENG_WIDE_PARTS_MAX ? parts : ENG_WIDE_PARTS_MAX;
         making->items = eng_alloc(slots, sizeof *making->items);
-        making->pieces =
-            !making->items ? NULL : eng_alloc(order->piece_count, sizeof *making->pieces);
-        making->next =
-            !making->pieces ? NULL : eng_alloc(order->piece_count, sizeof *making->next);
-        making->parts = !making->next ? NULL : eng_alloc(parts, sizeof *making->parts);
+        making->pieces = eng_alloc(order->piece_count, sizeof *making->pieces);
+        making->next = eng_alloc(order->piece_count, sizeof *making->next);
+        making->parts = eng_alloc(parts, sizeof *making->parts);
     }
-    if (!making->parts) {
+    if (!order || !making->items || !making->pieces || !making->next || !making->parts) {
         making_free(making);
         eng_free(order);
         return NULL;
@@ -343,12 +352,85 @@ static struct eng_wide_order *making_begin(struct making *making,
     return order;
 }
 
+/* item_of where no coordinate changes by the frame. */
+static inline struct eng_split_item
+item_in_place(const double (*x)[3], const uint32_t *vertices, uint32_t count, uint32_t id)
+{
+    struct eng_split_item item = {.id = id};
+    for (int k = 0; k < 3; k++) {
+        double sum = x[vertices[0]][k];
+        for (uint32_t i = 1; i < count; i++) {
+            sum += x[vertices[i]][k];
+        }
+        item.centroid[k] = (float)sum;
+    }
+    return item;
+}
+
+static bool is_plain(const struct eng_box_frame *frame)
+{
+    return frame->origin[4] == 0 && frame->origin[5] == 0 && frame->origin[6] == 0 &&
+           frame->scale == 1;
+}
+
+/* The features of a tree to the next places of their pieces. */
+static void list(const struct making *making, const struct eng_mesh *mesh,
+                 struct eng_wide_positions positions, enum pccd_tree kind,
+                 struct eng_split_item *items)
+{
+    bool in_place = is_plain(positions.frame);
+    uint32_t count = kind == PCCD_TREE_VERTICES ? mesh->info.vertex_count
+                     : kind == PCCD_TREE_EDGES  ? mesh->info.edge_count
+                                                : mesh->info.triangle_count;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t *v = kind == PCCD_TREE_VERTICES ? &i
+                            : kind == PCCD_TREE_EDGES  ? mesh->edges[i]
+                                                       : mesh->leaves[i].v;
+        if (kind == PCCD_TREE_VERTICES && making->of[i] == NO_PIECE) {
+            continue;
+        }
+        uint32_t piece = making->piece_count > 1 ? making->of[v[0]] : 0;
+        items[making->next[piece]++] =
+            in_place ? item_in_place(positions.x, v, (uint32_t)kind + 1, i)
+                     : item_of(positions, v, (uint32_t)kind + 1, i);
+    }
+}
+
+/* By one thread one tree after the other, in the same memory; by a team all at once. */
+static void sort_trees(struct making *making, struct eng_wide_order *made,
+                       const struct eng_mesh *mesh, struct eng_wide_positions positions)
+{
+    uint32_t *ids = made->feature[0]; /* the trees follow each other */
+    size_t first = 0;
+    uint32_t parts = 0;
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        struct eng_split_item *items = making->items + first;
+        eng_wide_order_assign_slots(made, kind, making->pieces, items, making->next);
+        for (uint32_t i = 0; i < made->piece_count; i++) {
+            making->parts[parts++] = (struct eng_wide_range){
+                first + making->next[i], making->next[i], made->piece_size[kind][i]};
+        }
+        for (uint32_t i = 0; made->piece_of && i < made->count[kind]; i++) {
+            made->feature[kind][i] = ENG_WIDE_NO_FEATURE; /* most are replaced */
+        }
+        list(making, mesh, positions, kind, items);
+        first += made->count[kind];
+        if (making->team == 1 || kind + 1 == ENG_WIDE_TREES) {
+            eng_wide_sort_parts(making->items, making->parts, parts, making->team,
+                                making->lists, ids);
+            ids += first;
+            first = 0;
+            parts = 0;
+        }
+    }
+}
+
 int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
                        uint32_t threads, struct eng_wide_order **order)
 {
     assert(mesh->committed && x);
     struct making making;
-    struct eng_wide_order *made = making_begin(&making, mesh);
+    struct eng_wide_order *made = making_begin(&making, mesh, eng_payer_threads(threads));
     if (!made) {
         return PCCD_E_NOMEM;
     }
@@ -356,28 +438,7 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
     struct eng_wide_positions positions = {x, &frame};
     eng_wide_order_sum(made, positions, 0, mesh->info.vertex_count, making.pieces);
     eng_wide_order_sequence(made, making.pieces);
-    size_t first = 0;
-    uint32_t parts = 0;
-    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        struct eng_split_item *items = making.items + first;
-        eng_wide_order_assign_slots(made, kind, making.pieces, items, making.next);
-        for (uint32_t i = 0; i < made->piece_count; i++) {
-            making.parts[parts++] = (struct eng_wide_range){
-                first + making.next[i], making.next[i], made->piece_size[kind][i]};
-        }
-        eng_wide_order_list(made, mesh, positions, kind, 0,
-                            eng_wide_order_sources(mesh, kind), items, making.next);
-        first += made->count[kind];
-    }
-    int team = threads_for(first, eng_payer_threads(threads));
-    bool is_long = first >= ENG_WIDE_LISTS_MIN;
-    struct eng_wide_lists *lists = is_long ? eng_alloc((size_t)team, sizeof *lists)
-                                           : NULL; /* without it goes, too */
-    eng_wide_sort_parts(making.items, making.parts, parts, team, lists);
-    eng_free(lists);
-    for (size_t i = 0; i < first; i++) {
-        made->feature[0][i] = making.items[i].id; /* the trees follow each other */
-    }
+    sort_trees(&making, made, mesh, positions);
     making_free(&making);
     *order = made;
     return PCCD_OK;

@@ -22,10 +22,10 @@
 #define PART_SPLIT_MIN   (4 * ENG_WIDE_LISTS_MIN)
 
 /* Return whether a range is across a multiple of `step` slots, so that it is to be split
- * there. */
+ * there; a power of two. */
 static bool is_across(struct eng_wide_range range, uint64_t step)
 {
-    return range.slot % step + range.count > step;
+    return (range.slot & (step - 1)) + range.count > step;
 }
 
 /* Return how many items of a range across a multiple of `least` come before the split,
@@ -36,9 +36,23 @@ static uint32_t middle_of(struct eng_wide_range range, uint32_t least)
     while (is_across(range, step * ENG_WIDE)) {
         step *= ENG_WIDE;
     }
-    uint64_t middle = ((uint64_t)range.slot + range.count / 2 + step / 2) / step * step;
+    uint64_t middle = ((uint64_t)range.slot + range.count / 2 + step / 2) & -step;
     assert(middle > range.slot && middle - range.slot < range.count);
     return (uint32_t)(middle - range.slot);
+}
+
+static struct eng_wide_range behind(struct eng_wide_range range, uint32_t middle)
+{
+    return (struct eng_wide_range){range.first + middle, range.slot + middle,
+                                   range.count - middle};
+}
+
+static void write_ids(const struct eng_split_item *items, struct eng_wide_range range,
+                      uint32_t *ids)
+{
+    for (size_t i = range.first; i < range.first + range.count; i++) {
+        ids[i] = items[i].id;
+    }
 }
 
 /* ---- lists ------------------------------------------------------------------------- */
@@ -132,8 +146,8 @@ static void divide(struct eng_wide_lists *lists, uint16_t *indices, uint32_t cou
     memcpy(indices + count - behind, lists->second, behind * sizeof *indices);
 }
 
-static void write_ids(struct eng_wide_lists *lists, const struct eng_split_item *items,
-                      struct eng_wide_range range, int axis)
+static void list_ids(struct eng_wide_lists *lists, const struct eng_split_item *items,
+                     struct eng_wide_range range, int axis)
 {
     const uint16_t *indices = lists->sorted[axis] + range.first;
     for (uint32_t i = 0; i < range.count; i++) {
@@ -144,21 +158,20 @@ static void write_ids(struct eng_wide_lists *lists, const struct eng_split_item 
 /* Split a range, whose first item is the first of the lists: the halves that are to be
  * split, too, go to halves[]; returns how many. */
 static uint32_t halve(struct eng_wide_lists *lists, const struct eng_split_item *items,
-                      struct eng_wide_range range, uint32_t least,
-                      struct eng_wide_range halves[2])
+                      struct eng_wide_range range, struct eng_wide_range halves[2])
 {
     int axis = axis_of(lists, items, range.first, range.count);
-    uint32_t middle = middle_of(range, least);
+    uint32_t middle = middle_of(range, ENG_WIDE);
     const uint16_t *along = lists->sorted[axis] + range.first;
     const struct eng_wide_range both[2] = {
         {range.first, range.slot, middle},
         {range.first + middle, range.slot + middle, range.count - middle}};
     uint32_t waiting = 0;
     for (int half = 0; half < 2; half++) {
-        if (is_across(both[half], least)) {
+        if (is_across(both[half], ENG_WIDE)) {
             halves[waiting++] = both[half];
         } else {
-            write_ids(lists, items, both[half], axis);
+            list_ids(lists, items, both[half], axis);
         }
     }
     if (waiting > 0) {
@@ -175,16 +188,18 @@ static uint32_t halve(struct eng_wide_lists *lists, const struct eng_split_item 
     return waiting;
 }
 
-void eng_wide_lists_sort(struct eng_wide_lists *lists, struct eng_split_item *items,
-                         struct eng_wide_range range, uint32_t least)
+void eng_wide_lists_sort(struct eng_wide_lists *lists, const struct eng_split_item *items,
+                         struct eng_wide_range range, uint32_t *ids)
 {
     struct eng_wide_range stack[64]; /* as in struct eng_wide_sorter */
     uint32_t waiting = 1;
     assert(range.count > 0 && range.count <= ENG_WIDE_LISTS_MAX);
-    if (!is_across(range, least)) {
+    if (!is_across(range, ENG_WIDE)) {
+        write_ids(items, range, ids);
         return;
     }
     items += range.first;
+    lists->id = ids + range.first;
     sort_ids(lists, items, range.count, lists->second);
     for (int k = 0; k < 3; k++) {
         sort_axis(lists, items, range.count, k, lists->second, lists->sorted[k]);
@@ -193,23 +208,14 @@ void eng_wide_lists_sort(struct eng_wide_lists *lists, struct eng_split_item *it
     while (waiting > 0) {
         waiting--;
         struct eng_wide_range halves[2];
-        uint32_t count = halve(lists, items, stack[waiting], least, halves);
+        uint32_t count = halve(lists, items, stack[waiting], halves);
         assert(waiting + count <= sizeof stack / sizeof *stack);
         memcpy(stack + waiting, halves, count * sizeof *halves);
         waiting += count;
     }
-    for (uint32_t i = 0; i < range.count; i++) {
-        items[i].id = lists->id[i];
-    }
 }
 
 /* ---- ranges ------------------------------------------------------------------------ */
-
-static struct eng_wide_range behind(struct eng_wide_range range, uint32_t middle)
-{
-    return (struct eng_wide_range){range.first + middle, range.slot + middle,
-                                   range.count - middle};
-}
 
 /* Split a part that is across a multiple of `least` in two; returns the second, or an
  * empty one. */
@@ -246,22 +252,38 @@ static void push(struct eng_wide_sorter *sorter, struct eng_wide_range range)
     sorter->stack[sorter->waiting++] = range;
 }
 
-/* lists: NULL, or memory with which many items are sorted sooner; their places are lost
- * then. */
 static void sort_range(struct eng_split_item *items, struct eng_wide_range all,
-                       uint32_t least, struct eng_wide_lists *lists)
+                       uint32_t least)
 {
     struct eng_wide_sorter sorter;
     eng_wide_sorter_begin(&sorter, all, least);
     while (sorter.waiting > 0) {
         struct eng_wide_range range = sorter.stack[--sorter.waiting];
-        if (lists && range.count >= ENG_WIDE_LISTS_MIN &&
-            range.count <= ENG_WIDE_LISTS_MAX) {
-            eng_wide_lists_sort(lists, items, range, least);
-        } else if (is_across(range, least)) {
+        if (is_across(range, least)) {
             struct eng_wide_range second = split(items, &range, least);
             push(&sorter, second);
             push(&sorter, range);
+        }
+    }
+}
+
+/* The same of a part whose places are not needed any more, to ids[]. */
+static void sort_part(struct eng_split_item *items, struct eng_wide_range part,
+                      struct eng_wide_lists *lists, uint32_t *ids)
+{
+    struct eng_wide_sorter sorter;
+    eng_wide_sorter_begin(&sorter, part, ENG_WIDE);
+    while (sorter.waiting > 0) {
+        struct eng_wide_range range = sorter.stack[--sorter.waiting];
+        if (range.count > ENG_WIDE_LISTS_MAX && lists) {
+            struct eng_wide_range second = split(items, &range, ENG_WIDE);
+            push(&sorter, second);
+            push(&sorter, range);
+        } else if (lists && range.count >= ENG_WIDE_LISTS_MIN) {
+            eng_wide_lists_sort(lists, items, range, ids);
+        } else {
+            sort_range(items, range, ENG_WIDE);
+            write_ids(items, range, ids);
         }
     }
 }
@@ -291,7 +313,7 @@ bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_it
     }
     struct eng_wide_range range = sorter->stack[--sorter->waiting];
     if (range.count <= whole) {
-        sort_range(items, range, sorter->least, NULL);
+        sort_range(items, range, sorter->least);
     } else if (is_across(range, sorter->least)) {
         sorter->range = range;
         sorter->is_splitting = true;
@@ -305,13 +327,14 @@ bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_it
 void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least)
 {
     assert(least == 1 || least == 16);
-    sort_range(items, (struct eng_wide_range){0, 0, count}, least, NULL);
+    sort_range(items, (struct eng_wide_range){0, 0, count}, least);
 }
 
 /* No part is split here that has too few items for lists to take both halves: they alone
  * decide how the items of a group follow each other. */
 void eng_wide_sort_parts(struct eng_split_item *items, struct eng_wide_range *parts,
-                         uint32_t count, int threads, struct eng_wide_lists *lists)
+                         uint32_t count, int threads, struct eng_wide_lists *lists,
+                         uint32_t *ids)
 {
     struct eng_parallel region = eng_parallel_open();
     while (threads > 1 && count < (uint32_t)threads * PARTS_PER_THREAD &&
@@ -328,8 +351,7 @@ void eng_wide_sort_parts(struct eng_split_item *items, struct eng_wide_range *pa
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (uint32_t i = 0; i < count; i++) {
         ENG_PARALLEL_JOIN(region);
-        sort_range(items, parts[i], ENG_WIDE,
-                   lists ? lists + omp_get_thread_num() : NULL);
+        sort_part(items, parts[i], lists ? lists + omp_get_thread_num() : NULL, ids);
     }
     eng_parallel_close();
 }

@@ -53,21 +53,24 @@ struct eng_wide_lists {
     uint16_t sorted[3][ENG_WIDE_LISTS_MAX]; /* items along each axis */
     uint16_t second[ENG_WIDE_LISTS_MAX];    /* some of them on their way */
     uint8_t is_second[ENG_WIDE_LISTS_MAX];  /* in which half each item is */
-    uint32_t id[ENG_WIDE_LISTS_MAX];        /* in the end */
+    uint32_t *id;                           /* in the end */
 };
 
-/* Items range.first and so on get their ids in order; where they are is not kept. Groups
- * have the same items as by eng_wide_sort, in an order that depends on them alone. */
-void eng_wide_lists_sort(struct eng_wide_lists *lists, struct eng_split_item *items,
-                         struct eng_wide_range range, uint32_t least);
+/* Split a range down to groups of 16. The ids go to ids[range.first] and so on, in an
+ * order that depends on the items alone; groups have the same items as by
+ * eng_wide_sort. */
+void eng_wide_lists_sort(struct eng_wide_lists *lists, const struct eng_split_item *items,
+                         struct eng_wide_range range, uint32_t *ids);
 
 /* Parts of all three trees, at most. */
 #define ENG_WIDE_PARTS_MAX 768u
 
 /* All of parts[count], which have room for ENG_WIDE_PARTS_MAX, down to groups of 16, by
  * as many threads: parallel regions if there are several. lists[threads]: with which many
- * items are sorted sooner, but their places are lost; NULL: without. */
+ * items are sorted sooner; NULL: without. The items are lost; their ids go to ids[], each
+ * to where its item belongs. */
 void eng_wide_sort_parts(struct eng_split_item *items, struct eng_wide_range *parts,
-                         uint32_t count, int threads, struct eng_wide_lists *lists);
+                         uint32_t count, int threads, struct eng_wide_lists *lists,
+                         uint32_t *ids);
 
 #endif
