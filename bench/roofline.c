@@ -495,7 +495,7 @@ static void join_all(struct bench *bench, bool is_testing)
     eng_wide_join_nodes(join, PCCD_EE, top, 0, 0);
     eng_wide_join_flush(join);
     if (!is_testing) {
-        count_part(bench, PART_JOIN, begin_ns, eng_wide_join_tests(join));
+        count_part(bench, PART_JOIN, begin_ns, eng_wide_join_test_count(join));
         bench->outcome->pairs_ns = common_now_ns() - begin_ns;
     }
 }

@@ -127,8 +127,8 @@ static bool merge_by_team(struct eng_merge *merge, struct lists *lists,
         uint32_t thread = (uint32_t)omp_get_thread_num();
         eng_merge_survey(merge, (uint32_t)omp_get_num_threads(), thread);
 #pragma omp barrier
-        if (eng_merge_is_shared(merge)) {
-            eng_merge_divide(merge, thread);
+        if (eng_merge_is_by_all(merge)) {
+            eng_merge_fill_buckets(merge, thread);
 #pragma omp barrier
             eng_merge_finish(merge, thread);
         }

@@ -209,7 +209,7 @@ int eng_wide_sweep(struct eng_scene *scene, uint32_t threads, eng_wide_visit vis
         for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
             sweep->counts[kind] += sweepers[i].count[kind];
         }
-        sweep->box_tests += eng_wide_join_tests(&sweepers[i].join);
+        sweep->box_tests += eng_wide_join_test_count(&sweepers[i].join);
     }
     eng_free(tasks.list);
     eng_free(sweepers);

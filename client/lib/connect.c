@@ -230,7 +230,7 @@ static void take_notified(struct pccd_client *client,
 {
     switch (envelope->method) {
     case PROTO_NOTE_SCENE_STEP:
-        cli_shared_note(client, envelope);
+        cli_shared_take_step(client, envelope);
         break;
     case PROTO_NOTE_SCENE_HELD:
         cli_shared_held(client, envelope);
@@ -306,7 +306,7 @@ void pccd_close(struct pccd_client *client)
     cli_link_bye(client);
     cli_connection_close(client);
     if (client->owner == getpid()) {
-        cli_launch_let_end(&client->child);
+        cli_launch_ask_to_end(&client->child);
     }
     cli_page_deinit(client);
     cli_ring_deinit(&client->ring);

@@ -45,7 +45,8 @@ static int make_room(struct pccd_client *client)
     return 0;
 }
 
-void cli_shared_note(struct pccd_client *client, const struct proto_envelope *envelope)
+void cli_shared_take_step(struct pccd_client *client,
+                          const struct proto_envelope *envelope)
 {
     struct proto_SCENE_STEP_request note;
     struct proto_error error;

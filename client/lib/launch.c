@@ -502,7 +502,7 @@ static bool await_end(pid_t pid, uint64_t until_ns)
     return gone;
 }
 
-void cli_launch_let_end(struct cli_child *child)
+void cli_launch_ask_to_end(struct cli_child *child)
 {
     if (child->pid > 0 && is_gone(child->pid)) {
         child->pid = 0; /* reaped: the number may be another process's */

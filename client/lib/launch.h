@@ -26,15 +26,14 @@ void cli_launch_words(const struct pccd_client *client, const char *socket_path,
                       char words[CLI_WORDS_BYTES]);
 
 /* Tell a private daemon to end, and go on meanwhile; does nothing without one. */
-void cli_launch_let_end(struct cli_child *child);
+void cli_launch_ask_to_end(struct cli_child *child);
 
 /* Stop a private daemon and remove its folder; does nothing without one. */
 void cli_launch_stop(struct cli_child *child);
 
 /* Folders in which what the library needs may lie. */
 #define CLI_FOLDER_BYTES 4096
-/* Get the folder that the library, or the running program, lies in, without a slash at
- * the end; "": not known, or too long. */
+/* Without a slash at the end; "": not known, or too long. */
 void cli_folder_of_library(char folder[CLI_FOLDER_BYTES]);
 void cli_folder_of_program(char folder[CLI_FOLDER_BYTES]);
 

@@ -70,7 +70,7 @@ uint32_t cli_page_count(const struct pccd_client *client)
     return (uint32_t)(client->page_end - client->page_first);
 }
 
-bool cli_page_has_room(const struct pccd_client *client)
+bool cli_pages_have_room(const struct pccd_client *client)
 {
     /* Every call in flight may bring a page, and there must be an entry for it. */
     return cli_page_count(client) + CLI_CALLS <= CLI_PAGES;
@@ -78,7 +78,7 @@ bool cli_page_has_room(const struct pccd_client *client)
 
 int cli_page_check(struct pccd_client *client)
 {
-    return cli_page_has_room(client)
+    return cli_pages_have_room(client)
                ? 0
                : cli_fail(client, PCCD_E_BUSY,
                           "%u answers are not released, or wait for an older one that is "

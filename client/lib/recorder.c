@@ -87,7 +87,7 @@ int cli_record_append(struct cli_recorder *recorder, uint64_t bytes_max,
     return record_writer_add(&recorder->writer, kind, common_now_ns(), parts, count);
 }
 
-int cli_record_stop_after(struct pccd_client *client, int status)
+int cli_record_stop_failed(struct pccd_client *client, int status)
 {
     const struct cli_recorder *recorder = client->recorder;
     const char *why = proto_status_text(status);
@@ -114,7 +114,7 @@ int cli_record_add(struct pccd_client *client, enum record_kind kind,
     }
     status = cli_record_append(recorder, cli_record_bound(recorder, false), kind, parts,
                                count);
-    return status == 0 ? 0 : cli_record_stop_after(client, status);
+    return status == 0 ? 0 : cli_record_stop_failed(client, status);
 }
 
 int cli_record_tuning(struct pccd_client *client, const char *text)

@@ -80,7 +80,7 @@ static int add_or_turn(struct pccd_client *client, enum record_kind kind,
         turn(client);
         return recorder->info.status;
     }
-    return status == 0 ? 0 : cli_record_stop_after(client, status);
+    return status == 0 ? 0 : cli_record_stop_failed(client, status);
 }
 
 /* ---- events ------------------------------------------------------------------------ */

@@ -255,7 +255,7 @@ void cli_journal_pump(struct pccd_client *client)
     for (; journal != NULL; journal = journal->next) {
         struct cli_call *call = NULL;
 
-        if (!journal->is_due || journal->is_asked || !cli_page_has_room(client) ||
+        if (!journal->is_due || journal->is_asked || !cli_pages_have_room(client) ||
             cli_call_inflight(client) >= PROTO_REPLIES_KEPT) {
             continue;
         }

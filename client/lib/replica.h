@@ -11,37 +11,36 @@
 
 struct cli_pipeline;
 
-/* Keep `copy`, which is taken over: what the mesh `handle` was made of, or replaced
- * with. */
+/* The mesh `handle` has been committed, or replaced, with what is in `copy`, which is
+ * taken over. */
 void cli_replica_mesh(struct pccd_client *client, uint32_t handle,
                       struct registry_mesh *copy);
 
-/* Note what a request that was answered with success has changed. */
+/* A request has been answered with success: note what it has changed. */
 void cli_replica_answer(struct pccd_client *client, struct cli_call *call);
 
-/* Note that a scene.near was answered: its pages are those of the scene from now on. */
+/* scene.near has been answered: its pages are those of the scene from now on. */
 void cli_near_answered(struct pccd_client *client,
                        const struct proto_SCENE_NEAR_request *request);
-/* Forget the question about a scene that is gone. */
+/* The scene is gone. */
 void cli_near_forget(struct pccd_client *client, uint32_t scene);
 /* Return whether `step` numbers the last answered question about the scene. */
 bool cli_near_is(const struct pccd_client *client, uint32_t scene, uint64_t step);
 
 /* ---- positions --------------------------------------------------------------------- */
 
-/* Keep the slot of a step that was answered, as its positions are the last. Slots that no
- * object needs any more, this one perhaps, are free again. */
+/* The step in a slot has been answered and its positions are the last: the slot is KEPT,
+ * or free again when nothing is kept. */
 void cli_positions_answered(struct pccd_client *client, uint32_t slot, uint64_t step);
 
-/* Leave out the scenes of a batch that have failed, before cli_positions_answered: they
- * were not moved. */
+/* Before that, of a batch: scenes that have failed were not moved. */
 void cli_positions_leave_out(struct pccd_client *client, uint32_t slot,
                              const struct pccd_scene_answer *scenes);
 
 /* Make a KEPT slot free: copy what only it holds. Slots must be taken in the order of
  * their steps. Returns 0 or PCCD_E_NOMEM. */
 int cli_positions_fold(struct pccd_client *client, uint32_t slot);
-/* Make every KEPT slot free. */
+/* All of them. */
 int cli_positions_fold_all(struct pccd_client *client);
 
 /* Send all that announces, uploads and commits a mesh with the arrays of `copy`, under

@@ -293,7 +293,7 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
 static void sum_near(const struct pccd_mpi *world, struct ranks_sums *sums,
                      double reach[2])
 {
-    ranks_records_sum_near(world, sums, &reach[0], &reach[1]);
+    ranks_records_count_near(world, sums, &reach[0], &reach[1]);
     sums->toi_first = 0;
     reach[1] = -reach[1];
 }

@@ -46,8 +46,8 @@ void ranks_records_told(const struct pccd_mpi *world, const struct pccd_answer *
 void ranks_records_sum(const struct pccd_mpi *world, struct ranks_sums *sums);
 /* The same of records about what is near; the least d_lo and the greatest d_hi, 2e18 and
  * 0 without any. */
-void ranks_records_sum_near(const struct pccd_mpi *world, struct ranks_sums *sums,
-                            double *least, double *greatest);
+void ranks_records_count_near(const struct pccd_mpi *world, struct ranks_sums *sums,
+                              double *least, double *greatest);
 /* Adds bounds to the sums. */
 void ranks_bounds_sum(const struct ranks_bound *bounds, uint64_t count,
                       struct ranks_sums *sums);

@@ -25,7 +25,8 @@ static int check_length(struct pccd_mpi *world, const char *name, double length)
 static int check_objects(struct pccd_mpi *world, const struct pccd_near_settings *near)
 {
     const uint32_t objects[2] = {near->object_a, near->object_b};
-    if (ranks_near_is_by_objects(near) && objects[0] != 0 && objects[0] == objects[1]) {
+    if (common_near_is_of_objects(near->what) && objects[0] != 0 &&
+        objects[0] == objects[1]) {
         return ranks_fail(&world->link, PCCD_E_INVAL,
                           "object_a and object_b are both %" PRIu32, objects[0]);
     }

@@ -50,11 +50,6 @@ void ranks_side_scene_vertex(const struct pccd_mpi *world,
 /* The place of an object in world->objects, by its handle. */
 uint32_t ranks_place_of_object(const struct pccd_mpi *world, uint32_t handle);
 
-static inline bool ranks_near_is_by_objects(const struct pccd_near_settings *near)
-{
-    return near->what == PCCD_NEAR_NEAREST || near->what == PCCD_NEAR_DEPTH;
-}
-
 /* Collective: for where objects begin or end by object->from and object->to, to
  * world->records and *answer. Errors: those of pccd_ask_near. */
 int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_settings *near,

@@ -412,8 +412,8 @@ void ranks_records_told(const struct pccd_mpi *world, const struct pccd_answer *
     memcpy(sums->hash, world->page_hash, sizeof sums->hash);
 }
 
-void ranks_records_sum_near(const struct pccd_mpi *world, struct ranks_sums *sums,
-                            double *least, double *greatest)
+void ranks_records_count_near(const struct pccd_mpi *world, struct ranks_sums *sums,
+                              double *least, double *greatest)
 {
     const struct pccd_near *near = world->records;
     hash_sum sum = 0;

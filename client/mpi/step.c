@@ -512,7 +512,8 @@ static int ask_libpccd(struct pccd_mpi *world, struct ranks_moment *moment,
 static int answer_by(struct pccd_mpi *world, struct ranks_moment *moment,
                      uint64_t begin_ns, struct pccd_answer *answer)
 {
-    bool is_of_leaves = moment->near == NULL || !ranks_near_is_by_objects(moment->near);
+    bool is_of_leaves =
+        moment->near == NULL || !common_near_is_of_objects(moment->near->what);
     bool is_stopped = is_of_leaves && moment->stopped != PCCD_COMPLETE;
     bool is_cut =
         !is_stopped && (!world->is_cut || (is_of_leaves && ranks_cut_is_due(world)));
@@ -536,7 +537,8 @@ static int answer_by(struct pccd_mpi *world, struct ranks_moment *moment,
 static int make(struct pccd_mpi *world, struct ranks_moment *moment,
                 struct pccd_answer *answer)
 {
-    bool is_of_leaves = moment->near == NULL || !ranks_near_is_by_objects(moment->near);
+    bool is_of_leaves =
+        moment->near == NULL || !common_near_is_of_objects(moment->near->what);
     uint64_t begin_ns = common_now_ns();
     world->link.sent_bytes = 0;
     ranks_records_begin(world);

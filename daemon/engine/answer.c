@@ -129,9 +129,9 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
     eng_merge_survey(merge, team->count, worker->thread);
     end_part(worker, begin_ns);
     eng_wait_for_all(worker);
-    if (eng_merge_is_shared(merge)) {
+    if (eng_merge_is_by_all(merge)) {
         begin_ns = common_now_ns();
-        eng_merge_divide(merge, worker->thread);
+        eng_merge_fill_buckets(merge, worker->thread);
         end_part(worker, begin_ns);
         eng_wait_for_all(worker);
         begin_ns = common_now_ns();

@@ -13,6 +13,7 @@
 #include "memory.h"
 #include "method.h"
 #include "moving.h"
+#include "names.h"
 #include "narrow.h"
 #include "parallel.h"
 #include "rigid.h"
@@ -65,7 +66,8 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_question *quest
     if (status != PCCD_OK) {
         return status;
     }
-    for (uint32_t i = 0; i < team->count && !eng_is_of_objects(question->verb); i++) {
+    for (uint32_t i = 0; i < team->count && !common_near_is_of_objects(question->verb);
+         i++) {
         status = eng_narrow_reserve(memory->workers[i], scene, question);
         if (status != PCCD_OK) {
             return status;

@@ -11,6 +11,7 @@
 #include "clock.h"
 #include "detect.h"
 #include "memory.h"
+#include "names.h"
 #include "narrow.h"
 #include "near_objects.h"
 #include "question.h"
@@ -53,7 +54,8 @@ static bool settings_are_valid(const struct eng_question *question)
 /* Only `wide` has faces to walk through. */
 static enum pccd_method method_of(const struct eng_question *question)
 {
-    return eng_is_of_objects(question->verb) ? PCCD_METHOD_WIDE : eng_method_of(question);
+    return common_near_is_of_objects(question->verb) ? PCCD_METHOD_WIDE
+                                                     : eng_method_of(question);
 }
 
 static uint32_t kinds_for(const struct eng_question *question)
@@ -278,7 +280,7 @@ static void answer_records(struct eng_near_memory *memory,
 {
     struct eng_records *records = &memory->records;
     result->count = records->count;
-    if (eng_is_of_objects(result->what) || result->incomplete != PCCD_COMPLETE) {
+    if (common_near_is_of_objects(result->what) || result->incomplete != PCCD_COMPLETE) {
         count_records(records, result);
     } else {
         sum_up(team, counts, result);
@@ -326,7 +328,7 @@ static void answer(struct eng_team *team, const struct eng_question *question,
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT; /* and nothing is in it */
         counts = ENG_COUNTS_NONE;
     }
-    if (!eng_is_of_objects(result->what)) {
+    if (!common_near_is_of_objects(result->what)) {
         result->crossings = sum_crossings(team);
     }
     if (question->counts_only) {
@@ -389,7 +391,7 @@ static int reserve(struct eng_team *team, const struct eng_question *question,
 {
     struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
     int status = PCCD_OK;
-    if (eng_is_of_objects(question->verb)) {
+    if (common_near_is_of_objects(question->verb)) {
         return reserve_objects(team, question, result);
     }
     if (status == PCCD_OK && question->verb == PCCD_NEAR_CROSSINGS) {
@@ -409,7 +411,7 @@ static void search_objects(struct eng_team *team, struct eng_worker *worker)
 
 static void begin_search(struct eng_team *team, const struct eng_question *question)
 {
-    if (eng_is_of_objects(question->verb)) {
+    if (common_near_is_of_objects(question->verb)) {
         eng_near_objects_begin(&eng_step_memory_of(team->scene)->near.objects);
         team->search = search_objects;
         return;
@@ -434,7 +436,7 @@ static int search(struct eng_scene *scene, const struct eng_question *asked,
     question.mode = PCCD_MODE_ALL;
     question.tolerance = 1;
     question.brief = false;
-    eng_thickness_choose(scene, scene->thickness.separation);
+    eng_thickness_begin(scene, scene->thickness.separation);
     int status = seek(scene, &question);
     if (status != PCCD_OK) {
         eng_stage_abort(scene);
@@ -472,7 +474,8 @@ static int search(struct eng_scene *scene, const struct eng_question *asked,
     result->times.merge = end_ns - detect_ns;
     uint64_t work_ns = eng_detect_count(&team, memory->near.threads.items, &result->times,
                                         &result->counters);
-    for (uint32_t i = 0; i < team.count && !eng_is_of_objects(question.verb); i++) {
+    for (uint32_t i = 0; i < team.count && !common_near_is_of_objects(question.verb);
+         i++) {
         result->counters.exact += eng_narrow_of(team.workers[i])->batch.integers;
     }
     if (result->incomplete == PCCD_COMPLETE) {

@@ -323,7 +323,7 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     struct eng_team team;
     int status = check(question);
     if (status == PCCD_OK) {
-        eng_thickness_choose(scene, question->distance);
+        eng_thickness_begin(scene, question->distance);
         eng_stop_init(&stop, question);
         struct eng_step_memory *memory = eng_step_memory_of(scene);
         if (memory->was_emptied) {

@@ -39,16 +39,24 @@ static inline const char *common_verdict_name(uint32_t verdict)
     return verdict <= PCCD_VERDICT_NONE ? common_verdict_names[verdict] : NULL;
 }
 
-/* Return whether the question goes by a distance. */
+/* Return whether the question goes by a distance: a new one does, unless it stands
+ * here. */
 static inline bool common_near_has_distance(uint32_t what)
 {
     return what != PCCD_NEAR_CROSSINGS && what != PCCD_NEAR_DEPTH;
 }
 
+/* Return whether the question is about objects two by two. Else about pairs of
+ * features. */
+static inline bool common_near_is_of_objects(uint32_t what)
+{
+    return what == PCCD_NEAR_NEAREST || what == PCCD_NEAR_DEPTH;
+}
+
 /* Return whether it is about all pairs within the distance; these tell crossings, too. */
 static inline bool common_near_has_all_pairs(uint32_t what)
 {
-    return common_near_has_distance(what) && what != PCCD_NEAR_NEAREST;
+    return common_near_has_distance(what) && !common_near_is_of_objects(what);
 }
 
 /* Return whether the question, at this end, reads where the last step began. A question

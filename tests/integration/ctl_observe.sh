@@ -69,7 +69,9 @@ ctl top --once --interval 0.5 && says '^2 sessions; ' '^SESSION +PID +USER' " $p
 report top__rates_and_sorts_sessions
 
 # If it failed, a scene, object or mesh would be hidden, or another one's shown.
-ctl list && says "^ *[0-9]+ +$player " && ctl list --json sessions && json 'len(j) == 2' &&
+ctl list && says "^ *[0-9]+ +$player " '^SESSION .* STEPS INCOMPLETE ' &&
+    ctl list --json sessions && json 'len(j) == 2' &&
+    json 'all(0 <= s["steps_incomplete"] <= s["steps"] for s in j)' &&
     session=$(python3 -c 'import json
 print([s["session"] for s in json.load(open("out")) if s["pid"] == '"$player"'][0])' 2>/dev/null ||
         echo 1) &&

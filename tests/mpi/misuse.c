@@ -3,7 +3,8 @@
  * Make one mistake on the last rank, by its name; see that every rank gets the same
  * status and sentence, and that the world goes on as if nothing had happened; or, where a
  * rank is missing, that the others end in time. Usage:    mpirun -n RANKS misuse MISTAKE;
- * 2 ranks at least. The exit status is 1 if anything else happened.
+ * 2 ranks at least. The exit status is 1 if anything else happened. A new mistake is a
+ * function, a row of `mistakes`, and its name in `mistakes` of mpi_check.sh.
  */
 #include <math.h>
 #include <stdio.h>
@@ -219,6 +220,16 @@ static int near_negative(void)
     return ask_near(PCCD_NEAR_NEAREST, PCCD_NEAR_NEAREST, -1);
 }
 
+/* NEAREST alone looks at a gap. */
+static int near_gap(void)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    settings.what = PCCD_NEAR_NEAREST;
+    settings.gap = test.is_last ? -1 : 0.5;
+    return pccd_mpi_near(test.world, NULL, 0, &settings, &answer);
+}
+
 static int near_far(void)
 {
     return ask_near(PCCD_NEAR_FEATURES, PCCD_NEAR_FEATURES, 2e18);
@@ -346,6 +357,7 @@ static const struct mistake {
     {"near-kind", near_kind, PCCD_E_INVAL,
      "rank %d gave other arguments to pccd_mpi_near"},
     {"near-negative", near_negative, PCCD_E_INVAL, "distance is negative"},
+    {"near-gap", near_gap, PCCD_E_INVAL, "gap is negative"},
     {"near-far", near_far, PCCD_E_LIMIT, "distance is beyond 1e+18"},
     {"near-object", near_object, PCCD_E_HANDLE, "object_b 77 is not in the scene"},
     {"no-part", no_part, PCCD_E_INVAL, "rank %d"},

@@ -11,8 +11,8 @@ set -u
 all=${PCCD_MPI_ALL:-0}
 counts='1 2 3 4 8'
 mistakes='order totals mode settings two-owners no-owner two-triangles no-triangle index
-    not-finite no-object near-distance near-kind near-negative near-far near-object near-open
-    no-part no-handle no-settings no-answer no-motions no-share no-world
+    not-finite no-object near-distance near-kind near-negative near-gap near-far near-object
+    near-open no-part no-handle no-settings no-answer no-motions no-share no-world
     absent'
 ends='yes deadline cancel turns'
 scenes='cloth-funnel cloth-ball n-body-simulation'

@@ -186,8 +186,8 @@ static void *run_share(void *argument)
     struct eng_merge *merge = &place->fixture->merge;
     eng_merge_survey(merge, place->fixture->threads, place->thread);
     pthread_barrier_wait(place->barrier);
-    if (eng_merge_is_shared(merge)) {
-        eng_merge_divide(merge, place->thread);
+    if (eng_merge_is_by_all(merge)) {
+        eng_merge_fill_buckets(merge, place->thread);
         pthread_barrier_wait(place->barrier);
         eng_merge_finish(merge, place->thread);
     }

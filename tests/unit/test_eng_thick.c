@@ -328,9 +328,9 @@ CASE(thick__decisions_allocate_nothing)
 {
     struct eng_thick thick;
     struct prng random = {77};
-    eng_alloc_ceiling(1);
+    eng_alloc_set_ceiling(1);
     assert_int_equal(eng_thick_init(&thick), PCCD_E_NOMEM);
-    eng_alloc_ceiling(UINT64_MAX);
+    eng_alloc_set_ceiling(UINT64_MAX);
     assert_ok(eng_thick_init(&thick));
     mp_set_memory_functions(count_alloc, count_realloc, count_free);
     gmp_calls = 0;

@@ -91,6 +91,8 @@ static const struct column session_columns[] = {
     {"triangles", "TRIANGLES", COLUMN_COUNT, OF(info.triangles), .width = 9},
     {"shm_bytes", "SHARED", COLUMN_BYTES, OF(info.shm_bytes), .width = 9},
     {"steps", "STEPS", COLUMN_NUMBER, OF(info.steps), .width = 10},
+    {"steps_incomplete", "INCOMPLETE", COLUMN_NUMBER, OF(info.steps_incomplete),
+     .width = 10},
     {"contacts", .type = COLUMN_NUMBER, OF(info.contacts)},
     {"errors", .type = COLUMN_NUMBER, OF(info.errors)},
     {"requests", .type = COLUMN_NUMBER, OF(info.requests)},

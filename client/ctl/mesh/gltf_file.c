@@ -263,7 +263,7 @@ static bool copy(struct gltf *gltf, struct ctl_file *file, uint64_t first, size_
 {
     struct ctl_error why = {.text = ""};
     file->error = &why;
-    int status = ctl_file_copy(file, first, bytes, to);
+    int status = ctl_file_read_at(file, first, bytes, to);
     file->error = gltf->error;
     return gltf_check_as(gltf, status == PCCD_OK, status, "%s", why.text);
 }

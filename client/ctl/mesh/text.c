@@ -113,8 +113,7 @@ static void read_up_to(struct ctl_file *file, size_t bytes)
 int ctl_file_open(const char *path, struct ctl_file *file, struct ctl_error *error)
 {
     struct stat info;
-    *file = (struct ctl_file){
-        .path = path, .error = error, .fd = tool_open(path)};
+    *file = (struct ctl_file){.path = path, .error = error, .fd = tool_open(path)};
     file->is_open = file->has_more = file->fd >= 0;
     if (!file->is_open || fstat(file->fd, &info) != 0) {
         file->status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot %s: %s", path,
@@ -151,7 +150,7 @@ bool ctl_file_is_loaded(const struct ctl_file *file)
     return file->offset == 0 && file->rest_bytes == 0;
 }
 
-int ctl_file_copy(struct ctl_file *file, uint64_t first, size_t bytes, char *to)
+int ctl_file_read_at(struct ctl_file *file, uint64_t first, size_t bytes, char *to)
 {
     size_t done = 0;
     if (first + bytes <= file->bytes && file->offset == 0) {

@@ -55,7 +55,7 @@ int ctl_file_open(const char *path, struct ctl_file *file, struct ctl_error *err
 int ctl_file_load(struct ctl_file *file, struct ctl_error *error);
 /* Copy `bytes` from byte `first` of a file on, which is no pipe or was loaded; what is in
  * memory stays. The same errors, and E_FORMAT: it has become shorter. */
-int ctl_file_copy(struct ctl_file *file, uint64_t first, size_t bytes, char *to);
+int ctl_file_read_at(struct ctl_file *file, uint64_t first, size_t bytes, char *to);
 /* Return whether all of the file is in memory. */
 bool ctl_file_is_loaded(const struct ctl_file *file);
 void ctl_file_deinit(struct ctl_file *file);

@@ -43,12 +43,13 @@ static void print_kinds(FILE *to, const struct pccd_answer *answer)
 static void print_question(FILE *to, const struct near_run *near)
 {
     static const char *const texts[PCCD_NEAR_COUNT][2] = {
-        {"pair", "pairs"},
-        {"pair of closest features", "pairs of closest features"},
-        {"vertex with its bound", "vertices with their bounds"},
-        {"nearest pair of two objects", "nearest pairs of two objects"},
-        {"crossing", "crossings"},
-        {"vertex inside", "vertices inside"}};
+        [PCCD_NEAR_PAIRS] = {"pair", "pairs"},
+        [PCCD_NEAR_FEATURES] = {"pair of closest features", "pairs of closest features"},
+        [PCCD_NEAR_VERTICES] = {"vertex with its bound", "vertices with their bounds"},
+        [PCCD_NEAR_NEAREST] = {"nearest pair of two objects",
+                               "nearest pairs of two objects"},
+        [PCCD_NEAR_CROSSINGS] = {"crossing", "crossings"},
+        [PCCD_NEAR_DEPTH] = {"vertex inside", "vertices inside"}};
     const struct pccd_near_settings *settings = &near->settings;
     const struct pccd_answer *answer = &near->step.answer;
     bool has_limit = common_near_has_all_pairs(settings->what) ||

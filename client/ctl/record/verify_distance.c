@@ -420,7 +420,7 @@ static int check(struct judge *judge)
         judge->crossings = more.count; /* which the answer's numbers are compared with */
         oracle_nears_deinit(&more);
     }
-    if (asked->what == PCCD_NEAR_NEAREST || asked->what == PCCD_NEAR_DEPTH) {
+    if (common_near_is_of_objects(asked->what)) {
         return check_objects(judge);
     }
     if (!oracle_near_pairs(&judge->moment, crosses ? 0 : asked->distance, DECISIONS_MAX,

@@ -215,7 +215,7 @@ uint64_t eng_alloc_bytes(void)
     return atomic_load_explicit(&alloc_bytes, memory_order_relaxed);
 }
 
-void eng_alloc_ceiling(uint64_t bytes)
+void eng_alloc_set_ceiling(uint64_t bytes)
 {
     atomic_store_explicit(&byte_ceiling, bytes, memory_order_relaxed);
 }

@@ -24,10 +24,10 @@ struct eng_account {
  * own; the threads of its team use the same. */
 struct eng_payer {
     struct eng_account *account; /* NULL: nobody's, without a limit */
-    uint32_t number; /* of the thread that computes; what for, its owner knows */
+    uint32_t number;      /* of the thread that computes; what for, its owner knows */
     uint32_t threads_max; /* that its team may have; 0: as many as are asked for */
     atomic_uint_fast64_t allocs; /* made by all who use it; a realloc is one */
-    /* Allocations that eng_alloc_ceiling has refused, and what the last one wanted. */
+    /* Allocations that the ceiling has refused, and what the last one wanted. */
     atomic_uint_fast64_t ceiling_hits;
     atomic_uint_fast64_t ceiling_asked;
 };
@@ -61,9 +61,9 @@ void eng_free(void *block); /* NULL is allowed */
 uint64_t eng_alloc_count(void);
 uint64_t eng_alloc_bytes(void);
 
-/* From now on no allocation may bring the bytes held above that, whoever pays; another
- * thread may say so at any time. UINT64_MAX: no ceiling. */
-void eng_alloc_ceiling(uint64_t bytes);
+/* Refuse from now on what would bring the bytes held above that, whoever pays; any thread
+ * may call it at any time. UINT64_MAX: no ceiling. */
+void eng_alloc_set_ceiling(uint64_t bytes);
 
 /* ---- arrays that grow -------------------------------------------------------------- */
 
@@ -75,8 +75,8 @@ uint32_t eng_array_grown(uint32_t capacity, uint32_t end);
  * is unchanged on failure (PCCD_E_NOMEM). */
 int eng_array_grow(void *array, uint32_t capacity, size_t bytes);
 
-/* Room for `count` items in an array that has *capacity of them: for just so many, or, by
- * extend, grown as above. PCCD_E_NOMEM: as before. */
+/* Make room for `count` items in all in an array with room for *capacity: fit for just so
+ * many, extend for some more, as grow does. PCCD_E_NOMEM: all is as before. */
 int eng_array_fit(void *array, uint32_t *capacity, uint32_t count, size_t bytes);
 int eng_array_extend(void *array, uint32_t *capacity, uint32_t count, size_t bytes);
 

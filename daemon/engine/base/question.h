@@ -217,12 +217,6 @@ static inline bool eng_asks_near(const struct eng_question *question)
     return question->verb != ENG_CONTACTS;
 }
 
-/* Return whether a verb is about objects two by two. Else about all pairs of features. */
-static inline bool eng_is_of_objects(uint32_t verb)
-{
-    return verb == PCCD_NEAR_NEAREST || verb == PCCD_NEAR_DEPTH;
-}
-
 /* Return whether pairs of that kind need not be looked for. Relaxed: it is a hint. */
 static inline bool eng_near_leaves_out(const struct eng_question *question, uint32_t kind)
 {

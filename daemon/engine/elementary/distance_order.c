@@ -234,7 +234,7 @@ static enum eng_sign by_radii(struct eng_distance_order *order,
     keep_square(&limbs, &distances->numbers, b, &of_b);
     int unit = of_a.unit < of_b.unit ? of_a.unit : of_b.unit;
     for (int i = 0; i < 4; i++) {
-        unit = eng_lowest_exponent(terms[i], unit);
+        unit = eng_lower_exponent(terms[i], unit);
     }
     eng_limbs_give(&limbs, r, ENG_NUMBER_BITS / 2);
     eng_limbs_give(&limbs, term, ENG_NUMBER_BITS / 2);

@@ -28,7 +28,7 @@ static void load(struct eng_exact *exact, const double (*x)[3])
 {
     int low = INT_MAX;
     for (int i = 0; i < 12; i++) {
-        low = eng_lowest_exponent(x[i / 3][i % 3], low);
+        low = eng_lower_exponent(x[i / 3][i % 3], low);
     }
     for (int i = 0; i < 12; i++) {
         eng_set_scaled(exact->z[POINTS + i], x[i / 3][i % 3], low);

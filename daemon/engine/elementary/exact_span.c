@@ -26,7 +26,7 @@ static void load_points(struct eng_exact_span *span)
 {
     int low = INT_MAX;
     for (int i = 0; i < 24; i++) {
-        low = eng_lowest_exponent(span->query.x[i / 12][i / 3 % 4][i % 3], low);
+        low = eng_lower_exponent(span->query.x[i / 12][i / 3 % 4][i % 3], low);
     }
     for (int i = 0; i < 24; i++) {
         eng_set_scaled(span->x[i / 12][i / 3 % 4][i % 3],
@@ -323,7 +323,7 @@ static void load(struct eng_exact_span *span, const struct eng_query *query)
 
 static void set_span(struct eng_exact_span *span, double l, double r)
 {
-    int low = eng_lowest_exponent(l, eng_lowest_exponent(r, 0));
+    int low = eng_lower_exponent(l, eng_lower_exponent(r, 0));
     eng_set_scaled(span->l, l, low);
     eng_set_scaled(span->width, r, low);
     mpz_sub(span->width, span->width, span->l);

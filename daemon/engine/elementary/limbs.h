@@ -35,8 +35,8 @@ static inline void eng_limbs_give(struct eng_limbs *limbs, mpz_ptr number, size_
     limbs->count += count;
 }
 
-/* The exponent of the lowest bit that `value` may have, if that is below `low`. */
-static inline int eng_lowest_exponent(double value, int low)
+/* Return the lesser of `low` and the exponent of the lowest bit that `value` may have. */
+static inline int eng_lower_exponent(double value, int low)
 {
     int exponent;
     if (value == 0) {
@@ -46,7 +46,7 @@ static inline int eng_lowest_exponent(double value, int low)
     return exponent - 53 < low ? exponent - 53 : low;
 }
 
-/* out = value * 2^-low, exactly; low is at most eng_lowest_exponent. */
+/* out = value * 2^-low, exactly; low is at most eng_lower_exponent. */
 static inline void eng_set_scaled(mpz_ptr out, double value, int low)
 {
     int exponent;

@@ -70,7 +70,7 @@ static void load_integers(struct eng_numbers *numbers, int point_count)
 {
     int low = INT_MAX;
     for (int i = 0; i < 3 * point_count; i++) {
-        low = eng_lowest_exponent(numbers->x[i / 3][i % 3], low);
+        low = eng_lower_exponent(numbers->x[i / 3][i % 3], low);
     }
     numbers->unit = low == INT_MAX ? 0 : low;
     for (int i = 0; i < 3 * point_count; i++) {

@@ -215,10 +215,10 @@ static int lowest(const struct eng_thick_query *query, int points)
     int low = INT_MAX;
     for (int i = 0; i < 6 * points; i++) {
         int point = i / 3 % points;
-        low = eng_lowest_exponent(query->query.x[i / 3 / points][point][i % 3], low);
+        low = eng_lower_exponent(query->query.x[i / 3 / points][point][i % 3], low);
     }
     for (int i = 0; i < 3; i++) {
-        low = eng_lowest_exponent(query->radius[i], low);
+        low = eng_lower_exponent(query->radius[i], low);
     }
     return low == INT_MAX ? 0 : low;
 }
@@ -303,7 +303,7 @@ static void set_start(struct eng_thick_exact *exact, uint32_t kind)
 /* r^2 = s^2 best. */
 static void set_approach(struct eng_thick_exact *exact, double s)
 {
-    int low = eng_lowest_exponent(s, 0);
+    int low = eng_lower_exponent(s, 0);
     mpz_ptr mantissa = exact->poly.c[0];
     eng_set_scaled(mantissa, s, low);
     mpz_mul(exact->product, mantissa, mantissa);

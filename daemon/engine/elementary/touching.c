@@ -78,8 +78,8 @@ static void load(struct eng_touching *touching, const struct eng_point *const *p
     int low = INT_MAX;
     for (int i = 0; i < count; i++) {
         for (int k = 0; k < 3; k++) {
-            low = eng_lowest_exponent(points[i]->x0[k], low);
-            low = eng_lowest_exponent(points[i]->x1[k], low);
+            low = eng_lower_exponent(points[i]->x0[k], low);
+            low = eng_lower_exponent(points[i]->x1[k], low);
         }
     }
     for (int i = 0; i < count; i++) {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "memory.h"
+#include "names.h"
 #include "thickness.h"
 
 /* Pairs of objects that are kept. */
@@ -293,7 +294,7 @@ int eng_near_objects_prepare(struct eng_near_objects *objects,
                              struct eng_open_mesh_error *open)
 {
     assert(threads >= 1 && threads <= ENG_THREADS_MAX);
-    assert(ask->verb == PCCD_NEAR_NEAREST || ask->verb == PCCD_NEAR_DEPTH);
+    assert(common_near_is_of_objects(ask->verb));
     objects->scene = scene;
     objects->ask = *ask;
     objects->ask.gap = ask->verb == PCCD_NEAR_NEAREST ? ask->gap : 0;

@@ -180,7 +180,7 @@ static bool end_swaps(struct eng_background *background, struct eng_scene *scene
     for (uint32_t i = 0; i < background->part_count; i++) {
         struct eng_background_part *part = &background->parts[i];
         if (part->state == ENG_BACKGROUND_FRESH) {
-            eng_rebuild_note(scene, nodes_of(part));
+            eng_metric_note_built(scene, nodes_of(part));
             part->state = ENG_BACKGROUND_GONE;
         }
         is_busy = is_busy || part->state != ENG_BACKGROUND_GONE;

@@ -239,7 +239,7 @@ static int plant(struct eng_scene *scene, uint32_t object_idx)
         eng_trees_of(scene)->boxes_of = 0;
     }
     eng_regions_mark(scene, eng_paper_object_of(object)->nodes);
-    eng_rebuild_note(scene, eng_paper_object_of(object)->nodes);
+    eng_metric_note_built(scene, eng_paper_object_of(object)->nodes);
     return PCCD_OK;
 }
 

@@ -39,7 +39,7 @@ void eng_regions_mark(struct eng_scene *scene, struct eng_range nodes)
     }
 }
 
-void eng_rebuild_note(struct eng_scene *scene, struct eng_range nodes)
+void eng_metric_note_built(struct eng_scene *scene, struct eng_range nodes)
 {
     struct eng_trees *trees = eng_trees_of(scene);
     uint32_t end = nodes.first + nodes.count;
@@ -106,7 +106,7 @@ static void rebuild_subtree(struct eng_worker *worker, uint32_t node_idx)
     eng_grow(&grower);
     eng_grow_leaves(trees, range, work->split_items);
     eng_refit_anew(scene, (struct eng_range){node_idx + 1, range.count - 1});
-    eng_rebuild_note(scene, range);
+    eng_metric_note_built(scene, range);
     worker->record.rebuilds++;
     worker->tally.rebuilt_triangles += count;
     eng_worker_trace(worker, PCCD_TRACE_REBUILD, begin_ns, node_idx, count);

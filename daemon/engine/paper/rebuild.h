@@ -120,7 +120,7 @@ void eng_regions_mark(struct eng_scene *scene, struct eng_range nodes);
 
 /* Note the metric of these nodes, whole subtrees with up-to-date boxes, as that of a
  * fresh hierarchy. */
-void eng_rebuild_note(struct eng_scene *scene, struct eng_range nodes);
+void eng_metric_note_built(struct eng_scene *scene, struct eng_range nodes);
 
 /* Put right what is poor in the tree over the objects. After the refit, before anybody
  * looks at the tree; by one thread. [team] */

@@ -348,7 +348,7 @@ static bool find_buckets(struct eng_merge *merge, const struct eng_merge_share *
 }
 
 /* Divide a list into the buckets. */
-void eng_merge_divide(struct eng_merge *merge, uint32_t thread)
+void eng_merge_fill_buckets(struct eng_merge *merge, uint32_t thread)
 {
     assert(thread < merge->threads);
     struct eng_merge_share *share = &merge->shares[thread];
@@ -415,7 +415,7 @@ static void merge_alone(struct eng_merge *merge)
     }
     if (merge->state == ENG_MERGE_SMALL && merge->total > 0) {
         for (uint32_t t = 0; t < merge->threads; t++) {
-            eng_merge_divide(merge, t);
+            eng_merge_fill_buckets(merge, t);
         }
         eng_merge_finish(merge, 0);
     }

@@ -158,10 +158,10 @@ void eng_merge_set_cancel(struct eng_merge *merge, const atomic_bool *cancel);
  * all between them; at most begin's count, lists beyond it are left out. [team]
  *
  * survey   when list number `thread` is complete: look at it.
- * divide   only if eng_merge_is_shared, which is the same for all after the barrier.
+ * divide   only if eng_merge_is_by_all, which is the same for all after the barrier.
  * finish   after that: sort, gather, count and hash buckets until there are no more. */
 void eng_merge_survey(struct eng_merge *merge, uint32_t threads, uint32_t thread);
-void eng_merge_divide(struct eng_merge *merge, uint32_t thread);
+void eng_merge_fill_buckets(struct eng_merge *merge, uint32_t thread);
 void eng_merge_finish(struct eng_merge *merge, uint32_t thread);
 
 /* Cancelled before all was done: nothing is in `out`. After the barriers, and after end,
@@ -171,7 +171,9 @@ static inline bool eng_merge_is_given_up(const struct eng_merge *merge)
     return atomic_load_explicit(&merge->is_given_up, memory_order_relaxed);
 }
 
-static inline bool eng_merge_is_shared(const struct eng_merge *merge)
+/* Return whether all threads sort and write the records, each some buckets; else one
+ * does. */
+static inline bool eng_merge_is_by_all(const struct eng_merge *merge)
 {
     return merge->state == ENG_MERGE_SHARED;
 }

@@ -138,8 +138,9 @@ uint32_t eng_scene_vertex_count(const struct eng_scene *scene, uint32_t object_i
 uint64_t eng_scene_bytes(const struct eng_scene *scene);
 
 /* Staging. begin; any number of writes; then eng_step (step.h) makes the move, or abort
- * forgets it. Objects without a write stand still at their last end positions. A failed
- * write leaves the staging open for abort only.
+ * forgets it, and with it where the last step began, of objects that were written.
+ * Objects without a write stand still at their last end positions. A failed write leaves
+ * the staging open for abort only.
  *
  * Ranges first .. first+count-1 of the object's vertices, count >= 1 (PCCD_E_INVAL); two
  * writes to one vertex in one step are PCCD_E_SEGMENT; coordinates PCCD_E_NOTFINITE.

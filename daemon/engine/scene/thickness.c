@@ -14,7 +14,7 @@ static double largest(const struct eng_scene *scene)
     return most;
 }
 
-void eng_thickness_choose(struct eng_scene *scene, double separation)
+void eng_thickness_begin(struct eng_scene *scene, double separation)
 {
     struct eng_thickness *thickness = &scene->thickness;
     thickness->number += thickness->has_changed || separation != thickness->separation;

@@ -14,8 +14,8 @@
 #include "question.h"
 #include "world.h"
 
-/* Before a step: its separation, and the radii as they are set, are what counts now. */
-void eng_thickness_choose(struct eng_scene *scene, double separation);
+/* Take a separation, and the radii as they are set now, for the coming step. */
+void eng_thickness_begin(struct eng_scene *scene, double separation);
 
 /* An object is new, or has other radii. */
 void eng_thickness_look(struct eng_scene *scene, const struct eng_object *object);

@@ -18,8 +18,11 @@ struct eng_parallel {
     struct eng_payer *payer;
 };
 
-/* [compute] */
+/* Return what the threads of the next parallel region join by. A thread of somebody else
+ * (eng_guest_enter) has its own rounding until close, since new threads take that over.
+ * [compute] */
 struct eng_parallel eng_parallel_open(void);
+/* Give such a thread the engine's rounding again; nothing else is closed. [compute] */
 void eng_parallel_close(void);
 
 /* Until the end of its block. [team] */

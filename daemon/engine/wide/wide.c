@@ -611,7 +611,7 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
 
 /* ---- what is free ------------------------------------------------------------------ */
 
-uint32_t eng_wide_kinds(const struct eng_wide *wide, bool thick)
+uint32_t eng_wide_asked_kinds(const struct eng_wide *wide, bool thick)
 {
     bool points = wide->trees[PCCD_TREE_VERTICES].has_free;
     bool edges = wide->trees[PCCD_TREE_EDGES].has_free;

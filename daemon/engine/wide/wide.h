@@ -79,9 +79,9 @@ struct eng_wide_tree {
     struct eng_extents *float_boxes;
     struct eng_wide_block *blocks; /* [above_capacity] the levels above, .. */
     struct eng_extents *boxes;     /* .. and around their blocks */
-    uint32_t *corner[3];       /* edges 2, faces 3: [slot_capacity], vertex slots */
-    eng_wide_key *keys;        /* edges and faces: [slot_capacity] */
-    uint16_t *moving;          /* [moving_capacity] by block: bit k, child k moves */
+    uint32_t *corner[3];           /* edges 2, faces 3: [slot_capacity], vertex slots */
+    eng_wide_key *keys;            /* edges and faces: [slot_capacity] */
+    uint16_t *moving;              /* [moving_capacity] by block: bit k, child k moves */
     uint32_t moving_capacity, free_capacity, own_capacity;
     uint16_t *free, *own;   /* bits of what is free, of what is not foreign */
     bool has_free, has_own; /* else nothing is written there; faces have none */
@@ -103,7 +103,7 @@ struct eng_wide {
     /* Of the vertices in whole numbers, each by itself: what edges and faces are made
      * of. */
     struct eng_quantised_box *point_numbers;
-    struct eng_grid grid;   /* scale 0: there is none */
+    struct eng_grid grid; /* scale 0: there is none */
     /* A vertex is beyond the grid. Set by any thread of the refit, read after it: what
      * ends the refit orders the two. */
     atomic_bool left_grid;
@@ -211,9 +211,9 @@ static inline struct eng_extents *eng_wide_boxes(const struct eng_wide_tree *tre
 /* Points and edges that no triangle has (mesh.h) are in the trees of all others, so pairs
  * of kinds that ask for free ones alone are sifted by marks at each level. */
 
-/* Bits of the kinds that are asked for where features keep a distance (`thick`), or where
- * they do not: those of free points are left out then, and where there are none. */
-uint32_t eng_wide_kinds(const struct eng_wide *wide, bool thick);
+/* Return as bits which kinds of pairs are looked for: VF and EE; where features keep a
+ * distance (`thick`) those of what is free, too, if there is any. */
+uint32_t eng_wide_asked_kinds(const struct eng_wide *wide, bool thick);
 
 /* Return whether a kind asks for free points and edges alone. */
 static inline bool eng_wide_is_of_free(enum pccd_kind kind)

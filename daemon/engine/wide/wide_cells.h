@@ -83,9 +83,9 @@ static inline eng_wide_bits eng_wide_distances(eng_wide_bits numbers, eng_wide_s
 }
 
 /* Write the box that has these numbers. */
-static inline void eng_wide_box_of(const struct eng_quantised_box *from,
-                                   const struct eng_wide_back *back,
-                                   struct eng_extents *box)
+static inline void eng_wide_unquantise(const struct eng_quantised_box *from,
+                                       const struct eng_wide_back *back,
+                                       struct eng_extents *box)
 {
     const eng_wide_bits nowhere = (eng_wide_bits)((eng_wide_side){0} + ENG_NOWHERE);
     for (int end = 0; end < 2; end++) {
@@ -113,14 +113,15 @@ static inline struct eng_extents eng_wide_box(const struct eng_wide *wide,
     }
     struct eng_extents box;
     struct eng_wide_back back = eng_wide_back_of(&wide->quantising);
-    eng_wide_box_of(&tree->quantised_boxes[block], &back, &box);
+    eng_wide_unquantise(&tree->quantised_boxes[block], &back, &box);
     return box;
 }
 
 /* ---- the grid of the sieve --------------------------------------------------------- */
 
-/* Before the refit of a step, when objects have their frames; keeps the grid that it had
- * where that still fits: true. O(1), with frames O(objects). [compute] */
+/* Choose cells and origin of the grid, before the refit of a step, when objects have
+ * their frames. Return whether the grid that was there fits and stays. O(1), with frames
+ * O(objects). [compute] */
 bool eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene);
 
 /* Around all vertices, as their boxes are measured in the step to come: as known from
@@ -150,7 +151,7 @@ static inline float eng_wide_cells_of(double distance)
  * that the sieve is asked with. Of two that two threads tell at once either may stay.
  * Bit k: it was not known of point k. */
 static inline uint32_t eng_wide_mark_near(struct eng_mark *marks, const uint32_t quad[4],
-                                      uint32_t end, float reach, float cells)
+                                          uint32_t end, float reach, float cells)
 {
     int32_t bits[2];
     memcpy(&bits[0], &reach, sizeof bits[0]);

@@ -50,7 +50,7 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     join->kernels = wide->kernels;
     join->wide = wide;
     join->owners = NULL;
-    join->kinds = eng_wide_kinds(wide, false);
+    join->kinds = eng_wide_asked_kinds(wide, false);
     join->stopped = false;
     join->looked = 0;
     join->pairs = 0;
@@ -117,7 +117,8 @@ void eng_wide_join_at(struct eng_wide_join *join, const struct eng_wide *wide,
                       const struct eng_question *question)
 {
     assert(question->end <= 1 && question->sought.growth >= 0);
-    join->kinds = question->sought.kinds & (eng_wide_kinds(wide, true) | 1u << PCCD_EF);
+    join->kinds =
+        question->sought.kinds & (eng_wide_asked_kinds(wide, true) | 1u << PCCD_EF);
     for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
         for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
             struct eng_join *job = &join->jobs[kind][level];
@@ -270,7 +271,7 @@ uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum pccd_k
     return apart;
 }
 
-uint64_t eng_wide_join_tests(const struct eng_wide_join *join)
+uint64_t eng_wide_join_test_count(const struct eng_wide_join *join)
 {
     uint64_t tests = 0;
     for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
@@ -281,7 +282,7 @@ uint64_t eng_wide_join_tests(const struct eng_wide_join *join)
     return tests;
 }
 
-uint64_t eng_wide_join_still(const struct eng_wide_join *join)
+uint64_t eng_wide_join_still_count(const struct eng_wide_join *join)
 {
     uint64_t still = 0;
     for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {

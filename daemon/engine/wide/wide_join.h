@@ -75,10 +75,10 @@ void eng_wide_join_flush(struct eng_wide_join *join);
 /* Return how many of the pairs that nodes led to so far were left out for their times. */
 uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum pccd_kind kind);
 
-/* Boxes tested against a block so far. */
-uint64_t eng_wide_join_tests(const struct eng_wide_join *join);
+/* Return how many boxes were tested against a block so far. */
+uint64_t eng_wide_join_test_count(const struct eng_wide_join *join);
 
-/* Pairs left out so far as neither moves. */
-uint64_t eng_wide_join_still(const struct eng_wide_join *join);
+/* Return how many pairs were left out so far as neither moves. */
+uint64_t eng_wide_join_still_count(const struct eng_wide_join *join);
 
 #endif

@@ -41,7 +41,10 @@ static uint32_t end_of_run(const struct eng_wide *wide, const struct eng_scene *
     return slot;
 }
 
-#define SIDE {ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE}
+#define SIDE                                                                             \
+    {                                                                                    \
+        ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE, ENG_NOWHERE                               \
+    }
 static const struct eng_extents nowhere = {{SIDE, SIDE, SIDE, SIDE}};
 
 /* Boxes of vertices of one object, with its thickness. */
@@ -213,7 +216,7 @@ static void fold_chunk(const struct eng_wide *wide, const struct eng_wide_tree *
     const struct eng_wide_back back = eng_wide_back_of(&wide->quantising);
     for (uint32_t i = 0; is_quantised && i < count * ENG_WIDE; i++) {
         if (first + i < tree->block_count[0]) {
-            eng_wide_box_of(&tree->quantised_boxes[first + i], &back, &below[i]);
+            eng_wide_unquantise(&tree->quantised_boxes[first + i], &back, &below[i]);
         } else {
             below[i] = nowhere;
         }

@@ -390,7 +390,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
         eng_wide_join_at(&work->join, eng_wide_of(worker->scene), worker->question);
     }
     if (!eng_asks_near(worker->question) && worker->scene->thickness.is_on) {
-        work->join.kinds = eng_wide_kinds(eng_wide_of(worker->scene), true);
+        work->join.kinds = eng_wide_asked_kinds(eng_wide_of(worker->scene), true);
     }
     work->join.owners = eng_wide_owners_are_on(owners) ? owners : NULL;
     if (worker->prunes) {
@@ -420,7 +420,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
 void eng_wide_work_end(struct eng_worker *worker)
 {
     const struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
-    worker->record.box_tests = eng_wide_join_tests(join);
+    worker->record.box_tests = eng_wide_join_test_count(join);
     worker->record.pairs = join->pairs;
-    worker->tally.still_pairs = eng_wide_join_still(join);
+    worker->tally.still_pairs = eng_wide_join_still_count(join);
 }

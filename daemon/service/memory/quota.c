@@ -48,7 +48,7 @@ void srv_quota_bound_memory(struct srv_quota *quota, uint64_t bytes)
 {
     pthread_mutex_lock(&quota->lock);
     quota->memory_max = bytes;
-    eng_alloc_ceiling(memory_left(quota));
+    eng_alloc_set_ceiling(memory_left(quota));
     pthread_mutex_unlock(&quota->lock);
 }
 
@@ -58,7 +58,7 @@ static void share(struct srv_quota *quota, uint64_t more, uint64_t less)
     quota->total[SRV_QUOTA_SHM_BYTES] += more - less;
     atomic_store_explicit(&quota->shared, quota->total[SRV_QUOTA_SHM_BYTES],
                           memory_order_relaxed);
-    eng_alloc_ceiling(memory_left(quota));
+    eng_alloc_set_ceiling(memory_left(quota));
 }
 
 int srv_quota_refuse_memory(struct srv_quota *quota, struct proto_error *error,
@@ -91,7 +91,7 @@ static int share_more(struct srv_quota *quota, uint64_t amount, struct proto_err
 void srv_quota_deinit(struct srv_quota *quota)
 {
     PCCD_ASSERT(quota->users == NULL);
-    eng_alloc_ceiling(UINT64_MAX);
+    eng_alloc_set_ceiling(UINT64_MAX);
     pthread_mutex_destroy(&quota->lock);
 }
 

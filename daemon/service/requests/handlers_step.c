@@ -75,8 +75,8 @@ static int check_near(struct srv_call *call)
     if (status == 0 && is_nearest) {
         status = srv_check_length(call, "gap", asked->gap);
     }
-    if (status == 0 && (is_nearest || asked->what == PCCD_NEAR_DEPTH) &&
-        asked->object_a != 0 && asked->object_a == asked->object_b) {
+    if (status == 0 && common_near_is_of_objects(asked->what) && asked->object_a != 0 &&
+        asked->object_a == asked->object_b) {
         status = proto_error_set(&call->error, PCCD_E_INVAL,
                                  "object_a and object_b are both 0x%x", asked->object_a);
     }
