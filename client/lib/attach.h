@@ -12,7 +12,8 @@
 int cli_ring_reserve(struct pccd_client *client, uint64_t slot_bytes,
                      uint64_t deadline_ns);
 
-/* A ring of any size, for what brings or takes little: 0 where there is one. */
+/* Attach a ring of any size, for what brings or takes little; does nothing where there is
+ * one. Returns what cli_ring_reserve does, or PCCD_E_DISCONNECTED. */
 int cli_ring_ensure(struct pccd_client *client);
 
 /* Attach a ring of that many slots in place of any that there is; the first `slots_now`

@@ -208,7 +208,7 @@ struct cli_turn {
 /* Enter a call: PCCD_E_INVAL without a client; PCCD_E_BUSY while another thread is in a
  * call with it. A thread that is in a call may enter another one. [any] */
 struct cli_turn cli_enter(struct pccd_client *client);
-/* The same of a call that has no status: wait until the other thread is out. */
+/* Enter a call that has no status: wait until the other thread is out. */
 struct cli_turn cli_enter_late(struct pccd_client *client);
 void cli_leave(struct cli_turn *turn);
 
@@ -220,13 +220,13 @@ void cli_leave(struct cli_turn *turn);
         return cli_turn.status;                                                          \
     }
 
-/* Returns 0 or PCCD_E_NOMEM. */
+/* Make the lock of cli_enter. Returns 0 or PCCD_E_NOMEM. */
 int cli_turn_init(struct pccd_client *client);
 void cli_turn_deinit(struct pccd_client *client);
 
 /* ---- helpers ----------------------------------------------------------------------- */
 
-/* When a wait of timeout_ms (< 0: the client's default) that begins now ends. */
+/* Return when a wait of timeout_ms (< 0: the client's default) that begins now ends. */
 uint64_t cli_deadline(const struct pccd_client *client, int timeout_ms);
 
 /* Return how often this process is a copy of a copy, from the first call on. [any] */

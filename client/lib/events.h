@@ -10,19 +10,19 @@ struct cli_shared {
     struct pccd_scene_news news;
 };
 
-/* scene.step has come. */
+/* Keep what a scene.step says until the user asks for it. */
 void cli_shared_take_step(struct pccd_client *client,
                           const struct proto_envelope *envelope);
-/* scene.held has come. */
+/* Note that a frame is held, as scene.held says. */
 void cli_shared_held(struct pccd_client *client, const struct proto_envelope *envelope);
-/* The scene is no longer this client's. */
+/* Forget the news of a scene that is no longer this client's. */
 void cli_shared_forget(struct pccd_client *client, uint32_t scene);
 void cli_shared_deinit(struct pccd_client *client);
 
-/* A notification of a step has come. */
+/* Keep what a notification of a step says, or count it as lost where no room is left. */
 void cli_watch_take(struct pccd_client *client, const struct proto_envelope *envelope);
 
-/* The client goes. */
+/* Free what was kept of steps, when the client goes. */
 void cli_watch_deinit(struct pccd_client *client);
 
 #endif

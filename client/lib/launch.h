@@ -33,7 +33,8 @@ void cli_launch_stop(struct cli_child *child);
 
 /* Folders in which what the library needs may lie. */
 #define CLI_FOLDER_BYTES 4096
-/* Without a slash at the end; "": not known, or too long. */
+/* Get the folder that the library, or the running program, lies in, without a slash at
+ * the end; "": not known, or too long. */
 void cli_folder_of_library(char folder[CLI_FOLDER_BYTES]);
 void cli_folder_of_program(char folder[CLI_FOLDER_BYTES]);
 

@@ -62,7 +62,8 @@ struct pccd_client;
 
 /* ---- errors ------------------------------------------------------------------------ */
 
-/* "E_BADMSG" and "malformed message"; never NULL. [any thread] */
+/* Return a status as its name, "E_BADMSG", or as a text, "malformed message"; never NULL.
+ * [any thread] */
 const char *pccd_status_name(int status);
 const char *pccd_status_text(int status);
 
@@ -71,7 +72,7 @@ const char *pccd_status_text(int status);
  * last call without a client. Valid until the next call. */
 const char *pccd_error_text(const struct pccd_client *client);
 
-/* "0.1.0" of the library in use. [any thread] */
+/* Return the version of the library in use, as "0.1.0". [any thread] */
 const char *pccd_version(void);
 
 /* ---- connection -------------------------------------------------------------------- */
@@ -125,9 +126,9 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
  * nothing. */
 void pccd_close(struct pccd_client *client);
 
-/* The socket, for an event loop of your own. Call pccd_poll until it returns E_AGAIN,
- * then wait until the socket is readable; other calls may have received answers, too.
- * With direct: it is a descriptor that the first call makes, or -1 when there is
+/* Return the socket, for an event loop of your own. Call pccd_poll until it returns
+ * E_AGAIN, then wait until the socket is readable; other calls may have received answers,
+ * too. With direct: it is a descriptor that the first call makes, or -1 when there is
  * none. */
 int pccd_fd(const struct pccd_client *client);
 
@@ -188,17 +189,17 @@ struct pccd_link_info {
 };
 int pccd_link(const struct pccd_client *client, struct pccd_link_info *info);
 
-/* Process id of the daemon; with direct: of this process. */
+/* Return the process id of the daemon; with direct: of this process. */
 uint32_t pccd_daemon_pid(const struct pccd_client *client);
 
-/* The instruction set that its steps use: scalar, sse2, sse4, avx2, avx512 or neon; ""
- * from a daemon that does not tell. Lives as long as the client. */
+/* Return the instruction set that its steps use: scalar, sse2, sse4, avx2, avx512 or
+ * neon; "" from a daemon that does not tell. Lives as long as the client. */
 const char *pccd_daemon_cpu(const struct pccd_client *client);
 
-/* "unix:PATH" of the daemon, or "direct:"; lives as long as the client. */
+/* Return "unix:PATH" of the daemon, or "direct:"; lives as long as the client. */
 const char *pccd_url(const struct pccd_client *client);
 
-/* Round trip through the daemon's loop, nanoseconds. */
+/* Measure a round trip through the daemon's loop, in nanoseconds. */
 int pccd_ping(struct pccd_client *client, uint64_t *round_trip_ns);
 
 /* Call `each` for every counter of the daemon, in a fixed order. `text` is its
@@ -207,12 +208,12 @@ typedef void (*pccd_stat_fn)(void *context, const char *name, uint64_t value,
                              const char *text);
 int pccd_stats(struct pccd_client *client, pccd_stat_fn each, void *context);
 
-/* The same for one thread of this client's last step: what it did, and what the step
- * took. Ask for thread 0 first: the first counter, `threads`, says how many there were;
- * 0 if there was no step yet. `number` changes with every step; a batch is one, and
- * `batch` its scenes. `any`: the last step of
- * the daemon instead, whoever made it; for root and the daemon's own user (E_ACCESS).
- * `tuning` gets how the threads shared the work, as in struct pccd_answer, or is NULL. */
+/* Call `each` for every counter of one thread of this client's last step: what it did,
+ * and what the step took. Ask for thread 0 first: the first counter, `threads`, says how
+ * many there were; 0 if there was no step yet. `number` changes with every step; a batch
+ * is one, and `batch` its scenes. `any`: the last step of the daemon instead, whoever
+ * made it; for root and the daemon's own user (E_ACCESS). `tuning` gets how the threads
+ * shared the work, as in struct pccd_answer, or is NULL. */
 int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,
                       pccd_stat_fn each, void *context, char tuning[PCCD_TUNING_BYTES]);
 
@@ -227,8 +228,8 @@ int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info)
  * of the one that is asked, the list is its own; E_HANDLE of a session that only the
  * other one had. `each` may not call the library with this client.
  *
- * Sessions of this client's user, the newest first, or of everybody when that user is
- * root or the daemon's own. */
+ * List the sessions of this client's user, the newest first, or of everybody when that
+ * user is root or the daemon's own. */
 typedef void (*pccd_session_fn)(void *context, const struct pccd_session_info *info);
 int pccd_list_sessions(struct pccd_client *client, pccd_session_fn each, void *context);
 /* Walk through what a session has, in no particular order; `session` 0: this client's
@@ -239,7 +240,7 @@ int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn
 typedef void (*pccd_object_fn)(void *context, const struct pccd_object_info *info);
 int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t scene,
                       pccd_object_fn each, void *context);
-/* Pairs of a scene that ignore each other. E_NOMETHOD: the daemon is too old. */
+/* List the pairs of a scene that ignore each other. E_NOMETHOD: the daemon is too old. */
 typedef void (*pccd_pair_fn)(void *context, const struct pccd_ignored_pair *pair);
 int pccd_list_pairs(struct pccd_client *client, uint64_t session, uint32_t scene,
                     pccd_pair_fn each, void *context);
@@ -251,8 +252,8 @@ int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn 
 int pccd_histogram(struct pccd_client *client, enum pccd_histogram_kind kind,
                    struct pccd_histogram_info *info);
 
-/* Settings that may change while the daemon runs: the one of that name (E_INVAL: there is
- * none), or with NULL each of them. */
+/* Tell the settings that may change while the daemon runs: the one of that name (E_INVAL:
+ * there is none), or with NULL each of them. */
 typedef void (*pccd_setting_fn)(void *context, const struct pccd_setting *setting);
 int pccd_config_get(struct pccd_client *client, const char *name, pccd_setting_fn each,
                     void *context);
@@ -267,7 +268,8 @@ int pccd_config_set(struct pccd_client *client, const char *name, const char *va
  * the next event. Another call replaces the choice. When another daemon takes the place
  * of one that was lost, the library asks it, too; session numbers differ then. */
 int pccd_watch_start(struct pccd_client *client, uint64_t session, uint32_t scene);
-/* The next step; timeout_ms < 0: the client's default. E_TIMEOUT; with 0: E_AGAIN. */
+/* Get the next step, or wait for it; timeout_ms < 0: the client's default. E_TIMEOUT;
+ * with 0: E_AGAIN. E_STATE: pccd_watch_start comes first. */
 int pccd_watch_next(struct pccd_client *client, int timeout_ms,
                     struct pccd_step_event *event);
 int pccd_watch_stop(struct pccd_client *client);
@@ -324,13 +326,14 @@ struct pccd_mesh_data {
     const uint32_t *points; /* [point_count] */
     uint32_t edge_count, point_count;
 };
-/* pccd_mesh_create where *mesh is 0, pccd_mesh_replace of *mesh where it is not. The
- * errors of both; also E_INVAL: a radius that is negative or not finite, E_LIMIT: one
- * above 1e18, E_VERSION: a daemon that knows of no radii, or no edges and points. */
+/* Create a mesh where *mesh is 0, as pccd_mesh_create; else replace *mesh, as
+ * pccd_mesh_replace. The errors of both; also E_INVAL: a radius that is negative or not
+ * finite, E_LIMIT: one above 1e18, E_VERSION: a daemon that knows of no radii, or no
+ * edges and points. */
 int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *data,
                   uint32_t *mesh, struct pccd_mesh_info *info);
-/* The unique edges in the order of the records' feature numbers, copied to
- * edges[info.edge_count]. */
+/* Copy the unique edges to edges[info.edge_count], in the order of the records' feature
+ * numbers. E_BUSY: there is no room for them; release answers first. */
 int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge *edges,
                     uint32_t edge_count);
 int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh);
@@ -343,8 +346,8 @@ struct pccd_scene_settings {
                              0 = 0600 */
 };
 
-/* An empty scene; `settings` NULL: the defaults. Errors: E_INVAL, E_LIMIT, E_BUSY; of
- * a named scene E_STATE (there is one), E_AGAIN (there is none yet, to take part in),
+/* Create an empty scene; `settings` NULL: the defaults. Errors: E_INVAL, E_LIMIT, E_BUSY;
+ * of a named scene E_STATE (there is one), E_AGAIN (there is none yet, to take part in),
  * E_ACCESS, E_VERSION (the daemon knows no such scenes). */
 int pccd_scene_create(struct pccd_client *client,
                       const struct pccd_scene_settings *settings, uint32_t *scene);
@@ -352,7 +355,7 @@ int pccd_scene_destroy(struct pccd_client *client, uint32_t scene);
 /* Take part in another user's scene of that name. Errors as above. */
 int pccd_scene_join(struct pccd_client *client, uint32_t owner, const char *name,
                     uint32_t *scene);
-/* An object is an instance of a mesh, placed at the mesh's registered positions. */
+/* Add an object, an instance of a mesh, at the mesh's registered positions. */
 int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
                    uint32_t *object);
 int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t object);
@@ -599,8 +602,8 @@ struct pccd_answer {
  * E_TIMEOUT. */
 int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
                     struct pccd_scene_news *news);
-/* A page of the answer to step `number` of a shared scene, whoever made it, while it is
- * the last one (else E_STATE); to be released as any other. */
+/* Get a page of the answer to step `number` of a shared scene, whoever made it, while it
+ * is the last one (else E_STATE); to be released as any other. */
 int pccd_scene_read(struct pccd_client *client, uint32_t scene, uint64_t number,
                     uint64_t cursor, struct pccd_answer *answer);
 
@@ -616,7 +619,8 @@ struct pccd_frame { /* the library's: only to be passed on */
     uint64_t used_bytes;
 };
 
-/* Bytes of slot payload that `segment_max` segments with `payload_bytes` of data need. */
+/* Return how many bytes of slot payload `segment_max` segments with `payload_bytes` of
+ * data need. */
 uint64_t pccd_frame_bytes(uint32_t segment_max, uint64_t payload_bytes);
 
 /* Begin a frame: take a free slot for a step of up to segment_max segments and
@@ -634,10 +638,10 @@ int pccd_frame_x1(struct pccd_frame *frame, uint32_t object, enum pccd_format fo
                   uint32_t first, uint32_t count, void **x1);
 int pccd_frame_x0x1(struct pccd_frame *frame, uint32_t object, enum pccd_format format,
                     uint32_t first, uint32_t count, void **x0, void **x1);
-/* Transforms for both ends, rows of [R | t], applied to registered positions in double:
- * ((r0 x + r1 y) + r2 z) + t, each operation rounded by itself. Between the two ends
- * each vertex moves on a straight line. `count` may be less than the object has: other
- * segments may move the rest. */
+/* Add a segment that moves by transforms for both ends, rows of [R | t], applied to
+ * registered positions in double: ((r0 x + r1 y) + r2 z) + t, each operation rounded by
+ * itself. Between the two ends each vertex moves on a straight line. `count` may be less
+ * than the object has: other segments may move the rest. */
 int pccd_frame_rigid(struct pccd_frame *frame, uint32_t object, uint32_t first,
                      uint32_t count, const double m0[12], const double m1[12]);
 /* Publish and submit. `settings` may be NULL. The slot belongs to the daemon afterwards,
@@ -664,7 +668,7 @@ struct pccd_motion {
 int pccd_submit(struct pccd_client *client, uint32_t scene,
                 const struct pccd_motion *motions, uint32_t motion_count,
                 const struct pccd_step_settings *settings, uint64_t *step);
-/* A step in which nothing moves. */
+/* Submit a step in which nothing moves. */
 int pccd_submit_still(struct pccd_client *client, uint32_t scene,
                       const struct pccd_step_settings *settings, uint64_t *step);
 
@@ -698,8 +702,8 @@ int pccd_cancel(struct pccd_client *client, uint64_t step);
  * answer is dropped. Does not wait; a step that is not pending is left alone. */
 void pccd_abandon(struct pccd_client *client, uint64_t step);
 
-/* pccd_submit and wait in one. On failure either answer->status says so or the answer is
- * untouched; a step that timed out is abandoned. */
+/* Submit as pccd_submit does, and wait for the answer. On failure either answer->status
+ * says so or the answer is untouched; a step that timed out is abandoned. */
 int pccd_step(struct pccd_client *client, uint32_t scene,
               const struct pccd_motion *motions, uint32_t motion_count,
               const struct pccd_step_settings *settings, struct pccd_answer *answer);
@@ -724,8 +728,8 @@ int pccd_step_safe(struct pccd_client *client, uint32_t scene,
                    const struct pccd_motion *motions, uint32_t motion_count,
                    const struct pccd_step_settings *settings, void *const *x,
                    double *part, struct pccd_answer *answer);
-/* pccd_step for the first vertex_count vertices of one object; all other vertices stand
- * still. E_SEGMENT: the object has fewer. */
+/* Step the first vertex_count vertices of one object, as pccd_step does; all other
+ * vertices stand still. E_SEGMENT: the object has fewer. */
 int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                  const void *x1, enum pccd_format format, uint32_t vertex_count,
                  const struct pccd_step_settings *settings, struct pccd_answer *answer);
@@ -778,11 +782,11 @@ struct pccd_record_info {
  * registered. */
 int pccd_record_start(struct pccd_client *client, const char *path,
                       const struct pccd_record_settings *settings);
-/* The state of the recording; E_STATE: there is none. */
+/* Get the state of the recording; E_STATE: there is none. */
 int pccd_record(const struct pccd_client *client, struct pccd_record_info *info);
 /* End it, as pccd_close does. Returns info->status; `info` may be NULL. */
 int pccd_record_stop(struct pccd_client *client, struct pccd_record_info *info);
-/* The next scene, mesh or object that this client makes gets this handle; making it fails
+/* Give the next scene, mesh or object that this client makes this handle; making it fails
  * with E_HANDLE if something has the handle. This is for repeating what a session did,
  * because records name handles. */
 int pccd_request_handle(struct pccd_client *client, uint32_t handle);
@@ -811,8 +815,8 @@ int pccd_trace_stop(struct pccd_client *client, struct pccd_trace_info *info);
 typedef void (*pccd_trace_fn)(void *context, const struct pccd_trace_event *events,
                               uint32_t count);
 int pccd_trace_dump(struct pccd_client *client, pccd_trace_fn each, void *context);
-/* "frame.submit": the method of a request in a trace; NULL: not known to this library.
- * [any thread] */
+/* Return the method of a request in a trace, as "frame.submit"; NULL: not known to this
+ * library. [any thread] */
 const char *pccd_method_name(uint32_t number);
 
 #if defined(__GNUC__)

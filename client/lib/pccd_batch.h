@@ -73,7 +73,7 @@ int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *
 /* Free it, before or after pccd_close. One that is begun is aborted; those in flight go
  * on. NULL is allowed. */
 void pccd_batch_destroy(struct pccd_batch *batch);
-/* Scenes of the batch; its answers have as many entries. */
+/* Return how many scenes the batch has; its answers have as many entries. */
 uint32_t pccd_batch_scenes(const struct pccd_batch *batch);
 
 /* The answer for all scenes. `scenes` lies in memory that the daemon shares: read-only,
@@ -101,12 +101,13 @@ struct pccd_batch_answer {
         .struct_bytes = sizeof(struct pccd_batch_answer)                                 \
     }
 
-/* The records of scene i that came with the answer: [scenes[i].count], sorted. NULL:
- * there are none, or those of mode pairs, or i is not less than count. Further ones:
- * pccd_fetch(client, scenes[i].scene, step + i, scenes[i].count, ...). [any thread] */
+/* Return the records of scene i that came with the answer: [scenes[i].count], sorted.
+ * NULL: there are none, or those of mode pairs, or i is not less than count. Further
+ * ones: pccd_fetch(client, scenes[i].scene, step + i, scenes[i].count, ...).
+ * [any thread] */
 const struct pccd_contact *pccd_batch_contacts(const struct pccd_batch_answer *answer,
                                                uint64_t i);
-/* The same in mode pairs. */
+/* Return the same in mode pairs; NULL in other modes. */
 const struct pccd_pair *pccd_batch_pairs(const struct pccd_batch_answer *answer,
                                          uint64_t i);
 

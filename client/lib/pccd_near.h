@@ -117,7 +117,7 @@ int pccd_submit_near(struct pccd_client *client, uint32_t scene,
  * which it moves the objects (with `end` 0: from which). */
 int pccd_frame_commit_near(struct pccd_frame *frame,
                            const struct pccd_near_settings *settings, uint64_t *step);
-/* pccd_submit_near and wait in one; like pccd_step. */
+/* Ask as pccd_submit_near does, and wait for the answer, like pccd_step. */
 int pccd_ask_near(struct pccd_client *client, uint32_t scene,
                   const struct pccd_motion *motions, uint32_t motion_count,
                   const struct pccd_near_settings *settings, struct pccd_answer *answer);

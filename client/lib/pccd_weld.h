@@ -60,14 +60,14 @@ struct pccd_weld_counts {
 int pccd_weld_begin(const struct pccd_mesh_data *mesh, double distance, bool tells_more,
                     struct pccd_weld **weld);
 
-/* The first frame, or another one: part what is farther apart there. `x` is
- * [vertex_count][3], of `format`. What was parted is not joined again: once joined + more
- * is 0, no frame changes that. Errors: E_INVAL; E_NOTFINITE: a coordinate is not, or is
- * above 1e18; E_NOMEM: only pccd_weld_end is of use then. */
+/* Begin with the first frame, or go on with another one: part what is farther apart
+ * there. `x` is [vertex_count][3], of `format`. What was parted is not joined again: once
+ * joined + more is 0, no frame changes that. Errors: E_INVAL; E_NOTFINITE: a coordinate
+ * is not, or is above 1e18; E_NOMEM: only pccd_weld_end is of use then. */
 int pccd_weld_frame(struct pccd_weld *weld, const void *x, enum pccd_format format);
 
-/* The vertex that stands for each, [vertex_count]: the least of those that are one with
- * it. NULL before the first frame; then it stays, and frames change it, until
+/* Return the vertex that stands for each, [vertex_count]: the least of those that are one
+ * with it. NULL before the first frame; then it stays, and frames change it, until
  * pccd_weld_end. `counts` may be NULL. */
 const uint32_t *pccd_weld_read(const struct pccd_weld *weld,
                                struct pccd_weld_counts *counts);

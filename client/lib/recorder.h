@@ -40,22 +40,23 @@ int cli_record_add(struct pccd_client *client, enum record_kind kind,
  * and nothing is appended. */
 int cli_record_tuning(struct pccd_client *client, const char *text);
 
-/* At which distance pairs meet in that step; zeros: nothing is appended. */
+/* Append at which distance pairs meet in that step; zeros: nothing is appended. */
 int cli_record_separation(struct pccd_client *client, double separation, double approach);
 /* Append what that tells, too; zeros: nothing. */
 int cli_record_tells(struct pccd_client *client, bool tells, uint32_t touching);
 
-/* Nothing is recorded any more, because of `status`, which it returns. */
+/* End the recording because of `status`, which it returns, with a text that says
+ * `why`. */
 int cli_record_stop_because(struct pccd_client *client, int status, const char *why);
-/* The same, because an append has failed with `status`. */
+/* End it because an append has failed with `status`, which it returns. */
 int cli_record_stop_failed(struct pccd_client *client, int status);
 /* End the segment's file with END. */
 void cli_record_end(struct pccd_client *client, enum record_reason reason);
 /* Close it, and add its bytes to those of the earlier segments. */
 void cli_record_close_file(struct cli_recorder *recorder);
 
-/* Bytes of the file, but for END, that an event must not go beyond; 0: no bound.
- * is_change: of what is registered, which another segment can begin with. */
+/* Return how many bytes of the file, but for END, an event must not go beyond; 0: no
+ * bound. is_change: of what is registered, which another segment can begin with. */
 uint64_t cli_record_bound(const struct cli_recorder *recorder, bool is_change);
 /* Append within that bound: 0, PCCD_E_LIMIT, or another failure. */
 int cli_record_append(struct cli_recorder *recorder, uint64_t bytes_max,
@@ -66,28 +67,29 @@ int cli_record_append(struct cli_recorder *recorder, uint64_t bytes_max,
 
 typedef int (*cli_record_fn)(struct pccd_client *client, enum record_kind kind,
                              const struct record_part *parts, size_t count);
-/* A mesh, written by `add`. */
+/* Write a mesh by `add`. */
 int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
                         const struct registry_shape *shape, cli_record_fn add);
-/* An object with a shape of its own, in doubles. */
+/* Append an object with a shape of its own, in doubles. */
 int cli_record_put_guest(struct pccd_client *client, uint32_t scene, uint32_t object,
                          const struct registry_shape *shape);
-/* frame.submit or scene.near, with what it moves, in two parts, of which each may be
- * empty. A step without a number is another client's. */
+/* Append a frame.submit or scene.near, with what it moves, in two parts, of which each
+ * may be empty. A step without a number is another client's. */
 int cli_record_motion(struct pccd_client *client, int method,
                       const union cli_params *params, const struct record_part moved[2]);
-/* Whatever has made, set or destroyed something, written by `add`; nothing for other
- * methods. `answer`: what tells a new handle, NULL: nobody knows it. */
+/* Write by `add` what a method has made, set or destroyed; nothing of other methods.
+ * `answer`: what tells a new handle, NULL: nobody knows it. */
 int cli_record_change(struct pccd_client *client, int method,
                       const union cli_params *params, const void *answer,
                       cli_record_fn add);
 
 /* ---- what is kept: recorder_snapshot.c --------------------------------------------- */
 
-/* Everything that is kept, into the segment that has just begun, then LOG, then the steps
- * without an answer. 0 or why it could not be written. */
+/* Write everything that is kept into the segment that has just begun, then LOG, then the
+ * steps without an answer. 0 or why it could not be written. */
 int cli_record_snapshot(struct pccd_client *client);
-/* A step that has been sent, with the payload of its slot. */
+/* Append a step that has been sent, with the payload of its slot; nothing where a journal
+ * says it. */
 int cli_record_step(struct pccd_client *client, const struct cli_call *call);
 
 /* ---- events ------------------------------------------------------------------------ */
@@ -95,19 +97,20 @@ int cli_record_step(struct pccd_client *client, const struct cli_call *call);
 /* Begin a segment. 0 or why not: the recording has ended then. */
 int cli_record_open(struct pccd_client *client);
 
-/* Each does nothing without a recorder. The handle of a mesh that was made or
- * replaced, and is kept already: */
+/* Append the mesh of a handle, which was made or replaced, and is kept already. This and
+ * the next three do nothing without a recorder. */
 void cli_record_mesh(struct pccd_client *client, uint32_t mesh,
                      const struct registry_shape *shape);
-/* A step has been sent; its slot is the daemon's. */
+/* Append a step that has been sent; its slot is the daemon's. */
 void cli_record_frame(struct pccd_client *client, const struct cli_call *call);
-/* A request has been answered; cli_replica_answer has seen it. */
+/* Append what the answer to a request tells; cli_replica_answer has seen it. */
 void cli_record_answer(struct pccd_client *client, const struct cli_call *call);
 void cli_record_cancel(struct pccd_client *client, uint64_t step);
 
 /* ---- begin and end ----------------------------------------------------------------- */
 
-/* As $PCCD_RECORD and $PCCD_RECORD_OPTIONS say; 0 when they say nothing. */
+/* Begin to record as $PCCD_RECORD and $PCCD_RECORD_OPTIONS say; 0 when they say
+ * nothing. */
 int cli_record_environment(struct pccd_client *client);
 /* End it, and free it. */
 void cli_record_close(struct pccd_client *client);

@@ -11,36 +11,37 @@
 
 struct cli_pipeline;
 
-/* The mesh `handle` has been committed, or replaced, with what is in `copy`, which is
- * taken over. */
+/* Keep `copy`, which is taken over: what the mesh `handle` was made of, or replaced
+ * with. */
 void cli_replica_mesh(struct pccd_client *client, uint32_t handle,
                       struct registry_mesh *copy);
 
-/* A request has been answered with success: note what it has changed. */
+/* Note what a request that was answered with success has changed. */
 void cli_replica_answer(struct pccd_client *client, struct cli_call *call);
 
-/* scene.near has been answered: its pages are those of the scene from now on. */
+/* Note that a scene.near was answered: its pages are those of the scene from now on. */
 void cli_near_answered(struct pccd_client *client,
                        const struct proto_SCENE_NEAR_request *request);
-/* The scene is gone. */
+/* Forget the question about a scene that is gone. */
 void cli_near_forget(struct pccd_client *client, uint32_t scene);
 /* Return whether `step` numbers the last answered question about the scene. */
 bool cli_near_is(const struct pccd_client *client, uint32_t scene, uint64_t step);
 
 /* ---- positions --------------------------------------------------------------------- */
 
-/* The step in a slot has been answered and its positions are the last: the slot is KEPT,
- * or free again when nothing is kept. */
+/* Keep the slot of a step that was answered, as its positions are the last. Slots that no
+ * object needs any more, this one perhaps, are free again. */
 void cli_positions_answered(struct pccd_client *client, uint32_t slot, uint64_t step);
 
-/* Before that, of a batch: scenes that have failed were not moved. */
+/* Leave out the scenes of a batch that have failed, before cli_positions_answered: they
+ * were not moved. */
 void cli_positions_leave_out(struct pccd_client *client, uint32_t slot,
                              const struct pccd_scene_answer *scenes);
 
 /* Make a KEPT slot free: copy what only it holds. Slots must be taken in the order of
  * their steps. Returns 0 or PCCD_E_NOMEM. */
 int cli_positions_fold(struct pccd_client *client, uint32_t slot);
-/* All of them. */
+/* Make every KEPT slot free. */
 int cli_positions_fold_all(struct pccd_client *client);
 
 /* Send all that announces, uploads and commits a mesh with the arrays of `copy`, under

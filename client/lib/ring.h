@@ -67,14 +67,14 @@ struct cli_ring {
 /* Unmap; nothing is attached afterwards. */
 void cli_ring_deinit(struct cli_ring *ring);
 
-/* First byte of a slot's payload. */
+/* Return the first byte of a slot's payload. */
 uint8_t *cli_slot_payload(const struct cli_ring *ring, uint32_t slot);
 
 /* Mark a slot that is free as being written (state BEGUN): the daemon that reads it would
  * notice. */
 void cli_slot_open(struct cli_ring *ring, uint32_t slot);
 
-/* Room for copies of so many segments and scenes: it stays with the slot. 0, or
+/* Make room for copies of so many segments and scenes: it stays with the slot. 0, or
  * PCCD_E_NOMEM. */
 int cli_slot_room(struct cli_slot *own, uint32_t segments, uint32_t scenes);
 
@@ -87,7 +87,7 @@ void cli_slot_abort(struct cli_ring *ring, uint32_t slot);
 /* Tell the daemon that nobody needs what is in a slot that is FREE: it may give back the
  * slot's memory from now on. */
 void cli_slot_offer(struct cli_ring *ring, uint32_t slot);
-/* The same of all slots that are FREE. */
+/* Offer all slots that are FREE. */
 void cli_slot_offer_all(struct cli_ring *ring);
 
 /* Return whether a slot has memory; one that was offered may lose it at any time. */

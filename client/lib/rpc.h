@@ -28,7 +28,7 @@ void cli_call_drop(struct pccd_client *client, struct cli_call *call);
 int cli_call_page(struct pccd_client *client, int method, const void *request,
                   void *result, uint64_t deadline_ns, uint64_t *page);
 
-/* The same for a method without a page; `result` may be NULL. */
+/* Send, wait and finish in one, for a method without a page; `result` may be NULL. */
 int cli_call_sync(struct pccd_client *client, int method, const void *request,
                   void *result, uint64_t deadline_ns);
 
@@ -46,7 +46,7 @@ int cli_call_resend_all(struct pccd_client *client, uint64_t deadline_ns);
  * so many of a client at a time. */
 bool cli_call_is_step(int method);
 
-/* Requests whose replies have not come. */
+/* Return how many requests wait for their replies. */
 uint32_t cli_call_inflight(const struct pccd_client *client);
 
 /* ---- messages that come ------------------------------------------------------------ */
@@ -55,8 +55,8 @@ uint32_t cli_call_inflight(const struct pccd_client *client);
  * been lost and can be made again: link.is_down then) or PCCD_E_DISCONNECTED. */
 int cli_receive(struct pccd_client *client);
 
-/* The same, but waits for CLI_AWAIT_NS where no message is there. Not in the process
- * (CLI_WAY_DIRECT). */
+/* Handle one message, as cli_receive does, but wait for CLI_AWAIT_NS where none is there.
+ * Not in the process (CLI_WAY_DIRECT). */
 int cli_await(struct pccd_client *client);
 
 /* ---- pages of records -------------------------------------------------------------- */
@@ -70,23 +70,23 @@ int cli_page_add(struct pccd_client *client, const struct proto_page *page,
  * ignored. */
 void cli_page_release(struct pccd_client *client, uint64_t serial);
 
-/* Before something is asked for that brings a page: 0 or PCCD_E_BUSY, when so many are
- * not released that those in flight might find no entry. */
+/* Check whether there is an entry for another page, before one is asked for: 0 or
+ * PCCD_E_BUSY, when so many are not released that those in flight might find none. */
 int cli_page_check(struct pccd_client *client);
 bool cli_pages_have_room(const struct pccd_client *client);
 
-/* Pages that are not released, and those behind them that are. */
+/* Return how many pages are not released, with those behind them that are. */
 uint32_t cli_page_count(const struct pccd_client *client);
 
-/* The first byte of the region in which a page that is not released lies. */
+/* Return the first byte of the region in which a page that is not released lies. */
 const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial);
 
-/* The answers to the scenes of a batch, which has succeeded: [count]. */
+/* Return the answers to the scenes of a batch, which has succeeded: [count]. */
 const struct pccd_scene_answer *cli_batch_answers(const struct pccd_client *client,
                                                   const struct cli_call *call);
 
-/* The ring is about to go: keep `result` mapped as long as pages of it are not released,
- * or unmap it. Takes it over. */
+/* Keep `result`, of a ring that is about to go, mapped as long as pages of it are not
+ * released, or unmap it. Takes it over. */
 void cli_page_retire(struct pccd_client *client, struct proto_memory *result);
 void cli_page_deinit(struct pccd_client *client);
 

@@ -51,7 +51,7 @@ int cli_frame_write(struct pccd_client *client, uint32_t scene,
 int cli_frame_take(struct pccd_frame *frame, const uint64_t *step, uint32_t *scene,
                    uint32_t *slot);
 
-/* The client goes: from now on its batches can only be destroyed. */
+/* Leave the client's batches nothing but to be destroyed: the client goes. */
 void cli_batch_forget_all(struct pccd_client *client);
 
 /* ---- asking: step.c ---------------------------------------------------------------- */
@@ -60,9 +60,9 @@ void cli_batch_forget_all(struct pccd_client *client);
  * wait to be taken, or too many pages wait to be released; or PCCD_E_DISCONNECTED. */
 int cli_step_check(struct pccd_client *client);
 
-/* The message of a verb with the caller's settings, which may be of a program that knows
- * a later struct; NULL: the defaults. `scene` is not of a batch. Slot and number are left
- * to cli_step_send. Returns 0, or E_INVAL or E_VERSION with a text. */
+/* Fill in the message of a verb with the caller's settings, which may be of a program
+ * that knows a later struct; NULL: the defaults. `scene` is not of a batch. Slot and
+ * number are left to cli_step_send. Returns 0, or E_INVAL or E_VERSION with a text. */
 int cli_step_describe(struct pccd_client *client, int verb, const void *settings,
                       uint32_t scene, union cli_params *message);
 
@@ -73,7 +73,7 @@ int cli_step_send(struct pccd_client *client, int verb, union cli_params *messag
 
 /* ---- answers: answer.c ------------------------------------------------------------- */
 
-/* Its call, until its answer is taken; NULL: there is none. */
+/* Return a step's call, until its answer is taken; NULL: there is none. */
 struct cli_call *cli_step_find(struct pccd_client *client, uint64_t step);
 
 /* Take in what has arrived, without waiting. */
@@ -90,10 +90,10 @@ int cli_answer_poll(struct pccd_client *client, bool is_batch, void *answer);
  * (timeout_ms 0), E_TIMEOUT. */
 int cli_answer_wait(struct pccd_client *client, uint64_t step, bool is_batch,
                     int timeout_ms, void *answer);
-/* The same by the client's timeout; what times out is abandoned. */
+/* Wait for it by the client's timeout; what times out is abandoned. */
 int cli_answer_finish(struct pccd_client *client, uint64_t step, bool is_batch,
                       void *answer);
-/* A further page, by frame.fetch or near.fetch. */
+/* Get a further page, by frame.fetch or near.fetch, as `method` says. */
 int cli_answer_fetch(struct pccd_client *client, int method, const void *request,
                      struct pccd_answer *answer);
 /* Give its page back, if `reserved` of the answer says that it has one. */
