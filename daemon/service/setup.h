@@ -4,10 +4,11 @@
 
 #include "service.h"
 
-/* All but the queues, which the host starts, and is_pinned. `service` is zeroed, and
- * srv_service_deinit follows in any case. Returns 0 or PCCD_E_NOMEM. */
+/* Prepare `service`, zeroed before: all but the queues, is_pinned, and the timers of
+ * reclaim and stray, which the host sees to. srv_service_deinit follows in any case.
+ * Returns 0 or PCCD_E_NOMEM. */
 int srv_service_init(struct srv_service *service, const struct srv_options *options);
-/* No session is left. */
+/* Free its parts, but for the queues. No session is left. */
 void srv_service_deinit(struct srv_service *service);
 
 #endif

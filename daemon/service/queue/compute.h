@@ -99,7 +99,7 @@ int srv_compute_start(struct srv_compute *compute,
 /* Start one more; fewer than runner_max have been. Returns 0 or PCCD_E_SYSTEM. [loop] */
 int srv_compute_add_runner(struct srv_compute *compute);
 
-/* See which jobs have become long, and wake a runner for one that waits. Returns after
+/* Look which jobs have become long, and wake a runner for one that waits. Returns after
  * how many ns to look again, 0: when there is another reason to; *wants_runner says that
  * all that have been started are busy, and one more may be. [loop] */
 uint64_t srv_compute_look(struct srv_compute *compute, bool *wants_runner);
@@ -108,10 +108,10 @@ uint64_t srv_compute_look(struct srv_compute *compute, bool *wants_runner);
  * [loop] */
 void srv_compute_stop(struct srv_compute *compute);
 
-/* A queue without a thread: whoever pushes runs the jobs, too. Returns 0 or PCCD_E_NOMEM.
- * [loop] */
+/* Make a queue without a thread: whoever pushes runs the jobs, too. Returns 0 or
+ * PCCD_E_NOMEM. [loop] */
 int srv_compute_init(struct srv_compute *compute, uint32_t capacity);
-/* No job may be queued or undrained. [loop] */
+/* Free such a queue. No job may be queued or undrained. [loop] */
 void srv_compute_deinit(struct srv_compute *compute);
 /* Run the job whose turn it is, or a part of it, on this thread. False: there is none.
  * [compute] */
@@ -119,12 +119,12 @@ bool srv_compute_run_next(struct srv_compute *compute);
 
 void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done);
 
-/* Returns 0 or PCCD_E_BUSY (`capacity` jobs wait that count). [loop] */
+/* Queue a job. Returns 0 or PCCD_E_BUSY (`capacity` jobs wait that count). [loop] */
 int srv_compute_push(struct srv_compute *compute, struct srv_job_list *list,
                      struct srv_job *job);
 
-/* The same for jobs that free something, at most one for each thing that was admitted.
- * They do not count: who waits for an answer is not refused for them. [loop] */
+/* Queue a job that frees something; there is at most one for each thing that was
+ * admitted. It does not count: who waits for an answer is not refused for it. [loop] */
 void srv_compute_push_reap(struct srv_compute *compute, struct srv_job_list *list,
                            struct srv_job *job);
 
@@ -143,11 +143,11 @@ uint32_t srv_compute_drain(struct srv_compute *compute);
 /* Let so many jobs wait from now on; those that do stay. [loop] */
 void srv_compute_resize(struct srv_compute *compute, uint32_t capacity);
 
-/* Nothing waits or runs, and all that has run was drained: until the next push nobody but
- * the caller touches what jobs do. [loop] */
+/* Return whether nothing waits or runs, and all that has run was drained: until the next
+ * push nobody but the caller touches what jobs do. [loop] */
 bool srv_compute_is_idle(struct srv_compute *compute);
 
-/* Jobs that wait now. [any] */
+/* Return how many jobs wait now. [any] */
 uint32_t srv_compute_queued(struct srv_compute *compute);
 
 /* Return whether a thread is stuck. To be called at equal intervals, long enough that a

@@ -14,11 +14,12 @@ struct srv_crash_context {
     uint32_t id;
 };
 
-/* The loop thread, or else the thread that computes with its team, works on that request
- * from now on; `method` NULL: on none. The text must stay. [loop], [compute] */
+/* Note that the loop thread, or else the thread that computes with its team, works on
+ * that request from now on; `method` NULL: on none. The text must stay. [loop],
+ * [compute] */
 void srv_crash_context_set(const char *method, uint64_t session, uint32_t id);
 
-/* The note of the calling thread's kind. */
+/* Return the note of the calling thread's kind. */
 const struct srv_crash_context *srv_crash_context_of_thread(void);
 
 #endif

@@ -22,18 +22,18 @@ struct srv_deadlines {
     uint32_t capacity;
 };
 
-/* `come` is called with each deadline that has come, which is not waited for any more.
- * Returns 0 or PCCD_E_NOMEM. */
+/* Prepare `deadlines`, zeroed before: `come` is called with each deadline that has come,
+ * which is not waited for any more. Returns 0 or PCCD_E_NOMEM. */
 int srv_deadlines_init(struct srv_deadlines *deadlines, struct srv_service *service,
                        void (*come)(struct srv_deadline *deadline));
-/* None may be waited for. A second time is nothing. */
+/* Free what it has; none may be waited for. Does nothing a second time. */
 void srv_deadlines_deinit(struct srv_deadlines *deadlines);
 
-/* Room for one more. Returns 0 or PCCD_E_NOMEM. */
+/* Make room for one more. Returns 0 or PCCD_E_NOMEM. */
 int srv_deadlines_reserve(struct srv_deadlines *deadlines);
 /* Wait for deadline->at_ns; there is room for it. */
 void srv_deadlines_add(struct srv_deadlines *deadlines, struct srv_deadline *deadline);
-/* No longer, if it is waited for. */
+/* Stop waiting for a deadline, if it is waited for. */
 void srv_deadlines_remove(struct srv_deadlines *deadlines, struct srv_deadline *deadline);
 
 #endif

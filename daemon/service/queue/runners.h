@@ -21,11 +21,12 @@ struct srv_workspace {
 
 _Static_assert(SRV_PLACES <= ENG_TEAMS_MAX, "each has a team");
 
-/* The workspace of that number, made if there is none: 0, or PCCD_E_NOMEM. [loop] */
+/* Make the workspace of that number, if there is none. Returns 0 or PCCD_E_NOMEM.
+ * [loop] */
 int srv_workspace_init(struct srv_workspace workspaces[SRV_RUNNERS_MAX], uint32_t number);
 void srv_workspace_deinit(struct srv_workspace workspaces[SRV_RUNNERS_MAX]);
 
-/* That of the calling thread. [compute] */
+/* Return the workspace of the calling thread. [compute] */
 static inline struct srv_workspace *
 srv_workspace_of_thread(struct srv_workspace workspaces[SRV_RUNNERS_MAX])
 {
@@ -48,13 +49,14 @@ struct srv_spare_runner {
     uint64_t retry_ns; /* a runner could not be started: not before */
 };
 
-/* Returns 0 or PCCD_E_NOMEM. */
+/* Prepare to help `compute`, whose runners have these workspaces. Returns 0 or
+ * PCCD_E_NOMEM. */
 int srv_spare_runner_init(struct srv_spare_runner *spare, struct srv_service *service,
                           struct srv_compute *compute, struct srv_workspace *workspaces);
-/* A second time is nothing. */
+/* Free its timer. Does nothing a second time. */
 void srv_spare_runner_deinit(struct srv_spare_runner *spare);
 
-/* The queue of what is computed has been started: help it from now on. */
+/* Help the queue from now on, which has been started. */
 void srv_spare_runner_begin(struct srv_spare_runner *spare);
 
 #endif

@@ -41,7 +41,7 @@ struct srv_fairqueue {
  * are close to each other. */
 #define SRV_FAIR_KEPT_NS 100000000u
 
-/* `entry`, not queued, has work. */
+/* Queue `entry`, which is not queued and has work. */
 void srv_fair_push(struct srv_fairqueue *queue, struct srv_fair *entry);
 
 /* Take out the one that is next; the queue is not empty. */
@@ -50,8 +50,8 @@ struct srv_fair *srv_fair_take(struct srv_fairqueue *queue);
 /* Take a queued entry out, wherever it is: it has no work any more. */
 void srv_fair_remove(struct srv_fairqueue *queue, struct srv_fair *entry);
 
-/* The service of `entry`, which is not queued, took cost_ns. Before it is pushed again.
- * When nobody waits, all accounts are settled. */
+/* Charge `entry`, which is not queued, for a service that took cost_ns, before it is
+ * pushed again. When nobody waits, all accounts are settled. */
 void srv_fair_charge(struct srv_fairqueue *queue, struct srv_fair *entry,
                      uint64_t cost_ns);
 
@@ -134,22 +134,23 @@ struct srv_turns {
     struct srv_job_list *aside; /* lists that wait for a claim */
 };
 
-/* A list has changed: it waits if it has a job that could run and none of them does;
- * its group if one of its lists waits. */
+/* Queue or remove a list that has changed: it waits if it has a job that could run and
+ * none of them does; its group if one of its lists waits. */
 void srv_turns_update(struct srv_turns *turns, struct srv_job_list *list);
 
-/* The list, taken out of its queue, whose first job is next while `running` jobs run;
- * NULL: there is none. A user has no more jobs than are left of place_max, or one if none
- * is left: the others wait on. A list whose first job has to wait for a claim is put
- * aside. */
+/* Take a list out of its queue, that whose first job is next while `running` jobs run,
+ * and return it; NULL: there is none. A user has no more jobs than are left of place_max,
+ * or one if none is left: the others wait on. A list whose first job has to wait for a
+ * claim is put aside. */
 struct srv_job_list *srv_turns_choose(struct srv_turns *turns, uint32_t running,
                                       uint32_t place_max);
 
-/* A list that was put aside has another first job now. At most as many are aside as
- * there are sessions. */
+/* Take back a list that was put aside, as another job is its first now; srv_turns_update
+ * follows. At most as many are aside as there are sessions. */
 void srv_turns_take_from_aside(struct srv_turns *turns, struct srv_job_list *list);
 
-/* Claims were given back: all lists try anew when it is their turn. */
+/* Let all lists that were put aside try anew when it is their turn, as claims were given
+ * back. */
 void srv_turns_empty_aside(struct srv_turns *turns);
 
 #endif

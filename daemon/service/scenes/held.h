@@ -27,14 +27,15 @@ struct srv_held_frame {
     struct proto_error error; /* code 0; else why it could not be taken along */
 };
 
-/* Charge the session of a member for its one frame, and refund it. 0 or PCCD_E_QUOTA with
- * *error set. [loop] */
+/* Charge the session of a member for its one frame. Returns 0 or PCCD_E_QUOTA with *error
+ * set. [loop] */
 int srv_held_frame_charge(struct srv_member *member, uint64_t bytes,
                           struct proto_error *error);
+/* Refund it. [loop] */
 void srv_held_frame_refund(struct srv_member *member, uint64_t bytes);
 
 /* Put a frame behind those that wait, if the scene takes it as it is now; nothing moves.
- * Else a status with *error set. [compute] */
+ * Returns 0, or else a status with *error set. [compute] */
 int srv_held_frame_add(struct srv_held_frame *held, struct srv_scene *scene,
                        struct proto_error *error);
 
@@ -43,7 +44,7 @@ int srv_held_frame_add(struct srv_held_frame *held, struct srv_scene *scene,
 void srv_held_frame_check(struct srv_scene *scene, struct srv_held_frame **taken);
 /* Stage what waits, in the staging that is open. [compute] */
 int srv_held_frame_stage(struct srv_scene *scene, struct proto_error *error);
-/* A step has run: what was staged goes to *taken. [compute] */
+/* Move what was staged to *taken, after the step that took it along. [compute] */
 void srv_held_frame_take(struct srv_scene *scene, struct srv_held_frame **taken);
 /* Take what was held with the member out of the scene. [compute] */
 struct srv_held_frame *srv_held_frame_remove(struct srv_scene *scene,

@@ -26,13 +26,15 @@ struct srv_shape {
     struct eng_mesh *engine; /* [compute]; NULL until the first data arrive */
 };
 
-/* A shape of these counts, charged to the owner's user as one mesh and its triangles.
- * Returns 0, or PCCD_E_INVAL, PCCD_E_QUOTA or PCCD_E_NOMEM with *error set. [loop] */
+/* Make a shape of these counts, charged to the owner's user as one mesh and its
+ * triangles. Returns 0, or PCCD_E_INVAL, PCCD_E_QUOTA or PCCD_E_NOMEM with *error set.
+ * [loop] */
 int srv_shape_admit(struct srv_owner *owner, const struct eng_mesh_counts *counts,
                     struct srv_shape **shape, struct proto_error *error);
 /* Return what a mesh of it, or an object, is charged (srv_triangle_charge). [any] */
 uint64_t srv_shape_charge(const struct eng_mesh_counts *counts);
-/* The engine's mesh, made when there is none. Returns a wire status. [compute] */
+/* Give *engine the engine's mesh, made when there is none. Returns a wire status.
+ * [compute] */
 int srv_shape_engine(struct srv_shape *shape, struct eng_mesh **engine);
 
 /* An object of a scene as the loop sees it. */
@@ -66,14 +68,16 @@ struct srv_mesh {
     bool is_gone;        /* only its objects know it; goes with the last of them */
 };
 
-/* A mesh of that number and of a shape, whose reference it takes over. NULL, with *error
- * set: no memory; the reference stays the caller's. */
+/* Make a mesh of that number and of a shape, whose reference it takes over. NULL, with
+ * *error set: no memory, or more than its user may have; the reference stays the
+ * caller's. */
 struct srv_mesh *srv_mesh_new(uint64_t number, struct srv_shape *shape,
                               struct proto_error *error);
 /* Let go of its shapes; objects that are made of it stay. Takes no longer for many. */
 void srv_mesh_free(struct srv_mesh *mesh);
 
-/* PCCD_E_BUSY with *error set while its replacement is being committed, else 0. */
+/* Refuse a mesh while its replacement is being committed. Returns 0, or PCCD_E_BUSY with
+ * *error set. */
 int srv_mesh_refuse_busy(const struct srv_mesh *mesh, uint32_t handle,
                          struct proto_error *error);
 

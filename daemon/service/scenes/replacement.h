@@ -36,7 +36,8 @@ int srv_replacement_work(struct srv_replacement *replacement,
                          const struct srv_shape *shape, const atomic_bool *cancel,
                          struct proto_error *error);
 
-/* The end of what begin began; `mesh` NULL: the session has it no more. */
+/* End what srv_replacement_begin began, and free it; if it succeeded, the mesh has its
+ * new shape from now on. `mesh` NULL: the session has it no more. [loop] */
 void srv_replacement_finish(struct srv_session *session, struct srv_mesh *mesh,
                             struct srv_replacement *replacement, bool succeeded);
 

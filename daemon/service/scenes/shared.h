@@ -43,51 +43,56 @@ struct srv_shared {
     char name[];
 };
 
-/* scene.create with a name, which is one of the session's user or, where it says so, of
- * another. Returns 0 with *result set, or PCCD_E_INVAL,
- * PCCD_E_STATE (there is one), PCCD_E_AGAIN (there is none yet), PCCD_E_ACCESS,
- * PCCD_E_LIMIT, PCCD_E_BUSY or PCCD_E_NOMEM with *error set. */
+/* Handle a scene.create with a name, which is one of the session's user or, where it says
+ * so, of another. Returns 0 with *result set, or PCCD_E_INVAL, PCCD_E_STATE (there is
+ * one), PCCD_E_AGAIN (there is none yet), PCCD_E_ACCESS, PCCD_E_LIMIT, PCCD_E_BUSY or
+ * PCCD_E_NOMEM with *error set. */
 int srv_shared_open(struct srv_session *session,
                     const struct proto_SCENE_CREATE_request *request,
                     const struct eng_scene_settings *settings,
                     struct proto_SCENE_CREATE_result *result, struct proto_error *error);
 
-/* The session has given back its handle of a shared scene. */
+/* Let a session, which has given back its handle of a shared scene, leave it. */
 void srv_shared_leave(struct srv_session *session, struct srv_scene *scene);
 
-/* Before a step of the scene, shared or not: who has heard that it has left meets nothing
- * in it, though it may be another's turn before what it had is taken out. [compute] */
+/* Hide, before a step of the scene, shared or not, all that belongs to those who have
+ * heard that they have left: it meets nothing any more, though it may be another's turn
+ * before it is taken out. [compute] */
 void srv_shared_hide(struct srv_scene *scene);
 
-/* The member of a session that has a handle for the scene; NULL: it is the session's own.
- * One that leaves and comes back has another. */
+/* Return the member of a session that has a handle for the scene; NULL: it is the
+ * session's own. One that leaves and comes back has another. */
 struct srv_member *srv_shared_member(const struct srv_scene *scene,
                                      const struct srv_session *session);
 
-/* 0, or PCCD_E_ACCESS with *error set: the session only reads. Of any scene. */
+/* Refuse a session that only reads the scene, which may be any. Returns 0, or
+ * PCCD_E_ACCESS with *error set. */
 int srv_shared_refuse_reader(const struct srv_session *session,
                              const struct srv_scene *scene, struct proto_error *error);
 
-/* A handle for an object of which any will do, that nobody who has not come back yet is
- * likely to want; 0: nobody will come. Another try gives another one. */
+/* Return a handle for an object of which any will do, that nobody who has not come back
+ * yet is likely to want. Another try gives another one. 0: nobody will come, or all such
+ * handles were given. */
 uint32_t srv_shared_aside(struct srv_member *member);
 
 /* Tell list.scene of `session`, which takes part, of a shared scene, not of others. */
 void srv_shared_tell(const struct srv_scene *scene, const struct srv_session *session,
                      struct proto_LIST_SCENE_result *result);
 
-/* Charge the session for a journal of so many bytes: 0, PCCD_E_STATE (it keeps one) or
- * PCCD_E_QUOTA with *error set; refund it. */
+/* Charge the session for a journal of so many bytes. Returns 0, PCCD_E_STATE (it keeps
+ * one) or PCCD_E_QUOTA with *error set. */
 int srv_shared_charge_journal(struct srv_member *member, uint64_t bytes,
                               struct proto_error *error);
+/* Refund it. */
 void srv_shared_refund_journal(struct srv_member *member);
 
-/* A session has stepped it: tell the others. */
+/* Tell the others that a session has stepped the scene. */
 void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,
                         const struct proto_answer *answer);
-/* A frame of the session waits for the scene's next step: tell it. */
+/* Tell the session that its frame waits for the scene's next step. */
 void srv_shared_waits(struct srv_member *member, uint64_t step);
-/* The session goes on over another connection: that a frame waits may not have come. */
+/* Prepare to tell a session, which goes on over another connection, once more which
+ * frames of it wait: it may not have heard. */
 void srv_shared_resumed(struct srv_session *session);
 /* Tell a session what could not be told before, if it can be now. */
 void srv_shared_catch_up(struct srv_session *session);

@@ -30,8 +30,8 @@ struct srv_journal {
     int status;         /* 0, or why nothing is noted any more: LIMIT, NOMEM */
 };
 
-/* Begin one with the scene as it is. PCCD_E_STATE: the session has one; PCCD_E_LIMIT:
- * even this does not fit; PCCD_E_NOMEM. */
+/* Begin one with the scene as it is. Returns 0, PCCD_E_STATE (the session has one),
+ * PCCD_E_LIMIT (even this does not fit) or PCCD_E_NOMEM. */
 int srv_journal_begin(struct srv_scene *scene, struct srv_member *member,
                       uint64_t bytes_max);
 /* Forget the entries before `position`, as far as they are whole. */
@@ -39,24 +39,25 @@ void srv_journal_forget(struct srv_journal *journal, uint64_t position);
 /* Copy `bytes` bytes from `position` on, which are kept. */
 void srv_journal_copy(const struct srv_journal *journal, uint64_t position,
                       uint64_t bytes, uint8_t *to);
-/* The session's, if it has one. */
+/* End the session's, if it has one. */
 void srv_journal_end(struct srv_scene *scene, struct srv_member *member);
 
 /* Note what has been done, for every session that wants to know; nothing for none. */
 void srv_journal_add(struct srv_scene *scene, const struct srv_placed *placed);
 void srv_journal_gone(struct srv_scene *scene, uint32_t object);
-/* object.set or scene.ignore, as it was sent. */
+/* Note an object.set or a scene.ignore, as it was sent. */
 void srv_journal_note(struct srv_scene *scene, int method, const void *request);
-/* A staging is opened, of so many segments and those of held frames: what it takes is
- * kept until its step is noted. */
+/* Keep from now on what a staging takes, until its step is noted: so many segments, and
+ * those of held frames. */
 void srv_journal_open(struct srv_scene *scene, uint32_t segments);
-/* A step has run that a session submitted with that member, and has taken along what was
- * held. */
+/* Note that a step has run, which a session submitted with that member, and that it has
+ * taken along what was held. */
 void srv_journal_step(struct srv_scene *scene,
                       const struct proto_FRAME_SUBMIT_request *submit,
                       const struct srv_member *member,
                       const struct srv_held_frame *taken);
-/* A session has asked with that member what is near, and has moved what it moves. */
+/* Note that a session has asked with that member what is near, and has moved what it
+ * moves. The journals of others have only the motion. */
 void srv_journal_near(struct srv_scene *scene,
                       const struct proto_SCENE_NEAR_request *near,
                       const struct srv_member *member);

@@ -84,42 +84,44 @@ struct srv_scene {
                      * had brought them there is not known */
 };
 
-/* The engine forgets the records of its answers. [compute] */
+/* Forget the answers that the scene keeps, as the engine forgets their records.
+ * [compute] */
 void srv_scene_forget_answers(struct srv_scene *scene);
 
-/* NULL, with *error set: no memory, or more than its user may have. [loop] */
+/* Make a scene. NULL, with *error set: no memory, or more than its user may have.
+ * [loop] */
 struct srv_scene *srv_scene_new(struct srv_session *session,
                                 const struct eng_scene_settings *settings,
                                 struct proto_error *error);
-/* The scene has got its handle: from it follow the first handles of its objects. Those of
- * one session's scenes differ; those of a scene that is made again under the same handle
- * are the same again. [loop] */
+/* Tell a scene the handle that it has got: from it follow the first handles of its
+ * objects. Those of one session's scenes differ; those of a scene that is made again
+ * under the same handle are the same again. [loop] */
 void srv_scene_name(struct srv_scene *scene, uint32_t handle);
 int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine); /* [compute] */
 
-/* Room for an object with that handle. Returns 0 or PCCD_E_NOMEM. [compute] */
+/* Make room for an object with that handle. Returns 0 or PCCD_E_NOMEM. [compute] */
 int srv_scene_reserve(struct srv_scene *scene, uint32_t handle);
-/* The object, or NULL: never placed, or removed. [compute] */
+/* Return the object, or NULL: never placed, or removed. [compute] */
 struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle);
-/* Its ignored pairs have changed in number. [compute] */
+/* Note how many ignored pairs it has, after that has changed. [compute] */
 void srv_scene_count_ignored(struct srv_scene *scene);
 /* Take a placed object out of the engine's scene, and forget it; journals hear of it from
  * the caller (srv_journal.h). [compute] */
 void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed);
 
-/* A handle for a new object made of a mesh of `session`, which takes part with `member`
- * (NULL: the scene is its own), its quota charged; *object says which is wanted, 0: any.
- * Returns 0, or PCCD_E_QUOTA, PCCD_E_LIMIT, PCCD_E_HANDLE or
- * PCCD_E_NOMEM with *error set. [loop] */
+/* Choose a handle for a new object made of a mesh of `session`, which takes part with
+ * `member` (NULL: the scene is its own), and charge its quota; *object says which is
+ * wanted, 0: any. Returns 0, or PCCD_E_QUOTA, PCCD_E_LIMIT, PCCD_E_HANDLE or PCCD_E_NOMEM
+ * with *error set. [loop] */
 int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
                     const struct srv_member *member, struct srv_mesh *mesh,
                     uint32_t *object, struct proto_error *error);
 /* Forget an object, whose handle is known: refund it and free the loop's part. [loop] */
 void srv_scene_forget(struct srv_scene *scene, uint32_t object);
-/* The same of all that were added with that member. [loop] */
+/* Forget so all objects that were added with that member. [loop] */
 void srv_scene_forget_of(struct srv_scene *scene, const struct srv_member *member);
-/* The session's handle of the scene was given back: the objects that it has added with
- * that member, NULL: its own scene's, are no meshes' any more. [loop] */
+/* Unlink from their meshes the objects that a session, which has given back its handle of
+ * the scene, has added with that member; NULL: those of its own scene. [loop] */
 void srv_scene_unlink_of(struct srv_scene *scene, const struct srv_member *member);
 
 #endif

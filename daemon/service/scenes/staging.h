@@ -40,18 +40,18 @@ struct srv_staging {
  * threads. [compute], [team] */
 int srv_stage(struct srv_staging *staging);
 
-/* A copy, of malloc, of what the step uses of its slot, *bytes of at most `bytes_max`.
- * Returns 0, PCCD_E_SLOT_STALE, PCCD_E_SLOT_TORN, PCCD_E_SEGMENT (it uses more, or a
- * segment is not as it must be) or PCCD_E_NOMEM with *error set. [any] */
+/* Make a copy, of malloc, of what the step uses of its slot, *bytes of at most
+ * `bytes_max`. Returns 0, PCCD_E_SLOT_STALE, PCCD_E_SLOT_TORN, PCCD_E_SEGMENT (it uses
+ * more, or a segment is not as it must be) or PCCD_E_NOMEM with *error set. [any] */
 int srv_stage_keep(struct srv_ring *ring, const struct srv_slot_ref *slot,
                    uint64_t bytes_max, uint8_t **copy, uint64_t *bytes,
                    struct proto_error *error);
 
 /* ---- what is kept of it for journals [compute] ------------------------------------- */
 
-/* While a scene has journals, its staging copies each segment to scene->sent first and
- * reads the copy: shared memory is read once. Forget what there is; up to so many
- * segments come, and bytes with their table. */
+/* Forget what there is, and prepare for up to so many segments, and so many bytes with
+ * their table. While a scene has journals, its staging copies each segment to scene->sent
+ * first and reads the copy: shared memory is read once. */
 void srv_sent_begin(struct srv_sent *sent, uint64_t segments_max, uint64_t bytes_max);
 /* Copy a checked segment. Its parts, of `bytes` each, are where its positions start
  * (of X1 any) and where they end; then they are the copies, if these fit. */
