@@ -39,8 +39,8 @@ static inline uint32_t srv_handle_index(uint32_t handle)
     return handle & SRV_HANDLE_INDEX_MAX;
 }
 
-/* `max` 1 .. 2^20. Tables whose `generation_first` (reduced to 1 .. 4095) differ do not
- * share handles until an index has been reused often. */
+/* Make an empty table. `max` 1 .. 2^20. Tables whose `generation_first` (reduced to 1 ..
+ * 4095) differ do not share handles until an index has been reused often. */
 void srv_handles_init(struct srv_handles *handles, uint32_t max,
                       uint32_t generation_first);
 /* Empty it for good; returns its slots, which are the caller's again. */
@@ -55,22 +55,23 @@ struct srv_handle_slot *srv_handles_move(struct srv_handles *handles,
                                          struct srv_handle_slot *slots,
                                          uint32_t capacity);
 
-/* A handle for `item` (not NULL): `want`, or, 0, any. It has the slots that it needs.
- * Returns 0, PCCD_E_LIMIT (`max` are in use) or PCCD_E_HANDLE (the place of `want` is in
- * use, or no handle is like that). */
+/* Make a handle for `item` (not NULL): `want`, or, 0, any. It has the slots that it
+ * needs. Returns 0, PCCD_E_LIMIT (`max` are in use) or PCCD_E_HANDLE (the place of `want`
+ * is in use, or no handle is like that). */
 int srv_handles_add(struct srv_handles *handles, void *item, uint32_t want,
                     uint32_t *handle);
 
-/* The item, or NULL for an unknown or stale handle. */
+/* Return the item, or NULL for an unknown or stale handle. */
 void *srv_handles_get(const struct srv_handles *handles, uint32_t handle);
 
 /* Forget a handle and return its item, or NULL for an unknown or stale one. */
 void *srv_handles_remove(struct srv_handles *handles, uint32_t handle);
 
-/* The handle of the item at an index that is in use. */
+/* Return the handle of the item at an index that is in use. */
 uint32_t srv_handles_at(const struct srv_handles *handles, uint32_t index);
 
-/* The items in the order of their indices; NULL after the last. `*cursor` starts at 0. */
+/* Return the items in the order of their indices; NULL after the last. `*cursor` starts
+ * at 0. */
 void *srv_handles_next(const struct srv_handles *handles, uint32_t *cursor);
 
 /* Forget and return any item, the one of the lowest index; NULL when empty. `*cursor`

@@ -19,7 +19,7 @@ enum srv_thread {
 /* Declare what the calling thread is. */
 void srv_thread_enter(enum srv_thread thread);
 
-/* "loop", "compute", or "team" for those that help. */
+/* Return "loop", "compute", or "team" for those that help. */
 const char *srv_thread_name(void);
 bool srv_thread_is_loop(void);
 

@@ -20,18 +20,18 @@ enum srv_level {
     SRV_LOG_COUNT = 4
 };
 
-/* Lines above `level` are dropped from now on. */
+/* Drop lines above `level` from now on. */
 void srv_log_set_level(enum srv_level level);
 
-/* The level of that name ("error", "warn", "info", "debug"), or -1. */
+/* Return the level of that name ("error", "warn", "info", "debug"), or -1. */
 int srv_log_level_by_name(const char *name);
 
 /* Say that it writes to a file that nobody else keeps: it begins anew when it has become
  * longer than that. */
 void srv_log_own_file(uint32_t bytes_max);
 
-/* `session` 0: not about one. Control characters, and what is not UTF-8, are written
- * as \xNN, because some of it comes from peers. */
+/* Write a line. `session` 0: not about one. Control characters, and what is not UTF-8,
+ * are written as \xNN, because some of it comes from peers. */
 void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -12,7 +12,7 @@ struct srv_metrics {
     struct proto_STATS_HISTOGRAM_result histograms[PCCD_HISTOGRAM_COUNT];
 };
 
-/* Something of that kind took so long. */
+/* Add how long something of that kind took. */
 void srv_metrics_add_duration(struct srv_metrics *metrics, enum pccd_histogram_kind kind,
                               uint64_t took_ns);
 
@@ -23,9 +23,10 @@ void srv_metrics_add_step(struct srv_metrics *metrics, const struct proto_answer
  * any. */
 void srv_metrics_add_all(struct srv_metrics *metrics, const struct srv_metrics *more);
 
-/* The same of what list.session tells of a session. */
+/* Add a step to what list.session tells of a session. */
 void srv_stats_add_step(struct proto_LIST_SESSION_result *stats,
                         const struct proto_answer *answer);
+/* Add what was counted of it apart. */
 void srv_stats_add_all(struct proto_LIST_SESSION_result *stats,
                        const struct proto_LIST_SESSION_result *more);
 

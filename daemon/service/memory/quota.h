@@ -57,33 +57,36 @@ struct srv_quota {
 void srv_quota_init(struct srv_quota *quota, const uint64_t limit[SRV_QUOTA_COUNT]);
 void srv_quota_deinit(struct srv_quota *quota); /* every user must have been released */
 
-/* From now on a user has at most so many; what one has already stays. */
+/* Let a user have at most so many from now on; what one has already stays. */
 void srv_quota_set_limit(struct srv_quota *quota, enum srv_quota_kind kind,
                          uint64_t limit);
 
-/* From now on the engine holds at most so many bytes for one user (enginemem.h). */
+/* Let the engine hold at most so many bytes for one user from now on (enginemem.h). */
 void srv_quota_bound_engine(struct srv_quota *quota, uint64_t bytes);
 
-/* From now on all users together have at most so many bytes of memory; 0: no bound. What
- * they have already stays. */
+/* Let all users together have at most so many bytes of memory from now on; 0: no bound.
+ * What they have already stays. */
 void srv_quota_bound_memory(struct srv_quota *quota, uint64_t bytes);
 
-/* The entry of `uid`, made when there is none. NULL: no memory. */
+/* Return the entry of `uid`, made when there is none, with a reference. NULL: no
+ * memory. */
 struct srv_quota_user *srv_quota_acquire(struct srv_quota *quota, uid_t uid);
-/* The entry goes with its last reference; nothing may be charged to it then. */
+/* Drop a reference. The entry goes with its last one; nothing may be charged to it
+ * then. */
 void srv_quota_release(struct srv_quota *quota, struct srv_quota_user *user);
 
-/* Returns 0, or PCCD_E_QUOTA with *error naming user, or all of them, amounts and limit;
- * nothing is charged then. */
+/* Charge a user. Returns 0, or PCCD_E_QUOTA with *error naming user, or all of them,
+ * amounts and limit; nothing is charged then. */
 int srv_quota_charge(struct srv_quota_user *user, enum srv_quota_kind kind,
                      uint64_t amount, struct proto_error *error);
-/* The same for shared memory that is taken while a request is worked on. [any] */
+/* Charge a user for shared memory that is taken while a request is worked on. Returns as
+ * srv_quota_charge. [any] */
 int srv_quota_charge_shared(struct srv_quota_user *user, uint64_t amount,
                             struct proto_error *error);
 /* Return whether it is more than a user, or all users, may ever have. [loop] */
 bool srv_quota_is_beyond(const struct srv_quota *quota, enum srv_quota_kind kind,
                          uint64_t amount);
-/* [any] for shared memory. */
+/* Refund what was charged. [any] for shared memory. */
 void srv_quota_refund(struct srv_quota_user *user, enum srv_quota_kind kind,
                       uint64_t amount);
 

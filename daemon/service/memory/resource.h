@@ -25,8 +25,9 @@ struct srv_owner {
     void (*settle)(struct srv_owner *owner); /* [loop] one reason fewer */
 };
 
-/* One reason more to stay, and one fewer: the owner may be freed inside. [loop] */
+/* Add a reason to stay. [loop] */
 void srv_owner_keep(struct srv_owner *owner);
+/* Drop a reason to stay: the owner may be freed inside. [loop] */
 void srv_owner_release(struct srv_owner *owner);
 
 /* The common start of a shape, a scene, a ring and a recording. */
@@ -39,11 +40,14 @@ struct srv_resource {
     uint32_t refs; /* [loop] the session's table, and each request in flight */
 };
 
-/* One reference. `free_engine` runs on [compute], `free_rest` on [loop]; that calls
+/* Begin a resource with one reference. When the last is dropped, `free_engine` runs on
+ * [compute], that of a ring on [pages], then `free_rest` on [loop]; that calls
  * srv_owner_release. */
 void srv_resource_init(struct srv_resource *resource, struct srv_owner *owner,
                        srv_job_fn free_engine, srv_job_fn free_rest);
-void srv_resource_acquire(struct srv_resource *resource); /* [loop] */
-void srv_resource_drop(struct srv_resource *resource);    /* [loop] */
+/* Add a reference. [loop] */
+void srv_resource_acquire(struct srv_resource *resource);
+/* Drop one. [loop] */
+void srv_resource_drop(struct srv_resource *resource);
 
 #endif

@@ -44,19 +44,21 @@ struct srv_reclaim {
     struct srv_reclaimed *first; /* what has memory to give back; the timer is set */
 };
 
-/* Returns 0 or PCCD_E_NOMEM. Only for a host whose timers fire by themselves. */
+/* Give back from now on what is not used. Returns 0 or PCCD_E_NOMEM. Only for a host
+ * whose timers fire by themselves. */
 int srv_reclaim_init(struct srv_reclaim *reclaim, struct srv_service *service);
-/* A second time is nothing. */
+/* Free the timer. Does nothing a second time. */
 void srv_reclaim_deinit(struct srv_reclaim *reclaim);
 
-/* `give_back` is run in the turn of the resource's owner, on [pages] or [compute]. */
+/* Prepare a resource's part: `give_back` is run in the turn of the resource's owner, on
+ * [pages] or [compute]. */
 void srv_reclaimed_init(struct srv_reclaimed *reclaimed, struct srv_resource *resource,
                         bool is_page_job, srv_job_fn give_back);
 /* Give back now, in that turn, whether it was used or not. [loop] */
 void srv_reclaimed_start(struct srv_reclaimed *reclaimed);
-/* It has memory to give back, and was used now. */
+/* Note that it has memory to give back, and was used now. [loop] */
 void srv_reclaimed_use(struct srv_reclaimed *reclaimed, struct srv_reclaim *reclaim);
-/* It is going to be freed. */
+/* Forget it, as it is going to be freed. */
 void srv_reclaimed_forget(struct srv_reclaimed *reclaimed);
 
 /* ---- Chooses where in the result region, a ring buffer in shared memory, the next
@@ -84,14 +86,15 @@ struct srv_page {
 
 void srv_region_init(struct srv_region *region, uint64_t capacity);
 
-/* A ring whose bytes have no memory yet, but for the first `taken`. A page may then end
- * beyond them, and the owner gives it memory, or sets `limit` and reserves anew. */
+/* Make a ring whose bytes have no memory yet, but for the first `taken`. A page may then
+ * end beyond them, and the owner gives it memory, or sets `limit` and reserves anew. */
 void srv_region_init_sparse(struct srv_region *region, uint64_t capacity, uint64_t taken);
 
-/* A page for up to `wanted` items of `item_bytes`, given the client's `head`: as many as
- * the longest free stretch holds, the stretch at hand preferred, but for one that has no
- * memory where the start has. An empty page takes no space. Returns 0, or PCCD_E_INVAL
- * when `head` went backwards or beyond what was handed out: then nothing changes. */
+/* Reserve a page for up to `wanted` items of `item_bytes`, given the client's `head`: as
+ * many as the longest free stretch holds, the stretch at hand preferred, but for one that
+ * has no memory where the start has. An empty page takes no space. Returns 0, or
+ * PCCD_E_INVAL when `head` went backwards or beyond what was handed out: then nothing
+ * changes. */
 int srv_region_reserve(struct srv_region *region, uint64_t head, uint32_t item_bytes,
                        uint64_t wanted, struct srv_page *page);
 
@@ -127,10 +130,10 @@ struct srv_ring {
     bool was_stray; /* [loop] at the last look */
 };
 
-/* Bytes that it has taken, and the owner's user is charged for. [loop] */
+/* Return the bytes that it has taken, and the owner's user is charged for. [loop] */
 uint64_t srv_ring_bytes(const struct srv_ring *ring);
-/* A ring of these sizes, without its memories; at first its first `slots_now` slots have
- * memory. NULL: no memory. [loop] */
+/* Make a ring of these sizes, without its memories; at first its first `slots_now` slots
+ * have memory. NULL: no memory. [loop] */
 struct srv_ring *srv_ring_new(struct srv_owner *owner,
                               const struct proto_SHM_ATTACH_result *sizes,
                               uint32_t slots_now);
@@ -150,28 +153,31 @@ bool srv_ring_has_slot(const struct srv_ring *ring, uint32_t slot);
 /* Take memory for a slot, and charge it, unless it has some. Returns 0, or PCCD_E_QUOTA
  * or PCCD_E_NOMEM with *error set: then nothing has changed. [pages] */
 int srv_ring_take_slot(struct srv_ring *ring, uint32_t slot, struct proto_error *error);
-/* Another ring will take its place: give back every slot that the client says is free.
- * [pages] */
+/* Give back every slot that the client says is free, as another ring will take the place
+ * of this one. [pages] */
 void srv_ring_give_back_slots(struct srv_ring *ring);
 
-/* The payload of a slot that holds `seq`, or PCCD_E_SLOT_STALE. [any] */
+/* Give *payload the payload of a slot that holds `seq`. Returns 0, or PCCD_E_SLOT_STALE
+ * with *error set: it holds another one. [any] */
 int srv_ring_open_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
                        const uint8_t **payload, struct proto_error *error);
-/* After the last read of the payload: PCCD_E_SLOT_TORN when the slot has changed, then
- * everything read from it is worth nothing. [any] */
+/* Check after the last read of the payload whether the slot has changed. Returns 0, or
+ * PCCD_E_SLOT_TORN with *error set: then everything read from it is worth nothing.
+ * [any] */
 int srv_ring_check_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
                         struct proto_error *error);
 
-/* A page for up to `wanted` items in the result region; *data is where they go, and
- * page->position becomes the offset that the client uses. Memory is taken and charged as
- * pages need it; while that is refused the region is as large as what it has taken, and a
- * page holds less than `wanted`. PCCD_E_INVAL: the client's
- * result_head makes no sense. [compute] */
+/* Reserve a page for up to `wanted` items in the result region; *data is where they go,
+ * and page->position becomes the offset that the client uses. Memory is taken and charged
+ * as pages need it; while that is refused the region is as large as what it has taken,
+ * and a page holds less than `wanted`. Returns 0, or PCCD_E_INVAL with *error set: the
+ * client's result_head makes no sense. [compute] */
 int srv_ring_reserve(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
                      struct srv_page *page, void **data, struct proto_error *error);
 
-/* The same of all that is wanted, or nothing: PCCD_E_BUSY with *error set, when there is
- * no room for it until the client releases pages. [compute] */
+/* Reserve a page for all that is wanted, or nothing. Returns as srv_ring_reserve, and
+ * PCCD_E_BUSY with *error set, when there is no room for it until the client releases
+ * pages. [compute] */
 int srv_ring_reserve_all(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
                          struct srv_page *page, void **data, struct proto_error *error);
 
@@ -184,10 +190,10 @@ void *srv_ring_next(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
 /* Give back, and refund, at once what the result region has taken beyond what it began
  * with and behind all pages that the client has not released. [compute] */
 void srv_ring_give_back(struct srv_ring *ring);
-/* A request has been answered: when no other one follows for a while, the ring gives
- * back, and refunds, what the result region has taken beyond what it began with and
- * behind all pages that the client has not released, and the slots that the client says
- * are free, but for the last slot that has memory. [loop] */
+/* Give back, when no other request follows the one that was answered for a while, what
+ * the result region has taken beyond what it began with and behind all pages that the
+ * client has not released, and the slots that the client says are free, but for the last
+ * slot that has memory; refund it. [loop] */
 void srv_ring_trim_if_idle(struct srv_ring *ring, struct srv_reclaim *reclaim);
 
 /* Look at what both memories hold beyond what was given: a client can write to slots that
@@ -196,9 +202,10 @@ void srv_ring_trim_if_idle(struct srv_ring *ring, struct srv_reclaim *reclaim);
  * before the last look, too, and the quota does not bear it. [loop] */
 int srv_ring_look(struct srv_ring *ring, struct proto_error *error);
 
-/* A slot has been read, or will not be. [any] */
+/* Return a slot to the client, as it has been read, or will not be. [any] */
 void srv_ring_return_slot(struct srv_ring *ring);
-/* A request on this ring has its answer; call before the answer is sent. [any] */
+/* Tell the client that a request on this ring has its answer; call before the answer is
+ * sent. [any] */
 void srv_ring_done(struct srv_ring *ring);
 
 #endif

@@ -28,7 +28,7 @@ void srv_answer_keep(struct srv_session *session, const struct srv_question *que
 /* Send a fatal error that answers no message, and close. */
 void srv_answer_refuse(struct srv_session *session, const struct proto_error *error);
 
-/* Nobody gets the descriptors of an answer. */
+/* Close the descriptors of an answer, which nobody gets. */
 void srv_answer_close_fds(const int *fds, int fd_count);
 
 #endif

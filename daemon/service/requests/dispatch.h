@@ -11,17 +11,17 @@
 struct srv_service;
 struct srv_session;
 
-/* One message from the client of an open connection. */
+/* Handle one message from the client of an open connection. [loop] */
 void srv_dispatch(struct srv_session *session, const void *message, size_t bytes);
 
-/* The client broke the rules of the stream: tell it why, with message id 0, and close. */
+/* Tell a client that broke the rules of the stream why, with message id 0, and close. */
 void srv_dispatch_violation(struct srv_session *session, int code, const char *text);
 
 /* Refuse a client beyond its user's quota: sets *error, fatal, and returns its code. */
 int srv_dispatch_refuse_quota(struct srv_session *session, struct proto_error *error);
 
-/* The connection of a refused client that has said nothing is about to be closed: tell it
- * why, with message id 0. */
+/* Tell a refused client that has said nothing, and whose connection is about to be
+ * closed, why, with message id 0. */
 void srv_dispatch_refuse_silent(struct srv_session *session);
 
 /* Tell every client that the daemon is about to go. */
@@ -31,7 +31,7 @@ void srv_dispatch_goaway(struct srv_service *service, int code, const char *text
  * it knows neither requests nor scenes. A session that is CLOSED stops its requests and
  * drops its scenes, meshes and ring; it stays until the caller lets it go. [loop] */
 void srv_let_go(struct srv_session *session);
-/* It may not go on: tell its client, if it has one, and end it. [loop] */
+/* End a session that may not go on, and tell its client, if it has one. [loop] */
 void srv_refuse(struct srv_session *session, const struct proto_error *error);
 
 #endif

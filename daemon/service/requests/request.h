@@ -156,8 +156,8 @@ struct srv_request {
  * cancelled. [any] */
 bool srv_is_step(int method);
 
-/* Relaxed: nothing is read because of it; a state of [compute] is of the loop's interest
- * only when the job is done. [any] */
+/* Return the state of a request. Relaxed: nothing is read because of it; a state of
+ * [compute] is of the loop's interest only when the job is done. [any] */
 static inline enum srv_request_state srv_request_state(const struct srv_request *request)
 {
     return atomic_load_explicit(&request->state, memory_order_relaxed);
@@ -169,7 +169,8 @@ void srv_request_move(struct srv_request *request, enum srv_request_state to);
 /* Answer one that has run or was taken back, and let go of everything. [loop] */
 void srv_request_conclude(struct srv_request *request);
 
-/* The deadline of a request has come. [loop] */
+/* Answer a request whose deadline has come, where it waits and can be answered before its
+ * turn. [loop] */
 void srv_request_overdue(struct srv_deadline *deadline);
 
 /* Answer with `result`, of its method, a request that still waits for its turn, when it
@@ -183,7 +184,7 @@ bool srv_request_answer_early(struct srv_request *request, const void *result,
  * call->error set: then neither function of the plan is called. [loop] */
 int srv_request_start(struct srv_call *call, const struct srv_plan *plan);
 
-/* Before a message is handled: conclude what was answered where it was computed, so that
+/* Conclude, before a message is handled, what was answered where it was computed, so that
  * who has an answer finds what it says everywhere. Where one is just on its way it waits
  * for the few microseconds until the compute thread has put the request down. [loop] */
 void srv_request_catch_up(struct srv_service *service);
@@ -197,13 +198,14 @@ void srv_request_return_slot(struct srv_request *request);
  * PCCD_E_CANCELLED at once; a running one sees the flag. [loop] */
 void srv_request_cancel(struct srv_request *request);
 
-/* The same of all that a session has in flight. [loop] */
+/* Stop all that a session has in flight, as srv_request_cancel does. [loop] */
 void srv_request_cancel_all(struct srv_session *session);
 
-/* The client is gone: stop all that the session has in flight, without answers. [loop] */
+/* Stop all that a session has in flight, without answers: its client is gone. [loop] */
 void srv_request_abandon_all(struct srv_session *session);
 
-/* The request in flight with that message id that has no answer yet, or NULL. [loop] */
+/* Return the request in flight with that message id that has no answer yet, or NULL.
+ * [loop] */
 struct srv_request *srv_request_find(const struct srv_session *session, uint32_t id);
 
 /* Return whether the connection with which it came is lost: it is not answered over the

@@ -54,7 +54,7 @@ int srv_batch_begin(struct srv_call *call, struct srv_ring *ring,
 /* Give everything back. */
 void srv_batch_end(struct srv_batch *batch);
 
-/* The work of a plan for many scenes. [compute] */
+/* Do the work of a plan for many scenes. [compute] */
 int srv_batch_work(struct srv_request *request);
 
 #endif

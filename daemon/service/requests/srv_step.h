@@ -40,7 +40,7 @@ struct srv_step_params {
 
 struct srv_step_params srv_step_params_of(int method, const union srv_params *params);
 
-/* Arrival plus the client's budget; 0: none. */
+/* Return arrival plus the client's budget; 0: none. */
 uint64_t srv_step_deadline(uint64_t budget_ns, uint64_t arrival_ns);
 
 /* Write the question of a request that was checked. [compute], or [loop] while nothing is
@@ -63,21 +63,22 @@ struct srv_step_run {
  * nothing is kept then. [compute]; of different scenes on several threads, [team] */
 int srv_step_run(struct srv_step_run *run);
 
-/* The work of a plan for one scene; srv_batch.h has that for many. [compute] */
+/* Do the work of a plan for one scene; srv_batch_work does it for many. [compute] */
 int srv_step_work(struct srv_request *request);
 
-/* The turn of a request begins, for one scene or for many: what srv_step_ask says,
- * and a trace, to be returned (tracing.h). Returns the time. [compute] */
+/* Begin the turn of a request, for one scene or for many: write its question as
+ * srv_step_ask does, with a trace that is lent, to be returned (tracing.h). Returns the
+ * time. [compute] */
 uint64_t srv_step_begin(struct srv_request *request, struct eng_question *question);
 
 /* Note how a scene's step went, for those who watch. [compute], [team] */
 void srv_step_note(struct srv_item *item, const struct proto_answer *answer);
 
-/* The answer of one that ended before it began; the page is the caller's affair. */
+/* Write the answer of one that ended before it began; the page is the caller's affair. */
 void srv_step_nothing(const struct srv_request *request, enum pccd_incomplete why,
                       struct proto_answer *answer);
 
-/* The finish of a plan: count it, tell whom it concerns. [loop] */
+/* Finish a plan: count it, tell whom it concerns, and give its batch back. [loop] */
 void srv_step_finish(struct srv_request *request);
 
 /* Write a page of what the scene keeps to the result region: records from `first` on, as

@@ -118,7 +118,7 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
                     uint32_t *object, struct proto_error *error);
 /* Forget an object, whose handle is known: refund it and free the loop's part. [loop] */
 void srv_scene_forget(struct srv_scene *scene, uint32_t object);
-/* Forget so all objects that were added with that member. [loop] */
+/* Forget all objects that were added with that member. [loop] */
 void srv_scene_forget_of(struct srv_scene *scene, const struct srv_member *member);
 /* Unlink from their meshes the objects that a session, which has given back its handle of
  * the scene, has added with that member; NULL: those of its own scene. [loop] */

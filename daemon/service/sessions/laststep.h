@@ -30,10 +30,11 @@ struct srv_laststep_spare {
     struct srv_laststep *_Atomic last; /* NULL: none */
 };
 
-/* One for so many threads, all that they did still 0, with no reference yet. NULL: no
- * memory, and then nobody can ask. [compute] */
+/* Make one for so many threads, all that they did still 0, with no reference yet. NULL:
+ * no memory, and then nobody can ask. [compute] */
 struct srv_laststep *srv_laststep_new(struct srv_laststep_spare *spare, uint32_t threads);
-/* The same of a step: what the engine says of its threads. */
+/* Make one of a step, with what the engine says of its threads; NULL: no memory.
+ * [compute] */
 struct srv_laststep *srv_laststep_of(struct srv_laststep_spare *spare,
                                      const struct eng_step_result *step);
 
@@ -41,7 +42,7 @@ struct srv_laststep *srv_laststep_of(struct srv_laststep_spare *spare,
 void srv_laststep_set(struct srv_laststep_spare *spare, struct srv_laststep **slot,
                       struct srv_laststep *last);
 
-/* No slot holds any more. [loop] */
+/* Free what is spare. No slot holds any more. [loop] */
 void srv_laststep_deinit(struct srv_laststep_spare *spare);
 
 #endif

@@ -18,19 +18,19 @@ struct srv_service;
 struct srv_quota_user;
 struct srv_session;
 
-/* The timer only. Returns 0 or PCCD_E_NOMEM. */
+/* Make the timer only. Returns 0 or PCCD_E_NOMEM. */
 int srv_linger_init(struct srv_service *service);
 void srv_linger_deinit(struct srv_service *service);
 
-/* The client of a session that is being opened wants to be able to come back: give it a
- * secret, if there is one to be had. */
+/* Give a session that is being opened, whose client wants to be able to come back, the
+ * secret for that, if there is one to be had and the options let clients come back. */
 void srv_linger_enable(struct srv_session *session);
 
-/* The connection of a session is gone: wait, or end it. */
+/* Let a session whose connection is gone wait, or end it. */
 void srv_linger_lost(struct srv_session *session);
 
-/* The session that `request` may go on with, whoever has its connection now; NULL: no
- * such session, another secret, or another user. */
+/* Return the session that `request` may go on with, whoever has its connection now; NULL:
+ * no such session, another secret, another user, or it cannot be resumed any more. */
 struct srv_session *srv_linger_find(struct srv_service *service,
                                     const struct proto_HELLO_request *request,
                                     const struct srv_quota_user *user);
@@ -39,9 +39,9 @@ void srv_linger_resume(struct srv_session *session, struct srv_session *fresh);
 
 /* End the one of the user's sessions that has waited longest. False: none waits. */
 bool srv_linger_evict(struct srv_service *service, const struct srv_quota_user *user);
-/* After a refusal for what the user has: whether there may be more room soon, because a
- * session of the user is over and not freed yet, or because one waited and is ended now.
- * A request that no user may have is no reason to end one. */
+/* Return, after a refusal for what the user has, whether there may be more room soon,
+ * because a session of the user is over and not freed yet, or because one waited and is
+ * ended now. A request that no user may have is no reason to end one. */
 bool srv_linger_make_room(const struct srv_session *session);
 /* End a session that waits; the log says why. */
 void srv_linger_end(struct srv_session *session, const char *why);

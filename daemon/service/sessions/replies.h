@@ -24,7 +24,8 @@ struct srv_replies {
     bool is_broken;     /* an answer could not be kept: the session cannot be resumed */
 };
 
-struct srv_replies *srv_replies_new(void);          /* NULL: no memory */
+/* Make an empty one. NULL: no memory. */
+struct srv_replies *srv_replies_new(void);
 void srv_replies_free(struct srv_replies *replies); /* NULL is allowed */
 
 /* Return whether a request with that id cannot have come before; then it has now. */
@@ -32,7 +33,7 @@ bool srv_replies_is_new(struct srv_replies *replies, uint32_t id);
 
 /* Return whether an answer is to be kept, because its method must not run twice. [any] */
 bool srv_replies_must_keep(int method);
-/* A copy of an answer, to be kept; `data` NULL: there is no memory for it. [any] */
+/* Make a copy of an answer, to be kept; `data` NULL: there is no memory for it. [any] */
 struct srv_kept_reply srv_reply_copy(uint32_t id, const struct proto_encoder *answer);
 /* Keep a copy, which is taken over. One without data breaks the session's replies. */
 void srv_replies_keep(struct srv_replies *replies, struct srv_kept_reply copy);

@@ -81,12 +81,12 @@ static inline struct srv_session *srv_session_of(struct srv_owner *owner)
     return (struct srv_session *)(void *)owner;
 }
 
-/* A session for a new connection of `peer`. It is REFUSED when the user's quota of
+/* Make a session for a new connection of `peer`. It is REFUSED when the user's quota of
  * clients is full, when all connections are taken, or when it may not be a client. NULL:
  * no memory. */
 struct srv_session *srv_session_new(struct srv_service *service, struct srv_conn *conn,
                                     const struct srv_peer *peer);
-/* A session that nobody is behind, to hold a scene. NULL: no memory. */
+/* Make a session that nobody is behind, to hold a scene. NULL: no memory. */
 struct srv_session *srv_session_new_keeper(struct srv_service *service, uid_t uid);
 /* Ask again for the place of a refused session. Returns 0 with state NEW, or PCCD_E_QUOTA
  * with *error set. */
@@ -94,21 +94,23 @@ int srv_session_admit(struct srv_session *session, struct proto_error *error);
 
 #define SRV_OBSERVERS_MAX 8u /* of a user; further ones are clients like others */
 
-/* Its client says that it will only observe: it takes no place of a client, if it had one
- * or was refused one. False: its user has SRV_OBSERVERS_MAX of these; or it came when all
- * connections were taken, and may not change that. Before it opens. */
+/* Note that its client says that it will only observe: it takes no place of a client, if
+ * it had one or was refused one. False: its user has SRV_OBSERVERS_MAX of these; it may
+ * not be a client; or it came when all connections were taken, and may not change that.
+ * Before it opens. */
 bool srv_session_observe(struct srv_session *session);
 
-/* The session is over: stop its requests, drop everything it has. The session frees
- * itself as soon as the compute thread has let go of it. */
+/* End a session: stop its requests, drop everything it has. The session frees itself as
+ * soon as the compute thread has let go of it. */
 void srv_session_detach(struct srv_session *session);
 
-/* Hello was answered. */
+/* Open a session, whose hello was answered. */
 void srv_session_open(struct srv_session *session, uint32_t version);
 
-/* A handle for `item`, a `what` ("scene"), in a table that the session's user pays for:
- * *handle, or any when that is 0. Returns 0, or with *error set PCCD_E_HANDLE (its place
- * is taken, or it is none of ours), PCCD_E_LIMIT, PCCD_E_QUOTA or PCCD_E_NOMEM. */
+/* Give *handle a handle for `item`, a `what` ("scene"), in a table that the session's
+ * user pays for: the one that it says, or any when that is 0. Returns 0, or with *error
+ * set PCCD_E_HANDLE (its place is taken, or it is none of ours), PCCD_E_LIMIT,
+ * PCCD_E_QUOTA or PCCD_E_NOMEM. */
 int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
                        const char *what, void *item, uint32_t *handle,
                        struct proto_error *error);
@@ -118,8 +120,8 @@ void srv_session_drop_handles(struct srv_session *session, struct srv_handles *h
 /* Free a closed session that nothing refers to any more; otherwise nothing. */
 void srv_session_settle(struct srv_session *session);
 
-/* PCCD_E_ACCESS with *error set, unless the session is of the daemon's own user or root:
- * then 0. */
+/* Refuse a session that is not of the daemon's own user or root. Returns 0, or
+ * PCCD_E_ACCESS with *error set. */
 int srv_session_refuse_stranger(const struct srv_session *session,
                                 struct proto_error *error);
 
@@ -129,8 +131,8 @@ bool srv_session_may_see(const struct srv_session *session,
                          const struct srv_session *other);
 /* Return whether clients are told of it: it is open, or waits for its client. */
 bool srv_session_is_listed(const struct srv_session *session);
-/* The listed session of that number that the asking one may see, 0: itself. PCCD_E_HANDLE
- * with *error set: there is none. */
+/* Find the listed session of that number that the asking one may see, 0: itself. Returns
+ * 0, or PCCD_E_HANDLE with *error set: there is none. */
 int srv_session_find(struct srv_session *session, uint64_t id, struct srv_session **found,
                      struct proto_error *error);
 

@@ -11,12 +11,13 @@
 
 struct srv_service;
 
-/* Returns 0 or PCCD_E_NOMEM. Only for a host whose timers fire by themselves. */
+/* Prepare to look. Returns 0 or PCCD_E_NOMEM. Only for a host whose timers fire by
+ * themselves. */
 int srv_stray_init(struct srv_service *service);
 void srv_stray_deinit(struct srv_service *service);
 bool srv_stray_looks(const struct srv_service *service);
 
-/* A client with a ring has been answered. */
+/* Look soon, as a client with a ring has been answered. */
 void srv_stray_use(struct srv_service *service);
 
 #endif

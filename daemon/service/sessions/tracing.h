@@ -30,12 +30,12 @@ struct srv_tracing {
     uint64_t added;                /* to the ring; the newest `capacity` are there */
 };
 
-/* A recording that is not on yet, as the loop's only one. events: of each thread and of
- * the loop, 0: as many as are usual and fit. Returns 0, or PCCD_E_LIMIT or PCCD_E_NOMEM
- * with *error set. [loop] */
+/* Make a recording that is not on yet, as the loop's only one. events: of each thread and
+ * of the loop, 0: as many as are usual and fit. Returns 0, or PCCD_E_LIMIT or
+ * PCCD_E_NOMEM with *error set. [loop] */
 int srv_tracing_new(struct srv_session *session, uint32_t events, uint64_t min_ns,
                     struct srv_tracing **tracing, struct proto_error *error);
-/* The session's recording ends, if it has one. [loop] */
+/* End the session's recording, if it has one. [loop] */
 void srv_tracing_drop(struct srv_session *session);
 
 /* Let steps be recorded, and no more. Start returns a wire status; stop waits for a step
@@ -49,7 +49,8 @@ void srv_tracing_stop(struct srv_tracing *tracing);
 struct eng_trace *srv_tracing_lend(void);
 void srv_tracing_return(struct eng_trace *trace);
 
-/* Events that can be read, and those that were overwritten. At rest. [compute] */
+/* Return how many events can be read; *lost: how many were overwritten. At rest.
+ * [compute] */
 uint64_t srv_tracing_count(const struct srv_tracing *tracing, uint64_t *lost);
 /* Copy events first .. first+count-1: the threads' one after the other, then the loop's,
  * each oldest first. At rest. [compute] */

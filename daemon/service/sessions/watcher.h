@@ -27,14 +27,14 @@ struct srv_watcher {
  * The caller has seen to it that the session may. */
 int srv_watcher_start(struct srv_session *session, uint64_t of_session,
                       uint32_t of_scene);
-/* End, if the session watches; how many steps it was not told. */
+/* End, if the session watches. Returns how many steps it was not told. */
 uint64_t srv_watcher_stop(struct srv_session *session);
 
-/* A step was answered: tell those who watch its session and scene. */
+/* Tell those who watch its session and scene that a step was answered. */
 void srv_watcher_step(const struct srv_service *service,
                       const struct proto_STEP_request *step);
 
-/* The session's connection takes messages again. */
+/* Tell the session the steps that wait, as its connection takes messages again. */
 void srv_watcher_flush(struct srv_session *session);
 
 #endif
