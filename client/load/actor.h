@@ -25,13 +25,13 @@ struct load_pace {
     uint64_t due_ns; /* of the next one; 0: the load has not begun */
 };
 
-/* Requests that are due before it are the warm-up's: nobody measures them. */
+/* Return when the warm-up ends: nobody measures requests that are due before. */
 uint64_t load_measured_from_ns(const struct load *load);
 
-/* The first request, when the load has begun. */
+/* Plan the first request, when the load has begun. */
 void load_pace_begin(struct load_pace *pace, const struct load *load, uint32_t client);
 
-/* The next one: a request has been submitted at now_ns. */
+/* Plan the next one, as a request has been submitted at now_ns. */
 void load_pace_next(struct load_pace *pace, const struct load *load, uint64_t now_ns);
 
 /* Return how long its client stops before it takes the answer to the last request; mostly
@@ -108,7 +108,8 @@ void load_actor_fds(const struct load_actor *actor, struct pollfd fds[2]);
  * or something was submitted. Returns whether anything was. */
 bool load_actor_turn(struct load_actor *actor, bool more, bool readable);
 
-/* When it wants a turn even if its descriptor is silent; UINT64_MAX: not at all. */
+/* Return when it wants a turn even if its descriptor is silent; UINT64_MAX: not at
+ * all. */
 uint64_t load_actor_wake_ns(const struct load_actor *actor, bool more);
 
 /* Begin anew if an answer has not come for very long. */
@@ -123,18 +124,22 @@ void load_actor_close(struct load_actor *actor);
  * floor, step the scene until the first is answered. One answer has the records, the
  * other the numbers of the same step: both are checked as one. */
 
-/* The scene, with a name that nothing else has, and the second client in it. Returns 0 or
- * a status. */
+/* Make the scene, with a name that nothing else has, and let the second client connect
+ * and take part in it. Returns 0 or a status. */
 int load_couple_open(struct load_actor *actor, const struct pccd_options *options);
-/* Both have added what is theirs to the same daemon's scene. Returns 0 or a status. */
+/* Wait until both have added what is theirs to the same daemon's scene. Returns 0 or a
+ * status. */
 int load_couple_settle(struct load_actor *actor);
 void load_couple_close(struct load_actor *actor);
 
-/* Before the sheet's way is written, and after it was held. Return 0 or a status. */
+/* Let the sheet meet all, or nothing; before its way is written. Returns 0 or a
+ * status. */
 int load_couple_set(struct load_actor *actor, bool may_meet);
+/* Submit the second client's step, after the sheet's way was held. Returns 0 or a
+ * status. */
 int load_couple_step(struct load_actor *actor);
 
-/* Everything that has arrived for either. Returns 0 or a status. */
+/* Take everything that has arrived for either. Returns 0 or a status. */
 int load_couple_take(struct load_actor *actor, bool *moved);
 
 /* ---- A simulated client that steps many scenes by one request.
@@ -143,24 +148,25 @@ int load_couple_take(struct load_actor *actor, bool *moved);
  * step all of them as a batch. Each must be answered as the step of a lone client, who
  * makes no batch. */
 
-/* The first scene has its objects: the others, and the batch of all. Returns 0 or a
- * status. */
+/* Make the other scenes, as the first one has its objects, and the batch of all. Returns
+ * 0 or a status. */
 int load_flock_open(struct load_actor *actor);
 void load_flock_close(struct load_actor *actor);
 
 /* Write the positions of all scenes; of mischief only to the last one. The slot is begun
  * then. Returns 0 or a status. */
 int load_flock_write(struct load_actor *actor, const struct load_pending *pending);
-/* Everything that has arrived. Returns 0 or a status. */
+/* Take everything that has arrived. Returns 0 or a status. */
 int load_flock_take(struct load_actor *actor, bool *moved);
 
 /* ---- Whether an answer is the right one. */
 
-/* The request does not wait any more. Of an actor that is alone: note the truth. */
+/* Judge the answer to a request, which does not wait any more. Of an actor that is alone:
+ * note the truth. */
 void load_judge(struct load_actor *actor, const struct pccd_answer *answer);
 
-/* The same of a batch: each scene has the answer of a lone client's step, and counts as a
- * request. */
+/* Judge the answer to a batch: each scene has the answer of a lone client's step, and
+ * counts as a request. */
 void load_judge_batch(struct load_actor *actor, const struct pccd_batch_answer *answer);
 
 #endif

@@ -118,7 +118,7 @@ static inline struct load_shape load_shape_of(const struct load *load, uint32_t 
         .side = load_sheet_side(load_sizes_draw(&settings->sizes, luck))};
 }
 
-/* No daemon: the engine is in each client's own process. */
+/* Return whether there is no daemon: the engine is in each client's own process. */
 static inline bool load_is_direct(const struct load *load)
 {
     return strncmp(load->url, "direct:", 7) == 0;
@@ -130,7 +130,7 @@ static inline void load_sleep_ms(uint32_t ms)
     nanosleep(&pause, NULL);
 }
 
-/* To stderr, one line. */
+/* Print one line to stderr. */
 void load_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* ---- The command line of pccd-load. */
@@ -144,18 +144,18 @@ enum load_exit {
     LOAD_FAILED = 4
 };
 
-/* Ends the program where the command line is wrong or asks for help. */
+/* Parse the command line. Ends the program where it is wrong or asks for help. */
 void load_options_parse(int argc, char **argv, struct load_settings *settings);
 
 /* ---- A process that simulates many clients in turn. */
 
-/* Returns its process id, or -1. It exits with 0 unless it could not do its part. It dies
- * with its parent. */
+/* Start one, and return its process id, or -1. It exits with 0 unless it could not do its
+ * part. It dies with its parent. */
 pid_t load_crowd_start(struct load *load, uint32_t index);
 
-/* Every client, and those that will be killed, alone for one round, in a process of its
- * own, as the engine may be in it (direct:) and its threads do not outlive a fork. Sets
- * truth and truth_records of what is shared. False: it did not work. */
+/* Run every client, and those that will be killed, alone for one round, in a process of
+ * its own, as the engine may be in it (direct:) and its threads do not outlive a fork.
+ * Sets truth and truth_records of what is shared. False: it did not work. */
 bool load_crowd_find_truth(struct load *load);
 
 #endif

@@ -60,14 +60,14 @@ struct load_series {
     bool is_live;
 };
 
-/* False: there is no memory; that is said. */
+/* Begin. False: there is no memory; that is said. */
 bool load_series_begin(struct load_series *series, const struct load *load);
-/* A second if it is over, or, at the end, what is left of it: to load->csv, and to a
- * terminal. */
+/* Write a second if it is over, or, at the end, what is left of it: to load->csv, and to
+ * a terminal. */
 void load_series_turn(struct load_series *series, const struct load *load, bool at_end);
 void load_series_end(struct load_series *series);
 
-/* As CSV, as far as so many latencies tell. */
+/* Write them as CSV, as far as so many latencies tell. */
 void load_write_percentiles(FILE *to, const struct load_hist *latency);
 
 #endif

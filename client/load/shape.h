@@ -36,12 +36,12 @@ struct load_shape {
     uint32_t side; /* the sheet's squares along each of its sides */
 };
 
-/* A number for each index, well mixed; the same everywhere. */
+/* Return a number for each index, well mixed; the same everywhere. */
 uint64_t load_mix(uint64_t seed, uint64_t index);
-/* Random bits as a number in [0, 1). */
+/* Return random bits as a number in [0, 1). */
 double load_unit(uint64_t bits);
 
-/* The side of a sheet of about so many triangles, floor included. */
+/* Return the side of a sheet of about so many triangles, floor included. */
 uint32_t load_sheet_side(uint32_t triangles);
 
 static inline uint32_t load_sheet_vertices(const struct load_shape *shape)
@@ -54,15 +54,16 @@ static inline uint32_t load_sheet_triangle_count(const struct load_shape *shape)
     return 2 * shape->side * shape->side;
 }
 
-/* The sheet lies within it. */
+/* Write the floor's vertices and triangles; the sheet lies within it. */
 void load_floor(const struct load_shape *shape, float (*x)[3], uint32_t (*triangles)[3]);
 void load_sheet(const struct load_shape *shape, uint32_t (*triangles)[3]);
 
-/* The sheet's vertices at a position, 0 .. LOAD_FRAMES - 1. */
+/* Write the sheet's vertices at a position, 0 .. LOAD_FRAMES - 1. */
 void load_sheet_f32(const struct load_shape *shape, uint32_t frame, float (*x)[3]);
 void load_sheet_f64(const struct load_shape *shape, uint32_t frame, double (*x)[3]);
 
-/* Or a transform that takes its registered vertices there, rows of [R | t]. */
+/* Write rows of [R | t], a transform that takes its registered vertices to such a
+ * position. */
 void load_sheet_pose(const struct load_shape *shape, uint32_t frame, double m[12]);
 
 /* ---- Chooses how many triangles each simulated client has. */
@@ -78,10 +79,10 @@ struct load_sizes {
     } parts[LOAD_SIZE_PARTS];
 };
 
-/* False: the text says nothing of the kind; *sizes is as it was. */
+/* Read sizes from a text. False: it says nothing of the kind; *sizes is as it was. */
 bool load_sizes_parse(struct load_sizes *sizes, const char *text);
 
-/* luck: 64 random bits. */
+/* Draw a number of triangles. luck: 64 random bits. */
 uint32_t load_sizes_draw(const struct load_sizes *sizes, uint64_t luck);
 uint32_t load_sizes_largest(const struct load_sizes *sizes);
 

@@ -20,7 +20,8 @@ struct load_hist {
 
 void load_hist_add(struct load_hist *hist, uint64_t ns);
 
-/* *sum += *hist, which somebody may be writing to; its count is that of its bins. */
+/* Add *hist, which somebody may be writing to, to *sum; what is added to the count is the
+ * sum of the bins. */
 void load_hist_merge(struct load_hist *sum, const struct load_hist *hist);
 
 /* Write what came after `earlier`, a former state of `now`. Its longest time is the end
@@ -31,7 +32,8 @@ void load_hist_since(const struct load_hist *now, const struct load_hist *earlie
 /* Return how many are in bins that begin after so long. */
 uint64_t load_hist_above(const struct load_hist *hist, uint64_t ns);
 
-/* The upper end of the bin below which the share lies, nanoseconds; 0 without any. */
+/* Return the upper end of the bin that the share reaches, or the longest time where that
+ * is less, nanoseconds; 0 without any. */
 uint64_t load_hist_quantile(const struct load_hist *hist, double share);
 
 /* X(name, text). The first is the sum of the next five. */

@@ -30,15 +30,18 @@ struct load_holdings {
 /* Start settings.daemon, and set load->url. False: why is said. */
 bool load_target_start(struct load_target *target, struct load *load);
 
-/* SIGTERM and wait. False: it did not end in order. */
+/* Stop the daemon with SIGTERM, wait, and remove its files; kill it if that takes too
+ * long. False: it did not end in order. */
 bool load_target_stop(struct load_target *target);
 
-/* The process that serves, of a new connection; 0: nobody does, and why is said. */
+/* Return the process that serves, as a new connection says; 0: nobody does, and why is
+ * said. */
 pid_t load_target_pid(const struct load *load);
 
 bool load_target_holdings(const struct load *load, struct load_holdings *holdings);
 
-/* Descriptors and mappings of a process, and anonymous memory in KiB; -1: not known. */
+/* Return the descriptors and mappings of a process, and its anonymous memory in KiB; -1:
+ * not known. */
 int64_t load_target_descriptors(pid_t pid);
 int64_t load_target_mappings(pid_t pid);
 int64_t load_target_memory(pid_t pid);
@@ -61,7 +64,7 @@ struct load_assault {
     pid_t worker;      /* the last one killed */
 };
 
-/* When the load begins. */
+/* Begin, when the load begins. */
 void load_assault_begin(struct load_assault *assault, struct load *load);
 
 /* Do what is due. Returns whether there is something left to kill. */

@@ -45,13 +45,13 @@ struct load_slope {
 void load_watch_begin(struct load_watch *watch);
 void load_watch_deinit(struct load_watch *watch);
 
-/* A sample if one is due. */
+/* Take a sample if one is due. */
 void load_watch_turn(struct load_watch *watch, const struct load *load);
 
-/* Through the floors. */
+/* Return the slope through the floors. */
 struct load_slope load_watch_slope(const struct load_watch *watch, enum load_gauge gauge);
 
-/* The floors of the samples of each worker, over windows of window_s after its first
+/* Find the floors of the samples of each worker, over windows of window_s after its first
  * warm_s: each an entry of floors[count]. One that the worker did not live to the end of
  * does not count. Returns how many there are. */
 size_t load_floors_of(const struct load_sample *samples, size_t count, double window_s,

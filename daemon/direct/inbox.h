@@ -41,22 +41,23 @@ struct srv_conn {
     bool is_finished;  /* nothing more is sent either way */
 };
 
-/* Returns 0 or PCCD_E_NOMEM. */
+/* Make it empty. Returns 0 or PCCD_E_NOMEM. */
 int srv_inbox_init(struct srv_conn *conn);
-/* Messages that nobody took go with it. */
+/* Free it, and the messages that nobody took. */
 void srv_inbox_deinit(struct srv_conn *conn);
 
-/* As proto_receive. */
+/* Take the oldest message, as proto_receive does. */
 int srv_inbox_take(struct srv_conn *conn, void *buffer, size_t capacity, size_t *bytes,
                    int *fds, int *fd_count);
-/* -1: there is none to be had. */
+/* Return the descriptor to wait with, made when there is none; -1: there is none to be
+ * had. */
 int srv_inbox_descriptor(struct srv_conn *conn);
 /* Have the descriptor be readable from that time on, CLOCK_MONOTONIC, too; 0: not any
  * more. [turn] */
 void srv_inbox_alarm(struct srv_conn *conn, uint64_t at_ns);
 /* Return whether it has taken all messages since srv_conn_is_free said no; once. */
 bool srv_inbox_is_behind(struct srv_conn *conn);
-/* Nothing more comes. */
+/* Return whether nothing more comes, but for what is there. */
 bool srv_inbox_is_finished(struct srv_conn *conn);
 
 #endif

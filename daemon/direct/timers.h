@@ -16,9 +16,9 @@
 #include <stdint.h>
 
 bool direct_timers_are_due(void);
-/* When the first one is, by CLOCK_MONOTONIC; 0: none. */
+/* Return when the first one is due, by CLOCK_MONOTONIC; 0: none is set. */
 uint64_t direct_timers_due_ns(void);
-/* Each that is due. */
+/* Fire each that is due. */
 void direct_timers_fire(void);
 
 #endif

@@ -28,7 +28,7 @@ struct srv_replyqueue {
     uint32_t count;
 };
 
-/* Takes the descriptors over, whatever it returns: 0 or PCCD_E_NOMEM. */
+/* Queue a reply. Takes the descriptors over, whatever it returns: 0 or PCCD_E_NOMEM. */
 int srv_replyqueue_push(struct srv_replyqueue *queue, const void *message, size_t bytes,
                         const int *fds, int fd_count);
 
@@ -100,8 +100,8 @@ struct srv_conn {
     bool is_corked;                /* replies wait until what has come first is read */
 };
 
-/* A connection on an accepted, non-blocking socket. Takes `fd` over, also on failure.
- * Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM. */
+/* Make a connection on an accepted, non-blocking socket. Takes `fd` over, also on
+ * failure. Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM. */
 int srv_conn_new(struct srv_server *server, int fd, const struct srv_peer *peer);
 
 /* Send what is kept of answers (outbox.c); before each wait, and before what takes its
@@ -121,15 +121,15 @@ void srv_conn_close(struct srv_conn *conn);
  * [loop] */
 struct srv_outlet *srv_outlet_new(int fd);
 
-/* The socket is about to be closed: nothing is sent from here on. Waits for one message
- * that is just being sent. Gives up the caller's reference. [loop] */
+/* Send nothing from here on: the socket is about to be closed. Waits for one message that
+ * is just being sent. Gives up the caller's reference. [loop] */
 void srv_outlet_close(struct srv_outlet *outlet);
 
 /* Say whether the loop has messages that wait for the socket: what comes from here must
  * not overtake them. [loop] */
 void srv_outlet_block(struct srv_outlet *outlet, bool is_blocked);
 
-/* One more reference. [loop] */
+/* Add a reference, and return the outlet. [loop] */
 struct srv_outlet *srv_outlet_hold(struct srv_outlet *outlet);
 
 #endif

@@ -11,7 +11,8 @@
  * the main one; the calling thread gets a stack for it. Once, at the start. */
 void srv_crash_install(void);
 
-/* A stack for the handler, also where the thread's own has overflowed. */
+/* Give the calling thread a stack for the handler, for when its own has overflowed,
+ * unless it has one. */
 void srv_crash_thread(void);
 
 #endif

@@ -21,30 +21,32 @@
 
 #include <stdint.h>
 
-/* Both ends, of a supervisor and of a worker to be, closed on exec. Returns 0 or a
+/* Make both ends, of a supervisor and of a worker to be, closed on exec. Returns 0 or a
  * status, errno set. */
 int srv_lifeline_make(int ends[2]);
 
-/* In a child, before exec: let it hold `fd`, the worker's end, open across exec;
- * negative: none. Returns 0 or a status, errno set. */
+/* Hold `fd`, the worker's end, open across exec; negative: none. In a child, before exec.
+ * Returns 0 or a status, errno set. */
 int srv_lifeline_give(int fd);
 
 /* Take over what this process was given, if it was; no program it starts inherits it. */
 void srv_lifeline_take(void);
-/* Under the highest number below `count` that this process may have: see above. */
+/* Move the worker's end to the number count - 1, or the next free one, if this process
+ * may have it: see above. */
 void srv_lifeline_raise(uint32_t count);
 
-/* The worker's end; -1: nobody supervises us. */
+/* Return the worker's end; -1: nobody supervises us. */
 int srv_lifeline_fd(void);
 
 /* Tell the worker at the other end of `lifeline` to listen on a socket from now on;
  * negative: on none any more. Returns 0 or a status. */
 int srv_lifeline_tell(int lifeline, int listen_fd);
-/* The other half, in the worker: *fd is the socket, which is the caller's, or -1. Returns
- * 0, PCCD_E_AGAIN: nothing was told, or another status: the supervisor is gone. */
+/* Hear, in the worker, what was told: *fd is the socket, which is the caller's, or -1.
+ * Returns 0, PCCD_E_AGAIN: nothing was told, or another status: the supervisor is
+ * gone. */
 int srv_lifeline_hear(int *fd);
 
-/* This process is about to end in order: the end of the lifeline is no crash. */
+/* Say that this process is about to end in order: the end of the lifeline is no crash. */
 void srv_lifeline_say_end(void);
 
 #endif

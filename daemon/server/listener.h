@@ -43,9 +43,9 @@ void srv_listener_make_room(const struct srv_options *options);
  * accepted before srv_listener_room. Returns 0 or a status; what was wrong is logged. */
 int srv_listener_open(struct srv_listener *listener, struct srv_server *server);
 
-/* From here on notice when the file of the socket is gone. Where it is our own, and its
- * lock too, listen anew at that path; else accept nobody any more, and say so to the
- * server. Returns 0 or PCCD_E_SYSTEM. */
+/* Begin to notice when the file of the socket is gone. Where it is our own, and its lock
+ * too, listen anew at that path; else accept nobody any more, and say so to the server.
+ * Returns 0 or PCCD_E_SYSTEM. */
 int srv_listener_follow(struct srv_listener *listener);
 
 /* Stop listening and remove the socket, if it is our own. */

@@ -17,27 +17,28 @@
 
 #define SRV_ACTIVATE_FD 3
 
-/* The number in a variable of the environment; -1: absent or not a number. */
+/* Return the number in a variable of the environment; -1: absent or not a number. */
 long srv_number_of(const char *name);
 
 /* Descriptors that are given by a number are beyond those that have fixed ones. */
 #define SRV_GIVEN_FD_FLOOR 10
 
-/* In a child, before exec: a copy of `fd` that stays open, its number in a variable of
- * the environment; negative: nothing. Returns 0 or a status, errno set. */
+/* Make a copy of `fd` that stays open across exec, its number in a variable of the
+ * environment; negative: nothing. In a child, before exec. Returns 0 or a status, errno
+ * set. */
 int srv_number_give(const char *name, int fd);
 
-/* If this process was given a socket, set options->listen_fd and, from its address,
+/* Set, if this process was given a socket, options->listen_fd and, from its address,
  * options->socket_path. Returns 0, also when there is none, or PCCD_E_INVAL: what is
  * wrong with it is logged. */
 int srv_activate(struct srv_options *options);
 
-/* In a child, before exec: hand over a listening socket. Returns 0 or a status, errno
+/* Hand over a listening socket. In a child, before exec. Returns 0 or a status, errno
  * set. */
 int srv_activate_give(int fd);
 
-/* In a child, before exec: let it stand by until a byte can be read from `fd`; negative:
- * not at all. Returns 0 or a status, errno set. */
+/* Tell the program to stand by until a byte can be read from `fd`; negative: not at all.
+ * In a child, before exec. Returns 0 or a status, errno set. */
 int srv_standby_give(int fd);
 /* Stand by, if this process was told to. False: nobody needs it any more. */
 bool srv_standby(void);
@@ -51,22 +52,22 @@ void srv_notify_open(void);
 /* Return whether there is somebody to tell. */
 bool srv_notify_is_open(void);
 
-/* Lines of VARIABLE=VALUE, to be read now or never: one that the manager has no room for
- * is dropped. */
+/* Send the manager lines of VARIABLE=VALUE, to be read now or never: one that it has no
+ * room for is dropped. */
 void srv_notify_say(const char *lines);
-/* The same, waiting a second at most for room: for what is said once. */
+/* Send them, waiting a second at most for room: for what is said once. */
 void srv_notify_announce(const char *lines);
 
-/* READY=1 and which process to watch: who started us may be a script that has ended. Not
- * for a worker, whose supervisor stays when it crashes. */
+/* Announce READY=1 and which process to watch: who started us may be a script that has
+ * ended. Not for a worker, whose supervisor stays when it crashes. */
 void srv_notify_ready(void);
 
 /* Return how long the manager lets us be silent before it takes us for dead, in
  * microseconds; 0: for ever, or it does not mean this process. */
 uint64_t srv_notify_watchdog_us(void);
 
-/* In a child, before exec: what the manager wants of this process it wants of the child
- * from then on. Returns 0 or a status, errno set. */
+/* Hand over what the manager wants of this process: it wants it of the child from then
+ * on. In a child, before exec. Returns 0 or a status, errno set. */
 int srv_notify_give(void);
 
 /* ---- Tells the service manager (systemd) regularly that the daemon is
@@ -83,14 +84,16 @@ struct srv_heartbeat {
     uint64_t reported_steps;
 };
 
-/* Before anything else of it; the timer is closed with the reactor's. */
+/* Prepare it, before anything else of it; the timer is closed with the reactor's. */
 void srv_heartbeat_init(struct srv_heartbeat *heartbeat, uv_loop_t *uv,
                         struct srv_service *service);
 
-/* Clients are served from now on: READY=1, and the beats begin. */
+/* Announce READY=1, as clients are served from now on, and begin the beats, if the
+ * manager wants any. */
 void srv_heartbeat_ready(struct srv_heartbeat *heartbeat);
 
-/* A client has come or gone: told a second later, with what else has happened. */
+/* Tell, a second later, that a client has come or gone, with what else has happened;
+ * where there are beats, the next one tells. */
 void srv_heartbeat_change(struct srv_heartbeat *heartbeat);
 
 #endif

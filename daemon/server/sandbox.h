@@ -12,7 +12,7 @@
 
 #include "options.h"
 
-/* The first step, before there is a second thread or an event loop: from here on no
+/* Take the first step, before there is a second thread or an event loop: from here on no
  * io_uring is made; and, where the kernel has Landlock, no file but the socket and its
  * lock is made, written or removed, and none is read. Unless options->sandbox says
  * otherwise. */
@@ -34,8 +34,8 @@ bool srv_sandbox_is_default(void);
  * its lock in their folder, and read no file at all. Its own memory files, which have no
  * path, do not count as files here. */
 
-/* Returns the version of the kernel's Landlock, from 1, or 0: it has none, or lets nobody
- * use it, and nothing has changed. */
+/* Enter it. Returns the version of the kernel's Landlock, from 1, or 0: it has none, or
+ * lets nobody use it, and nothing has changed. */
 int srv_landlock_enter(const struct srv_options *options);
 
 #endif

@@ -31,7 +31,7 @@ struct srv_refused {
 
 void srv_refused_add(struct srv_refused *refused, struct srv_refused_link *link,
                      struct srv_conn *conn);
-/* It is closed, or a client now; nothing if it is not in the list. */
+/* Remove it, as it is closed, or a client now; nothing if it is not in the list. */
 void srv_refused_remove(struct srv_refused *refused, struct srv_refused_link *link);
 
 /* ---- Collects small answers, so that a client is woken once for several of them.
@@ -56,14 +56,15 @@ struct srv_outbox {
     } entries[SRV_OUTBOX_ENTRIES];
 };
 
-/* False: it is too long, or there is no place; nothing has changed. */
+/* Keep a message. False: it is too long, or there is no place; nothing has changed. */
 bool srv_outbox_add(struct srv_outbox *outbox, struct srv_conn *conn, const void *message,
                     size_t bytes);
 
-/* The loop has handled one more message. Returns whether what is kept is to go. */
+/* Note that the loop has handled one more message. Returns whether what is kept is to
+ * go. */
 bool srv_outbox_is_due(struct srv_outbox *outbox);
 
-/* It has gone. */
+/* Empty it, as what was kept has gone. */
 void srv_outbox_clear(struct srv_outbox *outbox);
 
 struct srv_closer;

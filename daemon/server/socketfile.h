@@ -31,12 +31,13 @@ struct srv_socketfile {
  * Before the lock is taken. */
 int srv_socketfile_prepare_folder(const struct srv_options *options);
 
-/* A listening socket at the options' path in *fd, for us alone, or with a list of who may
- * be a client for everybody to connect to and be judged; a socket that is there is a dead
- * daemon's, because the caller holds the lock. The file is watched from then on, but for
- * that of a private daemon: its client is connected and needs the file no more, and to
- * stop watching takes the kernel 8 ms, for which the client's end would wait. A second
- * time where the first one's file is gone. Returns 0 or a status, errno set. */
+/* Open a listening socket at the options' path in *fd, for us alone, or with a list of
+ * who may be a client for everybody to connect to and be judged; a socket that is there
+ * is a dead daemon's, because the caller holds the lock. The file is watched from then
+ * on, but for that of a private daemon: its client is connected and needs the file no
+ * more, and to stop watching takes the kernel 8 ms, for which the client's end would
+ * wait. May be called a second time where the first one's file is gone. Returns 0 or a
+ * status, errno set. */
 int srv_socketfile_bind(struct srv_socketfile *file, const struct srv_options *options,
                         int *fd);
 
@@ -48,7 +49,7 @@ enum srv_socketfile_state srv_socketfile_look(struct srv_socketfile *file);
 
 /* Remove the file if it is ours, and watch no more. */
 void srv_socketfile_remove(struct srv_socketfile *file);
-/* Only watch no more. */
+/* Watch no more, and leave the file there. */
 void srv_socketfile_leave(struct srv_socketfile *file);
 
 /* ---- Makes sure that only one daemon serves a socket path. */

@@ -28,12 +28,12 @@ int srv_supervise(const struct srv_options *options, char **argv,
 
 struct srv_config_kept;
 
-/* In a supervisor: the memory's descriptor, closed on exec; -1: none is to be had, and a
- * crash loses the changes. */
+/* Make, in a supervisor, the memory that keeps them. Returns its descriptor, closed on
+ * exec; -1: none is to be had, and a crash loses the changes. */
 int srv_kept_make(void);
 
-/* In a child, before exec: let it share the memory of `fd`; negative: none. Returns 0 or
- * a status, errno set. */
+/* Share the memory of `fd` with the program; negative: none. In a child, before exec.
+ * Returns 0 or a status, errno set. */
 int srv_kept_give(int fd);
 
 /* Take what this process was given, for as long as it runs; NULL: nothing. Once. */

@@ -9,12 +9,12 @@
 
 #define SRV_OWN_THREADS 3u /* the compute thread, that of pages and that of descriptors */
 
-/* The size of the team that can be had with `own` threads besides, of which the one that
- * computes belongs to it: `wanted`, or less, and then it is said; at least 1. */
+/* Return the size of the team that can be had with `own` threads besides, of which the
+ * one that computes belongs to it: `wanted`, or less, and then it is said; at least 1. */
 uint32_t srv_threads_granted(uint32_t wanted, uint32_t own);
 
-/* On how many processors they could run if whoever started the process had not bound it
- * to fewer: those of its cpuset. 0: not known. */
+/* Return on how many processors the threads could run if whoever started the process had
+ * not bound it to fewer: those of its cpuset. 0: not known. */
 uint32_t srv_processors_allowed(void);
 
 /* ---- Sets how soon a thread gets a processor (its scheduling priority).
@@ -23,15 +23,17 @@ uint32_t srv_processors_allowed(void);
  * system does not know or allow it, nothing is returned: answers come later, but are
  * right. */
 
-/* This thread's work is urgent and takes microseconds: it is to run when it is woken, and
- * not when the next tick (4 ms) takes the processor from one that computes. It gets no
+/* Let this thread run when it is woken, and not when the next tick (4 ms) takes the
+ * processor from one that computes: its work is urgent and takes microseconds. It gets no
  * more time than others do. Not in the sandbox. */
 void srv_priority_prompt(void);
 
-/* This thread sleeps as long as it says, not up to 50 us longer. Not in the sandbox. */
+/* Let this thread sleep as long as it says, not up to 50 us longer. Not in the
+ * sandbox. */
 void srv_priority_punctual(void);
 
-/* This thread's work can wait: beside another it gets a tenth of what that gets. */
+/* Let this thread, whose work can wait, get a tenth of what another one beside it
+ * gets. */
 void srv_priority_behind(void);
 
 #endif

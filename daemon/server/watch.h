@@ -18,7 +18,8 @@ void srv_watch_widen(uint32_t count);
  * waits; `fd` is any descriptor that can be polled. Returns 0 or PCCD_E_SYSTEM. */
 int srv_watch_reserve(uv_loop_t *loop, uv_poll_t *poll, int fd, uint32_t *count);
 
-/* uv_poll_start. PCCD_E_SYSTEM: epoll has no room for it; nothing is watched then. */
+/* Watch `fd`, as uv_poll_start does. Returns 0, or PCCD_E_SYSTEM: epoll has no room for
+ * it; nothing is watched then. */
 int srv_watch_start(uv_poll_t *poll, int fd, int events, uv_poll_cb on_poll);
 
 /* Return whether the peer of a connected socket has closed it, or both ways of it, by
@@ -34,15 +35,16 @@ struct srv_wakeup {
     int fd;
 };
 
-/* `heard` is called on [loop] after each ring, or after some. Returns 0, or PCCD_E_SYSTEM
- * with nothing left open. [loop] */
+/* Prepare to be woken: `heard` is called on [loop] after each ring, or after some.
+ * Returns 0, or PCCD_E_SYSTEM with nothing left open. [loop] */
 int srv_wakeup_init(struct srv_wakeup *wakeup, uv_loop_t *loop,
                     void (*heard)(void *context), void *context);
 
 /* Wake the loop: what was written before is seen by `heard`. [any] */
 void srv_wakeup_ring(struct srv_wakeup *wakeup);
 
-/* Nobody rings any more. The memory may go when the loop has closed handles. [loop] */
+/* Close it, as nobody rings any more. The memory may go when the loop has closed handles.
+ * [loop] */
 void srv_wakeup_close(struct srv_wakeup *wakeup);
 
 /* ---- Lets the loop stay awake for a client that asks again at once.
@@ -67,7 +69,7 @@ struct srv_awake {
 void srv_awake_init(struct srv_awake *awake, uv_loop_t *loop,
                     const struct srv_service *service);
 
-/* Before each wait, when answers are on their way. */
+/* Choose whether to stay awake; before each wait, when answers are on their way. */
 void srv_awake_before_wait(struct srv_awake *awake);
 
 /* ---- Closes descriptors on a thread of its own, because close(2) may block.
