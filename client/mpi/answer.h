@@ -14,18 +14,19 @@ struct ranks_sums {
     double toi_first; /* 2: there is none */
 };
 
-/* Before libpccd computes an answer: there are no records yet, and no page of the last
- * one is held. Contacts and pairs of a step get their numbers on their way to a page. */
+/* Begin with no records, before libpccd computes an answer, and release the page of the
+ * last one that is held. Contacts and pairs of a step get their numbers on their way to a
+ * page. */
 void ranks_records_begin(struct pccd_mpi *world);
 
-/* One page of records; keeps the right ones behind those of the pages before.
+/* Take one page of records; keep the right ones behind those of the pages before.
  * PCCD_E_NOMEM. */
 int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page);
-/* The same of a page that is all contacts or pairs of a step, without a copy: it stays
- * until ranks_records_begin, which releases it. False: that is not possible. */
+/* Take a page that is all contacts or pairs of a step, without a copy: it stays until
+ * ranks_records_begin, which releases it. Return false if that is not possible. */
 bool ranks_records_hold(struct pccd_mpi *world, const struct pccd_answer *page);
 
-/* Room for so many more; PCCD_E_NOMEM. */
+/* Make room for so many more; PCCD_E_NOMEM. */
 int ranks_records_reserve(struct pccd_mpi *world, uint64_t more);
 /* Put records of what is near in canonical order. */
 void ranks_records_sort(struct pccd_near *records, uint64_t count);
@@ -44,15 +45,16 @@ void ranks_records_told(const struct pccd_mpi *world, const struct pccd_answer *
                         struct ranks_sums *sums);
 /* Count and hash what is kept of them. */
 void ranks_records_sum(const struct pccd_mpi *world, struct ranks_sums *sums);
-/* The same of records about what is near; the least d_lo and the greatest d_hi, 2e18 and
- * 0 without any. */
+/* Count and hash what is kept of records about what is near, and find the least d_lo and
+ * the greatest d_hi, 2e18 and 0 without any. */
 void ranks_records_count_near(const struct pccd_mpi *world, struct ranks_sums *sums,
                               double *least, double *greatest);
-/* Adds bounds to the sums. */
+/* Add bounds to the sums. */
 void ranks_bounds_sum(const struct ranks_bound *bounds, uint64_t count,
                       struct ranks_sums *sums);
-/* The hash of an answer from the sum over all ranks; of mode any, of its verdict. */
+/* Make the hash of an answer from the sum over all ranks. */
 void ranks_records_hash(const struct ranks_sums *sums, uint64_t hash[2]);
+/* Make the hash of an answer of mode any from its verdict. */
 void ranks_verdict_hash(uint32_t verdict, uint64_t hash[2]);
 
 /* Write the name of a record, which records are sorted by: kind, object_a, feature_a,
@@ -77,11 +79,12 @@ static inline size_t ranks_record_bytes(enum pccd_mode mode)
                                    : sizeof(struct pccd_contact);
 }
 
-/* Collective. `answer` is libpccd's in this rank, without records; the kept ones are
- * world->records. cut_ns: how long a cut took before this step; 0: there was none. */
+/* Collective. Make the answer to a step of `answer`, which is libpccd's in this rank,
+ * without records; the kept ones are world->records. cut_ns: how long a cut took before
+ * this step; 0: there was none. */
 int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *settings,
                       uint64_t cut_ns, struct pccd_answer *answer);
-/* The same of what is near. */
+/* Collective. Make so the answer to a question about what is near. */
 int ranks_answer_make_near(struct pccd_mpi *world, const struct pccd_near_settings *near,
                            struct pccd_answer *answer);
 
@@ -90,7 +93,7 @@ int ranks_answer_make_near(struct pccd_mpi *world, const struct pccd_near_settin
  * A pair is found by the rank that owns its first feature. The closest features of the
  * pair may begin with another one: an end of its second edge, say. */
 
-/* Collective: world->strays of all ranks, to the records of those that own them. */
+/* Collective. Move world->strays of all ranks to the records of those that own them. */
 int ranks_merge(struct pccd_mpi *world);
 
 /* ---- Bounds of vertices: for each, the least distance of the pairs that it is
@@ -99,9 +102,9 @@ int ranks_merge(struct pccd_mpi *world);
  * A pair is found by the rank that owns its first feature. A vertex of it may have been
  * given to another rank. So bounds go the way back on which positions came. */
 
-/* Collective, after a question whose bounds of local vertices are world->records: to
- * world->bounds and world->bound_values, of the objects that were asked for. answer:
- * total, hash and distance_max are written, which all ranks have then. */
+/* Collective. Set world->bounds and world->bound_values, of the objects that were asked
+ * for, after a question whose bounds of local vertices are world->records. answer: total,
+ * hash and distance_max are written, which all ranks have then. */
 int ranks_bounds_make(struct pccd_mpi *world, const struct pccd_near_settings *near,
                       struct pccd_answer *answer);
 

@@ -24,7 +24,7 @@ struct ranks_boxes {
 
 /* Grow the box on all sides by `growth`, or by a little more (rounding). */
 void ranks_box_grow(float box[6], double growth);
-/* In this rank alone: make boxes of all objects. x0[o], x1[o]: where the local vertices
+/* Make boxes of all objects, in this rank alone. x0[o], x1[o]: where the local vertices
  * of object o begin and end; its margin is object->margin. block_count: at most so many
  * blocks, and as many again where the curve jumps, and one more for each object. */
 int ranks_boxes_make(struct pccd_mpi *world, double separation, uint64_t block_count,
@@ -51,7 +51,7 @@ struct ranks_fetch {
     const void *context;
     size_t item_bytes;
 };
-/* Collective: fetch the leaves that this rank needs, each once, to *in, which is
+/* Collective. Fetch the leaves that this rank needs, each once, to *in, which is
  * allocated. */
 int ranks_fetch_leaves(struct pccd_mpi *world, const struct ranks_fetch *fetch, void **in,
                        uint64_t *in_count);

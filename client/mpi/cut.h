@@ -6,7 +6,7 @@
 
 #include "world.h"
 
-/* Collective: deal out the leaves by where their given vertices are (object->x), and by
+/* Collective. Deal out the leaves by where their given vertices are (object->x), and by
  * their weights (balance.c), which are of no use then. Afterwards there are no ghosts. */
 int ranks_cut(struct pccd_mpi *world);
 
@@ -26,8 +26,8 @@ struct ranks_pieces {
     uint32_t *rank; /* [count] who gets it */
 };
 
-/* Collective: the same on every rank; each has leaves[count], in order of their places.
- */
+/* Collective. Find the pieces, the same on every rank; each has leaves[count], in order
+ * of their places. */
 int ranks_pieces_find(struct pccd_mpi *world, const struct ranks_leaf_in_transit *leaves,
                       uint64_t count, struct ranks_pieces *pieces);
 void ranks_pieces_deinit(struct ranks_pieces *pieces);
@@ -38,23 +38,23 @@ void ranks_pieces_deinit(struct ranks_pieces *pieces);
  * pieces have other ghosts after each. */
 #define RANKS_CUTS_BY_WORK 2u
 
-/* In this rank alone: have libpccd's next steps count the pairs that begin with each own
+/* Have libpccd's next steps, in this rank alone, count the pairs that begin with each own
  * feature, and make no records. PCCD_E_NOMEM. */
 int ranks_pairs_count_begin(struct pccd_mpi *world);
-/* In this rank alone: have them make records again. */
+/* Have them make records again, in this rank alone. */
 void ranks_pairs_count_end(struct pccd_mpi *world);
-/* Collective, after such a step: set object->weights to what each own leaf adds to the
+/* Collective. Set object->weights, after such a step, to what each own leaf adds to the
  * work, by the pairs that were counted, and *is_uneven if some rank has so much more work
  * than the mean that a cut pays. */
 int ranks_leaves_weigh(struct pccd_mpi *world, const struct pccd_step_counters *counters,
                        bool *is_uneven);
-/* In this rank alone: let all leaves weigh the same again. */
+/* Let all leaves weigh the same again, in this rank alone. */
 void ranks_weights_forget(struct pccd_mpi *world);
 
-/* In this rank alone, after a step of libpccd: set world->share.work. */
+/* Set world->share.work after a step of libpccd, in this rank alone. */
 void ranks_work_note(struct pccd_mpi *world, const struct pccd_step_counters *counters);
-/* Collective, after a step that each rank did all its work for: set
- * world->share.imbalance, and add the most work of a rank to world->right_work. */
+/* Collective. Set world->share.imbalance, after a step that each rank did all its work
+ * for, and add the most work of a rank to world->right_work. */
 int ranks_work_compare(struct pccd_mpi *world);
 
 /* Return whether the scene is to be cut anew before the next step; the same on every

@@ -20,29 +20,32 @@
 /* ---- How much margin boxes leave around what moves, so that ghosts stay right for
  * some steps. */
 
-/* Before ghosts are chosen: more or less margin than the last time. has_missed: a vertex
- * has left the box that was made for it then, or that was long ago. In this rank alone;
- * the same in all. */
+/* Choose more or less margin than the last time, before ghosts are chosen. has_missed: a
+ * vertex has left the box that was made for it then, or that was long ago. In this rank
+ * alone; the same in all. */
 void ranks_margins_choose(struct pccd_mpi *world, bool has_missed);
-/* Collective: object->margin of each, and world->lasts, for a step from object->from to
- * object->to; x: where it begins, of local vertices. is_still: all stands where the last
- * step ended. */
+/* Collective. Find object->margin of each, and world->lasts, for a step from object->from
+ * to object->to; x: where it begins, of local vertices. is_still: all stands where the
+ * last step ended. */
 int ranks_margins_find(struct pccd_mpi *world, bool is_still, double (*const *x)[3]);
-/* Collective: ghosts were chosen: what that took, and how many ghosts all have. */
+/* Collective. Note what a choice of ghosts took, after it, and how many ghosts all
+ * have. */
 int ranks_margins_learn(struct pccd_mpi *world);
 
-/* Collective: choose ghosts for a step from object->from to object->to and a
- * separation; afterwards world->is_covered, object->cover and the plan are right.
- * is_still: all stands where the last step ended. has_missed: a vertex has left the box
- * that was made for it the last time. */
+/* Collective. Choose ghosts for a step from object->from to object->to and a separation;
+ * afterwards world->is_covered, object->cover and the plan are right. is_still: all
+ * stands where the last step ended. has_missed: a vertex has left the box that was made
+ * for it the last time. */
 int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool is_still,
                         bool has_missed);
-/* Collective, after that: libpccd has them, and own leaves. */
+/* Collective. Give libpccd the ghosts that were chosen, and own leaves, where it has
+ * others. */
 int ranks_ghosts_build(struct pccd_mpi *world);
 
-/* In this rank alone: of each object, would its given vertices leave their boxes in the
- * step from object->from to object->to? from, to: how many steps have been made there
- * since ghosts were chosen. No box says where a vertex was before that. */
+/* Set misses[] of each object, in this rank alone, if its given vertices would leave
+ * their boxes in the step from object->from to object->to, else clear it. from, to: how
+ * many steps have been made there since ghosts were chosen. No box says where a vertex
+ * was before that. */
 void ranks_ghosts_look(const struct pccd_mpi *world, double from, double to,
                        uint8_t *misses);
 
@@ -53,8 +56,8 @@ void ranks_ghosts_look(const struct pccd_mpi *world, double from, double to,
  * rank that owns the first feature needs all edges that a walk of n edges from it can
  * take: those at vertices that are at most n - 1 edges away. */
 
-/* Collective: object->neighbours, for as many rings as the object has now, unless they
- * are there. */
+/* Collective. Find object->neighbours, for as many rings as the object has now, unless
+ * they are there. */
 int ranks_neighbours_find(struct pccd_mpi *world, struct ranks_object *object);
 
 #endif

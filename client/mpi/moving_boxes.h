@@ -29,7 +29,8 @@ struct ranks_moving_box {
     float pace[6]; /* along each axis of what goes least, and most */
 };
 
-/* Neighbours of a float towards -INFINITY and INFINITY: nextafterf, without a call. */
+/* Return the neighbour of a float towards -INFINITY or INFINITY: nextafterf, without a
+ * call. */
 static inline float ranks_float_before(float f)
 {
     uint32_t bits;
@@ -43,7 +44,7 @@ static inline float ranks_float_after(float f)
     return -ranks_float_before(-f);
 }
 
-/* The next float at or below, or above, a double; infinite beyond all floats. */
+/* Return the next float at or below, or above, a double; infinite beyond all floats. */
 static inline float ranks_float_below(double x)
 {
     float f = (float)x;
@@ -55,7 +56,7 @@ static inline float ranks_float_above(double x)
     return (double)f < x ? ranks_float_after(f) : f;
 }
 
-/* fmin and fmax of what is a number, without a call. */
+/* Return fmin or fmax of what is a number, without a call. */
 static inline double ranks_least(double a, double b)
 {
     return a < b ? a : b;
@@ -65,7 +66,7 @@ static inline double ranks_most(double a, double b)
     return a > b ? a : b;
 }
 
-/* More than the roundings of a position and of a way to floats. */
+/* Return more than the roundings of a position and of a way to floats. */
 static inline double ranks_blur(float at, float pace)
 {
     return 2 * (double)FLT_EPSILON * (fabs((double)at) + fabs((double)pace)) +
@@ -109,7 +110,8 @@ static inline bool ranks_is_covered(const double x[3], double t,
     return is_in;
 }
 
-/* All that the cover allows, from the begin of the step from x0 to x1 on. */
+/* Set *moving to all that the cover allows, from the begin of the step from x0 to x1
+ * on. */
 static inline void ranks_vertex_box(const double x0[3], const double x1[3],
                                     const struct ranks_margin *margin,
                                     struct ranks_moving_box *moving)

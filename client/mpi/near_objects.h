@@ -26,20 +26,20 @@ struct ranks_side_scene {
     struct pccd_answer answer; /* without records */
 };
 
-/* Collective, but each rank has its own leaves: in any order, some twice perhaps. A
- * vertex or edge is this rank's if any of its leaves that is no ghost owns it. `near`
- * says what is asked, with handles of the world; `end` is not looked at. Objects are as
- * thick as in the world, where that matters. */
+/* Collective. Ask about leaves in a scene of their own; each rank has its own leaves: in
+ * any order, some twice perhaps. A vertex or edge is this rank's if any of its leaves
+ * that is no ghost owns it. `near` says what is asked, with handles of the world; `end`
+ * is not looked at. Objects are as thick as in the world, where that matters. */
 int ranks_side_scene_ask(struct pccd_mpi *world, const struct ranks_remote_leaf *leaves,
                          uint64_t count, const struct pccd_near_settings *near,
                          struct ranks_side_scene *side);
-/* To the last of several answers, the work of an earlier one, and whether that was cut
+/* Add to the last of several answers the work of an earlier one, and whether that was cut
  * short. */
 void ranks_side_scene_add(struct ranks_side_scene *last,
                           const struct ranks_side_scene *earlier);
 void ranks_side_scene_deinit(const struct pccd_mpi *world, struct ranks_side_scene *side);
 
-/* A leaf of the answer's scene that has a feature of `points` vertices. */
+/* Find a leaf of the answer's scene that has a feature of `points` vertices. */
 void ranks_side_scene_find(const struct ranks_side_scene *side, uint32_t object,
                            uint32_t points, uint32_t feature,
                            struct ranks_remote_leaf *remote);
@@ -47,10 +47,10 @@ void ranks_side_scene_find(const struct ranks_side_scene *side, uint32_t object,
 void ranks_side_scene_vertex(const struct pccd_mpi *world,
                              const struct ranks_side_scene *side, uint32_t handle,
                              uint32_t vertex, double x[3]);
-/* The place of an object in world->objects, by its handle. */
+/* Return the place of an object in world->objects, by its handle. */
 uint32_t ranks_place_of_object(const struct pccd_mpi *world, uint32_t handle);
 
-/* Collective: for where objects begin or end by object->from and object->to, to
+/* Collective. Answer for where objects begin or end by object->from and object->to, to
  * world->records and *answer. Errors: those of pccd_ask_near. */
 int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_settings *near,
                           struct pccd_answer *answer);
@@ -73,7 +73,8 @@ static inline bool ranks_is_lower(const struct pccd_mpi *world, uint32_t a, uint
 {
     return world->objects[a]->handle < world->objects[b]->handle;
 }
-/* The question as it is asked of a part of the scene, with the time that is left. */
+/* Set *near to the question as it is asked of a part of the scene, with the time that is
+ * left. */
 void ranks_ask_rest(const struct ranks_pairing *pairing, struct pccd_near_settings *near);
 
 /* Leaves that a question is asked of. */
@@ -83,18 +84,19 @@ struct ranks_wanted {
     struct ranks_block *boxes; /* leaves of box.object that meet it are wanted, too */
     uint64_t box_count, box_capacity;
 };
-/* In this rank alone: add own leaves of a block; a box. PCCD_E_NOMEM. */
+/* Add own leaves of a block, in this rank alone. PCCD_E_NOMEM. */
 int ranks_want_own(const struct ranks_pairing *pairing, const struct ranks_block *block,
                    struct ranks_wanted *wanted);
+/* Add a box, in this rank alone. PCCD_E_NOMEM. */
 int ranks_want(struct pccd_mpi *world, const float box[6], uint32_t object,
                struct ranks_wanted *wanted);
-/* Collective: add what meets the boxes, of all ranks; then there are no boxes. */
+/* Collective. Add what meets the boxes, of all ranks; then there are no boxes. */
 int ranks_want_all(const struct ranks_pairing *pairing, bool are_ghosts,
                    struct ranks_wanted *wanted);
 void ranks_wanted_deinit(struct ranks_wanted *wanted);
 
-/* Collective: the answer is in *side, each record on one rank: of DEPTH the one that
- * has its vertex. */
+/* Collective. Set *side to the answer, each record on one rank: of DEPTH the one that has
+ * its vertex. */
 int ranks_nearest(const struct ranks_pairing *pairing, struct ranks_side_scene *side);
 int ranks_depth(const struct ranks_pairing *pairing, struct ranks_side_scene *side);
 

@@ -79,8 +79,8 @@ void pccd_mpi_close(struct pccd_mpi *world);
  * failed. */
 int pccd_mpi_threads(MPI_Comm comm, uint32_t *threads);
 
-/* A sentence about the last call that failed, the same on every rank; "" when none has.
- * With NULL: about the last pccd_mpi_open of this thread. */
+/* Return a sentence about the last call that failed, the same on every rank; "" when none
+ * has. With NULL: about the last pccd_mpi_open of this thread. */
 const char *pccd_mpi_error_text(const struct pccd_mpi *world);
 
 /* Part of a mesh that a rank gives. All numbers are those of the whole mesh, from 0. A
@@ -105,16 +105,17 @@ struct pccd_mpi_part {
     const uint32_t *points;           /* [point_count] */
 };
 
-/* pccd_mesh_put for a mesh in parts: *mesh 0 makes one, another handle replaces it.
- * `info`, which may be NULL, tells of the whole mesh. Errors: those of pccd_mesh_put;
- * E_INVAL: a vertex has two owners or none, a triangle is in two parts or none. */
+/* Put a mesh in parts, as pccd_mesh_put puts one: *mesh 0 makes one, another handle
+ * replaces it. `info`, which may be NULL, tells of the whole mesh. Errors: those of
+ * pccd_mesh_put; E_INVAL: a vertex has two owners or none, a triangle is in two parts or
+ * none. */
 int pccd_mpi_mesh_put(struct pccd_mpi *world, const struct pccd_mpi_part *part,
                       uint32_t *mesh, struct pccd_mesh_info *info);
 int pccd_mpi_mesh_destroy(struct pccd_mpi *world, uint32_t mesh);
 
-/* pccd_scene_add, pccd_scene_remove, pccd_object_set and pccd_pair_ignore, with the same
- * arguments on every rank. A world has one scene. Its objects have the handles that they
- * would have in a scene of one process. */
+/* Do as pccd_scene_add, pccd_scene_remove, pccd_object_set and pccd_pair_ignore do, with
+ * the same arguments on every rank. A world has one scene. Its objects have the handles
+ * that they would have in a scene of one process. */
 int pccd_mpi_add(struct pccd_mpi *world, uint32_t mesh, uint32_t *object);
 int pccd_mpi_remove(struct pccd_mpi *world, uint32_t object);
 int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
@@ -122,10 +123,10 @@ int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
 int pccd_mpi_pair_ignore(struct pccd_mpi *world, uint32_t object_a, uint32_t object_b,
                          bool ignored);
 
-/* pccd_step for the whole scene. motions[]: of this rank's vertices, none on some ranks
- * perhaps; `first` and `count` are places in the order of its part. Vertices that no
- * motion has stand still. `settings`, which may be NULL, is the same on every rank;
- * `threads` 0 means what the options say; `hold` must be off.
+/* Step the whole scene, as pccd_step does one. motions[]: of this rank's vertices, none
+ * on some ranks perhaps; `first` and `count` are places in the order of its part.
+ * Vertices that no motion has stand still. `settings`, which may be NULL, is the same on
+ * every rank; `threads` 0 means what the options say; `hold` must be off.
  *
  * answer: contacts, pairs and count are this rank's records, in canonical order, valid
  * until the next call with the world, and not to be released. All other numbers are of
@@ -141,13 +142,14 @@ int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_step_settings *settings,
                   struct pccd_answer *answer);
 
-/* pccd_ask_near for the whole scene, where its last step ended or began; if any rank
- * gives motions, the objects move first, and it is answered for where they begin or end.
- * `settings` (NULL: the defaults) is the same on every rank. answer: near and count are
- * this rank's records, by the ranks that have their first features; all other numbers are
- * of the whole, as for a step. Of VERTICES vertex_bounds[count] are those of the vertices
- * that this rank owns: of all objects by increasing handle (or of object_a), each in the
- * order of its part. The last step's answer is gone. Errors: those of pccd_ask_near. */
+/* Ask about the whole scene, as pccd_ask_near does of one: where its last step ended or
+ * began; if any rank gives motions, the objects move first, and it is answered for where
+ * they begin or end. `settings` (NULL: the defaults) is the same on every rank. answer:
+ * near and count are this rank's records, by the ranks that have their first features;
+ * all other numbers are of the whole, as for a step. Of VERTICES vertex_bounds[count] are
+ * those of the vertices that this rank owns: of all objects by increasing handle (or of
+ * object_a), each in the order of its part. The last step's answer is gone. Errors: those
+ * of pccd_ask_near. */
 int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_near_settings *settings,
                   struct pccd_answer *answer);
@@ -159,18 +161,18 @@ int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
  * also in a signal handler; it does not wait. The world must not be closed meanwhile. */
 void pccd_mpi_cancel(struct pccd_mpi *world);
 
-/* All records of the last answer in canonical order, to `each` on rank `root`, some
+/* Hand all records of the last answer, in canonical order, to `each` on rank `root`, some
  * thousands at a time: of struct pccd_pair in mode pairs, of struct pccd_near for what is
- * near, of double for bounds of vertices, else of struct pccd_contact.
- * `each` is called on `root` alone, and returns 0 to go on. */
+ * near, of double for bounds of vertices, else of struct pccd_contact. `each` is called
+ * on `root` alone, and returns 0 to go on; with another value: E_CANCELLED. */
 typedef int (*pccd_mpi_records_fn)(void *context, const void *records, uint64_t count);
 int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
                     void *context);
 
-/* The vertices, by their numbers in the whole mesh, of a feature in one of this rank's
- * records: of `points` vertices, as kinds say: 1 itself, 2 the ends of an edge, the lower
- * first, 3 the corners of a triangle. Not collective. E_HANDLE, E_INVAL, E_INDEX: the
- * rank knows nothing of the feature; E_NOMEM. */
+/* Get the vertices, by their numbers in the whole mesh, of a feature in one of this
+ * rank's records: of `points` vertices, as kinds say: 1 itself, 2 the ends of an edge,
+ * the lower first, 3 the corners of a triangle. Not collective. E_HANDLE, E_INVAL,
+ * E_INDEX: the rank knows nothing of the feature; E_NOMEM. */
 int pccd_mpi_feature(struct pccd_mpi *world, uint32_t object, uint32_t points,
                      uint32_t feature, uint32_t vertices[3]);
 

@@ -30,10 +30,11 @@ struct ranks_link {
     char text[RANKS_TEXT_BYTES];
 };
 
-/* A sentence about what went wrong in this rank. Returns `status`. */
+/* Set the sentence about what went wrong in this rank. Returns `status`. */
 int ranks_fail(struct ranks_link *link, int status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-/* PCCD_E_INVAL: an argument of this rank that must be given is NULL. */
+/* Fail with PCCD_E_INVAL, which is returned: an argument of this rank, `what`, that must
+ * be given is NULL. */
 int ranks_missing(struct ranks_link *link, const char *what);
 
 /* Calls, each done in the whole by all ranks; their names are for the message of one that
@@ -53,17 +54,17 @@ enum ranks_call {
     RANKS_INSIDE /* a point within a call */
 };
 
-/* Every rank says how it stands; `arguments` is a hash of what must be the same. Returns
+/* Agree on how all ranks stand; `arguments` is a hash of what must be the same. Returns
  * on every rank the status of the lowest rank that has one, with its text; E_STATE if
  * ranks called different things, E_INVAL if their arguments differ. */
 int ranks_agree(struct ranks_link *link, enum ranks_call call, uint64_t arguments,
                 int status);
-/* The same in the middle of a call. */
+/* Agree on `status` in the middle of a call, as ranks_agree does. */
 int ranks_agree_on(struct ranks_link *link, int status);
 
-/* One number of each rank, from all to all. */
+/* Tell one number of each rank to all: all[r] is that of rank r. */
 int ranks_tell_all(struct ranks_link *link, uint64_t mine, uint64_t *all);
-/* Sums, or the largest or least, of count numbers, in place. */
+/* Replace count numbers by their sums, or the largest or least ones, over all ranks. */
 int ranks_sum(struct ranks_link *link, uint64_t *numbers, int count);
 int ranks_max_bytes(struct ranks_link *link, uint8_t *bytes, int count);
 int ranks_min_doubles(struct ranks_link *link, double *numbers, int count);
@@ -74,12 +75,12 @@ int ranks_max_doubles(struct ranks_link *link, double *numbers, int count);
  * on both sides; own items are copied. */
 int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
                const uint64_t *first_out, void *in, const uint64_t *first_in);
-/* The same, but what comes from rank r goes to in[r], and nothing is copied of what this
- * rank has for itself. */
+/* Send as ranks_swap does, but what comes from rank r goes to in[r], and nothing is
+ * copied of what this rank has for itself. */
 int ranks_swap_into(struct ranks_link *link, size_t item_bytes, const void *out,
                     const uint64_t *first_out, void *const *in, const uint64_t *first_in);
-/* The same where the receiver does not know: *in is allocated, first_in[size + 1]
- * written. */
+/* Send as ranks_swap does where the receiver does not know how much: *in is allocated,
+ * first_in[size + 1] written. */
 int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
                const uint64_t *first_out, void **in, uint64_t *first_in);
 /* Items that are to go to other ranks, each to one. */
@@ -90,11 +91,13 @@ struct ranks_post {
     uint64_t count, room;
     bool is_lost; /* this rank had no memory: ranks_post_deal says so to all */
 };
-/* In this rank alone: begin it with room for so many; it grows where there are more. */
+/* Begin a post, in this rank alone, with room for so many; it grows where there are
+ * more. */
 void ranks_post_begin(struct ranks_post *post, size_t item_bytes, uint64_t room);
-/* In this rank alone: room for one more item, for rank `to`. NULL: no memory. */
+/* Make room, in this rank alone, for one more item, for rank `to`, and return where it
+ * is. NULL: no memory. */
 void *ranks_post_room(struct ranks_post *post, uint32_t to);
-/* The same, and a copy of an item to it. */
+/* Add a copy of an item for rank `to`, in this rank alone. */
 void ranks_post_add(struct ranks_post *post, uint32_t to, const void *item);
 /* Send all; what comes is in the order of the ranks and of their items. *in is allocated,
  * what the post held is freed. */
@@ -104,11 +107,13 @@ int ranks_post_deal(struct ranks_link *link, struct ranks_post *post, void **in,
 int ranks_spread(struct ranks_link *link, size_t item_bytes, const void *mine,
                  uint64_t count, void **all, uint64_t *first);
 
-/* For those who talk to one rank. */
+/* Wait for messages to or from one rank, until the timeout. Returns the link's status. */
 int ranks_wait(struct ranks_link *link, MPI_Request *requests, int count);
+/* Break the link if `code`, from MPI, is an error, with a text that says `what` was done.
+ * Returns the link's status. */
 int ranks_mpi(struct ranks_link *link, int code, const char *what);
 
-/* malloc for count items; never of 0 bytes. NULL: no memory. */
+/* Allocate count items, never 0 bytes, to be freed by free. NULL: no memory. */
 void *ranks_array(uint64_t count, size_t item_bytes);
 
 #endif

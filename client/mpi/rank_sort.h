@@ -12,12 +12,12 @@ struct ranks_key {
     uint64_t value;
 };
 
-/* Sorts count keys; `other` has room for as many. Returns where they are: `keys` or
+/* Sort count keys; `other` has room for as many. Returns where they are: `keys` or
  * `other`. */
 struct ranks_key *ranks_sort(struct ranks_key *keys, struct ranks_key *other,
                              uint64_t count);
 
-/* The same of words, by their upper 32 bits: half as many bytes for each pass. */
+/* Sort words so, by their upper 32 bits: half as many bytes for each pass. */
 uint64_t *ranks_sort_words(uint64_t *words, uint64_t *other, uint64_t count);
 
 /* ---- A value for each of some thousand numbers. Leaves along the curve name a vertex,
@@ -34,14 +34,14 @@ struct ranks_recent {
     } entries[1u << RANKS_RECENT_BITS];
 };
 
-/* No number is known; none is UINT32_MAX. */
+/* Begin with no number known; none is UINT32_MAX. */
 static inline void ranks_recent_begin(struct ranks_recent *recent)
 {
     memset(recent, 0xff, sizeof *recent);
 }
 
-/* The entry of a number, which has it already if *is_known; else another one is
- * forgotten, and the value is to be written. */
+/* Return the value in the entry of a number, which has it already if *is_known; else
+ * another number is forgotten, and the value is to be written. */
 static inline uint32_t *ranks_recent_value(struct ranks_recent *recent, uint32_t number,
                                            bool *is_known)
 {

@@ -30,38 +30,41 @@ struct ranks_stop {
     int request_count;     /* of messages that are being sent */
 };
 
-/* PCCD_E_NOMEM. */
+/* Make what ends calls of this link. PCCD_E_NOMEM. */
 int ranks_stop_init(struct ranks_stop *stop, struct ranks_link *link);
 void ranks_stop_deinit(struct ranks_stop *stop);
 
-/* Any thread: end the call that this rank is in, if any; not one that begins later. */
+/* End the call that this rank is in, if any; not one that begins later. Any thread. */
 void ranks_stop_cancel(struct ranks_stop *stop);
 
-/* In this rank alone: a call that may be ended begins; all ranks have come, and it has
- * that long from now (0: for ever). */
+/* Begin a call that may be ended, in this rank alone. */
 void ranks_stop_begin(struct ranks_stop *stop);
+/* Give the call deadline_ns from now, when all ranks have come, in this rank alone. 0:
+ * for ever. */
 void ranks_stop_limit(struct ranks_stop *stop, uint64_t deadline_ns);
 
-/* In this rank alone: why the call is to end, PCCD_COMPLETE if it is not. The greatest of
- * all ranks is that of all. */
+/* Return why the call is to end, PCCD_COMPLETE if it is not, in this rank alone. The
+ * greatest of all ranks is that of all. */
 enum pccd_incomplete ranks_stop_reason(struct ranks_stop *stop);
-/* Collective. */
+/* Collective. Agree on *reason: the greatest of all ranks. */
 int ranks_stop_agree(struct ranks_stop *stop, enum pccd_incomplete *reason);
 /* Return what is left of the time that the call has, in ns, 1 at least; 0: it has no
  * end. */
 uint64_t ranks_stop_rest(const struct ranks_stop *stop);
 
-/* In this rank alone: libpccd computes from here on; all ranks have. */
+/* Look for messages of others, in this rank alone, until it is closed: libpccd computes
+ * from here on. All ranks do so. */
 void ranks_stop_open(struct ranks_stop *stop);
 void ranks_stop_close(struct ranks_stop *stop);
-/* For cli_mpi_watch: is the call to end? asked: struct ranks_stop. Cheap: it looks
- * for messages a thousand times a second at most. */
+/* Return whether the call is to end, for cli_mpi_watch. asked: struct ranks_stop. Cheap:
+ * it looks for messages a thousand times a second at most. */
 bool ranks_stop_look(void *asked);
-/* While it is open: the others need not go on. */
+/* Tell the others, while it is open, that they need not go on. */
 void ranks_stop_say(struct ranks_stop *stop);
 
-/* Collective, after it was closed for the last time in a call; `said` is the sum of
- * stop->said of all ranks. The second one adds up itself. */
+/* Collective. Take what others have sent and this rank has not seen, after it was closed
+ * for the last time in a call; `said` is the sum of stop->said of all ranks. The second
+ * one adds up itself. */
 int ranks_stop_settle(struct ranks_stop *stop, uint64_t said);
 int ranks_stop_settle_alone(struct ranks_stop *stop);
 

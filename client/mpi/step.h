@@ -18,22 +18,23 @@ struct ranks_moment {
     double (**local)[3];
 };
 
-/* Collective. hash: of the settings, `status` is what this rank says of them. If all
- * ranks agree, compute; `answer` gets what the caller knows of. After an error nothing
- * has changed, but that objects which were moved count as if they had stood still. */
+/* Collective. Make a step, or answer a question, if all ranks agree. hash: of the
+ * settings, `status` is what this rank says of them. `answer` gets what the caller knows
+ * of. After an error nothing has changed, but that objects which were moved count as if
+ * they had stood still. */
 int ranks_moment_make(struct pccd_mpi *world, enum ranks_call call, uint64_t hash,
                       int status, struct ranks_moment *moment,
                       struct pccd_answer *answer);
 
 /* ---- Takes the motions of a step that a caller gives. */
 
-/* In this rank alone: may these motions be? Nothing changes. Errors: those of
- * pccd_step, but for positions and vertices that two motions have. */
+/* Check in this rank alone whether these motions may be; nothing changes. Errors: those
+ * of pccd_step, but for positions and vertices that two motions have. */
 int ranks_motions_check(struct pccd_mpi *world, const struct pccd_motion *motions,
                         uint32_t motion_count);
-/* In this rank alone, after that: object->from and object->to, of each object; both are
- * object->x where nothing was said. Where the named objects began before is forgotten.
- * PCCD_E_NOTFINITE, PCCD_E_SEGMENT, PCCD_E_NOMEM. */
+/* Set object->from and object->to of each object, in this rank alone, after that check;
+ * both are object->x where nothing was said. Where the named objects began before is
+ * forgotten. PCCD_E_NOTFINITE, PCCD_E_SEGMENT, PCCD_E_NOMEM. */
 int ranks_motions_take(struct pccd_mpi *world, const struct pccd_motion *motions,
                        uint32_t motion_count);
 
@@ -48,12 +49,13 @@ struct ranks_sending {
     bool is_question;
 };
 
-/* Collective. Positions of all that moves or begins elsewhere, or that libpccd has
+/* Collective. Send positions of all that moves or begins elsewhere, or that libpccd has
  * elsewhere, to libpccd, with a new frame. On failure there is none. */
 int ranks_sending_make(struct pccd_mpi *world, const struct ranks_sending *sending,
                        struct pccd_frame *frame);
 
-/* In this rank alone: the step of what was sent, or of nothing. As pccd_frame_commit. */
+/* Commit, in this rank alone, the step of what was sent, or of nothing, as
+ * pccd_frame_commit does. */
 int ranks_sending_commit(struct pccd_mpi *world, const struct ranks_sending *sending,
                          struct pccd_frame *frame,
                          const struct pccd_step_settings *settings, uint64_t *step);

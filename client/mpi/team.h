@@ -22,7 +22,7 @@
  * 12, and to wake one some 20 us. libpccd's step needs it anyway. */
 #define RANKS_TEAM_MIN 16384u
 
-/* At least 1. */
+/* Return how many threads are to work on `count` vertices or records: 1 at least. */
 static inline int ranks_team(const struct pccd_mpi *world, uint64_t count)
 {
     return count < RANKS_TEAM_MIN ? 1 : (int)world->team;

@@ -210,26 +210,27 @@ struct pccd_mpi {
 /* Return what has a handle; NULL: there is none. */
 struct ranks_mesh *ranks_find_mesh(const struct pccd_mpi *world, uint32_t handle);
 struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle);
-/* The same by any thread: looks first at *at, a place in world->objects, and writes where
- * it is. */
+/* Return the object that has a handle, in any thread: look first at *at, a place in
+ * world->objects, and write where it is. */
 struct ranks_object *ranks_find_object_from(const struct pccd_mpi *world, uint32_t handle,
                                             uint32_t *at);
 
-/* Room for one more in an array of pointers; NULL: no memory, and it stays as it was. */
+/* Make room for one more in an array of pointers; NULL: no memory, and it stays as it
+ * was. */
 void **ranks_room_for_one(void **array, uint32_t count);
 
 /* Set the error to why the last call of libpccd failed. Return `status`. */
 int ranks_fail_local(struct pccd_mpi *world, int status, const char *what);
-/* "out of memory". Returns PCCD_E_NOMEM. */
+/* Set the error to "out of memory". Returns PCCD_E_NOMEM. */
 int ranks_no_memory(struct pccd_mpi *world);
-/* Collective: that of the lowest rank that has none, or PCCD_OK. */
+/* Collective. Return the status of the lowest rank that has no memory, or PCCD_OK. */
 int ranks_agree_memory(struct pccd_mpi *world, bool has_memory);
 
-/* A hash of arguments that have to be the same: goes on from `hash`. */
+/* Hash arguments that have to be the same; goes on from `hash`. */
 uint64_t ranks_hash(uint64_t hash, const void *bytes, size_t count);
 
 void ranks_mesh_free(struct ranks_mesh *mesh);
-/* No object is made of it. */
+/* Free a mesh, of which no object is made, and take it out of world->meshes. */
 void ranks_forget_mesh(struct pccd_mpi *world, struct ranks_mesh *mesh);
 void ranks_local_deinit(struct ranks_local *local);
 void ranks_plan_deinit(struct ranks_plan *plan);

@@ -8,7 +8,7 @@
 #include "check_run.h"
 #include "part.h"
 
-/* Collective: compute all steps between the frames of `part`, which are whole, as `run`
+/* Collective. Compute all steps between the frames of `part`, which are whole, as `run`
  * says: its settings, repeats, and what of run->mesh is of the options and the files. On
  * the root the rest of that and `steps` ([frames - 1]) are filled in. `results` NULL: no
  * file. The same status on every rank. */

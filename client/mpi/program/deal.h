@@ -43,12 +43,13 @@ struct deal_work {
     void (*interrupted)(void *context);
 };
 
-/* Collective: do all of it. Returns the same on every rank: PCCD_OK, or the error of the
- * lowest rank that had one, whose text begins with "rank N: ". */
+/* Collective. Do all of `work`. Returns the same on every rank: PCCD_OK, or the error of
+ * the lowest rank that had one, whose text begins with "rank N: ". */
 int deal(const struct deal_work *work, struct ctl_error *error);
 
-/* In `compute`: the next item to do, or DEAL_NONE; its result, of result_bytes. */
+/* Return the next item to do, or DEAL_NONE, in `compute`. */
 uint64_t deal_next(struct deal *deal);
+/* Tell the result of an item, of result_bytes, in `compute`. */
 void deal_put(struct deal *deal, uint64_t item, const void *result);
 
 /* ---- What the root and the other ranks have in common when items are dealt. */
@@ -118,10 +119,11 @@ struct deal {
  * root's thread ends the program. */
 void deal_tell(struct deal *deal, const struct deal_tell *tell);
 
-/* The root: deal until all ranks have ended, while `compute` runs in a thread. */
+/* Deal, on the root, until all ranks have ended, while `compute` runs in a thread. */
 int deal_root(struct deal *deal, struct ctl_error *error);
-/* Called by that thread: tell the first one; take the next items, at once. */
+/* Tell the first thread of the root, from the one that computes. */
 void deal_root_tell(struct deal *deal, const struct deal_tell *tell);
+/* Take the next items, from the same, at once. */
 void deal_root_take(struct deal *deal, struct deal_hand *hand);
 
 #endif

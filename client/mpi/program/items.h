@@ -45,12 +45,12 @@ struct items {
     uint64_t last;    /* item of the last one */
 };
 
-/* Collective: do all items; `path` NULL: no file. The same status on every rank. */
+/* Collective. Do all items; `path` NULL: no file. The same status on every rank. */
 int items_run(struct items *items, const struct items_work *work, const char *path,
               struct ctl_error *error);
-/* On the root: NULL: the item was not wanted. */
+/* Return, on the root, the result of an item. NULL: it was not wanted. */
 const void *items_result(const struct items *items, uint64_t item);
-/* Also of one that is all zeros. */
+/* Free what came of the items; all zeros are allowed. */
 void items_deinit(struct items *items);
 
 /* The option --results, of a const char *, NULL before. */

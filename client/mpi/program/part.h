@@ -40,14 +40,15 @@ int part_open(struct part *part, char *const *paths, uint32_t path_count,
  * this rank keeps. Not collective. Errors: those of ctl_frames_read. */
 int part_read(struct part *part, uint32_t index, struct ctl_mesh *frame,
               struct ctl_error *error);
-/* Collective. *to: of each vertex of the mesh the least one that it is joined to, the
- * caller's to free; it stays NULL where none is joined. part->files.welded: how many are,
- * but for what only who has all rows knows. `distance`, 0 or more, is as in struct
- * ctl_frames_options. Errors: E_NOMEM, and those of part_read. */
+/* Collective. Set *to, for each vertex of the mesh, to the least one that it is joined
+ * to; it is the caller's to free, and stays NULL where none is joined.
+ * part->files.welded: how many are, but for what only who has all rows knows.
+ * `distance`, 0 or more, is as in struct ctl_frames_options. Errors: E_NOMEM, and
+ * those of part_read. */
 int part_weld(struct part *part, double distance, uint32_t **to, struct ctl_error *error);
-/* As pccd_mpi_mesh_put asks for it; `first` is frame 0. */
+/* Return the part as pccd_mpi_mesh_put asks for it; `first` is frame 0. */
 struct pccd_mpi_part part_to_put(const struct part *part, const struct ctl_mesh *first);
-/* No further frame is read: what only that wants, is given back. */
+/* Free what only further frames want: none is read from here on. */
 void part_drop_rows(struct part *part);
 void part_close(struct part *part);
 

@@ -75,16 +75,17 @@ struct recordings {
     uint32_t threads; /* of each step */
 };
 
-/* Collective: read the command line into `input`, of which `options` are a part; do all
+/* Collective. Read the command line into `input`, of which `options` are a part; do all
  * items; report. Returns an exit status, the same on every rank. `options` are given
  * back. */
 int recordings_command(struct recordings_options *options,
                        const struct option_table *table, int argc, char **argv,
                        void *input, const struct recordings_work *work);
-/* On the root: the result of an item in a recording, from 0; NULL: it was not wanted. */
+/* Return, on the root, the result of an item in a recording, from 0; NULL: it was not
+ * wanted. */
 const void *recordings_result(const struct recordings *recordings,
                               const struct recording *file, uint64_t place);
-/* On the root: write what stands between two reports, before the one of `file` is
+/* Write, on the root, what stands between two reports, before the one of `file` is
  * written. One that fails first leaves the array whole. */
 void recordings_separate(const struct recordings *recordings,
                          const struct recording *file);

@@ -20,17 +20,17 @@ static inline bool together_is_root(void)
 /* Wait for something of MPI, without keeping a processor from those that compute, as
  * MPI_Wait would. */
 void together_wait(MPI_Request *request);
-/* Collective: what the root has, to all. */
+/* Collective. Send what the root has to all. */
 void together_tell(void *what, size_t bytes);
-/* Collective: the sum over all ranks, to all. */
+/* Collective. Set *count to the sum over all ranks. */
 void together_add(uint32_t *count);
 
-/* Collective: the status of the lowest rank that has one, and its text, which begins with
- * "rank N: " then. */
+/* Collective. Return the status of the lowest rank that has one, and its text, which
+ * begins with "rank N: " then. */
 int together_agree(int status, struct ctl_error *error);
 
-/* Collective: do all ranks have the same bytes, 64 at most? PCCD_E_STATE: "`path``what`
- * than on rank 0". */
+/* Collective. Check that all ranks have the same bytes, 64 at most. If not, PCCD_E_STATE:
+ * "`path``what` than on rank 0". */
 int together_compare(const void *mine, size_t bytes, const char *path, const char *what,
                      struct ctl_error *error);
 
@@ -42,7 +42,7 @@ int together_parse(const struct option_table *table, int argc, char **argv, void
  * there: then this process is the root. */
 void together_mute(void);
 
-/* One line on the standard error of the root, after "pccd-mpi: ". */
+/* Print one line on the standard error of the root, after "pccd-mpi: ". */
 void together_complain(const struct ctl_error *error);
 
 /* ---- The commands of pccd-mpi. */
