@@ -28,19 +28,20 @@ bool oracle_touching_at(enum oracle_kind kind, const double p[8][3], int t);
 bool oracle_contact_in(enum oracle_kind kind, const double p[8][3], const mpq_t lo,
                        const mpq_t hi);
 
-/* The time of the first contact, an algebraic number. NULL: there is none. Freed by the
- * caller. */
 struct oracle_first;
+/* Find the time of the first contact, an algebraic number. NULL: there is none. Freed by
+ * the caller. */
 struct oracle_first *oracle_first_new(enum oracle_kind kind, const double p[8][3]);
 void oracle_first_free(struct oracle_first *first); /* NULL is allowed */
 
-/* Sign of the first contact time minus t. */
+/* Return the sign of the first contact time minus t. */
 int oracle_first_compare(struct oracle_first *first, double t);
 
-/* lo <= first contact time <= hi, hi - lo <= 2^-bits. */
+/* Find lo <= first contact time <= hi, hi - lo <= 2^-bits. */
 void oracle_first_bracket(struct oracle_first *first, unsigned bits, mpq_t lo, mpq_t hi);
 
-/* The same in one call: false if there is no contact. width > 0. */
+/* Find such lo and hi, hi - lo <= width, in one call; width is above 0. False: there is
+ * no contact. */
 bool oracle_first_contact(enum oracle_kind kind, const double p[8][3], double width,
                           mpq_t lo, mpq_t hi);
 

@@ -39,16 +39,16 @@ struct oracle_distance {
     double direction[3];
 };
 
-/* p: the points of the kind, as in oracle.h, at one moment, finite. rank: of each point,
- * no two alike. */
+/* Find the distance of a pair. p: the points of the kind, as in oracle.h, at one moment,
+ * finite. rank: of each point, no two alike. */
 void oracle_distance_find(enum oracle_kind kind, const double p[4][3],
                           const uint8_t rank[4], struct oracle_distance *distance);
 
 /* Return whether the distance is at most d >= 0. */
 bool oracle_distance_within(enum oracle_kind kind, const double p[4][3], double d);
 
-/* Below, equal or above zero as the distance of one pair, less the exact sum of its
- * radii, is to that of another. */
+/* Return a number below, equal to or above zero as the distance of one pair, less the
+ * exact sum of its radii, is to that of another. */
 int oracle_distance_compare(enum oracle_kind kind_a, const double a[4][3],
                             const double radius_a[2], enum oracle_kind kind_b,
                             const double b[4][3], const double radius_b[2]);

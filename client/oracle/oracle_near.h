@@ -38,20 +38,20 @@ struct oracle_features {
     size_t capacity;
 };
 
-/* Those of `points` points: vertices in use, edges or faces, object by object, by index.
- * Ends the process where memory ends. */
+/* List those of `points` points: vertices in use, edges or faces, object by object, by
+ * index. Ends the process where memory ends. */
 void oracle_features_list(const struct oracle_object *objects, uint32_t object_count,
                           uint32_t points, struct oracle_features *features);
 void oracle_features_deinit(struct oracle_features *features);
 
-/* Those of them that are free stay. */
+/* Keep only those of them that are free. */
 void oracle_features_keep_free(struct oracle_features *features);
 
 /* Return whether they are of one object, with a vertex in common. */
 bool oracle_features_share_vertex(const struct oracle_feature *a,
                                   const struct oracle_feature *b);
 
-/* realloc that ends the process where memory ends. */
+/* Call realloc, and end the process where memory ends. */
 void *oracle_grow(void *block, size_t bytes);
 
 /* The scene, and who may meet whom in it: NULL: all. */
@@ -87,17 +87,17 @@ struct oracle_nears {
 /* All functions end the process where memory ends. The caller frees what they give with
  * the last one. */
 
-/* VF and EE pairs, and VE and VV of free points, at most `distance` apart. false, and
- * nothing is found: it would take more than `queries_max` exact decisions. */
+/* Find VF and EE pairs, and VE and VV of free points, at most `distance` apart. false,
+ * and nothing is found: it would take more than `queries_max` exact decisions. */
 bool oracle_near_pairs(const struct oracle_moment *moment, double distance,
                        uint64_t queries_max, struct oracle_nears *pairs);
 
-/* The same pairs merged to VV, VE, VF and EE, each with the number of its pairs. */
+/* Merge the same pairs to VV, VE, VF and EE, each with the number of its pairs. */
 void oracle_near_features(const struct oracle_moment *moment,
                           const struct oracle_nears *pairs,
                           struct oracle_nears *features);
 
-/* Edges that pass through faces. As oracle_near_pairs. */
+/* Find edges that pass through faces. Returns as oracle_near_pairs. */
 bool oracle_near_crossings(const struct oracle_moment *moment, uint64_t queries_max,
                            struct oracle_nears *crossings);
 
@@ -108,7 +108,7 @@ void oracle_near_bounds(const struct oracle_moment *moment,
                         const struct oracle_nears *pairs, uint32_t at, double distance,
                         double *bounds);
 
-/* Canonical order of struct oracle_near, as qsort wants it. */
+/* Compare two struct oracle_near for their canonical order, as qsort wants it. */
 int oracle_near_compare(const void *a, const void *b);
 
 void oracle_nears_deinit(struct oracle_nears *nears);
@@ -128,27 +128,28 @@ struct oracle_candidates {
     size_t capacity;
 };
 
-/* Pairs of one of `left` and one of `right`, of two that may meet, that share no vertex
- * and are not left thin; `left` and `right` may be the same. Added to *candidates. */
+/* Add to *candidates the pairs of one of `left` and one of `right`, of two that may meet,
+ * that share no vertex, whose boxes are within `distance` and their radii, and that are
+ * not left thin; `left` and `right` may be the same. */
 void oracle_candidates_find(const struct oracle_moment *moment,
                             const struct oracle_features *left,
                             const struct oracle_features *right, double distance,
                             struct oracle_candidates *candidates);
 void oracle_candidates_deinit(struct oracle_candidates *candidates);
 
-/* Points of a candidate, and the order of (object, vertex); of one that is there twice,
- * the first comes first. */
+/* Write the points of a candidate, and the order of (object, vertex); of one that is
+ * there twice, the first comes first. */
 void oracle_candidate_load(const struct oracle_moment *moment,
                            const struct oracle_candidate *candidate, double p[5][3],
                            uint8_t rank[5]);
-/* The names of near->record, of enum pccd_kind or pccd_near_kind, near->object and
+/* Write the names of near->record, of enum pccd_kind or pccd_near_kind, near->object and
  * near->radius. */
 void oracle_candidate_name(const struct oracle_moment *moment, uint32_t kind,
                            const struct oracle_candidate *candidate,
                            struct oracle_near *near);
 void oracle_near_write(const struct oracle_distance *distance, struct oracle_near *near);
 
-/* One more, of zeros. */
+/* Add one of zeros, and return it. */
 struct oracle_near *oracle_nears_add(struct oracle_nears *nears);
 void oracle_nears_sort(struct oracle_nears *nears);
 
@@ -173,8 +174,8 @@ bool oracle_objects_depth(const struct oracle_moment *moment, const uint32_t ask
                           uint64_t queries_max, struct oracle_nears *nears,
                           uint64_t *crossings);
 
-/* The numbers of a VF or EE pair of two objects that `named` names, or of an edge that
- * passes through a face. false: it names nothing that there is. */
+/* Measure the VF or EE pair of two objects that `named` names, or the edge that passes
+ * through a face. false: it names nothing that there is. */
 bool oracle_objects_measure(const struct oracle_moment *moment,
                             const struct pccd_near *named, struct oracle_near *near);
 
@@ -184,7 +185,8 @@ bool oracle_objects_measure(const struct oracle_moment *moment,
  * that a ray passes through, in a direction that is drawn at random until the ray meets
  * no edge and no vertex. */
 
-/* x: finite. False: the point is on one of the triangles, and *winding is 0. */
+/* Find how often a surface winds around a point. x: finite. False: the point is on one of
+ * the triangles, and *winding is 0. */
 bool oracle_winding(const double point[3], const double (*x)[3],
                     const uint32_t (*triangles)[3], uint32_t triangle_count,
                     int64_t *winding);

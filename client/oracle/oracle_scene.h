@@ -49,28 +49,28 @@ struct oracle_contacts {
     uint64_t beside;  /* pairs that no axis separates: oracle_is_apart says no */
 };
 
-/* Ends the process where memory ends. The caller frees *contacts with the function
- * below. */
+/* Find all contacts of a scene, those of an object with itself, too. Ends the process
+ * where memory ends. The caller frees *contacts with oracle_contacts_deinit. */
 void oracle_scene(const struct oracle_object *objects, uint32_t object_count,
                   struct oracle_contacts *contacts);
-/* The same of pairs of objects, by their ids, which `may_meet` says yes to; of an object
- * and itself as well. */
+/* Find those of pairs of objects, by their ids, which `may_meet` says yes to; of an
+ * object and itself as well. */
 void oracle_scene_where(const struct oracle_object *objects, uint32_t object_count,
                         bool (*may_meet)(const void *context, uint32_t a, uint32_t b),
                         const void *context, struct oracle_contacts *contacts);
 void oracle_contacts_deinit(struct oracle_contacts *contacts);
 
-/* Order of pairs, as qsort and bsearch want it. */
+/* Compare two pairs for their order, as qsort and bsearch want it. */
 int oracle_pair_compare(const void *a, const void *b);
 
-/* Edges of an object, numbered as above. Freed by the caller. */
+/* List the edges of an object, numbered as above. Freed by the caller. */
 uint32_t (*oracle_edges(const struct oracle_object *object, uint32_t *count))[2];
 
 /* Return whether an axis separates the features of a pair: all points of the one lie
  * above all points of the other along it, at both ends of the motion. */
 bool oracle_is_apart(enum oracle_kind kind, const double p[8][3]);
 
-/* The eight points of a pair. `edges` of each object as oracle_edges gives them. */
+/* Write the eight points of a pair. `edges` of each object as oracle_edges gives them. */
 void oracle_vf_points(const struct oracle_object *a, uint32_t vertex,
                       const struct oracle_object *b, uint32_t face, double p[8][3]);
 void oracle_ee_points(const struct oracle_object *a, const uint32_t edge_a[2],

@@ -28,8 +28,8 @@ struct oracle_thick {
 /* Return whether the distance at t = 0 is at most r. */
 bool oracle_thick_is_inside(const struct oracle_thick *thick);
 
-/* The first time at which the distance is at most r; NULL: there is none. With approach
- * s, of a pair whose distance d at t = 0 is at most r: at most s d. Freed by the
+/* Find the first time at which the distance is at most r; NULL: there is none. With
+ * approach s, of a pair whose distance d at t = 0 is at most r: at most s d. Freed by the
  * caller. */
 struct oracle_first *oracle_thick_first_new(const struct oracle_thick *thick);
 
@@ -38,7 +38,7 @@ struct oracle_first *oracle_thick_first_new(const struct oracle_thick *thick);
  * Find the radius of a feature, and whether a pair is left thin for where it is at rest;
  * decide whether it is within a distance and its radii at a moment. */
 
-/* The largest of its vertices'. */
+/* Return the largest of its vertices' radii; 0 without any. */
 double oracle_radius(const struct oracle_object *object, const uint32_t *v,
                      uint32_t points);
 

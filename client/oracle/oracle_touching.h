@@ -20,14 +20,14 @@ struct oracle_surface {
 
 enum oracle_fate { ORACLE_ENTERS, ORACLE_SLIDES, ORACLE_LEAVES };
 
-/* Features that touch at t = 0, by vertices: count_a of surface a, 1 of VF, 2 of EE, then
- * those of b. Surfaces with features around them of which none has more than 500 bits
- * between its largest and its smallest. */
+/* Decide what becomes of features that touch at t = 0, by vertices: count_a of surface a,
+ * 1 of VF, 2 of EE, then those of b. Only of surfaces whose coordinates around the
+ * features have no more than 500 bits between the largest and the smallest. */
 enum oracle_fate oracle_touching_fate(const struct oracle_surface *a,
                                       const struct oracle_surface *b, int count_a,
                                       const uint32_t v[4]);
 
-/* The time at which it looks, 2^-*bits, for such features. */
+/* Set `soon` to the time at which it looks for such features, a power of two. */
 void oracle_touching_soon(const struct oracle_surface *a, const struct oracle_surface *b,
                           int count_a, const uint32_t v[4], mpq_t soon);
 

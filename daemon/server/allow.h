@@ -22,9 +22,9 @@ static inline bool srv_allow_has_list(const struct srv_allow *allow)
  * daemon's own user and root always may. */
 bool srv_allow_peer(const struct srv_allow *allow, int socket, const struct ucred *peer);
 
-/* The peer's group; (gid_t)-1: not known. And whether that or a further one of its groups
- * is `gid`. */
+/* Return the peer's group; (gid_t)-1: not known. */
 gid_t srv_peer_group(int socket);
+/* Return whether that or a further one of its groups is `gid`. */
 bool srv_peer_has_group(int socket, gid_t gid);
 
 #endif

@@ -43,7 +43,7 @@ void srv_conn_finish(struct srv_conn *conn);
 
 /* Return the group of the client's process, (gid_t)-1: not known. */
 gid_t srv_conn_group(const struct srv_conn *conn);
-/* Return whether `gid` is that group or another one of the process. */
+/* Return whether that or a further one of its groups is `gid`. */
 bool srv_conn_has_group(const struct srv_conn *conn, gid_t gid);
 
 /* Let the client be silent from now on, as it has said hello. */
