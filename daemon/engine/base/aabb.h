@@ -40,9 +40,9 @@ struct __attribute__((may_alias)) eng_box { /* also names nodes, edges and verti
 
 static_assert(sizeof(struct eng_box) == 64, "a box is one cache line");
 
-/* Largest float <= x + rest, for |x| <= 1e18 and a rest of at most half a unit in the
- * last place of x: the nearest float of x, moved by one unit where it lies on the wrong
- * side. Its distance from x is exact, and more than the rest unless it is 0. */
+/* Return the largest float <= x + rest, for |x| <= 1e18 and a rest of at most half a unit
+ * in the last place of x: the nearest float of x, moved by one unit where it lies on the
+ * wrong side. Its distance from x is exact, and more than the rest unless it is 0. */
 static inline float eng_round_down_sum(double x, double rest)
 {
     float f = (float)x;
@@ -53,7 +53,7 @@ static inline float eng_round_down_sum(double x, double rest)
     return f;
 }
 
-/* Smallest float >= x + rest. */
+/* Return the smallest float >= x + rest, on the same conditions. */
 static inline float eng_round_up_sum(double x, double rest)
 {
     float f = (float)x;
@@ -64,20 +64,21 @@ static inline float eng_round_up_sum(double x, double rest)
     return f;
 }
 
-/* Largest float <= x and smallest float >= x, for |x| <= 1e18. (A zero with the wrong
- * sign cannot occur: the nearest float of a negative x is -0, of a positive x +0.) */
+/* Return the largest float <= x, for |x| <= 1e18. (A zero with the wrong sign cannot
+ * occur: the nearest float of a negative x is -0, of a positive x +0.) */
 static inline float eng_round_down(double x)
 {
     return eng_round_down_sum(x, 0);
 }
 
+/* Return the smallest float >= x, on the same condition. */
 static inline float eng_round_up(double x)
 {
     return eng_round_up_sum(x, 0);
 }
 
-/* The bounds of a coordinate in a frame, whose origin for it is number `at`; or, if that
- * is NULL, as it is. */
+/* Write the bounds of a coordinate x in a frame, whose origin for it is number `at`; or,
+ * if that is NULL, of x as it is. */
 static inline void eng_bounds_of(float *lo, float *hi, double x,
                                  const struct eng_box_frame *frame, int at)
 {
@@ -87,7 +88,7 @@ static inline void eng_bounds_of(float *lo, float *hi, double x,
     *hi = eng_round_up_sum(y, rest);
 }
 
-/* The box of one vertex, in a frame or, if that is NULL, as it is. Words are left
+/* Write the box of one vertex, in a frame or, if that is NULL, as it is. Words are left
  * alone. */
 static inline void eng_box_of_point(struct eng_box *box,
                                     const struct eng_box_frame *frame, const double x0[3],
@@ -119,21 +120,22 @@ static inline eng_f4 eng_max4(eng_f4 a, eng_f4 b)
 
 #define ENG_IS_BOUND ((eng_i4){-1, -1, -1, 0})
 
-/* Lanes 0 .. 2 of `bounds`, lane 3 of `old`. */
+/* Return lanes 0 .. 2 of `bounds` and lane 3 of `old`. */
 static inline eng_f4 eng_keep_word(eng_f4 old, eng_f4 bounds)
 {
     return (eng_f4)(((eng_i4)bounds & ENG_IS_BOUND) | ((eng_i4)old & ~ENG_IS_BOUND));
 }
 
-/* Group `i` of a box with lane 3 zero. The word in lane 3 would be a denormal float as a
- * rule, and arithmetic on one takes a hundred times as long; comparisons do not mind. */
+/* Return group `i` of a box, with lane 3 zero. The word in lane 3 would be a denormal
+ * float as a rule, and arithmetic on one takes a hundred times as long; comparisons do
+ * not mind. */
 static inline eng_f4 eng_bounds(const struct eng_box *box, int i)
 {
     const eng_i4 *groups = (const eng_i4 *)(const void *)box;
     return (eng_f4)(groups[i] & ENG_IS_BOUND);
 }
 
-/* out = union of a and b; the words of out are kept. */
+/* Make `out` the union of a and b; the words of `out` are kept. */
 static inline void eng_box_unite(struct eng_box *out, const struct eng_box *a,
                                  const struct eng_box *b)
 {

@@ -26,7 +26,7 @@ struct eng_bounds {
         }                                                                                \
     }
 
-/* The longest side. */
+/* Return the length of the longest side. */
 static inline double eng_bounds_size(const struct eng_bounds *bounds)
 {
     return fmax(fmax(bounds->high[0] - bounds->low[0], bounds->high[1] - bounds->low[1]),
@@ -50,7 +50,8 @@ struct eng_box_frame {
     double scale;
 };
 
-/* A coordinate at t = 1, for what needs no certainty, like the order of features. */
+/* Return a coordinate x at t = 1 in the frame, for what needs no certainty, like the
+ * order of features. */
 static inline double eng_box_frame_at(const struct eng_box_frame *frame, double x,
                                       int axis)
 {
@@ -66,13 +67,14 @@ static inline double eng_rest_of_difference(double a, double b)
     return (a - (difference - subtracted)) + (-b - subtracted);
 }
 
-/* a - b rounded down, and a + b rounded up. */
+/* Return a - b rounded down. */
 static inline double eng_difference_down(double a, double b)
 {
     double difference = a - b;
     return eng_rest_of_difference(a, b) < 0 ? nextafter(difference, -INFINITY)
                                             : difference;
 }
+/* Return a + b rounded up. */
 static inline double eng_sum_up(double a, double b)
 {
     return -eng_difference_down(-a, b);

@@ -32,24 +32,27 @@ struct eng_payer {
     atomic_uint_fast64_t ceiling_asked;
 };
 
-/* The one that the calling thread uses: its own unless it has joined another. */
+/* Return the payer of the calling thread: its own unless it has joined another. */
 struct eng_payer *eng_payer(void);
-/* Use that of the thread that opened the parallel region (team/parallel.h). [team] */
+/* Use the payer of the thread that opened the parallel region (team/parallel.h).
+ * [team] */
 void eng_payer_join(struct eng_payer *payer);
 
-/* As many as are wanted of a team, or fewer, as its payer may have. [compute] */
+/* Return how many threads a team may have: `wanted`, or fewer if its payer may have no
+ * more. [compute] */
 static inline uint32_t eng_payer_threads(uint32_t wanted)
 {
     uint32_t most = eng_payer()->threads_max;
     return most != 0 && most < wanted ? most : wanted;
 }
 
-/* From now on charge what this thread alone allocates and frees to `account`, whoever
+/* Charge what this thread alone allocates and frees to `account` from now on, whoever
  * pays for the rest of its team; NULL: to its payer's. Returns what it was. */
 struct eng_account *eng_charge_to(struct eng_account *account);
 
-/* `count` items of `bytes` each, aligned to 128 bytes (two cache lines, which are fetched
- * in pairs), not cleared. NULL: no memory, also when count * bytes overflows. */
+/* Allocate `count` items of `bytes` each, aligned to 128 bytes (two cache lines, which
+ * are fetched in pairs), not cleared. NULL: no memory, also when count * bytes
+ * overflows. */
 void *eng_alloc(size_t count, size_t bytes);
 
 /* Grow or shrink; the first min(old, new) bytes are kept. NULL: the old block stays. */
@@ -57,8 +60,9 @@ void *eng_realloc(void *block, size_t count, size_t bytes);
 
 void eng_free(void *block); /* NULL is allowed */
 
-/* Allocations since the start (a realloc is one), and bytes held now. */
+/* Return the number of allocations since the start; a realloc is one. */
 uint64_t eng_alloc_count(void);
+/* Return the bytes held now. */
 uint64_t eng_alloc_bytes(void);
 
 /* Refuse from now on what would bring the bytes held above that, whoever pays; any thread
@@ -67,8 +71,8 @@ void eng_alloc_set_ceiling(uint64_t bytes);
 
 /* ---- arrays that grow -------------------------------------------------------------- */
 
-/* A capacity for `end` items: grown by an eighth, which is what may lie idle, so that
- * adding objects one by one copies each array a logarithmic number of times. */
+/* Return a capacity for `end` items: grown by an eighth, which is what may lie idle, so
+ * that adding objects one by one copies each array a logarithmic number of times. */
 uint32_t eng_array_grown(uint32_t capacity, uint32_t end);
 
 /* Grow one array of items of `bytes`; `array` is the address of the pointer to it, which

@@ -57,13 +57,13 @@ struct eng_thick_query {
     double approach;  /* 0, or 0 < approach < 1 */
 };
 
-/* Within 2 u of the sum of the three. */
+/* Return the sum of the three, off by at most 2 u of it. */
 static inline double eng_thick_sum(const double radius[3])
 {
     return radius[0] + radius[1] + radius[2];
 }
 
-/* Not below the sum. */
+/* Return a distance that is not below the sum of the three. */
 static inline double eng_thick_reach(const double radius[3])
 {
     return eng_thick_sum(radius) * (1 + 4 * ENG_U);

@@ -156,7 +156,7 @@ struct eng_question {
         .contact_max = 16u << 20                                                         \
     }
 
-/* The method that the question leads to: PCCD_METHOD_PAPER or PCCD_METHOD_WIDE. */
+/* Return the method that the question leads to: PCCD_METHOD_PAPER or PCCD_METHOD_WIDE. */
 static inline enum pccd_method eng_method_of(const struct eng_question *question)
 {
     if (question->method != PCCD_METHOD_DEFAULT) {
@@ -182,7 +182,7 @@ static inline bool eng_asks_touching(const struct eng_question *question)
 /* More than what rounding adds to a time that goes from the part to the step or back. */
 #define ENG_PART_SLACK 0x1p-51
 
-/* Not after time t, 0 .. 1, of the part; and not before it. As times of the step. */
+/* Return a time of the step that is not after time t, 0 .. 1, of the part. */
 static inline double eng_part_toi(const struct eng_question *question, double t)
 {
     const double *span = question->span;
@@ -190,6 +190,7 @@ static inline double eng_part_toi(const struct eng_question *question, double t)
     return t >= 1 ? span[1] : fmax(span[0], time);
 }
 
+/* Return a time of the step that is not before time t, 0 .. 1, of the part. */
 static inline double eng_part_toi_hi(const struct eng_question *question, double t)
 {
     const double *span = question->span;
@@ -197,14 +198,16 @@ static inline double eng_part_toi_hi(const struct eng_question *question, double
     return t <= 0 ? span[0] : fmin(span[1], time);
 }
 
-/* Not before any time of the part whose eng_part_toi is at most `time`; at most 1. */
+/* Return a time of the part, at most 1, that is not before any whose eng_part_toi is at
+ * most `time`. */
 static inline double eng_part_time(const struct eng_question *question, double time)
 {
     double length = question->span[1] - question->span[0];
     return fmin((time - question->span[0] + 4 * ENG_PART_SLACK) / length, 1);
 }
 
-/* toi_hi - toi of the part, so that the step's is not longer than the tolerance. */
+/* Return the tolerance in the part, at most 1: how long toi_hi - toi may be there, so
+ * that the step's is not longer than the question's. */
 static inline double eng_part_tolerance(const struct eng_question *question)
 {
     double length = question->span[1] - question->span[0];
@@ -224,8 +227,8 @@ static inline bool eng_near_leaves_out(const struct eng_question *question, uint
            atomic_load_explicit(question->sought.meets, memory_order_relaxed);
 }
 
-/* The distance at which boxes of a kind are looked at: what crosses has boxes that
- * meet. */
+/* Return the distance within which pairs of boxes of a kind are looked at: what crosses
+ * has boxes that meet. */
 static inline float eng_near_growth_of(const struct eng_question *question, uint32_t kind)
 {
     return kind == PCCD_EF ? 0 : question->sought.growth;
@@ -241,7 +244,8 @@ static inline bool eng_near_prunes(const struct eng_question *question)
 /* Boxes are not within 2^80 of nowhere (boxes.h), and hold coordinates below that. */
 #define ENG_GROWTH_MOST 0x1p80f
 
-/* `distance` in a frame of this scale, a power of two. */
+/* Return `distance` in a frame of this scale, a power of two, rounded up; at most
+ * ENG_GROWTH_MOST. */
 static inline float eng_near_growth(double distance, double scale)
 {
     double scaled = distance * scale; /* exact, or infinite */

@@ -43,10 +43,10 @@ struct eng_median {
 void eng_median_begin(struct eng_median *median, uint32_t count, uint32_t middle,
                       int axis, eng_come_before_fn *come_before);
 
-/* One round; true: the items are split. */
+/* Do one round; true: the items are split. */
 bool eng_median_round(struct eng_median *median, struct eng_split_item *items);
 
-/* The axis along which the centroids of items[count] extend most; count >= 1. */
+/* Return the axis along which the centroids of items[count] extend most; count >= 1. */
 int eng_median_axis(const struct eng_split_item *items, uint32_t count);
 
 /* ---- items by a key of 64 bits ----------------------------------------------------- */

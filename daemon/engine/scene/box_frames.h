@@ -31,15 +31,16 @@ bool eng_box_frames_keep_distances(const struct eng_scene *scene);
 /* Choose frames that do. Gaps are shortened at each end by itself. */
 void eng_box_frames_choose_keeping(struct eng_scene *scene, unsigned from, unsigned to);
 
-/* The same for the step that the scene has just moved on by; where little moves and they
- * still do, the frames of the step before stay. */
+/* Choose frames for the step that the scene has just moved on by, that keep distances if
+ * it has thickness. Where little moves, and they still do as they should, the frames of
+ * the step before stay. */
 void eng_box_frames_follow(struct eng_scene *scene);
 
-/* Around all objects at both ends of that step, as they are measured. False: there is no
- * object. */
+/* Write the bounds of all objects at both ends of the step that frames were last chosen
+ * for, as they are measured. False: there is no object. */
 bool eng_box_frames_extent(const struct eng_scene *scene, double low[3], double high[3]);
 
-/* A frame for the features of one mesh among themselves, with vertices at x. */
+/* Return a frame for the features of one mesh among themselves, with vertices at x. */
 struct eng_box_frame eng_box_frame_alone(const struct eng_mesh *mesh,
                                          const double (*x)[3]);
 

@@ -39,14 +39,15 @@ struct eng_pairset {
 void eng_pairset_deinit(struct eng_pairset *set);
 size_t eng_pairset_bytes(const struct eng_pairset *set);
 
-/* a != b. PCCD_E_NOMEM: the set is as before. */
+/* Add a pair, a != b, if the set has it not yet. PCCD_E_NOMEM: the set is as before. */
 int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b);
 
-/* The memory goes with the last pair. */
+/* Remove a pair, if the set has it. The memory goes with the last one. */
 void eng_pairset_remove(struct eng_pairset *set, uint32_t a, uint32_t b);
+/* Return whether the set has the pair. */
 bool eng_pairset_has(const struct eng_pairset *set, uint32_t a, uint32_t b);
 
-/* The next pair after *from, which is 0 first; false: there are no more. */
+/* Find the next pair after *from, which is 0 first; false: there are no more. */
 bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pair[2]);
 
 /* Take a pair out that has `a`; *other is the other number. False: there is none. A
@@ -87,24 +88,26 @@ void eng_masks_init(struct eng_masks *masks);
 void eng_masks_deinit(struct eng_masks *masks);
 uint64_t eng_masks_bytes(const struct eng_masks *masks);
 
-/* Room for objects 0 .. capacity - 1; new ones are as objects begin. PCCD_E_NOMEM. */
+/* Make room for objects 0 .. capacity - 1; new ones are as objects begin.
+ * PCCD_E_NOMEM. */
 int eng_masks_reserve(struct eng_masks *masks, uint32_t capacity);
 
-/* The object is about to go away: it meets nothing any more. */
+/* Exclude an object that is about to go away: it meets nothing any more. */
 void eng_masks_exclude(struct eng_masks *masks, uint32_t object);
-/* The pairs of all that are excluded go, at once: to search for those of each takes up to
- * a millisecond. */
+/* Remove the pairs of all objects that are excluded, at once: to search for those of each
+ * takes up to a millisecond. */
 void eng_masks_purge_excluded(struct eng_masks *masks);
-/* The object went away: its pairs go, its place is as objects begin. */
+/* Forget an object that went away: its pairs go, its place is as objects begin. */
 void eng_masks_forget(struct eng_masks *masks, uint32_t object);
 
 void eng_masks_set(struct eng_masks *masks, uint32_t object,
                    const struct eng_object_filter *bits);
-/* Which pairs within the object the step does not test. The version stays: this is asked
- * of the entry, pair by pair. */
+/* Set which pairs within the object the step does not test. The version stays: this is
+ * asked of the entry, pair by pair. */
 void eng_masks_leave_out(struct eng_masks *masks, uint32_t object,
                          enum eng_self left_out);
-/* Two different objects. PCCD_E_LIMIT, PCCD_E_NOMEM: as before. */
+/* Ignore a pair of two different objects, or no longer if `ignored` is false.
+ * PCCD_E_LIMIT, PCCD_E_NOMEM: as before. */
 int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignored);
 
 /* Return whether there is anything that may be left out. If not, nobody needs to ask. */
@@ -114,7 +117,7 @@ static inline bool eng_masks_is_on(const struct eng_masks *masks)
            masks->left_out_count > 0;
 }
 
-/* Look up what is behind the bits. */
+/* Return whether a pair of objects is ignored. */
 static inline bool eng_masks_ignores(const struct eng_masks *masks, uint32_t a,
                                      uint32_t b)
 {

@@ -47,15 +47,16 @@ struct eng_mesh_counts {
     uint32_t points;
 };
 
-/* A mesh to be filled. Vertices, and all that is named together: 1 .. PROTO_COUNT_MAX,
- * else PCCD_E_INVAL. Allocates all that the data needs; PCCD_E_NOMEM leaves nothing
- * behind. The caller holds one reference. */
+/* Make a mesh to be filled. Vertices, and all that is named together: 1 ..
+ * PROTO_COUNT_MAX, else PCCD_E_INVAL. Allocates all that the data needs; PCCD_E_NOMEM
+ * leaves nothing behind. The caller holds one reference. */
 int eng_mesh_make(const struct eng_mesh_counts *counts, struct eng_mesh **mesh);
-/* One of triangles alone. */
+/* Make a mesh of triangles alone. */
 int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh **mesh);
 
-/* Another reference / drop one. NULL is allowed in release. [any] */
+/* Add a reference to the mesh, which is returned. [any] */
 struct eng_mesh *eng_mesh_acquire(struct eng_mesh *mesh);
+/* Drop a reference; the last one frees the mesh. NULL is allowed. [any] */
 void eng_mesh_release(struct eng_mesh *mesh);
 
 /* Copy a chunk in and check the copy. `source` may be memory another process writes: each
@@ -66,16 +67,17 @@ void eng_mesh_release(struct eng_mesh *mesh);
  * Errors: PCCD_E_INVAL (range), PCCD_E_STATE (committed, a gap), PCCD_E_NOTFINITE. */
 int eng_mesh_write_vertices(struct eng_mesh *mesh, enum pccd_format format,
                             uint32_t first, uint32_t count, const void *source);
-/* Triangles are uint32_t[3]; indices are checked: PCCD_E_INDEX, *bad_triangle set. */
+/* Copy triangles in, in the same way: uint32_t[3], whose indices are checked:
+ * PCCD_E_INDEX, *bad_triangle set. */
 int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t count,
                              const void *source, uint32_t *bad_triangle);
-/* Named edges are uint32_t[2], points uint32_t; otherwise the same. */
+/* Copy named edges, uint32_t[2], and points, uint32_t, in; otherwise as triangles. */
 int eng_mesh_write_edges(struct eng_mesh *mesh, uint32_t first, uint32_t count,
                          const void *source, uint32_t *bad_edge);
 int eng_mesh_write_points(struct eng_mesh *mesh, uint32_t first, uint32_t count,
                           const void *source, uint32_t *bad_point);
 
-/* Radii of vertices, for objects that have none of their own (scene.h): any ranges,
+/* Set radii of vertices, for objects that have none of their own (scene.h): any ranges,
  * before the commit; what is not written is 0. A feature has the largest of its vertices.
  * Each number of `source` is read once. PCCD_E_INVAL (range; one that is negative or not
  * finite), PCCD_E_LIMIT (one beyond 1e18), PCCD_E_STATE (committed), PCCD_E_NOMEM: part
@@ -83,7 +85,7 @@ int eng_mesh_write_points(struct eng_mesh *mesh, uint32_t first, uint32_t count,
 int eng_mesh_write_radii(struct eng_mesh *mesh, uint32_t first, uint32_t count,
                          const double *source);
 
-/* Count what has arrived so far. */
+/* Write the counts of what has arrived so far. */
 void eng_mesh_received(const struct eng_mesh *mesh, struct eng_mesh_counts *received);
 
 /* Derive edges, ownership and counts. PCCD_E_STATE: data missing or committed already;
@@ -103,21 +105,22 @@ int eng_mesh_set_own(struct eng_mesh *mesh, const uint64_t *vertices,
 /* Describe a committed mesh. */
 void eng_mesh_get_info(const struct eng_mesh *mesh, struct eng_mesh_info *info);
 
-/* Unique edges uint32_t[edge_count][2], lower index first, sorted by (higher, lower): the
- * numbering of public ground-truth data. */
+/* Return the unique edges uint32_t[edge_count][2], lower index first, sorted by (higher,
+ * lower): the numbering of public ground-truth data. */
 const uint32_t (*eng_mesh_edges(const struct eng_mesh *mesh))[2];
 
-/* Registered positions [vertex_count], exactly as they came. */
+/* Return the registered positions [vertex_count], exactly as they came. */
 const double (*eng_mesh_vertices(const struct eng_mesh *mesh))[3];
-/* Radii of vertices [vertex_count]; NULL: there are none. */
+/* Return the radii of vertices [vertex_count]; NULL: there are none. */
 const double *eng_mesh_radii(const struct eng_mesh *mesh);
-/* The corners of all triangles of a committed mesh, to corners[triangle_count]. */
+/* Write the corners of all triangles of a committed mesh to corners[triangle_count]. */
 void eng_mesh_get_corners(const struct eng_mesh *mesh, uint32_t (*corners)[3]);
-/* The free edges, to ends[free_edge_count], and points, to points[free_point_count]. */
+/* Write the free edges to ends[free_edge_count], and the free points to
+ * points[free_point_count]. */
 void eng_mesh_get_free(const struct eng_mesh *mesh, uint32_t (*ends)[2],
                        uint32_t *points);
 
-/* Bytes held. */
+/* Return the bytes held. */
 uint64_t eng_mesh_bytes(const struct eng_mesh *mesh);
 
 #endif

@@ -38,7 +38,7 @@ static inline bool eng_moves_little(const struct eng_scene *scene)
            !eng_moves_much(scene->moving.vertices, scene->moving.all);
 }
 
-/* Vertices that move, 2^32 - 1 if there are more: for the trace. */
+/* Return how many vertices move, 2^32 - 1 if there are more: for the trace. */
 static inline uint32_t eng_moving_count(const struct eng_scene *scene)
 {
     return scene->moving.vertices < UINT32_MAX ? (uint32_t)scene->moving.vertices

@@ -25,8 +25,8 @@
 
 #include "world.h"
 
-/* Before a step: see which clearances are known, so that the step goes by these, whatever
- * becomes known meanwhile. [compute] */
+/* Note, before a step, which clearances are known, so that the step goes by these,
+ * whatever becomes known meanwhile. [compute] */
 void eng_rigid_prepare(struct eng_scene *scene);
 
 /* Find out, when the positions are those of the step, which objects need no tests against
@@ -43,14 +43,14 @@ bool eng_rigid_is_settled(const struct eng_scene *scene);
  * degrees, or is pressed flat. The numbers of a pose are at most 1e18. */
 double eng_pose_shrink(const double m0[12], const double m1[12]);
 
-/* No vertex within the bounds is farther from where the pose takes it than that, as its
- * coordinates are rounded. Greater than 0. */
+/* Return a distance, greater than 0: no vertex within the bounds is farther than that
+ * from where the pose takes it, as its coordinates are rounded. */
 double eng_rounding_error(const double m[12], const struct eng_bounds *bounds);
 
-/* Two features of a mesh whose distance, as registered, is greater than what this returns
- * do not touch each other at any time of a step that takes each vertex from where m0
- * transforms it to where m1 does, both rounded. `bounds` are around the features, as
- * registered. Greater than 0; INFINITY: nothing is certain. */
+/* Return a distance such that two features of a mesh which are farther apart than that,
+ * as registered, do not touch each other at any time of a step that takes each vertex
+ * from where m0 transforms it to where m1 does, both rounded. `bounds` are around the
+ * features, as registered. Greater than 0; INFINITY: nothing is certain. */
 double eng_rounding_reach(const double m0[12], const double m1[12],
                           const struct eng_bounds *bounds);
 

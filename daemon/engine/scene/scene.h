@@ -33,7 +33,7 @@ struct eng_scene_settings {
         0.9, 1024, 1                                                                     \
     }
 
-/* NULL is allowed. A scene is made by eng_scene_new (step.h). */
+/* Free a scene, which eng_scene_new (step.h) made. NULL is allowed. */
 void eng_scene_free(struct eng_scene *scene);
 
 /* Add an instance of a committed mesh at its registered positions, build its hierarchy,
@@ -55,9 +55,9 @@ int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx);
 int eng_scene_replace(struct eng_scene *scene, uint32_t object_idx,
                       struct eng_mesh *mesh);
 
-/* The same for many objects, of any scenes, all or none: try each, once; then settle
- * every scene that was tried, or take all of it back. Neither can fail. Until then what
- * the objects were before is kept aside, and the scene must not be stepped or changed
+/* Replace many objects, of any scenes, all or none: try each, once; then settle every
+ * scene that was tried, or take all of it back. Neither can fail. Until then what the
+ * objects were before is kept aside, and the scene must not be stepped or changed
  * otherwise. Errors as eng_scene_replace; earlier tries stand. */
 int eng_scene_try_replace(struct eng_scene *scene, uint32_t object_idx,
                           struct eng_mesh *mesh);
@@ -78,9 +78,8 @@ struct eng_object_filter {
         1, UINT64_MAX, true                                                              \
     }
 
-/* PCCD_E_INVAL if there is no such object; a pair is of two. ignored = true, or false to
- * take it back; it goes with either object. PCCD_E_LIMIT: PROTO_IGNORED_PER_SCENE are;
- * PCCD_E_NOMEM. What is as it should be stays so. */
+/* Set, or get, which objects an object is tested against. PCCD_E_INVAL: there is no such
+ * object. */
 int eng_scene_set_filter(struct eng_scene *scene, uint32_t object_idx,
                          const struct eng_object_filter *filter);
 int eng_scene_get_filter(const struct eng_scene *scene, uint32_t object_idx,
@@ -99,15 +98,17 @@ struct eng_object_thickness {
     uint32_t rest_rings;
 };
 
-/* PCCD_E_INVAL: no such object; a number that is negative or not finite. PCCD_E_LIMIT:
- * one beyond 1e18, or more than 8 rings; or vertices of the mesh have so many others in
- * that many rings, more than 256 on average, that the lists of them would be too long
- * (to replace the mesh may fail for it, too). PCCD_E_NOMEM. As before then. */
+/* Set the thickness of an object. PCCD_E_INVAL: no such object; a number that is negative
+ * or not finite. PCCD_E_LIMIT: one beyond 1e18, or more than 8 rings; or vertices of the
+ * mesh have so many others in that many rings, more than 256 on average, that the lists
+ * of them would be too long (to replace the mesh may fail for it, too). PCCD_E_NOMEM. As
+ * before then. */
 int eng_scene_set_thickness(struct eng_scene *scene, uint32_t object_idx,
                             const struct eng_object_thickness *thickness);
-/* Do what takes longest of it, and of replacing an object that has such: find out which
- * vertices of a mesh (of the object's; of `mesh`, if it is not NULL) so many edges join.
- * It is kept with the mesh. PCCD_E_CANCELLED: *cancel became true. Else as above. */
+/* Do what takes longest of that, and of replacing an object that has rings: find out
+ * which vertices of a mesh (of the object's; of `mesh`, if it is not NULL) so many edges
+ * join. It is kept with the mesh. PCCD_E_CANCELLED: *cancel became true. Else as
+ * above. */
 int eng_scene_prepare_rings(struct eng_scene *scene, uint32_t object_idx,
                             struct eng_mesh *mesh, uint32_t rings,
                             const atomic_bool *cancel);
@@ -115,14 +116,19 @@ int eng_scene_get_thickness(const struct eng_scene *scene, uint32_t object_idx,
                             struct eng_object_thickness *thickness);
 
 /* Exclude an object that will be removed: from now on it meets nothing. PCCD_E_INVAL:
- * there is none. Then, once for all of these: the pairs that they are part of go. */
+ * there is none. */
 int eng_scene_exclude(struct eng_scene *scene, uint32_t object_idx);
+/* Remove the pairs that excluded objects are part of: once for all of these. */
 void eng_scene_purge_excluded(struct eng_scene *scene);
+/* Ignore a pair of two different objects from the next step on, or take that back if
+ * `ignored` is false; it goes with either object. A pair that is as it should be stays
+ * so. PCCD_E_INVAL: there are no such two; PCCD_E_LIMIT: PROTO_IGNORED_PER_SCENE are
+ * ignored; PCCD_E_NOMEM. As before then. */
 int eng_scene_ignore(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
                      bool ignored);
 uint32_t eng_scene_ignored_count(const struct eng_scene *scene);
 
-/* The next pair after *from, which is 0 first; false: there are no more. */
+/* Find the next ignored pair after *from, which is 0 first; false: there are no more. */
 bool eng_scene_next_ignored(const struct eng_scene *scene, uint32_t *from,
                             uint32_t pair_idx[2]);
 
@@ -137,31 +143,31 @@ uint32_t eng_scene_object_count(const struct eng_scene *scene);
 uint32_t eng_scene_vertex_count(const struct eng_scene *scene, uint32_t object_idx);
 uint64_t eng_scene_bytes(const struct eng_scene *scene);
 
-/* Staging. begin; any number of writes; then eng_step (step.h) makes the move, or abort
- * forgets it, and with it where the last step began, of objects that were written.
- * Objects without a write stand still at their last end positions. A failed write leaves
- * the staging open for abort only.
+/* Begin staging, or abort it. begin; any number of writes; then eng_step (step.h) makes
+ * the move, or abort forgets it, and with it where the last step began, of objects that
+ * were written. Objects without a write stand still at their last end positions. A failed
+ * write leaves the staging open for abort only.
  *
  * Ranges first .. first+count-1 of the object's vertices, count >= 1 (PCCD_E_INVAL); two
  * writes to one vertex in one step are PCCD_E_SEGMENT; coordinates PCCD_E_NOTFINITE.
  * Sources may be memory that another process writes: each byte is read once. */
 void eng_stage_begin(struct eng_scene *scene);
 void eng_stage_abort(struct eng_scene *scene);
-/* begin, of writes that are only to be found good or bad: abort must end it, and then
- * nothing has changed, not even where the last step began. */
+/* Begin staging of writes that are only to be found good or bad: abort must end it, and
+ * then nothing has changed, not even where the last step began. */
 void eng_stage_validate(struct eng_scene *scene);
 /* Return whether a vertex is written twice: the step would be refused. */
 bool eng_stage_overlaps(struct eng_scene *scene);
 
-/* After begin: `threads` may copy what follows, placed as those of a step are (step.h);
+/* Let, after begin, `threads` copy what follows, placed as those of a step are (step.h);
  * 1 and NULL unless this is called. */
 void eng_stage_share(struct eng_scene *scene, uint32_t threads,
                      const struct eng_affinity *affinity);
 
-/* End positions; the start is the last end. `x1`: packed [count][3] in `format`. */
+/* Stage end positions; the start is the last end. `x1`: packed [count][3] in `format`. */
 int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format format,
                  uint32_t first, uint32_t count, const void *x1);
-/* Both ends. */
+/* Stage the positions of both ends, as eng_stage_x1 those of one. */
 int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format format,
                    uint32_t first, uint32_t count, const void *x0, const void *x1);
 /* Say, before begin, where all end positions of an object can be written, and, unless x0
@@ -173,12 +179,12 @@ int eng_stage_map(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3]
                   double (**x1)[3]);
 /* Say that they were written there. */
 int eng_stage_mapped(struct eng_scene *scene, uint32_t object_idx, bool has_start);
-/* Also of any object of a step that is aborted before it was staged: it began where it
- * is. */
+/* Forget positions that were to be written there; also called of any object of a step
+ * that is aborted before it was staged: it began where it is. */
 void eng_stage_unmap(struct eng_scene *scene, uint32_t object_idx);
-/* Both ends as transforms of the registered positions. `m`: double[12], rows of [R | t];
- * x' = ((m0*x + m1*y) + m2*z) + m3 per row, each operation rounded once (no fma): the
- * result of that computation is the exact input of the step. */
+/* Stage both ends as transforms m0, m1 of the registered positions: double[12], rows of
+ * [R | t]; x' = ((m0*x + m1*y) + m2*z) + m3 per row, each operation rounded once (no
+ * fma): the result of that computation is the exact input of the step. */
 int eng_stage_rigid(struct eng_scene *scene, uint32_t object_idx, uint32_t first,
                     uint32_t count, const void *m0, const void *m1);
 

@@ -17,7 +17,7 @@
 /* Take a separation, and the radii as they are set now, for the coming step. */
 void eng_thickness_begin(struct eng_scene *scene, double separation);
 
-/* An object is new, or has other radii. */
+/* Note that an object is new, or has other thickness. */
 void eng_thickness_look(struct eng_scene *scene, const struct eng_object *object);
 
 /* Return whether each vertex of the object has a radius of its own. */
@@ -26,14 +26,14 @@ static inline bool eng_thickness_is_by_vertex(const struct eng_object *object)
     return !object->thickness.has_radius && object->mesh->radii;
 }
 
-/* The largest radius of the object's features. */
+/* Return the largest radius of the object's features. */
 static inline double eng_thickness_most(const struct eng_object *object)
 {
     return object->thickness.has_radius ? object->thickness.radius
                                         : object->mesh->radius_max;
 }
 
-/* The radius of a feature of the object; v[count]: its vertices in the mesh. */
+/* Return the radius of a feature of the object; v[count]: its vertices in the mesh. */
 static inline double eng_thickness_radius(const struct eng_object *object,
                                           const uint32_t *v, uint32_t count)
 {
@@ -57,15 +57,16 @@ static inline bool eng_thickness_is_plain(const struct eng_scene *scene)
     return !scene->thickness.may_have_radii && !scene->thickness.may_rest;
 }
 
-/* Not less than the distance at which any two features meet, in the frames. */
+/* Return a number that is not less than the distance at which any two features meet, in
+ * the frames. */
 static inline float eng_thickness_reach_growth(const struct eng_scene *scene)
 {
     double most = scene->thickness.separation + 2 * scene->thickness.most;
     return eng_near_growth(nextafter(most, INFINITY), scene->framing.scale);
 }
 
-/* By how much the box of a vertex of the object is larger, in its frame: not less than
- * the largest radius of its features and half of the separation. */
+/* Return by how much the box of a vertex of the object is larger, in its frame: not less
+ * than the largest radius of its features and half of the separation. */
 static inline float eng_thickness_growth(const struct eng_scene *scene,
                                          const struct eng_object *object, uint32_t vertex)
 {
@@ -79,8 +80,8 @@ static inline float eng_thickness_growth(const struct eng_scene *scene,
                            scene->framing.scale);
 }
 
-/* A bound, as its distance outward, of a box that is larger by `growth`: two roundings of
- * 2^-24 are less than what is added for them. */
+/* Return the bound `outward`, a distance outward, of a box that is made larger by
+ * `growth`: two roundings of 2^-24 are less than what is added for them. */
 static inline float eng_thickness_grown(float outward, float growth)
 {
     float sum = outward + growth;

@@ -93,11 +93,12 @@ struct eng_mesh {
     atomic_uint closed; /* a state of feature.c; 0: it is not known */
 };
 
-/* A radius that may be set: PCCD_E_INVAL, PCCD_E_LIMIT. */
+/* Check that a radius may be set: PCCD_E_INVAL (negative or not finite), PCCD_E_LIMIT
+ * (beyond 1e18). */
 int eng_mesh_check_radius(double radius);
 
-/* The bounds of the mesh's leaves, with its vertices at x. Vertices that are in none do
- * not count. */
+/* Return the bounds of the mesh's leaves, with its vertices at x. Vertices that are in
+ * none do not count. */
 struct eng_bounds eng_mesh_measure(const struct eng_mesh *mesh, const double (*x)[3]);
 
 static inline bool eng_mesh_has_bit(const uint64_t *bits, uint32_t feature)
@@ -140,13 +141,13 @@ static inline bool eng_mesh_knows_clearance(const struct eng_mesh *mesh)
            ENG_CLEARANCE_KNOWN;
 }
 
-/* 0: not known yet, or of no use. [any] */
+/* Return the clearance; 0: not known yet, or of no use. [any] */
 static inline double eng_mesh_clearance(const struct eng_mesh *mesh)
 {
     return eng_mesh_knows_clearance(mesh) ? mesh->clearance.length : 0;
 }
 
-/* Once the clearance is known. [any] */
+/* Return whether a feature is crowded, once the clearance is known. [any] */
 static inline bool eng_mesh_is_crowded(const struct eng_mesh *mesh, enum pccd_tree tree,
                                        uint32_t feature)
 {
@@ -161,19 +162,20 @@ static inline bool eng_mesh_is_crowded(const struct eng_mesh *mesh, enum pccd_tr
  * nothing changed. */
 int eng_feature_derive(struct eng_mesh *mesh);
 
-/* Where the edges begin whose higher vertex is v: first[v], v = 0 .. vertex_count. Of a
- * mesh that was derived. */
+/* Write where the edges begin whose higher vertex is v: first[v], v = 0 .. vertex_count.
+ * Of a mesh that was derived. */
 void eng_feature_index(const struct eng_mesh *mesh, uint32_t *first);
 
-/* The edge between two vertices that have one; ENG_NO_EDGE where they are the same. */
+/* Return the edge between two vertices that have one; ENG_NO_EDGE where they are the
+ * same. */
 uint32_t eng_feature_edge(const struct eng_mesh *mesh, const uint32_t *first, uint32_t a,
                           uint32_t b);
 
-/* A bit for each of `count` features, none of them set. NULL: no memory. */
+/* Allocate a bit for each of `count` features, none of them set. NULL: no memory. */
 uint64_t *eng_feature_new_bits(uint32_t count);
 
-/* Every vertex in a leaf and every edge is owned exactly once, and by a leaf that has
- * it. O(counts); true when it cannot allocate what it needs. */
+/* Return whether every vertex in a leaf and every edge is owned exactly once, and by a
+ * leaf that has it. O(counts); true when it cannot allocate what it needs. */
 bool eng_feature_validate(const struct eng_mesh *mesh);
 
 /* ---- is a mesh closed, so that it has an inside? ----------------------------------- */
@@ -183,8 +185,9 @@ struct eng_open_edge {
     uint32_t runs[2]; /* from the first to the second, and back */
 };
 
-/* PCCD_OK: it is closed; PCCD_E_INVAL: *open is the first edge, by its number, that is
- * not run through equally often; PCCD_E_NOMEM. O(edges + faces) the first time. */
+/* Find out whether a mesh is closed. PCCD_OK: it is; PCCD_E_INVAL: *open is the first
+ * edge, by its number, that is not run through equally often; PCCD_E_NOMEM. O(edges +
+ * faces) the first time. */
 int eng_mesh_is_closed(struct eng_mesh *mesh, struct eng_open_edge *open);
 
 /* ---- which vertices few edges join ------------------------------------------------- */
@@ -199,7 +202,7 @@ int eng_rings_prepare(struct eng_mesh *mesh, uint32_t rings, const atomic_bool *
 /* Return whether at most `rings` edges join the two. The lists are there. [any] */
 bool eng_rings_join(const struct eng_mesh *mesh, uint32_t rings, uint32_t v, uint32_t w);
 
-/* The mesh goes. */
+/* Free the lists of a mesh that goes. */
 void eng_rings_deinit(struct eng_mesh *mesh);
 uint64_t eng_rings_bytes(const struct eng_mesh *mesh);
 
@@ -208,10 +211,11 @@ uint64_t eng_rings_bytes(const struct eng_mesh *mesh);
 /* Have the lists of a committed mesh. PCCD_E_NOMEM. O(leaves) the first time. [any] */
 int eng_stars_prepare(struct eng_mesh *mesh);
 
-/* The leaves, by index and in order, that have the vertex. The lists are there. [any] */
+/* Return the leaves, by index and in order, that have the vertex. The lists are there.
+ * [any] */
 const uint32_t *eng_stars_of(const struct eng_mesh *mesh, uint32_t v, uint64_t *count);
 
-/* The mesh goes. */
+/* Free the lists of a mesh that goes. */
 void eng_stars_deinit(struct eng_mesh *mesh);
 uint64_t eng_stars_bytes(const struct eng_mesh *mesh);
 

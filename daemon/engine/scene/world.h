@@ -37,8 +37,8 @@ struct eng_ranges {
 void eng_ranges_init(struct eng_ranges *ranges, uint32_t limit);
 void eng_ranges_deinit(struct eng_ranges *ranges);
 
-/* First fit, else from the end. count >= 1. PCCD_E_LIMIT: would pass the limit;
- * PCCD_E_NOMEM. */
+/* Take a range of count >= 1: the first hole that it fits in, else from the end.
+ * PCCD_E_LIMIT: would pass the limit; PCCD_E_NOMEM. */
 int eng_ranges_take(struct eng_ranges *ranges, uint32_t count, uint32_t *first);
 
 /* Give a taken range back; merges with neighbouring holes. Cannot fail: take reserves the
@@ -267,10 +267,10 @@ struct eng_scene {
     uint64_t builds; /* hierarchies built since the scene was made */
 };
 
-/* The object that staged or stands at `object_idx`, or NULL. */
+/* Return the object that staged or stands at `object_idx`, or NULL. */
 struct eng_object *eng_scene_object(const struct eng_scene *scene, uint32_t object_idx);
 
-/* An empty scene whose slots have these owners. PCCD_E_INVAL, PCCD_E_NOMEM. */
+/* Make an empty scene whose slots have these owners. PCCD_E_INVAL, PCCD_E_NOMEM. */
 int eng_world_new(const struct eng_scene_settings *settings,
                   const struct eng_slot_calls *const owners[ENG_SLOTS],
                   struct eng_scene **scene);
@@ -284,7 +284,7 @@ int eng_world_reserve(struct eng_scene *scene);
  * where it stood and the staging is gone. */
 int eng_stage_commit(struct eng_scene *scene);
 
-/* Between enter and leave the step that the scene has moved on by is that part of it:
+/* Make the step that the scene has moved on by, between enter and leave, that part of it:
  * x[1 - now] and x[now] are where its vertices are at span[0] and span[1], which is x0 +
  * t (x1 - x0), each operation rounded to the nearest double, and not beyond x0 and x1; x1
  * itself at 1. So two parts that follow each other share their positions. Boxes, and
