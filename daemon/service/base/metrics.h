@@ -26,7 +26,7 @@ void srv_metrics_add_all(struct srv_metrics *metrics, const struct srv_metrics *
 /* Add a step to what list.session tells of a session. */
 void srv_stats_add_step(struct proto_LIST_SESSION_result *stats,
                         const struct proto_answer *answer);
-/* Add what was counted of it apart. */
+/* Add to that all that was counted apart. */
 void srv_stats_add_all(struct proto_LIST_SESSION_result *stats,
                        const struct proto_LIST_SESSION_result *more);
 

@@ -190,10 +190,10 @@ void *srv_ring_next(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
 /* Give back, and refund, at once what the result region has taken beyond what it began
  * with and behind all pages that the client has not released. [compute] */
 void srv_ring_give_back(struct srv_ring *ring);
-/* Give back, when no other request follows the one that was answered for a while, what
- * the result region has taken beyond what it began with and behind all pages that the
- * client has not released, and the slots that the client says are free, but for the last
- * slot that has memory; refund it. [loop] */
+/* Give back and refund, unless another request follows soon: what the result region has
+ * taken beyond what it began with and behind all pages that the client has not released;
+ * and the slots that the client says are free, but for the last slot that has memory.
+ * After a request was answered. [loop] */
 void srv_ring_trim_if_idle(struct srv_ring *ring, struct srv_reclaim *reclaim);
 
 /* Look at what both memories hold beyond what was given: a client can write to slots that

@@ -138,10 +138,10 @@ struct srv_turns {
  * none of them does; its group if one of its lists waits. */
 void srv_turns_update(struct srv_turns *turns, struct srv_job_list *list);
 
-/* Take a list out of its queue, that whose first job is next while `running` jobs run,
- * and return it; NULL: there is none. A user has no more jobs than are left of place_max,
- * or one if none is left: the others wait on. A list whose first job has to wait for a
- * claim is put aside. */
+/* Take the list whose first job is next, while `running` jobs run, out of its queue, and
+ * return it; NULL: there is none. A user has no more jobs than are left of place_max, or
+ * one if none is left: the others wait on. A list whose first job has to wait for a claim
+ * is put aside. */
 struct srv_job_list *srv_turns_choose(struct srv_turns *turns, uint32_t running,
                                       uint32_t place_max);
 

@@ -20,8 +20,8 @@ void srv_dispatch_violation(struct srv_session *session, int code, const char *t
 /* Refuse a client beyond its user's quota: sets *error, fatal, and returns its code. */
 int srv_dispatch_refuse_quota(struct srv_session *session, struct proto_error *error);
 
-/* Tell a refused client that has said nothing, and whose connection is about to be
- * closed, why, with message id 0. */
+/* Tell a refused client why, with message id 0: it has said nothing, and its connection
+ * is about to be closed. */
 void srv_dispatch_refuse_silent(struct srv_session *session);
 
 /* Tell every client that the daemon is about to go. */

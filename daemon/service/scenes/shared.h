@@ -55,9 +55,9 @@ int srv_shared_open(struct srv_session *session,
 /* Let a session, which has given back its handle of a shared scene, leave it. */
 void srv_shared_leave(struct srv_session *session, struct srv_scene *scene);
 
-/* Hide, before a step of the scene, shared or not, all that belongs to those who have
- * heard that they have left: it meets nothing any more, though it may be another's turn
- * before it is taken out. [compute] */
+/* Let the objects of those who have left meet nothing any more. Before a step of the
+ * scene, shared or not: they have heard that they have left, and it may be another's turn
+ * before their objects are taken out. [compute] */
 void srv_shared_hide(struct srv_scene *scene);
 
 /* Return the member of a session that has a handle for the scene; NULL: it is the
@@ -91,8 +91,8 @@ void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,
                         const struct proto_answer *answer);
 /* Tell the session that its frame waits for the scene's next step. */
 void srv_shared_waits(struct srv_member *member, uint64_t step);
-/* Prepare to tell a session, which goes on over another connection, once more which
- * frames of it wait: it may not have heard. */
+/* Have srv_shared_catch_up tell a session again which frames of it wait: it goes on over
+ * another connection, and may not have heard. */
 void srv_shared_resumed(struct srv_session *session);
 /* Tell a session what could not be told before, if it can be now. */
 void srv_shared_catch_up(struct srv_session *session);

@@ -22,8 +22,9 @@ struct srv_session;
 int srv_linger_init(struct srv_service *service);
 void srv_linger_deinit(struct srv_service *service);
 
-/* Give a session that is being opened, whose client wants to be able to come back, the
- * secret for that, if there is one to be had and the options let clients come back. */
+/* Give a session that is being opened a secret, as its client wants to be able to come
+ * back; none where the system or the memory has none for it, or the options let nobody
+ * come back. */
 void srv_linger_enable(struct srv_session *session);
 
 /* Let a session whose connection is gone wait, or end it. */
