@@ -25,11 +25,12 @@ struct proto_error {
 int proto_error_set(struct proto_error *error, int code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Name ("E_BADMSG") and text ("malformed message") of a status; never NULL. */
+/* Return the name ("E_BADMSG") or the text ("malformed message") of a status; never
+ * NULL. */
 const char *proto_status_name(int status);
 const char *proto_status_text(int status);
 
-/* Method by wire name; -1 if there is none. */
+/* Return the method of a name on the wire; -1 if there is none. */
 int proto_method_by_name(const char *name, size_t bytes);
 
 /* A decoded envelope. `body` points into the decoder and from there into the message: it
@@ -43,8 +44,10 @@ struct proto_envelope {
     const void *body;         /* params or result: a const msgpack_object * */
 };
 
-struct proto_decoder; /* a reused zone */
-struct proto_decoder *proto_decoder_new(void); /* NULL: no memory */
+/* Memory that is used anew for each message. */
+struct proto_decoder;
+/* Make a decoder. NULL: no memory. */
+struct proto_decoder *proto_decoder_new(void);
 void proto_decoder_free(struct proto_decoder *decoder);
 
 /* Bound a message before msgpack-c sees it: depth, declared counts against the bytes
@@ -58,8 +61,8 @@ int proto_prescan(const void *message, size_t bytes, struct proto_error *error);
 int proto_decode(struct proto_decoder *decoder, const void *message, size_t bytes,
                  struct proto_envelope *envelope, struct proto_error *error);
 
-/* Fields of envelope->body into the struct that `fields` describes. Absent optional
- * fields are zero. Returns 0 or PCCD_E_BADMSG. On failure *out is zeroed. */
+/* Decode envelope->body into the struct that `fields` describes. Absent optional fields
+ * are zero. Returns 0 or PCCD_E_BADMSG. On failure *out is zeroed. */
 int proto_decode_body(const struct proto_envelope *envelope,
                       const struct proto_fields *fields, void *out,
                       struct proto_error *error);
@@ -70,7 +73,7 @@ struct proto_encoder {
     uint8_t data[PROTO_MESSAGE_BYTES_MAX];
 };
 
-/* Each returns 0 or PCCD_E_LIMIT (message would be longer than the maximum). */
+/* Encode one message. Returns 0 or PCCD_E_LIMIT (it would be longer than the maximum). */
 int proto_encode_request(struct proto_encoder *encoder, uint32_t id, int method,
                          const void *request);
 int proto_encode_result(struct proto_encoder *encoder, uint32_t id, int method,

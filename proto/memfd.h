@@ -46,10 +46,11 @@ int proto_memory_take(struct proto_memory *memory, size_t from, size_t to);
  * PCCD_E_SYSTEM where that cannot be done: then nothing has changed. */
 int proto_memory_give_back(struct proto_memory *memory, size_t from, size_t to);
 
-/* Another descriptor of the memory, close-on-exec. -1: none is to be had. */
+/* Return another descriptor of the memory, close-on-exec. -1: none is to be had. */
 int proto_memory_share(const struct proto_memory *memory);
 
-/* Bytes that the memory takes, whoever has touched them; 0 without a descriptor. */
+/* Return how many bytes the memory takes, whoever has touched them; 0 without a
+ * descriptor. */
 size_t proto_memory_held(const struct proto_memory *memory);
 
 /* Map a received descriptor of exactly `bytes` after checking size (fstat), seals and
@@ -63,8 +64,8 @@ int proto_memory_map(struct proto_memory *memory, int fd, size_t bytes, bool rea
  * Returns 0 or PCCD_E_NOMEM. */
 int proto_memory_populate(struct proto_memory *memory, size_t from, size_t to);
 
-/* Somebody reads or writes up to `end`: proto_memory_deinit unmaps pages before it a few
- * at a time. */
+/* Note that somebody reads or writes up to `end`: proto_memory_deinit unmaps pages before
+ * it a few at a time. */
 void proto_memory_touch(struct proto_memory *memory, size_t end);
 
 /* Unmap and close; a memory with fd = -1 and base = NULL is left alone. */

@@ -109,7 +109,7 @@ struct proto_page {
     uint32_t record_bytes;
 };
 
-/* That of a result of a method with PROTO_F_PAGE. [any] */
+/* Return the page of a result of a method with PROTO_F_PAGE. [any] */
 struct proto_page proto_page_of(int method, const void *result);
 
 /* Indexed by enum proto_method, PROTO_MESSAGE_COUNT entries. [any] */

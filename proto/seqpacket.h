@@ -33,32 +33,31 @@ int proto_send(int socket, const void *message, size_t bytes, const int *fds,
 int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
                   int *fd_count);
 
-/* The same, but waits for a message as long as the socket's SO_RCVTIMEO has it, 0 for
- * ever, if the socket blocks (one call in the place of poll and proto_receive). Then, and
- * when a signal was handled meanwhile, PCCD_E_AGAIN. */
+/* Receive as proto_receive does, but wait for a message as long as the socket's
+ * SO_RCVTIMEO has it, 0 for ever, if the socket blocks (one call in the place of poll and
+ * proto_receive). Then, and when a signal was handled meanwhile, PCCD_E_AGAIN. */
 int proto_await(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
                 int *fd_count);
 
-/* As proto_receive and proto_await with fds == NULL, but uncounted, where none is
- * expected: the kernel has less to do, and closes one that comes after all before the
+/* Receive as proto_receive and proto_await do with fds == NULL, but uncounted, where none
+ * is expected: the kernel has less to do, and closes one that comes after all before the
  * call returns. */
 int proto_receive_bare(int socket, void *buffer, size_t capacity, size_t *bytes);
 int proto_await_bare(int socket, void *buffer, size_t capacity, size_t *bytes);
 
-/* From here on the peer's sendmsg fails with EPERM where it passes descriptors; what it
- * sent before can still bring some. False: the kernel cannot (Linux before 6.16). */
+/* Have the peer's sendmsg fail with EPERM from here on where it passes descriptors; what
+ * it sent before can still bring some. False: the kernel cannot (Linux before 6.16). */
 bool proto_refuse_fds(int socket);
 
-/* As proto_receive, where every descriptor that came is the caller's, whatever is
- * returned: fds[0 .. *fd_count-1]. Closing one may block for as long as its sender
- * likes. */
+/* Receive as proto_receive does, where every descriptor that came is the caller's,
+ * whatever is returned: fds[0 .. *fd_count-1]. Closing one may block for as long as its
+ * sender likes. */
 int proto_receive_all(int socket, void *buffer, size_t capacity, size_t *bytes,
                       int fds[PROTO_FDS_RECEIVED_MAX], int *fd_count);
 
-/* The user's socket path: $XDG_RUNTIME_DIR/pccd/pccd.sock, or /tmp/pccd-UID/pccd.sock
- * when the variable is unset (or not absolute).
- * Returns 0 or PCCD_E_LIMIT (longer than capacity or than
- * sockaddr_un holds, 107 bytes). */
+/* Get the user's socket path: $XDG_RUNTIME_DIR/pccd/pccd.sock, or /tmp/pccd-UID/pccd.sock
+ * when the variable is unset (or not absolute). Returns 0 or PCCD_E_LIMIT (longer than
+ * capacity or than sockaddr_un holds, 107 bytes). */
 int proto_default_socket_path(char *path, size_t capacity);
 
 #endif

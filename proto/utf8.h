@@ -5,7 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Bytes of the well-formed sequence at text[left], left >= 1; 0: there is none. */
+/* Return how many bytes the well-formed sequence at text[left] has, left >= 1; 0: there
+ * is none, or it is a NUL. */
 static inline size_t proto_utf8_sequence(const uint8_t *text, size_t left)
 {
     uint8_t first = text[0];

@@ -42,8 +42,8 @@ bool record_has_zstd(void);
 /* Make the file, which must not exist, and write its head. PCCD_E_SYSTEM: errno says
  * why. */
 int record_writer_open(struct record_writer *writer, const char *path);
-/* The file needs these features (enum record_feature) from now on, whatever it
- * holds. PCCD_E_SYSTEM: errno says why. */
+/* Say in the file's head that it needs these features (enum record_feature) from now on,
+ * whatever it holds. PCCD_E_SYSTEM: errno says why. */
 int record_writer_need(struct record_writer *writer, uint32_t features);
 /* Append one chunk, in one write. After a failure the file ends with the chunk before:
  * PCCD_E_SYSTEM (errno), PCCD_E_NOMEM, PCCD_E_LIMIT (bytes_max, which is judged by what
@@ -64,9 +64,9 @@ void record_writer_deinit(struct record_writer *writer);
 
 #define RECORD_TEXT_BYTES 160u
 
-/* The header's own sum and its lengths. PCCD_OK or PCCD_E_FORMAT. */
+/* Check the header's own sum and its lengths. PCCD_OK or PCCD_E_FORMAT. */
 int record_chunk_judge(const struct record_chunk *chunk, char text[RECORD_TEXT_BYTES]);
-/* The stored bytes' sum, then the payload in `to`, of chunk->bytes. PCCD_OK,
+/* Check the stored bytes' sum, then unpack the payload to `to`, of chunk->bytes. PCCD_OK,
  * PCCD_E_FORMAT, PCCD_E_NOMEM. */
 int record_chunk_unpack(const struct record_chunk *chunk, const void *stored, void *to,
                         char text[RECORD_TEXT_BYTES]);
@@ -75,8 +75,8 @@ int record_chunk_unpack(const struct record_chunk *chunk, const void *stored, vo
  * PCCD_E_NOMEM. */
 int record_chunk_measure(const struct record_chunk *chunk, const void *stored,
                          char text[RECORD_TEXT_BYTES]);
-/* The most bytes that a payload can have whose first `have` are at `begin`. *wants: as
- * many of them as it takes to know; `have`: these are enough. PLACE: any. */
+/* Return the most bytes that a payload can have whose first `have` are at `begin`.
+ * *wants: as many of them as it takes to know; `have`: these are enough. PLACE: any. */
 uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,
                              uint64_t *wants);
 /* Check that a payload is what its kind says: lengths, counts, indices, ranges.
@@ -84,7 +84,7 @@ uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,
 int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
                          char text[RECORD_TEXT_BYTES]);
 
-/* "FRAME"; NULL: not known. */
+/* Return the name of a kind, as "FRAME"; NULL: not known. */
 const char *record_kind_name(uint16_t kind);
 
 #endif

@@ -235,7 +235,7 @@ struct record_end {
  * all). */
 void record_filter_make(struct record_filter *filter, uint32_t scene, uint32_t object,
                         uint32_t what, const struct common_attributes *given);
-/* A payload that was judged. */
+/* Read a filter from a payload that was judged. */
 void record_filter_read(const void *payload, uint64_t bytes, struct record_filter *filter,
                         struct common_attributes *given);
 
@@ -248,11 +248,11 @@ void record_former_tuning(const struct record_frame *frame, char text[PCCD_TUNIN
  * the version that the recording was made with (proto/PROTOCOL.md, "The hash of an
  * answer"). */
 
-/* hash[0] high, hash[1] low, of all records of an answer, in their order; `version` is 1
- * or 2. Not for mode any: its hash is that of the verdict, in both versions. */
+/* Hash all records of an answer, in their order: hash[0] high, hash[1] low; `version` is
+ * 1 or 2. Not for mode any: its hash is that of the verdict, in both versions. */
 void record_answer_hash(uint32_t version, const void *records, uint64_t count,
                         size_t record_bytes, uint64_t hash[2]);
-/* The same of mode any, in both versions. */
+/* Hash the verdict of an answer of mode any, in both versions. */
 void record_verdict_hash(uint32_t verdict, uint64_t hash[2]);
 /* The record that record_answer_hash takes of answers about the bounds of vertices, whose
  * records are the bounds alone. */

@@ -48,15 +48,15 @@ int record_reader_open_memory(struct record_reader *reader, const void *memory,
                               uint64_t bytes);
 void record_reader_deinit(struct record_reader *reader);
 
-/* The next chunk of a known kind: 1, or 0 at the end (reader->ending says which), or
- * PCCD_E_FORMAT (damaged: nothing after it can be trusted), PCCD_E_SYSTEM,
+/* Read the next chunk of a known kind: 1, or 0 at the end (reader->ending says which),
+ * or PCCD_E_FORMAT (damaged: nothing after it can be trusted), PCCD_E_SYSTEM,
  * PCCD_E_NOMEM. */
 int record_reader_next(struct record_reader *reader, struct record_view *view);
-/* The same, but neither read nor judge the payloads of kinds whose bit (1 << kind) is not
- * in `kinds`. */
+/* Read the next chunk, but neither read nor judge the payloads of kinds whose bit
+ * (1 << kind) is not in `kinds`. */
 int record_reader_skim(struct record_reader *reader, uint32_t kinds,
                        struct record_view *view);
-/* 1 or 2: of the hashes in the file's answers (payload.h). */
+/* Return the version of the hashes in the file's answers, 1 or 2 (payload.h). */
 uint32_t record_reader_hash_version(const struct record_reader *reader);
 /* Go on with the chunk at `offset`, which a view has named. */
 void record_reader_seek(struct record_reader *reader, uint64_t offset);

@@ -26,11 +26,12 @@ struct registry_map {
     uint32_t count;
 };
 
-/* Handles are not 0. The value is replaced if there is one. 0 or PCCD_E_NOMEM. */
+/* Put a value under a handle, which is not 0, in the place of one that is there. 0 or
+ * PCCD_E_NOMEM. */
 int registry_map_put(struct registry_map *map, uint32_t handle, uint64_t value);
-/* False: there is none, and *value is as before. */
+/* Get the value of a handle. False: there is none, and *value is as before. */
 bool registry_map_get(const struct registry_map *map, uint32_t handle, uint64_t *value);
-/* Nothing if there is none. */
+/* Remove the value of a handle, if there is one. */
 void registry_map_remove(struct registry_map *map, uint32_t handle);
 void registry_map_deinit(struct registry_map *map);
 
@@ -51,10 +52,11 @@ struct registry_pairs {
     bool is_unsettled; /* the last word on a pair may not be the only one */
 };
 
-/* Returns 0 or PCCD_E_NOMEM: it has not been noted. */
+/* Note whether a pair of objects ignore each other. Returns 0 or PCCD_E_NOMEM: it has not
+ * been noted. */
 int registry_pairs_note(struct registry_pairs *pairs, uint32_t a, uint32_t b,
                         bool ignored);
-/* The object is gone. O(count). */
+/* Forget what was said of an object that is gone. O(count). */
 void registry_pairs_forget(struct registry_pairs *pairs, uint32_t object);
 /* Leave those that ignore each other, each once, in the order of their handles. Nothing
  * where nothing was told since the last time, else O(count log count). */
@@ -159,37 +161,38 @@ struct registry {
     void *next_free;
 };
 
-/* A copy of a mesh, which no registry has yet; NULL: no memory. */
+/* Return a mesh that is a copy of a shape, and that no registry has yet; NULL: no
+ * memory. */
 struct registry_mesh *registry_mesh_copy(const struct registry_shape *shape);
 /* Return what it is made of; the arrays are the mesh's. */
 struct registry_shape registry_mesh_shape(const struct registry_mesh *mesh);
-/* A mesh that no registry has; NULL is allowed. */
+/* Free a mesh that no registry has; NULL is allowed. */
 void registry_mesh_free(struct registry_mesh *mesh);
 
-/* The mesh `handle` is made, or gets other contents: those of `copy`, which is taken
+/* Make the mesh `handle`, or give it other contents: those of `copy`, which is taken
  * over. Objects of one that is replaced stand where the new one was registered; steps
  * before `step` say nothing of them any more. Returns 0 or PCCD_E_NOMEM: objects whose
  * both ends could not be followed any more (registry_positions.c) are gone. */
 int registry_put_mesh(struct registry *registry, uint32_t handle,
                       struct registry_mesh *copy, uint64_t step);
-/* NULL: there is none of that handle. */
+/* Return the mesh of a handle; NULL: there is none. */
 struct registry_mesh *registry_mesh(const struct registry *registry, uint32_t handle);
 void registry_destroy_mesh(struct registry *registry, struct registry_mesh *mesh);
 
-/* NULL: no memory. There is no scene of that handle before. */
+/* Add a scene; there is none of that handle before. NULL: no memory. */
 struct registry_scene *registry_add_scene(struct registry *registry, uint32_t handle,
                                           const struct registry_settings *settings);
 struct registry_scene *registry_scene(const struct registry *registry, uint32_t handle);
 void registry_remove_scene(struct registry *registry, struct registry_scene *scene);
 
-/* An object that stands where its mesh was registered, and may meet all. NULL: no memory.
- * There is no object of that handle in the scene before. */
+/* Add an object that stands where its mesh was registered, and may meet all. NULL: no
+ * memory. There is no object of that handle in the scene before. */
 struct registry_object *registry_add_object(struct registry_scene *scene,
                                             struct registry_mesh *mesh, uint32_t handle,
                                             uint64_t step);
-/* An object with a shape that no other has: of a mesh that is destroyed already. One that
- * is there gets the shape and keeps what it may meet. Takes `copy` over unless it returns
- * NULL: no memory. */
+/* Put an object with a shape that no other has: of a mesh that is destroyed already. One
+ * that is there gets the shape and keeps what it may meet. Takes `copy` over unless it
+ * returns NULL: no memory. */
 struct registry_object *registry_put_guest(struct registry *registry,
                                            struct registry_scene *scene, uint32_t handle,
                                            struct registry_mesh *copy);
@@ -231,23 +234,25 @@ struct registry_motion {
 /* Find where vertex `v` of a mesh was registered. */
 void registry_registered(const struct registry_mesh *mesh, uint32_t v, double x[3]);
 
-/* The object stands where its mesh was registered, whatever steps before `step` said. 0,
- * or PCCD_E_NOMEM where both ends are followed. */
+/* Let the object stand where its mesh was registered, whatever steps before `step` said.
+ * 0, or PCCD_E_NOMEM where both ends are followed. */
 int registry_reset(struct registry_object *object, uint64_t step);
 
-/* The first vertex that the motion, which is within the object, would take to where no
- * coordinates are, in the beginning or at the end; motion->first + count: none. */
+/* Return the first vertex that the motion, which is within the object, would take to
+ * where no coordinates are, in the beginning or at the end; motion->first + count:
+ * none. */
 uint32_t registry_first_stray(const struct registry_object *object,
                               const struct registry_motion *motion);
 
-/* Only the end counts. 0 or PCCD_E_NOMEM: then it stays where it was. */
+/* Place the object where a motion ends; where it starts does not count. 0 or
+ * PCCD_E_NOMEM: then it stays where it was. */
 int registry_place(struct registry_object *object, const struct registry_motion *motion);
 
 /* Follow both ends of an object's steps, from where its mesh was registered: x0, x1. 0 or
  * PCCD_E_NOMEM. */
 int registry_follow(struct registry_object *object);
-/* A step begins where the last one has ended, for all objects that are followed; then
- * some of them move. */
+/* Begin a step where the last one has ended, for all objects of the scene, which are
+ * followed; then some of them move. */
 void registry_begin_step(struct registry_scene *scene);
 void registry_move(struct registry_object *object, const struct registry_motion *motion);
 

@@ -10,8 +10,8 @@
 
 #include <stdbool.h>
 
-/* From now on files of this folder alone are opened; it becomes the working directory.
- * 0, or an errno. */
+/* Let tool_open open files of this folder alone from now on; it becomes the working
+ * directory. 0, or an errno. */
 int tool_confine(const char *folder);
 /* Open it to be read: as open(path, O_RDONLY | O_CLOEXEC). EXDEV: it is outside of the
  * folder, or a symbolic link on its way leads there. */
@@ -22,7 +22,7 @@ int tool_open(const char *path);
 int tool_is_outside(const char *path, bool is_new);
 /* Return `path` as it counts from the folder, if it begins with the folder's name. */
 const char *tool_from_folder(const char *path);
-/* strerror(), and of EXDEV what that means here. */
+/* Return what strerror() says, and of EXDEV and ENOSYS what they mean here. */
 const char *tool_why(int error);
 
 #endif

@@ -8,14 +8,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Each of these lives until seven more have been made, and is cut after 4095 bytes. What
- * could control a terminal is written as \xNN. */
+/* Return text that is safe to print: what could control a terminal is written as \xNN.
+ * Each of these lives until seven more have been made, and is cut after 4095 bytes. */
 const char *tool_shown(const char *text);
-/* The same of a field of at most `bytes` bytes, which a NUL may end earlier. */
+/* Show a field of at most `bytes` bytes so, which a NUL may end earlier. */
 const char *tool_shown_field(const char *text, size_t bytes);
-/* The same, cut to so many columns of a table; then a + says so. */
+/* Show text so, cut to so many columns of a table; then a + says so. */
 const char *tool_shown_cut(const char *text, uint32_t columns);
-/* The same, filled with blanks to that many columns, too. */
+/* Show text so, cut to that many columns, and filled with blanks to as many. */
 const char *tool_shown_column(const char *text, uint32_t columns);
 
 #endif

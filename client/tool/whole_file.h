@@ -25,9 +25,9 @@ struct whole_file {
     bool is_direct; /* no regular file, as /dev/stdout: written straight away */
 };
 
-/* 0, or an errno: then the file is not open. What has the name already must allow
- * writing, and keeps its rights and owner. From now on the limit of RLIMIT_FSIZE is an
- * error of writing and no signal. */
+/* Open it to be written. 0, or an errno: then the file is not open. What has the name
+ * already must allow writing, and keeps its rights and owner. From now on the limit of
+ * RLIMIT_FSIZE is an error of writing and no signal. */
 int whole_file_open(struct whole_file *file, const char *path);
 /* Close it and give it its name. 0, or the errno of whatever failed since it was opened:
  * then nothing has changed under that name. */
@@ -39,7 +39,7 @@ void whole_file_discard(struct whole_file *file);
 
 /* Return whether `path` ends with `ending`, such as ".png", and is more than that. */
 bool tool_ends_with(const char *path, const char *ending);
-/* `path` from behind its last slash on; all of it, if nothing is there. */
+/* Return `path` from behind its last slash on; all of it, if nothing is there. */
 const char *tool_base_name(const char *path);
 
 #endif

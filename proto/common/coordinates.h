@@ -14,7 +14,7 @@
 #include "pccd_types.h"
 #include "proto_limits.h"
 
-/* Bytes of one vertex, three coordinates, in that enum pccd_format. */
+/* Return the bytes of one vertex, three coordinates, in that enum pccd_format. */
 static inline uint64_t common_vertex_bytes(uint32_t format)
 {
     return format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
@@ -26,7 +26,7 @@ static inline bool common_is_coordinate(double x)
     return x >= -PROTO_COORDINATE_MAX && x <= PROTO_COORDINATE_MAX;
 }
 
-/* The coordinate with that index of vertices at `at`, aligned or not. */
+/* Return the coordinate with that index of vertices at `at`, aligned or not. */
 static inline double common_coordinate(const void *at, uint32_t format, uint64_t index)
 {
     double x;

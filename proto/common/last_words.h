@@ -22,14 +22,14 @@
 
 #define COMMON_LAST_WORDS_BYTES 256
 
-/* Frames of a backtrace say nothing to a user. */
+/* Return whether a line says something to a user, as frames of a backtrace do not. */
 static inline bool common_line_speaks(const char *line)
 {
     return line[0] != '\0' && strstr(line, "[0x") == NULL;
 }
 
-/* The last line of `path` that speaks, cut to fit. "": there is none, or no such file of
- * this user. */
+/* Write the last line of `path` that speaks, cut to fit, to `words`. "": there is none,
+ * or no such file of this user. */
 static inline void common_last_words(const char *path,
                                      char words[COMMON_LAST_WORDS_BYTES])
 {

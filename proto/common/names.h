@@ -18,7 +18,8 @@ static const char *const common_near_names[PCCD_NEAR_COUNT + 1] = {
 
 static const char *const common_verdict_names[] = {"no", "possible", "yes", "none"};
 
-/* The name of a value; NULL if it has none, as what a newer daemon says may. */
+/* Return the name of a value; NULL if it has none, as one that a newer daemon sends
+ * may. */
 static inline const char *common_mode_name(uint32_t mode)
 {
     return mode < PCCD_MODE_COUNT ? common_mode_names[mode] : NULL;

@@ -84,7 +84,7 @@ COMMON_OBJECT_ATTRIBUTES(COMMON_BIT, )
         COMMON_OBJECT_ATTRIBUTES(COMMON_ATTRIBUTE_COPY, )                                \
     } while (0)
 
-/* Those that `what` names. */
+/* Set those that `what` names. */
 static inline void common_attributes_set(struct common_attributes *to, uint32_t what,
                                          const struct common_attributes *from)
 {
@@ -94,7 +94,8 @@ static inline void common_attributes_set(struct common_attributes *to, uint32_t 
 #undef COMMON_SET
 }
 
-/* A word of a recording: the number, of a double its bits. */
+/* Return a number as a word of a recording: a double as its bits. The four that follow
+ * turn it back. */
 static inline uint64_t common_word_of_u32(uint32_t number)
 {
     return number;
@@ -148,7 +149,8 @@ static inline void common_attributes_pack(const struct common_attributes *from,
 #undef COMMON_PACK
 }
 
-/* Whoever wrote fewer words did not know the rest, which stays as it is. */
+/* Set attributes from `count` words. Whoever wrote fewer did not know the rest, which
+ * stays as it is. */
 static inline void common_attributes_unpack(struct common_attributes *to,
                                             const uint64_t *words, uint64_t count)
 {

@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The number in the line that begins with `name`, as "VmHWM:", the most memory, in KiB,
- * that it has had at a time. 0: there is no such line. */
+/* Return the number in the line of a process's status that begins with `name`, as
+ * "VmHWM:", the most memory, in KiB, that it has had at a time. 0: there is no such
+ * line. */
 static inline uint64_t common_process_status(long pid, const char *name)
 {
     char line[256];

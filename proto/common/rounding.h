@@ -108,7 +108,7 @@ static inline struct common_rounding common_rounding_needed(void)
 
 #endif
 
-/* From here on as pccd needs it. Returns what it was. */
+/* Compute as pccd needs it from here on. Returns how it was. */
 static inline struct common_rounding common_rounding_enter(void)
 {
     struct common_rounding callers = common_rounding_now();

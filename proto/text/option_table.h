@@ -100,7 +100,7 @@ void option_each(const struct option_table *table, option_visit visit, void *con
 /* Return how many bytes of "[a|b|c] NAME" are the words that may stand there, and where
  * they begin; 0: there are none. */
 size_t option_words(const char *arg, const char **words);
-/* The line of a command in the synopsis of a manual page, as scdoc takes it. */
+/* Write the line of a command in the synopsis of a manual page, as scdoc takes it. */
 void option_synopsis(FILE *to, const char *command, const struct option_table *table);
 
 #endif

@@ -12,14 +12,16 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* "a\033[2J" becomes "a\x1b[2J". At most room - 1 bytes and a NUL are written to `to`,
- * never a part of an \xNN or of a character. Returns how many bytes all of it takes
- * without the NUL, as snprintf does. `bytes` may include NULs: they become \x00. */
+/* Write text so that it can control nothing: "a\033[2J" becomes "a\x1b[2J". At most
+ * room - 1 bytes and a NUL are written to `to`, never a part of an \xNN or of a
+ * character. Returns how many bytes all of it takes without the NUL, as snprintf does.
+ * `bytes` may include NULs: they become \x00. */
 size_t proto_printable(const char *text, size_t bytes, char *to, size_t room);
 
 /* ---- Chooses singular or plural: one contact, two contacts. */
 
-/* printf("%u %s", n, proto_plural(n, "vertex", "vertices")) */
+/* Return one word or the other: printf("%u %s", n, proto_plural(n, "vertex",
+ * "vertices")) */
 static inline const char *proto_plural(uint64_t count, const char *one, const char *many)
 {
     return count == 1 ? one : many;
@@ -30,7 +32,7 @@ static inline const char *proto_plural(uint64_t count, const char *one, const ch
 
 #define PROTO_HASH_BYTES 40u /* of the text and its NUL, for versions up to 99999 */
 
-/* hash[0] high, hash[1] low. Returns `text`. */
+/* Write a hash, hash[0] high, hash[1] low. Returns `text`. */
 static inline const char *proto_hash_text(uint32_t version, const uint64_t hash[2],
                                           char text[PROTO_HASH_BYTES])
 {
