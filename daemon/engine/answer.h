@@ -9,16 +9,16 @@
 #include "step_memory.h"
 #include "team.h"
 
-/* It will be in `out`. PCCD_E_NOMEM. */
+/* Begin an answer, which will be in `out`. PCCD_E_NOMEM. */
 int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team,
                      struct eng_records *out);
 
-/* The team prunes (team.h): take what stands out of the last answer. Then, in mode any,
- * the step may be decided: it is stopped. [compute] */
+/* Take what stands out of the last answer, for a team that prunes (team.h). In mode any
+ * the step may be decided then: it is stopped. [compute] */
 void eng_answer_keep(struct eng_step_memory *memory, const struct eng_team *team);
 
-/* The thread's share: `worker` is its own. Fills in record.merge_ns; waits for the others
- * once, or twice if there is much to merge, and in mode first once more. */
+/* Do the calling thread's share: `worker` is its own. Fills in record.merge_ns; waits for
+ * the others once, or twice if there is much to merge, and in mode first once more. */
 void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *team,
                         struct eng_worker *worker);
 
@@ -29,12 +29,12 @@ void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
                     struct eng_step_result *result);
 
 /* Put what the workers found in order into the list that begin was given, and count it.
- * Say why that is not all of it: settings->contact_max, memory (PCCD_E_NOMEM, and the
+ * Say why that is not all of it: question->contact_max, memory (PCCD_E_NOMEM, and the
  * list is empty), or as the stop does. */
 int eng_answer_collect(struct eng_step_memory *memory, const struct eng_team *team,
                        enum pccd_incomplete *incomplete, struct eng_counts *counts);
 
-/* The hash of an answer without records and without a verdict. [any] */
+/* Set the hash to that of an answer without records and without a verdict. [any] */
 void eng_answer_nothing(struct eng_step_result *result);
 
 #endif

@@ -63,8 +63,9 @@ bool eng_answer_cache_begin(struct eng_answer_cache *cache, const struct eng_sce
 bool eng_answer_cache_decides(const struct eng_answer_cache *cache,
                               const struct eng_scene *scene);
 
-/* If it does, in other modes: leave in `records` those that stand, in their order, and
- * count them, *counts. Returns their earliest toi_hi of a proved contact, 1 without. */
+/* Leave in `records`, if it does, in modes other than any, those that stand, in their
+ * order, and count them, *counts. Returns their earliest toi_hi of a proved contact, 1
+ * without. */
 double eng_answer_cache_select(struct eng_answer_cache *cache,
                                const struct eng_scene *scene, struct eng_records *records,
                                struct eng_counts *counts);

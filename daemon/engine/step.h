@@ -14,12 +14,12 @@
 #include "scene.h"
 #include "step_result.h"
 
-/* An empty scene; `settings` NULL: the defaults. PCCD_E_INVAL, PCCD_E_NOMEM. */
+/* Make an empty scene; `settings` NULL: the defaults. PCCD_E_INVAL, PCCD_E_NOMEM. */
 int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **scene);
 
-/* Once, of a committed mesh that is in no scene yet: find the order of its features that
- * objects begin with, by so many threads (0: one), so that all of them share it. Without
- * it each has its own; no answer depends on it. PCCD_E_STATE, PCCD_E_NOMEM. */
+/* Find the order of a mesh's features that objects begin with, by so many threads (0:
+ * one), so that all of them share it: once, of a committed mesh that is in no scene yet.
+ * Without it each has its own; no answer depends on it. PCCD_E_STATE, PCCD_E_NOMEM. */
 int eng_mesh_sort_features(struct eng_mesh *mesh, uint32_t threads);
 
 /* Run the step that was staged on `scene` (without staging: everything stands still; of a
@@ -39,7 +39,8 @@ uint64_t eng_step_expects(const struct eng_scene *scene,
  * team. */
 bool eng_team_pays(uint64_t work_ns);
 
-/* No step is to follow soon: free the threads' scratch, 0.8 MB each. The answer stays. */
+/* Free the threads' scratch, 0.8 MB each, as no step is to follow soon. The answer
+ * stays. */
 void eng_step_free_scratch(struct eng_scene *scene);
 
 /* Write the result of a step that has to end before it begins: nothing was found. Of the
@@ -47,9 +48,9 @@ void eng_step_free_scratch(struct eng_scene *scene);
 void eng_step_empty_result(const struct eng_question *question,
                            struct eng_step_result *result);
 
-/* The boxes of a level, the root being level 0, as the last step that used the tree left
- * them. Copies the count boxes from the first on that there are; `to` is not looked at
- * with count 0. Returns how many boxes the level has; 0: there is no such level, or no
+/* Read the boxes of a level, the root being level 0, as the last step that used the tree
+ * left them. Copies the count boxes from the first on that there are; `to` is not looked
+ * at with count 0. Returns how many boxes the level has; 0: there is no such level, or no
  * step has made the tree since objects came or went, or one by the other method has put
  * objects into other frames. Boxes are in coordinates: those that were measured in frames
  * are rounded outward once more. wide: O(count), with frames O(features below them);

@@ -25,22 +25,23 @@ struct eng_effort {
 /* Return whether the next step in this mode should be taken by more than one thread. */
 bool eng_effort_pays(struct eng_effort *effort, enum pccd_mode mode, uint32_t triangles);
 
-/* Work of the next step in this mode; before the first, a guess. */
+/* Return the work of the next step in this mode, ns; before the first, a guess. */
 uint64_t eng_effort_expects(const struct eng_effort *effort, enum pccd_mode mode,
                             uint32_t triangles);
 /* Return whether so much work, in pieces that do not depend on each other, is worth a
  * team. */
 bool eng_effort_is_enough(uint64_t work_ns);
 
-/* The same where this part, 0 .. 1, of what is searched as a rule moves. */
+/* Return whether a team pays for the next step where this part, 0 .. 1, of what is
+ * searched as a rule moves. */
 bool eng_effort_pays_for(const struct eng_effort *effort, enum pccd_mode mode,
                          double part);
 
-/* A step was done from beginning to end; `work_ns` is the time that its threads took,
- * without waiting. */
+/* Learn from a step that was done from beginning to end; `work_ns` is the time that its
+ * threads took, without waiting. */
 void eng_effort_learn(struct eng_effort *effort, enum pccd_mode mode, uint64_t work_ns);
 
-/* The same of a step that left out what stood still, and searched this part, 0 .. 1, of
+/* Learn from a step that left out what stood still, and searched this part, 0 .. 1, of
  * what is searched as a rule. It can only show that the work is less than was believed:
  * one slow step at the beginning would else stand for as long as something stands. */
 void eng_effort_learn_part(struct eng_effort *effort, enum pccd_mode mode, double part,
@@ -50,7 +51,7 @@ void eng_effort_learn_part(struct eng_effort *effort, enum pccd_mode mode, doubl
 void eng_effort_time(struct eng_effort *effort, enum pccd_mode mode, bool by_team,
                      uint64_t took_ns);
 
-/* The scene is another one. */
+/* Forget what was learned: the scene is another one. */
 void eng_effort_forget(struct eng_effort *effort);
 
 /* The work of the threads of an answer, which lives as long as the answer. */
@@ -97,7 +98,7 @@ struct eng_step_memory {
     struct eng_near_memory near;   /* of eng_near */
 };
 
-/* That of a scene. */
+/* Return the memory of a scene. */
 static inline struct eng_step_memory *eng_step_memory_of(const struct eng_scene *scene)
 {
     return scene->slots[ENG_SLOT_STEP];
@@ -107,11 +108,11 @@ uint64_t eng_step_memory_bytes(const struct eng_scene *scene);
 
 extern const struct eng_slot_calls eng_step_slot;
 
-/* For an answer by one thread: use the first worker of `lender`, its pool and its merge;
- * make it a worker if it has none. Then give back, and count that no worker of its own
- * was wanted. */
+/* Use, for an answer by one thread, the first worker of `lender`, its pool and its merge.
+ * A worker that is made meanwhile is the lender's if it had none. */
 void eng_step_memory_borrow(struct eng_step_memory *memory,
                             struct eng_step_memory *lender);
+/* Give back what was borrowed, and count that no worker of its own was wanted. */
 void eng_step_memory_give_back(struct eng_step_memory *memory,
                                struct eng_step_memory *lender);
 
@@ -121,9 +122,9 @@ void eng_step_memory_keep(struct eng_step_memory *memory, uint32_t count);
 /* Return whether the next answer, by one thread, makes no worker, and frees none. */
 bool eng_step_memory_stays(const struct eng_step_memory *memory);
 
-/* Workers for that many threads of the next answer, 1 .. ENG_THREADS_MAX, and room in
- * `records` for what they will have done. Workers that have not been wanted for long are
- * freed. PCCD_E_NOMEM: those at hand stay. */
+/* Make workers for that many threads of the next answer, 1 .. ENG_THREADS_MAX, and room
+ * in `records` for what they will have done. Workers that have not been wanted for long
+ * are freed. PCCD_E_NOMEM: those at hand stay. */
 int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
                             struct eng_thread_records *records);
 

@@ -64,25 +64,26 @@ struct eng_assignment {
 void eng_assignment_init(struct eng_assignment *assignment);
 void eng_assignment_deinit(struct eng_assignment *assignment);
 
-/* Seats for that many threads. PCCD_E_NOMEM: those at hand stay. */
+/* Make seats for that many threads. PCCD_E_NOMEM: those at hand stay. */
 int eng_assignment_reserve(struct eng_assignment *assignment, uint32_t threads);
 
 /* Sleep until somebody has nodes to spare or nobody has work; either may be wrong by the
  * time the caller looks. Returns at once if nobody has work. [team] */
 void eng_idle_sleep(struct eng_assignment *assignment);
 
-/* The caller has `nodes` to spare: wake as many sleepers. Costs one relaxed load while
+/* Wake as many sleepers as the caller has `nodes` to spare. Costs one relaxed load while
  * nobody sleeps. A sleeper that lies down meanwhile may be missed: whoever has nodes to
  * spare calls again after its next task unit. [team] */
 void eng_idle_wake(struct eng_assignment *assignment, uint32_t nodes);
 
-/* With PCCD_VALIDATE: the thread of `seat`, one of the first `seat_count`, performs the
- * task unit of `node` now, or none (ENG_NO_NODE); asserts that no other thread performs
- * that of a node above or below it (section 4.1, "Disjoint property"). [team] */
+/* Note, with PCCD_VALIDATE, that the thread of `seat`, one of the first `seat_count`,
+ * performs the task unit of `node` now, or none (ENG_NO_NODE); assert that no other
+ * thread performs that of a node above or below it (section 4.1, "Disjoint property").
+ * [team] */
 void eng_assignment_enter(struct eng_assignment *assignment, uint32_t seat_count,
                           const struct eng_scene *scene, uint32_t seat, uint32_t node);
 
-/* The caller has no work any more; wakes everybody if nobody has. [team] */
+/* Note that the caller has no work any more; wake everybody if nobody has. [team] */
 void eng_assignment_leave(struct eng_assignment *assignment);
 
 #endif

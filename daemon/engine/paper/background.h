@@ -58,21 +58,21 @@ void eng_background_init(struct eng_background *background);
 void eng_background_deinit(struct eng_background *background);
 uint64_t eng_background_bytes(const struct eng_background *background);
 
-/* The object with these nodes goes away. [compute] */
+/* Forget an object that goes away, whose nodes these are. [compute] */
 void eng_background_forget(struct eng_background *background, struct eng_range nodes);
 
 /* Put what is built in place. Before the refit. [compute] */
 void eng_background_swap(struct eng_background *background, struct eng_scene *scene);
 
-/* After the refit, while nobody traverses: note the metric of what was swapped in, look
- * for poor subtrees, list their triangles. By one thread. Without memory nothing is
+/* Note the metric of what was swapped in, look for poor subtrees, list their triangles:
+ * after the refit, while nobody traverses, by one thread. Without memory nothing is
  * built. [team] */
 void eng_background_examine(struct eng_background *background, struct eng_worker *worker);
 
 /* Build for a while; others may traverse meanwhile. By one thread. [team] */
 void eng_background_share(struct eng_background *background, struct eng_worker *worker);
 
-/* The step took that long: the next one's share depends on it. [compute] */
+/* Note how long the step took: the next one's share depends on it. [compute] */
 void eng_background_end_step(struct eng_background *background, uint64_t step_ns,
                              uint32_t threads);
 

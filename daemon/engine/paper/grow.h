@@ -39,8 +39,8 @@ struct eng_grower {
     struct eng_median median;
 };
 
-/* An item with the centre of a node's moving box, scaled by four: only the order matters,
- * and four times 1e18 is a float. */
+/* Return an item with the centre of a node's moving box, scaled by four: only the order
+ * matters, and four times 1e18 is a float. */
 static inline struct eng_split_item eng_split_item_of(const struct eng_node *node,
                                                       uint32_t id)
 {
@@ -54,14 +54,15 @@ static inline struct eng_split_item eng_split_item_of(const struct eng_node *nod
  * fields before `stack` are set by the caller. */
 void eng_grow_begin(struct eng_grower *grower, uint32_t count, uint32_t root);
 
-/* One pass over a large list, or a small subtree; false: there is nothing left to do. */
+/* Do one pass over a large list, or build a small subtree; false: there is nothing left
+ * to do. */
 bool eng_grow_piece(struct eng_grower *grower);
 
-/* All of it. */
+/* Build all of it: every piece that is left. */
 void eng_grow(struct eng_grower *grower);
 
-/* The leaves of a subtree of an object get the triangles of items that were put in order.
- * Its boxes are those of the old leaves until they are made again. */
+/* Give the leaves of a subtree of an object the triangles of items that were put in
+ * order. Its boxes are those of the old leaves until they are made again. */
 void eng_grow_leaves(struct eng_trees *trees, struct eng_range nodes,
                      const struct eng_split_item *items);
 

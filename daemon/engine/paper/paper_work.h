@@ -66,12 +66,13 @@ static inline uint32_t eng_units_peek(const struct eng_unit_queue *units, uint32
     return units->nodes[(units->head + k) % ENG_UNITS_MAX];
 }
 
-/* Take the newest, or the front one, of a queue that is not empty. */
+/* Take the newest unit of a queue that is not empty. */
 static inline uint32_t eng_units_take_newest(struct eng_unit_queue *units)
 {
     return units->nodes[--units->tail % ENG_UNITS_MAX];
 }
 
+/* Take the front one of a queue that is not empty. */
 static inline uint32_t eng_units_take_front(struct eng_unit_queue *units)
 {
     return units->nodes[units->head++ % ENG_UNITS_MAX];
@@ -91,8 +92,8 @@ static inline struct eng_paper_work *eng_paper_work_of(const struct eng_worker *
     return worker->work[PCCD_METHOD_PAPER];
 }
 
-/* Memory for a worker, and for the triangles of a region of the scene. PCCD_E_NOMEM: it
- * can be tried again. [compute] */
+/* Allocate memory for a worker, and for the triangles of a region of the scene.
+ * PCCD_E_NOMEM: it can be tried again. [compute] */
 int eng_paper_work_reserve(struct eng_worker *worker, const struct eng_scene *scene);
 void eng_paper_work_free(struct eng_worker *worker);
 uint64_t eng_paper_work_bytes(const struct eng_worker *worker);
@@ -108,12 +109,12 @@ void eng_test_chunk(struct eng_worker *worker, enum pccd_kind kind);
 /* Choose low-level and high-level nodes, and deal out the former. [team], one thread */
 void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker);
 
-/* Dynamic assignment of the low-level nodes, then the high-level ones. [team], each
- * thread */
+/* Perform the low-level nodes by dynamic assignment, then the high-level ones. [team],
+ * each thread */
 void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker);
 
-/* High-level nodes, round robin, by one thread: refine the pair of the node's children
- * breadth-first until there are enough to deal out in team->assignment->pairs. [team] */
+/* Refine the pair of a high-level node's children breadth-first until there are enough to
+ * deal out round robin: in the assignment's `pairs`. By the first thread. [team] */
 void eng_highlevel_expand(struct eng_team *team, struct eng_worker *worker,
                           uint32_t node);
 
@@ -132,13 +133,14 @@ void eng_highlevel_expand(struct eng_team *team, struct eng_worker *worker,
  * worth a task unit then. */
 bool eng_taskunit_is_wanted(struct eng_worker *worker, uint32_t node);
 
-/* The setup phase pushes the children of `node` to the worker's task unit queue if
- * `push_children`; the detection phase works through all pairs that (left, right) leads
- * to. A leaf has neither, nor has what is not wanted. Stops early when worker->stop says
- * so. */
+/* Perform the task unit of `node`. The setup phase pushes its children to the worker's
+ * task unit queue if `push_children`; the detection phase works through all pairs that
+ * (left, right) leads to. A leaf has neither, nor has what is not wanted. Stops early
+ * when worker->stop says so. */
 void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_children);
 
-/* The pairs that (n, m), two nodes neither of which is below the other, leads to. */
+/* Work through the pairs that (n, m), two nodes neither of which is below the other,
+ * leads to. */
 void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m);
 
 /* Test the boxes of (n, m) and refine it once: the pairs that may overlap are written to
@@ -148,16 +150,16 @@ void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m);
 uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
                              uint32_t n_out[4], uint32_t m_out[4]);
 
-/* The same, uncounted, for a pair that another thread or phase counts: 0 for two leaves,
- * which are left to it. */
+/* Refine (n, m) in the same way, uncounted, for a pair that another thread or phase
+ * counts: 0 for two leaves, which are left to it. */
 uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
                            uint32_t n_out[4], uint32_t m_out[4]);
 
 /* Test what is left in the worker's chunks. */
 void eng_taskunit_flush(struct eng_worker *worker);
 
-/* All task units from the root on, depth-first, by the only worker: the paper's serial
- * method. */
+/* Perform all task units from the root on, depth-first, by the only worker: the paper's
+ * serial method. */
 void eng_taskunit_perform_all(struct eng_worker *worker);
 
 #endif

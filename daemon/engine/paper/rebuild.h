@@ -62,8 +62,8 @@ static inline struct eng_extent eng_extent_of(const struct eng_box *box)
                                x0 * y0 + y0 * z0 + z0 * x0 + x1 * y1 + y1 * z1 + z1 * x1};
 }
 
-/* The ratio for an inner node; 1 if it is a point. Children that overlap much make it
- * small. */
+/* Return the ratio for an inner node; 1 if it is a point. Children that overlap much make
+ * it small. */
 static inline float eng_metric(const struct eng_node *nodes, const struct eng_node *node)
 {
     struct eng_extent whole = eng_extent_of(eng_box_of_const(node));
@@ -93,10 +93,11 @@ static inline uint32_t eng_gate_ready(const struct eng_scene *scene)
     return 2 * scene->step + 1;
 }
 
-/* Slow path of eng_node_open. [team] */
+/* Examine a region, or wait until another thread has: the slow path of eng_node_open.
+ * [team] */
 void eng_region_enter(struct eng_worker *worker, uint32_t root);
 
-/* The node, whose children may be looked at now. [team] */
+/* Return the node, whose children may be looked at now. [team] */
 static inline const struct eng_node *eng_node_open(struct eng_worker *worker,
                                                    uint32_t node_idx)
 {

@@ -14,7 +14,8 @@
 
 /* ---- one box ----------------------------------------------------------------------- */
 
-/* The frame that the boxes of a vertex of a binary hierarchy are measured in, or NULL. */
+/* Return the frame that the boxes of a vertex of a binary hierarchy are measured in, or
+ * NULL. */
 static inline const struct eng_box_frame *
 eng_box_frame_of_vertex(const struct eng_scene *scene, uint32_t vertex)
 {
@@ -23,7 +24,7 @@ eng_box_frame_of_vertex(const struct eng_scene *scene, uint32_t vertex)
                : NULL;
 }
 
-/* The box of a vertex that goes from x0 to x1, with its thickness. */
+/* Write the box of a vertex that goes from x0 to x1, with its thickness. */
 static inline void eng_refit_vertex(const struct eng_scene *scene, uint32_t vertex,
                                     const double x0[3], const double x1[3],
                                     struct eng_box *box)
@@ -136,26 +137,28 @@ int eng_refit_plan_tree(struct eng_refit_plan *plan, const struct eng_scene *sce
 
 /* ---- the refit --------------------------------------------------------------------- */
 
-/* Boxes from x[1 - now] (t = 0), x[now] (t = 1): vertices from positions; edges from
+/* Make boxes from x[1 - now] (t = 0), x[now] (t = 1): vertices from positions; edges from
  * vertices; nodes from vertices or their children, the last of the range first. [any] */
 void eng_refit_vertices(struct eng_scene *scene, struct eng_range range);
 void eng_refit_edges(struct eng_scene *scene, struct eng_range range);
 void eng_refit_nodes(struct eng_scene *scene, struct eng_range range);
 
-/* Nodes that may have got other children: also whether they are foreign. [any] */
+/* Make the boxes of nodes that may have got other children, and mark whether they are
+ * foreign. [any] */
 void eng_refit_anew(struct eng_scene *scene, struct eng_range nodes);
 
-/* The nodes of a subtree, which may hold nodes above objects. [any] */
+/* Make the boxes of the nodes of a subtree, which may hold nodes above objects. [any] */
 void eng_refit_subtree(struct eng_scene *scene, uint32_t root);
 
-/* All boxes of one object; of all objects and the tree over them. By one thread. */
+/* Make all boxes of one object. By one thread. */
 void eng_refit_object(struct eng_scene *scene, const struct eng_object *object);
+/* Make all boxes of all objects and of the tree over them. By one thread. */
 void eng_refit(struct eng_scene *scene);
 
-/* The same by all threads of the region, each of which calls it, as the plan says. True
- * for the one thread that ended last, and sees every box (team.h says how it lets the
- * others go on). A thread that comes late holds nobody up: there is no barrier, work is
- * taken on demand. [team] */
+/* Make all boxes by all threads of the region, each of which calls it, as the plan says.
+ * True for the one thread that ended last, and sees every box (team.h says how it lets
+ * the others go on). A thread that comes late holds nobody up: there is no barrier, work
+ * is taken on demand. [team] */
 bool eng_refit_by_team(struct eng_team *team, struct eng_worker *worker,
                        struct eng_refit_plan *plan);
 

@@ -139,7 +139,7 @@ struct eng_trees {
     uint32_t top_item_capacity;
 };
 
-/* Those of a scene. They begin what is in its slot (paper.h). */
+/* Return the trees of a scene, which begin what is in its slot (paper.h). */
 static inline struct eng_trees *eng_trees_of(const struct eng_scene *scene)
 {
     return scene->slots[ENG_SLOT_PAPER];
@@ -160,8 +160,8 @@ static inline bool eng_is_above_objects(const struct eng_scene *scene, uint32_t 
     return node_idx - trees->top.first < trees->top.count;
 }
 
-/* All nodes of the subtree of a node that belongs to an object: of n triangles 2 n - 1
- * consecutive ones, in pre-order. */
+/* Return all nodes of the subtree of a node that belongs to an object: consecutive ones,
+ * in pre-order, 2 n - 1 of n triangles. */
 static inline struct eng_range eng_subtree_in_object(const struct eng_scene *scene,
                                                      uint32_t root)
 {
@@ -169,7 +169,7 @@ static inline struct eng_range eng_subtree_in_object(const struct eng_scene *sce
     return (struct eng_range){root, 2 * trees->nodes[root].count - 1};
 }
 
-/* The nodes above objects in the subtree of one of them: consecutive, too. */
+/* Return the nodes above objects in the subtree of one of them: consecutive, too. */
 struct eng_range eng_subtree_above_objects(const struct eng_scene *scene, uint32_t root);
 
 /* Return whether `node` is in the subtree of `root`, or `root` itself. O(objects below
@@ -186,7 +186,8 @@ uint64_t eng_trees_bytes(const struct eng_trees *trees);
  * a constant in the calling code, so no branch is left. */
 #define ENG_FEATURE_INLINE static inline __attribute__((always_inline))
 
-/* Its vertices to v[points]; `feature`: its index among the scene's of its sort. */
+/* Write the vertices of a feature to v[points]; `feature`: its index among the scene's of
+ * its sort. */
 ENG_FEATURE_INLINE void eng_feature_vertices(const struct eng_trees *trees,
                                              uint32_t points, uint32_t feature,
                                              uint32_t *v)
@@ -203,7 +204,7 @@ ENG_FEATURE_INLINE void eng_feature_vertices(const struct eng_trees *trees,
     }
 }
 
-/* The index of its object. */
+/* Return the index of a feature's object. */
 ENG_FEATURE_INLINE uint32_t eng_feature_object(const struct eng_trees *trees,
                                                uint32_t points, uint32_t feature)
 {
@@ -212,7 +213,7 @@ ENG_FEATURE_INLINE uint32_t eng_feature_object(const struct eng_trees *trees,
                          : trees->triangles[feature].object;
 }
 
-/* The index of the first feature of that sort that an object has. */
+/* Return the index of the first feature of that sort that an object has. */
 ENG_FEATURE_INLINE uint32_t eng_feature_first(const struct eng_object *object,
                                               uint32_t points)
 {
@@ -241,8 +242,9 @@ void eng_paper_drop_object(struct eng_scene *scene, struct eng_object *object);
  * stale. */
 int eng_build_top(struct eng_scene *scene);
 
-/* Every parent precedes its children and contains them at both ends, counts add up, every
- * triangle of every object is in exactly one leaf. Test and debug builds. */
+/* Return whether every parent precedes its children and contains them at both ends,
+ * counts add up, and every triangle of every object is in exactly one leaf. Test and
+ * debug builds. */
 bool eng_tree_validate(const struct eng_scene *scene);
 
 #endif

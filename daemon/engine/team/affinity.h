@@ -27,30 +27,30 @@ struct eng_affinity {
     int first_on;  /* then: where the first thread is; set by it before each step */
 };
 
-/* The processors that the calling thread may use. Before it is placed. The runtime sets
- * itself up, too: libomp opens files at its first call, which a sandbox would forbid
+/* List the processors that the calling thread may use, before it is placed. The runtime
+ * sets itself up, too: libomp opens files at its first call, which a sandbox would forbid
  * later. [any] */
 void eng_affinity_init(struct eng_affinity *affinity);
 
-/* The same processors for another team of the process, in another order: where each team
- * has work for one thread only, these are not on one processor. [any] */
+/* List the same processors for another team of the process, in another order: where each
+ * team has work for one thread only, these are not on one processor. [any] */
 void eng_affinity_for_team(const struct eng_affinity *first, uint32_t team,
                            struct eng_affinity *affinity);
 
-/* Processors of a team: those of `places`, or if it is NULL, of the first thread that
- * asks. [any] */
+/* Return how many processors a team has: those of `affinity`, or if it is NULL, of the
+ * first thread that asks. [any] */
 uint32_t eng_affinity_processors(const struct eng_affinity *affinity);
 
 /* Bind the calling thread, the `thread`-th of a team, to a processor of its own, unless
- * it is bound there already; in a team larger than `places`, to all of them. NULL:
- * nothing. The runtime may replace threads when a team shrinks and grows, and a new one
- * begins where the thread that opened the region is bound, so every region calls it.
- * Costs a comparison once a thread is where it belongs. [team] */
+ * it is bound there already; in a team of more threads than there are processors, to all
+ * of them. NULL: nothing. The runtime may replace threads when a team shrinks and grows,
+ * and a new one begins where the thread that opened the region is bound, so every region
+ * calls it. Costs a comparison once a thread is where it belongs. [team] */
 void eng_affinity_bind_thread(const struct eng_affinity *affinity, uint32_t thread,
                               uint32_t team_count);
 
-/* It was lent a processor (below), and others no longer wait for it: back to its own.
- * Costs a comparison otherwise. [team] */
+/* Bind the calling thread to its own processor again if it was lent another (below):
+ * others no longer wait for it. Costs a comparison otherwise. [team] */
 void eng_affinity_return(const struct eng_affinity *affinity, uint32_t thread,
                          uint32_t team_count);
 
@@ -63,7 +63,7 @@ struct eng_processor_look {
     uint64_t since_ns; /* when that was */
 };
 
-/* It waits for others, maybe asleep; or no longer. [team] */
+/* Say that the calling thread waits for others, maybe asleep; or no longer. [team] */
 void eng_processor_set_waiting(const struct eng_affinity *affinity, uint32_t thread,
                                bool is_waiting);
 

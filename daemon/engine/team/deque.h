@@ -30,10 +30,10 @@ struct eng_deque {
 
 void eng_deque_init(struct eng_deque *deque);
 
-/* False: full. */
+/* Push a task. False: the deque is full. */
 bool eng_deque_push(struct eng_deque *deque, uint64_t task);
 
-/* The newest task; false: empty. */
+/* Pop the newest task; false: there is none. */
 bool eng_deque_pop(struct eng_deque *deque, uint64_t *task);
 
 /* Return whether there is a task to be stolen. A hint that writes nothing. [any] */
@@ -43,7 +43,7 @@ static inline bool eng_deque_has_task(struct eng_deque *deque)
            atomic_load_explicit(&deque->bottom, memory_order_relaxed);
 }
 
-/* The oldest task; false: empty, or another thread was faster. */
+/* Steal the oldest task; false: there is none, or another thread was faster. */
 bool eng_deque_steal(struct eng_deque *deque, uint64_t *task);
 
 /* ---- a loop in equal parts --------------------------------------------------------- */
@@ -56,19 +56,19 @@ struct eng_partition {
     uint32_t end;
 };
 
-/* Where the run of thread `i` of `threads` begins; i = threads: where all end. */
+/* Return where the run of thread `i` of `threads` begins; i = threads: where all end. */
 static inline uint32_t eng_partition_begin(uint32_t count, uint32_t i, uint32_t threads)
 {
     return (uint32_t)((uint64_t)count * i / threads);
 }
 
-/* Whose run item `i` is in, give or take one. */
+/* Return whose run item `i` is in, give or take one. */
 static inline uint32_t eng_partition_of(uint32_t count, uint32_t i, uint32_t threads)
 {
     return (uint32_t)((uint64_t)i * threads / count);
 }
 
-/* Before the region. [compute] */
+/* Give a thread its run, before the region. [compute] */
 static inline void eng_partition_init(struct eng_partition *share, uint32_t count,
                                       uint32_t i, uint32_t threads)
 {
@@ -76,7 +76,8 @@ static inline void eng_partition_init(struct eng_partition *share, uint32_t coun
     share->end = eng_partition_begin(count, i + 1, threads);
 }
 
-/* False: nothing is left. Relaxed: what is taken was made before the region. [team] */
+/* Take an item of a run; false: nothing is left. Relaxed: what is taken was made before
+ * the region. [team] */
 static inline bool eng_partition_take(struct eng_partition *share, uint32_t *item)
 {
     if (atomic_load_explicit(&share->next, memory_order_relaxed) >= share->end) {

@@ -120,11 +120,12 @@ extern const struct eng_method_calls *const eng_methods[PCCD_METHOD_COUNT];
  * 1: up to some 3 us. */
 #define ENG_STEAL_RELAXES_MAX 64u
 
-/* Work stealing over the tasks of team->method. Returns when no task is left or the step
- * was stopped. `worker` is the calling thread's. */
+/* Do tasks of team->method, and steal them from others, until no task is left or the step
+ * was stopped. `worker` is the calling thread's. [team] */
 void eng_schedule_steal(struct eng_team *team, struct eng_worker *worker);
 
-/* Inside the region, by one thread, before any other works: hand out the first tasks. */
+/* Hand out the first tasks: inside the region, by one thread, before any other works.
+ * [team] */
 void eng_schedule_steal_begin(struct eng_team *team, struct eng_worker *worker);
 
 #endif

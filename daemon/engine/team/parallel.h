@@ -30,9 +30,10 @@ void eng_parallel_close(void);
     COMMON_ROUNDING_HERE;                                                                \
     eng_payer_join((region).payer)
 
-/* A thread of somebody else comes, and goes: in between it calls the engine and rounds as
- * that needs it. [any] */
+/* Begin calls of the engine by a thread of somebody else: until leave it rounds as the
+ * engine needs it. [any] */
 void eng_guest_enter(void);
+/* End them: the thread rounds again as it did before. [any] */
 void eng_guest_leave(void);
 
 /* ---- many items: of a batch, a step with each scene -------------------------------- */
@@ -47,8 +48,8 @@ struct eng_parallel_for {
     void *context;
 };
 
-/* Returns when all items are done; what was done with them is visible then. The threads
- * pay for memory as the calling one does (memory.h). */
+/* Do all items, and return when they are done; what was done with them is visible then.
+ * The threads pay for memory as the calling one does (memory.h). */
 void eng_parallel_for(const struct eng_parallel_for *each);
 
 /* Open one region, so that the team exists and is placed before the first step.

@@ -39,7 +39,7 @@ struct eng_team {
     _Alignas(128) atomic_uint active; /* stealing: workers that have tasks */
 };
 
-/* Before the region: nothing of the refit is done. [compute] */
+/* Begin a refit, before the region: nothing of it is done. [compute] */
 static inline void eng_refit_begin(struct eng_team *team)
 {
     atomic_init(&team->refit.next_vertices, 0);
@@ -50,12 +50,14 @@ static inline void eng_refit_begin(struct eng_team *team)
     atomic_init(&team->refit.released, 0);
 }
 
-/* The one that ended the refit last lets the others go on, which wait in await. [team] */
+/* Let the others go on, which wait in await: the one that ended the refit last calls it.
+ * [team] */
 static inline void eng_refit_release(struct eng_team *team)
 {
     atomic_store_explicit(&team->refit.released, 1, memory_order_release);
 }
 
+/* Wait until the refit has ended: what it made is visible then. [team] */
 static inline void eng_refit_await(struct eng_team *team, struct eng_worker *worker)
 {
     eng_wait_for(worker, &team->refit.released, 1);

@@ -25,8 +25,8 @@ struct eng_trace {
     uint64_t min_ns; /* task units, subtrees and pairs that took less are left out */
 };
 
-/* Memory for `tracks` threads of `capacity` events each (rounded up to a power of two).
- * PCCD_E_NOMEM, PCCD_E_INVAL (0 of either). */
+/* Allocate memory for `tracks` threads of `capacity` events each (rounded up to a power
+ * of two). PCCD_E_NOMEM, PCCD_E_INVAL (0 of either, or a capacity above 2^30). */
 int eng_trace_init(struct eng_trace *trace, uint32_t tracks, uint32_t capacity,
                    uint64_t min_ns);
 void eng_trace_deinit(struct eng_trace *trace);
@@ -34,8 +34,9 @@ void eng_trace_deinit(struct eng_trace *trace);
 /* Append an event to the track of its thread; nothing if `trace` is NULL. [team] */
 void eng_trace_add(struct eng_trace *trace, struct pccd_trace_event event);
 
-/* Events of a track that are still there, and the i-th of them, oldest first. */
+/* Return how many events of a track are still there. */
 uint64_t eng_trace_count(const struct eng_trace *trace, uint32_t track);
+/* Return the i-th of them, oldest first. */
 const struct pccd_trace_event *eng_trace_at(const struct eng_trace *trace, uint32_t track,
                                             uint64_t i);
 

@@ -26,28 +26,29 @@ struct eng_wait {
     struct eng_processor_look look;
 };
 
-/* Inside a region. */
+/* Begin to wait, inside a region. */
 void eng_wait_begin(struct eng_wait *wait, struct eng_worker *worker);
 
-/* A moment goes by. True: a long one. */
+/* Let a moment go by. True: a long one, asleep. */
 bool eng_wait_moment(struct eng_wait *wait);
 
-/* Accounts for the time. */
+/* End the wait, and account for its time. */
 void eng_wait_end(struct eng_wait *wait);
 
-/* Until the counter has that value: what was released with it is visible then. */
+/* Wait until the counter has that value: what was released with it is visible then. */
 void eng_wait_for(struct eng_worker *worker, const atomic_uint *counter, uint32_t value);
 
-/* The same by a thread that is no worker of a step. */
+/* Wait in the same way, as a thread that is no worker of a step. */
 void eng_wait_plainly(const struct eng_affinity *affinity, uint32_t thread,
                       const atomic_uint *counter, uint32_t value);
 
-/* Until all threads of the region are here; every one of them calls it, and what one did
- * before is visible to all after it. */
+/* Wait until all threads of the region are here; every one of them calls it, and what one
+ * did before is visible to all after it. */
 void eng_wait_for_all(struct eng_worker *worker);
 
-/* Others no longer wait for this one: back to its own processor, if it was lent another.
- * Not in a step that is stopped, of which nothing is left but to come to its end. */
+/* Go back to the worker's own processor, if it was lent another: others no longer wait
+ * for it. Not in a step that is stopped, of which nothing is left but to come to its
+ * end. */
 static inline void eng_wait_return(struct eng_worker *worker, uint32_t team_count)
 {
     if (!eng_stop_is_set(worker->stop)) {
@@ -55,7 +56,7 @@ static inline void eng_wait_return(struct eng_worker *worker, uint32_t team_coun
     }
 }
 
-/* The pause instruction, for a loop that waits for another thread. */
+/* Execute the pause instruction, for a loop that waits for another thread. */
 static inline void eng_relax(void)
 {
 #if defined(__x86_64__) || defined(__i386__)

@@ -55,8 +55,9 @@ struct eng_tally {
     uint64_t touching[3]; /* pairs that enter, slide and leave */
 };
 
-/* Every access is relaxed: these are hints that only save work, and the end of the
- * parallel region orders them before anybody reads the outcome. */
+/* Return whether the step is to stop. Every access is relaxed: these are hints that only
+ * save work, and the end of the parallel region orders them before anybody reads the
+ * outcome. */
 static inline bool eng_stop_is_set(const struct eng_stop *stop)
 {
     return atomic_load_explicit(&stop->stopped, memory_order_relaxed);
@@ -88,8 +89,9 @@ struct eng_worker {
     struct pccd_pair proof; /* the last of these */
 };
 
-/* Begin with nothing in `work`, which its methods free before deinit. */
-int eng_worker_init(struct eng_worker *worker); /* PCCD_E_NOMEM: there is none */
+/* Begin with nothing in `work`, which its methods free before deinit. PCCD_E_NOMEM: there
+ * is no worker. */
+int eng_worker_init(struct eng_worker *worker);
 void eng_worker_deinit(struct eng_worker *worker);
 
 /* Get ready for a step. */
@@ -97,7 +99,7 @@ void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
                       const struct eng_question *question, struct eng_stop *stop,
                       struct eng_pool *pool);
 
-/* The bound as it stands; after the region: the final one. */
+/* Return the bound of mode first as it stands; after the region: the final one. */
 double eng_stop_time_bound(const struct eng_stop *stop);
 
 void eng_stop_init(struct eng_stop *stop, const struct eng_question *question);
@@ -106,14 +108,16 @@ void eng_stop_init(struct eng_stop *stop, const struct eng_question *question);
  * first thread also asks whoever is to be asked. */
 bool eng_worker_should_stop(struct eng_worker *worker);
 
-/* The same for one that is about to do what cannot be stopped and takes `ns`. True only
- * for a deadline or a cancel. */
+/* Return whether the worker should stop that is about to do what cannot be stopped and
+ * takes `ns`. True only for a deadline or a cancel. */
 bool eng_worker_is_late(struct eng_worker *worker, uint64_t ns);
 
-/* The worker waits for others: the first thread asks whoever is to be asked. */
+/* Stop the step if that is asked for, while the worker waits for others: the first thread
+ * asks whoever is to be asked. */
 void eng_worker_ask(struct eng_worker *worker);
 
-/* When a slice of the trace begins; 0 without a trace, so that nobody asks the clock. */
+/* Return when a slice of the trace begins; 0 without a trace, so that nobody asks the
+ * clock. */
 static inline uint64_t eng_worker_slice(const struct eng_worker *worker)
 {
     return worker->question->trace ? common_now_ns() : 0;
@@ -139,13 +143,13 @@ static inline void eng_worker_trace(const struct eng_worker *worker,
     }
 }
 
-/* The worker was without work since `begin_ns`. */
+/* Record that the worker was without work from `begin_ns` until now. */
 void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns);
 
-/* The step is to be brief, and is not. */
+/* Stop a step that is to be brief, and is not. */
 void eng_worker_give_up(struct eng_worker *worker);
 
-/* Mode first: a proved contact has certainly begun at `time`. */
+/* Lower the bound of mode first: a proved contact has certainly begun at `time`. */
 void eng_worker_tighten(struct eng_worker *worker, double time);
 
 /* ---- what a test found ------------------------------------------------------------- */
@@ -159,7 +163,7 @@ typedef void (*eng_names_fn)(const struct eng_worker *worker, enum pccd_kind kin
 void eng_count_candidates(struct eng_worker *worker, enum pccd_kind kind,
                           uint32_t candidates);
 
-/* The tests of a chunk, `tested` of them, that began at `begin_ns` end now. */
+/* Record that the tests of a chunk, `tested` of them, began at `begin_ns` and end now. */
 void eng_count_test_time(struct eng_worker *worker, enum pccd_kind kind, uint32_t tested,
                          uint64_t begin_ns);
 

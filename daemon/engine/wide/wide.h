@@ -30,7 +30,7 @@
 #define ENG_WIDE_NOBODY  UINT64_MAX /* in eng_point.word0 */
 #define ENG_WIDE_NO_SLOT UINT32_MAX /* of a vertex that no triangle has */
 
-/* The tree of the features of a side, 0 or 1, of a kind of pair. */
+/* Return the tree of the features of a side, 0 or 1, of a kind of pair. */
 static inline enum pccd_tree eng_wide_tree_of(enum pccd_kind kind, int side)
 {
     static_assert(PCCD_TREE_VERTICES == 0 && PCCD_TREE_EDGES == 1 && PCCD_TREE_FACES == 2,
@@ -142,7 +142,7 @@ struct eng_wide_list {
     uint32_t b[ENG_JOIN_MAX];
 };
 
-/* That of a scene. It begins what is in its slot (wide_state.h). */
+/* Return the trees of a scene, which begin what is in its slot (wide_state.h). */
 static inline struct eng_wide *eng_wide_of(const struct eng_scene *scene)
 {
     return scene->slots[ENG_SLOT_WIDE];
@@ -171,10 +171,11 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene);
  * together. PCCD_E_NOMEM: as before. [compute] */
 int eng_wide_reserve_floats(struct eng_wide *wide);
 
-/* Where the slots of an object with `count` features begin, behind those up to `end`. */
+/* Return where the slots of an object with `count` features begin, behind those up to
+ * `end`. */
 uint32_t eng_wide_first_slot(uint32_t end, uint32_t count);
 
-/* Boxes from x[1 - now] (t = 0) and x[now] (t = 1) of the scene, in parts that any
+/* Make boxes from x[1 - now] (t = 0) and x[now] (t = 1) of the scene, in parts that any
  * threads may do: all chunks 0 .. eng_wide_refit_chunks - 1 of vertices, then those of
  * edges and faces, then what is above. [team] */
 uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum pccd_tree kind);
@@ -198,7 +199,7 @@ static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree 
                       : tree->blocks + (tree->first[level] - tree->first[1]);
 }
 
-/* The same of the boxes around them. */
+/* Return the boxes around the blocks of a level; of level 0 as above. */
 static inline struct eng_extents *eng_wide_boxes(const struct eng_wide_tree *tree,
                                                  uint32_t level)
 {
@@ -240,21 +241,21 @@ uint32_t eng_wide_free_keep(const struct eng_wide *wide, enum pccd_kind kind,
  * too few blocks of vertices stand (eng_moves_much). [compute] */
 bool eng_wide_still_is_spread(struct eng_wide *wide, const struct eng_scene *scene);
 
-/* The positions have moved on and `keeps` says whether boxes of the last step are those
- * of what stands: mark what moves. `prunes`: marks are wanted without that, too.
- * [compute] */
+/* Get ready for the refit, when the positions have moved on: mark what moves if `keeps`
+ * or `prunes`. `keeps`: boxes of the last step are those of what stands; `prunes`: marks
+ * are wanted without that, too. [compute] */
 void eng_wide_still_begin(struct eng_wide *wide, const struct eng_scene *scene,
                           bool keeps, bool prunes);
 
-/* Before the boxes of a chunk: marks of its features; the chunk's nodes of level 1 after
- * them. False: nothing in it moves. [team] */
+/* Mark which features of a chunk move, and then its nodes of level 1, before its boxes
+ * are made. False: nothing in it moves. [team] */
 bool eng_wide_still_mark_chunk(struct eng_wide *wide, enum pccd_tree kind,
                                uint32_t chunk);
 
-/* Marks of the levels from 2 on. [team], one thread */
+/* Mark what moves in the levels from 2 on. [team], one thread */
 void eng_wide_still_mark_above(struct eng_wide *wide);
 
-/* Features whose boxes were kept. [compute] */
+/* Return how many features had their boxes kept. [compute] */
 uint64_t eng_wide_still_count(const struct eng_wide *wide, const struct eng_scene *scene);
 
 #endif

@@ -19,21 +19,24 @@
 
 /* ---- quantised boxes --------------------------------------------------------------- */
 
-/* Before the refit of a step, which `may` do so, or else has room for floats, when
- * objects have their frames. A scene whose features are small in cells does without, if
- * there is memory for floats. O(objects). [compute]
+/* Choose whether a step has quantised boxes, and their cells, before its refit, when
+ * objects have their frames: it has none unless it `may`, and then there is room for
+ * floats. A scene whose features are small in cells does without, if there is memory for
+ * floats. O(objects). [compute]
  *
  * `is_current`: the boxes of what stands are there from the last step. True: they may
  * stay, as cells and what is made of them are the same. */
 bool eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *scene,
                                bool may, bool is_current);
 
-/* Cells of 1 / scale, a power of two, 2^-70 .. 2^60, around `middle` along an axis: what
- * is added for it is rounded, together never to less than ENG_QUANTISED_ROUND. [any] */
+/* Set cells of 1 / scale, a power of two, 2^-70 .. 2^60, around `middle` along an axis:
+ * what is added for it is rounded, together never to less than ENG_QUANTISED_ROUND.
+ * [any] */
 void eng_wide_quantised_set(struct eng_quantising *quantising, int axis, double scale,
                             double middle);
 
-/* Add this to a number for its cells: `origin` was added, and what rounding took. */
+/* Return what is added to a number for its cells: `origin` was added, and what rounding
+ * took. */
 static inline float eng_wide_back_by(float origin)
 {
     float back = 0.5F + 0x1p-8F - origin;
@@ -72,7 +75,7 @@ eng_wide_back_of(const struct eng_quantising *quantising)
     return back;
 }
 
-/* eng_wide_distance_of three numbers. */
+/* Return the distances of three numbers, each as eng_wide_distance_of does. */
 static inline eng_wide_bits eng_wide_distances(eng_wide_bits numbers, eng_wide_side cell,
                                                eng_wide_side back)
 {
@@ -124,19 +127,19 @@ static inline struct eng_extents eng_wide_box(const struct eng_wide *wide,
  * O(objects). [compute] */
 bool eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene);
 
-/* Around all vertices, as their boxes are measured in the step to come: as known from
- * both ends of the last step, or exactly if there was none or it had other frames. False:
- * there are none. [compute] */
+/* Write the bounds of all vertices, as their boxes are measured in the step to come: as
+ * known from both ends of the last step, or exactly if there was none or it had other
+ * frames. False: there are none. [compute] */
 bool eng_wide_extent(const struct eng_wide *wide, const struct eng_scene *scene,
                      double low[3], double high[3]);
 
-/* For all pairs of a kind over the whole step. [any] */
+/* Return a sieve for all pairs of a kind over the whole step. [any] */
 struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum pccd_kind kind);
 
-/* Nothing is known of any mark at an end of the step. [compute] */
+/* Forget what is known of all marks at an end of the step. [compute] */
 void eng_wide_forget_near(struct eng_wide *wide, uint32_t end);
 
-/* A distance in cells, 0 .. ENG_GRID_REACH, as a float above it. */
+/* Return a distance in cells, 0 .. ENG_GRID_REACH, as a float above it. */
 static inline float eng_wide_cells_of(double distance)
 {
     float cells = (float)distance;
@@ -147,9 +150,9 @@ static inline float eng_wide_cells_of(double distance)
     return cells;
 }
 
-/* To each of four marks something is known to be as near as `cells`, at most the reach
- * that the sieve is asked with. Of two that two threads tell at once either may stay.
- * Bit k: it was not known of point k. */
+/* Note for each of four marks that something is known to be as near to it as `cells`, at
+ * most the reach that the sieve is asked with. Of two that two threads tell at once
+ * either may stay. Returns bit k if it was not known of point k. */
 static inline uint32_t eng_wide_mark_near(struct eng_mark *marks, const uint32_t quad[4],
                                           uint32_t end, float reach, float cells)
 {

@@ -27,8 +27,8 @@ struct eng_scene;
  * crowded. One thread for a mesh at a time does it, any may try. [team] */
 uint64_t eng_wide_crowded_advance(struct eng_mesh *mesh, uint64_t budget);
 
-/* While others traverse: a step's share of the search for a clearance that was missed
- * (rigid.h). By one thread; later steps have what it finds. [team] */
+/* Do a step's share of the search for a clearance that was missed (rigid.h), while others
+ * traverse. By one thread; later steps have what it finds. [team] */
 void eng_wide_crowded_share(struct eng_scene *scene);
 
 #endif

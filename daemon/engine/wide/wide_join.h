@@ -48,19 +48,20 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
 /* Leave out pairs of which neither moves: what does is marked (wide.h). */
 void eng_wide_join_prune(struct eng_wide_join *join, const struct eng_wide *wide);
 
-/* Begun with ENG_JOIN_AT: of the kinds that are asked for, leave out what is certainly
- * farther apart than the distance, along an axis, at that end of the step. */
+/* Leave out, of the kinds that are asked for, what is certainly farther apart than the
+ * distance, along an axis, at that end of the step. The join was begun with
+ * ENG_JOIN_AT. */
 void eng_wide_join_at(struct eng_wide_join *join, const struct eng_wide *wide,
                       const struct eng_question *question);
 
-/* From now on leave out what certainly does not meet before or at `t_end`, 0 .. 1, which
+/* Leave out from now on what certainly does not meet before or at `t_end`, 0 .. 1, which
  * is never more than the last time. Once it is near, boxes around the way until then are
  * compared (ENG_JOIN_NEAR), and times of pairs are no longer looked at (in_time). */
 void eng_wide_join_until(struct eng_wide_join *join, float t_end);
 
-/* All pairs that nodes n and m of a level lead to: n is of the tree of the kind's first
- * side, m of that of the second. If both have one tree, n == m stands for all pairs below
- * one node. */
+/* Find all pairs that nodes n and m of a level lead to: n is of the tree of the kind's
+ * first side, m of that of the second. If both have one tree, n == m stands for all pairs
+ * below one node. */
 void eng_wide_join_nodes(struct eng_wide_join *join, enum pccd_kind kind, uint32_t level,
                          uint32_t n, uint32_t m);
 

@@ -37,7 +37,7 @@ void eng_wide_leads_begin(struct eng_wide_leads *leads, const struct eng_wide *w
 bool eng_wide_leads_take(struct eng_wide_leads *leads, const struct eng_wide *wide,
                          struct eng_wide_chunk *chunks);
 
-/* Slots a and b of a kind are the nearest pair so far of a vertex. */
+/* Note that slots a and b of a kind are the nearest pair so far of a vertex. */
 static inline void eng_wide_leads_learn(struct eng_wide_leads *leads, uint32_t vertex,
                                         enum pccd_kind kind, uint32_t a, uint32_t b)
 {

@@ -52,10 +52,11 @@ struct eng_wide_object {
  * PCCD_E_NOMEM. O(n log n). */
 int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
                        uint32_t threads, struct eng_wide_order **order);
-/* NULL: no memory. */
+/* Copy an order. Freed with eng_free; NULL: no memory. */
 struct eng_wide_order *eng_wide_order_copy(const struct eng_wide_order *order);
 
-/* Edges or, for the two other trees, triangles of a mesh. */
+/* Return how many there are in a mesh of what the features of a tree are listed from
+ * (below): edges, triangles for faces, all leaves for vertices. */
 uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum pccd_tree kind);
 
 /* Where the vertices of a mesh are, and the frame in which they are compared. */
@@ -72,23 +73,23 @@ void eng_wide_order_sum(const struct eng_wide_order *order,
                         struct eng_wide_positions positions, uint32_t first,
                         uint32_t count, struct eng_split_item *pieces);
 
-/*   After all of them: the pieces, by id, so that neighbours are near. */
+/*   Order, after all of them, the pieces, by id, so that neighbours are near. */
 void eng_wide_order_sequence(const struct eng_wide_order *order,
                              struct eng_split_item *pieces);
 
-/*   The slots of a piece, a multiple of 16 if pieces are told apart. */
+/*   Return the slots of a piece, a multiple of 16 if pieces are told apart. */
 uint32_t eng_wide_order_slots(const struct eng_wide_order *order, enum pccd_tree kind,
                               uint32_t piece);
 
-/*   In this sequence: next[piece] is the slot of the first feature of a piece; of
- *   items[count], which are in slots, those behind a piece are no features. */
+/*   Assign slots in this sequence: next[piece] is that of the first feature of a piece;
+ *   of items[count], which are in slots, those behind a piece are no features. */
 void eng_wide_order_assign_slots(const struct eng_wide_order *order, enum pccd_tree kind,
                                  const struct eng_split_item *pieces,
                                  struct eng_split_item *items, uint32_t *next);
 
-/*   The features of one tree that edges or triangles first .. first + count - 1 own, to
- *   the next slots of their pieces, which go on: item ids are local
- *   indices. After all of them each piece's are to be sorted. */
+/*   Put the features of one tree that edges, or leaves for the two other trees, first ..
+ *   first + count - 1 own into the next slots of their pieces, which go on: item ids are
+ *   local indices. After all of them each piece's are to be sorted. */
 void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_mesh *mesh,
                          struct eng_wide_positions positions, enum pccd_tree kind,
                          uint32_t first, uint32_t count, struct eng_split_item *items,

@@ -48,9 +48,9 @@ struct eng_wide_owners {
 void eng_wide_owners_deinit(struct eng_wide_owners *owners);
 uint64_t eng_wide_owners_bytes(const struct eng_wide_owners *owners);
 
-/* Before a step, the trees being put together: make them anew, O(blocks), when the masks
- * have changed, the trees, or what is known to be crowded. No more than a look while
- * nothing can be left out. *has_changed: the masks have. PCCD_E_NOMEM. [compute] */
+/* Make the owners anew, O(blocks), before a step, the trees being put together, when the
+ * masks have changed, the trees, or what is known to be crowded. No more than a look
+ * while nothing can be left out. *has_changed: the masks have. PCCD_E_NOMEM. [compute] */
 int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wide *wide,
                             const struct eng_scene *scene, bool *has_changed);
 

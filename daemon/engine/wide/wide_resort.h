@@ -69,23 +69,23 @@ void eng_wide_resort_init(struct eng_wide_resort *resort);
 void eng_wide_resort_deinit(struct eng_wide_resort *resort);
 uint64_t eng_wide_resort_bytes(const struct eng_wide_resort *resort);
 
-/* Before a step: forget what was begun if objects have come or gone since; else take what
- * is sorted, after which the trees are stale; make room for what is wanted. Without
+/* Forget, before a step, what was begun if objects have come or gone since; else take
+ * what is sorted, after which the trees are stale; make room for what is wanted. Without
  * memory nothing is sorted. [compute] */
 void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *scene);
 
-/* A share of the work, after the refit; it ends early once the step is to stop. By one
+/* Do a share of the work, after the refit; it ends early once the step is to stop. By one
  * thread; it writes nothing that others read. [team] */
 void eng_wide_resort_share(struct eng_wide_resort *resort, const struct eng_scene *scene,
                            const struct eng_stop *stop);
 
-/* More, or less, may meet from now on: what steps took says nothing of the order any
- * more. [compute] */
+/* Forget what steps took, as more, or less, may meet from now on: it says nothing of the
+ * order any more. [compute] */
 void eng_wide_resort_unlearn(struct eng_wide_resort *resort);
 
-/* The box tests that a whole step would have done where one that leaves out what stands
- * did `box_tests`, with `moving` vertices, >= 1, of `all`: as many as the last whole one,
- * and more as far as what moves takes more. 0: there was none. [compute] */
+/* Return the box tests that a whole step would have done where one that leaves out what
+ * stands did `box_tests`, with `moving` vertices, >= 1, of `all`: as many as the last
+ * whole one, and more as far as what moves takes more. 0: there was none. [compute] */
 uint64_t eng_wide_resort_whole(struct eng_wide_resort *resort, enum pccd_mode mode,
                                uint64_t box_tests, uint64_t moving, uint64_t all);
 

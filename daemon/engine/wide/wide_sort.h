@@ -38,8 +38,8 @@ struct eng_wide_sorter {
 void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, struct eng_wide_range range,
                            uint32_t least);
 
-/* One pass over a range of the items, or everything that is below a range of at most
- * `whole` items. False: it is sorted. */
+/* Do one pass over a range of the items, or everything that is below a range of at most
+ * `whole` items. False: all was sorted already. */
 bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_item *items,
                              uint32_t whole);
 
@@ -65,10 +65,10 @@ void eng_wide_lists_sort(struct eng_wide_lists *lists, const struct eng_split_it
 /* Parts of all three trees, at most. */
 #define ENG_WIDE_PARTS_MAX 768u
 
-/* All of parts[count], which have room for ENG_WIDE_PARTS_MAX, down to groups of 16, by
- * as many threads: parallel regions if there are several. lists[threads]: with which many
- * items are sorted sooner; NULL: without. The items are lost; their ids go to ids[], each
- * to where its item belongs. */
+/* Sort all of parts[count], which have room for ENG_WIDE_PARTS_MAX, down to groups of 16,
+ * by as many threads: parallel regions if there are several. lists[threads]: with which
+ * many items are sorted sooner; NULL: without. The items are lost; their ids go to ids[],
+ * each to where its item belongs. */
 void eng_wide_sort_parts(struct eng_split_item *items, struct eng_wide_range *parts,
                          uint32_t count, int threads, struct eng_wide_lists *lists,
                          uint32_t *ids);

@@ -31,7 +31,7 @@ extern const struct eng_slot_calls eng_wide_slot;
 /* The functions that a step calls. */
 extern const struct eng_method_calls eng_method_wide;
 
-/* Parts of it (method.h): the refit by all threads, with eng_refit_begin before the
+/* Do parts of it (method.h): the refit by all threads, with eng_refit_begin before the
  * region and eng_refit_release and eng_refit_await after it; and the faces of an object.
  * All objects have the root of the tree of faces; what is not in the object's slots is
  * left out on the way down. */

@@ -26,12 +26,12 @@ static inline struct eng_wide_work *eng_wide_work_of(const struct eng_worker *wo
     return worker->work[PCCD_METHOD_WIDE];
 }
 
-/* Pairs that a brief step (settings->brief) tests, at most: each takes up to 0.3 us of a
+/* Pairs that a brief step (question->brief) tests, at most: each takes up to 0.3 us of a
  * vector kernel, as none is searched for. */
 #define ENG_BRIEF_TESTS       64u
-#define ENG_BRIEF_TESTS_ALONE 16384u /* settings->alone, too */
+#define ENG_BRIEF_TESTS_ALONE 16384u /* question->alone, too */
 
-/* Memory for a worker, once. PCCD_E_NOMEM. [compute] */
+/* Allocate memory for a worker, once. PCCD_E_NOMEM. [compute] */
 int eng_wide_work_reserve(struct eng_worker *worker);
 void eng_wide_work_free(struct eng_worker *worker);
 uint64_t eng_wide_work_bytes(const struct eng_worker *worker);
