@@ -11,8 +11,9 @@
 
 #define ARRAY_FIRST_ROOM 64u
 
-/* Room for one more element of `bytes` each in *items, of malloc (NULL: none yet), which
- * has `count` and room for *room. False: no memory, and all is as it was. */
+/* Make room in *items for one more element of `bytes`. *items is of malloc (NULL: none
+ * yet), and has `count` elements and room for *room. False: no memory, and all is as it
+ * was. */
 static inline bool array_reserve(void **items, size_t count, size_t *room, size_t bytes)
 {
     if (count < *room) {

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* False when the file cannot be written. */
+/* Write bytes as base64. False when the file cannot be written. */
 bool base64_write(const void *bytes, size_t count, FILE *to);
 /* Fill `bytes`, which has room for count / 4 * 3 + 2, from `count` characters. False when
  * one of them is none of base64, or there is one too few or too many. */

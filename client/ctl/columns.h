@@ -12,13 +12,13 @@
 
 /* ---- Formats counts, bytes and times for people: "1.5 MiB". */
 
-/* Each of these lives until seven more have been made. "1.2 M", "3.4 MiB", "1 h 02 min",
- * "1.25 ms". */
+/* Return a figure as text: "1.2 M", "3.4 MiB", "1 h 02 min", "1.25 ms". Each text lives
+ * until seven more have been made. */
 const char *format_count(double count);
 const char *format_bytes(double bytes);
 const char *format_span(uint64_t nanoseconds);
 const char *format_ms(double milliseconds);
-/* The name of a user, or the number. */
+/* Return the name of a user, or the number; it lives as long. */
 const char *format_user(uint32_t uid);
 
 /* ---- Columns: members of a struct, as a table for people and as JSON for programs. */
@@ -65,16 +65,16 @@ struct column {
  * stands between two columns. The most important one is always shown. */
 void columns_fit(struct column *columns, const void *rows, size_t row_bytes,
                  uint32_t count, uint32_t room);
-/* One line of what is shown, of a row, or of NULL the heads; between `begin` and `end`,
- * which take no room. */
+/* Print a line on the standard output: what is shown of a row, or for NULL the heads. It
+ * stands between `begin` and `end`, which take no room. */
 void columns_print(const struct column *columns, const void *row, const char *begin,
                    const char *end);
-/* Members of an object. False: no memory. */
+/* Set those members of an object that programs see. False: no memory. */
 bool columns_add(json_t *object, const struct column *columns, const void *row);
-/* An object of them; NULL: no memory. */
+/* Return an object with those members. NULL: no memory. */
 json_t *columns_json(const struct column *columns, const void *row);
-/* Back from such an object: numbers, flags, real and exact numbers, chars. False: it is
- * none. */
+/* Fill a row from such an object: numbers, flags, real and exact numbers, chars. False:
+ * it is none, and the row may be filled in part. */
 bool columns_read(const json_t *object, const struct column *columns, void *row);
 
 #endif

@@ -59,17 +59,18 @@ CTL_COMMANDS(CTL_PROTOTYPE)
 /* Set the name of the program that complains, if it is not pccdctl; the caller keeps
  * it. */
 void ctl_name_program(const char *name);
-/* One line on stderr, after "pccdctl: ". What could control a terminal, as a name may, is
- * written as \xNN. Returns CTL_FAILED. */
+/* Print one line on stderr, after the name of the program and ": ". What could control a
+ * terminal, as a name may, is written as \xNN. Returns CTL_FAILED. */
 int ctl_complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* The error, unless its text is empty: then it was told where it was found. */
+/* Complain of an error, unless its text is empty: then it was told where it was found. */
 void ctl_error_tell(const struct ctl_error *error);
 /* Return what a command ends with that did its work with this status; is_right: what it
  * looked at was found right. */
 enum ctl_exit ctl_exit_of(int status, bool is_right);
 
-/* A handle, decimal or 0x hexadecimal. */
+/* Take a handle, decimal or 0x hexadecimal, as the value of an option; refuse what is
+ * none. */
 void ctl_take_handle(struct argp_state *state, const struct option_row *row,
                      const char *text, void *to);
 

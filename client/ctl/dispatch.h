@@ -61,7 +61,8 @@ extern const struct option_table completion_table;
             "  " program " completion bash >/etc/bash_completion.d/" program "\n"        \
             "  " program " completion zsh >~/.zfunc/_" program "\n"                      \
     }
-/* The command itself. Returns an exit status. */
+/* Run the command "completion": print what the shell that the arguments name needs.
+ * Returns an exit status. */
 int completion_command(const struct ctl_program *program,
                        const struct option_table *table, int argc, char **argv);
 

@@ -14,21 +14,22 @@
 #include "shown.h"
 #include "whole_file.h"
 
-/* Before the work, so that a name which cannot be written is told at once. `path` may be
- * "-", the standard output, where `takes_stdout`. Errors: E_SYSTEM. */
+/* Open a file before the work, so that a name which cannot be written is told at once.
+ * `path` may be "-", the standard output, where `takes_stdout`. Errors: E_SYSTEM. */
 int output_open(struct whole_file *file, const char *path, bool takes_stdout,
                 struct ctl_error *error);
 /* Give it its name; after an error there is none. Errors: E_SYSTEM. */
 int output_finish(struct whole_file *file, const char *path, struct ctl_error *error);
 
-/* The same only if it `is_whole`; then let go of it, also if it was never opened. Errors:
- * E_SYSTEM, also when something could not be written earlier. */
+/* Give it its name only if it `is_whole`; then let go of it, also if it was never opened.
+ * Errors: E_SYSTEM, also when something could not be written earlier. */
 int output_close(struct whole_file *file, const char *path, bool is_whole,
                  struct ctl_error *error);
 
 /* ---- Makes JSON, and prints it. */
 
-/* A string of any bytes, such as a file name that is not UTF-8. */
+/* Return text of any bytes as a string; what is not UTF-8, as a file name may be, is
+ * written as tool_shown shows it. NULL: no memory. */
 static inline json_t *json_text(const char *text)
 {
     json_t *value = json_string(text);

@@ -43,7 +43,8 @@ static inline void place_find(enum pccd_kind kind, const float param[2],
     }
 }
 
-/* When a contact happens: its lower bound, which may be below 0 by rounding. */
+/* Return when a contact happens, 0 .. 1: its lower bound, which by itself may be below 0
+ * by rounding. */
 static inline double place_time(const struct pccd_contact *contact)
 {
     return fmin(fmax(contact->toi, 0), 1);

@@ -35,10 +35,12 @@ struct results {
  * writes it; PCCD_E_SYSTEM. Then it is not open. */
 int results_open(struct results *results, const char *path, const json_t *head,
                  results_line_fn each, void *context, struct ctl_error *error);
-/* PCCD_E_SYSTEM, PCCD_E_NOMEM: the line is not there. */
+/* Append a line, or do nothing where there is no file. PCCD_E_SYSTEM, PCCD_E_NOMEM: the
+ * line is not there. */
 int results_append(struct results *results, const json_t *line, struct ctl_error *error);
 void results_close(struct results *results);
-/* The text of a line with its end; the caller's to free. NULL: no memory. */
+/* Return the text of a line with its end, *bytes long; the caller's to free. NULL: no
+ * memory. */
 char *results_text(const json_t *line, size_t *bytes);
 
 #endif

@@ -29,7 +29,7 @@ bool ctl_sequence_is_pattern(const char *name);
  * that is missing; E_LIMIT for more than 2^20 files. */
 int ctl_sequence_expand(struct ctl_sequence *sequence, char *const *names, uint32_t count,
                         struct ctl_error *error);
-/* The warning, if there is one, as a line on stderr. */
+/* Print the warning, if there is one, as a line on stderr. */
 void ctl_sequence_warn(const struct ctl_sequence *sequence);
 void ctl_sequence_deinit(struct ctl_sequence *sequence);
 

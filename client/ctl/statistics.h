@@ -26,7 +26,8 @@ static inline double statistics_median(const double *sorted, size_t count)
     return (sorted[(count - 1) / 2] + sorted[count / 2]) / 2.0;
 }
 
-/* The smallest value that at least the share `quantile` (0 .. 1) of all is not above. */
+/* Return the smallest of sorted values such that at least the share `quantile` (0 .. 1)
+ * of all is not above it; count >= 1. */
 static inline double statistics_quantile(const double *sorted, size_t count,
                                          double quantile)
 {

@@ -10,7 +10,7 @@
 
 enum terminal_colour { TERMINAL_GREEN, TERMINAL_YELLOW, TERMINAL_RED, TERMINAL_BOLD };
 
-/* --no-color was given. */
+/* Forbid colours from now on: --no-color was given. */
 void terminal_forbid_colours(void);
 /* Return the text that begins a colour on the standard output, or ends it; "" where there
  * are none. */
@@ -21,20 +21,21 @@ const char *terminal_end(void);
  * then the same of the standard error. */
 bool terminal_is_live(void);
 bool terminal_has_live_errors(void);
-/* Columns and rows of the terminal behind a descriptor; 80 and 24 if it does not tell. */
+/* Tell the columns and rows of the terminal behind a descriptor; 80 and 24 if it does
+ * not. */
 void terminal_size(int fd, uint32_t *columns, uint32_t *rows);
 /* Begin to draw it anew, from the top; what was below goes. */
 void terminal_redraw(void);
 
-/* From now on SIGINT and SIGTERM are noted instead of ending the program, and a pipe that
- * nobody reads is an error of writing. */
+/* Note SIGINT and SIGTERM from now on, instead of ending the program; a pipe that nobody
+ * reads becomes an error of writing. */
 void terminal_catch_interrupts(void);
 bool terminal_was_interrupted(void);
 /* Return whether the standard output is a pipe that nobody reads any more. */
 bool terminal_has_no_reader(void);
 /* Sleep, or until an interrupt. */
 void terminal_sleep(double seconds);
-/* CLOCK_MONOTONIC. */
+/* Return the time of CLOCK_MONOTONIC, in seconds. */
 double terminal_now_s(void);
 
 /* ---- A progress bar on stderr. */
@@ -49,7 +50,7 @@ struct progress {
 };
 
 void progress_begin(struct progress *progress, const char *label, uint64_t total);
-/* `done` of the total are done. */
+/* Draw that `done` of the total are done, unless the bar was drawn a moment ago. */
 void progress_update(struct progress *progress, uint64_t done);
 /* Take the bar away, to print lines or at the end; the next update draws it again. */
 void progress_clear(struct progress *progress);

@@ -45,7 +45,8 @@ struct ask_options {
  * `link` are ctl_link_table's. */
 extern const struct option_table ask_table;
 
-/* The standard output, unless that is the CSV's. */
+/* Return where the report goes: to the standard output, unless that is the CSV's; then to
+ * stderr. */
 FILE *ask_report_to(const struct ask_options *options);
 /* Tell what went wrong first: the work, or else the end of the CSV. Returns the exit
  * status; `is_right` says whether what was found is. */

@@ -47,8 +47,8 @@ int objects_add(struct objects *objects, uint32_t handle, const char *name,
                 uint32_t edge_count, struct ctl_error *error);
 /* Return the object of a handle; of one that no object has, any. */
 const struct objects_of *objects_find(const struct objects *objects, uint32_t handle);
-/* The number of a part: the one with a feature of so many points (1 a vertex, 2 an edge,
- * 3 a face). */
+/* Return the number of the part that has a feature of so many points (1 a vertex, 2 an
+ * edge, 3 a face). */
 uint32_t objects_part(const struct objects_of *object, uint32_t points, uint32_t feature);
 /* Count the records of a page. False: no memory. */
 bool objects_count(struct objects *objects, const struct pccd_answer *page);
@@ -70,8 +70,8 @@ struct contacts_csv {
     struct scene *geometry; /* the caller's, its edges fetched; NULL: no columns of it */
 };
 
-/* ",3,4": the vertices of a feature of so many points (1 a vertex, 2 an edge, 3 a face).
- * Returns how many. */
+/* Write the vertices of a feature of so many points (1 a vertex, 2 an edge, 3 a face), as
+ * ",3,4". Returns how many. */
 uint32_t csv_vertices(FILE *to, uint32_t points, uint32_t feature,
                       const struct pccd_edge *edges, const uint32_t (*triangles)[3]);
 
@@ -104,15 +104,15 @@ int check_run_begin(struct check_run *run, struct scene *files, bool with_edges,
  * Errors: E_NOMEM. */
 int check_run_tell(struct check_run *run, const struct scene *files,
                    struct ctl_error *error);
-/* One step to frame `number`, which was read beside the one before, where the objects
- * stand now: once, then `repeats` times the same again. The last run's records go to
- * `csv` unless that has no file. Fills all of `step` but the names of files. */
+/* Make one step to frame `number`, which was read beside the one before, where the
+ * objects stand now: once, then `repeats` times the same again. The last run's records go
+ * to `csv` unless that has no file. Fills all of `step` but the names of files. */
 int check_run_step(struct check_run *run, const struct scene *files, uint32_t number,
                    const struct contacts_csv *csv, struct report_step *step,
                    struct ctl_error *error);
 
-/* The step that was made last once more, whose frames are still read: all its records
- * are fetched, and given back. */
+/* Make once more the step that was made last, whose frames are still read: all its
+ * records are fetched, and given back. */
 int check_run_again(struct check_run *run, const struct scene *files, uint32_t number,
                     struct ctl_error *error);
 
@@ -133,7 +133,8 @@ int check_run_judge(const struct report_step *steps, uint32_t step_count, bool *
                     struct ctl_error *error);
 /* Make run->times. */
 int check_run_times(struct check_run *run, struct ctl_error *error);
-/* `what`, and the library's own words about a failed call. Returns `status`. */
+/* Set the error to `what`, and the library's own words about a failed call. Returns
+ * `status`. */
 int check_run_fail(const struct check_run *run, int status, const char *what,
                    struct ctl_error *error);
 void check_run_deinit(struct check_run *run);
@@ -149,7 +150,7 @@ struct check_options {
 /* Options that fill a struct check_options. */
 extern const struct option_table check_table;
 
-/* All that was said of a step. */
+/* Return all that was said of a step. */
 struct pccd_step_settings check_step_settings(const struct check_options *options);
 
 #endif

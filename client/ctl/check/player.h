@@ -43,7 +43,8 @@ struct player {
  * scene_read_object. */
 int player_read(struct player *player, struct scene *files,
                 const struct player_settings *settings, struct ctl_error *error);
-/* Until the end of the settings, or an interrupt. */
+/* Place the objects, and play the frames until the end of the settings, or an
+ * interrupt. */
 int player_play(struct player *player, struct ctl_error *error);
 void player_deinit(struct player *player);
 

@@ -34,7 +34,7 @@ enum report_phase {
 };
 extern const char *const report_phase_names[REPORT_PHASE_COUNT];
 
-/* Milliseconds of the phases of an answer. */
+/* Fill ms with the milliseconds of the phases of an answer. */
 void report_phases(const struct pccd_step_times *times, double ms[REPORT_PHASE_COUNT]);
 
 struct report_object {
@@ -87,12 +87,13 @@ struct report_step {
     uint32_t pair_count;
 };
 
-/* For people: the objects once, then each step, long or as one line. */
+/* Print the objects, for people; once, before the steps. */
 void report_print_scene(FILE *to, const struct report_scene *scene);
 /* Print a line for each object. */
 void report_print_objects(FILE *to, const struct report_scene *scene);
 /* Print what readers have to say of their frames. */
 void report_print_notes(FILE *to, const struct ctl_frames *files);
+/* Print a step, long; report_print_line: as one line. */
 void report_print_step(FILE *to, const struct report_scene *scene,
                        const struct report_step *step);
 /* Print the end of the report of any answer: whether it is complete, its hash, work and
@@ -108,8 +109,8 @@ void report_print_pairs(FILE *to, const struct report_scene *scene,
  * which may be one; or it begins crossed or inside. */
 bool report_meets(const struct report_step *step);
 
-/* One JSON object: of one step, the step's values at the top; of several, their sums and
- * an array "steps". False without memory. */
+/* Print one JSON object: of one step, the step's values at the top; of several, their
+ * sums and an array "steps". False: no memory, or it could not be written. */
 bool report_json(FILE *to, const struct report_scene *scene,
                  const struct report_step *steps, uint32_t step_count);
 
@@ -124,8 +125,10 @@ json_t *report_objects(const struct report_scene *scene, bool *ok);
 /* Set in `object` how many records of each kind there are, under the kind's name. */
 void report_kinds(json_t *object, const uint64_t counts[PCCD_KINDS_MAX], bool *ok);
 
-/* The same of any answer, to an object; and how its threads shared the work. */
+/* Set in an object how the threads of any answer shared the work. */
 void report_json_sharing(json_t *object, const struct pccd_answer *answer, bool *ok);
+/* Set in an object what ends the report of any answer: whether it is complete, its hash,
+ * times and counters. */
 void report_json_rest(json_t *object, double build_ms, const struct report_step *step,
                       bool *ok);
 
@@ -134,9 +137,9 @@ json_t *report_counters(const struct pccd_answer *answer, bool *ok);
 
 /* ---- A step's report as one JSON object, and back. */
 
-/* NULL: no memory. */
+/* Return the report as an object. NULL: no memory. */
 json_t *report_line(const struct report_step *step);
-/* False: it is no such object; then *step is of no use. */
+/* Read it back. False: it is no such object; then *step is of no use. */
 bool report_line_read(const json_t *line, struct report_step *step);
 
 #endif

@@ -43,8 +43,8 @@ struct check_command {
     bool has_geometry;
 };
 
-/* The head: hashes of all files, which are read for it, and the options that the answers
- * depend on. NULL: an error. */
+/* Return the head: hashes of all files, which are read for it, and the options that the
+ * answers depend on. NULL: an error. */
 json_t *check_head(const struct check_command *command, const struct scene *scene,
                    struct ctl_error *error);
 /* Take the options from a head; texts are the head's. False: it is none. */

@@ -61,7 +61,7 @@ struct cloth {
     uint32_t spring_count;
 };
 
-/* At rest, the cloth above the ball; the caller frees it. NULL: no memory. */
+/* Return a cloth at rest, above the ball; the caller frees it. NULL: no memory. */
 struct cloth *cloth_new(void);
 
 /* Register both meshes in a new scene. Errors: those of pccd_mesh_create and
@@ -76,10 +76,10 @@ typedef void (*cloth_fn)(void *context, const struct pccd_answer *answer, bool i
 int cloth_frame(struct cloth *cloth, cloth_fn tell, void *context,
                 struct ctl_error *error);
 
-/* The vertices of a mesh at the begin (0) and at the end (1) of the frame. */
+/* Fill x with the vertices of a mesh at the begin (0) or at the end (1) of the frame. */
 void cloth_positions(const struct cloth *cloth, enum cloth_mesh mesh, uint32_t end,
                      float (*x)[3]);
-/* The ball's pose there: rows of [R | t], to be applied to `ball`. */
+/* Fill in the ball's pose there: rows of [R | t], to be applied to `ball`. */
 void cloth_ball_pose(const struct cloth *cloth, uint32_t end, double pose[12]);
 /* Find where a contact's second feature is touched, at the begin of the frame. */
 void cloth_locate(const struct cloth *cloth, const struct pccd_contact *contact,

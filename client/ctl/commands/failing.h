@@ -37,8 +37,8 @@ struct failing {
     uint64_t left_out; /* of the steps that fail: those behind the first ones */
 };
 
-/* Before the first step, of a run whose scene is there, so that what will be wanted can
- * be had. Errors: those of frames_begin; E_SYSTEM: there is no page; E_NOMEM. */
+/* Try, before the first step of a run whose scene is there, whether what will be wanted
+ * can be had. Errors: those of frames_begin; E_SYSTEM: there is no page; E_NOMEM. */
 int failing_begin(struct failing *failing, struct check_run *run,
                   struct ctl_error *error);
 /* Keep a step that fails, right after check_run_step. Nothing where nothing is asked

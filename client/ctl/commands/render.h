@@ -28,8 +28,8 @@ struct render {
     uint32_t every; /* a film has each N-th step; 0: not given */
 };
 
-/* To `film`, seen within the box `bounds`; or, where there is none, to `file`. Errors:
- * those of picture_write and film_add. */
+/* Draw to `film`, seen within the box `bounds`; or, where there is none, to `file`.
+ * Errors: those of picture_write and film_add. */
 int render_draw(const struct render *render, const struct snapshot *snapshot, FILE *file,
                 struct film *film, const float (*bounds)[3], struct ctl_error *error);
 

@@ -24,13 +24,15 @@ void colour_of_time(double toi, float colour[3]);
 /* Set the colours of both sides of the i-th object of a scene. */
 void colour_of_object(uint32_t i, float front[3], float back[3]);
 
-/* PCCD_OK, PCCD_E_NOMEM, PCCD_E_LIMIT (4 GiB), PCCD_E_SYSTEM. */
+/* Write one step as a binary glTF file; `path` is its name in errors. PCCD_OK,
+ * PCCD_E_NOMEM, PCCD_E_LIMIT (4 GiB), PCCD_E_SYSTEM. */
 int gltf_write(const struct snapshot *snapshot, FILE *to, const char *path,
                struct ctl_error *error);
 
 /* ---- Writes one step as a VTK XML PolyData file, which ParaView opens. */
 
-/* PCCD_OK, PCCD_E_NOMEM, PCCD_E_SYSTEM. */
+/* Write the step. PCCD_OK, PCCD_E_NOMEM, PCCD_E_LIMIT (more than 32-bit indices name),
+ * PCCD_E_SYSTEM. */
 int vtp_write(const struct snapshot *snapshot, FILE *to, const char *path,
               struct ctl_error *error);
 

@@ -27,8 +27,8 @@ struct bytes {
     bool is_short; /* there was no memory: what is here is not all */
 };
 
-/* Begin a section of `count` bytes, zeros; its memory, valid until the next call, or NULL
- * without memory. *offset: where it begins. */
+/* Begin a section of `count` bytes, zeros, at *offset. Returns its memory, valid until
+ * the next call, or NULL without memory. */
 void *bytes_section(struct bytes *bytes, size_t count, size_t *offset);
 void bytes_empty(struct bytes *bytes);
 void bytes_deinit(struct bytes *bytes);
@@ -49,10 +49,10 @@ struct page_file {
 /* Write the template up to its mark. E_FORMAT: it has none; E_SYSTEM. */
 int page_file_begin(struct page_file *page, FILE *to, const char *path,
                     const char *template, size_t template_bytes, struct ctl_error *error);
-/* One more piece of data, as base64; the first is number 0. */
+/* Write one more piece of data, as base64; the first is number 0. */
 int page_file_blob(struct page_file *page, const void *bytes, size_t count,
                    struct ctl_error *error);
-/* The JSON text, and the rest of the template; flushed, not closed. */
+/* Write the JSON text, and the rest of the template; the file is flushed, not closed. */
 int page_file_finish(struct page_file *page, const json_t *meta, struct ctl_error *error);
 
 /* Return how many bytes of the file a blob, or a JSON value, takes. */
@@ -146,30 +146,32 @@ struct inspect {
  *
  * All append to inspect->data and return a new reference, or NULL without memory. */
 
-/* [{"handle", "mesh", "x0", "x1", "radius"}] of the step's scene, or both ends of one
- * moment; `meshes` gets those that are not in the file yet. Edges of the scene's meshes
- * are known. */
+/* Ends of a step at which inspect_pack_objects packs objects. */
 enum inspect_moment { INSPECT_BEGIN, INSPECT_END, INSPECT_BOTH };
+/* Return [{"handle", "mesh", "x0", "x1", "radius"}] of a scene; x0 and x1 are at both
+ * ends of its step, or both at one of them. `meshes` gets those that are not in the file
+ * yet. Edges of the scene's meshes are known. */
 json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scene *scene,
                              enum inspect_moment moment, json_t *meshes);
-/* {"at", "count"} */
+/* Return {"at", "count"} of the contacts. */
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
 /* Return {"at", "count"} of what is near. */
 json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near);
-/* {"at", "count", "threads", "lost"}, or null: it was not recorded. */
+/* Return {"at", "count", "threads", "ns", "lost"}, or null: it was not recorded. */
 json_t *inspect_pack_events(struct inspect *inspect, const struct step_trace *trace);
-/* {TREE: [{"at", "count"}], ..} of what the step used, each level, the root first. */
+/* Return {TREE: [{"at", "count"}], ..} of what the step used, each level, the root
+ * first. */
 json_t *inspect_pack_boxes(struct inspect *inspect, const struct play_step *step);
 
-/* [blob, offset] of a section of the step that is being packed. */
+/* Return [blob, offset] of a section of the step that is being packed. */
 json_t *inspect_section(const struct inspect *inspect, size_t offset);
 
 /* ---- The HTML page of `pccdctl inspect`, without data. */
 
-/* NULL: this program was built without it. */
+/* Return the page, *bytes long. NULL: this program was built without it. */
 const char *page_template(size_t *bytes);
 
-/* Return whether there is one. Errors: E_SYSTEM, which says how to get it. */
+/* Return PCCD_OK if there is one. Errors: E_SYSTEM, which says how to get it. */
 int inspect_has_page(struct ctl_error *error);
 
 #define INSPECT_BOXES_DEFAULT 512u
@@ -180,11 +182,12 @@ int inspect_begin_page(struct page_file *page, FILE *to, const char *path,
                        struct ctl_error *error);
 int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
                  struct page_file *page, struct ctl_error *error);
-/* A play_fn; its context is the inspect. Ends the playing when the file is full. */
+/* Add a step to the page, as a play_fn whose context is the inspect. Ends the playing
+ * when the file is full. */
 int inspect_step(void *inspect, const struct play_step *step, struct ctl_error *error);
-/* The same of a question about what is near, a play_near_fn. */
+/* Add a question about what is near, as inspect_step does a step; a play_near_fn. */
 int inspect_near(void *inspect, const struct play_near *near, struct ctl_error *error);
-/* The rest of the file. `name`: of the recording; any bytes. */
+/* Write the rest of the file. `name`: of the recording; any bytes. */
 int inspect_finish(struct inspect *inspect, const char *name,
                    const struct play_summary *summary, struct ctl_error *error);
 void inspect_deinit(struct inspect *inspect);

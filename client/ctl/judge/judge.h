@@ -40,7 +40,8 @@ struct crossings {
 int crossings_ask(struct crossings *crossings, const struct check_run *run,
                   const struct pccd_motion *motions, uint32_t motion_count,
                   struct ctl_error *error);
-/* Errors: E_NOMEM. */
+/* Copy crossings to `to`, whose own are freed; without memory it stays. Errors:
+ * E_NOMEM. */
 int crossings_copy(struct crossings *to, const struct crossings *from,
                    struct ctl_error *error);
 /* Count those of `a` that are in neither of two others. */
@@ -77,8 +78,8 @@ void judged_contact_set(struct judged_contact *contact, const struct report_firs
 bool judged_fails(const struct judged *judged);
 /* Print what is new and what is gone, where there is something. */
 void judged_print(FILE *to, const struct judged *judged);
-/* As one JSON object, and back but for the names of files. NULL: no memory; false: it is
- * none. */
+/* Return a step as one JSON object, NULL: no memory; and read it back but for the names
+ * of files, false: it is none. */
 json_t *judged_line(const struct judged *judged);
 bool judged_read(const json_t *line, struct judged *judged);
 
@@ -105,7 +106,7 @@ void judge_take(struct judge *judge, const struct judged *judged);
 int judge_end(const struct judge *judge, bool *is_free, struct ctl_error *error);
 /* Print the verdict, on one line that begins with `label`, and what it rests on. */
 void judge_print(FILE *to, const struct judge *judge, const char *label);
-/* The same as a JSON object; NULL: no memory. */
+/* Return the verdict as a JSON object; NULL: no memory. */
 json_t *judge_line(const struct judge *judge);
 /* Return whether a line is such an object. */
 bool judge_is_line(const json_t *line);

@@ -162,18 +162,18 @@ struct mcp {
  * made of `name`. Returns it. */
 struct mcp_table *mcp_keep(struct mcp *mcp, const char *name, struct mcp_table table);
 void mcp_forget(struct mcp_table *table);
-/* Errors: E_INVAL: there is no such handle, or it is gone. */
+/* Find a table by its handle. Errors: E_INVAL: there is no such handle, or it is gone. */
 int mcp_find(struct mcp *mcp, const char *handle, struct mcp_table **table,
              struct ctl_error *error);
 /* Set "rows" of an answer to those of the table from `offset` on, as many as might fit;
  * and "row_count", "handle", "offset". */
 void mcp_show_rows(json_t *answer, const struct mcp_table *table, uint64_t offset,
                    bool *ok);
-/* The result of a call: an answer, which is taken, as text and as it is, cut until it has
- * at most MCP_ANSWER_BYTES: rows first, then long texts. A picture is linked, too. NULL:
- * no memory. */
+/* Return the result of a call: an answer, which is taken, as text and as it is, cut until
+ * it has at most MCP_ANSWER_BYTES: rows first, then long texts. A picture is linked, too.
+ * NULL: no memory. */
 json_t *mcp_result(json_t *answer);
-/* The result of a call that failed. */
+/* Return the result of a call that failed. NULL: no memory. */
 json_t *mcp_failure(const char *text);
 /* Dump as all messages are; the caller's. */
 char *mcp_dump(const json_t *value);
@@ -196,8 +196,9 @@ struct mcp_tool {
 /* Up to one that is all zeros. */
 extern const struct mcp_tool mcp_tools[];
 
-/* For a child of tools that are more than a command: print JSON. */
-int mcp_look_folder(int argc, char **argv); /* argv[1]: its name */
+/* Print JSON, in a child of a tool that is more than a command. argv[1]: the folder's
+ * name. */
+int mcp_look_folder(int argc, char **argv);
 int mcp_look_scene(int argc, char **argv);
 int mcp_look_record(int argc, char **argv);
 int mcp_look_place(int argc, char **argv);

@@ -36,25 +36,28 @@ struct gltf {
  * it requires. gltf_close also after an error. */
 bool gltf_open(struct ctl_file *file, struct ctl_error *error, struct gltf *gltf);
 void gltf_close(struct gltf *gltf);
-/* If it is not right, tell the file's name and the text; returns is_right. */
+/* Note an error, with the file's name and the text, unless `is_right`; an earlier one
+ * stays. Returns is_right. */
 bool gltf_check_as(struct gltf *gltf, bool is_right, int status, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 #define gltf_check(gltf, is_right, ...)                                                  \
     gltf_check_as(gltf, is_right, PCCD_E_FORMAT, __VA_ARGS__)
-/* Zeros for `count` things of `bytes`, which `what` names in the error, and one more. */
+/* Allocate zeros for `count` things of `bytes`, which `what` names in the error, and for
+ * one more. NULL: no memory. */
 void *gltf_alloc(struct gltf *gltf, size_t count, size_t bytes, const char *what);
 
-/* An index or a count; `otherwise` where there is none (NULL), -1 where it is none. */
+/* Return an index or a count; `otherwise` where there is none (NULL), -1 where it is
+ * none. */
 long long gltf_value(const json_t *value, long long otherwise);
 long long gltf_number(const json_t *object, const char *name, long long otherwise);
-/* Entry `index` of an array of the root; NULL: there is none. */
+/* Return entry `index` of an array of the root; NULL: there is none. */
 const json_t *gltf_entry(const struct gltf *gltf, const char *array, long long index);
 size_t gltf_entry_count(const struct gltf *gltf, const char *array);
 /* Fill values[count] from an array of `count` finite numbers, which stay as they are
  * where there is none. `what` and `index` name the object in the error. */
 void gltf_numbers(struct gltf *gltf, const json_t *object, const char *name, size_t count,
                   double *values, const char *what, size_t index);
-/* The extension by which an object is compressed; NULL: by none. */
+/* Return the extension by which an object is compressed; NULL: by none. */
 const char *gltf_compression(const json_t *object);
 
 /* ---- accessors: elements of a buffer, as doubles; nothing is copied ---------------- */

@@ -109,7 +109,7 @@ void gltf_mesh_add(struct gltf *gltf, const struct gltf_object *object, uint32_t
  * that move a mesh, if no two of them move the same, else the first of these. Make frames
  * of their keyframes or at a rate; what moves no mesh, such as a camera, makes none. */
 void gltf_animation_read(struct gltf_scene *scene, const struct ctl_motion_wish *wish);
-/* When a frame is, in seconds. */
+/* Return when a frame is, in seconds. */
 double gltf_animation_time(const struct gltf_animation *animation, uint32_t frame);
 /* Write to the nodes what they have at a frame. */
 void gltf_animation_pose(struct gltf_scene *scene, uint32_t frame);

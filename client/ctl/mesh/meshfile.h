@@ -131,7 +131,7 @@ bool ctl_mesh_is_pipe(const char *path);
  * (NULL: nothing is). Errors: those of its reader. */
 int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
                          struct ctl_motion *motion, struct ctl_error *error);
-/* The mesh of a motion that has a shape. It keeps `path`. */
+/* Read the mesh of a motion that has a shape. It keeps `path`. */
 int ctl_mesh_read_shape(const struct ctl_motion *motion, const char *path,
                         struct ctl_mesh *mesh, struct ctl_error *error);
 
@@ -142,20 +142,22 @@ int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);
 int ctl_mesh_cut(struct ctl_mesh *mesh, struct ctl_error *error);
 /* Find vertices of polygons that are not in this part; free their arrays then. */
 int ctl_mesh_find_others(const struct ctl_mesh *mesh, struct ctl_others *others);
-/* Same number of vertices and the same triangles, edges and points in the same order;
- * otherwise E_INVAL and a text with both file names and the first difference. */
+/* Compare two meshes, which must have the same number of vertices and the same triangles,
+ * edges and points in the same order; otherwise E_INVAL and a text with both file names
+ * and the first difference. */
 int ctl_mesh_match(const struct ctl_mesh *a, const struct ctl_mesh *b,
                    struct ctl_error *error);
-/* E_INVAL: `b` has another count of what is named so. */
+/* Return E_INVAL, with the text that `b` has another count of what is named so. */
 int ctl_mesh_other_count(const char *path_a, uint32_t a, const char *names,
                          const char *path_b, uint32_t b, struct ctl_error *error);
 /* Cut the polygons of `mesh` as those of `first` are cut, and compare the two. */
 int ctl_mesh_cut_like(const struct ctl_mesh *first, struct ctl_mesh *mesh,
                       struct ctl_error *error);
 
-/* For the readers, whose numbers are those of the file: what is not kept of a mesh is
- * judged and counted only. What goes wrong is told to mesh->error. `count` is of all
- * vertices. */
+/* Functions for the readers, whose numbers are those of the file: what is not kept of a
+ * mesh is judged and counted only. What goes wrong is told to mesh->error. */
+
+/* Allocate room for what is kept of the `count` vertices of the file. */
 int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
                             uint64_t count);
 /* Store one coordinate; the index is vertex * 3 + axis. */
@@ -169,7 +171,8 @@ static inline bool ctl_is_flat(const uint32_t vertices[3])
            vertices[2] == vertices[0];
 }
 int ctl_mesh_add(struct ctl_mesh *mesh, enum ctl_kind kind, const uint32_t *vertices);
-/* The corners of a face, three or more, one after the other; then its place. */
+/* Add the next corner of a face, which has three or more; then end the face, with its
+ * place (struct ctl_polygon). */
 int ctl_mesh_add_corner(struct ctl_mesh *mesh, uint32_t vertex);
 int ctl_mesh_end_face(struct ctl_mesh *mesh, uint64_t place);
 /* Say that what is added next belongs to an object of this name, of name_bytes bytes,
@@ -185,11 +188,12 @@ void ctl_mesh_keep_part(struct ctl_mesh *mesh, uint32_t number, uint32_t count);
  * it is the first part. */
 uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, enum ctl_kind kind,
                             uint32_t number);
-/* The first object that has each vertex; the caller's to free. NULL: no memory. */
+/* Return for each vertex the first object that has it in a triangle, else in an edge,
+ * else in a point; CTL_NO_OBJECT: none has. The caller's to free. NULL: no memory. */
 uint32_t *ctl_mesh_object_of_vertices(const struct ctl_mesh *mesh);
 
-/* The formats. `mesh` is empty before but for path and error, and the caller's to deinit
- * after, also on error. */
+/* Parse a file of one of the formats. `mesh` is empty before but for path and error, and
+ * the caller's to deinit after, also on error. */
 int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh);
 int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh);
 /* Return whether a file begins as OBJ does, or as STL, whatever its name. */

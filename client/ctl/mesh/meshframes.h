@@ -68,8 +68,9 @@ int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path
  * difference, where its shape is another one. */
 int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *frame,
                     struct ctl_error *error);
-/* For who joins vertices of a shape by himself: its rows to the mesh, with those that
- * stand for each, and how many triangles are flat because of that. Errors: E_NOMEM. */
+/* Join vertices of a shape, which the caller has found: give the mesh its rows with to[v]
+ * in the place of each vertex v, and count the triangles that are flat because of that.
+ * Errors: E_NOMEM. */
 int ctl_frames_rename(struct ctl_frames *frames, const uint32_t *to,
                       struct ctl_error *error);
 void ctl_frames_close(struct ctl_frames *frames);

@@ -58,13 +58,13 @@ typedef int ctl_motion_reader(struct ctl_motion *motion,
 int ctl_motion_open(const char *path, ctl_motion_reader *reader,
                     const struct ctl_motion_wish *wish, struct ctl_motion *motion,
                     struct ctl_error *error);
-/* Also an empty one. */
+/* Close a motion, also an empty one; it is empty then. */
 void ctl_motion_close(struct ctl_motion *motion);
 
-/* All frames of a file. Of glTF without a wish for one all animations that move a mesh
- * are played at once, if no two of them move the same thing; else the first of them.
- * E_INVAL: there is no animation that is wished for. Of point caches a piece of 64 KiB is
- * in memory, of a pipe all. */
+/* Fill a motion with all frames of a file. Of glTF without a wish for one all animations
+ * that move a mesh are played at once, if no two of them move the same thing; else the
+ * first of them. E_INVAL: there is no animation that is wished for. Of point caches a
+ * piece of 64 KiB is in memory, of a pipe all. */
 ctl_motion_reader ctl_gltf_open, ctl_pc2_open, ctl_mdd_open;
 
 #endif

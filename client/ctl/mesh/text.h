@@ -64,24 +64,26 @@ void ctl_file_deinit(struct ctl_file *file);
  * Only the first that is wrong is told; the status is that one's. */
 int ctl_file_fail(struct ctl_file *file, int status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-/* The same of a file that is not as its format says. */
+/* Tell that a file is not as its format says. */
 #define ctl_file_refuse(file, ...) ctl_file_fail(file, PCCD_E_FORMAT, __VA_ARGS__)
 
 /* Go to the beginning, behind a byte order mark, whatever was read. */
 void ctl_file_begin(struct ctl_file *file);
 /* Return where its text begins. */
 const char *ctl_file_start(const struct ctl_file *file);
-/* It is text, and so has no byte 0: where there is one is told as soon as it is read. */
+/* Expect text, which has no byte 0: where there is one is told as soon as it is read. */
 void ctl_file_expect_text(struct ctl_file *file);
 /* Return whether so many bytes follow; all of them are in memory then. */
 bool ctl_file_more(struct ctl_file *file, size_t bytes);
-/* The next line without its line end (LF, CR LF or CR); false at the end of the file. */
+/* Take the next line without its line end (LF, CR LF or CR); false at the end of the
+ * file. */
 bool ctl_file_line(struct ctl_file *file, struct ctl_word *line);
 /* Return how many bytes the file has: in all, and behind the reader. */
 uint64_t ctl_file_size(const struct ctl_file *file);
 uint64_t ctl_file_left(const struct ctl_file *file);
 
-/* An unsigned integer of 1, 2 or 4 bytes of a file that is not text, the lowest first. */
+/* Return an unsigned integer of 1, 2 or 4 bytes of a file that is not text, the lowest
+ * first. */
 static inline uint32_t ctl_file_integer(const char *at, size_t bytes)
 {
     const unsigned char *low = (const unsigned char *)at;
@@ -90,18 +92,18 @@ static inline uint32_t ctl_file_integer(const char *at, size_t bytes)
 }
 #define ctl_file_word(at) ctl_file_integer(at, 4)
 
-/* The next word of the line, which shrinks; false when only blanks are left. */
+/* Take the next word of the line, which shrinks; false when only blanks are left. */
 bool ctl_word_next(struct ctl_word *line, struct ctl_word *word);
 bool ctl_word_is(const struct ctl_word *word, const char *text);
-/* The same in capitals, too. */
+/* Return whether a word is the text, in small letters or capitals. */
 bool ctl_word_is_any_case(const struct ctl_word *word, const char *text);
-/* The word's length, cut for messages, and what "%.*s" takes. */
+/* Return the word's length, cut for messages: what "%.*s" takes. */
 int ctl_word_length(const struct ctl_word *word);
 #define CTL_QUOTE(word) ctl_word_length(&(word)), (word).at
 
-/* The word as a number; false, and any value, when it is not one from its first to its
- * last character. Beyond the range: infinity (real), false (integer). A float is rounded
- * once. */
+/* Read the word as a number; false, and any value, when it is not one from its first to
+ * its last character. Beyond the range: infinity (real), false (integer). A float is
+ * rounded once. */
 bool ctl_word_float(const struct ctl_word *word, double *value);
 bool ctl_word_double(const struct ctl_word *word, double *value);
 bool ctl_word_integer(const struct ctl_word *word, int64_t *value);

@@ -28,7 +28,7 @@ struct near_options {
 /* Options that fill a struct near_options. */
 extern const struct option_table near_table;
 
-/* All that was said of the question. */
+/* Return all that was said of the question. */
 struct pccd_near_settings near_options_settings(const struct near_options *options);
 /* Leave out the pairs of one of several objects with itself, unless they are asked for
  * or its settings speak of them. */
@@ -51,10 +51,11 @@ void near_run_deinit(struct near_run *near);
 
 /* ---- Prints the answer of `pccdctl near`. */
 
-/* On the standard error: which files have more frames than the one that is read. */
+/* Tell on stderr which files have more frames than the one that is read. */
 void near_report_warn(const struct near_run *near);
 void near_report_print(FILE *to, const struct near_run *near);
-/* False: it could not be written, or without memory. */
+/* Print the answer as one JSON object. False: it could not be written, or without
+ * memory. */
 bool near_report_json(FILE *to, const struct near_run *near);
 
 /* ---- Writes what is near as CSV (`pccdctl near --csv FILE`).
@@ -74,7 +75,7 @@ struct near_csv {
 int near_csv_open(struct near_csv *csv, struct ctl_error *error);
 /* Append a page of the answer; `context` is the struct near_csv. */
 void near_csv_page(void *context, const struct pccd_answer *page);
-/* The file appears only now, and only if it `is_whole`. Errors: E_SYSTEM. */
+/* Close the file: it appears only now, and only if it `is_whole`. Errors: E_SYSTEM. */
 int near_csv_close(struct near_csv *csv, bool is_whole, struct ctl_error *error);
 
 #endif

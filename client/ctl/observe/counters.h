@@ -22,19 +22,20 @@ struct counters {
 
 /* Take one more; `context` is the struct counters. */
 void counters_take(void *context, const char *name, uint64_t value, const char *text);
-/* Returns the library's status. */
+/* Read the daemon's counters anew; returns the library's status. */
 int counters_read(struct pccd_client *client, struct counters *counters);
-/* 0 when there is none of that name. */
+/* Return the value of a counter; 0 when there is none of that name. */
 uint64_t counters_get(const struct counters *counters, const char *name);
-/* Members of an object. */
+/* Set a member of an object for each counter. */
 void counters_add(json_t *object, const struct counters *counters);
 /* Return whether a counter tells how something is now; otherwise it is a total that only
  * grows. */
 bool counters_is_gauge(const char *name);
 
-/* The upper bound of a bucket, in seconds; infinity for the last. */
+/* Return the upper bound of a bucket, in seconds; infinity for the last. */
 double histogram_bound_s(uint32_t bucket);
-/* The upper bound of the bucket below which the share `q` of all lies; 0 without any. */
+/* Return the upper bound, in seconds, of the first bucket with which at least the share
+ * `q` of all is reached; 0 without any. */
 double histogram_quantile_s(const struct pccd_histogram_info *histogram, double q);
 
 /* ---- Warnings that follow from a daemon's counters. */

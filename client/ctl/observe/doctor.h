@@ -31,16 +31,17 @@ struct doctor {
     struct doctor_finding findings[DOCTOR_MAX];
 };
 
-/* One more; `advice` may be "". */
+/* Add a finding, unless there are DOCTOR_MAX; `advice` may be "". */
 void doctor_find(struct doctor *doctor, enum doctor_verdict verdict, const char *what,
                  const char *advice, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
-/* Limits of this process, memory to share, processors, the OpenMP environment. */
+/* Look at limits of this process, memory to share, the OpenMP environment. */
 void doctor_look_at_machine(struct doctor *doctor);
-/* The socket that `options` lead to, its folder and its lock; the systemd unit. */
+/* Look at the systemd unit, and at the socket that `options` lead to: its folder, its
+ * lock, and the last words in its log. */
 void doctor_look_at_socket(struct doctor *doctor, const struct pccd_options *options);
-/* The daemon; client NULL: pccd_connect has returned `status`. */
+/* Look at the daemon; client NULL: pccd_connect has returned `status`. */
 void doctor_look_at_daemon(struct doctor *doctor, struct pccd_client *client, int status);
 
 #endif

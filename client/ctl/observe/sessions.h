@@ -31,7 +31,7 @@ struct sessions {
 /* Read anew; returns the library's status, or PCCD_E_NOMEM. */
 int sessions_read(struct pccd_client *client, struct sessions *sessions);
 void sessions_deinit(struct sessions *sessions);
-/* NULL: there is none of that number. */
+/* Return the session of that number; NULL: there is none. */
 const struct session_row *sessions_find(const struct sessions *sessions, uint64_t number);
 
 struct scene_row {

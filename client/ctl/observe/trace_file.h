@@ -48,14 +48,16 @@ int trace_file_begin(struct trace_file *trace, const struct trace_options *optio
 /* End the recording and write the file. */
 int trace_file_end(struct trace_file *trace, struct pccd_client *client,
                    struct ctl_error *error);
-/* After end: say what the file holds. */
+/* Print what the file holds, after trace_file_end. */
 void trace_file_report(const struct trace_file *trace, FILE *to, bool is_json);
-/* After begin, also when it failed; leaves what report needs. */
+/* Give back what the trace has, after trace_file_begin, also when it failed; what
+ * trace_file_report needs stays. */
 void trace_file_deinit(struct trace_file *trace);
 
-/* The parts of end, for tests: a page of events; what is known only after the last. */
+/* Take a page of events; a part of trace_file_end, for tests. */
 void trace_file_add(void *trace_file, const struct pccd_trace_event *events,
                     uint32_t count);
+/* Write what is known only after the last page; a part of it, too. */
 void trace_file_finish(struct trace_file *trace, uint64_t lost);
 
 #endif

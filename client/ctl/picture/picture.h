@@ -72,14 +72,15 @@ struct picture {
 int picture_write(const struct picture *picture, FILE *file, const char *path,
                   struct ctl_error *error);
 
-/* The PNG in memory instead, which is the caller's to free. E_NOMEM: it names `path`. */
+/* Make the PNG in memory instead, which is the caller's to free. Errors: those of
+ * picture_write, which name `path`. */
 int picture_encode(const struct picture *picture, const char *path, void **png,
                    size_t *bytes, struct ctl_error *error);
 
 /* ---- Normals for shading: smooth on a ball, sharp at the edges of a box. */
 
-/* normals[3 * triangle_count]: unit, one for each corner of each triangle. Lengths are
- * taken in units of 2^octave, as squares of squares have no room in a float. False
+/* Fill normals[3 * triangle_count]: unit, one for each corner of each triangle. Lengths
+ * are taken in units of 2^octave, as squares of squares have no room in a float. False
  * without memory. */
 bool picture_normals(const struct snapshot_object *object, int octave,
                      float (*normals)[3]);
@@ -98,14 +99,14 @@ struct film {
     unsigned char head[13]; /* width, height and format of the first picture */
 };
 
-/* A film of exactly frame_count pictures, 1 .. FILM_FRAMES_MAX, that begins again at its
- * end. */
+/* Begin a film of exactly frame_count pictures, 1 .. FILM_FRAMES_MAX, that begins again
+ * at its end. */
 void film_begin(struct film *film, FILE *to, const char *path, uint32_t frame_count,
                 uint32_t frames_a_second);
-/* The next picture: what picture_encode has made, all of them of one size. E_SYSTEM: it
- * cannot be written. */
+/* Add the next picture: what picture_encode has made, all of them of one size. E_SYSTEM:
+ * it cannot be written. */
 int film_add(struct film *film, const void *png, size_t bytes, struct ctl_error *error);
-/* After the last picture. */
+/* End the film, after the last picture. */
 void film_end(struct film *film);
 
 /* ---- A picture while it is drawn: camera, canvas and measures. */
@@ -121,8 +122,9 @@ struct picture_canvas {
     float focus;      /* canvas pixels per unit at distance 1 */
 };
 
-/* The objects, without marks and legend. PCCD_OK, PCCD_E_NOMEM; PCCD_E_LIMIT: so much is
- * so thick that it would take long. */
+/* Draw the objects, without marks and legend, on a new canvas, whose raster is the
+ * caller's to deinit, also on error. PCCD_OK, PCCD_E_NOMEM; PCCD_E_LIMIT: so much is so
+ * thick that it would take long. */
 int picture_draw(const struct picture *picture, struct picture_canvas *canvas);
 /* Find where a point is on the canvas. */
 void picture_project(const struct picture_canvas *canvas, const float x[3],
@@ -140,7 +142,8 @@ uint64_t thick_pixels(const struct picture_canvas *canvas, const float from[3],
  * Nothing of it is behind the eye. */
 void thick_segment(struct picture_canvas *canvas, const float from[3], const float to[3],
                    double radius, const struct raster_surface *surface);
-/* The same of a triangle. The corners have their normals, for shading. */
+/* Draw what is within `radius` of a triangle. The corners have their normals, for
+ * shading. */
 void thick_triangle(struct picture_canvas *canvas, const float *const x[3],
                     const float normals[3][3], double radius,
                     const struct raster_surface *surface);

@@ -33,7 +33,7 @@ struct raster_surface {
 
 /* Return a share of a colour as a byte, 0 .. 255. */
 uint8_t raster_byte(float share);
-/* False without memory. */
+/* Allocate the canvas. False without memory. */
 bool raster_init(struct raster *raster, uint32_t width, uint32_t height);
 void raster_deinit(struct raster *raster);
 
@@ -41,12 +41,11 @@ void raster_deinit(struct raster *raster);
 void raster_clear(struct raster *raster, const float top[3], const float bottom[3]);
 void raster_triangle(struct raster *raster, const struct raster_corner corners[3],
                      const struct raster_surface *surface);
-/* A pixel on the canvas of a surface whose front is seen, unless something nearer is
- * there. */
+/* Draw a pixel of a surface whose front is seen, unless something nearer is there. */
 void raster_pixel(struct raster *raster, uint32_t x, uint32_t y, float nearness,
                   const float normal[3], const struct raster_surface *surface);
-/* A line with a dark rim, `radius` to either side: full where nothing nearer is, `hidden`
- * (0 .. 1) opaque elsewhere. A dot is one without length. */
+/* Draw a line with a dark rim, `radius` to either side: full where nothing nearer is,
+ * `hidden` (0 .. 1) opaque elsewhere. A dot is one without length. */
 void raster_line(struct raster *raster, const struct raster_corner ends[2], float radius,
                  const float colour[3], float hidden);
 void raster_dot(struct raster *raster, const struct raster_corner *at, float radius,
@@ -54,7 +53,7 @@ void raster_dot(struct raster *raster, const struct raster_corner *at, float rad
 /* Return whether something nearer is at the middle of a dot; true if that is off the
  * canvas. */
 bool raster_is_hidden(const struct raster *raster, const struct raster_corner *at);
-/* A rectangle, cut at the canvas' border; then ASCII text; (x, y) is its upper left
+/* Draw a rectangle, cut at the canvas' border; then ASCII text; (x, y) is its upper left
  * corner, a font pixel is `scale` canvas pixels. */
 void raster_box(struct raster *raster, uint32_t x, uint32_t y, uint32_t width,
                 uint32_t height, const float colour[3]);

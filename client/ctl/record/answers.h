@@ -37,11 +37,13 @@ struct answers {
     uint64_t last_step; /* number of a frame or a question */
 };
 
-/* All that the reader gives, from the beginning; it is at its end then. */
+/* Read all that the reader gives, from the beginning; it is at its end then. Errors:
+ * E_NOMEM, those of the reader; what stands before damage has been read. */
 int answers_read(struct answers *answers, struct record_reader *reader,
                  struct ctl_error *error);
 void answers_deinit(struct answers *answers);
-/* NULL: it was not answered. */
+/* Return the answer to a step, or to a question about what is near. NULL: it was not
+ * answered. */
 const struct record_answer *answers_find(const struct answers *answers, uint64_t step);
 const struct record_near_answer *answers_find_near(const struct answers *answers,
                                                    uint64_t step);
@@ -60,8 +62,9 @@ struct answers_found {
 };
 int answers_records(const struct answers *answers, struct record_reader *reader,
                     uint64_t step, struct answers_found *found, struct ctl_error *error);
-/* The number of an answer, or of a page of records, to a step or question that the
- * recording does not have, or has answered twice; 0: there is none. From `after` on. */
+/* Return the least number above `after` of a step or question that has an answer, or a
+ * page of records, and is not in the recording, or that has two answers. 0: there is
+ * none, or no memory to look. */
 uint64_t answers_stray(struct answers *answers, uint64_t after);
 
 #endif

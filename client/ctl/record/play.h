@@ -25,9 +25,10 @@ struct step_trace {
     char text[STEP_TRACE_TEXT];
 };
 
-/* Around a step. What fails is kept in `status` and `text`: a step without a trace is
- * still a step. */
+/* Begin to record what the daemon's threads do, before a step. What fails is kept in
+ * `status` and `text`: a step without a trace is still a step. */
 void step_trace_begin(struct step_trace *trace, struct pccd_client *client);
+/* End the recording after the step, and fetch it. */
 void step_trace_end(struct step_trace *trace, struct pccd_client *client);
 void step_trace_deinit(struct step_trace *trace);
 
@@ -137,8 +138,8 @@ struct play_summary {
 int play(const struct play_settings *settings, play_fn show, void *context,
          struct play_summary *summary, struct ctl_error *error);
 
-/* The same in parts: open the file and read all answers; go through the steps, once;
- * close, also after an error. `summary` is the caller's until then. */
+/* Play in parts: open the file and read all answers; go through the steps, once; close,
+ * also after an error. `summary` is the caller's until then. */
 struct play_reader;
 int play_open(const struct play_settings *settings, struct play_summary *summary,
               struct play_reader **reader, struct ctl_error *error);
@@ -147,13 +148,13 @@ int play_run(struct play_reader *reader, play_fn show, void *context,
 void play_close(struct play_reader *reader);
 /* Return what was asked and answered. */
 struct answers *play_answers(struct play_reader *reader);
-/* PCCD_OK, or why reading the answers did not come to the end of the file. */
+/* Return PCCD_OK, or why reading the answers did not come to the end of the file. */
 int play_damage(const struct play_reader *reader, struct ctl_error *error);
 /* Return whether a step is of the range that the settings name. */
 bool play_is_within(const struct play_settings *settings, uint64_t step);
 
-/* The hash of the daemon's answer to a step by the version of the recorded hash, so that
- * the two can be compared. */
+/* Compute the hash of the daemon's answer to a step by the version of the recorded hash,
+ * so that the two can be compared. */
 void play_hash(const struct play_step *step, uint64_t hash[2]);
 
 /* Return whether any pair that is near enough is a right answer, so that there is no

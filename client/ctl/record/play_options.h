@@ -31,12 +31,13 @@ extern const struct option_table play_film_table;
 /* As play_table, without the daemon's options. */
 extern const struct option_table play_files_table;
 
-/* Before parsing, and after: a private daemon unless another one is named. */
+/* Set what holds before parsing: all steps, and the daemon at $PCCD_URL or else a private
+ * one; an option may name another one. */
 void play_options_init(struct play_options *options, const char *label);
-/* Once parsed: whether frames are named, or a recording. */
+/* Return whether frames are named, and not a recording; once parsed. */
 bool play_options_are_frames(const struct play_options *options);
-/* Once parsed: play.path is a recording afterwards, of the frames if that is what was
- * named. */
+/* Set play.path to the recording, once parsed; where frames are named, record them first.
+ * Errors: those of scene_take and frames_record. */
 int play_options_open(struct play_options *options, struct ctl_error *error);
 void play_options_deinit(struct play_options *options);
 

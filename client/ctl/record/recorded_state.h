@@ -47,30 +47,32 @@ int recorded_state_move(struct registry *state, const struct recorded_item *item
 
 /* ---- Features of its meshes. */
 
-/* The edges of a mesh as records number them, made at the first call. */
+/* Make the edges of a mesh as records number them, and find what is free, at the first
+ * call. Errors: E_NOMEM. */
 int recorded_edges(struct registry_mesh *mesh, struct ctl_error *error);
 /* Return whether a vertex (points 1) or an edge (2) is free: an edge that no triangle
  * has, a point that is named and that no triangle and no edge has. The mesh's edges were
  * made. */
 bool recorded_is_free(const struct registry_mesh *mesh, uint32_t points,
                       uint32_t feature);
-/* Features of a mesh that have so many points: how many, and the vertices of one; NULL if
- * there is none of that index. A vertex is its own. */
+/* Return how many features of a mesh have so many points; then the vertices of one, NULL
+ * if there is none of that index. A vertex is its own. The mesh's edges were made. */
 uint32_t recorded_feature_count(const struct registry_mesh *mesh, uint32_t points);
 const uint32_t *recorded_feature(const struct registry_mesh *mesh, uint32_t points,
                                  const uint32_t *feature);
-/* The same of an object, NULL if there is none; and where its vertices are at both ends
- * of the scene's last step. */
+/* Return the vertices of a feature of an object, NULL if there is none; set *ends to
+ * where they are at both ends of the scene's last step. */
 const uint32_t *recorded_place(const struct registry_object *object, uint32_t points,
                                const uint32_t *feature, struct place_feature *ends);
 /* Return whether two features of one mesh, by their vertices, have a vertex in common. */
 bool recorded_share_vertex(const uint32_t *a, uint32_t count_a, const uint32_t *b,
                            uint32_t count_b);
-/* The radius of a feature of an object that has these vertices. */
+/* Return the radius of a feature that has these vertices: the object's, or, where that is
+ * 0, the greatest of theirs. */
 double recorded_radius(const struct registry_object *object, const uint32_t *v,
                        uint32_t count);
-/* The box around all vertices of a scene at a time of its last step; of no object, from
- * INFINITY to -INFINITY. */
+/* Find the box around all vertices of a scene at a time of its last step; of no object,
+ * from INFINITY to -INFINITY. */
 void recorded_bounds(const struct registry_scene *scene, double t, double low[3],
                      double high[3]);
 /* Find where a record of what is near lies, at the end of the scene's step that was asked

@@ -59,12 +59,13 @@ struct replay_counts {
 };
 void replay_count(struct replay_counts *counts, const struct replay_item *item);
 
-/* PCCD_OK, or PCCD_E_STATE: there is no answer that could be compared. */
+/* Return PCCD_OK, or PCCD_E_STATE: there is no answer that could be compared. */
 int replay_judge_counts(const struct replay_counts *counts,
                         const struct play_summary *summary, const char *path,
                         struct ctl_error *error);
 
-/* On the standard output. False: it could not be written. */
+/* Print the outcome on the standard output, as text or as JSON. False: it could not be
+ * written. */
 void replay_print_text(const struct replay_counts *counts,
                        const struct play_summary *summary);
 bool replay_print_json(const struct replay_counts *counts,

@@ -63,26 +63,27 @@ struct snapshot_at {
     uint64_t contact; /* from 1, in the order of the answer; 0: none in particular */
 };
 
-/* The last answered step of `settings`, or the one it names. E_INVAL: it has no such
+/* Take the last answered step of `settings`, or the one it names. E_INVAL: it has no such
  * step, or no such contact. */
 int snapshot_take(const struct play_settings *settings, const struct snapshot_at *at,
                   struct snapshot *snapshot, struct play_summary *summary,
                   struct ctl_error *error);
-/* Each answered step of `settings`, one after the other, to `show`, which returns PCCD_OK
- * to go on. */
+/* Taker of the steps of snapshot_each; it returns PCCD_OK to go on. */
 typedef int (*snapshot_fn)(void *context, const struct snapshot *snapshot,
                            struct ctl_error *error);
+/* Take each answered step of `settings` at t, one after the other, and give it to
+ * `show`. */
 int snapshot_each(const struct play_settings *settings, double t, snapshot_fn show,
                   void *context, struct play_summary *summary, struct ctl_error *error);
-/* snapshot_take of the last answered question about what is near, at the moment that it
- * asked for. Bounds of vertices are no lines. */
+/* Take the last answered question about what is near, at the moment that it asked for.
+ * Bounds of vertices are no lines. E_INVAL: there is no such question. */
 int snapshot_take_near(const struct play_settings *settings, struct snapshot *snapshot,
                        struct play_summary *summary, struct ctl_error *error);
-/* The greatest distance of its lines; 0: none. */
+/* Return the greatest distance of its lines; 0: none. */
 double snapshot_greatest(const struct snapshot *snapshot);
 /* Print what there is of it in the file `path`, on the standard output. */
 void snapshot_report(const struct snapshot *snapshot, const char *path, bool is_json);
-/* The same of a file with several steps. */
+/* Print how many steps the file `path` has, on the standard output. */
 void snapshot_report_steps(const char *path, uint64_t step_count, bool is_json);
 void snapshot_deinit(struct snapshot *snapshot);
 

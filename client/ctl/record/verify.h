@@ -82,7 +82,8 @@ int verify_step(const struct play_step *step, const struct verify_settings *sett
 /* Check an answer about what is near, as verify_step does (verify_distance.c). */
 int verify_distances(const struct play_near *near, struct verify_result *result,
                      struct ctl_error *error);
-/* One that was not repeated, because it had failed by chance. */
+/* Say that a step or question was not checked: it was not repeated, because it had failed
+ * by chance. */
 void verify_skip(uint64_t step, bool is_near, struct verify_result *result);
 
 /* Exact begin of a step: edges that pass through faces and, with an approach, pairs
@@ -94,19 +95,21 @@ struct verify_start {
 
 /* ---- parts of it; false: wrong, and the result says how ---------------------------- */
 
-/* verify_numbers.c: the numbers of an answer, against its records. */
+/* Check the numbers of an answer against its records (verify_numbers.c). */
 bool verify_numbers(const struct play_step *step, struct verify_result *result);
-/* verify_near.c: a sample of pairs near each other that are not in the answer. */
+/* Check a sample of pairs near each other that are not in the answer (verify_near.c). */
 bool verify_near(const struct play_step *step, const struct verify_settings *settings,
                  struct verify_result *result);
-/* verify_distance.c: what a step says of how it begins, and what is true of that. */
+/* Check what a step says of how it begins, and find what is true of that. After an error,
+ * which *status gets, true (verify_distance.c). */
 bool verify_start(const struct play_step *step, struct verify_result *result,
                   struct verify_start *start, struct ctl_error *error, int *status);
-/* verify_any.c: whether the verdict of mode any is that of all pairs and of the start. */
+/* Check that the verdict of mode any is that of all pairs and of the start. After an
+ * error, which *status gets, true (verify_any.c). */
 bool verify_any(const struct play_step *step, const struct verify_start *start,
                 struct verify_result *result, struct ctl_error *error, int *status);
-/* verify_place.c: why the parameters or the normal of a contact whose times are right
- * cannot be; NULL: they can. Of a thick pair r > 0. */
+/* Return why the parameters or the normal of a contact whose times are right cannot be;
+ * NULL: they can. Of a thick pair r > 0 (verify_place.c). */
 const char *verify_place(const struct pccd_contact *contact, const double p[8][3],
                          double r);
 
@@ -116,18 +119,19 @@ const char *verify_place(const struct pccd_contact *contact, const double p[8][3
 bool verify_has(const struct play_step *step, const struct pccd_pair *pair);
 /* Return whether nothing ended the step before it was done. */
 bool verify_is_complete(const struct play_step *step);
-/* splitmix64: a number that looks random, of x; for the next one x grows by the step. */
+/* Mix x into a number that looks random (splitmix64); for the next one x grows by the
+ * step. */
 #define VERIFY_MIX_STEP 0x9e3779b97f4a7c15u
 uint64_t verify_mix(uint64_t x);
-/* The result is wrong, with the exact time of the pair's contact if it has one. Returns
- * false. */
+/* Say that the result is wrong, with the exact time of the pair's contact if it has one;
+ * pair NULL: it is of no pair. Returns false. */
 bool verify_wrong(struct verify_result *result, const struct play_step *step,
                   const struct pccd_pair *pair, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-/* Something was not checked; what was said first stays. Returns true. */
+/* Say that something was not checked; what was said first stays. Returns true. */
 bool verify_leave(struct verify_result *result, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-/* Numbers of a step's answer: the daemon's, or what was recorded. */
+/* Return a number of a step's answer: the daemon's, or what was recorded. */
 uint32_t verify_mode(const struct play_step *step);
 double verify_toi_first(const struct play_step *step);
 uint32_t verify_verdict(const struct play_step *step);
@@ -144,11 +148,12 @@ struct verify_meeting {
     bool touches;               /* thin, at t = 0 */
 };
 
-/* The mesh of either object has its edges (recorded_edges). */
+/* Find when the features of a pair meet first. The meshes of both objects have their
+ * edges (recorded_edges). */
 void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                  struct verify_meeting *meeting);
 /* Return whether mode pairs has the pair: no axis separates it, by the given coordinates,
- * and its kind has a meaning where it is thin. The same meshes. */
+ * and its kind has a meaning where it is thin. The meshes have their edges. */
 bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair);
 
 /* ---- What came of it, as text and as JSON. */
@@ -174,12 +179,13 @@ int verify_report_strays(struct verify_report *report, struct answers *answers,
                          struct ctl_error *error);
 void verify_report_deinit(struct verify_report *report);
 
-/* PCCD_OK, or PCCD_E_STATE: none of the answers could be checked, and none is wrong. The
- * report says so, too, and why. */
+/* Return PCCD_OK, or PCCD_E_STATE: none of the answers could be checked, and none is
+ * wrong. The report says so, too, and why. */
 int verify_report_judge(const struct verify_report *report, const char *path,
                         struct ctl_error *error);
 
-/* On the standard output. False: no memory, or it could not be written. */
+/* Print the report on the standard output, as text or as JSON. False: no memory, or it
+ * could not be written. */
 void verify_print_text(const struct verify_report *report);
 bool verify_print_json(const struct verify_report *report);
 
@@ -187,7 +193,8 @@ bool verify_print_json(const struct verify_report *report);
  * is none. */
 json_t *verify_witness_json(const struct verify_witness *witness);
 bool verify_witness_read(const json_t *object, struct verify_witness *witness);
-/* The counts, to an object. False without memory. */
+/* Set the counts in an object, false without memory; and read them back: false if it has
+ * none. */
 bool verify_counts_json(json_t *object, const struct verify_counts *counts);
 bool verify_counts_read(const json_t *object, struct verify_counts *counts);
 

@@ -102,7 +102,7 @@ int scene_append(struct scene *scene, struct scene_object **object,
                  struct ctl_error *error);
 /* Let two objects ignore each other. Errors: E_NOMEM. */
 int scene_ignore(struct scene *scene, uint32_t a, uint32_t b, struct ctl_error *error);
-/* The place of the object of that name; object_count: there is none. */
+/* Return the place of the object of that name; object_count: there is none. */
 uint32_t scene_find(const struct scene *scene, const char *name);
 
 /* Take the files of a command line: a scene file alone; or files, which are one object
@@ -116,7 +116,8 @@ int scene_open(struct scene *scene, struct ctl_error *error);
 /* Have frame `index` of all objects beside the one before, each object's two of one
  * format; frame 0 has those that stand, too. Errors: those of ctl_frames_read. */
 int scene_read(struct scene *scene, uint32_t index, struct ctl_error *error);
-/* Frame `index` of an object alone, in the scene's unit. */
+/* Read frame `index` of an object alone, in the scene's unit. Errors: those of
+ * ctl_frames_read. */
 int scene_read_object(struct scene *scene, struct scene_object *object, uint32_t index,
                       struct ctl_mesh *frame, struct ctl_error *error);
 /* Register a mesh that was read: pccd_mesh_put. */
@@ -137,10 +138,10 @@ int scene_feature(struct scene_object *object, struct pccd_client *client, uint3
  * many. */
 uint32_t scene_motions(const struct scene *scene, uint32_t index, bool is_again,
                        struct pccd_motion *motions);
-/* The library names objects by handles, of which a user of files has never heard: write
- * their names instead. */
+/* Name objects in an error by their first files: the library names them by handles, of
+ * which a user of files has never heard. */
 void scene_name_objects(const struct scene *scene, struct ctl_error *error);
-/* The place of the object of that handle; object_count: none. */
+/* Return the place of the object of that handle; object_count: none. */
 uint32_t scene_place_of(const struct scene *scene, uint32_t handle);
 /* Return where a frame is from, for reports. */
 const char *scene_frame_name(const struct scene *scene, uint32_t index);
