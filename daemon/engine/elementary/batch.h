@@ -91,8 +91,8 @@ struct eng_batch {
     uint32_t undecided[ENG_CHUNK_MAX]; /* of these, in lanes once more */
 };
 
-/* Which of the pairs are what is asked for: to batch->index and so on; returns how many.
- * Times are those of the step (struct eng_question, span). */
+/* Find which of the pairs are what is asked for, and keep them in batch->index and so on.
+ * Return how many. Times are those of the step (struct eng_question, span). */
 uint32_t eng_batch_test(struct eng_batch *batch, const struct eng_pairs *pairs);
 
 #endif

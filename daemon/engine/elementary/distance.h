@@ -30,7 +30,7 @@ enum eng_distance_stage {
     ENG_DISTANCE_STAGES
 };
 
-/* The kind by whose rule pairs of a kind are decided. */
+/* Return the kind by whose rule pairs of a kind are decided. */
 static inline enum pccd_kind eng_distance_form(enum pccd_kind kind)
 {
     return kind == PCCD_EE ? PCCD_EE : PCCD_VF;
@@ -42,7 +42,8 @@ struct eng_distances {
     uint64_t decided[ENG_DISTANCE_STAGES];
 };
 
-/* PCCD_E_NOMEM: there is nothing to deinit. What follows never fails for memory. */
+/* Allocate the integers. PCCD_E_NOMEM: there is nothing to deinit. What follows never
+ * fails for memory. */
 int eng_distances_init(struct eng_distances *distances);
 void eng_distances_deinit(struct eng_distances *distances);
 
@@ -66,8 +67,9 @@ bool eng_distance_within(struct eng_distances *distances, enum pccd_kind kind,
 bool eng_distance_below(struct eng_distances *distances, enum pccd_kind kind,
                         const double x[4][3], double d);
 
-/* rank: of each point, no two alike; the order of (object, vertex); of one that is there
- * more than once, the first comes first. */
+/* Find the distance and between which points it is. rank: of each point, no two alike;
+ * the order of (object, vertex); of one that is there more than once, the first comes
+ * first. */
 void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
                        const double x[4][3], const uint8_t rank[4],
                        struct eng_distance *distance);
@@ -78,7 +80,7 @@ struct eng_distance_bounds {
     uint32_t points; /* bit i: it is between these points, as in struct eng_distance */
 };
 
-/* False: they do not know. */
+/* Set *bounds by doubles. False: they do not know. */
 bool eng_distance_bound(enum pccd_kind kind, const double x[4][3],
                         struct eng_distance_bounds *bounds);
 

@@ -17,7 +17,7 @@ struct eng_distance_order {
     mp_limb_t *block;
 };
 
-/* PCCD_E_NOMEM: there is nothing to deinit. */
+/* Allocate the room. PCCD_E_NOMEM: there is nothing to deinit. */
 int eng_distance_order_init(struct eng_distance_order *order);
 void eng_distance_order_deinit(struct eng_distance_order *order);
 size_t eng_distance_order_bytes(void);
@@ -30,11 +30,11 @@ struct eng_features {
     double radius[2];
 };
 
-/* Sign of the exact sum of the radii `a` less that of `b`. */
+/* Return the sign of the exact sum of the radii `a` less that of `b`. */
 enum eng_sign eng_radii_order(const double a[2], const double b[2]);
 
-/* Sign of how far the surfaces of a are apart less how far those of b are; never
- * ENG_UNSURE. */
+/* Return the sign of how far the surfaces of a are apart less how far those of b are;
+ * never ENG_UNSURE. */
 enum eng_sign eng_distance_order(struct eng_distance_order *order,
                                  struct eng_distances *distances,
                                  const struct eng_features *a,

@@ -25,8 +25,8 @@ struct eng_distance_exact {
     enum eng_sign side;
 };
 
-/* The points are those that `numbers` were loaded with. Sets numbers->is_unsure, and then
- * *way means nothing. */
+/* Set *way to the distance of the points that `numbers` were loaded with. Where
+ * they do not suffice, set numbers->is_unsure; then *way means nothing. */
 void eng_distance_rule(struct eng_numbers *numbers, enum pccd_kind kind,
                        const uint8_t rank[4], struct eng_distance_exact *way);
 

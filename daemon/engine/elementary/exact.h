@@ -104,7 +104,8 @@ struct eng_exact {
     mp_limb_t *block;
 };
 
-/* PCCD_E_NOMEM: there is nothing to deinit. What follows never fails for memory. */
+/* Allocate the block. PCCD_E_NOMEM: there is nothing to deinit. What follows never fails
+ * for memory. */
 int eng_exact_init(struct eng_exact *exact);
 void eng_exact_deinit(struct eng_exact *exact);
 
@@ -122,8 +123,8 @@ struct eng_moment {
  * takes no arithmetic to know. */
 bool eng_exact_share_corner(const struct eng_query *query, int end);
 
-/* The configuration at t = `end` (0 or 1), by the definition: degenerate triangles are
- * the segments they collapse to, degenerate edges are points. */
+/* Return the configuration at t = `end` (0 or 1), by the definition: degenerate triangles
+ * are the segments they collapse to, degenerate edges are points. */
 struct eng_moment eng_exact_moment(struct eng_exact *exact, const struct eng_query *query,
                                    int end);
 
@@ -133,9 +134,9 @@ struct eng_moment eng_exact_moment(struct eng_exact *exact, const struct eng_que
 bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, double l,
                      double r);
 
-/* The same, and where the first contact is: *l, *r become the ends of a shorter span that
- * holds it, longer than `tolerance` (at least 2^-44) only by rounding. False: unchanged.
- * Up to twice the time. */
+/* Return whether there is a contact in [*l, *r], as eng_exact_meets, and set *l, *r to
+ * the ends of a shorter span that holds the first one, longer than `tolerance` (at least
+ * 2^-44) only by rounding. False: they are unchanged. Takes up to twice the time. */
 bool eng_exact_first(struct eng_exact *exact, const struct eng_query *query,
                      double tolerance, double *l, double *r);
 
@@ -146,10 +147,10 @@ enum eng_again {
     ENG_AGAIN_UNKNOWN /* it would have to be told from 0: sooner than 2^-996 */
 };
 
-/* The next contact of features that touch at t = 0, after they have parted: *l, *r become
- * a span that holds it, as those of eng_exact_first. Features whose points stay in one
- * plane also meet again where, touching still, a point of one comes to an edge of the
- * other. *side: the sign of det[p, b, c] just after t = 0; 0: it stays 0. */
+/* Find the next contact of features that touch at t = 0, after they have parted: *l, *r
+ * become a span that holds it, as those of eng_exact_first. Features whose points stay in
+ * one plane also meet again where, touching still, a point of one comes to an edge of the
+ * other. *side becomes the sign of det[p, b, c] just after t = 0; 0: it stays 0. */
 enum eng_again eng_exact_again(struct eng_exact *exact, const struct eng_query *query,
                                double tolerance, double *l, double *r, int *side);
 

@@ -36,8 +36,9 @@ bool eng_roots_hold_at(struct eng_exact_span *span,
                        const struct eng_conditions *conditions, int number,
                        bool is_zero[ENG_EXACT_CONDITIONS]);
 
-/* Something happens between the left end of the interval at hand and `wide` intervals
- * later. Rounded outward, and merged with what was found before. */
+/* Note that something happens between the left end of the interval at hand and `wide`
+ * intervals later. The times are rounded outward; of what was found before and this, the
+ * earlier is kept. */
 void eng_roots_found_at(struct eng_exact_span *span, unsigned wide);
 
 /* Return whether some root in [0, 1] of `poly`, which is of degree 3 or less and not

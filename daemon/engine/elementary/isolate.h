@@ -51,8 +51,8 @@ struct eng_isolator {
     unsigned long depth_max;
 };
 
-/* root_size: of `root`. zoomed_bits: of coefficients over an interval of k <= depth_max,
- * which is the shortest that is ever gone to. */
+/* Reserve the numbers. root_size: of `root`. zoomed_bits: of coefficients over an
+ * interval of k <= depth_max, which is the shortest that is ever gone to. */
 void eng_isolate_allocate(struct eng_isolator *isolator, struct eng_limbs *limbs,
                           const struct eng_poly_size *root_size, size_t zoomed_bits,
                           unsigned long depth_max);
@@ -67,11 +67,11 @@ bool eng_isolate_next(struct eng_isolator *isolator);
 /* Cut the interval at hand, of more than one variation, into parts. */
 void eng_isolate_split(struct eng_isolator *isolator);
 
-/* From the interval at hand, of one variation, to one around the same root, by 1 to
+/* Go from the interval at hand, of one variation, to one around the same root, by 1 to
  * `most` bits shorter. False: the root is its left end. */
 bool eng_isolate_narrow(struct eng_isolator *isolator, unsigned long most);
 
-/* Back to interval `num`, k, of one variation, that was at hand before. */
+/* Go back to interval `num`, k, of one variation, that was at hand before. */
 void eng_isolate_return(struct eng_isolator *isolator, mpz_srcptr num, unsigned long k);
 
 #endif

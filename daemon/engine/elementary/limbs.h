@@ -21,7 +21,8 @@ struct eng_limbs {
     size_t count;    /* handed out so far */
 };
 
-/* `number` becomes 0, with room for any result below 2^bits. It is never cleared. */
+/* Set `number` to 0, with room for any result below 2^bits. It is never cleared. Without
+ * a block, only count its limbs. */
 static inline void eng_limbs_give(struct eng_limbs *limbs, mpz_ptr number, size_t bits)
 {
     /* GMP asks for some limbs more than a result may have, at most 5, in powers. */
@@ -46,7 +47,7 @@ static inline int eng_lower_exponent(double value, int low)
     return exponent - 53 < low ? exponent - 53 : low;
 }
 
-/* out = value * 2^-low, exactly; low is at most eng_lower_exponent. */
+/* Set `out` to value * 2^-low, exactly; low is at most eng_lower_exponent. */
 static inline void eng_set_scaled(mpz_ptr out, double value, int low)
 {
     int exponent;

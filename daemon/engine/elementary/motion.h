@@ -47,23 +47,24 @@ enum eng_domain { ENG_OUTSIDE, ENG_INSIDE, ENG_UNSURE };
 
 void eng_motion_init(struct eng_motion *motion, const struct eng_query *query);
 
-/* Vectors at time t, 0 <= t <= 1; each coordinate within 5 u size of the true one, and
- * the differences themselves at t = 0 and 1. */
+/* Compute the vectors at time t, 0 <= t <= 1: each coordinate within 5 u size of the true
+ * one, and the differences themselves at t = 0 and 1. */
 void eng_motion_pose(const struct eng_motion *motion, double t, struct eng_pose *pose);
 
 double eng_pose_det(const struct eng_pose *pose);
 
-/* Bernstein coefficients of det over the span between two poses, each within e_det. */
+/* Set f to the Bernstein coefficients of det over the span between two poses, each within
+ * e_det. */
 void eng_motion_bernstein(const struct eng_pose *l, const struct eng_pose *r,
                           double f[4]);
 
-/* A root of a cubic in Bernstein form with f[0], f[3] of opposite sign, 0 .. 1, and the
- * slope there. Approximate; whoever uses it verifies. */
+/* Return a root, 0 .. 1, of a cubic in Bernstein form with f[0], f[3] of opposite sign,
+ * and set *slope to the slope there. Approximate; whoever uses it verifies. */
 double eng_bernstein_root(const double f[4], double *slope);
 
-/* Where (beta, gamma) lies, for every time of the span between two poses: ENG_OUTSIDE
- * means no contact at any of these times, ENG_INSIDE that b and c are independent and the
- * domain holds strictly at all of them. */
+/* Tell where (beta, gamma) lies, for every time of the span between two poses:
+ * ENG_OUTSIDE means no contact at any of these times, ENG_INSIDE that b and c are
+ * independent and the domain holds strictly at all of them. */
 enum eng_domain eng_motion_domain(const struct eng_motion *motion,
                                   const struct eng_pose *l, const struct eng_pose *r);
 
@@ -72,8 +73,8 @@ enum eng_domain eng_motion_domain(const struct eng_motion *motion,
 bool eng_motion_separates(const struct eng_motion *motion, const struct eng_pose *l,
                           const struct eng_pose *r);
 
-/* (beta, gamma), inside the domain, and the normal of a contact at time t, as in struct
- * pccd_contact. f_start is det at t = 0. */
+/* Set (beta, gamma), inside the domain, and the normal of a contact at time t, as in
+ * struct pccd_contact. f_start is det at t = 0. */
 void eng_motion_describe(const struct eng_motion *motion, double t, double f_start,
                          double *beta, double *gamma, float normal[3]);
 

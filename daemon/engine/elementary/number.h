@@ -47,7 +47,8 @@ struct eng_numbers {
     mp_limb_t *block;
 };
 
-/* PCCD_E_NOMEM: there is nothing to deinit. What follows never fails for memory. */
+/* Allocate the block. PCCD_E_NOMEM: there is nothing to deinit. What follows never fails
+ * for memory. */
 int eng_numbers_init(struct eng_numbers *numbers);
 void eng_numbers_deinit(struct eng_numbers *numbers);
 /* Return the bytes of the block. Pages of it are taken when numbers become as long as
@@ -74,7 +75,7 @@ static inline void eng_numbers_forget(struct eng_numbers *numbers,
     numbers->limbs = mark.limbs;
 }
 
-/* x[i] - x[j] / 2^unit */
+/* Return (x[i] - x[j]) / 2^unit. */
 struct eng_vector eng_number_between(struct eng_numbers *numbers, int i, int j);
 
 struct eng_number eng_number_one(struct eng_numbers *numbers);
@@ -90,23 +91,25 @@ struct eng_vector eng_number_cross(struct eng_numbers *numbers,
                                    const struct eng_vector *a,
                                    const struct eng_vector *b);
 
-/* Sets nothing: the caller decides whether it matters that a sign is unsure. */
+/* Return the sign, and set no is_unsure: the caller decides whether it matters that a
+ * sign is unsure. */
 enum eng_sign eng_number_sign(const struct eng_numbers *numbers, struct eng_number a);
 
-/* Sign of sqrt(num / den) 2^unit - h, for num >= 0, den > 0, h >= 0. */
+/* Return the sign of sqrt(num / den) 2^unit - h, for num >= 0, den > 0, h >= 0. */
 enum eng_sign eng_number_compare(struct eng_numbers *numbers, struct eng_number num,
                                  struct eng_number den, double h);
 
 /* The next three set is_unsure where they do not know. den > 0. */
 
-/* The nearest multiple of 2^-32 to num / den, which is within [-1, 1]; halves to even. */
+/* Return the nearest multiple of 2^-32 to num / den, which is within [-1, 1]; halves to
+ * even. */
 double eng_number_ratio(struct eng_numbers *numbers, struct eng_number num,
                         struct eng_number den);
-/* The same of g / sqrt(gg). */
+/* Return the nearest multiple of 2^-32 to g / sqrt(gg), in the same way. */
 double eng_number_cosine(struct eng_numbers *numbers, struct eng_number g,
                          struct eng_number gg);
-/* sqrt(num / den) 2^unit, num >= 0, rounded down and up to doubles of at most 33
- * significant bits. */
+/* Set *lo, *hi to sqrt(num / den) 2^unit, num >= 0, rounded down and up to doubles of at
+ * most 33 significant bits. */
 void eng_number_length(struct eng_numbers *numbers, struct eng_number num,
                        struct eng_number den, double *lo, double *hi);
 

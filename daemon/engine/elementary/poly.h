@@ -33,7 +33,8 @@ struct eng_poly_size {
 void eng_poly_allocate(struct eng_poly *poly, struct eng_limbs *limbs,
                        const struct eng_poly_size *size);
 
-/* Outputs may not be the same object as inputs, except for `out` = `a` in add and sub. */
+/* Copy a polynomial. Here and below, outputs may not be the same object as inputs, except
+ * for `out` = `a` in add and sub. */
 void eng_poly_copy(struct eng_poly *out, const struct eng_poly *a);
 void eng_poly_set_linear(struct eng_poly *out, const mpz_t at0, const mpz_t at1);
 void eng_poly_add(struct eng_poly *out, const struct eng_poly *a,
@@ -44,36 +45,36 @@ void eng_poly_mul(struct eng_poly *out, const struct eng_poly *a,
                   const struct eng_poly *b);
 void eng_poly_negate(struct eng_poly *poly);
 
-/* Greatest common divisor up to a factor, which is a number. `a` and `b` are used up;
- * `out` is neither. gcd(0, b) = b. */
+/* Find the greatest common divisor up to a factor, which is a number. `a` and `b` are
+ * used up; `out` is neither. gcd(0, b) = b. */
 void eng_poly_gcd(struct eng_poly *out, struct eng_poly *a, struct eng_poly *b);
 
-/* One step of pseudo-division: a = lead(b) a - lead(a) t^shift b, of lower degree; that
- * of `a` is at least that of b. */
+/* Do one step of pseudo-division: a = lead(b) a - lead(a) t^shift b, of lower degree;
+ * that of `a` is at least that of b. */
 void eng_poly_eliminate(struct eng_poly *a, const struct eng_poly *b);
 
 /* Divide by the greatest common divisor of the coefficients, which may not all be 0. */
 void eng_poly_make_primitive(struct eng_poly *poly);
 
-/* out = a / b, which divides it; both are primitive, so the quotient is of integers
- * (Gauss). `a` is used up. */
+/* Divide: out = a / b, for a `b` that divides `a`; both are primitive, so the quotient is
+ * of integers (Gauss). `a` is used up. */
 void eng_poly_divide(struct eng_poly *out, struct eng_poly *a, const struct eng_poly *b);
 
-/* The polynomial with the same roots, each simple, up to a constant factor. `a` is of
- * degree 1 to 3. */
+/* Set `out` to the polynomial with the same roots, each simple, up to a constant factor.
+ * `a` is of degree 1 to 3. */
 void eng_poly_square_free(struct eng_poly *out, const struct eng_poly *a);
 
-/* out(y) = 2^(k degree) a((num + y) / 2^k): the interval [num, num + 1] / 2^k becomes
- * [0, 1]; signs are kept. */
+/* Set out(y) to 2^(k degree) a((num + y) / 2^k): the interval [num, num + 1] / 2^k
+ * becomes [0, 1]; signs are kept. */
 void eng_poly_zoom(struct eng_poly *out, const struct eng_poly *a, const mpz_t num,
                    unsigned long k);
 
-/* out(y) = 2^(k degree) a((num + width y) / 2^k): the span from num / 2^k on becomes
+/* Set out(y) to 2^(k degree) a((num + width y) / 2^k): the span from num / 2^k on becomes
  * [0, 1]; signs are kept. */
 void eng_poly_narrow(struct eng_poly *out, const struct eng_poly *a, const mpz_t num,
                      const mpz_t width, unsigned long k);
 
-/* Bits of the longest coefficient. */
+/* Return the bits of the longest coefficient. */
 size_t eng_poly_bits(const struct eng_poly *poly);
 
 /* Divide by the largest power of two that divides all coefficients. */
@@ -82,15 +83,15 @@ void eng_poly_shorten(struct eng_poly *poly);
 int eng_poly_sign_at_0(const struct eng_poly *poly);
 int eng_poly_sign_at_1(struct eng_poly *poly);
 
-/* Sign variations of the Bernstein coefficients on (0, 1): at least the number of roots
- * there, counted with multiplicity, and of the same parity. With none, *sign is the sign
- * throughout (0, 1) (0 only for the zero polynomial); else it is meaningless. */
+/* Return the sign variations of the Bernstein coefficients on (0, 1): at least the number
+ * of roots there, counted with multiplicity, and of the same parity. With none, *sign is
+ * the sign throughout (0, 1) (0 only for the zero polynomial); else it is meaningless. */
 int eng_poly_variations(struct eng_poly *poly, int *sign);
 
-/* The part of [0, 1], cut into 2^stride parts, in which the roots seem to be, of 1 or
- * more variations: where one would be if the polynomial were linear; the middle of two,
- * if its slope were; of three, where the slope of that is 0, and so on. False:
- * nowhere. */
+/* Set `part` to the part of [0, 1], cut into 2^stride parts, in which the roots seem to
+ * be, of 1 or more variations: where one would be if the polynomial were linear; the
+ * middle of two, if its slope were; of three, where the slope of that is 0, and so on.
+ * False: nowhere. */
 bool eng_poly_guess(mpz_t part, struct eng_poly *poly, int variations,
                     unsigned long stride);
 
@@ -148,8 +149,8 @@ struct eng_divisor {
 
 void eng_divisor_allocate(struct eng_divisor *divisor, struct eng_limbs *limbs);
 
-/* common = the greatest common divisor of a and b. Their degrees are 1 to 6 and add up to
- * 11 at most. */
+/* Set divisor->common to the greatest common divisor of a and b. Their degrees are 1 to 6
+ * and add up to 11 at most. */
 void eng_divisor_find(struct eng_divisor *divisor, const struct eng_poly *a,
                       const struct eng_poly *b);
 

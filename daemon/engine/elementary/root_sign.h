@@ -37,14 +37,14 @@ struct eng_root_sign {
     mpz_t x, y, power, value, scratch; /* y > 0: a time is x / y */
 };
 
-/* The root's polynomial has coefficients of up to 3 bits + 32 bits, the others of 2 bits
- * + 24; k is at most `depth`. */
+/* Reserve the numbers. The root's polynomial has coefficients of up to 3 bits + 32 bits,
+ * the others of 2 bits + 24; k is at most `depth`. */
 void eng_root_sign_allocate(struct eng_root_sign *sign, struct eng_limbs *limbs,
                             size_t bits, size_t depth);
 
-/* *sign: of `poly` (of degree 2 or less) at the root: -1, 0 or 1. False: with few bits
- * it is not sure; it is not 0, and in a short enough interval around the root `poly` has
- * one sign. With `by_all_bits` the sign is always found. */
+/* Set *sign to that of `poly` (of degree 2 or less) at the root: -1, 0 or 1. False: with
+ * few bits it is not sure; it is not 0, and in a short enough interval around the root
+ * `poly` has one sign. With `by_all_bits` the sign is always found. */
 bool eng_root_sign_of(struct eng_root_sign *scratch, const struct eng_poly *poly,
                       const struct eng_root *root, bool by_all_bits, int *sign);
 

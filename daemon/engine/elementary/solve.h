@@ -8,7 +8,7 @@
 
 #include "exact.h"
 
-/* True: a contact, *hit is set. False: certainly no contact, or none that
+/* Decide a query. True: a contact, *hit is set. False: certainly no contact, or none that
  * begins before or at `t_end` (pass 1 to search the whole step). The bytes of *hit depend
  * on the query and on `tolerance` alone, not on t_end. */
 bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
@@ -20,8 +20,8 @@ bool eng_solve(const struct eng_query *query, double tolerance, double t_end,
 bool eng_search(const struct eng_query *query, double tolerance, double t_end,
                 struct eng_exact *exact, struct eng_hit *hit);
 
-/* When features that touch at t = 0 meet next (exact.h). MEETS: *hit is set, and says
- * PCCD_PROVED alone; its bracket is at most `tolerance` long. */
+/* Find when features that touch at t = 0 meet next (exact.h). MEETS: *hit is set, and
+ * says PCCD_PROVED alone; its bracket is at most `tolerance` long. */
 enum eng_again eng_search_again(const struct eng_query *query, double tolerance,
                                 struct eng_exact *exact, struct eng_hit *hit);
 
@@ -39,10 +39,11 @@ enum eng_plane { ENG_PLANE_UNSURE, ENG_PLANE_MEET, ENG_PLANE_MISS };
  * described. */
 enum eng_plane eng_plane_look(const struct eng_query *query, double l, double r);
 
-/* The features do not touch at t = 0, and all four points have a coordinate in common, or
- * a point and an edge have one and the fourth point is on one side of them all the time.
- * MEET: the first contact is in [*l, *r], which is at most as long as `tolerance`; MISS:
- * there is none in the step. */
+/* Find the first contact of features that do not touch at t = 0, where all four points
+ * have a coordinate in common, or a point and an edge have one and the fourth point is on
+ * one side of them all the time. MEET: it is in [*l, *r], which is at most as long as
+ * `tolerance`; MISS: there is none in the step; UNSURE: they are not as described, or
+ * doubles do not know. */
 enum eng_plane eng_plane_first(const struct eng_query *query, double tolerance, double *l,
                                double *r);
 

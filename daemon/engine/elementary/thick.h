@@ -42,31 +42,34 @@ struct eng_thick {
     struct eng_thick_exact exact;
 };
 
-/* PCCD_E_NOMEM: there is nothing to deinit. What follows never fails for memory. */
+/* Allocate the integers. PCCD_E_NOMEM: there is nothing to deinit. What follows never
+ * fails for memory. */
 int eng_thick_init(struct eng_thick *thick);
 void eng_thick_deinit(struct eng_thick *thick);
 
-/* True: the distance is at most r at some time, and *hit is set. False: it is not, or not
- * in a cell that begins before or at `t_end`. The bytes
- * of *hit depend on the query and on `tolerance`, 1e-12 .. 1, alone. param and normal are
- * those of the nearest points at the double toi, by doubles: normal from feature b to
- * feature a, zeros where they coincide up to rounding. VE: param[1] is the position along
- * the edge. `contacts` decides the queries with r = 0. */
+/* Decide a query. True: the distance is at most r at some time, and *hit is set. False:
+ * it is not, or not in a cell that begins before or at `t_end`. The bytes of *hit depend
+ * on the query and on `tolerance`, 1e-12 .. 1, alone. param and normal are those of the
+ * nearest points at the double toi, by doubles: normal from feature b to feature a, zeros
+ * where they coincide up to rounding. VE: param[1] is the position along the edge.
+ * `contacts` decides the queries with r = 0. */
 bool eng_thick_solve(struct eng_thick *thick, struct eng_exact *contacts,
                      const struct eng_thick_query *query, double tolerance, double t_end,
                      struct eng_hit *hit);
 
 /* ---- in parts, for batch.h --------------------------------------------------------- */
 
-/* The depth of the longest cells that are not longer than the tolerance. */
+/* Return the depth of the longest cells that are not longer than the tolerance, nor than
+ * 2^-30. */
 int eng_thick_depth(double tolerance);
 
-/* VF and EE with r = 0: what eng_solve decides. */
+/* Return whether a query is VF or EE with r = 0, which eng_solve decides. */
 bool eng_thick_is_thin(uint32_t kind, const double radius[3]);
 
-/* As eng_thick_solve of a query that is not thin, but for param and normal. `advance`:
- * what the kernel said of it, up to t_end and by eng_thick_depth; the query is looked at
- * if that is OPEN. */
+/* Decide, as eng_thick_solve, a query that is not thin; param and normal are not set.
+ * `advance`: what the kernel said of it, up to t_end and by eng_thick_depth; the query is
+ * looked at only if that is UNDECIDED. False: *hit may be set to one that begins after
+ * t_end. */
 bool eng_thick_decide(struct eng_thick *thick, const struct eng_thick_query *query,
                       const struct eng_advance *advance, double tolerance, double t_end,
                       struct eng_hit *hit);

@@ -41,16 +41,17 @@ struct eng_thick_roots {
     mpz_t cell;
 };
 
-/* poly: of a degree of at most 6, and not zero; is used up. side[side_count]: of a degree
- * of at most 4. Is there a first t, 0 < t <= 1, with poly(t) = 0 and side[i](t) > 0 for
- * all i, in a cell not after *cell? Sets *cell to the number of its cell. */
+/* Return whether there is a first t, 0 < t <= 1, with poly(t) = 0 and side[i](t) > 0 for
+ * all i, in a cell not after *cell; then set *cell to the number of its cell. poly: of a
+ * degree of at most 6, and not zero; is used up. side[side_count]: of a degree of at most
+ * 4. */
 bool eng_thick_first_root(struct eng_thick_roots *roots, struct eng_poly *poly,
                           const struct eng_poly *side, int side_count, int depth,
                           int64_t *cell);
 
 void eng_thick_roots_allocate(struct eng_thick_roots *roots, struct eng_limbs *limbs);
 
-/* The number of the cell of time t, 0 <= t <= 1, and where a cell begins, cut to
+/* Return the number of the cell of time t, 0 <= t <= 1, and where a cell begins, cut to
  * [0, 1]. `depth` is at most 40, so all of this is exact. */
 int64_t eng_thick_cell_of(double t, int depth);
 double eng_thick_cell_begin(int64_t cell, int depth);
@@ -71,7 +72,8 @@ struct eng_thick_exact {
     mp_limb_t *block;
 };
 
-/* PCCD_E_NOMEM: there is nothing to deinit. What follows never fails for memory. */
+/* Allocate the block. PCCD_E_NOMEM: there is nothing to deinit. What follows never fails
+ * for memory. */
 int eng_thick_exact_init(struct eng_thick_exact *exact);
 void eng_thick_exact_deinit(struct eng_thick_exact *exact);
 size_t eng_thick_exact_bytes(void);

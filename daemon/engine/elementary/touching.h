@@ -24,7 +24,7 @@ struct eng_touching {
     mp_limb_t *block;
 };
 
-/* PCCD_E_NOMEM: there is nothing to deinit. */
+/* Allocate the block. PCCD_E_NOMEM: there is nothing to deinit. */
 int eng_touching_init(struct eng_touching *touching);
 void eng_touching_deinit(struct eng_touching *touching);
 size_t eng_touching_bytes(void);
@@ -35,14 +35,14 @@ struct eng_signs {
     int next;
 };
 
-/* The side of the plane through f[3] that a point is on; 1: where the corners go round
- * anticlockwise, the front. */
+/* Return the side of the plane through f[3] that a point is on; 1: where the corners go
+ * round anticlockwise, the front. */
 struct eng_signs eng_touching_side(struct eng_touching *touching,
                                    const struct eng_point *const f[3],
                                    const struct eng_point *point);
 
-/* The sign of (e0[1] - e0[0], e1[1] - e1[0], to - from): for edges e0 and e1 that cross,
- * where `to` is, seen from `from`, along their common normal. */
+/* Return the signs of det[e0[1] - e0[0], e1[1] - e1[0], to - from]: for edges e0 and e1
+ * that cross, where `to` is, seen from `from`, along their common normal. */
 struct eng_signs eng_touching_along(struct eng_touching *touching,
                                     const struct eng_point *const e0[2],
                                     const struct eng_point *const e1[2],
@@ -55,12 +55,12 @@ bool eng_touching_passes(struct eng_touching *touching,
                          const struct eng_point *const e[2],
                          const struct eng_point *const f[3], const int ends[2]);
 
-/* The first axis along which (e0[1] - e0[0]) x (e1[1] - e1[0]) is not 0 at t = 0, and its
- * sign there. False: it is 0. */
+/* The first axis along which a vector is not 0, and its sign there. */
 struct eng_axis {
     int axis;
     int sign;
 };
+/* Find that of (e0[1] - e0[0]) x (e1[1] - e1[0]) at t = 0. False: it is 0. */
 bool eng_touching_normal(struct eng_touching *touching,
                          const struct eng_point *const e0[2],
                          const struct eng_point *const e1[2], struct eng_axis *normal);

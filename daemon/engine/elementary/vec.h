@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* a < b ? a : b, without the call that fmin would be. */
+/* Return a < b ? a : b, without the call that fmin would be. */
 static inline double eng_least(double a, double b)
 {
     return a < b ? a : b;
@@ -34,7 +34,7 @@ static inline void eng_cross(double out[3], const double a[3], const double b[3]
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* out = a + s b */
+/* Set `out` to a + s b. */
 static inline void eng_madd(double out[3], const double a[3], double s, const double b[3])
 {
     out[0] = a[0] + s * b[0];
@@ -42,7 +42,7 @@ static inline void eng_madd(double out[3], const double a[3], double s, const do
     out[2] = a[2] + s * b[2];
 }
 
-/* Largest coordinate magnitude. */
+/* Return the largest coordinate magnitude. */
 static inline double eng_size(const double a[3])
 {
     double x = fabs(a[0]);

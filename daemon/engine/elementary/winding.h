@@ -17,9 +17,9 @@
 
 #include "number.h"
 
-/* A face that the ray misses adds 0, one that it passes 1 or -1. ENG_UNSURE: p is on the
- * face; of a face in a plane with the ray, p on it may also be answered by 0. Magnitudes
- * at most 1e18. */
+/* Return what a face adds: 0 if the ray misses it, 1 or -1 if the ray passes it.
+ * ENG_UNSURE: p is on the face; of a face in a plane with the ray, p on it may also be
+ * answered by 0. Magnitudes at most 1e18. */
 enum eng_sign eng_winding(struct eng_numbers *numbers, const double p[3],
                           const double face[3][3]);
 
@@ -29,9 +29,10 @@ enum eng_sign eng_winding(struct eng_numbers *numbers, const double p[3],
  * and the corners of that; magnitudes at most 1e18. Source: BOUNDS.md, "Where an edge
  * passes through". */
 
-/* eng_distance_crossing by doubles. False: they do not know. */
+/* Set *position as eng_distance_crossing, by doubles. False: they do not know. */
 bool eng_crossing_quickly(const double x[5][3], double *position);
-/* The same of the points that are loaded. Sets is_unsure where it does not know. */
+/* Return the same position, of the points that are loaded. Set is_unsure where it is not
+ * known. */
 double eng_crossing_position(struct eng_numbers *numbers);
 
 #endif

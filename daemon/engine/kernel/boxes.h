@@ -162,7 +162,8 @@ struct eng_join_round {
     union eng_join_around ready_around[ENG_WIDE];
 };
 
-/* `count` pairs a[i], b[i], which stay where they are until they have been joined. */
+/* Begin a round with `count` pairs a[i], b[i], which stay where they are until they have
+ * been joined. */
 static inline void eng_join_begin(struct eng_join_round *round, const uint32_t *a,
                                   const uint32_t *b, uint32_t count)
 {

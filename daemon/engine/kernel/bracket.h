@@ -25,21 +25,21 @@ struct eng_cubic {
     eng_d error; /* |computed - true| of each blossom with times in [0, 1] */
 };
 
-/* (1 - t) a + t b */
+/* Return s a + t b: with s = 1 - t, what lies between a and b at t. */
 ENG_INLINE eng_d eng_d_mix(eng_d s, eng_d a, eng_d t, eng_d b)
 {
     return s * a + t * b;
 }
 
-/* The largest coefficient. */
+/* Return the largest magnitude of the coefficients. */
 ENG_INLINE eng_d eng_cubic_high(const struct eng_cubic *cubic)
 {
     const eng_d *f = cubic->f;
     return eng_d_max(eng_d_max_abs(f[0], f[1]), eng_d_max_abs(f[2], f[3]));
 }
 
-/* det[v[0], v[1], v[2]] of vectors that go from v[0][k] to v[1][k]; `size`: the product
- * of their largest coordinates. */
+/* Return the cubic det[v[0], v[1], v[2]] of vectors that go from v[0][k] to v[1][k];
+ * `size`: the product of their largest coordinates. */
 ENG_INLINE struct eng_cubic eng_cubic_of(struct eng_v v[2][3], eng_d size)
 {
     const struct eng_v *p = v[0];
@@ -56,15 +56,17 @@ ENG_INLINE struct eng_cubic eng_cubic_of(struct eng_v v[2][3], eng_d size)
     return cubic;
 }
 
-/* a x b with every sum one of magnitudes, of vectors that have no negative coordinate. */
+/* Return a x b with every sum one of magnitudes, of vectors that have no negative
+ * coordinate. */
 ENG_INLINE struct eng_v eng_v_cross_size(struct eng_v a, struct eng_v b)
 {
     return (struct eng_v){a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z,
                           a.x * b.y + a.y * b.x};
 }
 
-/* A smaller bound on the error, by the magnitudes of the products that are summed up: for
- * vectors that differ in size from axis to axis. It takes as long as the cubic itself. */
+/* Lower the bound on the error, if the magnitudes of the products that are summed up give
+ * a smaller one: for vectors that differ in size from axis to axis. It takes as long as
+ * the cubic itself. */
 ENG_INLINE void eng_cubic_tighten(struct eng_cubic *cubic, struct eng_v v[2][3])
 {
     struct eng_v p[3];
@@ -87,7 +89,7 @@ ENG_INLINE void eng_cubic_tighten(struct eng_cubic *cubic, struct eng_v v[2][3])
     cubic->error = eng_d_min(cubic->error, error);
 }
 
-/* The same with its sign changed where `m` is set. */
+/* Change the sign of the cubic where `m` is set. */
 ENG_INLINE void eng_cubic_turn(struct eng_cubic *cubic, eng_dm m)
 {
 #pragma GCC unroll 4
@@ -118,7 +120,7 @@ ENG_INLINE struct eng_cubic_at eng_cubic_at(const struct eng_cubic *cubic, eng_d
     return at;
 }
 
-/* b(t, t, r) and b(t, r, r). */
+/* Set `middle` to b(t, t, r) and b(t, r, r). */
 ENG_INLINE void eng_cubic_between(const struct eng_cubic_at *at, eng_d r, eng_d middle[2])
 {
     eng_d s = 1 - r;
@@ -128,8 +130,8 @@ ENG_INLINE void eng_cubic_between(const struct eng_cubic_at *at, eng_d r, eng_d 
     middle[1] = eng_d_mix(s, q0, r, q1);
 }
 
-/* Where the cubic has its minimum and its maximum, if it has them; else its inflection
- * twice. Approximate. */
+/* Find where the cubic has its minimum and its maximum, if it has them; else its
+ * inflection twice. Approximate. */
 ENG_INLINE void eng_cubic_turns(const struct eng_cubic *cubic, eng_d *low, eng_d *high)
 {
     const eng_d zero = {0};
@@ -181,8 +183,8 @@ ENG_INLINE struct eng_cubic_step eng_cubic_halley(const struct eng_cubic_powers 
     return step;
 }
 
-/* A root in (0, 1) of a cubic with ends of opposite sign, to some digits: that of the
- * parabola through both ends that is nearest to it. */
+/* Return a root in (0, 1) of a cubic with ends of opposite sign, to some digits: that of
+ * the parabola through both ends that is nearest to it. */
 ENG_INLINE eng_d eng_cubic_guess(const struct eng_cubic *cubic)
 {
     const eng_d zero = {0};
@@ -208,7 +210,7 @@ struct eng_motion_lanes {
     eng_d size[3]; /* largest coordinate at both ends */
 };
 
-/* x[point][end], points as in struct eng_query. */
+/* Set vectors and sizes of *motion from x[point][end], points as in struct eng_query. */
 ENG_INLINE void eng_motion_of(enum pccd_kind kind, struct eng_v x[4][2],
                               struct eng_motion_lanes *motion)
 {
@@ -253,7 +255,8 @@ struct eng_domain_test {
  * their sizes. `closely`: look at n itself too, which is near zero where edges are nearly
  * parallel and faces nearly a line. */
 
-/* VF: the weights of the corners, (d_j x d_k) . n; none of d_j x d_k is longer than n. */
+/* Test VF by the weights of the corners, (d_j x d_k) . n; none of d_j x d_k is longer
+ * than n. */
 ENG_INLINE struct eng_domain_test eng_domain_test_vf(const struct eng_v v[3],
                                                      const eng_d size[3], eng_d e,
                                                      eng_d e_flat, bool closely)
@@ -291,7 +294,7 @@ ENG_INLINE struct eng_domain_test eng_domain_test_vf(const struct eng_v v[3],
     return domain;
 }
 
-/* EE: (p x c) . n and (b x p) . n against n . n, and neither longer than n. */
+/* Test EE by (p x c) . n and (b x p) . n against n . n; neither is longer than n. */
 ENG_INLINE struct eng_domain_test eng_domain_test_ee(const struct eng_v v[3],
                                                      const eng_d size[3], eng_d e,
                                                      eng_d e_flat, bool closely)
@@ -332,7 +335,7 @@ ENG_INLINE struct eng_domain_test eng_domain_test_ee(const struct eng_v v[3],
     return domain;
 }
 
-/* In the bracket [x, y], which is short. */
+/* Test the domain in the bracket [x, y], which is short. */
 ENG_INLINE struct eng_domain_test
 eng_domain_test_of(enum pccd_kind kind, const struct eng_motion_lanes *motion, eng_d x,
                    eng_d y, bool closely)
@@ -412,7 +415,7 @@ ENG_INLINE eng_dm all_above(eng_d a, eng_d b, eng_d c, eng_d d, eng_d e)
     return eng_d_less(e, eng_d_min(eng_d_min(a, b), eng_d_min(c, d)));
 }
 
-/* The lanes whose sign at t = 0 is certain. */
+/* Return the lanes whose sign at t = 0 is certain. */
 ENG_INLINE eng_dm is_certain(const struct lanes *lanes)
 {
     const eng_d zero = {0};
@@ -422,7 +425,8 @@ ENG_INLINE eng_dm is_certain(const struct lanes *lanes)
     return eng_dm_and(is_large, eng_d_less(lanes->cubic.error, lanes->cubic.f[0]));
 }
 
-/* The cubics of lanes->motion. Returns the lanes whose sign at t = 0 is certain. */
+/* Make the cubics of lanes->motion, turned so that they are positive at t = 0. Return the
+ * lanes whose sign there is certain. */
 ENG_INLINE eng_dm open(enum look look, struct lanes *lanes)
 {
     const eng_d zero = {0};
@@ -454,7 +458,8 @@ ENG_INLINE eng_dm is_clear_by_halves(const struct eng_cubic *cubic)
     return eng_d_less(cubic->error, low);
 }
 
-/* The interval is the whole step, and its root is wanted where the cubic falls. */
+/* Make the whole step the interval, and ask for its root where the cubic falls. Lanes
+ * that certainly have no root, or none that begins by limits->until, are done. */
 ENG_INLINE void set_falling(struct lanes *lanes, eng_dm sure, const struct limits *limits)
 {
     const eng_d *f = lanes->cubic.f;
@@ -555,7 +560,7 @@ ENG_INLINE void set_pieces(struct lanes *lanes, eng_dm sure)
     lanes->wanted = eng_dm_bits(eng_dm_or(twice, falls)) & all;
 }
 
-/* On to the next interval; the cubic is turned so that it is positive at its begin. */
+/* Go on to the next interval; the cubic is turned so that it is positive at its begin. */
 ENG_INLINE void set_next(struct lanes *lanes, int piece)
 {
     const eng_d zero = {0};
@@ -589,7 +594,7 @@ ENG_INLINE void set_next(struct lanes *lanes, int piece)
 #define STEP_FALLING 0x1p-17
 #define STEP_ALL     0x1p-24
 
-/* First guesses of all roots. */
+/* Make first guesses of all roots. */
 ENG_INLINE void guess(enum look look, struct lanes *lanes)
 {
     const eng_d zero = {0};
@@ -611,8 +616,9 @@ ENG_INLINE void guess(enum look look, struct lanes *lanes)
     lanes->slope = zero - 1;
 }
 
-/* One lane waits for nobody else: a branch that goes the usual way takes no time, where
- * what it leaves out would stand in the chain from root to root. */
+/* Return whether `m` is set in the only lane; false where there are several lanes. One
+ * lane waits for nobody else: a branch that goes the usual way takes no time, where what
+ * it leaves out would stand in the chain from root to root. */
 ENG_INLINE bool is_all(eng_dm m)
 {
     return ENG_D_LANES == 1 && __builtin_expect(eng_dm_bits(m) != 0, 1);
@@ -626,7 +632,7 @@ ENG_INLINE eng_d clamped(eng_d x, eng_d low, eng_d high)
     return eng_d_min(eng_d_max(x, low), high);
 }
 
-/* One step nearer to all roots. Which lanes still move decides nothing about others. */
+/* Step nearer to all roots. Which lanes still move decides nothing about others. */
 ENG_INLINE void move(enum look look, struct lanes *lanes)
 {
     const eng_d zero = {0};
@@ -690,7 +696,7 @@ struct bracket {
     eng_dm passed; /* certainly nothing meets there */
 };
 
-/* Enclose the roots. */
+/* Return brackets around the roots, and what is there. */
 ENG_INLINE struct bracket enclose(enum pccd_kind kind, enum look look,
                                   const struct lanes *lanes, const struct limits *limits)
 {

@@ -17,11 +17,13 @@ enum eng_isa {
     ENG_ISA_COUNT
 };
 
-/* Kernels of a set; NULL: this processor or build has none, or it is beyond PCCD_CPU. */
+/* Return the kernels of a set; NULL: this processor or build has none, or it is beyond
+ * PCCD_CPU. */
 const struct eng_kernels *eng_kernels_of(enum eng_isa isa);
 
-/* The set of that name, "scalar", "sse2", "sse4", "avx2", "avx512" or "neon"; NULL or "":
- * the best that the processor has. NULL: there is no such set here. */
+/* Return the set of that name, "scalar", "sse2", "sse4", "avx2", "avx512" or "neon"; of
+ * no name, NULL or "", the best up to PCCD_CPU. NULL: there is no such set here, or it is
+ * beyond PCCD_CPU. */
 const struct eng_kernels *eng_kernels_named(const char *name);
 
 /* Return the kernels that PCCD_CPU names, or the best; they are chosen at the first call
@@ -30,7 +32,7 @@ const struct eng_kernels *eng_kernels_named(const char *name);
  * so. */
 const struct eng_kernels *eng_kernels(void);
 
-/* Its name, as in PCCD_CPU. */
+/* Return the name of a set, as in PCCD_CPU. */
 const char *eng_kernels_name(const struct eng_kernels *kernels);
 
 #endif

@@ -297,8 +297,8 @@ bool eng_query_separates(const struct eng_query *query);
 /* The answer of `bracket` about one pair, which is a chunk of its own. */
 enum eng_decision { ENG_MISSES, ENG_MEETS, ENG_UNDECIDED };
 
-/* The same, bit for bit, in half the time: of the scalar set alone. ENG_MEETS: *hit is
- * set; a contact that begins after t_end is a miss. */
+/* Decide one pair as `bracket` of the scalar set does, bit for bit, in half the time.
+ * ENG_MEETS: *hit is set; a contact that begins after t_end is a miss. */
 enum eng_decision eng_decide(const struct eng_query *query, double tolerance,
                              double t_end, struct eng_hit *hit);
 

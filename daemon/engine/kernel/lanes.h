@@ -73,7 +73,7 @@ ENG_INLINE void eng_d_store(double *x, eng_d v)
     memcpy(x, &v, sizeof v);
 }
 
-/* The same bits. */
+/* Return the lanes that have these bits. */
 ENG_INLINE eng_d eng_d_of(eng_di bits)
 {
     eng_d v;
@@ -114,7 +114,7 @@ ENG_INLINE eng_f eng_f_all(float x)
 typedef float eng_float4 __attribute__((vector_size(16), may_alias));
 typedef int32_t eng_bits4 __attribute__((vector_size(16), may_alias));
 
-/* a > b ? a : b */
+/* Return a > b ? a : b of each lane. */
 static inline __attribute__((always_inline)) eng_float4 eng_float4_max(eng_float4 a,
                                                                        eng_float4 b)
 {
@@ -169,7 +169,7 @@ ENG_INLINE eng_fm eng_fm_or(eng_fm a, eng_fm b)
     return a | b;
 }
 
-/* Bit i is lane i's. */
+/* Return the mask as bits; bit i is lane i's. */
 ENG_INLINE uint32_t eng_dm_bits(eng_dm m)
 {
     return m;
@@ -180,13 +180,13 @@ ENG_INLINE uint32_t eng_fm_bits(eng_fm m)
     return m;
 }
 
-/* a where the mask is set, else b. */
+/* Return a where the mask is set, else b. */
 ENG_INLINE eng_d eng_d_select(eng_dm m, eng_d a, eng_d b)
 {
     return (eng_d)_mm512_mask_blend_pd(m, (__m512d)b, (__m512d)a);
 }
 
-/* a < b ? a : b */
+/* Return a < b ? a : b of each lane. */
 ENG_INLINE eng_d eng_d_min(eng_d a, eng_d b)
 {
     return (eng_d)_mm512_min_pd((__m512d)a, (__m512d)b);
@@ -197,7 +197,7 @@ ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
     return (eng_d)_mm512_max_pd((__m512d)a, (__m512d)b);
 }
 
-/* The larger magnitude. */
+/* Return the larger magnitude. */
 ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
 {
     return (eng_d)_mm512_range_pd((__m512d)a, (__m512d)b, 0xb);
@@ -521,7 +521,7 @@ ENG_INLINE eng_d eng_d_max(eng_d a, eng_d b)
 #endif
 }
 
-/* The larger magnitude. */
+/* Return the larger magnitude. */
 ENG_INLINE eng_d eng_d_max_abs(eng_d a, eng_d b)
 {
     return eng_d_max((eng_d)((eng_di)a & INT64_MAX), (eng_d)((eng_di)b & INT64_MAX));
@@ -613,7 +613,7 @@ ENG_INLINE eng_f eng_f_sqrt(eng_f a)
 
 /* ---- all sets -------------------------------------------------------------------- */
 
-/* ENG_D_LANES floats, exactly. */
+/* Load ENG_D_LANES floats, exactly. */
 ENG_INLINE eng_d eng_d_widen(const float *x)
 {
 #if ENG_VECTOR_BYTES == 8
@@ -626,7 +626,7 @@ ENG_INLINE eng_d eng_d_widen(const float *x)
 #endif
 }
 
-/* ENG_D_LANES floats, the nearest. */
+/* Store ENG_D_LANES floats, each the nearest. */
 ENG_INLINE void eng_d_quantised(float *x, eng_d v)
 {
 #if ENG_VECTOR_BYTES == 8
@@ -638,7 +638,7 @@ ENG_INLINE void eng_d_quantised(float *x, eng_d v)
 #endif
 }
 
-/* The sign bit cleared. */
+/* Clear the sign bits. */
 ENG_INLINE eng_d eng_d_abs(eng_d a)
 {
 #if ENG_VECTOR_BYTES == 8
@@ -710,7 +710,7 @@ ENG_INLINE eng_n eng_v_dot(struct eng_v a, struct eng_v b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/* s a + t b */
+/* Return s a + t b. */
 ENG_INLINE struct eng_v eng_v_mix(eng_n s, struct eng_v a, eng_n t, struct eng_v b)
 {
     return (struct eng_v){s * a.x + t * b.x, s * a.y + t * b.y, s * a.z + t * b.z};
@@ -721,26 +721,26 @@ ENG_INLINE struct eng_v eng_v_abs(struct eng_v a)
     return (struct eng_v){eng_n_abs(a.x), eng_n_abs(a.y), eng_n_abs(a.z)};
 }
 
-/* a where the mask is set, else b. */
+/* Return a where the mask is set, else b. */
 ENG_INLINE struct eng_v eng_v_select(eng_nm m, struct eng_v a, struct eng_v b)
 {
     return (struct eng_v){eng_n_select(m, a.x, b.x), eng_n_select(m, a.y, b.y),
                           eng_n_select(m, a.z, b.z)};
 }
 
-/* s a */
+/* Return s a. */
 ENG_INLINE struct eng_v eng_v_scale(eng_n s, struct eng_v a)
 {
     return (struct eng_v){s * a.x, s * a.y, s * a.z};
 }
 
-/* Largest coordinate magnitude. */
+/* Return the largest coordinate magnitude. */
 ENG_INLINE eng_n eng_v_size(struct eng_v a)
 {
     return eng_n_max_abs(eng_n_max_abs(a.x, a.y), a.z);
 }
 
-/* Largest coordinate magnitude of two. */
+/* Return the largest coordinate magnitude of two. */
 ENG_INLINE eng_n eng_v_size_of_two(struct eng_v a, struct eng_v b)
 {
     eng_n x = eng_n_max_abs(a.x, b.x);

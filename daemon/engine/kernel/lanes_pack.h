@@ -27,7 +27,7 @@ ENG_INLINE eng_fi eng_fi_all(uint32_t x)
     return (int32_t)x - (eng_fi){0};
 }
 
-/* a | (b & c), one operation with AVX-512 where gcc 12 makes two. */
+/* Return a | (b & c), by one operation with AVX-512 where gcc 12 makes two. */
 ENG_INLINE eng_fi eng_fi_or_and(eng_fi a, eng_fi b, eng_fi c)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -37,7 +37,7 @@ ENG_INLINE eng_fi eng_fi_or_and(eng_fi a, eng_fi b, eng_fi c)
 #endif
 }
 
-/* a | b | c. */
+/* Return a | b | c. */
 ENG_INLINE eng_fi eng_fi_or_or(eng_fi a, eng_fi b, eng_fi c)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -55,7 +55,7 @@ typedef __mmask16 eng_left;
 typedef eng_fi eng_left;
 #endif
 
-/* Those that are not negative. */
+/* Return the lanes of v that are not negative. */
 ENG_INLINE eng_left eng_left_of(eng_fi v)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -65,7 +65,7 @@ ENG_INLINE eng_left eng_left_of(eng_fi v)
 #endif
 }
 
-/* All of them. */
+/* Return all lanes. */
 ENG_INLINE eng_left eng_left_all(void)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -75,7 +75,7 @@ ENG_INLINE eng_left eng_left_all(void)
 #endif
 }
 
-/* Without those that are the same in a and b. */
+/* Return `left` without the lanes in which a and b are the same. */
 ENG_INLINE eng_left eng_left_unequal(eng_left left, eng_fi a, eng_fi b)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -87,7 +87,7 @@ ENG_INLINE eng_left eng_left_unequal(eng_left left, eng_fi a, eng_fi b)
 #endif
 }
 
-/* Bit i is lane i's. */
+/* Return the lanes that are left as bits; bit i is lane i's. */
 ENG_INLINE uint32_t eng_left_bits(eng_left left)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -101,7 +101,7 @@ ENG_INLINE uint32_t eng_left_bits(eng_left left)
 #endif
 }
 
-/* The same of sixteen lanes. */
+/* Return sixteen lanes that are left as bits, in the same way. */
 ENG_INLINE uint32_t eng_left_bits16(const eng_left left[16 / ENG_F_LANES])
 {
 #if ENG_VECTOR_BYTES != 16
@@ -129,7 +129,7 @@ ENG_INLINE uint32_t eng_left_bits16(const eng_left left[16 / ENG_F_LANES])
 #endif
 }
 
-/* Bit i: lane i is not negative. */
+/* Return the lanes that are not negative as bits; bit i is lane i's. */
 ENG_INLINE uint32_t eng_fi_no_signs(eng_fi v)
 {
     return eng_left_bits(eng_left_of(v));
@@ -149,7 +149,7 @@ ENG_INLINE uint32_t eng_fi_no_signs(eng_fi v)
 #define ENG_LIST7(more) ENG_LIST6(more), ENG_LIST6((more) << 8 | 7)
 static const uint64_t eng_lists_of_bits[256] = {ENG_LIST7(UINT64_C(0))};
 
-/* The same as numbers of 32 bits; bits < 2^8. */
+/* Return the list of the set bits of `bits`, which is < 2^8, as numbers of 32 bits. */
 ENG_INLINE __m256i eng_list_of_bits(uint32_t bits)
 {
     return _mm256_cvtepu8_epi32(
@@ -198,8 +198,8 @@ ENG_INLINE eng_fi eng_bytes_of(eng_fi v, eng_fi order)
 
 #endif
 
-/* base + i for every set bit i of `bits` < 2^16, ascending. 16 places are written to.
- * Returns how many bits are set. */
+/* Write base + i for every set bit i of `bits` < 2^16, ascending. 16 places are written
+ * to. Return how many bits are set. */
 ENG_INLINE uint32_t eng_pack16(uint32_t *out, uint32_t bits, uint32_t base)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -236,9 +236,9 @@ ENG_INLINE uint32_t eng_pack16(uint32_t *out, uint32_t bits, uint32_t base)
 #endif
 }
 
-/* Those of the ENG_F_LANES numbers from a_in and b_in on whose bit is set, to a_out and
- * b_out, which may be before them in the same array. ENG_F_LANES places are written to.
- * Returns how many bits are set. */
+/* Copy those of the ENG_F_LANES numbers from a_in and b_in on whose bit is set to a_out
+ * and b_out, which may be before them in the same array. ENG_F_LANES places are written
+ * to. Return how many bits are set. */
 ENG_INLINE uint32_t eng_compress_pairs(uint32_t *a_out, uint32_t *b_out,
                                        const uint32_t *a_in, const uint32_t *b_in,
                                        uint32_t bits)
@@ -274,7 +274,7 @@ ENG_INLINE uint32_t eng_compress_pairs(uint32_t *a_out, uint32_t *b_out,
 #endif
 }
 
-/* `x` to 16 places. */
+/* Write `x` to 16 places. */
 ENG_INLINE void eng_fill16(uint32_t *out, uint32_t x)
 {
     for (uint32_t i = 0; i < 16; i += ENG_F_LANES) {

@@ -46,7 +46,7 @@ ENG_INLINE __m512i eng_marks_two(const struct eng_mark *first,
         _mm256_load_si256((const __m256i *)(const void *)second), 1);
 }
 
-/* Records x0 y0 z0 word x1 y1 z1 word of four times two pairs, to x, y, z. */
+/* Turn records x0 y0 z0 word x1 y1 z1 word of four times two pairs into x, y, z. */
 ENG_INLINE void eng_marks_turn(const __m512i a[4], __m512i out[3])
 {
     __m512i xy01 = _mm512_unpacklo_epi32(a[0], a[1]);
@@ -58,7 +58,7 @@ ENG_INLINE void eng_marks_turn(const __m512i a[4], __m512i out[3])
     out[2] = _mm512_unpacklo_epi64(zw01, zw23);
 }
 
-/* The same of sixteen pairs at one end: 0, 4, 8, 12 in the first, and so on. */
+/* Turn the records of sixteen pairs at one end: 0, 4, 8, 12 in the first, and so on. */
 ENG_INLINE struct eng_g eng_marks_turn_at(const eng_fi a[4])
 {
     __m512i in[4] = {(__m512i)a[0], (__m512i)a[1], (__m512i)a[2], (__m512i)a[3]};
@@ -151,7 +151,7 @@ ENG_INLINE struct eng_corners eng_corners_of(uint32_t kind, const struct eng_sie
          &marks[sieve->b_corner[0][b]], &marks[sieve->b_corner[1][b]]}};
 }
 
-/* A group that is short of pairs repeats its first. */
+/* Copy a group of pairs to `full`; one that is short of pairs repeats its first. */
 ENG_INLINE void eng_marks_fill(const uint32_t *a, const uint32_t *b, uint32_t n,
                                uint32_t full[2][ENG_F_LANES])
 {
@@ -205,8 +205,8 @@ ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *siev
 
 #elif ENG_VECTOR_BYTES == 32
 
-/* Four pairs, with both ends in a vector: t = 0 in its first half. One record is one load
- * then, and what is computed at both ends is computed once. */
+/* Load four pairs, with both ends in a vector: t = 0 in its first half. One record is one
+ * load then, and what is computed at both ends is computed once. */
 ENG_INLINE void eng_marks_load_four(enum pccd_kind kind, const struct eng_sieve *sieve,
                                     const uint32_t *a, const uint32_t *b,
                                     struct eng_g d[3])
@@ -229,7 +229,7 @@ ENG_INLINE void eng_marks_load_four(enum pccd_kind kind, const struct eng_sieve 
     }
 }
 
-/* One end of both fours. */
+/* Return one end of both fours. */
 ENG_INLINE eng_fi eng_marks_of_one_end(eng_fi first, eng_fi second, int end)
 {
     return end ? (eng_fi)_mm256_permute2x128_si256((__m256i)first, (__m256i)second, 0x31)

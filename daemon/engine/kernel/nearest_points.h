@@ -23,8 +23,8 @@
 #define ENG_LOST       0x1p-900
 #define ENG_SQUARE_MIN 0x1p-850
 
-/* The square of d, and what rounding could have lost of it and of what is compared with
- * it. */
+/* Return the square of d, and added to it what rounding could have lost of it and of what
+ * is compared with it. */
 ENG_INLINE double eng_square_most(double d)
 {
     return d * d * (1 + 32 * ENG_U) + ENG_LOST;
@@ -99,7 +99,7 @@ struct eng_nearest_points {
     eng_d code; /* bits: type | points << 2, as struct eng_distance has them */
 };
 
-/* The bits of a small number; not to compute with. */
+/* Return lanes with the bits of a small number; not to compute with. */
 ENG_INLINE eng_d eng_bits(uint32_t value)
 {
     return eng_d_of((eng_di){0} + (int64_t)value);
@@ -110,7 +110,7 @@ ENG_INLINE eng_d eng_bits_or(eng_d a, eng_d b)
     return eng_d_of(eng_di_of(a) | eng_di_of(b));
 }
 
-/* `points` | type, by the masks. */
+/* Set the code by the masks: `points` | type, or, inside, all points | `inside`. */
 ENG_INLINE void eng_set_code(struct eng_nearest_points *at, eng_d points, uint32_t inside)
 {
     eng_d type =
@@ -181,7 +181,7 @@ ENG_INLINE void eng_set_feet(struct eng_face *face)
     }
 }
 
-/* Which corner and which side it is, and what follows from that. */
+/* Set what follows from which corner and which side it is. */
 ENG_INLINE void eng_choose_corner(struct eng_nearest_points *at,
                                   const struct eng_face *face, const eng_dm corner[3],
                                   const eng_dm side[3])
@@ -312,7 +312,7 @@ ENG_INLINE void eng_set_inward(struct eng_edges *edges, struct eng_nearest_point
     }
 }
 
-/* Vertices: the ends i and 2 + j, at [i][j]. */
+/* Set the masks of vertices: of the ends i and 2 + j, at [i][j], and of any. */
 ENG_INLINE void eng_set_ends(struct eng_nearest_points *at, const struct eng_edges *edges,
                              eng_dm fits, const eng_d error[2], eng_dm ends[2][2])
 {
@@ -328,7 +328,7 @@ ENG_INLINE void eng_set_ends(struct eng_nearest_points *at, const struct eng_edg
         eng_dm_or(eng_dm_or(ends[0][0], ends[0][1]), eng_dm_or(ends[1][0], ends[1][1]));
 }
 
-/* Which ends and which edge it is, and what follows from that. */
+/* Set what follows from which ends and which edge it is. */
 ENG_INLINE void eng_choose_ends(struct eng_nearest_points *at,
                                 const struct eng_edges *edges)
 {
@@ -399,7 +399,7 @@ struct eng_length {
     eng_d nn_error;
 };
 
-/* The length; of the masks those go that squares or margins forbid. */
+/* Return the length; clear the masks in the lanes that squares or margins forbid. */
 ENG_INLINE struct eng_length eng_length_of(struct eng_nearest_points *at)
 {
     const eng_d least = eng_d_all(ENG_SQUARE_MIN);
@@ -439,7 +439,7 @@ ENG_INLINE struct eng_length eng_length_of(struct eng_nearest_points *at)
     return length;
 }
 
-/* The lanes of which the length is known. */
+/* Return the lanes of which the length is known. */
 ENG_INLINE eng_dm eng_is_known(const struct eng_nearest_points *at)
 {
     return eng_dm_or(eng_dm_or(at->vertices, at->foot), at->inside);
@@ -458,16 +458,16 @@ struct eng_distance_lanes {
     eng_d code;
 };
 
-/* A positive normal double without its last bits, `add` times the last one that is left
- * more. */
+/* Return a positive normal double without its last bits, more by `add` times the last one
+ * that is left. */
 ENG_INLINE eng_d eng_cut(eng_d x, int64_t add)
 {
     return eng_d_of((eng_di_of(x) & ~ENG_BITS_CUT) + add * (ENG_BITS_CUT + 1));
 }
 
-/* The nearest multiple of 2^-32 to x; sure: it is for all that is within twice an error.
- * `room` is half of 2^-32 less that. What is 0 has no sign, as it is a difference of
- * equal numbers. */
+/* Return the nearest multiple of 2^-32 to x. Take from *sure the lanes where it is not
+ * that of all that is within twice an error of x. `room` is half of 2^-32 less that. What
+ * is 0 has no sign, as it is a difference of equal numbers. */
 ENG_INLINE eng_d eng_fixed(eng_d x, eng_d room, eng_dm *sure)
 {
     eng_d nearest = (x + 0x1.8p20) - 0x1.8p20;
@@ -480,8 +480,8 @@ ENG_INLINE eng_d eng_fixed_room(eng_d error)
     return 0x1p-33 - 2 * error;
 }
 
-/* lo and hi; here and below, the lanes go from `sure` of which a number might be rounded
- * either way. */
+/* Set lo and hi. Here and below, the lanes of which a number might be rounded either way
+ * go from *sure. */
 ENG_INLINE void eng_round_length(const struct eng_length *length,
                                  struct eng_distance_lanes *out, eng_dm *sure)
 {
@@ -492,7 +492,7 @@ ENG_INLINE void eng_round_length(const struct eng_length *length,
                                          eng_d_less(length->high, out->hi)));
 }
 
-/* Params; returns what is subtracted from w, in units of e, to have the direction. */
+/* Set params. Return what is subtracted from w, in units of e, to have the direction. */
 ENG_INLINE eng_d eng_round_params(const struct eng_nearest_points *at,
                                   const struct eng_length *length, eng_d foot_error,
                                   struct eng_distance_lanes *out, eng_dm *sure)
@@ -516,7 +516,7 @@ ENG_INLINE eng_d eng_round_params(const struct eng_nearest_points *at,
     return along;
 }
 
-/* Params, direction and what it is between. */
+/* Set params, direction and what it is between. */
 ENG_INLINE void eng_round_rest(const struct eng_nearest_points *at,
                                const struct eng_length *length,
                                struct eng_distance_lanes *out, eng_dm *sure)
@@ -563,8 +563,8 @@ struct eng_nearest_gap {
 #define ENG_SURE_SINE2 0x1p-60
 #define ENG_SINE2      0x1p-100
 
-/* The foot of p on the plane of b and c, where it falls into the domain. `is_sure`: there
- * is no nearer place. */
+/* Find the foot of p on the plane of b and c. Return the lanes in which it falls into the
+ * domain; *is_sure: those of them in which there is no nearer place. */
 ENG_INLINE eng_dm eng_nearest_gap_inside(enum pccd_kind form,
                                          const struct eng_pose_lanes *pose,
                                          struct eng_nearest_gap *nearest, eng_dm *is_sure)

@@ -37,7 +37,7 @@ ENG_INLINE struct eng_v eng_points_turn(const double *const at[ENG_D_LANES])
                           (eng_d)_mm512_permutex2var_pd(xz01, second, xz23)};
 }
 
-/* The other way: out[lane] has that lane of each in[..]. */
+/* Turn the other way: out[lane] has that lane of each in[..]. */
 ENG_INLINE void eng_points_turn_back(const eng_d in[8], eng_d out[8])
 {
 #pragma GCC unroll 2
@@ -62,7 +62,7 @@ ENG_INLINE void eng_points_turn_back(const eng_d in[8], eng_d out[8])
 
 #elif ENG_VECTOR_BYTES == 32
 
-/* Two numbers of each place, in the halves. */
+/* Load two numbers of each place, into the halves. */
 ENG_INLINE __m256d eng_points_halves(const double *low, const double *high)
 {
     return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(low)),
@@ -116,7 +116,7 @@ ENG_INLINE struct eng_group eng_group_of(const struct eng_point *points,
     return group;
 }
 
-/* The four points of each pair at both ends of the step: x[point][end]. */
+/* Load the four points of each pair at both ends of the step: x[point][end]. */
 ENG_INLINE void eng_group_load(const struct eng_group *group, struct eng_v x[4][2])
 {
 #pragma GCC unroll 4
@@ -134,7 +134,7 @@ ENG_INLINE void eng_group_load(const struct eng_group *group, struct eng_v x[4][
     }
 }
 
-/* The same at one end, 0 or 1. */
+/* Load the four points of each pair at one end, 0 or 1. */
 ENG_INLINE void eng_group_load_end(const struct eng_group *group, uint32_t end,
                                    struct eng_v x[4])
 {

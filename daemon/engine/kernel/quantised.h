@@ -31,7 +31,7 @@ ENG_INLINE int32_t quantised_clamped(int32_t x)
     return x < INT16_MIN ? INT16_MIN : x > INT16_MAX ? INT16_MAX : x;
 }
 
-/* a + b of each half, saturated. */
+/* Return a + b of each half, saturated. */
 ENG_INLINE eng_fi eng_fi_add_halves(eng_fi a, eng_fi b)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -52,7 +52,7 @@ ENG_INLINE eng_fi eng_fi_add_halves(eng_fi a, eng_fi b)
 #endif
 }
 
-/* The larger of each half. */
+/* Return the larger of each half. */
 ENG_INLINE eng_fi eng_fi_max_halves(eng_fi a, eng_fi b)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -102,7 +102,7 @@ ENG_INLINE eng_fi eng_fi_keep_least_halves(eng_fi a, eng_fi grown)
 #endif
 }
 
-/* a w / 2^15 of each half, the nearest, up where two are; 0 <= w. */
+/* Return a w / 2^15 of each half, the nearest, up where two are; 0 <= w. */
 ENG_INLINE eng_fi eng_fi_weigh_halves(eng_fi a, int16_t w)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -130,7 +130,7 @@ ENG_INLINE eng_fi eng_fi_weigh_halves(eng_fi a, int16_t w)
 #endif
 }
 
-/* The smaller of each half. */
+/* Return the smaller of each half. */
 ENG_INLINE eng_fi eng_fi_min_halves(eng_fi a, eng_fi b)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -151,7 +151,7 @@ ENG_INLINE eng_fi eng_fi_min_halves(eng_fi a, eng_fi b)
 #endif
 }
 
-/* a / 2 of each half, rounded down. */
+/* Return a / 2 of each half, rounded down. */
 ENG_INLINE eng_fi eng_fi_half_of_halves(eng_fi a)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -167,7 +167,7 @@ ENG_INLINE eng_fi eng_fi_half_of_halves(eng_fi a)
 #endif
 }
 
-/* |a| of each half; INT16_MIN stays. */
+/* Return |a| of each half; INT16_MIN stays. */
 ENG_INLINE eng_fi eng_fi_abs_halves(eng_fi a)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -189,7 +189,7 @@ ENG_INLINE eng_fi eng_fi_abs_halves(eng_fi a)
 #endif
 }
 
-/* The sum of the products of the halves, in all bits of each lane. */
+/* Return the sum of the products of the halves, in all bits of each lane. */
 ENG_INLINE eng_fi eng_fi_dot_halves(eng_fi a, eng_fi b)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -209,7 +209,7 @@ ENG_INLINE eng_fi eng_fi_dot_halves(eng_fi a, eng_fi b)
 #endif
 }
 
-/* The low half of a, the high one of b. */
+/* Return the low half of a and the high one of b. */
 ENG_INLINE eng_fi eng_fi_low_and_high(eng_fi a, eng_fi b)
 {
 #if ENG_VECTOR_BYTES == 32
@@ -221,7 +221,7 @@ ENG_INLINE eng_fi eng_fi_low_and_high(eng_fi a, eng_fi b)
 #endif
 }
 
-/* a where `sign` is negative, else b. */
+/* Return a where `sign` is negative, else b. */
 ENG_INLINE eng_fi eng_fi_select_negative(eng_fi sign, eng_fi a, eng_fi b)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -237,7 +237,7 @@ ENG_INLINE eng_fi eng_fi_select_negative(eng_fi sign, eng_fi a, eng_fi b)
 #endif
 }
 
-/* The halves of each lane change places. */
+/* Exchange the halves of each lane. */
 ENG_INLINE eng_fi eng_fi_turn_halves(eng_fi a)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -251,7 +251,7 @@ ENG_INLINE eng_fi eng_fi_turn_halves(eng_fi a)
 #endif
 }
 
-/* Lanes of which no half is negative. */
+/* Return the lanes of which no half is negative. */
 ENG_INLINE eng_left eng_left_of_halves(eng_fi v)
 {
 #if ENG_VECTOR_BYTES == 64
@@ -292,8 +292,8 @@ ENG_INLINE eng_fi quantised_reached(eng_fi q0, eng_fi q1,
     return around ? eng_fi_max_halves(q, q0) : q;
 }
 
-/* The rows of both ends with their halves turned: what is below comes to what is above
- * where a box that is not turned is added. */
+/* Write the rows of both ends with their halves turned: what is below comes to what is
+ * above where a box that is not turned is added. */
 ENG_INLINE void quantised_rows_turned(const struct eng_quantised_block *block,
                                       struct eng_quantised_block *turned)
 {
@@ -306,8 +306,8 @@ ENG_INLINE void quantised_rows_turned(const struct eng_quantised_block *block,
     }
 }
 
-/* The rows of both ends up to a time; `around`: of the first alone, around the way.
- * `turned`: as above. */
+/* Write the rows of both ends up to a time; `around`: of the first alone, around the way.
+ * `turned`: with their halves turned, as above. */
 ENG_INLINE void quantised_rows_until(const struct eng_quantised_block *block,
                                      struct quantised_weights weights, bool around,
                                      bool turned, struct eng_quantised_block *until)
@@ -349,8 +349,8 @@ ENG_INLINE struct quantised_more quantised_more_of(const int32_t cells[3])
     return more;
 }
 
-/* The rows there, larger by some cells along each axis. No box stays none. A sum that is
- * cut to INT16_MAX keeps its sign beside the least that there is. */
+/* Write the rows of an end, larger by some cells along each axis. No box stays none. A
+ * sum that is cut to INT16_MAX keeps its sign beside the least that there is. */
 ENG_INLINE void quantised_rows_grown(const struct eng_quantised_block *block,
                                      uint32_t end, const struct quantised_more *more,
                                      struct eng_quantised_block *grown)
@@ -370,7 +370,7 @@ ENG_INLINE void quantised_rows_grown(const struct eng_quantised_block *block,
     }
 }
 
-/* The rows there with their halves turned, and the box around them as it is. */
+/* Write the rows of an end with their halves turned. */
 ENG_INLINE void quantised_rows_turned_at(const struct eng_quantised_block *block,
                                          uint32_t end, struct eng_quantised_block *turned)
 {
@@ -391,7 +391,8 @@ ENG_INLINE void quantised_box_at(const struct eng_quantised_box *box, uint32_t e
 
 /* ---- boxes up to a time ------------------------------------------------------------ */
 
-/* The same of one box: numbers as in a vector of lanes, eight at a time. */
+/* Write one box up to a time, as quantised_rows_until: numbers as in a vector of lanes,
+ * eight at a time. */
 ENG_INLINE void quantised_box_until(const struct eng_quantised_box *box,
                                     struct quantised_weights weights, bool around,
                                     struct eng_quantised_box *until)

@@ -57,7 +57,7 @@ ENG_INLINE struct eng_v vector_of(difference_t v)
     return (struct eng_v){number_of(v.x), number_of(v.y), number_of(v.z)};
 }
 
-/* Rounded down, so that sums of two fit. */
+/* Return half of v, rounded down, so that sums of two fit. */
 ENG_INLINE gap_t half_of(gap_t v)
 {
     return v >> 1;
@@ -103,8 +103,8 @@ ENG_INLINE int differences_of(enum pccd_kind kind)
 
 #ifndef ENG_IN_FLOATS
 
-/* Points of the pairs at one end to differences. With a vertex first, all kinds are of a
- * vertex and a face: points are repeated. */
+/* Subtract points of the pairs at one end. With a vertex first, all kinds are of a vertex
+ * and a face: points are repeated. */
 ENG_INLINE void subtract(enum pccd_kind kind, const struct eng_v x[4],
                          struct eng_v d[DIFFERENCES])
 {
@@ -122,7 +122,8 @@ ENG_INLINE void subtract(enum pccd_kind kind, const struct eng_v x[4],
 #define AXES       3
 #define DIRECTIONS 9
 
-/* x, y, z; x + y, x - y, y + z, y - z, z + x, z - x. */
+/* Return v along one of the directions x, y, z; x + y, x - y, y + z, y - z, z + x, z - x,
+ * the diagonal ones by half_of. */
 ENG_INLINE gap_t along(difference_t v, int direction)
 {
     if (direction < AXES) {
@@ -134,8 +135,8 @@ ENG_INLINE gap_t along(difference_t v, int direction)
     return direction % 2 ? first + second : first - second;
 }
 
-/* By how much b lies above a and a above b, of the differences along a direction;
- * negative where they overlap. */
+/* Set `gaps` to by how much b lies above a and a above b, of the differences along a
+ * direction; negative where they overlap. */
 ENG_INLINE void gaps_of(enum pccd_kind kind, const gap_t s[DIFFERENCES], gap_t gaps[2])
 {
     const gap_t zero = {0};
@@ -156,7 +157,7 @@ ENG_INLINE void gaps_of(enum pccd_kind kind, const gap_t s[DIFFERENCES], gap_t g
     gaps[1] = -high;
 }
 
-/* The same of the differences at one end. */
+/* Set `gaps` in this way from the differences at one end. */
 ENG_INLINE void gaps_along(enum pccd_kind kind, const difference_t *d, int direction,
                            gap_t gaps[2])
 {
@@ -189,7 +190,7 @@ ENG_INLINE uint32_t are_beyond(enum pccd_kind kind, const difference_t d[2][DIFF
 
 #ifndef ENG_IN_FLOATS
 
-/* The largest coordinate of all differences. */
+/* Return the largest coordinate of all differences. */
 ENG_INLINE eng_d size_of_all(enum pccd_kind kind, const struct eng_v d[2][DIFFERENCES])
 {
     eng_d size = eng_v_size_of_two(d[0][0], d[1][0]);
@@ -200,7 +201,7 @@ ENG_INLINE eng_d size_of_all(enum pccd_kind kind, const struct eng_v d[2][DIFFER
     return size;
 }
 
-/* More than sums of two differences are off by: those of marks are exact. */
+/* Return more than sums of two differences are off by; those of marks are exact. */
 ENG_INLINE eng_d diagonal_margin(enum pccd_kind kind,
                                  const struct eng_v d[2][DIFFERENCES])
 {
@@ -218,10 +219,10 @@ struct span {
     eng_n to_n, to_d;
 };
 
-/* Gaps along an axis at t = 0 and at t = 1. A gap is concave in t, so there is one before
- * (after) the root of its chord, g0 / (g0 - g1), if g0 (g1) is positive. For both orders
- * at once, as only one of them can have a gap at an end. With gaps at both ends `from` is
- * 1 and `to` is 0. */
+/* Cut from the span the times of gaps along an axis, given at t = 0 and at t = 1. A gap
+ * is concave in t, so there is one before (after) the root of its chord, g0 / (g0 - g1),
+ * if g0 (g1) is positive. For both orders at once, as only one of them can have a gap at
+ * an end. With gaps at both ends `from` is 1 and `to` is 0. */
 ENG_INLINE void cut_span(struct span *span, const eng_n gaps0[2], const eng_n gaps1[2])
 {
     const eng_n zero = {0};
@@ -271,8 +272,8 @@ struct sides {
     struct eng_v w[2], u[2], v[2];
 };
 
-/* w . n by its Bernstein coefficients over the step, those in the middle three times; of
- * n, n[1] is twice the one in the middle. */
+/* Set f to w . n by its Bernstein coefficients over the step, those in the middle three
+ * times; of n, n[1] is twice the one in the middle. */
 ENG_INLINE void heights_of(const struct sides *sides, struct eng_v n[3], eng_n f[4])
 {
     const struct eng_v *w = sides->w;

@@ -82,7 +82,7 @@ static inline struct eng_narrow *eng_narrow_of(const struct eng_worker *worker)
     return worker->narrow;
 }
 
-/* Memory for what is asked of the scene, once. PCCD_E_NOMEM. [compute] */
+/* Reserve memory for what is asked of the scene, once. PCCD_E_NOMEM. [compute] */
 int eng_narrow_reserve(struct eng_worker *worker, const struct eng_scene *scene,
                        const struct eng_question *question);
 void eng_narrow_free(struct eng_worker *worker);
@@ -104,8 +104,8 @@ void eng_narrow_test(struct eng_worker *worker, struct eng_pairs *pairs,
  * next chunk come, it is not in the near caches any more. */
 #define ENG_FETCHED_AHEAD 4096u
 
-/* In a step with thickness: those of the pairs that meet at a distance to parts[0], the
- * others to parts[1]. */
+/* Divide the pairs of a step with thickness: those that meet at a distance go to
+ * parts[0], the others to parts[1]. */
 void eng_narrow_split(struct eng_worker *worker, const struct eng_pairs *pairs,
                       struct eng_pairs parts[2]);
 
@@ -119,17 +119,17 @@ void eng_narrow_touching(struct eng_worker *worker, const struct eng_pairs *pair
 bool eng_narrow_is_within(struct eng_worker *worker, const struct eng_pairs *pairs,
                           uint32_t number, struct eng_distance *found);
 
-/* The range of all names in a scene; get ready for names within it. [compute] */
+/* Return the range of all names in a scene; get ready for names within it. [compute] */
 struct eng_name_range eng_near_range(const struct eng_scene *scene);
 void eng_near_begin(struct eng_worker *worker, const struct eng_name_range *range);
 
-/* Names and distances of what the batch has found become those of the features between
+/* Change names and distances of what the batch has found to those of the features between
  * which the distance is, functions of their own points. An edge that ends above a face is
  * near it: the two are the vertex and the face, and each other edge that ends there leads
  * to them, too. */
 void eng_closest_features(struct eng_worker *worker, const struct eng_pairs *pairs);
 
-/* eng_narrow_test of what is near. */
+/* Test and keep, as eng_narrow_test, in a question about what is near. */
 void eng_near_test(struct eng_worker *worker, struct eng_pairs *pairs,
                    eng_names_fn names);
 

@@ -22,18 +22,18 @@ struct eng_near_pair {
     uint32_t point[5]; /* index in the scene's positions, in the order of distance.h */
 };
 
-/* Vertex `v` and face `f` of two objects. */
+/* Make the pair of vertex `v` and face `f` of two objects. */
 struct eng_near_pair eng_near_vf(const struct eng_scene *scene, uint32_t of_vertex,
                                  uint32_t v, uint32_t of_face, uint32_t f);
-/* Edges of two objects, each by its vertices. */
+/* Make the pair of edges of two objects, each given by its vertices. */
 struct eng_near_pair eng_near_ee(const struct eng_scene *scene, uint32_t a,
                                  const uint32_t edge_a[2], uint32_t b,
                                  const uint32_t edge_b[2]);
-/* An edge, by its vertices, and face `f`. */
+/* Make the pair of an edge, given by its vertices, and face `f`. */
 struct eng_near_pair eng_near_ef(const struct eng_scene *scene, uint32_t of_edge,
                                  const uint32_t edge[2], uint32_t of_face, uint32_t f);
 
-/* The number of an edge, which the mesh has, by its vertices in any order. */
+/* Return the number of an edge, which the mesh has, by its vertices in any order. */
 uint32_t eng_near_edge_number(const struct eng_mesh *mesh, const uint32_t ends[2]);
 
 struct eng_near_best {
@@ -58,19 +58,21 @@ struct eng_near_best {
     uint64_t looked; /* pairs since looked was 0 */
 };
 
-/* Nothing was looked at. distance >= 0, gap >= 0, most as in the struct. */
+/* Begin: no pair is kept yet. distance >= 0, gap >= 0, most as in the struct. */
 void eng_near_best_begin(struct eng_near_best *best, double distance, double gap,
                          const double most[2]);
 
-/* A pair whose distance is more, whatever its radii, need not be looked at; negative:
- * none need. */
+/* Return a distance: a pair whose distance is more, whatever its radii, need not be
+ * looked at; negative: none need. */
 double eng_near_best_reach(const struct eng_near_best *best);
 
-/* An edge and a face are a pair at distance 0 if it passes through; else they are not
- * looked at. */
+/* Look at a pair, and keep it as best->pair if none is kept that comes before it: by how
+ * far their surfaces are apart, then by canonical order. One that is beyond
+ * best->distance, or nearer by at most best->gap, may be left out. An edge and a face
+ * are at distance 0 if the edge passes through, else they are left out. */
 void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *pair);
 
-/* The record of a pair. */
+/* Write the record of a pair. */
 void eng_near_describe(const struct eng_near_best *best, const struct eng_near_pair *pair,
                        struct pccd_near *record);
 

@@ -57,10 +57,10 @@ int eng_near_objects_prepare(struct eng_near_objects *objects,
                              const struct eng_question *ask, uint32_t threads,
                              struct eng_open_mesh_error *open);
 
-/* The positions have moved on. [compute] */
+/* Begin a search, after the positions have moved on. [compute] */
 void eng_near_objects_begin(struct eng_near_objects *objects);
 
-/* A thread's part, after the refit; boxes are those of `method`. [team] */
+/* Do a thread's part, after the refit; boxes are those of `method`. [team] */
 void eng_near_objects_perform(struct eng_near_objects *objects,
                               const struct eng_method_calls *method,
                               struct eng_worker *worker);
@@ -68,10 +68,11 @@ void eng_near_objects_perform(struct eng_near_objects *objects,
 /* Return the crossings of DEPTH; after the search. [compute] */
 uint64_t eng_near_objects_crossings(const struct eng_near_objects *objects);
 
-/* Objects came, went or have another mesh: forget where the next one begins. [compute] */
+/* Forget where the next search begins, as objects came, went or have another mesh.
+ * [compute] */
 void eng_near_objects_forget(struct eng_near_objects *objects);
 
-/* The records of a complete answer: where the next one begins. [compute] */
+/* Keep from the records of a complete answer where the next search begins. [compute] */
 void eng_near_objects_learn(struct eng_near_objects *objects, const void *records,
                             uint64_t count);
 

@@ -45,7 +45,7 @@ struct eng_near_search {
     struct eng_near_item items[ENG_NEAR_ITEMS];
 };
 
-/* PCCD_E_NOMEM: there is nothing to free. */
+/* Allocate a search. PCCD_E_NOMEM: there is nothing to free. */
 int eng_near_search_new(struct eng_near_search **search);
 void eng_near_search_free(struct eng_near_search *search);
 
@@ -54,26 +54,27 @@ void eng_near_search_at(struct eng_near_search *search,
                         const struct eng_method_calls *method, struct eng_worker *worker,
                         uint32_t end);
 
-/* The pair of two objects whose surfaces are nearest, and within the distance, goes to
- * search->best; most: their largest radii, or zeros. `first`, NULL or a pair of theirs,
- * is looked at before any other. False: it was stopped. */
+/* Find the pair of two objects whose surfaces are nearest, and within the distance, and
+ * keep it in search->best; most: their largest radii, or zeros. `first`, NULL or a pair
+ * of theirs, is looked at before any other. False: it was stopped. */
 bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_t b,
                              double distance, double gap, const double most[2],
                              const struct eng_near_pair *first);
 
-/* Edges of either object that pass through faces of the other. False: it was stopped. */
+/* Set *crossings to the number of pairs of an edge of either object and a face of the
+ * other that the edge passes through. False: it was stopped. */
 bool eng_near_search_crossings(struct eng_near_search *search, uint32_t a, uint32_t b,
                                uint64_t *crossings);
 
-/* The nearest of a vertex of one object and the faces of another; of equally near ones
- * the first. `first`, or ENG_NO_FACE, is looked at before any other. */
+/* Find the nearest of a vertex of one object and the faces of another; of equally near
+ * ones the first. `first`, or ENG_NO_FACE, is looked at before any other. */
 #define ENG_NO_FACE UINT32_MAX
 bool eng_near_search_vertex(struct eng_near_search *search, uint32_t of_vertex,
                             uint32_t v, uint32_t of_faces, uint32_t first);
 
-/* The winding number of an object's surface around a vertex of another. *is_on: it is
- * on the surface, and the number means nothing; not all such vertices are noticed. False:
- * it was stopped. */
+/* Set *winding to the winding number of an object's surface around a vertex of another.
+ * *is_on: it is on the surface, and the number means nothing; not all such vertices are
+ * noticed. False: it was stopped. */
 bool eng_near_search_winding(struct eng_near_search *search, uint32_t of_vertex,
                              uint32_t v, uint32_t of_faces, int64_t *winding,
                              bool *is_on);

@@ -151,7 +151,7 @@ uint64_t eng_merge_bytes(const struct eng_merge *merge);
 int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
                     uint32_t count, struct eng_records *out);
 
-/* `cancel` is looked at every few thousand records from now on; NULL: nothing is. */
+/* Look at `cancel` every few thousand records from now on; NULL: at nothing. */
 void eng_merge_set_cancel(struct eng_merge *merge, const atomic_bool *cancel);
 
 /* Do the three shares of a thread of a parallel region of `threads`, with a barrier of
@@ -164,8 +164,8 @@ void eng_merge_survey(struct eng_merge *merge, uint32_t threads, uint32_t thread
 void eng_merge_fill_buckets(struct eng_merge *merge, uint32_t thread);
 void eng_merge_finish(struct eng_merge *merge, uint32_t thread);
 
-/* Cancelled before all was done: nothing is in `out`. After the barriers, and after end,
- * the same for all. */
+/* Return whether it was cancelled before all was done: nothing is in `out`. After the
+ * barriers, and after end, the same for all. */
 static inline bool eng_merge_is_given_up(const struct eng_merge *merge)
 {
     return atomic_load_explicit(&merge->is_given_up, memory_order_relaxed);
@@ -178,9 +178,9 @@ static inline bool eng_merge_is_by_all(const struct eng_merge *merge)
     return merge->state == ENG_MERGE_SHARED;
 }
 
-/* After the region, or without one: do what is left. The first `limit` records in
- * canonical order are in `out`, merge->total says how many there were.
- * PCCD_E_NOMEM: `out` is empty. */
+/* Do what is left, after the region or without one. The first `limit` records in
+ * canonical order are in `out`, merge->total says how many there were. PCCD_E_NOMEM:
+ * `out` is empty. PCCD_OK with eng_merge_is_given_up: it is empty, too. */
 int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts);
 
 #endif

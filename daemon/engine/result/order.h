@@ -43,7 +43,7 @@ struct eng_order {
     uint32_t words;                /* of a key: 1 to 3 */
 };
 
-/* A word of the name of a pccd_pair or pccd_contact record, wherever it keeps it. */
+/* Return a word of the name of a pccd_pair or pccd_contact record, wherever that is. */
 static inline uint32_t eng_name_word(const unsigned char *record, uint32_t record_bytes,
                                      unsigned word)
 {
@@ -63,7 +63,7 @@ static inline struct eng_name eng_name_of(const unsigned char *record,
     return name;
 }
 
-/* Below, equal or above zero. */
+/* Compare two names in canonical order: below, equal or above zero. */
 static inline int eng_name_compare(const struct eng_name *a, const struct eng_name *b)
 {
     for (unsigned i = 0; i < ENG_NAME_WORDS; i++) {
@@ -85,7 +85,7 @@ static inline void eng_name_write(const struct eng_name *name, unsigned char *re
     }
 }
 
-/* The range of nothing. */
+/* Set the range to that of no names. */
 void eng_name_range_init(struct eng_name_range *range);
 
 static inline void eng_name_range_add(struct eng_name_range *range,
@@ -101,8 +101,8 @@ static inline void eng_name_range_add(struct eng_name_range *range,
 
 void eng_order_set(struct eng_order *order, const struct eng_name_range *range);
 
-/* A word of the key of a name, which is within the order's range: names compare as their
- * keys, word 0 first. */
+/* Return a word of the key of a name, which is within the order's range: names compare as
+ * their keys, word 0 first. */
 uint64_t eng_order_wide_key(const struct eng_order *order, const struct eng_name *name,
                             uint32_t word);
 
@@ -120,8 +120,8 @@ static inline uint64_t eng_order_key(const struct eng_order *order,
     return key;
 }
 
-/* The same from a record, whose words go into registers: a name put together in memory
- * and read at once would wait for the parts to arrive there. */
+/* Return word 0 of the key of a record, whose words go into registers: a name put
+ * together in memory and read at once would wait for the parts to arrive there. */
 static inline uint64_t eng_order_key_of(const struct eng_order *order,
                                         const unsigned char *record,
                                         uint32_t record_bytes)
@@ -152,10 +152,11 @@ __extension__ typedef unsigned __int128 eng_hash_sum;
 /* Return the hash that `count` records, one behind the other, add. */
 eng_hash_sum eng_hash_records(const void *records, uint64_t count, uint32_t record_bytes);
 
-/* The hash of all `count` records whose sum is known: hash[0] high, hash[1] low. */
+/* Set `hash` to that of all `count` records whose sum is known: hash[0] high, hash[1]
+ * low. */
 void eng_hash_end(eng_hash_sum sum, uint64_t count, uint64_t hash[2]);
 
-/* The hash of an answer in mode any: XXH3-128 of the verdict. */
+/* Set `hash` to that of an answer in mode any: XXH3-128 of the verdict. */
 void eng_hash_verdict(uint32_t verdict, uint64_t hash[2]);
 
 #endif

@@ -42,11 +42,12 @@ void eng_pool_deinit(struct eng_pool *pool);
  * step again takes none from the system. If memory is short, the old size stays. */
 void eng_pool_reset(struct eng_pool *pool, uint32_t workers);
 
-/* After a reset: take blocks of `memory`, of 64 bytes' alignment, before its own, until
- * the next reset at least and this is called again. NULL: of none. */
+/* Lend blocks of `memory`, of 64 bytes' alignment, to the pool after a reset: it takes
+ * them before its own, until the next reset at least and this is called again. NULL:
+ * none. */
 void eng_pool_lend(struct eng_pool *pool, void *memory, uint64_t bytes);
 
-/* An empty block, or NULL: no memory. [team] */
+/* Take an empty block; NULL: no memory. [team] */
 struct eng_block *eng_pool_take(struct eng_pool *pool);
 
 uint64_t eng_pool_bytes(const struct eng_pool *pool);
@@ -78,8 +79,8 @@ struct eng_found {
 void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
                      uint32_t record_bytes, uint64_t limit);
 
-/* All names of the list, which is empty, will be within a range. If a word holds their
- * keys it keeps these from now on; returns whether it does. */
+/* Expect all names of the list, which is empty, to be within a range. If a word holds
+ * their keys it keeps these from now on; returns whether it does. */
 bool eng_found_expect(struct eng_found *found, const struct eng_name_range *range);
 
 /* Return the keys of a block's records, in a list that has_keys. */
@@ -90,17 +91,18 @@ static inline uint64_t *eng_found_keys(const struct eng_found *found,
                                 (size_t)found->per_block * found->record_bytes);
 }
 
-/* One more record, named, for the caller to fill in before the next call. NULL: it comes
- * after `limit` others in order, or memory ran out (overflowed). */
+/* Add one more record, named, for the caller to fill in before the next call. NULL: it
+ * comes after `limit` others in order, or memory ran out (overflowed). */
 void *eng_found_add(struct eng_found *found, const struct pccd_pair *name);
 
-/* Slots for the next records, `count` at most and >= 1, for the caller to fill in, names
- * as well: *slots; and their keys, *keys, one after the other, of a list that has_keys,
- * else *keys is not set, and the caller adds the names to the list's range. Returns how
- * many. 0: eng_found_add knows what becomes of the next one; it may move records. */
+/* Offer slots for the next records, `count` at most and >= 1, for the caller to fill in,
+ * names as well: *slots; and their keys, *keys, one after the other, of a list that
+ * has_keys, else *keys is not set, and the caller adds the names to the list's range.
+ * Return how many. 0: eng_found_add knows what becomes of the next one; it may move
+ * records. */
 uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots,
                         uint64_t **keys);
-/* The first `count` of them are there. */
+/* Count the first `count` of these slots as filled in. */
 void eng_found_close(struct eng_found *found, uint32_t count);
 
 /* The answer: records in one piece. Memory stays for the next step. */
@@ -116,8 +118,8 @@ void eng_found_keep(struct eng_found *found, uint64_t count);
 
 void eng_records_deinit(struct eng_records *records);
 
-/* Room for `count` records of record_bytes each, whose content is lost, or, by extend, is
- * kept; PCCD_E_NOMEM: as before. */
+/* Make room for `count` records of record_bytes each, whose content is lost, or, by
+ * extend, is kept. PCCD_E_NOMEM: all is as before. */
 int eng_records_reserve(struct eng_records *records, uint64_t count);
 int eng_records_extend(struct eng_records *records, uint64_t count);
 
