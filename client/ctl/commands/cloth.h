@@ -69,8 +69,8 @@ struct cloth *cloth_new(void);
 int cloth_register(struct cloth *cloth, struct pccd_client *client,
                    struct ctl_error *error);
 
-/* Told of each answer, before its records are given back; `is_taken`: nothing is met, and
- * the frame goes that way. */
+/* Listener to each answer, before its records are given back; `is_taken`: nothing is met,
+ * and the frame goes that way. */
 typedef void (*cloth_fn)(void *context, const struct pccd_answer *answer, bool is_taken);
 /* Move by one frame. Errors: those of a step. */
 int cloth_frame(struct cloth *cloth, cloth_fn tell, void *context,
