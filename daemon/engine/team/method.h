@@ -41,42 +41,46 @@ struct eng_faces_below {
 
 struct eng_method_calls {
     bool can_prune; /* it leaves out pairs that stand (team.h, prunes) */
-    /* Are its trees of other objects than the scene has now? [compute] */
+    /* Return whether its trees are of other objects than the scene has now. [compute] */
     bool (*is_stale)(const struct eng_scene *scene);
-    /* Whatever can fail for want of memory: put trees together, reserve for team->count
-     * threads, whose workers exist. Nothing moves. [compute] */
+    /* Do whatever can fail for want of memory: put trees together, reserve for
+     * team->count threads, whose workers exist. Nothing moves. [compute] */
     int (*prepare)(struct eng_team *team, const struct eng_question *question);
-    /* The positions have moved on: see how what moves is spread, and tell the scene
+    /* See how what moves is spread, when the positions have moved on, and tell the scene
      * (moving.is_spread). NULL: it does not matter. [compute] */
     void (*survey)(struct eng_scene *scene);
-    /* Are the boxes at hand, all of them, those of the motion by which the scene has come
-     * to where it is? [compute] */
+    /* Return whether the boxes at hand, all of them, are those of the motion by which the
+     * scene has come to where it is. [compute] */
     bool (*has_boxes)(const struct eng_scene *scene);
-    /* The positions have moved on; no thread is at work yet. If team->has_boxes: they
-     * have not, and boxes stay. It says so itself where nothing moves. [compute] */
+    /* Get ready, with no thread at work yet, when the positions have moved on; or, if
+     * team->has_boxes, when they have not, and boxes stay. It sets that itself where
+     * nothing moves. [compute] */
     void (*start)(struct eng_team *team, const struct eng_question *question);
-    /* All boxes, by one thread. A step that is stopped may leave some as they were: then
-     * no task is done, and the next step makes them all. [compute] */
+    /* Make all boxes, by one thread. A step that is stopped may leave some as they were:
+     * then no task is done, and the next step makes them all. [compute] */
     void (*refit)(struct eng_worker *worker);
-    /* The same by all: true for the one that ended last, and sees every box. [team] */
+    /* Make them by all threads: true for the one that ended last, and sees every box.
+     * [team] */
     bool (*refit_by_team)(struct eng_team *team, struct eng_worker *worker);
-    /* After the refit, while nobody traverses, by one thread. [team] */
+    /* Do what has to be done after the refit, while nobody traverses, by one thread.
+     * [team] */
     void (*ready)(struct eng_worker *worker);
-    /* While others traverse, by one thread. [team] */
+    /* Do what can be done while others traverse, by one thread. [team] */
     void (*beside)(struct eng_worker *worker);
-    /* After the refit of all, before a thread's first task, and after its last. [team] */
+    /* Get ready after the refit of all, before a thread's first task; and end, after its
+     * last. [team] */
     void (*enter)(struct eng_worker *worker);
     void (*leave)(struct eng_worker *worker);
 
-    /* The step, which took `step_ns` without staging, is over: learn from it, and write
-     * to its result what was swapped in. [compute] */
+    /* Learn from the step, which took `step_ns` without staging, when it is over, and
+     * write to its result what was swapped in. [compute] */
     void (*end)(struct eng_team *team, struct eng_step_result *result, uint64_t step_ns);
 
-    /* Of test builds: is everything as it should be after a step? NULL: it is not looked
-     * at. [compute] */
+    /* Return, in test builds, whether everything is as it should be after a step. NULL:
+     * it is not looked at. [compute] */
     bool (*validate)(const struct eng_scene *scene);
 
-    /* All tasks of a step by one thread. [compute] */
+    /* Perform all tasks of a step by one thread. [compute] */
     void (*perform_all)(struct eng_worker *worker);
     /* Push the tasks that all others come from to the workers' deques, while the owners
      * of these wait. [team], one thread, `worker` */
@@ -89,24 +93,25 @@ struct eng_method_calls {
      *
      * Choose what each thread begins with. [team], one thread */
     void (*assign)(struct eng_team *team, struct eng_worker *worker);
-    /* A thread's part of all tasks, until none is left anywhere. [team] */
+    /* Perform a thread's part of all tasks, until none is left anywhere. [team] */
     void (*perform_assigned)(struct eng_team *team, struct eng_worker *worker);
 
-    /* Of `wide` alone, which all questions about the faces of two objects go to. After a
-     * refit, and until what the scene has moves on: the faces of an object at an end of
-     * the step, and what is below a node of them. [any] */
+    /* Describe the faces of an object at an end of the step, and what is below a node of
+     * them: after a refit, and until what the scene has moves on. `wide` alone does,
+     * which all questions about the faces of two objects go to. [any] */
     void (*faces_of)(const struct eng_scene *scene, uint32_t object_idx, uint32_t end,
                      struct eng_faces *faces);
     void (*faces_open)(const struct eng_faces *faces, uint32_t node,
                        struct eng_faces_below *below);
-    /* The index in its mesh of one that is a face. */
+    /* Return the index in its mesh of one that is a face. */
     uint32_t (*faces_index)(const struct eng_faces *faces, uint32_t node);
 
-    /* What the method keeps of a worker, in its slot of worker->work. [compute] */
+    /* Free, or count the bytes of, what the method keeps of a worker, in its slot of
+     * worker->work. [compute] */
     void (*work_free)(struct eng_worker *worker);
     uint64_t (*work_bytes)(const struct eng_worker *worker);
 
-    /* The worker has no task: test the candidates that wait in its chunks. [team] */
+    /* Test the candidates that wait in the worker's chunks, as it has no task. [team] */
     void (*flush)(struct eng_worker *worker);
 };
 

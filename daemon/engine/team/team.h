@@ -32,7 +32,7 @@ struct eng_team {
      * answer: no worker finds such a pair. */
     bool prunes;
     bool has_boxes; /* of this very step: there is nothing to refit */
-    /* What a thread does when the boxes are there; NULL: the method's tasks. [team] */
+    /* Do a thread's part when the boxes are there; NULL: the method's tasks. [team] */
     void (*search)(struct eng_team *team, struct eng_worker *worker);
     uint64_t refit_end_ns; /* written by the thread that ended the refit */
     struct eng_refit_progress refit;
