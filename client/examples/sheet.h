@@ -25,7 +25,7 @@ static inline void ok(const struct pccd_client *client, int status)
     }
 }
 
-/* 2 (side - 1)^2 triangles; vertex (i, j) is i + j side. */
+/* Make 2 (side - 1)^2 triangles; vertex (i, j) is i + j side. */
 static inline void sheet_triangles(uint32_t side, uint32_t (*triangles)[3])
 {
     for (uint32_t i = 0; i < (side - 1) * (side - 1); i++) {
@@ -36,7 +36,7 @@ static inline void sheet_triangles(uint32_t side, uint32_t (*triangles)[3])
     }
 }
 
-/* A flat sheet of side 1 whose first corner is at (x, y, z). */
+/* Make a flat sheet of side 1 whose first corner is at (x, y, z). */
 static inline void sheet_flat(uint32_t side, double x, double y, double z,
                               double (*at)[3])
 {
@@ -47,9 +47,9 @@ static inline void sheet_flat(uint32_t side, double x, double y, double z,
     }
 }
 
-/* A sheet of side 1 a little above the upper sixth of a ball, a face of a cube that is
- * brought to its radius: 2 side^2 vertices, those of the sheet first, and twice the
- * triangles of a sheet. */
+/* Make a sheet of side 1 a little above the upper sixth of a ball, a face of a cube
+ * that is brought to its radius: 2 side^2 vertices, those of the sheet first, and twice
+ * the triangles of a sheet. */
 static inline void sheet_and_ball(uint32_t side, double radius, double (*x)[3],
                                   uint32_t (*triangles)[3])
 {
@@ -71,7 +71,7 @@ static inline void sheet_and_ball(uint32_t side, double radius, double (*x)[3],
     }
 }
 
-/* A ball as a globe: rings x round + 2 vertices, the poles first and last, and
+/* Make a ball as a globe: rings x round + 2 vertices, the poles first and last, and
  * 2 rings x round triangles. */
 static inline void ball_make(uint32_t rings, uint32_t round, double radius,
                              const double centre[3], double (*x)[3],
@@ -96,8 +96,8 @@ static inline void ball_make(uint32_t rings, uint32_t round, double radius,
     }
 }
 
-/* The points of a contact as sums: that of side a less that of side b is the sum of
- * w[i] x[v[i]]. Returns how many of the four vertices are of side a. */
+/* Return the points of a contact as sums: that of side a less that of side b is the sum
+ * of w[i] x[v[i]]. Returns how many of the four vertices are of side a. */
 static inline int contact_corners(const struct pccd_contact *c,
                                   const struct pccd_edge *edges_a,
                                   const struct pccd_edge *edges_b,

@@ -139,10 +139,21 @@ judge_glossary "$work/page" "$work/words" >"$work/log"
 [ "$(tr '\n' , <"$work/log")" = 'a: two rows,b: two meanings,c: no row,' ]
 tap_result $? words__with_two_meanings_are_found "$work/log"
 
-# Comments of declarations that begin as a question or with "Of", and any line that says
-# "likewise" in the place of what is meant: one a line.
+# Comments of declarations that begin as a question or with "Of", those of functions in
+# headers that begin with no word of verbs.txt (behind "Collective."), and any line that
+# says "likewise" in the place of what is meant: one a line.
 cat >"$work/comments.awk" <<'END'
+BEGIN { while ((getline line <verbs) > 0) is_verb[line] = 1 }
 FNR == 1 { inside = is_pending = 0 }
+function lacks_verb(text, word) {
+    sub(/^ *(Collective\. )?/, "", text)
+    match(text, /^[A-Za-z]*/)
+    return !(substr(text, 1, RLENGTH) in is_verb)
+}
+is_pending && first > 1 && FILENAME ~ /^(client|daemon|proto)\/.*\.h$/ && /\(/ && lacks_verb(text) &&
+    /^(static|ENG_INLINE|const|struct|enum|unsigned|bool|int|void|u?int[0-9]+_t|char|double|float|size_t|json_t|FILE|eng_[a-z]+|mpz_t) / {
+    print FILENAME ":" first ": no verb: " substr(text, 1, 50)
+}
 function asks(text) {
     return text ~ /^(Of|What|Whether|How) / || text ~ /\?$/ ||
         text ~ /^(Are|Can|Do|Does|Has|Have|Is|May|Need|Should|Where|Which) [^.]*\? /
@@ -166,15 +177,18 @@ END
 # to look up what is meant.
 { cat "$work/files" && find bench client daemon proto tests ./*.md -name '*.md' -o \
     -name '*.scd' -o -name '*.def'; } | grep -v -e BOUNDS -e CHANGELOG |
-    xargs awk -f "$work/comments.awk" >"$work/log"
+    xargs awk -v verbs=tests/style/verbs.txt -f "$work/comments.awk" >"$work/log"
 [ ! -s "$work/log" ]
 tap_result $? comments__begin_with_a_verb "$work/log"
 
 # If this failed, the case above could not fail.
 printf '/* Is it\n * so? [any] */\nint a;\n/* Of b. */\nint b;\n/* Return d. */\nint d; /* likewise */\n/* Is it? So. */\nint e;\n' \
     >"$work/c.c"
-awk -f "$work/comments.awk" "$work/c.c" >"$work/log"
-[ "$(cut -d: -f2 "$work/log" | tr '\n' ,)" = 1,4,7,8, ]
+mkdir "$work/proto" && printf '/* c */\n/* Return it. */\nint f(void);\n/* It is. */\nint g(void);\n' \
+    >"$work/proto/c.h"
+verbs=$PWD/tests/style/verbs.txt
+(cd "$work" && awk -v verbs="$verbs" -f comments.awk c.c proto/c.h) >"$work/log"
+[ "$(cut -d: -f2 "$work/log" | tr '\n' ,)" = 1,4,7,8,4, ]
 tap_result $? comments__that_ask_are_found "$work/log"
 
 tap_end
