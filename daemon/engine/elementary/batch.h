@@ -61,9 +61,9 @@ struct eng_thick_lanes {
 struct eng_batch {
     /* Set by the owner. */
     const struct eng_kernels *kernels;
-    /* NULL: never. Called after each pair that took integers, now and then among others
-     * that are asked one by one, and every 0.2 ms or so within one that takes long; true:
-     * the rest of the chunk is left out. */
+    /* Return whether to leave out the rest of the chunk. Called after each pair that took
+     * integers, now and then among others that are asked one by one, and every 0.2 ms or
+     * so within one that takes long. NULL: never. */
     bool (*should_stop)(void *owner);
     void *owner;
     struct eng_exact *contacts;      /* of pairs that meet at no distance */

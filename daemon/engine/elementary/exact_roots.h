@@ -20,7 +20,8 @@ struct eng_conditions {
      * is not 0 there. How far they are from 0 decides how short an interval is named. */
     void (*set_value)(struct eng_exact_span *span,
                       const struct eng_conditions *conditions, int i);
-    /* Is side i certainly 0 at the root? NULL: nobody knows without computing. */
+    /* Return whether side i is certainly 0 at the root. NULL: nobody knows without
+     * computing. */
     bool (*is_zero)(struct eng_exact_span *span, int i, const struct eng_root *root);
 };
 

@@ -54,11 +54,10 @@ enum eng_plane eng_plane_first(const struct eng_query *query, double tolerance, 
  * overlap; the first test is `reject_axes` of kernel.h; the exact decision is behind
  * `search`, which asks for it. */
 struct eng_solver {
-    /* Do sift, filter and bracket of kernel.h reject and decide its pairs, as many at a
-     * time as a vector has lanes? If not, each pair that `reject_axes` leaves is
-     * searched. */
+    /* Sift, filter and bracket of kernel.h reject and decide its pairs, as many at a time
+     * as a vector has lanes. If not, each pair that `reject_axes` leaves is searched. */
     bool has_kernels;
-    /* Decides any query, by exact arithmetic where rounding hides the answer. True: a
+    /* Decide any query, by exact arithmetic where rounding hides the answer. True: a
      * contact that begins before or at `t_end`, and *hit is set; [toi, toi_hi] is at most
      * `tolerance` long. Where exact->span.interrupt has stopped it, the answer is void.
      * NULL: features of the kind only meet at a distance (thick.h). */

@@ -136,77 +136,78 @@ struct eng_kernels {
     enum eng_isa isa;
     const char *name; /* as in PCCD_CPU */
 
-    /* Is each of the `count` values within +-`limit`? NaN is not. */
+    /* Return whether each of the `count` values is within +-`limit`. NaN is not. */
     bool (*all_within)(const double *x, size_t count, double limit);
-    /* The same, of floats that are written to `out` as doubles. */
+    /* Write floats to `out` as doubles. Return whether they are within +-`limit`, too. */
     bool (*widen_within)(double *out, const float *x, size_t count, double limit);
 
     /* Widen the bounds so that they hold x[count]. */
     void (*bound_positions)(const double (*x)[3], size_t count,
                             struct eng_bounds *bounds);
 
-    /* The box of each point in a frame, rounded outward; `swept`: at both ends the one
-     * around both. |x| <= 1e18. `frame` NULL, here and below: the coordinates as they
+    /* Make the box of each point in a frame, rounded outward; `swept`: at both ends the
+     * one around both. |x| <= 1e18. `frame` NULL, here and below: the coordinates as they
      * are. */
     void (*box_points)(const struct eng_point *points, uint32_t count,
                        const struct eng_box_frame *frame, bool swept,
                        struct eng_extents *boxes);
-    /* The marks of points, on a grid that lies in the frame. False: one was beyond the
-     * grid; then no sieve may use them. */
+    /* Make the marks of points, on a grid that lies in the frame. False: one was beyond
+     * the grid; then no sieve may use them. */
     bool (*place_points)(const struct eng_point *points, uint32_t count,
                          const struct eng_box_frame *frame, const struct eng_grid *grid,
                          struct eng_mark *marks);
-    /* Blocks of boxes[block_count][ENG_WIDE], and the box around each block; `swept`:
-     * the boxes are the same at both ends, and the rows at t = 1 are left as they are. */
+    /* Make blocks of boxes[block_count][ENG_WIDE], and the box around each block;
+     * `swept`: the boxes are the same at both ends, and the rows at t = 1 are left as
+     * they are. */
     void (*box_fold)(const struct eng_extents *boxes, uint32_t block_count, bool swept,
                      struct eng_wide_block *blocks, struct eng_extents *around);
-    /* The same of features, each the union of points[corner[0 .. 2][feature]]; corner[2]
-     * NULL: of two. */
+    /* Make the same of features, each the union of points[corner[0 .. 2][feature]];
+     * corner[2] NULL: of two. */
     void (*box_unite)(const struct eng_extents *points, const uint32_t *const corner[3],
                       uint32_t block_count, bool swept, struct eng_wide_block *blocks,
                       struct eng_extents *around);
 
-    /* Blocks, and the boxes around them, in whole numbers; *farthest is raised to the
-     * most that one grows by from t = 0 to t = 1. False: one of them is beyond what the
-     * numbers hold; then none may be used. */
+    /* Make blocks, and the boxes around them, in whole numbers; *farthest is raised to
+     * the most that one grows by from t = 0 to t = 1. False: one of them is beyond what
+     * the numbers hold; then none may be used. */
     bool (*quantised_blocks)(const struct eng_wide_block *blocks,
                              const struct eng_extents *around, uint32_t count,
                              const struct eng_quantising *quantising,
                              struct eng_quantised_block *quantised,
                              struct eng_quantised_box *quantised_around,
                              uint32_t *farthest);
-    /* The same numbers of boxes one by one. */
+    /* Make the same numbers of boxes one by one. */
     void (*quantised_boxes)(const struct eng_extents *boxes, uint32_t count,
                             const struct eng_quantising *quantising,
                             struct eng_quantised_box *quantised);
-    /* Blocks of features in whole numbers, each the union of points[corner[0 ..
-     * 2][feature]], and the boxes around them; corner[2] NULL: of two. The larger number
-     * is that of the larger float, as rounding keeps their order. */
+    /* Make blocks of features in whole numbers, each the union of
+     * points[corner[0 .. 2][feature]], and the boxes around them; corner[2] NULL: of two.
+     * The larger number is that of the larger float, as rounding keeps their order. */
     void (*quantised_unite)(const struct eng_quantised_box *points,
                             const uint32_t *const corner[3], uint32_t count,
                             struct eng_quantised_block *quantised,
                             struct eng_quantised_box *quantised_around);
 
-    /* Of 64 items a bit for each that comes before the pivot along an axis, 0 .. 2: it is
-     * less there, or as far and its id is less. No coordinate is NaN. */
+    /* Return a bit for each of 64 items that comes before the pivot along `axis`, 0, 1
+     * or 2: it is less there, or as far and its id is less. No coordinate is NaN. */
     eng_come_before_fn *come_before;
 
-    /* Of sixteen boxes at one end, rows low[axis] and high[axis] of a block, which are
-     * within `limit` of one box, box[0] below and box[1] above: a bit for each whose
-     * square[..] is less. That is the square of the distance, up to 2^-21 of itself more.
-     * No box is at INFINITY. */
+    /* Set square[..] to the squares of the distances of sixteen boxes at one end, rows
+     * low[axis] and high[axis] of a block, from one box, box[0] below and box[1] above;
+     * up to 2^-21 of themselves more. Return a bit for each that is less than `limit`. No
+     * box is at INFINITY. */
     uint32_t (*box_gaps)(const float (*low)[ENG_WIDE], const float (*high)[ENG_WIDE],
                          const float box[2][4], float limit, float square[ENG_WIDE]);
 
-    /* The pairs that the boxes of blocks of job->a and of job->b make, which may meet in
-     * the step: of the round's pairs of blocks, as many as there is room for in
-     * out_a[room] and out_b[room]; returns how many. Again, with room for ENG_WIDE or
-     * more, until eng_join_has_ended. Of a block with itself no pair twice or turned
-     * round. Nodes: self-pairs too, unless there is no box; features: none, and none that
-     * share a vertex. */
+    /* Write the pairs that the boxes of blocks of job->a and of job->b make, which may
+     * meet in the step: of the round's pairs of blocks, as many as there is room for in
+     * out_a[room] and out_b[room]; returns how many. Call it again, with room for
+     * ENG_WIDE or more, until eng_join_has_ended. A block with itself makes no pair twice
+     * or turned round. Nodes: self-pairs too, unless there is no box; features: none, and
+     * none that share a vertex. */
     uint32_t (*join_nodes)(struct eng_join *job, struct eng_join_round *round,
                            uint32_t *out_a, uint32_t *out_b, uint32_t room);
-    /* The same of the features of a kind: of contacts, or EF. */
+    /* Write the same of the features of a kind: of contacts, or EF. */
     uint32_t (*join_features[COMMON_KIND_COUNT])(struct eng_join *job,
                                                  struct eng_join_round *round,
                                                  uint32_t *out_a, uint32_t *out_b,
@@ -216,8 +217,8 @@ struct eng_kernels {
      * knows every kind; sift, filter and bracket know those with has_kernels in
      * eng_solvers: VF and EE, which the cubic of query.h decides. */
 
-    /* The pairs a[count + ENG_SIEVE_SPARE], b[..] that neither axes and time nor the
-     * cubic nor face diagonals reject, from their marks: to the front in the same order;
+    /* Move the pairs a[count + ENG_SIEVE_SPARE], b[..] that neither axes and time nor the
+     * cubic nor face diagonals reject, from their marks, to the front in the same order;
      * returns how many. */
     uint32_t (*sift)(enum pccd_kind kind, struct eng_sieve *sieve, uint32_t *a,
                      uint32_t *b, uint32_t count);
@@ -226,8 +227,8 @@ struct eng_kernels {
      * kept[count]; returns how many. */
     uint32_t (*reject_axes)(enum pccd_kind kind, const struct eng_point *points,
                             const uint32_t (*quads)[4], uint32_t count, uint32_t *kept);
-    /* The same by face diagonals and by the cubic, of the pairs pairs[count]; kept may be
-     * `pairs`. */
+    /* Write the same by face diagonals and by the cubic, of the pairs pairs[count]; kept
+     * may be `pairs`. */
     uint32_t (*filter)(enum pccd_kind kind, const struct eng_point *points,
                        const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
                        uint32_t *kept);
@@ -240,8 +241,8 @@ struct eng_kernels {
 
     /* Distances of pairs at one end of the step, 0 or 1: VF and EE. */
 
-    /* Of pairs of marks, like `sift`: those stay that are not certainly farther apart
-     * than `reach`, in cells of the grid, 0 .. 2^31; of PCCD_EF, those whose edge is not
+    /* Sift pairs of marks as `sift`: those stay that are not certainly farther apart than
+     * `reach`, in cells of the grid, 0 .. 2^31; of PCCD_EF, those whose edge is not
      * certainly on one side of the plane of the face. */
     uint32_t (*sift_near)(uint32_t kind, const struct eng_sieve *sieve, uint32_t end,
                           float reach, uint32_t *a, uint32_t *b, uint32_t count);
@@ -256,7 +257,7 @@ struct eng_kernels {
     void (*measure)(enum pccd_kind kind, const struct eng_point *points,
                     const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
                     uint32_t end, double d, struct eng_measured *out);
-    /* Thick features: write the pairs 0 .. count-1 that are not certainly farther apart
+    /* Write the pairs 0 .. count-1 of thick features that are not certainly farther apart
      * than reach[..], all over the step, to kept[count]; returns how many. quads: the
      * points of the kind, the last one repeated; points_a of them, 1 or 2, are feature
      * a's. reach: 0 or more, and not below the pair's r. */
@@ -264,25 +265,26 @@ struct eng_kernels {
                              const uint32_t (*quads)[4], uint32_t count,
                              const double *reach, uint32_t *kept);
 
-    /* Of pairs of marks, like `sift`: those of VF and EE stay that are not certainly
+    /* Sift pairs of marks as `sift`: those of VF and EE stay that are not certainly
      * farther apart than `reach`, in cells of the grid, all over the step. What goes,
      * `reject_thick` would reject with any reach that is not more. */
     uint32_t (*sift_thick)(enum pccd_kind kind, struct eng_sieve *sieve, float reach,
                            uint32_t *a, uint32_t *b, uint32_t count);
 
-    /* What becomes of pairs[count], at most ENG_ADVANCE_MAX, of VF, EE, VE or VV: to
-     * advance[count], where `lo` and what its comment asks for are set. What is said of a
-     * pair does not depend on the others. */
+    /* Tell what becomes of pairs[count], at most ENG_ADVANCE_MAX, of VF, EE, VE or VV, in
+     * advance[count], where `lo` and what its comment asks for are set by the caller.
+     * What is said of a pair does not depend on the others. */
     void (*advance)(uint32_t kind, const struct eng_point *points,
                     const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
                     const struct eng_advance_limits *limits, struct eng_advance *advance);
-    /* param and normal of contacts of these kinds, at their toi: hits[i] is of
+    /* Set param and normal of contacts of these kinds, at their toi: hits[i] is of
      * pairs[i]. */
     void (*describe)(uint32_t kind, const struct eng_point *points,
                      const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
                      struct eng_hit *hits);
 
-    /* Edges and faces, indices as the points of eng_distance_crosses: append to `out`. */
+    /* Append to `out` which edges pass through which faces, indices as the points of
+     * eng_distance_crosses. */
     void (*cross_faces)(const struct eng_point *points, const uint32_t (*pairs)[5],
                         uint32_t count, uint32_t end, struct eng_crossed *out);
 };
