@@ -105,7 +105,8 @@ void eng_narrow_test(struct eng_worker *worker, struct eng_pairs *pairs,
 #define ENG_FETCHED_AHEAD 4096u
 
 /* Divide the pairs of a step with thickness: those that meet at a distance go to
- * parts[0], the others to parts[1]. */
+ * parts[0], the others, and those that are left thin for their rest, to parts[1]. Where
+ * pairs may rest, those that certainly stay beyond r may be in neither. */
 void eng_narrow_split(struct eng_worker *worker, const struct eng_pairs *pairs,
                       struct eng_pairs parts[2]);
 
