@@ -3,6 +3,7 @@
  * Source: BOUNDS.md, "The sieve: what is near".
  */
 #include "distance.h"
+#include "eng_case.h"
 #include "kernel.h"
 #include "kinds.h"
 
