@@ -12,7 +12,7 @@
  * Jobs wait in lists, one per session, and lists in groups, one group per user. In a
  * list the order is first in, first out, and one job runs at a time. Users get
  * equal shares of the thread's time, and the sessions of a user equal shares of that
- * user's. Time is measured, jobs are not counted (fairqueue.c): a client with many or
+ * user's. Time is measured, jobs are not counted (turns.h): a client with many or
  * large jobs delays a client that asks for little by at most the job that runs. What is
  * measured is processor time: on a busy machine other programs take the processor away
  * for milliseconds, and a client must not be charged for these.
@@ -37,7 +37,7 @@
  * others have: 5 ms for each place, where many wait, and the loop's timer.
  *
  * Two jobs that use the same thing, such as steps of one shared scene, claim it and do
- * not run at once (claim.h). A list whose first job must wait for that is passed over
+ * not run at once (turns.h). A list whose first job must wait for that is passed over
  * until any job ends; other lists go on.
  */
 #ifndef SRV_COMPUTE_H

@@ -19,11 +19,11 @@ struct srv_held_frame;
 struct srv_session;
 struct srv_shared;
 
-/* An object (meshes.h) as the compute thread sees it. */
 /* The part of an object's next step that the engine has before that is submitted:
  * proto_direct.h. */
 enum srv_mapped { SRV_MAPPED_NOTHING, SRV_MAPPED_X1, SRV_MAPPED_X0X1 };
 
+/* An object (meshes.h) as the compute thread sees it. */
 struct srv_placed {
     uint32_t handle; /* 0: none here */
     uint32_t engine_idx;
