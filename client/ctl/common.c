@@ -50,7 +50,8 @@ void ctl_take_handle(struct argp_state *state, const struct option_row *row,
 {
     char *stop;
     errno = 0;
-    unsigned long long value = strtoull(text, &stop, 0);
+    bool is_hexadecimal = text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
+    unsigned long long value = strtoull(text, &stop, is_hexadecimal ? 16 : 10);
     if (text[0] < '0' || text[0] > '9' || *stop != '\0' || errno != 0 || value == 0 ||
         value > UINT32_MAX) {
         option_misused(state, "--%s: \"%s\" is no handle; pccdctl list shows them",
