@@ -85,7 +85,7 @@ print([s["session"] for s in json.load(open("out")) if s["pid"] == '"$player"'][
     ctl list meshes --json && json 'j[0]["vertices"] == 6 and j[0]["committed"]' &&
     ctl list meshes && says ' 6 +2 +1 +1 committed$' &&
     fails 4 'there is no session 999' list --session 999 &&
-    fails 4 'there is no session 10\b' list --session 010 &&
+    fails 4 'there is no session 10, ' list --session 010 &&
     fails 2 'none of sessions, scenes' list things
 report list__shows_what_there_is
 
