@@ -99,6 +99,25 @@ done
 [ ! -s "$log" ]
 report judge__says_the_same_in_parts_and_jobs
 
+# If it failed, a part would be taken for the whole, or a number of a part for one that there is.
+check 1 --part 1/2 --results whole.jsonl seq%d.obj && says '^verdict +meets first in step 2, ' &&
+    check 0 --thickness 0.25 --part 2/2 --results high.jsonl higher.obj high.obj higher.obj &&
+    says '^verdict +free: nothing meets in steps 2 to 2 \(part 2 of 2\), at frames .*; thickness kept$' &&
+    check 0 --no-self --part 1/4 --results high.jsonl higher.obj high.obj higher.obj &&
+    says '^verdict +no step is in this part$' &&
+    check 1 --part 1/2 --results crossed.jsonl seq0.obj seq0.obj seq0.obj &&
+    says '^verdict +crossed, and nothing else meets in steps 1 to 1 \(part 1 of 2\); standing 2 ' &&
+    ctl verify --private high.jsonl.1-of-4 higher.obj high.obj higher.obj &&
+    says '^PASS +all 3 lines are the same; they are of no step \(part 1 of 4\)$' &&
+    ctl verify --private high.jsonl.2-of-2 higher.obj high.obj higher.obj &&
+    says '^PASS +all 4 lines are the same; they are of steps 2 to 2 \(part 2 of 2\)$' &&
+    for part in '"part":7,"parts":1' '"part":0,"parts":1' '"part":1,"parts":0' '"part":1,"parts":1000001' \
+        '"part":1' '"parts":2' '"part":"1","parts":1'; do
+        sed "1s/\"part\":2,\"parts\":2/$part/" high.jsonl.2-of-2 >w.jsonl
+        ends 4 'w.jsonl: its head is none' verify --private w.jsonl higher.obj high.obj higher.obj || echo "$part"
+    done >"$log" && [ ! -s "$log" ]
+report judge__of_a_part_says_which_steps_it_has
+
 # If it failed, a bake that was cut off would be free, or meet something, or be no word.
 cp seq0.obj cut0.obj && cp seq1.obj cut1.obj && head -n 7 seq2.obj >cut2.obj && cp seq3.obj cut3.obj
 for options in '' '--jobs 2' '--results cut.jsonl'; do

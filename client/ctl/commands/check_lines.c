@@ -200,7 +200,9 @@ bool check_head_read(const json_t *head, struct check_command *command)
             (char *)(uintptr_t)text;
     }
     return command->scene.between.list != NULL &&
-           (json_object_get(head, "part") == NULL || columns_read(head, parts, command));
+           ((json_object_get(head, "part") == NULL &&
+             json_object_get(head, "parts") == NULL) ||
+            (columns_read(head, parts, command) && results_part_is(&command->results)));
 }
 
 /* ---- lines ------------------------------------------------------------------------- */

@@ -33,6 +33,15 @@ struct results_options {
     bool is_job;          /* another process tells what comes of it */
 };
 
+#define RESULTS_PARTS_MAX 1000000u
+
+/* Return whether it names a part that there is. */
+static inline bool results_part_is(const struct results_options *results)
+{
+    return results->part >= 1 && results->part <= results->parts &&
+           results->parts <= RESULTS_PARTS_MAX;
+}
+
 /* All that was said of a check. */
 struct check_command {
     struct check_options check;

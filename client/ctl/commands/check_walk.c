@@ -290,6 +290,8 @@ static int read_scene(struct walk *walk, struct ctl_error *error)
         walk->end = (uint32_t)(steps * asked->part / asked->parts);
     }
     walk->at = walk->begin;
+    walk->judge.part = (struct judge_part){asked->part, asked->parts, walk->begin + 1,
+                                           walk->end};
     if (asked->jobs <= 1) {
         status = scene_read(scene, 0, error);
     }
@@ -588,7 +590,9 @@ int check_verify(const char *certificate, struct check_command *command)
     }
     uint32_t different = walk.lines.different;
     if (status == PCCD_OK && different == 0) {
-        printf("PASS       all %" PRIu32 " lines are the same\n", walk.lines.number);
+        printf("PASS       all %" PRIu32 " lines are the same", walk.lines.number);
+        judge_print_part(stdout, &walk.judge.part, "; they are of ");
+        putchar('\n');
     } else if (status == PCCD_OK) {
         printf("FAIL       %" PRIu32 " %s, the first of which are told above\n",
                different, proto_plural(different, "difference", "differences"));

@@ -6,8 +6,7 @@
 #include "check_walk.h"
 #include "ctl.h"
 
-#define JOBS_MAX  1024u
-#define PARTS_MAX 1000000u
+#define JOBS_MAX 1024u
 
 static void take_part(struct argp_state *state, const struct option_row *row,
                       const char *text, void *to)
@@ -16,8 +15,7 @@ static void take_part(struct argp_state *state, const struct option_row *row,
     int length = -1;
     if (sscanf(text, "%" SCNu32 "/%" SCNu32 "%n", &results->part, &results->parts,
                &length) != 2 ||
-        length != (int)strlen(text) || results->part < 1 || results->parts > PARTS_MAX ||
-        results->part > results->parts) {
+        length != (int)strlen(text) || !results_part_is(results)) {
         option_misused(state, "--%s: \"%s\" is not I/N, I from 1 to N", row->name, text);
     }
 }

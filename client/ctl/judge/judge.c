@@ -256,8 +256,21 @@ int judge_end(const struct judge *judge, bool *is_right, struct ctl_error *error
                                proto_plural(judge->steps, "answer is", "answers are"));
 }
 
+void judge_print_part(FILE *to, const struct judge_part *part, const char *before)
+{
+    if (part->count > 0 && part->first > part->last) {
+        fprintf(to, "%sno step (part %" PRIu32 " of %" PRIu32 ")", before, part->number,
+                part->count);
+    } else if (part->count > 0) {
+        fprintf(to,
+                "%ssteps %" PRIu32 " to %" PRIu32 " (part %" PRIu32 " of %" PRIu32 ")",
+                before, part->first, part->last, part->number, part->count);
+    }
+}
+
 static void print_verdict(FILE *to, const struct judge *judge)
 {
+    const struct judge_part *part = &judge->part;
     if (judge->meeting > 0) {
         fprintf(to, "%s first in step %" PRIu32, judge->is_thick ? "too near" : "meets",
                 judge->meets_at);
@@ -266,13 +279,18 @@ static void print_verdict(FILE *to, const struct judge *judge)
         }
         fprintf(to, "; in %" PRIu32 " of %" PRIu32 " %s", judge->meeting, judge->steps,
                 proto_plural(judge->steps, "step", "steps"));
+    } else if (part->count > 0 && part->first > part->last) {
+        fputs("no step is in this part", to);
     } else if (judge->begins_crossed || judge->fresh > 0) {
         fputs("crossed, and nothing else meets", to);
+        judge_print_part(to, part, " in ");
     } else if (judge->incomplete > 0) {
         fputs("not known: an answer is incomplete", to);
     } else {
-        fprintf(to, "free: nothing %s, at frames or between them",
+        fprintf(to, "free: nothing %s",
                 judge->leaves_out ? "enters what it touches, or meets" : "meets");
+        judge_print_part(to, part, " in ");
+        fputs(", at frames or between them", to);
     }
 }
 
@@ -292,7 +310,7 @@ void judge_print(FILE *to, const struct judge *judge, const char *label)
     } else if (judge->knows_standing && judge->crossings > 0) {
         fputs("; no new crossings", to);
     }
-    if (judge->is_thick) {
+    if (judge->is_thick && judge->steps > 0) {
         fprintf(to, "; thickness %s",
                 !is_free(judge)         ? "not kept"
                 : judge->incomplete > 0 ? "not known"

@@ -85,7 +85,14 @@ bool judged_read(const json_t *line, struct judged *judged);
 
 /* ---- All of them. */
 
+/* The steps that are judged, where they are one of several parts. */
+struct judge_part {
+    uint32_t number, count; /* count 0: all steps are judged */
+    uint32_t first, last;   /* last < first: no step is in it */
+};
+
 struct judge {
+    struct judge_part part; /* the caller's */
     bool is_thick;   /* the caller's: something meets before it touches */
     bool leaves_out; /* the caller's: what touches and does not enter is no contact */
     uint32_t steps, incomplete;
@@ -104,6 +111,8 @@ void judge_take(struct judge *judge, const struct judged *judged);
 /* Return whether nothing meets or crosses in what was looked at. Errors: E_TIMEOUT where
  * that is so, and something was not. */
 int judge_end(const struct judge *judge, bool *is_free, struct ctl_error *error);
+/* Print which steps a part has, after `before`; nothing where all are judged. */
+void judge_print_part(FILE *to, const struct judge_part *part, const char *before);
 /* Print the verdict, on one line that begins with `label`, and what it rests on. */
 void judge_print(FILE *to, const struct judge *judge, const char *label);
 /* Return the verdict as a JSON object; NULL: no memory. */
