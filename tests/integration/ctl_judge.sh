@@ -85,6 +85,20 @@ done
     ctl check --private --results - seq%d.obj; cmp out r.jsonl >>"$log" 2>&1 && grep -q '^verdict ' err
 report judge__goes_on_with_results_that_are_there
 
+# If it failed, a verdict without the steps that it is of would be believed.
+none='it is not the verdict of the lines before it'
+{ head -n 1 r.jsonl; echo '{"verdict":"free"}'; } >w.jsonl && ends 4 "w.jsonl: line 2: $none" check --private --results w.jsonl seq%d.obj &&
+    { head -n 1 r.jsonl; tail -n 1 r.jsonl; } >w.jsonl && ends 4 "w.jsonl: line 2: $none" check --private --results w.jsonl seq%d.obj &&
+    { head -n 7 r.jsonl; tail -n 1 r.jsonl; } >w.jsonl && ends 4 "w.jsonl: line 8: $none" check --private --results w.jsonl seq%d.obj &&
+    sed '$s/"meets"/"free"/' r.jsonl >w.jsonl && ends 4 "w.jsonl: line 9: $none" check --private --results w.jsonl seq%d.obj &&
+    for line in 2 8 9; do
+        { cat r.jsonl; sed -n ${line}p r.jsonl; } >w.jsonl
+        ends 4 'w.jsonl: line 10: it is no result of this check' check --private --results w.jsonl seq%d.obj || echo "line $line"
+    done >"$log" && [ ! -s "$log" ] && cp r.jsonl w.jsonl && check 1 --results w.jsonl seq%d.obj && cmp r.jsonl w.jsonl >>"$log" &&
+    check 1 --part 1/2 --results w.jsonl seq%d.obj && head -n 1 w.jsonl.1-of-2 >w && tail -n 1 w.jsonl.1-of-2 >>w &&
+    mv w w.jsonl.1-of-2 && rm w.jsonl && check 4 --jobs 2 --results w.jsonl seq%d.obj
+report judge__believes_no_verdict_without_its_steps
+
 # If it failed, several machines or processes would come to another verdict than one.
 for i in 1 2 3; do
     check 1 --part $i/3 --results jobs.jsonl seq%d.obj || echo "part $i" >>"$log"
@@ -166,6 +180,14 @@ check 1 --results s.jsonl --with high.obj --between one,high --between one,one -
     grep -q 'name the files of s.jsonl behind it, those of --with last' err &&
     echo '{"pccd_check":1,"settings":3}' >w.jsonl && echo '{"verdict":"free"}' >>w.jsonl && verify 4 w.jsonl seq0.obj
 report judge__certificate_is_verified_byte_for_byte
+
+# If it failed, what no check has written would be passed over in a certificate.
+cp r.jsonl w.jsonl && echo '{"verdict":"free"}' >>w.jsonl && verify 1 w.jsonl seq%d.obj &&
+    says '^different +line 10, behind the verdict: none is expected$' '^FAIL +1 difference,' &&
+    sed '1s/,"steps":6/,"steps":6,"approved":true/' r.jsonl >w.jsonl && verify 1 w.jsonl seq%d.obj &&
+    says '^different +approved: no check has it$' '^FAIL +1 difference,' &&
+    sed '1s/,"steps":6/,"steps":6,"steps":6/' r.jsonl >w.jsonl && verify 4 w.jsonl seq%d.obj
+report judge__certificate_has_nothing_else
 
 # If it failed, what leaves its floor would never be free, or a certificate of that would be none.
 spikes 0 1 1 >leave0.obj

@@ -247,6 +247,12 @@ static void tell_different(const struct check_lines *lines, const char *expected
     json_decref(old);
 }
 
+static int cannot_read(struct ctl_error *error)
+{
+    return ctl_error_set(error, PCCD_E_SYSTEM, "the certificate cannot be read: %s",
+                         strerror(errno));
+}
+
 /* Compare with the next line of the certificate. */
 static int compare(struct check_lines *lines, const json_t *line, const char *text,
                    struct ctl_error *error)
@@ -254,11 +260,7 @@ static int compare(struct check_lines *lines, const json_t *line, const char *te
     char *expected = NULL;
     size_t room = 0;
     ssize_t length = getline(&expected, &room, lines->expected);
-    int status =
-        length < 0 && ferror(lines->expected)
-            ? ctl_error_set(error, PCCD_E_SYSTEM, "the certificate cannot be read: %s",
-                            strerror(errno))
-            : PCCD_OK;
+    int status = length < 0 && ferror(lines->expected) ? cannot_read(error) : PCCD_OK;
     lines->number++;
     if (status == PCCD_OK && (length < 0 || strcmp(expected, text) != 0)) {
         lines->different++;
@@ -290,6 +292,18 @@ int check_lines_put(struct check_lines *lines, json_t *line, struct ctl_error *e
     }
     json_decref(line);
     return status;
+}
+
+int check_lines_end(struct check_lines *lines, struct ctl_error *error)
+{
+    int next = lines->expected != NULL ? getc(lines->expected) : EOF;
+    if (next != EOF) {
+        lines->different++;
+        printf("different  line %" PRIu32 ", behind the verdict: none is expected\n",
+               lines->number + 1);
+    }
+    return lines->expected != NULL && ferror(lines->expected) ? cannot_read(error)
+                                                              : PCCD_OK;
 }
 
 void check_lines_close(struct check_lines *lines)
@@ -339,7 +353,8 @@ int check_lines_expect(struct check_lines *lines, const char *path, json_t **hea
         return fail(path, "cannot open", error);
     }
     ssize_t length = getline(&line, &room, file);
-    *head = length > 0 ? json_loadb(line, (size_t)length, 0, NULL) : NULL;
+    *head = length > 0 ? json_loadb(line, (size_t)length, JSON_REJECT_DUPLICATES, NULL)
+                       : NULL;
     free(line);
     if (*head == NULL) {
         return ctl_error_set(error, PCCD_E_FORMAT, "%s: its first line is no JSON", path);
@@ -388,6 +403,13 @@ void check_lines_compare_heads(struct check_lines *lines, const json_t *expected
         } else if (strcmp(key, "inputs") != 0 && !json_equal(old, value)) {
             lines->different++;
             printf("different  %s\n", key);
+        }
+    }
+    json_object_foreach((json_t *)(uintptr_t)expected, key, value)
+    {
+        if (json_object_get(head, key) == NULL) {
+            lines->different++;
+            printf("different  %s: no check has it\n", tool_shown(key));
         }
     }
     size_t count = json_array_size(inputs), old_count = json_array_size(old_inputs);

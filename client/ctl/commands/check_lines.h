@@ -78,6 +78,8 @@ struct check_lines {
 /* Append a line, which is ours to give back, or compare. What is different is printed on
  * the standard output. Errors: E_NOMEM (also of a line that is NULL), E_SYSTEM. */
 int check_lines_put(struct check_lines *lines, json_t *line, struct ctl_error *error);
+/* Compare the end: behind the last line a certificate has nothing. Errors: E_SYSTEM. */
+int check_lines_end(struct check_lines *lines, struct ctl_error *error);
 void check_lines_close(struct check_lines *lines);
 
 /* ---- A certificate. */

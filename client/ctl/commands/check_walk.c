@@ -70,16 +70,28 @@ static void take(struct walk *walk, const struct judged *judged)
     }
 }
 
+/* Return whether a line is the verdict of all that was taken, and nothing is left. */
+static bool is_verdict(const struct walk *walk, const json_t *line)
+{
+    json_t *expected = judge_line(&walk->judge);
+    bool is_it = walk->has_first && walk->at == walk->end && json_equal(line, expected);
+    json_decref(expected);
+    return is_it;
+}
+
 /* A line that is there already, or that another process has written. */
 static int take_line(void *context, const json_t *line, struct ctl_error *error)
 {
     struct walk *walk = context;
     struct judged judged;
-    if (judge_is_line(line)) {
-        walk->has_verdict = true;
-        return PCCD_OK;
+    if (judge_is_line(line) && !walk->has_verdict) {
+        walk->has_verdict = is_verdict(walk, line);
+        return walk->has_verdict ? PCCD_OK
+                                 : ctl_error_set(error, PCCD_E_FORMAT,
+                                                 "it is not the verdict of the lines "
+                                                 "before it");
     }
-    if (!judged_read(line, &judged) || judged.number > walk->end ||
+    if (walk->has_verdict || !judged_read(line, &judged) || judged.number > walk->end ||
         (judged.number > 0 && judged.number != walk->at + 1)) {
         return ctl_error_set(error, PCCD_E_FORMAT, "it is no result of this check");
     }
@@ -290,8 +302,8 @@ static int read_scene(struct walk *walk, struct ctl_error *error)
         walk->end = (uint32_t)(steps * asked->part / asked->parts);
     }
     walk->at = walk->begin;
-    walk->judge.part = (struct judge_part){asked->part, asked->parts, walk->begin + 1,
-                                           walk->end};
+    walk->judge.part =
+        (struct judge_part){asked->part, asked->parts, walk->begin + 1, walk->end};
     if (asked->jobs <= 1) {
         status = scene_read(scene, 0, error);
     }
@@ -435,6 +447,10 @@ static int walk_jobs(struct walk *walk, struct ctl_error *error)
     status = check_jobs_start(&jobs, walk->command, walk->head, error);
     if (status == PCCD_OK) {
         status = check_jobs_follow(&jobs, take_part, walk, error);
+    }
+    if (status == PCCD_OK && walk->at != walk->end) {
+        status = ctl_error_set(error, PCCD_E_FORMAT,
+                               "the results of a job have a verdict before their end");
     }
     progress_clear(&walk->progress);
     check_jobs_end(&jobs, status == PCCD_OK);
@@ -587,6 +603,9 @@ int check_verify(const char *certificate, struct check_command *command)
     }
     if (status == PCCD_OK) {
         status = report_all(&walk, &error);
+    }
+    if (status == PCCD_OK) {
+        status = check_lines_end(&walk.lines, &error);
     }
     uint32_t different = walk.lines.different;
     if (status == PCCD_OK && different == 0) {

@@ -93,7 +93,7 @@ struct judge_part {
 
 struct judge {
     struct judge_part part; /* the caller's */
-    bool is_thick;   /* the caller's: something meets before it touches */
+    bool is_thick;          /* the caller's: something meets before it touches */
     bool leaves_out; /* the caller's: what touches and does not enter is no contact */
     uint32_t steps, incomplete;
     uint32_t meeting;             /* steps in which something meets */
