@@ -199,6 +199,23 @@ check 1 leave%d.obj && says '^verdict +meets first in step 1, at t in \[0, 0\]' 
     grep -q '"step":1,.*"entering":0,"sliding":0,"leaving":1,' l.jsonl && verify 0 l.jsonl leave%d.obj
 report judge__leaves_out_what_leaves
 
+# If it failed, two frames would be judged by less than a sequence of them.
+sed 's/^v 1 0 9$/v 1 0 -9/' leave0.obj >enter.obj
+check 1 --touching left-out leave0.obj enter.obj && says '; new 1 crossing, the first at the end of step 1$'
+report judge__looks_at_the_end_of_the_one_step
+
+# If it failed, a page of steps that were made before would say that none of them fails.
+cp r.jsonl w.jsonl
+for option in '--contacts w.csv' '--page w.html' '--film w.apng'; do
+    head -n 4 r.jsonl >w.jsonl
+    # shellcheck disable=SC2086 # words
+    ends 4 "w.jsonl has steps already, whose contacts ${option% *} would leave out" \
+        check --private --results w.jsonl $option seq%d.obj && cp r.jsonl w.jsonl &&
+        ends 4 "w.jsonl has steps already" check --private --results w.jsonl $option seq%d.obj || echo "$option"
+done >"$log" && [ ! -s "$log" ] && [ ! -e w.html ] && [ ! -e w.apng ] &&
+    ends 4 'not with direct:' check --url direct: --film w.apng seq0.obj seq1.obj
+report judge__shows_no_steps_of_before
+
 # If it failed, options would be taken and not do what they say.
 ends 2 '--part wants a file of --results' check --part 1/2 seq%d.obj &&
     ends 2 '"3/2" is not I/N' check --results r --part 3/2 seq%d.obj &&

@@ -146,11 +146,15 @@ static int open_lines(struct walk *walk, struct ctl_error *error)
                      ? results_open(&walk->lines.results, walk->path, walk->head,
                                     take_line, walk, error)
                      : ctl_error_set(error, PCCD_E_NOMEM, "no memory for the results");
-    if (status == PCCD_OK && walk->at > walk->begin && walk->command->check.ask.csv) {
+    const char *left_out = walk->command->check.ask.csv != NULL  ? "--contacts"
+                           : walk->command->failing.page != NULL ? "--page"
+                           : walk->command->failing.film != NULL ? "--film"
+                                                                 : NULL;
+    if (status == PCCD_OK && left_out != NULL &&
+        (walk->at > walk->begin || walk->has_verdict)) {
         status = ctl_error_set(error, PCCD_E_STATE,
-                               "%s has steps already, whose contacts --contacts would "
-                               "leave out",
-                               walk->path);
+                               "%s has steps already, whose contacts %s would leave out",
+                               walk->path, left_out);
     }
     return status;
 }
@@ -344,7 +348,7 @@ static int place(struct walk *walk, struct ctl_error *error)
     run->told.names = walk->objects.names;
     run->objects = walk->has_names ? &walk->objects : NULL;
     if (status == PCCD_OK) {
-        status = failing_begin(&walk->failing, run, error);
+        status = failing_begin(&walk->failing, &options->ask.link, run, error);
     }
     if (status == PCCD_OK && options->ask.csv != NULL) {
         walk->csv = (struct contacts_csv){.path = options->ask.csv,
@@ -528,10 +532,10 @@ static int walk_all(struct walk *walk, struct ctl_error *error)
         return status;
     }
     walk->has_names = has_names(&walk->scene);
-    walk->is_judged =
-        !command->check.ask.is_json && (walk->scene.count > 2 || asked->path != NULL ||
-                                        asked->jobs > 1 || walk->expected != NULL);
     walk->judge.leaves_out = command->check.settings.touching == PCCD_TOUCHING_LEFT_OUT;
+    walk->is_judged = !command->check.ask.is_json &&
+                      (walk->scene.count > 2 || asked->path != NULL || asked->jobs > 1 ||
+                       walk->expected != NULL || walk->judge.leaves_out);
     walk->judge.is_thick = command->check.settings.separation > 0;
     for (uint32_t i = 0; i < walk->scene.object_count; i++) {
         walk->judge.is_thick =

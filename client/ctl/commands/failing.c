@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "ctl.h"
 #include "inspect.h"
@@ -76,11 +77,18 @@ static uint32_t most_of(const struct failing *failing)
     return failing->options->most > 0 ? failing->options->most : STEPS_DEFAULT;
 }
 
-int failing_begin(struct failing *failing, struct check_run *run, struct ctl_error *error)
+int failing_begin(struct failing *failing, const struct ctl_link *link,
+                  struct check_run *run, struct ctl_error *error)
 {
     struct frames_recording tried = {.name = "the steps that fail"};
+    const char *url = link->url != NULL ? link->url : getenv("PCCD_URL");
     if (!is_asked(failing)) {
         return PCCD_OK;
+    }
+    if (url != NULL && strcmp(url, "direct:") == 0) {
+        return ctl_error_set(error, PCCD_E_STATE,
+                             "--page and --film want a daemon, which records the steps "
+                             "that fail: not with direct:");
     }
     int status = failing->options->page != NULL ? inspect_has_page(error) : PCCD_OK;
     if (status == PCCD_OK) {

@@ -38,9 +38,10 @@ struct failing {
 };
 
 /* Try, before the first step of a run whose scene is there, whether what will be wanted
- * can be had. Errors: those of frames_begin; E_SYSTEM: there is no page; E_NOMEM. */
-int failing_begin(struct failing *failing, struct check_run *run,
-                  struct ctl_error *error);
+ * can be had. Errors: those of frames_begin; E_STATE: direct: has no daemon that records;
+ * E_SYSTEM: there is no page; E_NOMEM. */
+int failing_begin(struct failing *failing, const struct ctl_link *link,
+                  struct check_run *run, struct ctl_error *error);
 /* Keep a step that fails, right after check_run_step. Nothing where nothing is asked
  * for. */
 int failing_keep(struct failing *failing, struct check_run *run,
