@@ -58,8 +58,19 @@ const char *tool_from_folder(const char *path)
 
 int tool_open(const char *path)
 {
-    return confined_to < 0 ? open(path, O_RDONLY | O_CLOEXEC)
-                           : open_beneath(path, O_RDONLY);
+    struct stat info;
+    if (confined_to < 0) {
+        return open(path, O_RDONLY | O_CLOEXEC);
+    }
+    /* A pipe without a writer would not open; it is refused below. */
+    int fd = open_beneath(path, O_RDONLY | O_NONBLOCK | O_NOCTTY);
+    if (fd < 0 || (fstat(fd, &info) == 0 &&
+                   (S_ISREG(info.st_mode) || S_ISDIR(info.st_mode)))) {
+        return fd;
+    }
+    (void)close(fd);
+    errno = ENXIO; /* as open() says of a socket */
+    return -1;
 }
 
 /* The folder that a path names a file of: all before its last slash. */
@@ -108,6 +119,7 @@ int tool_is_outside(const char *path, bool is_new)
 const char *tool_why(int error)
 {
     return error == EXDEV    ? "it is outside of the folder that may be read"
+           : error == ENXIO  ? "it is no file: a pipe, a socket or a device"
            : error == ENOSYS ? "this kernel has no openat2 (Linux 5.6)"
                              : strerror(error);
 }

@@ -13,8 +13,9 @@
 /* Let tool_open open files of this folder alone from now on; it becomes the working
  * directory. 0, or an errno. */
 int tool_confine(const char *folder);
-/* Open it to be read: as open(path, O_RDONLY | O_CLOEXEC). EXDEV: it is outside of the
- * folder, or a symbolic link on its way leads there. */
+/* Open it to be read: as open(path, O_RDONLY | O_CLOEXEC). After tool_confine, EXDEV: it
+ * is outside of the folder, or a symbolic link on its way leads there; ENXIO: it is
+ * neither a file nor a folder, but a pipe, which might never have a byte, or a device. */
 int tool_open(const char *path);
 /* Return 0 if a path is within the folder, also one of which the last name is not there
  * yet and may be given to a file. EXDEV: it is not; EEXIST: `is_new`, and it is there; or
@@ -22,7 +23,7 @@ int tool_open(const char *path);
 int tool_is_outside(const char *path, bool is_new);
 /* Return `path` as it counts from the folder, if it begins with the folder's name. */
 const char *tool_from_folder(const char *path);
-/* Return what strerror() says, and of EXDEV and ENOSYS what they mean here. */
+/* Return what strerror() says, and of EXDEV, ENXIO and ENOSYS what they mean here. */
 const char *tool_why(int error);
 
 #endif

@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import random
+import socket
 import tempfile
 import time
 import unittest
@@ -127,12 +128,20 @@ class Protocol(Case):
                     self.assertTrue(field["description"])
             self.assertTrue(tool["description"])
 
+    def deaf(self):
+        """The URL of a daemon that never answers."""
+        name = str(self.outside / "deaf")
+        listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self.addCleanup(listener.close)
+        listener.bind(name)
+        listener.listen()
+        return f"unix:{name}"
+
     # If it failed, a client that gives up would wait behind what it no longer wants, and
     # be answered twice.
     def test_calls__are_taken_back(self):
-        os.mkfifo(self.path / "never.obj")
-        client = self.client()
-        call = {"name": "check", "arguments": {"files": ["never.obj", "box1.obj"]}}
+        client = self.client("--url", self.deaf())
+        call = {"name": "check", "arguments": {"files": ["box%d.obj"]}}
         client.send({"jsonrpc": "2.0", "id": 50, "method": "tools/call", "params": call})
         client.send({"jsonrpc": "2.0", "id": 51, "method": "tools/call", "params": call})
         client.send({"jsonrpc": "2.0", "id": 52, "method": "ping"})
@@ -147,21 +156,17 @@ class Protocol(Case):
 
     # If it failed, what never ends would keep the server for ever.
     def test_calls__end_after_their_time(self):
-        os.mkfifo(self.path / "never.obj")
-        client = self.client("--seconds", "1")
-        self.refused(client, "check", "more than 1 seconds", files=["never.obj",
-                                                                    "box1.obj"])
-        self.assertEqual(client.call("check", files=["box%d.obj"])["verdict"], "free")
+        client = self.client("--seconds", "1", "--url", self.deaf())
+        self.refused(client, "check", "more than 1 seconds", files=["box%d.obj"])
+        self.assertEqual(client.call("scene", files=["box%d.obj"])["frames"], 4)
         self.assertEqual(children(client), [])
 
     # If it failed, the server would stay, or leave a daemon, when its client is gone.
     def test_server__ends_with_its_client(self):
-        os.mkfifo(self.path / "never.obj")
-        client = Client(self.path, "--url", "direct:")
+        client = Client(self.path, "--url", self.deaf())
         with client:
             client.send({"jsonrpc": "2.0", "id": 50, "method": "tools/call", "params":
-                         {"name": "check", "arguments": {"files": ["never.obj",
-                                                                   "box1.obj"]}}})
+                         {"name": "check", "arguments": {"files": ["box%d.obj"]}}})
             while not children(client):
                 time.sleep(0.01)
             worker = children(client)[0]
@@ -276,6 +281,31 @@ class Confined(Case):
             self.refused(client, "scene", outside, folder=name)
         for name in ("here.obj", str(self.path / "box0.obj"), "./box0.obj"):
             self.assertEqual(client.call("scene", files=[name])["row_count"], 1)
+
+    # If it failed, a call would wait for a byte that nobody writes, until its time is
+    # over.
+    def test_pipes__are_refused_at_once(self):
+        os.mkfifo(self.path / "never.obj")
+        os.mkfifo(self.path / "never.json")
+        (self.path / "to.obj").symlink_to("never.obj")
+        listener = socket.socket(socket.AF_UNIX)
+        self.addCleanup(listener.close)
+        listener.bind(str(self.path / "heard.obj"))
+        write_scene(self.path / "of.json", [{"name": "a", "files": "never.obj"}])
+        client = self.client("--seconds", "9", "--write")
+        for name, member in (("never.obj", "never.obj"), ("to.obj", "to.obj"),
+                             ("never.json", "never.json"), ("heard.obj", "heard.obj"),
+                             ("of.json", "never.obj")):
+            self.refused(client, "scene", f"{member}: cannot open: it is no file",
+                         files=[name])
+            self.refused(client, "check", f"{member}: cannot open: it is no file",
+                         files=[name] if name.endswith("json") else [name, "box1.obj"])
+            self.refused(client, "near", f"{member}: cannot open: it is no file",
+                         files=[name] if name.endswith("json") else [name, "box1.obj"])
+        self.refused(client, "scene", "it is no file", folder="never.obj")
+        self.refused(client, "check", "never.obj: cannot open: it is no file",
+                     files=["box%d.obj"], **{"with": ["never.obj"]})
+        self.refused(client, "verify", "never.obj", recording="never.obj")
 
     # If it failed, something would be written that was not allowed, or over something.
     def test_writing__is_allowed_and_into_new_files(self):
