@@ -417,6 +417,21 @@ class Tools(Case):
         near = client.call("near", files=["long.json"], what="pairs", distance=30)
         client.call("explain", handle=near["handle"], row=1)
         self.refused(client, "check", files=["x" * 4000, "y" * 4000])
+        for letter in "xé€😀":  # 1, 6, 6 and 12 bytes in an answer
+            for count in (120, 380, 900):
+                self.refused(client, "check", letter * 9, files=[letter * count])
+                self.refused(client, "more", letter * 9, handle=letter * count)
+
+    # If it failed, what has no room would be cut without a word, and be read, or written
+    # as a certificate, as if it were whole.
+    def test_reports__that_are_too_long_are_refused(self):
+        write_scene(self.path / "long.json", [
+            {"name": "a" * 4000000, "files": [f"box{i}.obj" for i in (2, 3, 2, 3, 2)]},
+            {"name": "b" * 4000000, "files": "floor.obj"}])
+        client = self.client("--write")
+        self.refused(client, "check", "more than 64 MiB", files=["long.json"],
+                     output="long.jsonl")
+        self.assertFalse((self.path / "long.jsonl").exists())
 
     # If it failed, a question would be asked as another one.
     def test_options__reach_the_commands(self):

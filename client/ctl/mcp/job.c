@@ -238,7 +238,7 @@ static bool take_some(struct mcp_job *job, struct child *child, int pipe_idx)
         job->err_bytes = 0; /* what is wrong stands at the end */
     }
     return pipe_idx == OUT
-               ? append(&job->out, &job->out_bytes, bytes, count, OUT_BYTES_MAX)
+               ? append(&job->out, &job->out_bytes, bytes, count, OUT_BYTES_MAX + 1)
            : pipe_idx == ERR
                ? append(&job->err, &job->err_bytes, bytes, count, ERR_BYTES_MAX)
                : take_records(child->records, job, bytes, count);
@@ -272,6 +272,12 @@ static int attend(struct mcp_job *job, struct child *child, struct mcp *mcp,
         (void)poll(fds, PIPES + 1, 500);
         for (int i = 0; i < PIPES && ok; i++) {
             ok = fds[i].revents == 0 || take_some(job, child, i);
+        }
+        if (job->out_bytes > OUT_BYTES_MAX) {
+            return ctl_error_set(error, PCCD_E_LIMIT,
+                                 "it has written more than %zu MiB, and was ended; ask "
+                                 "for less, such as fewer frames",
+                                 OUT_BYTES_MAX >> 20);
         }
         if (fds[PIPES].revents != 0) {
             mcp_listen(mcp, true);

@@ -10,7 +10,8 @@
 #include "shown.h"
 
 #define ROWS_SHOWN     40u /* tried at once; then as many as fit */
-#define TEXT_BYTES_MIN 16u /* texts are cut down to that */
+#define TEXT_BYTES_MIN 16u /* texts are cut down to that; no word of an enum is longer */
+#define FAILURE_BYTES  800 /* of what went wrong, before it is JSON */
 #define DEPTH_MAX      5   /* of an answer */
 
 /* ---- tables ------------------------------------------------------------------------ */
@@ -161,9 +162,12 @@ static bool shorten(json_t *answer, size_t *text_bytes)
     if (count > 1 || (count == 1 && *text_bytes <= 64)) {
         return json_array_remove(rows, count - 1) == 0;
     }
+    if (*text_bytes < TEXT_BYTES_MIN) {
+        return false;
+    }
     cut_texts(answer, *text_bytes, 0);
     *text_bytes /= 2;
-    return *text_bytes >= TEXT_BYTES_MIN / 2;
+    return true;
 }
 
 json_t *mcp_result(json_t *answer)
@@ -184,10 +188,19 @@ json_t *mcp_result(json_t *answer)
 
 json_t *mcp_failure(const char *text)
 {
-    char cut[800];
-    snprintf(cut, sizeof cut, "%s", tool_shown(text));
-    return json_pack("{s:[{s:s, s:o}], s:b}", "content", "type", "text", "text",
-                     json_text(cut), "isError", 1);
+    json_t *result = NULL;
+    bool is_long = true;
+    for (int bytes = FAILURE_BYTES; is_long; bytes -= bytes / 4) {
+        char cut[FAILURE_BYTES + 1];
+        snprintf(cut, sizeof cut, "%.*s", bytes, tool_shown(text));
+        json_decref(result);
+        result = json_pack("{s:[{s:s, s:o}], s:b}", "content", "type", "text", "text",
+                           json_text(cut), "isError", 1);
+        char *dump = result != NULL ? mcp_dump(result) : NULL;
+        is_long = dump != NULL && strlen(dump) > MCP_ANSWER_BYTES;
+        free(dump);
+    }
+    return result;
 }
 
 /* ---- pictures ---------------------------------------------------------------------- */

@@ -173,7 +173,7 @@ void mcp_show_rows(json_t *answer, const struct mcp_table *table, uint64_t offse
  * it has at most MCP_ANSWER_BYTES: rows first, then long texts. A picture is linked, too.
  * NULL: no memory. */
 json_t *mcp_result(json_t *answer);
-/* Return the result of a call that failed. NULL: no memory. */
+/* Return the result of a call that failed, cut to as many bytes. NULL: no memory. */
 json_t *mcp_failure(const char *text);
 /* Dump as all messages are; the caller's. */
 char *mcp_dump(const json_t *value);
