@@ -486,9 +486,13 @@ class Tools(Case):
             write_triangle(self.path / f"pin{i}.obj", (1, 1, -1), (1.5, 1, 2), (1, 1.5,
                                                                                 2))
         write_triangle(self.path / "plate.obj", (0, 0, 0), (8, 0, 0), (0, 8, 0))
-        told = self.client().call("check", files=["pin%d.obj"], **{"with": ["plate.obj"]})
-        self.assertNotEqual(told["verdict"], "free")
-        self.assertEqual(told["crossings"], 2)
+        client = self.client()
+        told = client.call("check", files=["pin%d.obj"], **{"with": ["plate.obj"]})
+        self.assertEqual((told["verdict"], told["crossings"]), ("crossed", 2))
+        told = client.call("check", files=["pin%d.obj"], mode="any",
+                           **{"with": ["plate.obj"]})
+        self.assertEqual((told["verdict"], told["row_count"]), ("crossed", 1))
+        self.assertNotIn("first", told)
 
 
 def state(pid):

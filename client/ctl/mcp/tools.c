@@ -578,8 +578,12 @@ static json_t *judge_steps(json_t *answer, const json_t *steps, bool *ok)
     bool is_whole = true;
     for (size_t i = 0; i < json_array_size(steps); i++) {
         const json_t *step = json_array_get(steps, i);
+        bool begins_free =
+            whole_at(step, "crossings") + whole_at(step, "start_inside") == 0;
+        /* What begins crossed answers yes by that alone. */
         bool meets = whole_at(step, "contacts") > 0 ||
-                     strcmp(text_at(step, "verdict"), "yes") == 0;
+                     strcmp(text_at(step, "verdict"), "possible") == 0 ||
+                     (strcmp(text_at(step, "verdict"), "yes") == 0 && begins_free);
         double own = json_number_value(json_object_get(step, "safe_step"));
         contacts += whole_at(step, "contacts");
         crossings += whole_at(step, "crossings");
@@ -593,14 +597,14 @@ static json_t *judge_steps(json_t *answer, const json_t *steps, bool *ok)
             copy_member(first, NULL, step, "from", ok);
             copy_member(first, NULL, step, "to", ok);
         }
-        if (meets || whole_at(step, "crossings") + whole_at(step, "start_inside") > 0) {
+        if (meets || !begins_free) {
             json_append(rows, check_row_of(step, i + 1, ok), ok);
         }
     }
     json_set(answer, "verdict",
              json_string(first != NULL                 ? "meets"
-                         : !is_whole                   ? "incomplete"
                          : crossings > 0 || inside > 0 ? "crossed"
+                         : !is_whole                   ? "incomplete"
                                                        : "free"),
              ok);
     json_set_count(answer, "steps", json_array_size(steps), ok);
