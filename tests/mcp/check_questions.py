@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 from files import write_box, write_falling, write_mesh, write_scene, write_triangle
-from mcp_client import Client
+from mcp_client import Client, Failed
 
 
 class Questions(unittest.TestCase):
@@ -163,13 +163,15 @@ class Questions(unittest.TestCase):
     # If it failed, an answer could not be shown to somebody who does not believe it.
     def test_question_10__is_that_proved(self):
         write_falling(self.path)
-        ask = self.asked(5, "--write")
+        ask = self.asked(6, "--write")
         ask.call("scene", files=["box%d.obj", "floor.obj"], output="fall.json")
         told = ask.call("check", files=["fall.json"], output="fall.jsonl")
         self.assertEqual((told["certificate"], told["standing"], told["new"]),
                          ("fall.jsonl", 0, 0))
         self.assertEqual(ask.call("verify", recording="fall.jsonl",
                                   files=["fall.json"])["verdict"], "pass")
+        with self.assertRaisesRegex(Failed, "a certificate wants files"):
+            ask.call("verify", recording="fall.jsonl")
         self.assertEqual(ask.call("record", files=["fall.json"],
                                   output="fall.rec")["steps"], 3)
         proved = ask.call("verify", recording="fall.rec")

@@ -56,14 +56,14 @@ static const struct option_table certificate_table = {
             {&ctl_link_table, offsetof(struct check_command, check.ask.link)}, {0}},
     .arguments = "CERTIFICATE FILE [FILE...]"};
 
-/* Return whether the first file that is named is a certificate. */
-static bool has_certificate(int argc, char **argv)
+/* Return which word is the first that names a certificate; argc: none does. */
+static int find_certificate(int argc, char **argv)
 {
     int i = 1;
     while (i < argc && (argv[i][0] == '-' || !check_is_certificate(argv[i]))) {
         i++;
     }
-    return i < argc;
+    return i;
 }
 
 static int verify_certificate(int argc, char **argv)
@@ -179,6 +179,11 @@ static int verify_recording(int argc, char **argv)
 
 int ctl_cmd_verify(int argc, char **argv)
 {
-    return has_certificate(argc, argv) ? verify_certificate(argc, argv)
-                                       : verify_recording(argc, argv);
+    int at = find_certificate(argc, argv);
+    if (at == argc - 1) { /* before its options are judged, which are fewer */
+        return ctl_complain("a certificate wants files: name the files of %s behind it, "
+                            "those of --with last",
+                            argv[at]);
+    }
+    return at < argc ? verify_certificate(argc, argv) : verify_recording(argc, argv);
 }
