@@ -422,6 +422,7 @@ static enum oracle_fate fate_of_vertex(struct scene *scene, struct spot *p,
         if (is_face && !is_line(g) && is_flat(f, g) && overlap(f, g, &are_facing)) {
             is_open = is_open || !are_facing || own < 0;
         }
+        is_open = is_open || (is_face && is_line(g) && is_flat(f, g));
     }
     if (own == 0 && is_in(f, p, SOON)) {
         return slides(scene, p, f) ? ORACLE_SLIDES : ORACLE_ENTERS;
@@ -516,11 +517,11 @@ static bool do_part(struct spot *const e[2][2], struct spot *const f[3],
 }
 
 static bool are_ambiguous(struct scene *scene, struct spot *const e[2][2], int gap,
-                          const int faces[2], const bool is_in_plane[2])
+                          const bool has_front[2], const bool is_in_plane[2])
 {
     struct spot *f[3], *g[3];
-    bool are = (faces[0] == 0 && faces[1] == 0) || (faces[0] == 0 && is_in_plane[1]) ||
-               (faces[1] == 0 && is_in_plane[0]);
+    bool are = (!has_front[0] && !has_front[1]) || (!has_front[0] && is_in_plane[1]) ||
+               (!has_front[1] && is_in_plane[0]);
     for (uint32_t i = 0; !are && next_face(scene, 0, e[0], &i, f);) {
         for (uint32_t k = 0; !are && next_face(scene, 1, e[1], &k, g);) {
             bool are_facing;
@@ -534,7 +535,7 @@ static bool are_ambiguous(struct scene *scene, struct spot *const e[2][2], int g
 static enum oracle_fate fate_of_edges(struct scene *scene, struct spot *const e[2][2])
 {
     bool above[2] = {false, false}, below[2] = {false, false};
-    bool is_in_plane[2] = {false, false};
+    bool is_in_plane[2] = {false, false}, has_front[2] = {false, false};
     int faces[2] = {0, 0};
     vector n;
     vector_init(&n);
@@ -550,10 +551,12 @@ static enum oracle_fate fate_of_edges(struct scene *scene, struct spot *const e[
             int beside =
                 turn(&n, e[0][0], e[0][1], e[1][0], e[1][1], e[i][0], third, SOON);
             faces[i]++;
+            has_front[i] = has_front[i] || !is_line(f);
             above[i] = above[i] || beside > 0;
             below[i] = below[i] || beside < 0;
-            is_in_plane[i] = is_in_plane[i] || (side(f, e[1 - i][0], NOW) == 0 &&
-                                                side(f, e[1 - i][1], NOW) == 0);
+            is_in_plane[i] =
+                is_in_plane[i] || (!is_line(f) && side(f, e[1 - i][0], NOW) == 0 &&
+                                   side(f, e[1 - i][1], NOW) == 0);
             enters = enters || (!has(f, e[1 - i][0]) && !has(f, e[1 - i][1]) &&
                                 pierces(e[1 - i][0], e[1 - i][1], f));
         }
@@ -565,8 +568,8 @@ static enum oracle_fate fate_of_edges(struct scene *scene, struct spot *const e[
     } else if (!enters && place == ENDS) {
         enters = (faces[0] == 0) != (faces[1] == 0);
     } else if (!enters) {
-        return are_ambiguous(scene, e, gap, faces, is_in_plane) ? ORACLE_ENTERS
-                                                                : ORACLE_LEAVES;
+        return are_ambiguous(scene, e, gap, has_front, is_in_plane) ? ORACLE_ENTERS
+                                                                    : ORACLE_LEAVES;
     }
     return enters ? ORACLE_ENTERS : ORACLE_SLIDES;
 }

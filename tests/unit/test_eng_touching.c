@@ -177,6 +177,36 @@ CASE(sheets_in_one_plane__enter_unless_their_fronts_face_each_other)
     }
 }
 
+/* A face that is a line in the plane of what it touches may open to any side: it would be
+ * let through. */
+CASE(faces_that_are_lines_at_first__enter)
+{
+    const double floor[4][3] = {{-5, -5, 0}, {5, -5, 0}, {0, 5, 0}, {0, -15, 0}};
+    const uint32_t squares[2][3] = {{0, 1, 2}, {1, 0, 3}};
+    const uint32_t face[1][3] = {{0, 1, 2}};
+    /* On the floor; and across a line of it. */
+    const double lines[2][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}},
+                                   {{0, -8, 0}, {0, 2, 0}, {0, 0, 0}}};
+    for (uint32_t i = 0; i < 4; i++) {
+        double y1[3][3];
+        memcpy(y1, lines[i / 2], sizeof y1);
+        for (uint32_t v = 0; v < 3; v++) {
+            y1[v][2] = i % 2 == 0 ? -1 : 1;
+        }
+        y1[2][1] += 0.25;
+        kit_begin_with(kit_mesh(floor, 4, squares, 2),
+                       kit_mesh(lines[i / 2], 3, face, 1));
+        struct eng_question question = ENG_QUESTION_DEFAULT;
+        question.touching = PCCD_TOUCHING_LEFT_OUT;
+        eng_stage_begin(kit.scene);
+        assert_ok(eng_stage_x0x1(kit.scene, kit.idx[1], PCCD_FORMAT_F64, 0, 3,
+                                 lines[i / 2], y1));
+        result = kit_step(kit.scene, &question);
+        assert_true(result.entering > 0);
+        assert_true(result.safe_step == 0);
+    }
+}
+
 /* The records of the last answer would be taken for those of another question. */
 CASE(steps_that_are_asked_by_turns__have_their_own_answers)
 {

@@ -91,21 +91,25 @@ static bool normal_of(struct look *look, const struct eng_point *const f[3],
     return eng_touching_normal(look->touching, sides[0], sides[1], normal);
 }
 
+static bool lies_in_plane(struct look *look, const struct eng_point *const f[3],
+                          const struct eng_point *const g[3])
+{
+    bool lies = true;
+    for (int i = 0; i < 3 && lies; i++) {
+        lies = eng_touching_side(look->touching, f, g[i]).now == 0;
+    }
+    return lies;
+}
+
 /* Return whether two faces, neither a line, are in one plane and in each other at t = 0;
  * the normals are set then. */
 static bool lie_in_each_other(struct look *look, const struct eng_point *const f[3],
                               const struct eng_point *const g[3], struct eng_axis *nf,
                               struct eng_axis *ng)
 {
-    if (!normal_of(look, f, nf) || !normal_of(look, g, ng)) {
-        return false;
-    }
-    for (int i = 0; i < 3; i++) {
-        if (eng_touching_side(look->touching, f, g[i]).now != 0) {
-            return false;
-        }
-    }
-    return eng_touching_overlaps(look->touching, f, g, nf, ng);
+    return normal_of(look, f, nf) && normal_of(look, g, ng) &&
+           lies_in_plane(look, f, g) &&
+           eng_touching_overlaps(look->touching, f, g, nf, ng);
 }
 
 /* ---- a vertex on a face ------------------------------------------------------------ */
@@ -166,6 +170,9 @@ static void look_around_vertex(struct look *look, const struct part *a,
                                               &corner[2].point};
         if (is_face && !look->is_ambiguous && lie_in_each_other(look, f, g, &nf, &ng)) {
             look->is_ambiguous = nf.sign == ng.sign || side < 0;
+        }
+        if (is_face && !look->is_ambiguous && !normal_of(look, g, &ng)) {
+            look->is_ambiguous = lies_in_plane(look, f, g); /* it may open to any side */
         }
     }
 }
@@ -358,7 +365,8 @@ struct edges {
     const struct part *part[2];
     const struct eng_point *ends[2][2];
     uint32_t faces[2]; /* at it; 0: it is free */
-    bool is_flat[2];   /* the other one lies in the plane of such a face at t = 0 */
+    bool has_front[2]; /* one of these is no line at t = 0 .. */
+    bool is_flat[2];   /* .. and the other edge lies in the plane of such a one then */
 };
 
 /* Look at the faces at edge `which` beside the other one. */
@@ -375,9 +383,12 @@ static void look_at_faces(struct look *look, struct edges *edges, uint32_t which
         int beside = eng_touching_along(look->touching, edges->ends[0], edges->ends[1],
                                         edges->ends[which][0], &faces.third.point)
                          .next;
+        struct eng_axis normal;
+        bool has_front = normal_of(look, faces.f, &normal);
         edges->faces[which]++;
+        edges->has_front[which] = edges->has_front[which] || has_front;
         edges->is_flat[which] =
-            edges->is_flat[which] || (side[0].now == 0 && side[1].now == 0);
+            edges->is_flat[which] || (has_front && side[0].now == 0 && side[1].now == 0);
         look->above[which] = look->above[which] || beside > 0;
         look->below[which] = look->below[which] || beside < 0;
         if (!has(other, 2, edge->object, faces.third.v)) {
@@ -412,8 +423,8 @@ static bool part_to_front(struct look *look, const struct edges *edges,
 static void look_for_sides(struct look *look, const struct edges *edges, int gap)
 {
     struct faces at_a = faces_at(edges->part[0]);
-    if ((edges->faces[0] == 0 && (edges->faces[1] == 0 || edges->is_flat[1])) ||
-        (edges->faces[1] == 0 && edges->is_flat[0])) {
+    if ((!edges->has_front[0] && (!edges->has_front[1] || edges->is_flat[1])) ||
+        (!edges->has_front[1] && edges->is_flat[0])) {
         look->is_ambiguous = true;
         return;
     }
@@ -506,7 +517,8 @@ static bool meets_again(struct eng_worker *worker, const struct eng_pairs *pairs
         return false;
     }
     if (again == ENG_AGAIN_UNKNOWN) {
-        return true; /* as it is: at t = 0 */
+        hit->flags |= flag; /* as it is: at t = 0 */
+        return true;
     }
     if (next.toi > batch->t_end) {
         return false;
