@@ -61,6 +61,7 @@ static void perform(struct eng_worker *worker, uint64_t task)
     if (eng_near_leaves_out(worker->question, kind)) {
         return;
     }
+    eng_wide_work_leads(worker);
     struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
     uint64_t begin_ns = eng_worker_slice(worker);
     worker->record.task_units++;
@@ -152,6 +153,7 @@ static enum pccd_kind kind_in_turn(uint32_t turn)
 static void perform_all(struct eng_worker *worker)
 {
     struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
+    eng_wide_work_leads(worker);
     for (uint32_t turn = 0; turn < COMMON_KIND_COUNT; turn++) {
         enum pccd_kind kind = kind_in_turn(turn);
         if (!is_wanted(worker, kind) || eng_near_leaves_out(worker->question, kind)) {
@@ -199,8 +201,8 @@ static int prepare(struct eng_team *team, const struct eng_question *question)
         eng_wide_resort_unlearn(&eng_wide_state_of(scene)->resort);
     }
     if (status == PCCD_OK && eng_near_prunes(question)) {
-        status = eng_wide_leads_reserve(&eng_wide_state_of(scene)->leads,
-                                        eng_wide_of(scene));
+        status =
+            eng_wide_leads_reserve(&eng_wide_state_of(scene)->leads, eng_wide_of(scene));
     }
     for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
         status = eng_wide_work_reserve(team->workers[i]);

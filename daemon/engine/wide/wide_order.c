@@ -330,10 +330,7 @@ static struct eng_wide_order *making_begin(struct making *making,
         size_t slots = (size_t)order->count[0] + order->count[1] + order->count[2];
         size_t parts = (size_t)ENG_WIDE_TREES * order->piece_count;
         making->team = threads_for(slots, threads);
-        making->lists =
-            slots < ENG_WIDE_LISTS_MIN
-                ? NULL
-                : eng_alloc((size_t)making->team, sizeof *making->lists); /* or without */
+        bool wants_lists = slots >= ENG_WIDE_LISTS_MIN;
         for (int kind = 0; making->team == 1 && kind < ENG_WIDE_TREES; kind++) {
             slots = kind == 0 || order->count[kind] > slots ? order->count[kind] : slots;
         }
@@ -342,6 +339,9 @@ static struct eng_wide_order *making_begin(struct making *making,
         making->pieces = eng_alloc(order->piece_count, sizeof *making->pieces);
         making->next = eng_alloc(order->piece_count, sizeof *making->next);
         making->parts = eng_alloc(parts, sizeof *making->parts);
+        if (wants_lists && making->parts) { /* last: it goes without them, too */
+            making->lists = eng_alloc((size_t)making->team, sizeof *making->lists);
+        }
     }
     if (!order || !making->items || !making->pieces || !making->next || !making->parts) {
         making_free(making);

@@ -360,12 +360,14 @@ static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk
     eng_count_test_time(worker, kind, count, begin_ns);
 }
 
-/* Pairs that bounded vertices in the last answer. */
-static void test_leads(struct eng_worker *worker)
+void eng_wide_work_leads(struct eng_worker *worker)
 {
     struct eng_wide_leads *leads = &eng_wide_state_of(worker->scene)->leads;
-    struct eng_wide_chunk *chunks = eng_wide_work_of(worker)->join.chunks;
-    while (!eng_worker_should_stop(worker) &&
+    struct eng_wide_work *work = eng_wide_work_of(worker);
+    struct eng_wide_chunk *chunks = work->join.chunks;
+    bool has_leads = work->has_leads;
+    work->has_leads = false;
+    while (has_leads && !eng_worker_should_stop(worker) &&
            eng_wide_leads_take(leads, eng_wide_of(worker->scene), chunks)) {
         for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
             if (chunks[kind].count > 0) {
@@ -412,9 +414,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
         work->times[kind] = (struct eng_wide_times){0, 0};
     }
     look(worker);
-    if (eng_near_prunes(worker->question)) {
-        test_leads(worker);
-    }
+    work->has_leads = eng_near_prunes(worker->question);
 }
 
 void eng_wide_work_end(struct eng_worker *worker)

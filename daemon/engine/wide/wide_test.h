@@ -19,6 +19,7 @@ struct eng_wide_work {
     struct eng_sieve sieves[COMMON_KIND_COUNT];
     uint32_t quads[ENG_CHUNK_MAX][4]; /* vertex slots of a chunk's pairs */
     uint32_t fives[ENG_CHUNK_MAX][5]; /* the same of edges and faces */
+    bool has_leads;                   /* that this worker has not looked at */
 };
 
 static inline struct eng_wide_work *eng_wide_work_of(const struct eng_worker *worker)
@@ -38,6 +39,10 @@ uint64_t eng_wide_work_bytes(const struct eng_worker *worker);
 
 /* Get ready for the traversal of a step. [team] */
 void eng_wide_work_begin(struct eng_worker *worker);
+
+/* Test, before the first task of a worker, the pairs that bounded vertices in the last
+ * answer: workers share them out. [team] */
+void eng_wide_work_leads(struct eng_worker *worker);
 
 /* Count what the join did. [team] */
 void eng_wide_work_end(struct eng_worker *worker);
