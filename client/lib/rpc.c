@@ -90,8 +90,10 @@ static int wait_and_receive(struct pccd_client *client, uint64_t deadline_ns)
 }
 
 /* Spins in a row may be for nothing: the step takes longer, or the daemon waits for this
- * very processor. After n of them the next 2^n - 1 waits go without. */
+ * very processor. After n of them the next 2^n waits go without. The number of waits from
+ * one try to the next is odd, so that of two requests by turns both are tried. */
 #define SPINS_IN_VAIN_MAX 8u
+#define SPIN_LOOK_NS      10000u
 
 static bool may_spin(struct pccd_client *client)
 {
@@ -107,21 +109,26 @@ static void note_spin(struct pccd_client *client, bool was_in_vain)
     uint32_t count = was_in_vain ? client->spins_in_vain + 1 : 0;
 
     client->spins_in_vain = count < SPINS_IN_VAIN_MAX ? count : SPINS_IN_VAIN_MAX;
-    client->waits_unspun = (1u << client->spins_in_vain) - 1;
+    client->waits_unspun = count > 0 ? 1u << client->spins_in_vain : 0;
 }
 
 /* Spin until a message has come or the budget is spent. done_seq changes a little before
- * the reply comes; reading it costs no system call. */
+ * the reply comes; reading it costs no system call. It may have changed before done_seen
+ * was read, and the reply have come since: so look once more after a while. */
 static int spin(struct pccd_client *client, struct proto_upload *upload,
                 uint64_t done_seen, uint64_t deadline_ns)
 {
-    uint64_t until_ns = common_now_ns() + (uint64_t)client->spin_us * 1000u;
+    uint64_t now_ns = common_now_ns();
+    uint64_t until_ns = now_ns + (uint64_t)client->spin_us * 1000u;
+    uint64_t look_ns = now_ns + SPIN_LOOK_NS;
 
     if (until_ns > deadline_ns) {
         until_ns = deadline_ns;
     }
-    while (common_now_ns() < until_ns && !client->link.is_down) {
-        if (atomic_load(&upload->done_seq.value) != done_seen) {
+    for (; now_ns < until_ns && !client->link.is_down; now_ns = common_now_ns()) {
+        bool looks = now_ns >= look_ns;
+        if (looks || atomic_load(&upload->done_seq.value) != done_seen) {
+            look_ns = looks ? UINT64_MAX : look_ns;
             int status = cli_receive(client);
 
             if (status != PCCD_E_AGAIN) {

@@ -73,7 +73,7 @@ static void end(struct srv_awake *awake, bool was_in_vain)
 {
     uint32_t count = was_in_vain ? awake->in_vain + 1 : 0;
     awake->in_vain = count < IN_VAIN_MAX ? count : IN_VAIN_MAX;
-    awake->skip = (1u << awake->in_vain) - 1;
+    awake->skip = count > 0 ? 1u << awake->in_vain : 0;
     uv_idle_stop(&awake->idle);
 }
 

@@ -53,8 +53,9 @@ void srv_wakeup_close(struct srv_wakeup *wakeup);
  * microseconds after an answer. To fall asleep and be woken is 15 us, more than the step,
  * where its processor sleeps meanwhile. So the loop looks for messages for 50 us after
  * steps that it has computed itself. Where nothing came in that time, n times in a row,
- * the next 2^n - 1 such steps go without: a client that asks now and then, or waits for
- * this very processor, costs 50 us in 256 steps. */
+ * the next 2^n such steps go without: a client that asks now and then, or waits for this
+ * very processor, costs 50 us in 257 steps. The number of steps from one try to the next
+ * is odd, so that of two steps by turns both are tried. */
 
 struct srv_awake {
     uv_idle_t idle; /* first: the handle that is closed; active: the loop does not wait */

@@ -378,7 +378,7 @@ def connect(url: Optional[str] = None, *, private: bool = False,
     slot_count    of the upload ring, 1 .. 16; 0 = 4
     slot_bytes    payload of one slot; 0 = grown to what is needed
     result_bytes  result region; 0 = 64 MiB
-    spin_us       spin before blocking, 0 .. 1000; None: 50, or 0 with one processor
+    spin_us       spin before blocking, 0 .. 1000; None: 200, or 0 with one processor
     reconnect     seconds to look for a daemon that was lost; 0: its loss is an error
     keep          keep copies of meshes and positions for another daemon
     observes      it only lists, watches, reads counters and sets settings, all else is
