@@ -3,6 +3,10 @@
  * A program that opens files for somebody whom it does not trust opens them by what is
  * here. Nothing is kept from it before tool_confine: then tool_open is open().
  *
+ * What is written, and recordings and certificates that are read, are opened by their
+ * name after tool_is_outside has looked at it: that holds against whoever names files,
+ * and not against a process that changes links within the folder in between.
+ *
  * Threads: one, as far as tool_confine; then any.
  */
 #ifndef TOOL_CONFINED_H
