@@ -189,6 +189,30 @@ cp r.jsonl w.jsonl && echo '{"verdict":"free"}' >>w.jsonl && verify 1 w.jsonl se
     sed '1s/,"steps":6/,"steps":6,"steps":6/' r.jsonl >w.jsonl && verify 4 w.jsonl seq%d.obj
 report judge__certificate_has_nothing_else
 
+# If it failed, vertices that a .gltf file has in another one could change, and nothing would tell.
+python3 - <<'END'
+import json, struct
+for i, height in enumerate((2, 1, 3)):
+    points = [-9, -9, 0, 9, -9, 0, 0, 9, 0, 0, 0, height, 1, 0, height, 0, 1, height]
+    with open(f"g {i}.bin", "wb") as to:
+        to.write(struct.pack("<18f6H", *points, *range(6)))
+    views = [{"buffer": 0, "byteLength": 72}, {"buffer": 0, "byteOffset": 72, "byteLength": 12}]
+    accessors = [{"bufferView": 0, "componentType": 5126, "count": 6, "type": "VEC3"},
+                 {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}]
+    with open(f"g{i}.gltf", "w") as to:
+        json.dump({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                   "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+                   "buffers": [{"uri": f"g%20{i}.bin", "byteLength": 84}, {"uri": "data:;base64,AAAA", "byteLength": 3}],
+                   "bufferViews": views, "accessors": accessors}, to)
+END
+check 0 --results g.jsonl g%d.gltf && grep -q '"file":"g0.gltf",[^}]*},{"file":"g 0.bin","bytes":84,' g.jsonl &&
+    [ "$(head -n 1 g.jsonl | grep -o '"file"' | wc -l)" -eq 6 ] && verify 0 g.jsonl g%d.gltf &&
+    check 0 --results g.jsonl g%d.gltf && cp 'g 2.bin' was.bin && cp 'g 1.bin' 'g 2.bin' &&
+    ends 4 'g.jsonl: it has results of other files' check --private --results g.jsonl g%d.gltf &&
+    verify 1 g.jsonl g%d.gltf && says '^different +g 2.bin: was g 2.bin with 84 bytes' && cp was.bin 'g 2.bin' &&
+    rm 'g 2.bin' && ends 4 'g 2.bin: cannot open' check --private --results absent.jsonl g%d.gltf
+report judge__hashes_the_buffers_of_gltf
+
 # If it failed, what leaves its floor would never be free, or a certificate of that would be none.
 spikes 0 1 1 >leave0.obj
 spikes 1 1 1 >leave1.obj

@@ -12,6 +12,7 @@
 #include <xxhash.h>
 
 #include "columns.h"
+#include "confined.h"
 #include "ctl.h"
 #include "dispatch.h"
 #include "names.h"
@@ -26,14 +27,14 @@ static const char begin[] = "{\"pccd_check\":1,";
 
 static int fail(const char *path, const char *what, struct ctl_error *error)
 {
-    return ctl_error_set(error, PCCD_E_SYSTEM, "%s: %s: %s", path, what, strerror(errno));
+    return ctl_error_set(error, PCCD_E_SYSTEM, "%s: %s: %s", path, what, tool_why(errno));
 }
 
 /* Hash a file, by pieces of `piece`. */
 static int hash_file(const char *path, char *piece, XXH3_state_t *state, uint64_t *bytes,
                      struct ctl_error *error)
 {
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int fd = tool_open(path);
     if (fd < 0) {
         return fail(path, "cannot open", error);
     }
@@ -52,10 +53,16 @@ static int hash_file(const char *path, char *piece, XXH3_state_t *state, uint64_
     return status;
 }
 
+struct inputs {
+    json_t *list; /* the caller's */
+    char *piece;
+    XXH3_state_t *state;
+};
+
 /* Append what a file is called and what is in it. */
-static int add_input(json_t *inputs, const char *path, char *piece, XXH3_state_t *state,
-                     struct ctl_error *error)
+static int add_input(void *context, const char *path, struct ctl_error *error)
 {
+    const struct inputs *inputs = context;
     uint64_t bytes = 0;
     char text[33];
     bool ok = true;
@@ -63,40 +70,43 @@ static int add_input(json_t *inputs, const char *path, char *piece, XXH3_state_t
         return ctl_error_set(error, PCCD_E_INVAL,
                              "%s is no regular file: what it has cannot be told", path);
     }
-    int status = hash_file(path, piece, state, &bytes, error);
+    int status = hash_file(path, inputs->piece, inputs->state, &bytes, error);
     if (status != PCCD_OK) {
         return status;
     }
-    XXH128_hash_t hash = XXH3_128bits_digest(state);
+    XXH128_hash_t hash = XXH3_128bits_digest(inputs->state);
     (void)snprintf(text, sizeof text, "%016" PRIx64 "%016" PRIx64, hash.high64,
                    hash.low64);
     json_t *input = json_object();
     json_set(input, "file", json_text(tool_base_name(path)), &ok);
     json_set_count(input, "bytes", bytes, &ok);
     json_set(input, "xxh128", json_string(text), &ok);
-    json_append(inputs, input, &ok);
+    json_append(inputs->list, input, &ok);
     return ok ? PCCD_OK : ctl_error_set(error, PCCD_E_NOMEM, "no memory for the files");
 }
 
-/* All files, in the order of the objects; a scene file first. */
-static int add_inputs(json_t *inputs, const struct scene *scene, struct ctl_error *error)
+/* All files, in the order of the objects, each before those that it names; a scene file
+ * first. */
+static int add_inputs(json_t *list, const struct scene *scene, struct ctl_error *error)
 {
-    char *piece = malloc(PIECE_BYTES);
-    XXH3_state_t *state = XXH3_createState();
-    int status = piece != NULL && state != NULL
+    struct inputs inputs = {list, malloc(PIECE_BYTES), XXH3_createState()};
+    int status = inputs.piece != NULL && inputs.state != NULL
                      ? PCCD_OK
                      : ctl_error_set(error, PCCD_E_NOMEM, "no memory for the files");
     if (status == PCCD_OK && scene->path != NULL) {
-        status = add_input(inputs, scene->path, piece, state, error);
+        status = add_input(&inputs, scene->path, error);
     }
     for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
         const struct ctl_sequence *files = &scene->objects[i].files.sequence;
         for (uint32_t k = 0; k < files->count && status == PCCD_OK; k++) {
-            status = add_input(inputs, files->paths[k], piece, state, error);
+            status = add_input(&inputs, files->paths[k], error);
+            if (status == PCCD_OK) {
+                status = ctl_mesh_beside(files->paths[k], add_input, &inputs, error);
+            }
         }
     }
-    XXH3_freeState(state);
-    free(piece);
+    XXH3_freeState(inputs.state);
+    free(inputs.piece);
     return status;
 }
 

@@ -341,20 +341,29 @@ static bool leaves_folder(const char *name)
     return leaves;
 }
 
-static void read_beside(struct gltf *gltf, long long index, const char *uri,
-                        struct gltf_buffer *buffer)
+/* The path of another file that has a buffer. NULL: it can have none. */
+static const char *path_beside(struct gltf *gltf, long long index, const char *uri)
 {
     const char *path = gltf->file->path;
     const char *slash = strrchr(path, '/');
     size_t folder = slash == NULL ? 0 : (size_t)(slash + 1 - path);
     char *name = gltf_alloc(gltf, folder + strlen(uri), 1, "bytes of a name");
-    struct ctl_error why;
     if (name == NULL) {
-        return;
+        return NULL;
     }
     memcpy(name, path, folder);
-    if (!gltf_check(gltf, unescape(uri, name + folder) && !leaves_folder(name + folder),
-                    "buffer %lld: \"%.200s\" is no file of this folder", index, uri)) {
+    return gltf_check(gltf, unescape(uri, name + folder) && !leaves_folder(name + folder),
+                      "buffer %lld: \"%.200s\" is no file of this folder", index, uri)
+               ? name
+               : NULL;
+}
+
+static void read_beside(struct gltf *gltf, long long index, const char *uri,
+                        struct gltf_buffer *buffer)
+{
+    const char *name = path_beside(gltf, index, uri);
+    struct ctl_error why;
+    if (name == NULL) {
         return;
     }
     int status = ctl_file_open(name, &buffer->file, &why);
@@ -364,6 +373,37 @@ static void read_beside(struct gltf *gltf, long long index, const char *uri,
     buffer->source = &buffer->file;
     buffer->bytes = (size_t)ctl_file_size(&buffer->file);
     gltf_check_as(gltf, status == PCCD_OK, status, "buffer %lld: %s", index, why.text);
+}
+
+static bool is_data(const char *uri)
+{
+    return strncmp(uri, "data:", 5) == 0;
+}
+
+int ctl_gltf_beside(const char *path, ctl_mesh_file_fn each, void *context,
+                    struct ctl_error *error)
+{
+    struct ctl_file file;
+    struct gltf gltf;
+    int status = ctl_file_open(path, &file, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    gltf_open(&file, error, &gltf);
+    size_t count = gltf_entry_count(&gltf, "buffers");
+    for (size_t i = 0; i < count && gltf.status == PCCD_OK; i++) {
+        const json_t *entry = gltf_entry(&gltf, "buffers", (long long)i);
+        const char *uri = json_string_value(json_object_get(entry, "uri"));
+        const char *name =
+            uri != NULL && !is_data(uri) ? path_beside(&gltf, (long long)i, uri) : NULL;
+        if (name != NULL) {
+            gltf.status = each(context, name, error);
+        }
+    }
+    status = gltf.status;
+    gltf_close(&gltf);
+    ctl_file_deinit(&file);
+    return status;
 }
 
 /* A buffer: the file's own, of a data: URI, or of a file in the folder of this one or
@@ -384,7 +424,7 @@ static const struct gltf_buffer *find_buffer(struct gltf *gltf, long long index)
     if (uri == NULL) {
         gltf_check(gltf, index == 0, "buffer %lld: has no URI", index);
         find_binary(gltf, buffer);
-    } else if (strncmp(uri, "data:", 5) == 0) {
+    } else if (is_data(uri)) {
         decode(gltf, index, uri, buffer);
     } else {
         read_beside(gltf, index, uri, buffer);

@@ -135,6 +135,13 @@ int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
 int ctl_mesh_read_shape(const struct ctl_motion *motion, const char *path,
                         struct ctl_mesh *mesh, struct ctl_error *error);
 
+/* Another file that a mesh file has some of its numbers in. */
+typedef int (*ctl_mesh_file_fn)(void *context, const char *path, struct ctl_error *error);
+/* Tell all of those that a mesh file names: the buffers of glTF. Errors: those of reading
+ * it; of `each`, which ends it. */
+int ctl_mesh_beside(const char *path, ctl_mesh_file_fn each, void *context,
+                    struct ctl_error *error);
+
 /* Make the coordinates double; exact. Nothing to do when they are. */
 int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);
 /* Cut all polygons where their corners are. Errors: E_NOMEM; E_FORMAT and where the file
@@ -201,5 +208,8 @@ bool ctl_obj_begins(const struct ctl_file *file);
 bool ctl_stl_begins(const struct ctl_file *file);
 int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh);
 int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh);
+/* Do what ctl_mesh_beside does, of glTF. */
+int ctl_gltf_beside(const char *path, ctl_mesh_file_fn each, void *context,
+                    struct ctl_error *error);
 
 #endif

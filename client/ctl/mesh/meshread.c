@@ -123,6 +123,15 @@ int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
     return ctl_motion_open(path, format_of_path(path)->open_motion, wish, motion, error);
 }
 
+int ctl_mesh_beside(const char *path, ctl_mesh_file_fn each, void *context,
+                    struct ctl_error *error)
+{
+    const struct format *format = format_of_path(path);
+    return format != NULL && format->parse == ctl_gltf_parse
+               ? ctl_gltf_beside(path, each, context, error)
+               : PCCD_OK;
+}
+
 /* Refuse a file that is no mesh; `format` is what it is, or NULL. */
 static int refuse(const struct ctl_file *file, const struct format *format,
                   struct ctl_error *error)
