@@ -145,10 +145,19 @@ rows = [[float(x) for line in open(f"seq{i}.obj") if line[0] == "v" for x in lin
 head = struct.pack("<12siiffi", b"POINTCACHE2", 1, 12, 0, 1, 7)
 with open("cut.pc2", "wb") as to:
     to.write(head + b"".join(struct.pack("<36f", *row) for row in rows)[:-20])
+# As Blender writes it: the first frame is there twice, and the header counts it once.
+head = struct.pack(">2i4f", 4, 12, 0, 1, 2, 3)
+frames = [struct.pack(">36f", *row) for row in rows]
+for name, cut in (("early", 160), ("late", 20)):
+    with open(f"{name}.mdd", "wb") as to:
+        to.write((head + frames[0] + b"".join(frames))[:-cut])
 END
 [ $? -eq 0 ] && check 4 seq0.obj cut.pc2 && says '^ *1  cut.pc2 frame 1: 0 ' '^ *2  cut.pc2 frame 2: 1 ' '^so far +meets' &&
     grep -qx 'pccdctl: cut.pc2: frame 3 is cut off: by its header, 7 frames of 12 vertices, it has 1040 bytes; it has 588' err &&
-    ! ctl near --private seq0.obj cut.pc2
+    ! ctl near --private seq0.obj cut.pc2 &&
+    check 4 seq0.obj early.mdd && says '^ *1  early.mdd 1 s: 0 ' '^so far +crossed, ' && grep -q 'early.mdd: frame 2 is cut off: .* has 744 bytes; it has 584$' err &&
+    check 4 seq0.obj late.mdd && says '^ *1  late.mdd 1 s: 0 ' '^ *2  late.mdd 2 s: 1 ' '^so far +meets' &&
+    grep -q 'late.mdd: frame 3 is cut off: .* it has 744 bytes; it has 724$' err
 report judge__of_frames_that_are_cut_off_says_what_was_whole
 
 # If it failed, a certificate would be believed whatever it says, or not be reproduced elsewhere.

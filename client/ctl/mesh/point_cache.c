@@ -93,7 +93,8 @@ static int refuse_size(const struct ctl_file *file, const char *before, uint32_t
 }
 
 /* The size that the header says is the file's. Blender writes the first frame of an MDD
- * twice, and counts it once. */
+ * twice, and counts it once; of a file that is cut off, it is taken to be there twice if
+ * the first two frames are the same. */
 static int judge_size(struct ctl_file *file, struct cache *cache, uint32_t frames,
                       uint32_t vertices, bool takes_cut)
 {
@@ -104,15 +105,19 @@ static int judge_size(struct ctl_file *file, struct cache *cache, uint32_t frame
         __builtin_add_overflow(said, cache->first_byte, &said)) {
         said = UINT64_MAX;
     }
-    bool is_double = cache->kind.is_mdd && said < size && size - said == frame_bytes &&
+    bool is_whole = said < size && size - said == frame_bytes;
+    bool may_be_cut = takes_cut && said != UINT64_MAX && said != size &&
+                      (size < said || size - said < frame_bytes) &&
+                      size >= cache->first_byte + 2 * frame_bytes;
+    bool is_double = cache->kind.is_mdd && (is_whole || may_be_cut) &&
                      is_same(file, cache->first_byte, frame_bytes);
     cache->first_byte += is_double ? frame_bytes : 0;
-    bool is_cut = takes_cut && said > size && said != UINT64_MAX &&
-                  size >= cache->first_byte + 2 * frame_bytes;
-    cache->bytes = said;
-    return file->status != PCCD_OK || said == size || is_double || is_cut
+    cache->bytes = said + (is_double ? frame_bytes : 0);
+    bool is_cut =
+        may_be_cut && cache->bytes > size && size >= cache->first_byte + 2 * frame_bytes;
+    return file->status != PCCD_OK || said == size || cache->bytes == size || is_cut
                ? file->status
-               : refuse_size(file, "", frames, vertices, said, file->error);
+               : refuse_size(file, "", frames, vertices, cache->bytes, file->error);
 }
 
 static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
