@@ -107,7 +107,7 @@ libctl_la_SOURCES = \
     client/ctl/record/verify_meeting.c \
     client/ctl/record/verify_near.c client/ctl/record/verify_numbers.c \
     client/ctl/record/verify_place.c \
-    client/ctl/record/verify_report.c
+    client/ctl/record/verify_report.c client/ctl/record/verify_touching.c
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
     -iquote $(top_srcdir)/client/ctl/mcp \

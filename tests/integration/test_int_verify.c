@@ -76,7 +76,8 @@ enum forgery {
     FORGE_OLD_PAIRS,           /* and as recorded when mode pairs compared boxes */
     FORGE_OLD_HASH,            /* a recording of before, with hashes of version 1, */
     FORGE_OLD_WRONG,           /* and one of these wrong */
-    FORGE_UNKNOWN              /* a feature that nobody knows */
+    FORGE_UNKNOWN,             /* a feature that nobody knows */
+    FORGE_FATE                 /* what enters is told to leave, and the reverse */
 };
 
 /* The answer is written after its records have been forged, so it waits here. */
@@ -212,6 +213,9 @@ static void forge_contacts(struct forger *forger, struct pccd_contact *contacts,
     case FORGE_INITIAL:
         one->flags |= PCCD_INITIAL;
         break;
+    case FORGE_FATE:
+        one->flags ^= PCCD_ENTERS | PCCD_LEAVES;
+        break;
     default:
         return;
     }
@@ -275,7 +279,7 @@ static void forge_frame(struct forger *forger, const struct record_view *view)
     free(copy);
 }
 
-static void forge(enum forgery forgery)
+static void forge_of(const char *source, enum forgery forgery)
 {
     struct forger forger = {.writer = {.fd = -1}, .forgery = forgery};
     struct record_reader reader;
@@ -284,7 +288,7 @@ static void forge(enum forgery forgery)
 
     (void)unlink(forged);
     assert_ok(record_writer_open(&forger.writer, forged));
-    assert_ok(record_reader_open(&reader, honest));
+    assert_ok(record_reader_open(&reader, source));
     assert_int_equal(record_reader_hash_version(&reader), 2);
     if (forgery != FORGE_OLD_HASH && forgery != FORGE_OLD_WRONG) {
         assert_ok(record_writer_need(&forger.writer, reader.features));
@@ -323,6 +327,11 @@ static void forge(enum forgery forgery)
     assert_true(forger.is_done || forgery == FORGE_NOTHING);
     record_reader_deinit(&reader);
     record_writer_deinit(&forger.writer);
+}
+
+static void forge(enum forgery forgery)
+{
+    forge_of(honest, forgery);
 }
 
 /* ---- judging ----------------------------------------------------------------------- */
@@ -412,6 +421,67 @@ CASE(verify__shows_what_is_wrong)
         assert_non_null(strstr(said, "FAIL: step"));
         assert_non_null(strstr(said, says[forgery]));
     }
+}
+
+/* Record one step of a triangle that lies in a floor, front to front, and goes up or
+ * down. */
+static void record_touch(void **state, const char *path, bool is_up,
+                         enum pccd_touching touching)
+{
+    const struct pccd_record_settings settings = {.contacts = 1};
+    static const double x0[6][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0},
+                                    {1, 1, 0}, {2, 1, 0}, {1, 2, 0}};
+    static const uint32_t triangles[2][3] = {{0, 1, 2}, {3, 5, 4}};
+    struct pccd_step_settings step = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_client *client = NULL;
+    uint32_t mesh = 0, scene = 0, object = 0;
+    double x1[6][3];
+
+    memcpy(x1, x0, sizeof x1);
+    for (int i = 3; i < 6; i++) {
+        x1[i][2] = is_up ? 1 : -1;
+    }
+    step.touching = touching;
+    assert_int_equal(test_shared_connect(state, 0, &client), 0);
+    (void)unlink(path);
+    assert_ok(pccd_record_start(client, path, &settings));
+    assert_ok(
+        pccd_mesh_create(client, x0, PCCD_FORMAT_F64, 6, triangles, 2, &mesh, NULL));
+    scene = test_scene(client);
+    object = test_object(client, scene, mesh);
+    assert_ok(pccd_step_x0x1(client, scene, object, x0, x1, PCCD_FORMAT_F64, 6, &step,
+                             &answer));
+    assert_int_equal(answer.total, is_up && touching == PCCD_TOUCHING_LEFT_OUT ? 0 : 3);
+    pccd_answer_release(client, &answer);
+    pccd_close(client);
+}
+
+/* If this failed, an answer that lets go what enters would be trusted, or one that says
+ * so of what leaves. */
+CASE(verify__knows_what_becomes_of_what_touches)
+{
+    char said[4096], source[128];
+
+    (void)snprintf(source, sizeof source, "%s/touch.rec", folder);
+    for (int is_up = 0; is_up < 2; is_up++) {
+        for (int told = 0; told < 2; told++) {
+            record_touch(state, source, is_up != 0,
+                         told ? PCCD_TOUCHING_TOLD : PCCD_TOUCHING_LEFT_OUT);
+            assert_int_equal(run_ctl("verify", "--sample 1000", source, said), 0);
+            assert_non_null(strstr(said, "PASS: 1 step"));
+            if (is_up && !told) {
+                continue; /* it has no record */
+            }
+            forge_of(source, FORGE_FATE);
+            assert_int_equal(run_ctl("verify", "", forged, said), 1);
+            assert_non_null(strstr(said, "enter, slide or leave otherwise"));
+            forge_of(source, FORGE_MISSING);
+            assert_int_equal(run_ctl("verify", "--sample 1000", forged, said), 1);
+            assert_non_null(strstr(said, "a contact is missing"));
+        }
+    }
+    (void)unlink(source);
 }
 
 /* If this failed, the witness could not be tried by somebody else. */

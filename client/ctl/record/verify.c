@@ -208,35 +208,6 @@ static const char *malformed(const struct pccd_contact *contact, double toleranc
     return NULL;
 }
 
-/* Return what is wrong with what a record says about two features that touch at t = 0;
- * NULL: nothing, as far as it is checked: not which of the three flags it should be. */
-static const char *check_touching(const struct play_step *step,
-                                  const struct pccd_contact *contact,
-                                  const struct verify_meeting *meeting)
-{
-    const uint32_t fate = contact->flags & (PCCD_ENTERS | PCCD_SLIDES | PCCD_LEAVES);
-    bool is_initial = (contact->flags & PCCD_INITIAL) != 0;
-    bool is_left_out = step->touching == PCCD_TOUCHING_LEFT_OUT;
-    bool is_told = meeting->touches && step->touching != PCCD_TOUCHING_KEPT;
-    if (is_told != (fate != 0) || (fate & (fate - 1)) != 0) {
-        return "what becomes of what touches is not told, or told unasked, or twice";
-    }
-    if (is_told && !is_initial && (!is_left_out || fate == PCCD_ENTERS)) {
-        return "a contact that is there at t = 0 is at another time";
-    }
-    if (is_told && !is_initial) {
-        mpq_t lo, hi;
-        mpq_inits(lo, hi, NULL);
-        mpq_set_d(lo, contact->toi);
-        mpq_set_d(hi, contact->toi_hi);
-        bool meets = oracle_contact_in((enum oracle_kind)contact->kind,
-                                       (const double(*)[3])meeting->p, lo, hi);
-        mpq_clears(lo, hi, NULL);
-        return meets ? NULL : "a pair that has parted does not meet again then";
-    }
-    return NULL;
-}
-
 /* Return whether the record is of a pair that has parted, and meets again. */
 static bool meets_again(const struct play_step *step, const struct pccd_contact *contact,
                         const struct verify_meeting *meeting)
@@ -256,7 +227,7 @@ static bool check_exactly(const struct play_step *step,
     struct verify_meeting meeting;
     verify_meet(step, pair, &meeting);
     struct oracle_first *first = meeting.first;
-    const char *untold = check_touching(step, contact, &meeting);
+    const char *untold = verify_touching(step, contact, pair, &meeting, result);
     if (first == NULL) {
         what = is_proved ? "a contact is claimed to be proved, and there is none" : NULL;
     } else if (is_proved && untold != NULL) {

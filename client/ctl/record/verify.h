@@ -152,6 +152,19 @@ struct verify_meeting {
  * edges (recorded_edges). */
 void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                  struct verify_meeting *meeting);
+/* Return what is wrong with what a contact says about its features where they touch at
+ * t = 0; NULL: nothing. What cannot be told here is said to be unchecked. The meshes have
+ * their edges (verify_touching.c). */
+const char *verify_touching(const struct play_step *step,
+                            const struct pccd_contact *contact,
+                            const struct pccd_pair *pair,
+                            const struct verify_meeting *meeting,
+                            struct verify_result *result);
+/* Return whether an answer that leaves out what touches and does not enter may lack the
+ * pair for that. */
+bool verify_is_left_out(const struct play_step *step, const struct pccd_pair *pair,
+                        const struct verify_meeting *meeting,
+                        struct verify_result *result);
 /* Return whether mode pairs has the pair: no axis separates it, by the given coordinates,
  * and its kind has a meaning where it is thin. The meshes have their edges. */
 bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair);

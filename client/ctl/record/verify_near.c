@@ -107,7 +107,7 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
     }
     verify_meet(draw->step, pair, &meeting);
     bool is_right = meeting.first == NULL || may_be_left_out(draw->step, meeting.first) ||
-                    (meeting.touches && draw->step->touching == PCCD_TOUCHING_LEFT_OUT);
+                    verify_is_left_out(draw->step, pair, &meeting, draw->result);
     oracle_first_free(meeting.first);
     if (!is_right) {
         return verify_wrong(draw->result, draw->step, pair,
