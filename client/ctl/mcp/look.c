@@ -167,37 +167,51 @@ static json_t *object_of(const struct scene_object *object, bool *ok)
     return row;
 }
 
-static int open_scene(struct scene *scene, const struct look *look,
+/* Take the options and the scene that they name, and tell of it. */
+static int look_at(int argc, char **argv,
+                   int (*tell)(const struct look *look, struct scene *scene,
+                               struct ctl_error *error))
+{
+    struct look look = {.step = 0};
+    struct scene scene = {.frames = &look.frames};
+    struct ctl_error error = {.text = ""};
+    if (option_parse(&look_table, argc, argv, &look) != 0) {
+        return CTL_USAGE;
+    }
+    int status = scene_take(&scene, &look.files, look.is_each, &look.scene, &error);
+    if (status == PCCD_OK) {
+        status = tell(&look, &scene, &error);
+    }
+    return end(status, &error);
+}
+
+static int open_first(struct scene *scene, struct ctl_error *error)
+{
+    int status = scene_open(scene, error);
+    return status == PCCD_OK ? scene_read(scene, 0, error) : status;
+}
+
+static int tell_scene(const struct look *look, struct scene *scene,
                       struct ctl_error *error)
 {
-    scene->frames = &look->frames;
-    int status = scene_take(scene, &look->files, look->is_each, &look->scene, error);
-    if (status == PCCD_OK) {
-        status = scene_open(scene, error);
+    bool ok = true;
+    int status = open_first(scene, error);
+    (void)look;
+    if (status != PCCD_OK) {
+        return status;
     }
-    return status == PCCD_OK ? scene_read(scene, 0, error) : status;
+    json_t *objects = json_array();
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        json_append(objects, object_of(&scene->objects[i], &ok), &ok);
+    }
+    return print(
+        json_pack("{s:I, s:o}", "frames", (json_int_t)scene->count, "rows", objects), ok,
+        error);
 }
 
 int mcp_look_scene(int argc, char **argv)
 {
-    struct look look = {.step = 0};
-    struct scene scene = {.path = NULL};
-    struct ctl_error error = {.text = ""};
-    bool ok = true;
-    if (option_parse(&look_table, argc, argv, &look) != 0) {
-        return CTL_USAGE;
-    }
-    int status = open_scene(&scene, &look, &error);
-    json_t *objects = json_array();
-    for (uint32_t i = 0; i < scene.object_count && status == PCCD_OK; i++) {
-        json_append(objects, object_of(&scene.objects[i], &ok), &ok);
-    }
-    if (status == PCCD_OK) {
-        status = print(
-            json_pack("{s:I, s:o}", "frames", (json_int_t)scene.count, "rows", objects),
-            ok, &error);
-    }
-    return end(status, &error);
+    return look_at(argc, argv, tell_scene);
 }
 
 /* ---- the place of a record --------------------------------------------------------- */
@@ -257,34 +271,33 @@ static json_t *feature_of(const struct scene *scene, uint32_t step, const char *
     return all;
 }
 
+static int tell_place(const struct look *look, struct scene *scene,
+                      struct ctl_error *error)
+{
+    const uint32_t step = look->step, from = step > 0 ? step - 1 : 0;
+    bool ok = true;
+    int status = open_first(scene, error);
+    if (status == PCCD_OK && step >= scene->count && step > 0) {
+        status = ctl_error_set(error, PCCD_E_INVAL, "the files have changed since");
+    }
+    for (uint32_t i = from > 0 ? from : 1; i <= step && status == PCCD_OK; i++) {
+        status = scene_read(scene, i, error);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    json_t *a = feature_of(scene, step, look->a, &ok);
+    json_t *b = feature_of(scene, step, look->b, &ok);
+    json_t *all = json_pack("{s:o, s:o, s:o, s:o}", "a", a, "b", b, "from",
+                            json_text(scene_frame_name(scene, from)), "to",
+                            json_text(scene_frame_name(scene, step)));
+    return ok ? print(all, ok, error)
+              : ctl_error_set(error, PCCD_E_INVAL, "the files have changed since");
+}
+
 int mcp_look_place(int argc, char **argv)
 {
-    struct look look = {.step = 0};
-    struct scene scene = {.path = NULL};
-    struct ctl_error error = {.text = ""};
-    bool ok = true;
-    if (option_parse(&look_table, argc, argv, &look) != 0) {
-        return CTL_USAGE;
-    }
-    int status = open_scene(&scene, &look, &error);
-    if (status == PCCD_OK && look.step >= scene.count && look.step > 0) {
-        status = ctl_error_set(&error, PCCD_E_INVAL, "the files have changed since");
-    }
-    for (uint32_t i = look.step > 1 ? look.step - 1 : 1;
-         i <= look.step && status == PCCD_OK; i++) {
-        status = scene_read(&scene, i, &error);
-    }
-    if (status == PCCD_OK) {
-        json_t *a = feature_of(&scene, look.step, look.a, &ok);
-        json_t *b = feature_of(&scene, look.step, look.b, &ok);
-        uint32_t from = look.step > 0 ? look.step - 1 : 0;
-        json_t *all = json_pack("{s:o, s:o, s:o, s:o}", "a", a, "b", b, "from",
-                                json_text(scene_frame_name(&scene, from)), "to",
-                                json_text(scene_frame_name(&scene, look.step)));
-        status = ok ? print(all, ok, &error)
-                    : ctl_error_set(&error, PCCD_E_INVAL, "the files have changed since");
-    }
-    return end(status, &error);
+    return look_at(argc, argv, tell_place);
 }
 
 /* ---- a recording ------------------------------------------------------------------- */
@@ -308,31 +321,27 @@ static int copy(const struct frames_recording *recording, const char *path,
     return output_close(&file, path, status == PCCD_OK && got == 0, error);
 }
 
-int mcp_look_record(int argc, char **argv)
+static int tell_record(const struct look *look, struct scene *scene,
+                       struct ctl_error *error)
 {
-    struct look look = {.step = 0};
-    struct scene scene = {.path = NULL};
     struct ctl_link daemon = {.policy = CTL_LINK_PRIVATE_UNLESS_ENV};
     struct frames_recording recording = {.fd = -1};
-    struct ctl_error error = {.text = ""};
     uint64_t bytes = 0;
-    if (option_parse(&look_table, argc, argv, &look) != 0) {
-        return CTL_USAGE;
-    }
-    scene.frames = &look.frames;
-    int status = scene_take(&scene, &look.files, look.is_each, &look.scene, &error);
+    int status = frames_record(&recording, scene, &look->files, &daemon, error);
     if (status == PCCD_OK) {
-        status = frames_record(&recording, &scene, &look.files, &daemon, &error);
+        status = copy(&recording, look->output, &bytes, error);
     }
     if (status == PCCD_OK) {
-        status = copy(&recording, look.output, &bytes, &error);
-    }
-    if (status == PCCD_OK) {
-        uint32_t steps = scene.count > 1 ? scene.count - 1 : 1;
-        status = print(json_pack("{s:o, s:I, s:I}", "file", json_text(look.output),
+        uint32_t steps = scene->count > 1 ? scene->count - 1 : 1;
+        status = print(json_pack("{s:o, s:I, s:I}", "file", json_text(look->output),
                                  "bytes", (json_int_t)bytes, "steps", (json_int_t)steps),
-                       true, &error);
+                       true, error);
     }
     frames_forget(&recording);
-    return end(status, &error);
+    return status;
+}
+
+int mcp_look_record(int argc, char **argv)
+{
+    return look_at(argc, argv, tell_record);
 }

@@ -74,7 +74,7 @@ int mcp_fields_check(const struct mcp_field *fields, const json_t *asked,
 
 #define MCP_WORDS_MAX 1100u
 
-/* Command to run, all of it ours. {0} before mcp_job_begin. */
+/* Command to run, all of it ours. {0} at first. */
 struct mcp_job {
     int (*run)(int argc, char **argv);
     char *words[MCP_WORDS_MAX + 1];
@@ -112,7 +112,8 @@ void mcp_job_deinit(struct mcp_job *job);
 
 struct mcp_tool;
 
-/* Turn a kept row into what is shown of it; the caller's. `asked` is what was asked. */
+/* Turn a kept row into what is shown of it, which is the caller's. `names`: of the
+ * objects, by their numbers from 1; or NULL. */
 typedef json_t *(*mcp_show)(const json_t *row, const json_t *names);
 
 /* Records of an answer, to be asked for by its handle. */
@@ -142,7 +143,7 @@ struct mcp_reader {
 struct mcp {
     bool may_write;
     uint32_t seconds;    /* that a tool may take */
-    int timeout_ms;   /* of commands that ask a daemon; 0: theirs */
+    int timeout_ms;      /* of commands that ask a daemon; 0: theirs */
     const char *version; /* of the protocol, once both have agreed */
 
     struct mcp_reader reader;

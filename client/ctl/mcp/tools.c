@@ -263,7 +263,7 @@ static json_t *vertices_of(const json_t *row, int side, bool *ok)
     return list;
 }
 
-/* The object of a side: its name, or its number from 1; a new reference or NULL. */
+/* Return the object of a side: its name, or its number from 1; NULL: it is not told. */
 static const json_t *object_of(const json_t *row, int side)
 {
     const json_t *named = json_object_get(row, side == 0 ? "object_a" : "object_b");
