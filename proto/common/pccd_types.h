@@ -85,6 +85,36 @@ enum pccd_format {
     PCCD_FORMAT_COUNT = 2
 };
 
+/* Kinds of joint. R(u, q) turns about the unit vector u by q radians, right-handed. */
+enum pccd_joint_kind {
+    PCCD_JOINT_FIXED = 0, /* x' = x */
+    PCCD_JOINT_TURN = 1,  /* x' = R(u, q) x, u = axis / |axis| (revolute) */
+    PCCD_JOINT_SLIDE = 2, /* x' = x + q u, u = axis / |axis| (prismatic) */
+    PCCD_JOINT_SHIFT = 3, /* x' = x + d: by a vector that goes straight */
+    PCCD_JOINT_VECTOR = 4, /* x' = R(w / |w|, |w|) x: a rotation vector w that does */
+    PCCD_JOINT_KIND_COUNT = 5
+};
+
+#define PCCD_NO_JOINT UINT32_MAX /* the world */
+
+/* A joint: how a link moves against the link that it hangs on, while t goes from 0 to 1.
+ * A point x of the link is at position + R(rotation) x' in the frame of the joint's
+ * parent, where x' is what the kind makes of x. Its value goes straight from `from` to
+ * `to`: q of TURN and SLIDE is the first of the three, d of SHIFT and w of VECTOR are all
+ * three; FIXED and what is left are zeros. All of this is meant exactly, by the doubles
+ * as they are: `rotation` is that of the quaternion divided by its length, axes are
+ * divided by theirs. Numbers are finite, of magnitude at most 1e18; lengths of axes and
+ * quaternions 1e-9 .. 1e9; angles at most 2^20 turns. */
+struct pccd_joint {
+    uint32_t kind;      /* enum pccd_joint_kind */
+    uint32_t parent;    /* index of a joint before this one, or PCCD_NO_JOINT */
+    double position[3]; /* of the joint in the frame of its parent */
+    double rotation[4]; /* x y z w; 0 0 0 1: none */
+    double axis[3];     /* of TURN and SLIDE, in the frame of the joint */
+    double from[3];     /* at t = 0 */
+    double to[3];       /* at t = 1 */
+};
+
 /* The settings of an object that are set: bits. */
 enum pccd_object_what {
     PCCD_OBJECT_GROUP = 1,

@@ -80,11 +80,12 @@ daemon/engine elementary  base kernel
 daemon/engine result      base
 daemon/engine team        base kernel elementary result
 daemon/engine scene       base kernel elementary team
+daemon/engine turning     base kernel elementary result team scene
 daemon/engine narrow      base kernel elementary team scene
 daemon/engine near        base kernel elementary team scene
 daemon/engine paper       base kernel elementary team scene narrow
 daemon/engine wide        base kernel elementary team scene narrow
-daemon/engine .           base kernel elementary result team scene narrow near paper wide
+daemon/engine .           base kernel elementary result team scene turning narrow near paper wide
 daemon/service base
 daemon/service queue      base
 daemon/service memory     base queue

@@ -1,0 +1,78 @@
+/* path.h - how one body moves as another one sees it: the joints between the two.
+ *
+ * Make the path from the frame of one link to that of another, without the joints that
+ * move both; give its pose at a time with a bound of its error; bound how fast its points
+ * go, and how far they leave their chords.
+ *
+ * The path has the joints of the first link backwards, then those of the second. It takes
+ * a point b of the second link to where the first one sees it: x(t) = path(t) b. So what
+ * two links of one chain share cancels exactly, and a pair of bodies is always one that
+ * stands and one that moves.
+ *
+ * Threads: [any]; a path is only read.
+ * Source: elementary/BOUNDS.md, "Bodies that turn".
+ */
+#ifndef ENG_PATH_H
+#define ENG_PATH_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "pccd_types.h"
+
+#define ENG_PATH_JOINTS_MAX 128u /* of both links together, after what cancels */
+
+/* A joint of a path, forwards or backwards, in numbers that are near the exact ones. */
+struct eng_path_joint {
+    uint32_t kind; /* enum pccd_joint_kind */
+    bool is_inverse;
+    double place[12]; /* rows of [R | t] of position and rotation */
+    double axis[3];   /* unit vector */
+    double from[3];
+    double to[3];
+};
+
+struct eng_path {
+    uint32_t count;
+    struct eng_path_joint joints[ENG_PATH_JOINTS_MAX];
+};
+
+/* A pose at one time. For a point b, off by nothing, the doubles ((m0 x + m1 y) + m2 z) +
+ * m3 of each row are within error[0] + error[1] max(|x|, |y|, |z|) of the exact place, in
+ * Euclidean distance. */
+struct eng_path_pose {
+    double m[12];
+    double error[2];
+};
+
+/* Boxes of points in the frame of the link that moves. */
+struct eng_path_box {
+    double lo[3];
+    double hi[3];
+};
+
+/* Return whether `count` joints are such as struct pccd_joint says; else set *joint to
+ * the first that is not, and *why to what is wrong with it, a constant text. */
+bool eng_joints_check(const struct pccd_joint *joints, uint32_t count, uint32_t *joint,
+                      const char **why);
+
+/* Make the path from `of`, whose frame it is seen in, to `to`: joints, or PCCD_NO_JOINT
+ * for the world. PCCD_E_LIMIT: more than ENG_PATH_JOINTS_MAX joints. */
+int eng_path_between(const struct pccd_joint *joints, uint32_t of, uint32_t to,
+                     struct eng_path *path);
+
+/* Return whether nothing between the two moves. */
+bool eng_path_is_still(const struct eng_path *path);
+
+/* Set *pose to that at time t, 0 .. 1. */
+void eng_path_pose(const struct eng_path *path, double t, struct eng_path_pose *pose);
+
+/* Return an upper bound of |x'(s)|, of |x''(s)|, for all points of the box and all times
+ * s of [t0, t1], with t as the unit of time. So a point is at most bend (t1 - t0)^2 / 8
+ * off the chord between its places at t0 and t1. */
+double eng_path_speed(const struct eng_path *path, const struct eng_path_box *box,
+                      double t0, double t1);
+double eng_path_bend(const struct eng_path *path, const struct eng_path_box *box,
+                     double t0, double t1);
+
+#endif
