@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "affinity.h"
 #include "report.h"
 
 /* Everything here is valid input, so a refusal ends the program. */
@@ -18,7 +19,11 @@ static void must(int status, const char *what)
 
 void bench_team_environment(char **argv)
 {
+    struct eng_affinity all;
     if (getenv("GOMP_SPINCOUNT") == NULL && setenv("GOMP_SPINCOUNT", "2000", 0) == 0) {
+        /* The next image begins where OMP_PROC_BIND has bound this thread by now. */
+        eng_affinity_init(&all);
+        (void)eng_affinity_unbind_thread(&all);
         execv("/proc/self/exe", argv);
         perror("starting anew with GOMP_SPINCOUNT");
     }

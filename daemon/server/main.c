@@ -29,6 +29,7 @@
  * for the next image, so that there is at most one. */
 static void prepare_environment(char **argv)
 {
+    struct eng_affinity all;
     bool changed = false;
     if (getenv(COMMON_OPENMP_SPIN_NAME) == NULL) {
         changed = setenv(COMMON_OPENMP_SPIN_NAME, COMMON_OPENMP_SPIN_VALUE, 0) == 0;
@@ -38,6 +39,9 @@ static void prepare_environment(char **argv)
         changed = (getenv(name) != NULL && unsetenv(name) == 0) || changed;
     }
     if (changed) {
+        /* The next image begins where this thread is bound by now. */
+        eng_affinity_init(&all);
+        (void)eng_affinity_unbind_thread(&all);
         execv("/proc/self/exe", argv);
         srv_log(SRV_LOG_WARN, 0, "cannot restart with OpenMP's environment: %s",
                 strerror(errno));

@@ -280,6 +280,22 @@ else
     tap_result $status doctor__tells_of_a_daemon_that_is_bound "$log"
 fi
 
+# If it failed, OpenMP's binding of the first thread would leave a daemon one processor of all.
+if [ "$(nproc)" -lt 2 ]; then
+    tap_skip threads__are_as_many_where_openmp_binds_the_first "it takes two processors"
+else
+    mkfifo places.ready
+    env -u OMP_PLACES OMP_PROC_BIND=true \
+        "$PCCD_DAEMON" --socket "$work/places" --ready-fd 3 3>places.ready 2>>"$log" &
+    bound_pid=$!
+    read -r -t 20 -N 1 _ <places.ready
+    ctl doctor --socket "$work/places" && ! says '^warn +threads ' &&
+        ctl status --socket "$work/places" && says "^team +$(nproc) threads at most"
+    status=$?
+    kill "$bound_pid" && wait "$bound_pid"
+    tap_result $status threads__are_as_many_where_openmp_binds_the_first "$log"
+fi
+
 # If it failed, nobody would learn why the daemon that a program has started is gone.
 cat >dying <<'SH'
 #!/bin/sh

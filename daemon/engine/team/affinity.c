@@ -15,6 +15,27 @@ enum { KEPT_OFF = -3, UNKNOWN = -2, ANYWHERE = -1 };
 
 /* ---- processors -------------------------------------------------------------------- */
 
+/* List the processors of the process. OMP_PROC_BIND has the runtime bind the first thread
+ * to one of them before main: the others are still there. */
+static bool list_processors(cpu_set_t *set)
+{
+    int ids[ENG_PROCESSORS_MAX];
+    if (sched_getaffinity(0, sizeof *set, set) != 0) {
+        return false;
+    }
+    int places = omp_get_proc_bind() == omp_proc_bind_false ? 0 : omp_get_num_places();
+    for (int place = 0; place < places; place++) {
+        int count = omp_get_place_num_procs(place);
+        if (count > 0 && count <= (int)ENG_PROCESSORS_MAX) {
+            omp_get_place_proc_ids(place, ids);
+            for (int i = 0; i < count; i++) {
+                CPU_SET((size_t)ids[i], set); /* beyond the set: nothing */
+            }
+        }
+    }
+    return true;
+}
+
 void eng_affinity_init(struct eng_affinity *affinity)
 {
     cpu_set_t set;
@@ -23,7 +44,7 @@ void eng_affinity_init(struct eng_affinity *affinity)
     affinity->is_guest = false;
     affinity->first_on = 0;
     (void)omp_get_max_threads();
-    if (sched_getaffinity(0, sizeof set, &set) != 0) {
+    if (!list_processors(&set)) {
         return;
     }
     for (uint32_t cpu = 0; cpu < CPU_SETSIZE && affinity->count < ENG_PROCESSORS_MAX;
@@ -61,6 +82,11 @@ static bool bind_to(const struct eng_affinity *affinity, int cpu, pthread_t thre
     return pthread_setaffinity_np(thread, sizeof set, &set) == 0;
 }
 
+bool eng_affinity_unbind_thread(const struct eng_affinity *affinity)
+{
+    return bind_to(affinity, ANYWHERE, pthread_self());
+}
+
 uint32_t eng_affinity_processors(const struct eng_affinity *affinity)
 {
     static atomic_uint known;
@@ -70,8 +96,7 @@ uint32_t eng_affinity_processors(const struct eng_affinity *affinity)
     uint32_t count = atomic_load_explicit(&known, memory_order_relaxed);
     if (count == 0) {
         cpu_set_t set;
-        count =
-            sched_getaffinity(0, sizeof set, &set) == 0 ? (uint32_t)CPU_COUNT(&set) : 1;
+        count = list_processors(&set) ? (uint32_t)CPU_COUNT(&set) : 1;
         atomic_store_explicit(&known, count, memory_order_relaxed);
     }
     return count;

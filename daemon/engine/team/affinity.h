@@ -27,10 +27,13 @@ struct eng_affinity {
     int first_on;  /* then: where the first thread is; set by it before each step */
 };
 
-/* List the processors that the calling thread may use, before it is placed. The runtime
- * sets itself up, too: libomp opens files at its first call, which a sandbox would forbid
- * later. [any] */
+/* List the processors that the calling thread may use, before it is placed, and those to
+ * which the runtime binds threads (OMP_PROC_BIND). The runtime sets itself up, too: libomp
+ * opens files at its first call, which a sandbox would forbid later. [any] */
 void eng_affinity_init(struct eng_affinity *affinity);
+
+/* Let the calling thread run on all of them. False: the system refuses. [any] */
+bool eng_affinity_unbind_thread(const struct eng_affinity *affinity);
 
 /* List the same processors for another team of the process, in another order: where each
  * team has work for one thread only, these are not on one processor. [any] */
