@@ -19,6 +19,7 @@
 #include "parallel.h" /* many items, by several threads */
 #include "question.h" /* what is asked, and how it is to be computed */
 #include "scene.h"    /* objects, and the positions of the next step */
+#include "stage_turning.h" /* objects that turn in it */
 #include "step.h"     /* a step and its answer; boxes to be looked at */
 #include "trace.h"    /* what threads did, when */
 

@@ -9,6 +9,7 @@ ENGINE_CPPFLAGS = \
     -iquote $(top_srcdir)/daemon/engine/result \
     -iquote $(top_srcdir)/daemon/engine/team \
     -iquote $(top_srcdir)/daemon/engine/scene \
+    -iquote $(top_srcdir)/daemon/engine/turning \
     -iquote $(top_srcdir)/daemon/engine/narrow \
     -iquote $(top_srcdir)/daemon/engine/near \
     -iquote $(top_srcdir)/daemon/engine/paper \

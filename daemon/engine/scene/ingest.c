@@ -152,6 +152,11 @@ int eng_ingest_corners(uint32_t (*out)[3], uint32_t points, uint32_t count,
     return PCCD_OK;
 }
 
+void eng_ingest_bytes(void *out, const void *source, size_t bytes)
+{
+    copy_once(out, source, bytes);
+}
+
 int eng_ingest_transform(double out[12], const void *source)
 {
     assert(out && source);

@@ -4,6 +4,7 @@
 #ifndef ENG_INGEST_H
 #define ENG_INGEST_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "affinity.h"
@@ -38,6 +39,9 @@ int eng_ingest_triangles(uint32_t (*out)[3], uint32_t count, uint32_t vertex_cou
  * repeated. */
 int eng_ingest_corners(uint32_t (*out)[3], uint32_t points, uint32_t count,
                        uint32_t vertex_count, const void *source, uint32_t *bad);
+
+/* Copy bytes, each of them read once. */
+void eng_ingest_bytes(void *out, const void *source, size_t bytes);
 
 /* Copy a transform double[12]: finite and |.| <= 1e18, else PCCD_E_NOTFINITE. */
 int eng_ingest_transform(double out[12], const void *source);

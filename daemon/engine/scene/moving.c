@@ -152,6 +152,9 @@ static enum eng_movement compare(struct eng_scene *scene, struct eng_object *obj
                                  const struct eng_write *writes, uint32_t count)
 {
     unsigned char *marks = scene->moving.moves + object->vertices.first;
+    if (writes->joint != PCCD_NO_JOINT) { /* it may end where it began */
+        return ENG_MOVES_ALL;
+    }
     if (count == 1 && writes->count == object->vertices.count) {
         struct ends ends = ends_of(scene, writes);
         if (moves_all(&ends, writes->count)) {

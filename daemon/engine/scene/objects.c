@@ -121,6 +121,8 @@ void eng_scene_free(struct eng_scene *scene)
     eng_free(scene->moving.moves);
     eng_free(scene->framing.items);
     eng_free(scene->writes);
+    eng_free(scene->joints.items);
+    eng_free(scene->staged_joints.items);
     eng_free(scene);
 }
 
@@ -191,6 +193,7 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
                                 .id = object_id,
                                 .bounds = {mesh->bounds, mesh->bounds},
                                 .frame = {.scale = 1},
+                                .joint = PCCD_NO_JOINT,
                                 .ends_are_equal = true,
                                 .is_new = true};
     int status = take_all(scene, &object);
@@ -425,6 +428,8 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene)
            sizeof *scene + (uint64_t)scene->object_capacity * sizeof *scene->objects +
            (uint64_t)scene->object_capacity * sizeof *scene->framing.items +
            (uint64_t)scene->replaced_capacity * sizeof *scene->replaced +
+           ((uint64_t)scene->joints.capacity + scene->staged_joints.capacity) *
+               sizeof *scene->joints.items +
            (uint64_t)scene->vertex_capacity *
                (2 * sizeof *scene->x[0] + sizeof *scene->moving.moves) +
            (uint64_t)scene->start_capacity * sizeof *scene->start +

@@ -30,6 +30,7 @@ void eng_stage_begin(struct eng_scene *scene)
     scene->stage_ns = 0;
     scene->copiers = (struct eng_copiers){1, NULL};
     scene->write_count = 0;
+    scene->staged_joints.count = 0;
 }
 
 void eng_stage_validate(struct eng_scene *scene)
@@ -128,7 +129,8 @@ static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t fir
                                            .count = count,
                                            .has_start = has_start,
                                            .bounds = {ENG_NO_BOUNDS, ENG_NO_BOUNDS},
-                                           .rounding_reach = {INFINITY, INFINITY}});
+                                           .rounding_reach = {INFINITY, INFINITY},
+                                           .joint = PCCD_NO_JOINT});
     if (status == PCCD_OK && (has_start || scene->is_trial)) {
         status = reserve_start(scene);
     }
@@ -414,6 +416,15 @@ static void measure(struct eng_scene *scene, unsigned which, int end,
     object->bounds[which] = bounds;
 }
 
+/* The joints of the step take the place of those of the last one. */
+static void take_joints(struct eng_scene *scene)
+{
+    struct eng_joints last = scene->joints;
+    scene->joints = scene->staged_joints;
+    scene->staged_joints = last;
+    scene->turning_count = 0;
+}
+
 /* The bounds of all objects that were written, whose writes are in order. */
 static void measure_written(struct eng_scene *scene)
 {
@@ -428,6 +439,8 @@ static void measure_written(struct eng_scene *scene)
         memcpy(object->rounding_reach, scene->writes[first].rounding_reach,
                sizeof object->rounding_reach);
         object->is_posed = object->rounding_reach[1] < INFINITY;
+        object->joint = scene->writes[first].joint;
+        scene->turning_count += object->joint != PCCD_NO_JOINT;
         measure(scene, scene->now, 0, &scene->writes[first], i - first);
         measure(scene, 1 - scene->now, 1, &scene->writes[first], i - first);
     }
@@ -453,8 +466,10 @@ int eng_stage_commit(struct eng_scene *scene)
             object->ends_are_equal = true;
         }
         object->is_previous_overwritten = false;
+        object->joint = PCCD_NO_JOINT;
     }
     eng_moving_commit(scene);
+    take_joints(scene);
     take_starts(scene);
     measure_written(scene);
     scene->now = 1 - scene->now;

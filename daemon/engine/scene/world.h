@@ -133,6 +133,7 @@ struct eng_object {
     void *slots[ENG_SLOTS];            /* what the owners of the slots keep of it */
     struct eng_bounds bounds[2];       /* of its triangles, in x[0] and in x[1] */
     struct eng_box_frame frame; /* of its boxes; not in use while framing.number is 0 */
+    uint32_t joint; /* of the last step, on which it turned; PCCD_NO_JOINT: none */
     struct eng_object_thickness thickness;
 };
 
@@ -216,6 +217,14 @@ struct eng_write {
     struct eng_bounds bounds[2]; /* of x0, if there is one, and of x1 */
     double rounding_reach[2]; /* as that of an object: INFINITY unless these are poses of
                                * it all */
+    uint32_t joint; /* index of the step's, on which it turns; PCCD_NO_JOINT: none */
+};
+
+/* Joints of a step, checked. Their parents are indices among all of them. */
+struct eng_joints {
+    struct pccd_joint *items; /* [capacity] */
+    uint32_t count;
+    uint32_t capacity;
 };
 
 struct eng_scene {
@@ -261,6 +270,9 @@ struct eng_scene {
     struct eng_copiers copiers; /* of its writes */
     struct eng_write *writes;   /* [write_capacity] */
     uint32_t write_count, write_capacity;
+    struct eng_joints joints;        /* of the last step, .. */
+    uint32_t turning_count;          /* .. in which so many objects turned */
+    struct eng_joints staged_joints; /* of the step being staged */
 
     const struct eng_slot_calls *const *owners; /* [ENG_SLOTS] */
     void *slots[ENG_SLOTS];
@@ -269,6 +281,13 @@ struct eng_scene {
 
 /* Return the object that staged or stands at `object_idx`, or NULL. */
 struct eng_object *eng_scene_object(const struct eng_scene *scene, uint32_t object_idx);
+
+/* Return whether an object turns in the step that is staged or, if none is, in the last
+ * one. */
+static inline bool eng_scene_turns(const struct eng_scene *scene)
+{
+    return scene->staging ? scene->staged_joints.count > 0 : scene->turning_count > 0;
+}
 
 /* Make an empty scene whose slots have these owners. PCCD_E_INVAL, PCCD_E_NOMEM. */
 int eng_world_new(const struct eng_scene_settings *settings,
