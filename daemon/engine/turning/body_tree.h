@@ -1,0 +1,68 @@
+/* body_tree.h - the tree of a mesh: boxes around its leaves, each of which owns features.
+ *
+ * Make one tree per mesh in the mesh's own frame, once, when it is first needed; all
+ * objects that turn and have the mesh share it, and it goes with the mesh. Fit the boxes
+ * of the same tree to an object that goes straight, for a step: at both of its ends.
+ *
+ * Threads: eng_body_tree_prepare [any]; a tree that is there is only read. A fit belongs
+ * to one thread while it is made.
+ *
+ * A node has up to four children, whose boxes lie beside each other, for four lanes. A
+ * child is a leaf of the mesh (topology.h), or another node. Boxes are floats: centre and
+ * half of each side, measured from an origin near the middle, rounded outward.
+ */
+#ifndef ENG_BODY_TREE_H
+#define ENG_BODY_TREE_H
+
+#include "aabb.h"
+#include "path.h"
+#include "topology.h"
+
+#define ENG_BODY_LEAF 0x80000000u /* of a child: the rest is the number of a leaf */
+#define ENG_BODY_NONE UINT32_MAX  /* there is no such child; its box holds nothing */
+
+struct eng_body_boxes {
+    eng_f4 centre[3]; /* by axis, of each child */
+    eng_f4 half[3];
+};
+
+struct eng_body_tree {
+    uint32_t node_count; /* >= 1; the first is the root, a child comes after its node */
+    double origin[3];
+    struct eng_path_box box;      /* around all, exactly */
+    struct eng_body_boxes *boxes; /* [node_count] at the registered positions */
+    uint32_t (*children)[4];      /* [node_count] */
+};
+
+/* Have the tree of a committed mesh, whose account is charged. PCCD_E_NOMEM. O(n log n)
+ * the first time. [any] */
+int eng_body_tree_prepare(struct eng_mesh *mesh);
+
+/* Return the tree, which is there. [any] */
+const struct eng_body_tree *eng_body_tree_of(const struct eng_mesh *mesh);
+
+/* The boxes of an object in a step: its mesh's own, if it turns, or stands where it was
+ * registered; else a fit. Zeros: there are none yet. */
+struct eng_body {
+    const struct eng_mesh *mesh;
+    const double (*x[2])[3]; /* its vertices in the frame of its link: at both ends the
+                              * registered ones; or in the world, at both ends */
+    const struct eng_body_boxes *boxes[2]; /* at either end; the same if they are equal */
+    double origin[3];
+    struct eng_path_box box;    /* around all, at both ends */
+    struct eng_body_boxes *fit; /* what it has made itself; NULL: nothing */
+    uint32_t fit_capacity;      /* of both ends, in nodes */
+};
+
+/* Take the registered positions: those of a body that turns. The mesh has its tree. */
+void eng_body_set(struct eng_body *body, const struct eng_mesh *mesh);
+
+/* Take positions in the world, x0 == x1 if it stands, which must stay while the body is
+ * used. The mesh has its tree. PCCD_E_NOMEM. O(leaves). [any] */
+int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
+                 const double (*x0)[3], const double (*x1)[3]);
+
+void eng_body_deinit(struct eng_body *body);
+uint64_t eng_body_bytes(const struct eng_body *body);
+
+#endif

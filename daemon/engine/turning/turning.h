@@ -1,0 +1,76 @@
+/* turning.h - the contacts of two objects of which one turns.
+ *
+ *     sweep.c     pairs of features that may meet, and when
+ *     -> decide.c     each of them
+ *     -> team/worker.c    records, as the mode wants them
+ *
+ * Threads: [team]; what a thread has for it belongs to it alone. Two threads may be at
+ * different tasks of the same two objects.
+ *
+ * How a step uses it. [compute], before the team starts: eng_body_tree_prepare of the
+ * mesh of each object that takes part, and a struct eng_body for each: eng_body_set for
+ * one that turns, eng_body_fit for any other (those of different objects may be made by
+ * different threads). [team]: of each two objects that may meet (eng_masks_allows),
+ * of which one turns at least, eng_turning_begin, and eng_turning_perform with
+ * ENG_TURNING_ALL; or, where one pair is work for several threads, eng_turning_split once
+ * and each of its tasks once, by any thread that has begun with the same pair. Each pair
+ * of features is found by one task alone, so there is nothing to unite.
+ */
+#ifndef ENG_TURNING_H
+#define ENG_TURNING_H
+
+#include "body_tree.h"
+#include "worker.h"
+#include "world.h"
+
+/* An object of a pair. */
+struct eng_turning_side {
+    const struct eng_object *object;
+    const struct eng_body *body;
+    uint32_t joint; /* that it hangs on; PCCD_NO_JOINT: it does not turn */
+};
+
+/* The default of `resolution`. */
+#define ENG_TURNING_RESOLUTION 0x1p-20
+
+/* Two objects, as they are tested against each other. */
+struct eng_turning_objects {
+    struct eng_turning_side side[2]; /* at least one turns; their order does not matter */
+    const struct pccd_joint *joints; /* of the step */
+    double separation;               /* of the step */
+    /* What is not decided at this part of the size of the larger of the two is possible
+     * (delta of decide.h); 2^-40 .. 1. */
+    double resolution;
+};
+
+/* A task: the nodes of both sides whose leaves are tested against each other. */
+#define ENG_TURNING_ALL 0u
+
+/* The state of a thread. */
+struct eng_turning;
+
+/* Make one. PCCD_E_NOMEM. */
+int eng_turning_make(struct eng_turning **turning);
+void eng_turning_free(struct eng_turning *turning); /* NULL is allowed */
+uint64_t eng_turning_bytes(const struct eng_turning *turning);
+
+/* Get ready for two objects, which must stay until the next. PCCD_E_LIMIT: too many
+ * joints between the two. Costs about as much as a few tests of boxes. */
+int eng_turning_begin(struct eng_turning *turning,
+                      const struct eng_turning_objects *objects);
+
+/* Divide the work into at most `most` tasks, >= 1, and return how many: 0 if the two stay
+ * apart. A function of the pair and of `most`. */
+uint32_t eng_turning_split(struct eng_turning *turning, uint32_t most, uint64_t *tasks);
+
+/* Perform a task of the two that have begun: what meets goes to the worker by
+ * eng_record_contact, as the mode of its question wants it (all, first or any): each pair
+ * of features once, in any order; first and any leave out what does not matter any more.
+ * Normals are those of the world. Counts candidates, tests and box tests of the worker.
+ * Looks whether the worker should stop at least every 0.2 ms, and ends if so.
+ * PCCD_E_LIMIT: some pairs took too many looks (decide.h) and are not known;
+ * PCCD_E_NOMEM. What was found stays then. */
+int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
+                        uint64_t task);
+
+#endif
