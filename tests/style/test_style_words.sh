@@ -53,7 +53,7 @@ function singular(word) {
 function look(text, names, parts, i, j, n) {
     n = split(text, names, /[^A-Za-z0-9_]+/)
     for (i = 1; i <= n; i++) {
-        if (names[i] == "") continue
+        if (names[i] == "" || names[i] ~ /^omp_/) continue # OpenMP's own
         parts_count = split(names[i], parts, /_+/)
         for (j = 1; j <= parts_count; j++)
             if ((word = singular(parts[j])) in listed) complain(names[i], word)

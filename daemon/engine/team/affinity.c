@@ -23,8 +23,8 @@ static bool list_processors(cpu_set_t *set)
     if (sched_getaffinity(0, sizeof *set, set) != 0) {
         return false;
     }
-    int places = omp_get_proc_bind() == omp_proc_bind_false ? 0 : omp_get_num_places();
-    for (int place = 0; place < places; place++) {
+    int bound = omp_get_proc_bind() == omp_proc_bind_false ? 0 : omp_get_num_places();
+    for (int place = 0; place < bound; place++) {
         int count = omp_get_place_num_procs(place);
         if (count > 0 && count <= (int)ENG_PROCESSORS_MAX) {
             omp_get_place_proc_ids(place, ids);

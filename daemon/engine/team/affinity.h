@@ -28,8 +28,8 @@ struct eng_affinity {
 };
 
 /* List the processors that the calling thread may use, before it is placed, and those to
- * which the runtime binds threads (OMP_PROC_BIND). The runtime sets itself up, too: libomp
- * opens files at its first call, which a sandbox would forbid later. [any] */
+ * which the runtime binds threads (OMP_PROC_BIND). The runtime sets itself up, too:
+ * libomp opens files at its first call, which a sandbox would forbid later. [any] */
 void eng_affinity_init(struct eng_affinity *affinity);
 
 /* Let the calling thread run on all of them. False: the system refuses. [any] */
