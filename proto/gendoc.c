@@ -206,6 +206,7 @@ static void print_limits(void)
     LIMIT(PROTO_INFLIGHT_MAX, "steps in flight of a client; `shm.attach` may say less");
     LIMIT(PROTO_SEGMENTS_MAX, "segments of a step, or of a batch");
     LIMIT(PROTO_BATCH_MAX, "scenes of a batch");
+    LIMIT(PROTO_JOINTS_MAX, "joints of a table");
     LIMIT(PROTO_SLOT_BYTES_MIN, "bytes of a slot, at least");
     LIMIT(PROTO_RESULT_BYTES_MIN, "bytes of a result region, at least");
     LIMIT(PROTO_COUNT_MAX, "vertices, triangles or edges of a scene");
@@ -300,6 +301,12 @@ static void print_answer_enums(void)
     print_enum("pccd_format");
     VALUE(PCCD_FORMAT_F32, "float[3], 12 bytes a vertex");
     VALUE(PCCD_FORMAT_F64, "double[3], 24 bytes a vertex");
+    print_enum("pccd_joint_kind");
+    VALUE(PCCD_JOINT_FIXED, "x' = x");
+    VALUE(PCCD_JOINT_TURN, "x' = x, turned about `axis` by the value, in radians");
+    VALUE(PCCD_JOINT_SLIDE, "x' = x, moved along `axis` by the value");
+    VALUE(PCCD_JOINT_SHIFT, "x' = x, moved by the vector of values");
+    VALUE(PCCD_JOINT_VECTOR, "x' = x, turned about the vector of values by its length");
 }
 
 /* Print the enums of scenes and objects, and of what shows what a daemon does. */

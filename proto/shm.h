@@ -28,6 +28,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pccd_types.h"
 #include "proto_limits.h"
 
 #define PROTO_UPLOAD_MAGIC   0x75636370u /* "pccu" */
@@ -88,28 +89,40 @@ struct proto_upload {
 
 /* Kinds of segment. */
 enum proto_segment_kind {
-    PROTO_SEGMENT_X1 = 0,    /* end positions; the start is the last step's end */
-    PROTO_SEGMENT_X0X1 = 1,  /* start and end positions */
-    PROTO_SEGMENT_RIGID = 2, /* a transform for each end, of the registered positions */
-    PROTO_SEGMENT_KIND_COUNT = 3
+    PROTO_SEGMENT_X1 = 0,      /* end positions; the start is the last step's end */
+    PROTO_SEGMENT_X0X1 = 1,    /* start and end positions */
+    PROTO_SEGMENT_RIGID = 2,   /* a transform for each end, of the registered positions */
+    PROTO_SEGMENT_TURNING = 3, /* on a joint of a table; all vertices */
+    PROTO_SEGMENT_KIND_COUNT = 4
 };
 
 /* One entry of the segment table, which stands at the start of a slot's payload.
  *
  * Ranges of one object must not overlap within a step. RIGID: offset0 and offset1 each
- * lead to double[12], the rows of [R | t]: x' = R x + t. A segment with count = 0 is
+ * lead to double[12], the rows of [R | t]: x' = R x + t. TURNING: offset0 leads to a
+ * struct proto_joints, the same for all such segments of a scene; `first` is the joint
+ * that the object hangs on, `count` all its vertices. A segment with count = 0 is
  * refused. */
 struct proto_segment {
     uint32_t object;  /* handle */
     uint16_t kind;    /* enum proto_segment_kind */
-    uint16_t format;  /* enum pccd_format; 1 for RIGID */
-    uint32_t first;   /* first vertex */
+    uint16_t format;  /* enum pccd_format; 1 for RIGID and TURNING */
+    uint32_t first;   /* first vertex; TURNING: index of a joint */
     uint32_t count;   /* vertices */
     uint64_t offset0; /* bytes from the start of the payload; X1: must be 0 */
-    uint64_t offset1; /* end positions; both offsets are multiples of 8 */
+    uint64_t offset1; /* end positions; both offsets are multiples of 8. TURNING: 0 */
 };
 
 #define PROTO_RIGID_BYTES 96u /* double[12] */
+
+/* The head of a table of joints; struct pccd_joint[count] follows. */
+struct proto_joints {
+    uint32_t count;    /* 1 .. PROTO_JOINTS_MAX */
+    uint32_t reserved; /* 0 */
+};
+/* Return the bytes of a table of joints. */
+#define PROTO_JOINTS_BYTES(count)                                                        \
+    (sizeof(struct proto_joints) + (uint64_t)(count) * sizeof(struct pccd_joint))
 
 /* One entry of the table of scenes, which stands at the start of the payload of a batch
  * (batch.submit). The table of segments of all scenes follows it: those of the first
@@ -166,6 +179,14 @@ static_assert(offsetof(struct proto_segment, first) == 8, "segment.first");
 static_assert(offsetof(struct proto_segment, count) == 12, "segment.count");
 static_assert(offsetof(struct proto_segment, offset0) == 16, "segment.offset0");
 static_assert(offsetof(struct proto_segment, offset1) == 24, "segment.offset1");
+static_assert(sizeof(struct proto_joints) == 8, "joints behind it are aligned");
+static_assert(sizeof(struct pccd_joint) == 136, "a joint has 136 bytes");
+static_assert(offsetof(struct pccd_joint, parent) == 4, "joint.parent");
+static_assert(offsetof(struct pccd_joint, position) == 8, "joint.position");
+static_assert(offsetof(struct pccd_joint, rotation) == 32, "joint.rotation");
+static_assert(offsetof(struct pccd_joint, axis) == 64, "joint.axis");
+static_assert(offsetof(struct pccd_joint, from) == 88, "joint.from");
+static_assert(offsetof(struct pccd_joint, to) == 112, "joint.to");
 static_assert(sizeof(_Atomic uint64_t) == 8, "atomics are plain words");
 
 #endif

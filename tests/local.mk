@@ -81,6 +81,7 @@ test_programs += \
     tests/property/test_eng_touching \
     tests/proto/test_proto_codec \
     tests/proto/test_proto_damage \
+    tests/proto/test_proto_joints \
     tests/proto/test_proto_malformed \
     tests/proto/test_proto_memfd \
     tests/proto/test_proto_seqpacket \

@@ -29,6 +29,7 @@
 #define PROTO_FEATURE_BATCH   1024u /* batch.submit */
 #define PROTO_FEATURE_TELLS   2048u /* tells_start, tells_crossings */
 #define PROTO_FEATURE_TOUCHING 4096u /* what becomes of what touches */
+#define PROTO_FEATURE_TURNING  8192u /* bodies that hang on joints; resolution */
 
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u
@@ -38,6 +39,7 @@
 #define PROTO_INFLIGHT_MAX     16u
 #define PROTO_SEGMENTS_MAX     65536u /* segments of one step, or of one batch */
 #define PROTO_BATCH_MAX        65536u /* scenes of one batch */
+#define PROTO_JOINTS_MAX       65536u /* joints of one table */
 #define PROTO_SLOT_BYTES_MIN   4096u
 #define PROTO_RESULT_BYTES_MIN 65536u
 

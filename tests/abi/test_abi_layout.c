@@ -405,6 +405,22 @@ CASE(shared_memory__keeps_its_layout)
     VALUE(PROTO_SEGMENT_X1, 0);
     VALUE(PROTO_SEGMENT_X0X1, 1);
     VALUE(PROTO_SEGMENT_RIGID, 2);
+    VALUE(PROTO_SEGMENT_TURNING, 3);
+    VALUE(PCCD_NO_JOINT, 4294967295);
+    VALUE(PCCD_JOINT_FIXED, 0);
+    VALUE(PCCD_JOINT_TURN, 1);
+    VALUE(PCCD_JOINT_SLIDE, 2);
+    VALUE(PCCD_JOINT_SHIFT, 3);
+    VALUE(PCCD_JOINT_VECTOR, 4);
+    SIZE(proto_joints, 8);
+    SIZE(pccd_joint, 136);
+    AT(pccd_joint, kind, 0);
+    AT(pccd_joint, parent, 4);
+    AT(pccd_joint, position, 8);
+    AT(pccd_joint, rotation, 32);
+    AT(pccd_joint, axis, 64);
+    AT(pccd_joint, from, 88);
+    AT(pccd_joint, to, 112);
 }
 
 /* If this failed, an old client would call an error by another's name. */

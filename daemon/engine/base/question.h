@@ -98,6 +98,9 @@ struct eng_question {
     double approach;
     /* ENG_CONTACTS, not brief: what becomes of thin pairs that touch at t = 0. */
     enum pccd_touching touching;
+    /* ENG_CONTACTS, of bodies that turn: what comes within so much more than the distance
+     * at which it meets may be possible. 0 .. 1e18; 0: 2^-20 of the size of the two. */
+    double resolution;
     double tolerance;     /* of toi_hi - toi, 1e-12 .. 1; default 1e-6 */
     double gap;           /* NEAREST: 0 .. 1e18 */
     uint32_t objects[2];  /* ids; 0: any. pccd_near.h says when they are looked at */

@@ -56,7 +56,9 @@ static int check_step(struct srv_call *call, const struct srv_step_params *param
                                "approach is %g, not 0 or between 0 and 1",
                                params->approach);
     }
-    return srv_check_length(call, "separation", params->separation);
+    status = srv_check_length(call, "resolution", params->resolution);
+    return status != 0 ? status
+                       : srv_check_length(call, "separation", params->separation);
 }
 
 static int check_near(struct srv_call *call)

@@ -26,7 +26,8 @@
     .deadline_ns = (of)->deadline_ns, .step = (of)->step, .tuning = (of)->tuning
 #define OF_STEP(of)                                                                      \
     .mode = (of)->mode, .tolerance = (of)->tolerance, .separation = (of)->separation,    \
-    .approach = (of)->approach, .touching = (of)->touching
+    .approach = (of)->approach, .touching = (of)->touching,                              \
+    .resolution = (of)->resolution
 
 struct srv_step_params srv_step_params_of(int method, const union srv_params *params)
 {
@@ -95,6 +96,7 @@ static void choose(const struct srv_request *request,
     question->distance = params->separation;
     question->approach = params->approach;
     question->touching = (enum pccd_touching)params->touching;
+    question->resolution = params->resolution;
     question->tells_start = params->tells_start;
     question->no_hash = request->session->service->write != NULL;
 }
@@ -369,7 +371,8 @@ static void note(const struct srv_step_run *run)
                                                    .deadline_ns = params->deadline_ns,
                                                    .separation = params->separation,
                                                    .approach = params->approach,
-                                                   .touching = params->touching};
+                                                   .touching = params->touching,
+                                                   .resolution = params->resolution};
         memcpy(frame.tuning, params->tuning,
                strnlen(params->tuning, sizeof frame.tuning));
         srv_journal_step(scene, &frame, member, run->item->taken);

@@ -33,6 +33,7 @@ struct srv_step_params {
     double separation;
     double approach;
     uint32_t touching;
+    double resolution;
     bool tells_start;
     bool holds;
     bool places; /* it only brings objects to their places */

@@ -96,7 +96,7 @@ static int check_segment(const struct srv_staging *staging,
                          uint64_t *bytes)
 {
     struct proto_error *error = staging->error;
-    if (segment->kind >= PROTO_SEGMENT_KIND_COUNT) {
+    if (segment->kind >= PROTO_SEGMENT_TURNING) {
         return proto_error_set(error, PCCD_E_SEGMENT, "segment %u: unknown kind %u", at,
                                segment->kind);
     }
@@ -151,6 +151,7 @@ static int copy_segment(const struct srv_staging *staging,
     case PROTO_SEGMENT_RIGID:
         return eng_stage_rigid(engine, idx, segment->first, segment->count, parts[0],
                                parts[1]);
+    case PROTO_SEGMENT_TURNING:
     case PROTO_SEGMENT_KIND_COUNT:
         break;
     }
