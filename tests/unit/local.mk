@@ -49,6 +49,7 @@ test_programs += \
     tests/unit/test_eng_nearest \
     tests/unit/test_eng_order \
     tests/unit/test_eng_pairset \
+    tests/unit/test_eng_path \
     tests/unit/test_eng_plane \
     tests/unit/test_eng_quantised \
     tests/unit/test_eng_radix \
@@ -113,6 +114,7 @@ test_scripts += \
 check_PROGRAMS += tests/unit/kernel_digest
 
 # Their own eng_alloc comes first, so the library's memory.o is not linked.
+tests_unit_test_eng_path_SOURCES = tests/unit/test_eng_path.c tests/unit/eng_turns.c
 tests_unit_test_eng_fault_SOURCES = tests/unit/test_eng_fault.c tests/unit/eng_scarce.c
 tests_unit_test_eng_fault_team_SOURCES = tests/unit/test_eng_fault_team.c tests/unit/eng_scarce.c
 

@@ -8,6 +8,7 @@
 
 #include "memory.h"
 #include "pccd_types.h"
+#include "two.h"
 
 /* More than what a product, or an error, loses below the normal range. */
 #define LOST 0x1p-1040
@@ -112,36 +113,6 @@ void eng_numbers_load(struct eng_numbers *numbers, bool is_exact, const double (
     }
 }
 
-/* *rest is what rounding has left: a + b = sum + *rest. */
-static double two_sum(double a, double b, double *rest)
-{
-    double sum = a + b;
-    double part = sum - a;
-    *rest = (a - (sum - part)) + (b - part);
-    return sum;
-}
-
-/* a = high + *low, each of at most 26 bits. */
-static double split(double a, double *low)
-{
-    double scaled = 0x1.0000002p27 * a;
-    double high = scaled - (scaled - a);
-    *low = a - high;
-    return high;
-}
-
-static double two_product(double a, double b, double *rest)
-{
-    double a_low;
-    double b_low;
-    double a_high = split(a, &a_low);
-    double b_high = split(b, &b_low);
-    double product = a * b;
-    *rest =
-        ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
-    return product;
-}
-
 struct eng_vector eng_number_between(struct eng_numbers *numbers, int i, int j)
 {
     struct eng_vector out;
@@ -154,7 +125,7 @@ struct eng_vector eng_number_between(struct eng_numbers *numbers, int i, int j)
             out.c[k].z = some_integer(numbers, bits);
             mpz_sub(out.c[k].z, a, b);
         } else {
-            out.c[k].hi = two_sum(numbers->x[i][k], -numbers->x[j][k], &out.c[k].lo);
+            out.c[k].hi = eng_two_sum(numbers->x[i][k], -numbers->x[j][k], &out.c[k].lo);
             if (numbers->unit < 0) {
                 out.c[k].hi = ldexp(out.c[k].hi, -numbers->unit);
                 out.c[k].lo = ldexp(out.c[k].lo, -numbers->unit);
@@ -178,14 +149,14 @@ static struct eng_number add_pairs(struct eng_number a, struct eng_number b)
 {
     struct eng_number out = {0, 0, a.error + b.error, NULL};
     double rest;
-    double sum = two_sum(a.hi, b.hi, &rest);
+    double sum = eng_two_sum(a.hi, b.hi, &rest);
     if (a.lo != 0 || b.lo != 0) {
         double low = a.lo + b.lo;
         double tail = rest + low;
         out.error += ROUNDED * (fabs(low) + fabs(tail)) + LOST;
         rest = tail;
     }
-    out.hi = two_sum(sum, rest, &out.lo);
+    out.hi = eng_two_sum(sum, rest, &out.lo);
     out.error *= SLOP;
     return out;
 }
@@ -223,7 +194,7 @@ static struct eng_number mul_pairs(struct eng_number a, struct eng_number b)
         return out; /* hi is 0 only where lo is */
     }
     double rest;
-    double product = two_product(a.hi, b.hi, &rest);
+    double product = eng_two_product(a.hi, b.hi, &rest);
     out.error = fabs(a.hi) * b.error + fabs(b.hi) * a.error + a.error * b.error;
     if (fabs(product) < PRODUCT_MIN || a.error != 0 || b.error != 0) {
         out.error += LOST; /* an error is 0 or at least that: it never becomes 0 */
@@ -237,7 +208,7 @@ static struct eng_number mul_pairs(struct eng_number a, struct eng_number b)
                      fabs(a.lo * b.lo) + LOST;
         rest = tail;
     }
-    out.hi = two_sum(product, rest, &out.lo);
+    out.hi = eng_two_sum(product, rest, &out.lo);
     out.error *= SLOP;
     return out;
 }

@@ -22,18 +22,24 @@
 
 #define ENG_PATH_JOINTS_MAX 128u /* of both links together, after what cancels */
 
-/* A joint of a path, forwards or backwards, in numbers that are near the exact ones. */
+/* A joint that moves: a TURN about its z axis, a SHIFT, a VECTOR. A joint backwards is
+ * one with the values of the opposite sign; what does not move is in `before`, and so are
+ * the values at t = 0 of what slides or shifts, the direction of an axis, and places. */
 struct eng_path_joint {
-    uint32_t kind; /* enum pccd_joint_kind */
-    bool is_inverse;
-    double place[12]; /* rows of [R | t] of position and rotation */
-    double axis[3];   /* unit vector */
-    double from[3];
-    double to[3];
+    uint32_t kind; /* enum pccd_joint_kind: TURN, SHIFT or VECTOR */
+    double
+        before[12]; /* rows of [R | t]: to the frame of the joint before, or the first */
+    double from[3]; /* the value at t is from + from_rest + t (by + by_rest); a SHIFT's */
+    double from_rest[3]; /* from is 0 */
+    double by[3];
+    double by_rest[3];
+    double rate; /* at least the length of by + by_rest */
 };
 
 struct eng_path {
     uint32_t count;
+    double last[12]; /* from the frame of the link that moves to that of the last joint */
+    double error[2]; /* as in struct eng_path_pose, at all times */
     struct eng_path_joint joints[ENG_PATH_JOINTS_MAX];
 };
 
