@@ -30,7 +30,7 @@ struct eng_turning_side {
     uint32_t joint; /* that it hangs on; PCCD_NO_JOINT: it does not turn */
 };
 
-/* The default of `resolution`. */
+/* The default of `resolution`, as a part of the size of the larger of two objects. */
 #define ENG_TURNING_RESOLUTION 0x1p-20
 
 /* Two objects, as they are tested against each other. */
@@ -38,8 +38,9 @@ struct eng_turning_objects {
     struct eng_turning_side side[2]; /* at least one turns; their order does not matter */
     const struct pccd_joint *joints; /* of the step */
     double separation;               /* of the step */
-    /* What is not decided at this part of the size of the larger of the two is possible
-     * (delta of decide.h); 2^-40 .. 1. */
+    /* What is not decided at this length is possible (delta of decide.h): that of the
+     * question, 0 .. 1e18; 0: the default. Less than rounding leaves a meaning is raised
+     * to that. */
     double resolution;
 };
 
