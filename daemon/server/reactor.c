@@ -508,7 +508,9 @@ static int serve(struct srv_reactor *reactor)
 
 int srv_reactor_run(const struct srv_options *options, struct srv_lockfile *lockfile)
 {
+    struct eng_affinity processors;
     srv_thread_enter(SRV_THREAD_LOOP);
+    eng_affinity_init(&processors); /* OpenMP's runtime opens its files while it may */
     srv_sandbox_begin(options);
     struct srv_reactor *reactor = calloc(1, sizeof *reactor);
     if (reactor == NULL || uv_loop_init(&reactor->server.uv) != 0) {
