@@ -102,6 +102,7 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_team.c \
     daemon/engine/wide/wide_test.c \
     daemon/engine/turning/joints.c \
+    daemon/engine/turning/pace.c \
     daemon/engine/turning/path.c \
     daemon/engine/turning/path_make.c \
     daemon/engine/turning/rotation.c \

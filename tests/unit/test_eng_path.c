@@ -67,3 +67,276 @@ CASE(path__poses_are_within_their_error)
     assert_true(worst > 0.01);
     turns_deinit(&place);
 }
+
+/* Set *box to one of up to `size`, and b to one of its corners. */
+static void random_box(struct prng *random, double size, struct eng_path_box *box,
+                       double b[3])
+{
+    for (int i = 0; i < 3; i++) {
+        double x = prng_between(random, -size, size),
+               y = prng_between(random, -size, size);
+        box->lo[i] = fmin(x, y);
+        box->hi[i] = fmax(x, y);
+        b[i] = prng_u32(random, 2) ? box->lo[i] : box->hi[i];
+    }
+}
+
+/* Angles of a joint are at most a few turns. */
+static void calm(struct pccd_joint *joint)
+{
+    bool turns = joint->kind == PCCD_JOINT_TURN || joint->kind == PCCD_JOINT_VECTOR;
+    for (int k = 0; k < 3 && turns; k++) {
+        joint->from[k] = remainder(joint->from[k], 3);
+        joint->to[k] = remainder(joint->to[k], 3);
+    }
+}
+
+static double length_between(const double x[3], const double y[3])
+{
+    return sqrt((x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) +
+                (x[2] - y[2]) * (x[2] - y[2]));
+}
+
+#define SAMPLES 16
+
+/* Part of what is claimed that points reach. */
+struct reached {
+    double speed;
+    double bend;
+    double bow;
+};
+
+/* Follow a point of a box over a span by samples, none of which may be beyond its bounds
+ * and the errors of poses. */
+static struct reached follow(const struct eng_path *path, const struct eng_path_box *box,
+                             const double b[3], double t0, double t1)
+{
+    struct eng_path_pose pose[SAMPLES + 1];
+    struct eng_path_span span;
+    double x[SAMPLES + 1][3], h = t1 - t0, off = 0, step = 0;
+    for (int k = 0; k <= SAMPLES; k++) {
+        eng_path_pose(path, t0 + h * k / SAMPLES, &pose[k]);
+        apply(&pose[k], b, x[k]);
+    }
+    eng_path_span(path, t0, t1, &pose[0], &pose[SAMPLES / 2], &pose[SAMPLES], &span);
+    double error = 2 * (path->error[0] + path->error[1] * size_of(b));
+    double speed = eng_path_speed(path, box, t0, t1) * h / SAMPLES;
+    double bend = eng_path_bend(path, box, t0, t1) * h * h / 8;
+    double bow = eng_span_bow(&span, box);
+    assert_true(eng_span_bow_of(&span, b) <= bow);
+    for (int k = 0; k < SAMPLES; k++) {
+        double chord[3];
+        for (int i = 0; i < 3; i++) {
+            chord[i] = x[0][i] + (x[SAMPLES][i] - x[0][i]) * k / SAMPLES;
+        }
+        off = fmax(off, length_between(x[k], chord));
+        step = fmax(step, length_between(x[k], x[k + 1]));
+    }
+    assert_true(step <= speed + error);
+    assert_true(off <= bend + error);
+    assert_true(off <= bow + error);
+    return (struct reached){step / speed, off / bend, off / bow};
+}
+
+/* Samples of random chains, over spans down to 1/128. */
+CASE(path__points_keep_to_their_bounds)
+{
+    struct prng random = {prng_seed()};
+    for (long n = tries(20000); n > 0; n--) {
+        struct pccd_joint joints[CHAIN_MAX];
+        static struct eng_path path;
+        struct eng_path_box box;
+        uint32_t count = 1 + prng_u32(&random, CHAIN_MAX);
+        double size = ldexp(1, (int)prng_u32(&random, 40) - 20), b[3];
+        double h = ldexp(1, -(int)prng_u32(&random, 8));
+        double t0 = h * prng_u32(&random, (uint32_t)(1 / h));
+        uint32_t of = prng_u32(&random, count + 1) - 1, to = prng_u32(&random, count);
+        turns_random(&random, joints, count, size);
+        for (uint32_t i = 0; i < count && prng_u32(&random, 4); i++) {
+            calm(&joints[i]);
+        }
+        assert_int_equal(eng_path_between(joints, of, to, &path), PCCD_OK);
+        random_box(&random, size, &box, b);
+        follow(&path, &box, b, t0, t0 + h);
+    }
+}
+
+/* The farthest corner reaches a third of each bound of one joint at least. */
+CASE(path__bounds_of_one_joint_are_near)
+{
+    struct prng random = {prng_seed()};
+    struct reached least = {1, 1, 1};
+    for (long n = 0; n < 2000; n++) {
+        struct pccd_joint joint;
+        static struct eng_path path;
+        struct eng_path_box box;
+        struct reached most = {0, 0, 0};
+        double b[3], h = ldexp(1, -1 - (int)prng_u32(&random, 4));
+        do {
+            turns_random(&random, &joint, 1, 1);
+            calm(&joint);
+        } while (joint.kind != PCCD_JOINT_TURN ||
+                 fabs(joint.from[0] - joint.to[0]) < 0.01);
+        assert_int_equal(eng_path_between(&joint, prng_u32(&random, 2) - 1, 0, &path),
+                         PCCD_OK);
+        if (path.count == 0) { /* seen from itself */
+            continue;
+        }
+        random_box(&random, 1, &box, b);
+        for (int i = 0; i < 8; i++) {
+            for (int k = 0; k < 3; k++) {
+                b[k] = i >> k & 1 ? box.hi[k] : box.lo[k];
+            }
+            struct reached reached = follow(&path, &box, b, 0, h);
+            most.speed = fmax(most.speed, reached.speed);
+            most.bend = fmax(most.bend, reached.bend);
+            most.bow = fmax(most.bow, reached.bow);
+        }
+        least.speed = fmin(least.speed, most.speed);
+        least.bend = fmin(least.bend, most.bend);
+        least.bow = fmin(least.bow, most.bow);
+    }
+    print_message("# reached: %.2f of speed, %.2f of bend, %.2f of bow\n", least.speed,
+                  least.bend, least.bow);
+    assert_true(least.speed > 1.0 / 3 && least.bend > 1.0 / 3 && least.bow > 1.0 / 3);
+}
+
+/* An arm of six links that turn by up to 0.8, in eighths of its motion: the bow of the
+ * last link is a part of what bend says. */
+CASE(path__bows_of_arms_are_near)
+{
+    struct prng random = {prng_seed()};
+    double bend_sum = 0, bow_sum = 0;
+    for (long n = 0; n < 500; n++) {
+        struct pccd_joint joints[6];
+        static struct eng_path path;
+        const struct eng_path_box box = {{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.3}};
+        double bend = 0, bow = 0;
+        memset(joints, 0, sizeof joints);
+        for (uint32_t i = 0; i < 6; i++) {
+            joints[i].kind = PCCD_JOINT_TURN;
+            joints[i].parent = i - 1; /* of the first: none */
+            joints[i].position[2] = 0.3;
+            joints[i].rotation[3] = 1;
+            joints[i].axis[i & 1 ? 2 : 1] = 1;
+            joints[i].from[0] = prng_between(&random, -2, 2);
+            joints[i].to[0] = joints[i].from[0] + prng_between(&random, -0.8, 0.8);
+        }
+        assert_int_equal(eng_path_between(joints, PCCD_NO_JOINT, 5, &path), PCCD_OK);
+        for (int i = 0; i < 8; i++) {
+            double b[3];
+            for (int k = 0; k < 3; k++) {
+                b[k] = i >> k & 1 ? box.hi[k] : box.lo[k];
+            }
+            struct reached reached = follow(&path, &box, b, 0.25, 0.375);
+            bend = fmax(bend, reached.bend);
+            bow = fmax(bow, reached.bow);
+        }
+        bend_sum += bend / 500;
+        bow_sum += bow / 500;
+    }
+    print_message("# reached: %.2f of bend, %.2f of bow\n", bend_sum, bow_sum);
+    assert_true(bow_sum > 0.5);
+}
+
+/* A chain of 64 joints, seen from the world and from a second one. */
+CASE(path__is_as_long_as_allowed)
+{
+    struct prng random = {prng_seed()};
+    static struct pccd_joint joints[129];
+    static struct eng_path path;
+    struct turns_place place;
+    turns_init(&place);
+    for (uint32_t i = 0; i < 129; i++) {
+        do {
+            turns_random(&random, &joints[i], 1, 1);
+        } while (joints[i].kind == PCCD_JOINT_FIXED);
+        joints[i].parent = i == 64 ? PCCD_NO_JOINT : i - 1;
+    }
+    for (int n = 0; n < 20; n++) {
+        struct eng_path_pose pose;
+        double b[3] = {1, 2, 3}, x[3], t = n / 19.0;
+        uint32_t of = n & 1 ? PCCD_NO_JOINT : 63;
+        assert_int_equal(eng_path_between(joints, of, 64 + 63, &path), PCCD_OK);
+        eng_path_pose(&path, t, &pose);
+        apply(&pose, b, x);
+        turns_go(joints, of, 64 + 63, t, b, &place);
+        assert_true(turns_distance(&place, x) <= pose.error[0] + pose.error[1] * 3);
+        assert_true(pose.error[0] + pose.error[1] * 3 < 1e-9);
+    }
+    assert_int_equal(eng_path_between(joints, 63, 128, &path), PCCD_E_LIMIT);
+    turns_deinit(&place);
+}
+
+/* A body on the link that it is seen from, and two that a fixed joint holds together, do
+ * not move, whatever they hang on. */
+CASE(path__is_without_what_cancels)
+{
+    struct prng random = {prng_seed()};
+    struct pccd_joint joints[12];
+    static struct eng_path path;
+    turns_random(&random, joints, 12, 1);
+    memset(&joints[11], 0, sizeof joints[11]);
+    joints[11].parent = 10;
+    joints[11].position[0] = 3;
+    joints[11].rotation[3] = 7;
+    assert_int_equal(eng_path_between(joints, 10, 10, &path), PCCD_OK);
+    assert_true(eng_path_is_still(&path) && path.last[3] == 0);
+    assert_int_equal(eng_path_between(joints, 10, 11, &path), PCCD_OK);
+    assert_true(eng_path_is_still(&path) && path.last[3] == 3 && path.last[0] == 1);
+    assert_int_equal(eng_path_between(joints, 11, 10, &path), PCCD_OK);
+    assert_true(eng_path_is_still(&path) && path.last[3] == -3);
+}
+
+/* A joint that is wrong in one way, at index 1, and a part of what must be said. */
+CASE(joints__are_refused_by_name)
+{
+    static const struct {
+        const char *says;
+        size_t offset;
+        uint32_t kind;
+        double value;
+    } wrong[] = {
+#define AT(what) offsetof(struct pccd_joint, what)
+        {"finite", AT(position[1]), PCCD_JOINT_FIXED, NAN},
+        {"finite", AT(from[0]), PCCD_JOINT_SHIFT, INFINITY},
+        {"1e18", AT(to[0]), PCCD_JOINT_SLIDE, 1.1e18},
+        {"quaternion", AT(rotation[3]), PCCD_JOINT_FIXED, 0},
+        {"quaternion", AT(rotation[3]), PCCD_JOINT_TURN, 1.1e9},
+        {"axis", AT(axis[2]), PCCD_JOINT_TURN, 0},
+        {"axis", AT(axis[2]), PCCD_JOINT_SLIDE, 1e-10},
+        {"no axis", AT(axis[2]), PCCD_JOINT_VECTOR, 1},
+        {"not use", AT(from[0]), PCCD_JOINT_FIXED, 1},
+        {"not use", AT(to[1]), PCCD_JOINT_TURN, 1},
+        {"not use", AT(from[2]), PCCD_JOINT_SLIDE, -1},
+        {"2^20 turns", AT(to[0]), PCCD_JOINT_TURN, -0x1.921fb54442d19p+22},
+        {"2^20 turns", AT(from[2]), PCCD_JOINT_VECTOR, 6.6e6},
+#undef AT
+    };
+    struct pccd_joint joints[2];
+    uint32_t joint = 7;
+    const char *why = NULL;
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        bool has_axis =
+            wrong[i].kind == PCCD_JOINT_TURN || wrong[i].kind == PCCD_JOINT_SLIDE;
+        memset(joints, 0, sizeof joints);
+        joints[0].parent = PCCD_NO_JOINT;
+        joints[0].rotation[3] = 1;
+        joints[1] = joints[0];
+        joints[1].kind = wrong[i].kind;
+        joints[1].parent = 0;
+        joints[1].axis[2] = has_axis ? 1 : 0;
+        assert_true(eng_joints_check(joints, 2, &joint, &why));
+        memcpy((char *)&joints[1] + wrong[i].offset, &wrong[i].value, sizeof(double));
+        assert_false(eng_joints_check(joints, 2, &joint, &why));
+        assert_int_equal(joint, 1);
+        assert_non_null(strstr(why, wrong[i].says));
+    }
+    joints[0].kind = PCCD_JOINT_KIND_COUNT;
+    assert_false(eng_joints_check(joints, 2, &joint, &why));
+    assert_true(joint == 0 && strstr(why, "kind") != NULL);
+    joints[0].kind = PCCD_JOINT_FIXED;
+    joints[0].parent = 0;
+    assert_false(eng_joints_check(joints, 2, &joint, &why));
+    assert_true(joint == 0 && strstr(why, "parent") != NULL);
+}

@@ -26,20 +26,22 @@
  * one with the values of the opposite sign; what does not move is in `before`, and so are
  * the values at t = 0 of what slides or shifts, the direction of an axis, and places. */
 struct eng_path_joint {
-    uint32_t kind; /* enum pccd_joint_kind: TURN, SHIFT or VECTOR */
-    double
-        before[12]; /* rows of [R | t]: to the frame of the joint before, or the first */
+    uint32_t kind;     /* enum pccd_joint_kind: TURN, SHIFT or VECTOR */
+    double before[12]; /* rows of [R | t], to the frame of the joint in front of it */
     double from[3]; /* the value at t is from + from_rest + t (by + by_rest); a SHIFT's */
     double from_rest[3]; /* from is 0 */
     double by[3];
     double by_rest[3];
     double rate; /* at least the length of by + by_rest */
+    double arm; /* at least the distances of the origin of `before` from the axis z and */
+    double far; /* from the origin of the frame that it leads to */
 };
 
 struct eng_path {
     uint32_t count;
     double last[12]; /* from the frame of the link that moves to that of the last joint */
     double error[2]; /* as in struct eng_path_pose, at all times */
+    double jerk[2];  /* |x'''| is at most jerk[0] + jerk[1] max(|x|, |y|, |z|) of b */
     struct eng_path_joint joints[ENG_PATH_JOINTS_MAX];
 };
 
@@ -80,5 +82,25 @@ double eng_path_speed(const struct eng_path *path, const struct eng_path_box *bo
                       double t0, double t1);
 double eng_path_bend(const struct eng_path *path, const struct eng_path_box *box,
                      double t0, double t1);
+
+/* A span of time, and how far points leave their chords in it. For long chains that is
+ * several times less than bend (t1 - t0)^2 / 8 is, and costs less, where the poses are
+ * there. */
+struct eng_path_span {
+    double m[12];    /* the pose at the middle, less the mean of those at the ends */
+    double error[2]; /* of that, and for what is between, as in struct eng_path_pose */
+};
+
+/* Set *span from the poses of a path at t0, at (t0 + t1) / 2, which must be exact, and at
+ * t1. */
+void eng_path_span(const struct eng_path *path, double t0, double t1,
+                   const struct eng_path_pose *begin, const struct eng_path_pose *middle,
+                   const struct eng_path_pose *end, struct eng_path_span *span);
+
+/* Return an upper bound of the distance of the exact place of a point of the box, of the
+ * point b, from where the chord between its exact places at t0 and t1 is at the same
+ * time, for all times of the span. That of a feature is the largest of its points'. */
+double eng_span_bow(const struct eng_path_span *span, const struct eng_path_box *box);
+double eng_span_bow_of(const struct eng_path_span *span, const double b[3]);
 
 #endif

@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "pace.h"
 #include "rotation.h"
 #include "sine.h"
 #include "two.h"
@@ -103,6 +104,10 @@ static void add_joint(struct maker *maker, uint32_t kind, struct eng_path_joint 
     joint->kind = kind;
     joint->rate = length_of(joint->by);
     memcpy(joint->before, maker->fixed, sizeof joint->before);
+    const double origin[3] = {maker->fixed[3], maker->fixed[7], maker->fixed[11]};
+    const double beside[3] = {origin[0], origin[1], 0};
+    joint->arm = length_of(beside) + maker->fixed_errors.place;
+    joint->far = length_of(origin) + maker->fixed_errors.place;
     maker->path->joints[maker->path->count++] = *joint;
     join_fixed(maker);
     if (kind == PCCD_JOINT_SHIFT) {
@@ -323,6 +328,19 @@ static int list_joints(const struct pccd_joint *joints, uint32_t of, uint32_t to
     return (int)(head + ENG_PATH_JOINTS_MAX - tail);
 }
 
+/* Set what the origin of the link does, and the matrix to points by their distance. */
+static void set_jerk(struct eng_path *path)
+{
+    const double origin[3] = {path->last[3], path->last[7], path->last[11]};
+    double far = length_of(origin) + path->error[0];
+    double rate = 0;
+    for (uint32_t i = 0; i < path->count; i++) {
+        rate += path->joints[i].kind == PCCD_JOINT_SHIFT ? 0 : path->joints[i].rate;
+    }
+    path->jerk[0] = eng_pace_bound(path, far, far, 1).jerk;
+    path->jerk[1] = 1.75 * rate * rate * rate * SLOP;
+}
+
 int eng_path_between(const struct pccd_joint *joints, uint32_t of, uint32_t to,
                      struct eng_path *path)
 {
@@ -350,5 +368,6 @@ int eng_path_between(const struct pccd_joint *joints, uint32_t of, uint32_t to,
     const struct errors *errors = &maker.errors;
     path->error[0] = (errors->place + 2 * ROUNDED * errors->reach) * SLOP + LOST;
     path->error[1] = (1.75 * errors->turn + 13 * ROUNDED) * SLOP;
+    set_jerk(path);
     return PCCD_OK;
 }

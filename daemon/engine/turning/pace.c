@@ -1,0 +1,112 @@
+/* pace.c - bounds of velocity and acceleration, and of the way off a chord. */
+#include "pace.h"
+
+#include <math.h>
+
+#include "vec.h"
+
+/* More than sqrt(3) / 216: what is off the parabola through three places, in |x'''| times
+ * the cube of the span. */
+#define OFF_PARABOLA 0.00802
+
+/* From the last joint to the first: what each adds to what those behind it do. */
+struct eng_pace eng_pace_bound(const struct eng_path *path, double arm, double far,
+                               double t1)
+{
+    struct eng_pace pace = {0, 0, 0};
+    for (uint32_t i = path->count; i-- > 0;) {
+        const struct eng_path_joint *joint = &path->joints[i];
+        double w = joint->rate;
+        if (joint->kind == PCCD_JOINT_SHIFT) {
+            pace.speed += w;
+            far += w * t1;
+        } else {
+            double turned = joint->kind == PCCD_JOINT_TURN ? arm : far;
+            double swept = w * turned;
+            pace.jerk += w * (w * (swept + 3 * pace.speed) + 3 * pace.bend);
+            pace.bend += w * (swept + 2 * pace.speed);
+            pace.speed += swept;
+        }
+        arm = far + joint->arm;
+        far += joint->far;
+    }
+    pace.speed *= ENG_PACE_SLOP;
+    pace.bend *= ENG_PACE_SLOP;
+    pace.jerk *= ENG_PACE_SLOP;
+    return pace;
+}
+
+/* Return the largest length of what m makes of the corners of a box, that along x and y
+ * alone in *flat, and the largest coordinate of the corners in *size. */
+static double measure_corners(const double m[12], const struct eng_path_box *box,
+                              double *flat, double *size)
+{
+    double far_square = 0, flat_square = 0;
+    *size = eng_most(eng_size(box->lo), eng_size(box->hi));
+    for (int i = 0; i < 8; i++) {
+        double x = i & 1 ? box->hi[0] : box->lo[0];
+        double y = i & 2 ? box->hi[1] : box->lo[1];
+        double z = i & 4 ? box->hi[2] : box->lo[2];
+        double a = ((m[0] * x + m[1] * y) + m[2] * z) + m[3];
+        double b = ((m[4] * x + m[5] * y) + m[6] * z) + m[7];
+        double c = ((m[8] * x + m[9] * y) + m[10] * z) + m[11];
+        flat_square = eng_most(flat_square, a * a + b * b);
+        far_square = eng_most(far_square, (a * a + b * b) + c * c);
+    }
+    *flat = sqrt(flat_square) * ENG_PACE_SLOP;
+    return sqrt(far_square) * ENG_PACE_SLOP;
+}
+
+static struct eng_pace pace_of(const struct eng_path *path,
+                               const struct eng_path_box *box, double t1)
+{
+    double flat, size;
+    double far = measure_corners(path->last, box, &flat, &size);
+    double error = path->error[0] + path->error[1] * size;
+    return eng_pace_bound(path, flat + error, far + error, t1);
+}
+
+double eng_path_speed(const struct eng_path *path, const struct eng_path_box *box,
+                      double t0, double t1)
+{
+    (void)t0; /* a joint's rate is the same at all times */
+    return pace_of(path, box, t1).speed;
+}
+
+double eng_path_bend(const struct eng_path *path, const struct eng_path_box *box,
+                     double t0, double t1)
+{
+    (void)t0;
+    return pace_of(path, box, t1).bend;
+}
+
+void eng_path_span(const struct eng_path *path, double t0, double t1,
+                   const struct eng_path_pose *begin, const struct eng_path_pose *middle,
+                   const struct eng_path_pose *end, struct eng_path_span *span)
+{
+    double h = t1 - t0;
+    double cube = OFF_PARABOLA * h * h * h;
+    for (int i = 0; i < 12; i++) {
+        span->m[i] = middle->m[i] - 0.5 * (begin->m[i] + end->m[i]);
+    }
+    for (int i = 0; i < 2; i++) {
+        span->error[i] = (4 * path->error[i] + cube * path->jerk[i]) * ENG_PACE_SLOP;
+    }
+}
+
+double eng_span_bow(const struct eng_path_span *span, const struct eng_path_box *box)
+{
+    double flat, size;
+    double far = measure_corners(span->m, box, &flat, &size);
+    return (far + span->error[0] + span->error[1] * size) * ENG_PACE_SLOP;
+}
+
+double eng_span_bow_of(const struct eng_path_span *span, const double b[3])
+{
+    const double *m = span->m;
+    double x = ((m[0] * b[0] + m[1] * b[1]) + m[2] * b[2]) + m[3];
+    double y = ((m[4] * b[0] + m[5] * b[1]) + m[6] * b[2]) + m[7];
+    double z = ((m[8] * b[0] + m[9] * b[1]) + m[10] * b[2]) + m[11];
+    double far = sqrt((x * x + y * y) + z * z) * ENG_PACE_SLOP;
+    return (far + span->error[0] + span->error[1] * eng_size(b)) * ENG_PACE_SLOP;
+}
