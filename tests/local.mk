@@ -38,6 +38,7 @@ libtests_la_SOURCES = \
     tests/unit/eng_stir.c \
     tests/unit/eng_way.c \
     tests/unit/thick_cases.c \
+    tests/unit/turning_draw.c \
     tests/property/judge.c \
     tests/property/near_judge.c \
     tests/property/sequences.c \

@@ -16,6 +16,8 @@ liboracle_la_SOURCES = \
     client/oracle/oracle_root.c \
     client/oracle/oracle_thick.c \
     client/oracle/oracle_touching.c \
+    client/oracle/oracle_turning.c \
+    client/oracle/oracle_turning_fine.c \
     client/oracle/oracle_vec.c \
     client/oracle/oracle_within.c
 liboracle_la_CPPFLAGS = $(PCCD_CPPFLAGS) -I$(top_srcdir)/client/oracle

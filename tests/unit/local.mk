@@ -85,6 +85,7 @@ test_programs += \
     tests/unit/test_oracle \
     tests/unit/test_oracle_distance \
     tests/unit/test_oracle_thick \
+    tests/unit/test_oracle_turning \
     tests/unit/test_rank_moving \
     tests/unit/test_rank_sort \
     tests/unit/test_rec_format \
