@@ -19,7 +19,7 @@ struct ctl_error;
     X(list, "list sessions, scenes, objects, pairs or meshes")                           \
     X(watch, "print a line for each step that a daemon answers")                         \
     X(stats, "list the daemon's counters")                                               \
-    X(metrics, "print counters and latencies as OpenMetrics text")                       \
+    X(metrics, "print counters and latencies for Prometheus")                       \
     X(trace, "trace what a daemon's threads do, for Perfetto")                           \
     X(config, "list, print or change settings of a running daemon")                      \
     X(doctor, "look for mistakes in a set-up")                                           \

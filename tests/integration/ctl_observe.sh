@@ -187,50 +187,46 @@ ctl config && says '^threads +2 ' '^queue-max +32768 ' && ctl config get grace &
     fails 2 'set NAME VALUE' config set grace
 report config__changes_a_running_daemon
 
-# ---- OpenMetrics --------------------------------------------------------------------
+# ---- metrics -------------------------------------------------------------------------
 
-# The rules of the text format that a reader relies on: each family is told of once, with its type
-# before its samples and all of these together; counters end in _total, buckets are cumulative and
-# end at +Inf with the count; names, labels and numbers are well-formed; the last line is # EOF.
-openmetrics() {
+# The rules of Prometheus' text format 0.0.4, of which its node exporter takes nothing else.
+text_format() {
     awk '
         function bad(text) { print NR ": " text ": " $0; failed = 1 }
-        ended { bad("after # EOF") }
-        /^# EOF$/ { ended = 1; next }
+        /\r/ { bad("CR") }
+        /^# HELP / { if ($3 in help) bad("metric twice"); help[$3] = 1; next }
         /^# TYPE / {
-            if ($3 in type) bad("family twice")
-            if ($4 !~ /^(counter|gauge|histogram|info)$/) bad("type")
-            family = $3; type[family] = $4; last = -1; buckets = 0; next }
-        /^# (HELP|UNIT) / {
-            if ($3 != family) bad("not of the family")
-            if ($2 == "UNIT" && substr(family, length(family) - length($4)) != "_" $4) bad("unit")
-            next }
+            if ($3 in type) bad("type twice")
+            if (!($3 in help)) bad("no help before it")
+            if ($4 !~ /^(counter|gauge|histogram)$/) bad("type")
+            if (($4 == "counter") != ($3 ~ /_total$/)) bad("a counter ends with _total, nothing else")
+            metric = $3; type[metric] = $4; last = -1; next }
         /^#/ { bad("comment") }
         $0 !~ /^[a-z_:][a-z0-9_:]*([{][a-z_]+="([^"\\]|\\.)*"(,[a-z_]+="([^"\\]|\\.)*")*[}])? [0-9.e+-]+$/ {
             bad("sample") }
         {
-            name = $1; sub(/[{].*/, "", name); suffix = substr(name, length(family) + 1)
-            if (substr(name, 1, length(family)) != family) bad("of another family")
-            kind = type[family]
-            if (kind == "counter" && suffix != "_total") bad("counter without _total")
-            if (kind == "gauge" && suffix != "") bad("gauge with a suffix")
-            if (kind == "info" && (suffix != "_info" || $NF != 1)) bad("info")
+            name = $1; sub(/[{].*/, "", name); suffix = substr(name, length(metric) + 1)
+            if (substr(name, 1, length(metric)) != metric) bad("of another metric")
+            kind = type[metric]
+            if (kind != "histogram" && suffix != "") bad("a suffix")
             if (kind == "histogram" && suffix == "_bucket") {
                 if ($NF + 0 < last) bad("not cumulative")
-                last = $NF + 0; buckets++; inf = $0 ~ /le="[+]Inf"/ }
+                last = $NF + 0; inf = $0 ~ /le="[+]Inf"/ }
             if (kind == "histogram" && suffix == "_count" && (!inf || $NF + 0 != last)) bad("count")
-            seen[family]++
+            seen[metric]++
         }
         END {
-            if (!ended) { print "no # EOF"; failed = 1 }
-            for (f in type) if (!seen[f]) { print "no sample of " f; failed = 1 }
+            for (m in type) if (!seen[m]) { print "no sample of " m; failed = 1 }
             exit failed }' out >"$log" 2>&1
 }
-# If it failed, a collector would refuse all of it, or take a total for a gauge.
-ctl metrics && openmetrics && [ "$(grep -c '^# TYPE' out)" -gt 45 ] &&
-    says '^# TYPE pccd_steps counter$' '^# TYPE pccd_sessions_now gauge$' \
-        '^# TYPE pccd_step_seconds counter$' '^pccd_sessions_total [0-9]+$' \
-        '^pccd_daemon_info\{name="pccdd ' '^pccd_step_duration_seconds_bucket\{le="1.024e-06"\} ' &&
+# If it failed, a collector would lose all of it, or take a total for a gauge.
+ctl metrics && text_format && [ "$(grep -c '^# TYPE' out)" -gt 60 ] &&
+    says '^# TYPE pccd_steps_total counter$' '^# TYPE pccd_sessions_now gauge$' \
+        '^# TYPE pccd_step_seconds_total counter$' '^pccd_sessions_total [0-9]+$' \
+        '^pccd_daemon_info\{name="pccdd ' '^pccd_step_duration_seconds_bucket\{le="1.024e-06"\} ' \
+        '^pccd_setting_scenes_max 65536$' '^pccd_setting_step_max_seconds 0$' \
+        '^# HELP pccd_setting_shm_max_bytes MiB of .*here: bytes.$' &&
+    ! grep -q 'setting_log_level' out &&
     grep '^pccd_' out | sed 's/[{ ].*//' >names && ctl stats --json &&
     sed -n 's/^ *"\([a-z0-9_]*\)": [0-9]*,*$/\1/p' out >counters && [ "$(wc -l <counters)" -gt 45 ] &&
     while read -r counter; do
@@ -240,14 +236,54 @@ ctl metrics && openmetrics && [ "$(grep -c '^# TYPE' out)" -gt 45 ] &&
         esac
         grep -qxE "pccd_${counter%_total}(_total)?" names || echo "not there: $counter"
     done <counters >"$log" && [ ! -s "$log" ]
-report metrics__keep_the_rules_of_openmetrics
+report metrics__keep_the_rules_of_the_text_format
 
 # If the check could not fail, the test before would say nothing.
-ctl metrics && sed -i 's/^pccd_steps_total/pccd_steps/' out && ! openmetrics &&
-    ctl metrics && sed -i '$d' out && ! openmetrics &&
+ctl metrics && sed -i 's/^pccd_steps_total/pccd_steps/' out && ! text_format &&
+    ctl metrics && sed -i 's/^# TYPE pccd_daemon_info gauge/# TYPE pccd_daemon_info info/' out && ! text_format &&
     ctl metrics && sed -i 's/^pccd_step_duration_seconds_count .*/pccd_step_duration_seconds_count 0/' out &&
-    ! openmetrics
+    ! text_format
 report metrics__mistakes_would_be_seen
+
+# If it failed, Prometheus' own tool would find fault with a name, a type or a help text.
+if command -v promtool >/dev/null; then
+    ctl metrics && promtool check metrics <out >"$log" 2>&1 && [ ! -s "$log" ]
+    report metrics__satisfy_promtool
+else
+    tap_skip metrics__satisfy_promtool "it takes prometheus"
+fi
+
+# If it failed, samples would be lost on their way to Prometheus: the file whole, a counter's type.
+if command -v prometheus-node-exporter >/dev/null && command -v python3 >/dev/null; then
+    mkdir textfiles && ctl metrics && cp out textfiles/pccd.prom &&
+        python3 - textfiles >scraped 2>"$log" <<'PY'
+import socket, subprocess, sys, time, urllib.request
+
+with socket.socket() as chosen:
+    chosen.bind(("127.0.0.1", 0))
+    address = "127.0.0.1:%d" % chosen.getsockname()[1]
+exporter = subprocess.Popen(
+    ["prometheus-node-exporter", "--collector.disable-defaults", "--collector.textfile",
+     "--collector.textfile.directory=" + sys.argv[1], "--web.listen-address=" + address],
+    stderr=subprocess.DEVNULL)
+try:
+    for attempt in range(100):
+        try:
+            print(urllib.request.urlopen("http://%s/metrics" % address).read().decode(), end="")
+            break
+        except OSError:
+            time.sleep(0.1)
+finally:
+    exporter.kill()
+PY
+    grep -qx 'node_textfile_scrape_error 0' scraped &&
+        grep '^# TYPE pccd_' textfiles/pccd.prom | sort >types &&
+        grep '^# TYPE pccd_' scraped | sort | diff types - >>"$log" &&
+        grep -c '^pccd_' textfiles/pccd.prom >sent && grep -c '^pccd_' scraped | diff sent - >>"$log"
+    report metrics__reach_prometheus_by_the_node_exporter
+else
+    tap_skip metrics__reach_prometheus_by_the_node_exporter "it takes prometheus-node-exporter, python3"
+fi
 
 # ---- doctor -------------------------------------------------------------------------
 
@@ -498,8 +534,8 @@ fi
 
 # ---- for programs --------------------------------------------------------------------
 
-# metrics is OpenMetrics, completion a script, scene and mcp write JSON; the standard output of record
-# is its program's.
+# metrics is text for Prometheus, completion a script, scene and mcp write JSON; the standard output
+# of record is its program's.
 while read -r command; do
     "$PCCDCTL" "$command" --help | grep -q -- '--json' || echo "$command has no --json"
 done < <(grep -vxE 'metrics|completion|record|scene|mcp' commands) >"$log"
