@@ -101,10 +101,12 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_still.c \
     daemon/engine/wide/wide_team.c \
     daemon/engine/wide/wide_test.c \
+    daemon/engine/turning/decide_turning.c \
     daemon/engine/turning/joints.c \
     daemon/engine/turning/pace.c \
     daemon/engine/turning/path.c \
     daemon/engine/turning/path_make.c \
+    daemon/engine/turning/poses.c \
     daemon/engine/turning/rotation.c \
     daemon/engine/turning/sine.c \
     daemon/engine/answer.c \

@@ -23,6 +23,7 @@ test_programs += \
     tests/unit/test_eng_boxes \
     tests/unit/test_eng_brief \
     tests/unit/test_eng_build \
+    tests/unit/test_eng_decide \
     tests/unit/test_eng_deque \
     tests/unit/test_eng_divisor \
     tests/unit/test_eng_effort \

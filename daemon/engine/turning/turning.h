@@ -1,7 +1,7 @@
 /* turning.h - the contacts of two objects of which one turns.
  *
  *     sweep.c     pairs of features that may meet, and when
- *     -> decide.c     each of them
+ *     -> decide_turning.c     each of them
  *     -> team/worker.c    records, as the mode wants them
  *
  * Threads: [team]; what a thread has for it belongs to it alone. Two threads may be at

@@ -1,0 +1,587 @@
+/* decide_turning.c - a pair of features of which one turns, by halves of the step.
+ *
+ * On a span of time the points are taken to go straight from where they are at its begin
+ * to where they are at its end. They do not, but they are at most eps off. If such
+ * straight features stay farther apart than r + eps, the true ones stay farther apart
+ * than r; if they come within r - eps, so do the true ones within r. With r = 0 nothing
+ * is within; there straight features that pass through each other so well that nothing
+ * within eps of them could avoid it prove a contact. What is neither is cut: at the time
+ * up to which it is free, if that is in its second half, else in the middle.
+ *
+ * Source: elementary/BOUNDS.md, "Features that turn".
+ */
+#include "decide.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "kernel.h"
+#include "motion.h"
+#include "thick_exact.h"
+#include "vec.h"
+
+/* Cells of `advance`: each look makes a bracket so much shorter at most. Finer ones would
+ * be shorter than rounding where brackets are. */
+#define DEPTH 8
+
+/* Spans that turn by more than their chords show are cut without a closer look: where
+ * points are off their chords by more than this part of their way. */
+#define BENT_MOST 0x1p-4
+
+/* Looks between two questions whether to stop. */
+#define LOOKS_BETWEEN 32u
+
+/* Halves of the step, and what is cut off at the end of a bracket. */
+#define SPANS_MAX 96u
+
+#define SIZE_MOST 1e18
+
+static const uint32_t whole[1][4] = {{0, 1, 2, 3}};
+static const uint32_t numbers[4] = {0, 1, 2, 3};
+
+/* The points of both at one time. */
+struct moment {
+    double t;
+    double x[4][3];
+    double error; /* Euclidean, of each point */
+    double size;  /* largest coordinate */
+};
+
+/* Features that go straight between two moments, and how far from them the true ones
+ * are. */
+struct span {
+    const struct moment *l;
+    const struct moment *r;
+    double length; /* rounded up */
+    double bent;   /* how far off their chords points are */
+    double eps;    /* that and the errors at the ends */
+    struct eng_point points[4];
+};
+
+struct decider {
+    struct eng_poses *poses;
+    const struct eng_turning_pair *pair;
+    const struct eng_turning_limits *limits;
+    const struct eng_kernels *kernels;
+    uint32_t first_turning;
+    uint32_t end_turning;
+    bool stands;        /* the other feature */
+    double still_error; /* of its places between both ends */
+    double still_size;
+    double turning_size; /* largest coordinate of the turning feature in its frame */
+    double bend;
+    double at_most;  /* r, rounded up */
+    double at_least; /* r, rounded down */
+    bool is_thin;
+    bool is_beyond; /* a place is beyond the numbers that tests know */
+    double side; /* thin, proved: its sign is that of det[p, b, c] before the contact */
+    struct moment spare[2];        /* of a window */
+    struct moment begin;           /* the earliest span begins here */
+    struct moment ends[SPANS_MAX]; /* spans that are left end here; the first one last */
+    uint32_t count;
+};
+
+/* ---- moments and spans ------------------------------------------------------------- */
+
+static void set_moment(struct decider *decider, double t, struct moment *moment)
+{
+    const struct eng_turning_pair *pair = decider->pair;
+    const struct eng_path_pose *pose = eng_poses_at(decider->poses, t);
+    const double *m = pose->m;
+    double size = decider->still_size;
+    for (uint32_t i = 0; i < 4; i++) {
+        const double *x = pair->x[0][i];
+        double *at = moment->x[i];
+        if (i >= decider->first_turning && i < decider->end_turning) {
+            for (int k = 0; k < 3; k++, m += 4) {
+                at[k] = m[0] * x[0] + m[1] * x[1] + m[2] * x[2] + m[3];
+                size = eng_most(size, fabs(at[k]));
+            }
+            m = pose->m;
+        } else if (decider->stands) {
+            memcpy(at, x, sizeof moment->x[i]);
+        } else {
+            for (int k = 0; k < 3; k++) {
+                at[k] = (1 - t) * x[k] + t * pair->x[1][i][k];
+            }
+        }
+    }
+    decider->is_beyond |= !(size <= SIZE_MOST);
+    bool is_given = decider->stands || t == 0 || t == 1;
+    moment->t = t;
+    moment->size = size;
+    moment->error =
+        (pose->error[0] + pose->error[1] * decider->turning_size) * (1 + 8 * ENG_U) +
+        (is_given ? 0 : decider->still_error);
+}
+
+static void set_span(const struct decider *decider, const struct moment *l,
+                     const struct moment *r, struct span *span)
+{
+    span->l = l;
+    span->r = r;
+    span->length = (r->t - l->t) * (1 + 2 * ENG_U);
+    span->bent = decider->bend * span->length * span->length * (0.125 + 2 * ENG_U) +
+                 (decider->bend > 0 ? ENG_TINY : 0);
+    span->eps = (span->bent + eng_most(l->error, r->error)) * (1 + 4 * ENG_U);
+    for (int i = 0; i < 4; i++) {
+        memcpy(span->points[i].x0, l->x[i], sizeof l->x[i]);
+        memcpy(span->points[i].x1, r->x[i], sizeof r->x[i]);
+    }
+}
+
+/* Return a time that is not after that part of the span, nor before its begin. */
+static double time_before(const struct span *span, double part)
+{
+    double t = span->l->t + (span->r->t - span->l->t) * part - 4 * ENG_U;
+    return part <= 0 ? span->l->t : eng_most(span->l->t, t);
+}
+
+static double time_behind(const struct span *span, double part)
+{
+    double t = span->l->t + (span->r->t - span->l->t) * part + 4 * ENG_U;
+    return part <= 0 ? span->l->t : eng_least(span->r->t, t);
+}
+
+/* ---- free -------------------------------------------------------------------------- */
+
+/* Return whether an axis keeps the features farther apart than that, at both ends. */
+static bool are_apart(const struct span *span, uint32_t points_a, double reach)
+{
+    for (int k = 0; k < 3; k++) {
+        double above = INFINITY;
+        double below = INFINITY;
+        for (int end = 0; end < 2; end++) {
+            const double(*x)[3] = end == 0 ? span->l->x : span->r->x;
+            double low_a = eng_least(x[0][k], x[points_a - 1][k]);
+            double high_a = eng_most(x[0][k], x[points_a - 1][k]);
+            double low_b = eng_least(eng_least(x[points_a][k], x[2][k]), x[3][k]);
+            double high_b = eng_most(eng_most(x[points_a][k], x[2][k]), x[3][k]);
+            above = eng_least(above, low_a - high_b);
+            below = eng_least(below, low_b - high_a);
+        }
+        if (above > reach || below > reach) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Return whether points are off their chords by much, against how far they go. */
+static bool is_much_bent(const struct decider *decider, const struct span *span)
+{
+    double way = 0;
+    for (uint32_t i = decider->first_turning; i < decider->end_turning; i++) {
+        double d[3];
+        eng_sub(d, span->r->x[i], span->l->x[i]);
+        way = eng_most(way, eng_size(d));
+    }
+    return span->bent > BENT_MOST * way;
+}
+
+/* Ask the kernel whether straight features come within r, when. */
+static void advance(const struct decider *decider, uint32_t kind, const struct span *span,
+                    const uint32_t (*quads)[4], uint32_t count, double r,
+                    struct eng_advance *told)
+{
+    static const struct eng_advance_limits limits = {0, 1, DEPTH};
+    for (uint32_t i = 0; i < count; i++) {
+        told[i] = (struct eng_advance){.lo = r};
+    }
+    decider->kernels->advance(kind, span->points, quads, numbers, count, &limits, told);
+}
+
+enum look {
+    LOOK_FREE,
+    LOOK_NEAR,   /* the straight features come within r + eps */
+    LOOK_UNSURE, /* nobody knows */
+    LOOK_UNASKED /* nobody has asked */
+};
+
+/* Tell of a span; *until becomes the time up to which it is free. */
+static enum look look(const struct decider *decider, const struct span *span,
+                      bool closely, double *until)
+{
+    const double r = (decider->at_most + span->eps) * (1 + 4 * ENG_U);
+    const uint32_t kind = (uint32_t)decider->pair->kind;
+    const uint32_t points_a = common_kinds[kind].points[0];
+    uint32_t left[1];
+    struct eng_advance told;
+    *until = span->l->t;
+    if (!(r <= SIZE_MOST)) {
+        return LOOK_UNASKED;
+    }
+    if (are_apart(span, points_a, r * (1 + 4 * ENG_U))) {
+        return LOOK_FREE;
+    }
+    if (!closely && is_much_bent(decider, span)) {
+        return LOOK_UNASKED;
+    }
+    if (decider->kernels->reject_thick(points_a, span->points, whole, 1, &r, left) == 0) {
+        return LOOK_FREE;
+    }
+    advance(decider, kind, span, whole, 1, r, &told);
+    if (told.now == ENG_ADVANCE_MISSES) {
+        return LOOK_FREE;
+    }
+    *until = time_before(span, told.until);
+    return told.now == ENG_ADVANCE_UNDECIDED ? LOOK_UNSURE : LOOK_NEAR;
+}
+
+/* ---- proved ------------------------------------------------------------------------ */
+
+/* Return a time by which they are within r; INFINITY: it is not proved. */
+static double prove_thick(const struct decider *decider, const struct span *span)
+{
+    double r = (decider->at_least - span->eps) * (1 - 4 * ENG_U);
+    struct eng_advance told;
+    if (!(r > 0)) {
+        return INFINITY;
+    }
+    advance(decider, (uint32_t)decider->pair->kind, span, whole, 1, r, &told);
+    switch ((enum eng_advanced)told.now) {
+    case ENG_ADVANCE_INITIALLY:
+        return span->l->t;
+    case ENG_ADVANCE_MEETS:
+        return time_behind(span, eng_thick_cell_begin((int64_t)told.cell + 1, DEPTH));
+    case ENG_ADVANCE_MISSES:
+    case ENG_ADVANCE_UNDECIDED:
+        break;
+    }
+    return INFINITY;
+}
+
+/* The motion of thin features in a span. */
+struct passage {
+    struct eng_motion motion;
+    struct eng_pose pose[2];
+    double f[4]; /* Bernstein coefficients of det[p, b, c] */
+};
+
+/* False: the sides of each other at its ends are not certain, or not different. */
+static bool set_passage(enum pccd_kind kind, const struct span *span,
+                        struct passage *passage)
+{
+    struct eng_query query = {.kind = kind};
+    memcpy(query.x[0], span->l->x, sizeof query.x[0]);
+    memcpy(query.x[1], span->r->x, sizeof query.x[1]);
+    eng_motion_init(&passage->motion, &query);
+    eng_motion_pose(&passage->motion, 0, &passage->pose[0]);
+    eng_motion_pose(&passage->motion, 1, &passage->pose[1]);
+    eng_motion_bernstein(&passage->pose[0], &passage->pose[1], passage->f);
+    const double *f = passage->f;
+    return fabs(f[0]) > passage->motion.e_det && fabs(f[3]) > passage->motion.e_det &&
+           (f[0] < 0) != (f[3] < 0);
+}
+
+/* Return whether the features are farther apart than that at one time. */
+static bool are_apart_at(const struct decider *decider, const struct moment *moment,
+                         double r)
+{
+    struct span instant;
+    struct eng_advance told;
+    set_span(decider, moment, moment, &instant);
+    advance(decider, (uint32_t)decider->pair->kind, &instant, whole, 1, r, &told);
+    return told.now == ENG_ADVANCE_MISSES;
+}
+
+/* Return whether no vertex of a feature comes within eps of an edge of the other, and
+ * the features are farther apart than eps at both ends. */
+static bool is_rim_clear(const struct decider *decider, const struct span *span)
+{
+    static const uint32_t rims[2][4][4] = {
+        {{0, 1, 2, 2}, {0, 2, 3, 3}, {0, 3, 1, 1}},
+        {{0, 2, 3, 3}, {1, 2, 3, 3}, {2, 0, 1, 1}, {3, 0, 1, 1}}};
+    const bool is_vf = decider->pair->kind == PCCD_VF;
+    const uint32_t count = is_vf ? 3 : 4;
+    const double r = span->eps * (1 + 4 * ENG_U) + ENG_TINY;
+    struct eng_advance told[4];
+    if (!are_apart_at(decider, span->l, r) || !are_apart_at(decider, span->r, r)) {
+        return false;
+    }
+    advance(decider, PCCD_VE, span, rims[!is_vf], count, r, told);
+    for (uint32_t i = 0; i < count; i++) {
+        if (told[i].now != ENG_ADVANCE_MISSES) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Return a time by which thin features have met; INFINITY: it is not proved. They are
+ * free up to `until`, and the proof is about a window around the time when the straight
+ * features meet, which is shorter than the span and may go beyond it. */
+static double prove_thin(struct decider *decider, const struct span *span, double until)
+{
+    const enum pccd_kind kind = decider->pair->kind;
+    struct passage passage;
+    struct span window;
+    double middle = span->r->t; /* where neither this span nor the next one would tell */
+    if (set_passage(kind, span, &passage)) {
+        double slope;
+        middle = span->l->t +
+                 (span->r->t - span->l->t) * eng_bernstein_root(passage.f, &slope);
+    }
+    double reach = 3 * (middle - until) + 8 * ENG_U;
+    double from = eng_most(middle - reach, 0);
+    double to = eng_least(middle + reach, 1);
+    if (!(from < to && to - from < span->length)) {
+        return INFINITY;
+    }
+    set_moment(decider, from, &decider->spare[0]);
+    set_moment(decider, to, &decider->spare[1]);
+    set_span(decider, &decider->spare[0], &decider->spare[1], &window);
+    if (!(window.eps <= SIZE_MOST) || !set_passage(kind, &window, &passage) ||
+        eng_motion_domain(&passage.motion, &passage.pose[0], &passage.pose[1]) !=
+            ENG_INSIDE ||
+        !is_rim_clear(decider, &window)) {
+        return INFINITY;
+    }
+    decider->side = passage.f[0];
+    return to;
+}
+
+/* ---- possible ---------------------------------------------------------------------- */
+
+/* Return the delta that rounding leaves a meaning. */
+static double precision_of(const struct decider *decider, const struct span *span)
+{
+    double error = eng_most(span->l->error, span->r->error);
+    double size = eng_most(span->l->size, span->r->size);
+    return eng_most(decider->limits->delta, eng_turning_delta_least(size, error));
+}
+
+double eng_turning_delta_least(double size, double error)
+{
+    return eng_most(4 * error, 0x1p-44 * size);
+}
+
+/* Return whether, as far as doubles can tell, points of the features are not farther
+ * apart than that. */
+static bool is_near(enum pccd_kind kind, const struct moment *moment, double reach)
+{
+    const double(*x)[3] = moment->x;
+    const bool is_ee = kind == PCCD_EE;
+    struct eng_pose pose;
+    struct eng_closest closest;
+    eng_sub(pose.p, is_ee ? x[2] : x[0], is_ee ? x[0] : x[1]);
+    eng_sub(pose.b, is_ee ? x[1] : x[2], is_ee ? x[0] : x[1]);
+    eng_sub(pose.c, is_ee ? x[2] : x[3], is_ee ? x[3] : x[1]);
+    eng_closest_to_origin(is_ee ? PCCD_EE : PCCD_VF, &pose, &closest);
+    return !(sqrt(eng_dot(closest.gap, closest.gap)) > reach);
+}
+
+/* ---- the search -------------------------------------------------------------------- */
+
+/* The facts that are known by now. */
+struct found {
+    double free_until;
+    double met_by; /* INFINITY: nothing is proved */
+    bool is_possible;
+    double possible_until;
+    uint32_t ahead; /* looks since then */
+    bool has_begun; /* the first instant has been looked at */
+};
+
+static void push(struct decider *decider, double t)
+{
+    set_moment(decider, t, &decider->ends[decider->count++]);
+}
+
+/* Leave the span, which is the first, behind. */
+static void pass(struct decider *decider)
+{
+    decider->begin = decider->ends[--decider->count];
+}
+
+/* Go on where the span, which is the first, is free until, if that is in its second half;
+ * else with its first half. */
+static void cut(struct decider *decider, const struct span *span, double until)
+{
+    const double l = span->l->t;
+    const double r = span->r->t;
+    if (r - until <= 0.5 * (r - l)) {
+        set_moment(decider, until, &decider->begin);
+    } else {
+        push(decider, l + 0.5 * (r - l));
+    }
+}
+
+/* Prove what can be proved of a span whose straight features come near. */
+static void prove(struct decider *decider, const struct span *span, double until,
+                  struct found *found)
+{
+    const enum pccd_kind kind = decider->pair->kind;
+    if (!decider->is_thin && !found->has_begun && until == 0) {
+        struct span instant;
+        set_span(decider, span->l, span->l, &instant);
+        found->met_by = eng_least(found->met_by, prove_thick(decider, &instant));
+    }
+    found->has_begun = true;
+    if (!decider->is_thin) {
+        found->met_by = eng_least(found->met_by, prove_thick(decider, span));
+    } else if (kind == PCCD_VF || kind == PCCD_EE) {
+        found->met_by = eng_least(found->met_by, prove_thin(decider, span, until));
+    }
+}
+
+/* Return whether the bracket is short enough, or nobody wants it. */
+static bool is_known(const struct decider *decider, const struct found *found)
+{
+    return found->met_by - found->free_until <= decider->limits->tolerance ||
+           (found->is_possible && found->met_by < INFINITY) ||
+           found->free_until > decider->limits->t_end;
+}
+
+/* Look at the first span that is left. Return whether the answer is known. */
+static bool look_at_first(struct decider *decider, struct found *found)
+{
+    struct span span;
+    double until;
+    if (decider->ends[decider->count - 1].t > found->met_by) {
+        decider->count = 0;
+        push(decider, found->met_by);
+    }
+    set_span(decider, &decider->begin, &decider->ends[decider->count - 1], &span);
+    const double precision = precision_of(decider, &span);
+    const bool is_leaf =
+        span.eps <= precision &&
+        (found->is_possible || span.length <= decider->limits->tolerance);
+    enum look seen = look(decider, &span, is_leaf, &until);
+    if (!found->is_possible) {
+        found->free_until = seen == LOOK_FREE ? span.r->t : until;
+    }
+    if (seen == LOOK_FREE) {
+        pass(decider);
+        return is_known(decider, found);
+    }
+    if (seen != LOOK_UNASKED) {
+        prove(decider, &span, until, found);
+        if (is_known(decider, found)) {
+            return true;
+        }
+    }
+    if (is_leaf && seen == LOOK_UNSURE && until > span.l->t) {
+        set_moment(decider, until, &decider->spare[0]);
+        seen =
+            is_near(decider->pair->kind, &decider->spare[0], decider->at_most + precision)
+                ? LOOK_NEAR
+                : LOOK_UNSURE;
+    } else if (is_leaf) {
+        seen = LOOK_NEAR;
+    }
+    if (!is_leaf || seen == LOOK_UNSURE) {
+        cut(decider, &span, until);
+        return false;
+    }
+    if (!found->is_possible) {
+        found->is_possible = true;
+        found->possible_until = span.r->t;
+    }
+    pass(decider);
+    return found->met_by < INFINITY || ++found->ahead > ENG_TURNING_LOOKS_AHEAD;
+}
+
+static void begin(struct decider *decider)
+{
+    const struct eng_turning_pair *pair = decider->pair;
+    const uint32_t *points = common_kinds[pair->kind].points;
+    struct eng_path_box box = {{INFINITY, INFINITY, INFINITY},
+                               {-INFINITY, -INFINITY, -INFINITY}};
+    decider->first_turning = pair->turning == 0 ? 0 : points[0];
+    decider->end_turning = pair->turning == 0 ? points[0] : 4;
+    decider->stands = true;
+    for (uint32_t i = 0; i < 4; i++) {
+        const double *x = pair->x[0][i];
+        const double *y = pair->x[1][i];
+        if (i < decider->first_turning || i >= decider->end_turning) {
+            decider->stands &= x[0] == y[0] && x[1] == y[1] && x[2] == y[2];
+            decider->still_size =
+                eng_most(decider->still_size, eng_most(eng_size(x), eng_size(y)));
+            continue;
+        }
+        for (int k = 0; k < 3; k++) {
+            box.lo[k] = eng_least(box.lo[k], x[k]);
+            box.hi[k] = eng_most(box.hi[k], x[k]);
+        }
+        decider->turning_size = eng_most(decider->turning_size, eng_size(x));
+    }
+    decider->still_error = 8 * ENG_U * decider->still_size + ENG_TINY;
+    decider->bend = eng_path_bend(decider->poses->path, &box, 0, 1);
+    decider->at_most = eng_thick_reach(pair->radius);
+    decider->at_least = eng_thick_sum(pair->radius) * (1 - 4 * ENG_U);
+    decider->is_thin = decider->at_most == 0;
+    set_moment(decider, 0, &decider->begin);
+    push(decider, 1);
+}
+
+/* Set param and normal, by the places at toi. */
+static void describe(struct decider *decider, struct eng_hit *hit)
+{
+    const enum pccd_kind kind = decider->pair->kind;
+    const double toi = hit->toi;
+    struct span span;
+    set_moment(decider, toi, &decider->spare[0]);
+    set_span(decider, &decider->spare[0], &decider->spare[0], &span);
+    hit->toi = 0;
+    decider->kernels->describe((uint32_t)kind, span.points, whole, numbers, 1, hit);
+    hit->toi = toi;
+    if (decider->side != 0) {
+        struct passage passage;
+        double place[2];
+        set_passage(kind, &span, &passage);
+        eng_motion_describe(&passage.motion, 0, decider->side, &place[0], &place[1],
+                            hit->normal);
+    }
+}
+
+enum eng_turning_verdict eng_turning_decide(struct eng_poses *poses,
+                                            const struct eng_turning_pair *pair,
+                                            const struct eng_turning_limits *limits,
+                                            struct eng_turning_answer *answer)
+{
+    struct decider decider;
+    struct found found = {.met_by = INFINITY};
+    enum eng_turning_verdict verdict = ENG_TURNING_FREE;
+    decider.poses = poses;
+    decider.pair = pair;
+    decider.limits = limits;
+    decider.kernels = eng_kernels_of(ENG_ISA_SCALAR);
+    decider.is_beyond = false;
+    decider.still_size = 0;
+    decider.turning_size = 0;
+    decider.side = 0;
+    decider.count = 0;
+    begin(&decider);
+    answer->looks = 0;
+    while (decider.count > 0) {
+        bool is_asked = answer->looks % LOOKS_BETWEEN == LOOKS_BETWEEN - 1;
+        if (is_asked && limits->should_stop != NULL &&
+            limits->should_stop(limits->owner)) {
+            verdict = ENG_TURNING_STOPPED;
+            break;
+        }
+        if (answer->looks == limits->looks_max || decider.count > SPANS_MAX - 2 ||
+            decider.is_beyond) {
+            verdict = ENG_TURNING_LIMIT;
+            break;
+        }
+        answer->looks++;
+        if (look_at_first(&decider, &found)) {
+            break;
+        }
+    }
+    answer->free_until = found.free_until;
+    bool is_proved = found.met_by < INFINITY;
+    if (verdict == ENG_TURNING_STOPPED || !(is_proved || found.is_possible) ||
+        found.free_until > limits->t_end) {
+        return verdict;
+    }
+    answer->hit =
+        (struct eng_hit){.flags = is_proved ? PCCD_PROVED : 0,
+                         .toi = found.free_until,
+                         .toi_hi = is_proved ? found.met_by : found.possible_until};
+    answer->hit.flags |= found.met_by == 0 ? PCCD_INITIAL : 0;
+    describe(&decider, &answer->hit);
+    return ENG_TURNING_MEETS;
+}
