@@ -35,6 +35,7 @@ static const struct {
     {PROTO_FEATURE_FREE, "; it knows triangles alone"},
     {PROTO_FEATURE_TELLS, "; it does not tell what crosses"},
     {PROTO_FEATURE_TOUCHING, "; it does not tell what becomes of what touches"},
+    {PROTO_FEATURE_TURNING, "; to it all that moves goes straight"},
 };
 
 int cli_check_feature(struct pccd_client *client, uint64_t feature, const char *what)

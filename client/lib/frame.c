@@ -37,20 +37,28 @@ uint64_t pccd_frame_bytes(uint32_t segment_max, uint64_t payload_bytes)
 /* Return the bytes of either end of what a segment moves. */
 static uint64_t bytes_of(const struct proto_segment *segment)
 {
-    return segment->kind == PROTO_SEGMENT_RIGID
-               ? PROTO_RIGID_BYTES
-               : segment->count * common_vertex_bytes(segment->format);
+    switch (segment->kind) {
+    case PROTO_SEGMENT_TURNING:
+        return 0; /* it leads to joints */
+    case PROTO_SEGMENT_RIGID:
+        return PROTO_RIGID_BYTES;
+    default:
+        return segment->count * common_vertex_bytes(segment->format);
+    }
 }
 
 static bool has_start(const struct proto_segment *segment)
 {
-    return segment->kind != PROTO_SEGMENT_X1;
+    return segment->kind == PROTO_SEGMENT_X0X1 || segment->kind == PROTO_SEGMENT_RIGID;
 }
 
 uint64_t cli_segment_place(struct proto_segment *segment, uint64_t used)
 {
     uint64_t bytes = cli_round_up(bytes_of(segment), CLI_RANGE_ALIGN);
 
+    if (segment->kind == PROTO_SEGMENT_TURNING) {
+        return used;
+    }
     segment->offset0 = has_start(segment) ? used : 0;
     segment->offset1 = has_start(segment) ? used + bytes : used;
     return segment->offset1 + bytes;
@@ -188,13 +196,63 @@ static int find_slot(const struct pccd_frame *frame, struct cli_slot **own)
     return 0;
 }
 
+/* Copy joints into a slot that is begun, which has none yet. */
+static int put_joints(struct pccd_client *client, uint32_t slot, struct cli_joints joints)
+{
+    struct cli_slot *own = &client->ring.slots[slot];
+    const struct proto_joints head = {.count = joints.count};
+    uint8_t *to = cli_slot_payload(&client->ring, slot) + own->used_bytes;
+    int status = cli_check_feature(client, PROTO_FEATURE_TURNING, "joints");
+
+    if (status != 0) {
+        return status;
+    }
+    if (joints.count > PROTO_JOINTS_MAX ||
+        PROTO_JOINTS_BYTES(joints.count) > own->limit_bytes - own->used_bytes) {
+        return cli_fail(client, PCCD_E_LIMIT,
+                        "%u joints, and there is room for %llu bytes of the announced "
+                        "%llu; %u at most",
+                        joints.count,
+                        (unsigned long long)(own->limit_bytes - own->used_bytes),
+                        (unsigned long long)own->limit_bytes, PROTO_JOINTS_MAX);
+    }
+    memcpy(to, &head, sizeof head);
+    memcpy(to + sizeof head, joints.items, joints.count * sizeof *joints.items);
+    own->joints_at = own->used_bytes;
+    own->joint_count = joints.count;
+    own->used_bytes += PROTO_JOINTS_BYTES(joints.count);
+    static_assert(PROTO_JOINTS_BYTES(1) % CLI_RANGE_ALIGN == 0,
+                  "what follows is aligned");
+    return 0;
+}
+
+/* Lead a segment that turns to the joints of its slot. */
+static int lead_to_joints(struct pccd_client *client, const struct cli_slot *own,
+                          struct proto_segment *segment)
+{
+    if (own->joints_at == 0) {
+        return cli_fail(client, PCCD_E_STATE,
+                        "the frame has no joints; pccd_frame_joints gives it some");
+    }
+    if (segment->first >= own->joint_count) {
+        return cli_fail(client, PCCD_E_INVAL, "joint %u of %u, from 0", segment->first,
+                        own->joint_count);
+    }
+    segment->offset0 = own->joints_at;
+    return 0;
+}
+
 /* Enter a segment into the table of a slot that is begun, and give its ends a place. */
 static int enter(struct pccd_client *client, uint32_t slot, struct proto_segment *segment)
 {
     struct cli_slot *own = &client->ring.slots[slot];
     uint64_t end = cli_segment_place(segment, own->used_bytes);
-    int status;
+    int status =
+        segment->kind == PROTO_SEGMENT_TURNING ? lead_to_joints(client, own, segment) : 0;
 
+    if (status != 0) {
+        return status;
+    }
     if (own->segment_count >= own->segment_max) {
         return cli_fail(client, PCCD_E_LIMIT, "more than the announced %u segments",
                         own->segment_max);
@@ -302,6 +360,50 @@ int pccd_frame_rigid(struct pccd_frame *frame, uint32_t object, uint32_t first,
     return 0;
 }
 
+int pccd_frame_joints(struct pccd_frame *frame, const struct pccd_joint *joints,
+                      uint32_t count)
+{
+    const struct cli_joints given = {joints, count};
+    struct cli_slot *own = NULL;
+    int status;
+
+    CLI_ENTER_OR_RETURN(client_of(frame));
+    status = find_slot(frame, &own);
+    if (status != 0) {
+        return status;
+    }
+    if (joints == NULL || count == 0) {
+        return cli_fail(frame->client, PCCD_E_INVAL, "%s",
+                        joints == NULL ? "joints is NULL" : "a table of no joints");
+    }
+    if (own->joints_at != 0) {
+        return cli_fail(frame->client, PCCD_E_STATE, "the frame has its joints already");
+    }
+    status = put_joints(frame->client, slot_of(frame), given);
+    frame->used_bytes = own->used_bytes;
+    return status;
+}
+
+int pccd_frame_turning(struct pccd_frame *frame, uint32_t object, uint32_t joint,
+                       uint32_t vertex_count)
+{
+    struct proto_segment segment = {.object = object,
+                                    .kind = PROTO_SEGMENT_TURNING,
+                                    .format = PCCD_FORMAT_F64,
+                                    .first = joint,
+                                    .count = vertex_count};
+    struct cli_slot *own = NULL;
+    int status;
+
+    CLI_ENTER_OR_RETURN(client_of(frame));
+    status = find_slot(frame, &own);
+    status = status != 0 ? status : enter(frame->client, slot_of(frame), &segment);
+    if (status == 0) {
+        frame->segment_count = own->segment_count;
+    }
+    return status;
+}
+
 int cli_frame_take(struct pccd_frame *frame, const uint64_t *step, uint32_t *scene,
                    uint32_t *slot)
 {
@@ -340,16 +442,33 @@ void pccd_frame_abort(struct pccd_frame *frame)
 
 /* ---- motions ----------------------------------------------------------------------- */
 
+/* Return whether a motion says nothing but a joint of those that there are. */
+static bool turns(const struct pccd_motion *motion, struct cli_joints joints)
+{
+    return joints.count > 0 && motion->x0 == NULL && motion->x1 == NULL &&
+           motion->m0 == NULL && motion->m1 == NULL;
+}
+
 /* Describe what motion i moves. E_INVAL: it moves in no way, or in two. */
 static int describe(struct pccd_client *client, const struct pccd_motion *motion,
-                    uint32_t i, struct proto_segment *segment)
+                    uint32_t i, struct cli_joints joints, struct proto_segment *segment)
 {
     bool is_rigid = motion->m0 != NULL;
 
+    if (turns(motion, joints)) {
+        *segment = (struct proto_segment){.object = motion->object,
+                                          .kind = PROTO_SEGMENT_TURNING,
+                                          .format = PCCD_FORMAT_F64,
+                                          .first = motion->first,
+                                          .count = motion->count};
+        return 0;
+    }
     if (is_rigid != (motion->m1 != NULL) || is_rigid != (motion->x1 == NULL) ||
         (is_rigid && motion->x0 != NULL)) {
         return cli_fail(client, PCCD_E_INVAL,
-                        "motion %u: it needs x1, or x0 and x1, or m0 and m1", i);
+                        "motion %u: it needs x1, or x0 and x1, or m0 and m1, or joints "
+                        "of the step",
+                        i);
     }
     if (!is_rigid && (unsigned)motion->format >= PCCD_FORMAT_COUNT) {
         return cli_fail(client, PCCD_E_INVAL, "motion %u: unknown format %u", i,
@@ -367,13 +486,14 @@ static int describe(struct pccd_client *client, const struct pccd_motion *motion
 }
 
 static int write_motion(struct pccd_client *client, uint32_t slot,
-                        const struct pccd_motion *motion, uint32_t i)
+                        const struct pccd_motion *motion, uint32_t i,
+                        struct cli_joints joints)
 {
     struct proto_segment segment;
-    int status = describe(client, motion, i, &segment);
+    int status = describe(client, motion, i, joints, &segment);
 
     status = status != 0 ? status : enter(client, slot, &segment);
-    if (status == 0) {
+    if (status == 0 && segment.kind != PROTO_SEGMENT_TURNING) {
         bool is_rigid = motion->m0 != NULL;
 
         cli_segment_write(cli_slot_payload(&client->ring, slot), &segment,
@@ -385,25 +505,29 @@ static int write_motion(struct pccd_client *client, uint32_t slot,
 
 int cli_frame_write(struct pccd_client *client, uint32_t scene,
                     const struct pccd_motion *motions, uint32_t motion_count,
-                    uint32_t *slot)
+                    struct cli_joints joints, uint32_t *slot)
 {
     uint64_t bytes = 0;
+    bool has_joints = false;
     int status = 0;
 
     for (uint32_t i = 0; status == 0 && i < motion_count; i++) {
         struct proto_segment segment;
 
-        status = describe(client, &motions[i], i, &segment);
+        status = describe(client, &motions[i], i, joints, &segment);
+        has_joints = has_joints || turns(&motions[i], joints);
         bytes += status != 0 ? 0 : bytes_of(&segment) * (has_start(&segment) ? 2 : 1);
     }
+    bytes += has_joints ? PROTO_JOINTS_BYTES(joints.count) : 0;
     if (status == 0) {
         status = begin(client, scene, motion_count, bytes, slot);
     }
     if (status != 0) {
         return status;
     }
+    status = has_joints ? put_joints(client, *slot, joints) : 0;
     for (uint32_t i = 0; status == 0 && i < motion_count; i++) {
-        status = write_motion(client, *slot, &motions[i], i);
+        status = write_motion(client, *slot, &motions[i], i, joints);
     }
     if (status != 0) {
         cli_slot_abort(&client->ring, *slot);

@@ -7,7 +7,7 @@
 lib_LTLIBRARIES += libpccd.la
 noinst_LTLIBRARIES += libclient.la
 include_HEADERS += client/lib/pccd.h client/lib/pccd_batch.h client/lib/pccd_near.h \
-    client/lib/pccd_weld.h
+    client/lib/pccd_turning.h client/lib/pccd_weld.h
 pkgconfig_DATA += client/lib/pccd.pc
 
 libclient_la_SOURCES = \
@@ -41,6 +41,7 @@ libclient_la_SOURCES = \
     client/lib/scene.c \
     client/lib/stats.c \
     client/lib/step.c \
+    client/lib/turning.c \
     client/lib/weld.c
 libclient_la_CPPFLAGS = $(PCCD_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \

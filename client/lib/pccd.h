@@ -43,6 +43,7 @@
 #include "pccd_daemon.h"
 #include "pccd_near.h"
 #include "pccd_trace.h"
+#include "pccd_turning.h"
 #include "pccd_types.h"
 #include "pccd_weld.h"
 
@@ -461,8 +462,9 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
  * steals, and paper makes everything anew. None changes the answer. A text that is wrong
  * makes the step fail (E_INVAL), and pccd_error_text names what is wrong in it. */
 
-/* Motion is linear: in a step every vertex goes straight from its start to its end with
- * constant speed, also where transforms are given. So a point that turns, at a distance
+/* Motion is linear, but of bodies that hang on joints (pccd_turning.h): in a step every
+ * vertex goes straight from its start to its end with constant speed, also where
+ * transforms are given. So a point that turns, at a distance
  * rho from the axis, by theta (radians) in k equal steps, is up to
  * rho (1 - cos(theta / (2k))) <= rho theta^2 / (8 k^2) off the true turn, and within
  * delta of it with k >= theta sqrt(rho / (8 delta)). An arm of 1 m that turns by 90
@@ -510,6 +512,15 @@ struct pccd_step_settings {
      * processor for a pair that touches; nothing is kept from step to step. E_VERSION:
      * the daemon is older than this */
     enum pccd_touching touching;
+    /* Of bodies that turn (pccd_turning.h): a pair that is not proved is possible where
+     * it comes within so much more than the distance at which it meets, in the unit of
+     * coordinates. 0 .. 1e18; 0: 2^-20 of the size of the two bodies, the larger one's.
+     * E_VERSION: the daemon is older than this */
+    double resolution;
+    /* On which motions turn that are given with these settings (struct pccd_motion); of a
+     * frame pccd_frame_joints has them, and a batch has none (E_INVAL). NULL: none */
+    const struct pccd_joint *joints; /* [joint_count] */
+    uint32_t joint_count;            /* 0 .. 65536 */
 };
 
 /* All defaults: struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT; */
@@ -625,7 +636,8 @@ uint64_t pccd_frame_bytes(uint32_t segment_max, uint64_t payload_bytes);
 
 /* Begin a frame: take a free slot for a step of up to segment_max segments and
  * payload_bytes of positions. Count 12 (F32) or 24 (F64) bytes a vertex, twice that for
- * both ends, and 192 for a rigid segment; the library adds the rounding of each range
+ * both ends, and 192 for a rigid segment (pccd_turning.h: of a
+ * turning one nothing, but of its joints); the library adds the rounding of each range
  * up to 8 bytes. If the slot is too small, the ring grows, when nothing is in flight.
  * If all slots are in flight, the call waits for one, up to the timeout. Errors: E_BUSY
  * (all slots are begun; 32 answers wait to be taken; the ring must grow while frames
@@ -651,9 +663,11 @@ int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings 
 /* Give the slot back unsent. */
 void pccd_frame_abort(struct pccd_frame *frame);
 
-/* A motion of a step: `count` vertices of an object, from `first`, in one of three ways:
- * to x1 from where the last step ended; from x0 to x1; or by transforms m0 and m1 at both
- * ends, as pccd_frame_rigid says. What a way does not need is NULL. */
+/* A motion of a step: `count` vertices of an object, from `first`, in one of four ways:
+ * to x1 from where the last step ended; from x0 to x1; by transforms m0 and m1 at both
+ * ends, as pccd_frame_rigid says; or, where the settings of the step have joints, on one
+ * of them: then `first` is the joint and `count` all vertices, as pccd_frame_turning
+ * says. What a way does not need is NULL. */
 struct pccd_motion {
     uint32_t object;
     uint32_t first, count;

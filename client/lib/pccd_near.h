@@ -74,6 +74,10 @@ struct pccd_near_settings {
                              looked for by themselves, which adds half to two thirds of
                              the work (bench/peers/NEAR.md). E_VERSION: the daemon is
                              older than this */
+    /* On which motions turn that are given with these settings, as in struct
+     * pccd_step_settings: what is near is asked of one of their ends. NULL: none */
+    const struct pccd_joint *joints; /* [joint_count] */
+    uint32_t joint_count;            /* 0 .. 65536 */
 };
 
 #define PCCD_NEAR_SETTINGS_INIT                                                          \

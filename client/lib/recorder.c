@@ -145,6 +145,15 @@ int cli_record_tells(struct pccd_client *client, bool tells, uint32_t touching)
     return now.tells != 0 ? cli_record_add(client, RECORD_TELLS, &part, 1) : 0;
 }
 
+int cli_record_turning(struct pccd_client *client, bool turns, double resolution)
+{
+    const struct record_turning now = {.resolution = resolution};
+    const struct record_part part = {&now, sizeof now};
+
+    return turns || resolution != 0.0 ? cli_record_add(client, RECORD_TURNING, &part, 1)
+                                      : 0;
+}
+
 bool cli_record_is_on(const struct pccd_client *client)
 {
     return client->recorder != NULL && !client->recorder->has_ended &&

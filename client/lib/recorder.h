@@ -45,6 +45,9 @@ int cli_record_separation(struct pccd_client *client, double separation, double 
 /* Append what that tells, too; zeros: nothing. */
 int cli_record_tells(struct pccd_client *client, bool tells, uint32_t touching);
 
+/* Append that bodies turn in it, or how near is possible; false and 0: nothing. */
+int cli_record_turning(struct pccd_client *client, bool turns, double resolution);
+
 /* End the recording because of `status`, which it returns, with a text that says
  * `why`. */
 int cli_record_stop_because(struct pccd_client *client, int status, const char *why);

@@ -3,6 +3,8 @@
  */
 #include "recorder.h"
 
+#include <string.h>
+
 #include "coordinates.h"
 #include "payload.h"
 
@@ -66,6 +68,21 @@ int cli_record_put_guest(struct pccd_client *client, uint32_t scene, uint32_t ob
 
 /* ---- movements --------------------------------------------------------------------- */
 
+/* Return whether any of so many segments, at the start of what a request moves, turns. */
+static bool has_turning(const struct record_part moved[2], uint32_t segments)
+{
+    for (uint32_t i = 0; moved[0].at != NULL && i < segments; i++) {
+        struct proto_segment segment;
+
+        memcpy(&segment, (const uint8_t *)moved[0].at + i * sizeof segment,
+               sizeof segment);
+        if (segment.kind == PROTO_SEGMENT_TURNING) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* Write what a request moves, behind `head`. */
 static int write_motion(struct pccd_client *client, enum record_kind kind,
                         const char *tuning, struct record_part head,
@@ -94,6 +111,9 @@ static int write_near(struct pccd_client *client,
                                      .deadline_ns = request->deadline_ns};
     int status = cli_record_tells(client, request->tells_crossings, 0);
 
+    status = status != 0
+                 ? status
+                 : cli_record_turning(client, has_turning(moved, request->segments), 0);
     return status != 0 ? status
                        : write_motion(client, RECORD_NEAR, request->tuning,
                                       (struct record_part){&near, sizeof near}, moved);
@@ -118,6 +138,10 @@ static int write_frame(struct pccd_client *client,
     status = status != 0
                  ? status
                  : cli_record_tells(client, request->tells_start, request->touching);
+    status = status != 0
+                 ? status
+                 : cli_record_turning(client, has_turning(moved, request->segments),
+                                      request->resolution);
     return status != 0 ? status
                        : write_motion(client, kind, request->tuning,
                                       (struct record_part){&frame, sizeof frame}, moved);

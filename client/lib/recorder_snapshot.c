@@ -218,7 +218,8 @@ static int write_scene_frame(struct pccd_client *client, const struct cli_call *
                                                 .step = batch->step + scene,
                                                 .separation = batch->separation,
                                                 .approach = batch->approach,
-                                                .touching = batch->touching}};
+                                                .touching = batch->touching,
+                                                .resolution = batch->resolution}};
     struct record_part moved[2] = {{table, count * sizeof *table}, {NULL, 0}};
 
     static_assert(sizeof params.FRAME_SUBMIT.tuning == sizeof batch->tuning, "a text");

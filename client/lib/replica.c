@@ -4,7 +4,9 @@
 #include <assert.h>
 #include <string.h>
 
+#include "joints.h"
 #include "registry.h"
+#include "rounding.h"
 
 /* Drop the replica: what is incomplete is of no use. */
 static void keep_nothing(struct pccd_client *client)
@@ -180,17 +182,32 @@ bool cli_near_is(const struct pccd_client *client, uint32_t scene, uint64_t step
 
 /* ---- positions --------------------------------------------------------------------- */
 
-/* Place what a segment brings an object; `payload` is of its slot. */
+/* Return the first vertex that a segment moves. */
+static uint32_t first_of(const struct proto_segment *segment)
+{
+    return segment->kind == PROTO_SEGMENT_TURNING ? 0 : segment->first;
+}
+
+/* Place what a segment brings an object; `payload` is of its slot. A body that turned is
+ * where a transform would have brought it. */
 static int place(struct registry_object *object, const struct proto_segment *segment,
                  const uint8_t *payload)
 {
-    const struct registry_motion motion = {.is_rigid =
-                                               segment->kind == PROTO_SEGMENT_RIGID,
-                                           .format = segment->format,
-                                           .first = segment->first,
-                                           .count = segment->count,
-                                           .end = payload + segment->offset1};
+    bool turns = segment->kind == PROTO_SEGMENT_TURNING;
+    struct registry_motion motion = {.is_rigid =
+                                         turns || segment->kind == PROTO_SEGMENT_RIGID,
+                                     .format = segment->format,
+                                     .first = first_of(segment),
+                                     .count = segment->count,
+                                     .end = payload + segment->offset1};
+    double m[12];
 
+    if (turns) {
+        COMMON_ROUNDING_HERE;
+        common_joint_transform(payload + segment->offset0 + sizeof(struct proto_joints),
+                               segment->first, 1, m);
+        motion.end = m;
+    }
     return registry_place(object, &motion);
 }
 
@@ -203,7 +220,7 @@ static struct registry_object *find_current(struct registry_scene *scene,
         scene != NULL ? registry_object(scene, segment->object) : NULL;
 
     if (object == NULL || own->step < object->since ||
-        segment->first + (uint64_t)segment->count > object->mesh->vertex_count) {
+        first_of(segment) + (uint64_t)segment->count > object->mesh->vertex_count) {
         return NULL;
     }
     return object;
@@ -267,7 +284,7 @@ void cli_positions_leave_out(struct pccd_client *client, uint32_t slot,
 static bool is_whole(const struct registry_object *object,
                      const struct proto_segment *segment)
 {
-    return segment->first == 0 && segment->count == object->mesh->vertex_count;
+    return first_of(segment) == 0 && segment->count == object->mesh->vertex_count;
 }
 
 void cli_positions_answered(struct pccd_client *client, uint32_t slot, uint64_t step)

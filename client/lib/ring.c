@@ -143,6 +143,8 @@ void cli_slot_open(struct cli_ring *ring, uint32_t slot)
     own->segment_count = 0;
     own->scene_count = 0;
     own->used_bytes = 0;
+    own->joints_at = 0;
+    own->joint_count = 0;
     own->seq++; /* odd: being written */
     assert(own->seq % 2 == 1);
     atomic_store_explicit(&descriptor(ring, slot)->seq, own->seq, memory_order_relaxed);

@@ -32,6 +32,8 @@ struct cli_slot {
     uint32_t segment_count;           /* written */
     uint64_t used_bytes;              /* segment table included */
     uint64_t limit_bytes;             /* announced */
+    uint64_t joints_at;               /* BEGUN: where its table of joints is; 0: none */
+    uint32_t joint_count;             /* of that */
     uint64_t step;                    /* KEPT: that brought it */
     struct proto_segment *segments;   /* a copy of the table */
     uint32_t segment_room;            /* of the copy */

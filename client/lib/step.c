@@ -29,15 +29,55 @@ static int put_tuning(struct pccd_client *client, const char *tuning, char *to)
     .mode = (uint32_t)(settings).mode, .method = (uint32_t)(settings).method,            \
     .threads = (settings).threads, .tolerance = (settings).tolerance,                    \
     .deadline_ns = (settings).deadline_ns, .separation = (settings).separation,          \
-    .approach = (settings).approach, .touching = (uint32_t)(settings).touching
+    .approach = (settings).approach, .touching = (uint32_t)(settings).touching,          \
+    .resolution = (settings).resolution
+
+/* Read settings of a step; NULL: the defaults. */
+static int read_settings(struct pccd_client *client, const void *asked,
+                         struct pccd_step_settings *settings)
+{
+    *settings = (struct pccd_step_settings)PCCD_STEP_SETTINGS_INIT;
+    return asked == NULL ? 0
+                         : cli_struct_read(client, "settings of the step", asked,
+                                           settings, sizeof *settings);
+}
+
+/* Read settings of what is near; NULL: the defaults. */
+static int read_near_settings(struct pccd_client *client, const void *asked,
+                              struct pccd_near_settings *settings)
+{
+    *settings = (struct pccd_near_settings)PCCD_NEAR_SETTINGS_INIT;
+    return asked == NULL ? 0
+                         : cli_struct_read(client, "settings of scene.near", asked,
+                                           settings, sizeof *settings);
+}
+
+/* Read the joints of the settings of a verb, which a frame and a batch do not have. */
+static int read_joints(struct pccd_client *client, int verb, const void *asked,
+                       bool may_have, struct cli_joints *joints)
+{
+    struct pccd_step_settings step = {.joints = NULL};
+    struct pccd_near_settings near = {.joints = NULL};
+    bool is_near = verb == PROTO_METHOD_SCENE_NEAR;
+    int status = is_near ? read_near_settings(client, asked, &near)
+                         : read_settings(client, asked, &step);
+
+    *joints = is_near ? (struct cli_joints){near.joints, near.joint_count}
+                      : (struct cli_joints){step.joints, step.joint_count};
+    if (status == 0 && joints->count > 0 && (joints->items == NULL || !may_have)) {
+        status = cli_fail(client, PCCD_E_INVAL, "joints: %s",
+                          may_have ? "NULL, and some are counted"
+                                   : "a frame has them by pccd_frame_joints, and a batch "
+                                     "none");
+    }
+    return status;
+}
 
 static int describe_step(struct pccd_client *client, const void *asked, uint32_t scene,
                          struct proto_FRAME_SUBMIT_request *message)
 {
-    struct pccd_step_settings settings = {.struct_bytes = sizeof settings};
-    int status = asked == NULL ? 0
-                               : cli_struct_read(client, "settings of the step", asked,
-                                                 &settings, sizeof settings);
+    struct pccd_step_settings settings;
+    int status = read_settings(client, asked, &settings);
 
     if (status != 0) {
         return status;
@@ -55,6 +95,9 @@ static int describe_step(struct pccd_client *client, const void *asked, uint32_t
     if (status == 0 && settings.touching != PCCD_TOUCHING_KEPT) {
         status = cli_check_feature(client, PROTO_FEATURE_TOUCHING, "frame.submit");
     }
+    if (status == 0 && settings.resolution != 0.0) {
+        status = cli_check_feature(client, PROTO_FEATURE_TURNING, "frame.submit");
+    }
     if (status == 0 && settings.tells_start) {
         status = cli_check_feature(client, PROTO_FEATURE_TELLS, "frame.submit");
     }
@@ -66,8 +109,10 @@ static int describe_batch(struct pccd_client *client, const void *asked,
                           struct proto_BATCH_SUBMIT_request *message)
 {
     struct proto_FRAME_SUBMIT_request step;
-    int status = describe_step(client, asked, 0, &step);
+    struct cli_joints none;
+    int status = read_joints(client, PROTO_METHOD_BATCH_SUBMIT, asked, false, &none);
 
+    status = status != 0 ? status : describe_step(client, asked, 0, &step);
     if (status == 0 && step.hold) {
         status = cli_fail(client, PCCD_E_INVAL, "hold: a batch waits for nobody");
     }
@@ -85,13 +130,10 @@ static int describe_batch(struct pccd_client *client, const void *asked,
 static int describe_near(struct pccd_client *client, const void *asked, uint32_t scene,
                          struct proto_SCENE_NEAR_request *message)
 {
-    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    struct pccd_near_settings settings;
     int status = cli_check_feature(client, PROTO_FEATURE_NEAR, "scene.near");
 
-    if (status == 0 && asked != NULL) {
-        status = cli_struct_read(client, "settings of scene.near", asked, &settings,
-                                 sizeof settings);
-    }
+    status = status != 0 ? status : read_near_settings(client, asked, &settings);
     if (status == 0 && settings.tells_crossings) {
         status = cli_check_feature(client, PROTO_FEATURE_TELLS, "scene.near");
     }
@@ -217,6 +259,7 @@ struct asked {
 static int submit(struct pccd_client *client, const struct asked *asked, uint64_t *step)
 {
     uint32_t slot = CLI_SLOT_NONE;
+    struct cli_joints joints = {NULL, 0};
     union cli_params message;
     int status;
 
@@ -226,9 +269,12 @@ static int submit(struct pccd_client *client, const struct asked *asked, uint64_
     }
     status =
         cli_step_describe(client, asked->verb, asked->settings, asked->scene, &message);
+    status = status != 0
+                 ? status
+                 : read_joints(client, asked->verb, asked->settings, true, &joints);
     if (status == 0 && asked->motion_count > 0) {
         status = cli_frame_write(client, asked->scene, asked->motions,
-                                 asked->motion_count, &slot);
+                                 asked->motion_count, joints, &slot);
     } else if (status == 0) {
         status = cli_ring_ensure(client);
         status = status != 0 ? status : cli_step_check(client);
@@ -254,13 +300,16 @@ static int commit(struct pccd_frame *frame, int verb, const void *settings,
     struct pccd_client *client = frame->client;
     uint32_t scene = 0;
     uint32_t slot = CLI_SLOT_NONE;
+    struct cli_joints none;
     union cli_params message;
     int status = cli_frame_take(frame, step, &scene, &slot);
 
     if (status != 0) {
         return status;
     }
-    status = cli_step_describe(client, verb, settings, scene, &message);
+    status = read_joints(client, verb, settings, false, &none);
+    status =
+        status != 0 ? status : cli_step_describe(client, verb, settings, scene, &message);
     if (status != 0) {
         cli_slot_abort(&client->ring, slot);
         return status;

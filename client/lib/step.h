@@ -40,11 +40,17 @@ void cli_segment_write(uint8_t *payload, const struct proto_segment *segment,
 /* Begin a slot of so many bytes, if another step can be submitted. */
 int cli_step_slot(struct pccd_client *client, uint64_t bytes, uint32_t *slot);
 
+/* The joints of a step, of which motions turn; none: count 0. */
+struct cli_joints {
+    const struct pccd_joint *items;
+    uint32_t count;
+};
+
 /* Begin a slot and write all motions into it. The slot is the caller's, to be sent or
  * aborted; on failure there is none. */
 int cli_frame_write(struct pccd_client *client, uint32_t scene,
                     const struct pccd_motion *motions, uint32_t motion_count,
-                    uint32_t *slot);
+                    struct cli_joints joints, uint32_t *slot);
 
 /* Take the slot of a frame that is to be sent now, which the frame gives up also on
  * failure: it is aborted then. `step` is only looked at: NULL is refused. */

@@ -50,6 +50,10 @@ static int check(struct pccd_mpi *world, const struct pccd_near_settings *near)
         return ranks_fail(&world->link, PCCD_E_INVAL,
                           "there is no such question, end or method");
     }
+    if (near->joint_count > 0) {
+        return ranks_fail(&world->link, PCCD_E_INVAL,
+                          "joints: ranks share what goes straight alone");
+    }
     if (common_near_has_distance(near->what) && !is_far) {
         status = check_length(world, "distance", near->distance);
     }

@@ -69,6 +69,10 @@ static int read_settings(struct pccd_mpi *world, const struct pccd_step_settings
         return ranks_fail(&world->link, PCCD_E_INVAL,
                           "touching: a rank does not know all that is around a vertex");
     }
+    if (settings->joint_count > 0 || settings->resolution != 0) {
+        return ranks_fail(&world->link, PCCD_E_INVAL,
+                          "joints, resolution: ranks share what goes straight alone");
+    }
     if (settings->hold || (unsigned)settings->mode >= PCCD_MODE_COUNT ||
         !(settings->separation >= 0)) {
         return ranks_fail(&world->link, PCCD_E_INVAL,

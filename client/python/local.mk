@@ -26,6 +26,7 @@ python_headers = \
     $(top_srcdir)/client/lib/pccd.h \
     $(top_srcdir)/client/lib/pccd_batch.h \
     $(top_srcdir)/client/lib/pccd_near.h \
+    $(top_srcdir)/client/lib/pccd_turning.h \
     $(top_srcdir)/client/lib/pccd_weld.h \
     $(top_srcdir)/proto/common/pccd_daemon.h \
     $(top_srcdir)/proto/common/pccd_trace.h \

@@ -64,6 +64,8 @@ static uint32_t kind_feature(uint16_t kind)
         return RECORD_FEATURE_FREE;
     case RECORD_TELLS:
         return RECORD_FEATURE_TELLS;
+    case RECORD_TURNING:
+        return RECORD_FEATURE_TURNING;
     case RECORD_FILTER:
     case RECORD_PAIRS:
         return RECORD_FEATURE_FILTERS;

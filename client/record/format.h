@@ -22,7 +22,7 @@
  * |---|---|
  * | BEGIN | nothing |
  * | MESH | vertices (padded to 8), triangles: made, or replaced if it is known |
- * | SCENE, OBJECT, *_GONE, CANCEL, LOG, TELLS, END | nothing |
+ * | SCENE, OBJECT, *_GONE, CANCEL, LOG, TELLS, TURNING, END | nothing |
  * | PLACE | double[12], or vertices: where an object of the snapshot is |
  * | FRAME | the slot's payload: segment table, then positions (proto/shm.h) |
  * | ANSWER | nothing |
@@ -76,7 +76,8 @@
     X(SEPARATION, 23, "at which distance pairs meet in the next FRAME or MOVE")          \
     X(RADII, 24, "radii of the vertices of the next MESH or GUEST")                      \
     X(FREE, 25, "edges and points that the next MESH or GUEST names by themselves")      \
-    X(TELLS, 26, "what the next FRAME, MOVE or NEAR tells, too")
+    X(TELLS, 26, "what the next FRAME, MOVE or NEAR tells, too")                         \
+    X(TURNING, 27, "something turns in the next FRAME, MOVE or NEAR, or may be possible")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)
@@ -87,15 +88,16 @@ enum record_kind {
  * file holds that a reader of before would misread (chunks, kinds of contact, radii,
  * requests) has a bit. */
 enum record_feature {
-    RECORD_FEATURE_FILTERS = 1, /* FILTER and PAIRS */
-    RECORD_FEATURE_SHARED = 2,  /* GUEST and MOVE */
-    RECORD_FEATURE_HASH_2 = 4,  /* hashes of answers are of version 2; without: of 1 */
-    RECORD_FEATURE_NEAR = 8,    /* NEAR, NEAR_ANSWER, NEAR_RECORDS */
-    RECORD_FEATURE_THICK = 16,  /* SEPARATION, RADII, and radii in FILTER */
-    RECORD_FEATURE_FREE = 32,   /* FREE, a MESH or GUEST without triangles */
-    RECORD_FEATURE_TELLS = 64,  /* TELLS */
+    RECORD_FEATURE_FILTERS = 1,    /* FILTER and PAIRS */
+    RECORD_FEATURE_SHARED = 2,     /* GUEST and MOVE */
+    RECORD_FEATURE_HASH_2 = 4,     /* hashes of answers are of version 2; without: of 1 */
+    RECORD_FEATURE_NEAR = 8,       /* NEAR, NEAR_ANSWER, NEAR_RECORDS */
+    RECORD_FEATURE_THICK = 16,     /* SEPARATION, RADII, and radii in FILTER */
+    RECORD_FEATURE_FREE = 32,      /* FREE, a MESH or GUEST without triangles */
+    RECORD_FEATURE_TELLS = 64,     /* TELLS */
     RECORD_FEATURE_TOUCHING = 128, /* more than 1 in TELLS */
-    RECORD_FEATURES = 255          /* all of them */
+    RECORD_FEATURE_TURNING = 256,  /* TURNING, and segments with joints */
+    RECORD_FEATURES = 511          /* all of them */
 };
 
 enum record_encoding { RECORD_STORED = 0, RECORD_ZSTD = 1 };

@@ -8,6 +8,7 @@
 #include "chunk.h"
 
 #include "coordinates.h"
+#include "joints.h"
 #include "payload.h"
 #include "proto_limits.h"
 
@@ -22,6 +23,8 @@ static_assert(sizeof(struct record_frame) == 56, "frame");
 static_assert(sizeof(struct record_tuning) == 64, "tuning");
 static_assert(sizeof(struct record_separation) == 16, "separation");
 static_assert(sizeof(struct record_tells) == 8, "tells");
+static_assert(sizeof(struct record_turning) == 8, "turning");
+static_assert(sizeof(struct record_joints) == 8, "joints");
 static_assert(sizeof(struct record_radii) == 8, "radii");
 static_assert(sizeof(struct record_free) == 16, "edges and points");
 static_assert(sizeof(struct record_segment) == 32, "segment");
@@ -159,9 +162,36 @@ static bool is_inside(uint64_t offset, uint64_t bytes, uint64_t all)
 /* Return the bytes of one end of a segment. */
 static uint64_t positions_bytes(const struct record_segment *segment)
 {
-    return segment->kind == RECORD_RIGID
+    return segment->kind == RECORD_ON_JOINT ? 0
+           : segment->kind == RECORD_RIGID
                ? RIGID_BYTES
                : segment->count * common_vertex_bytes(segment->format);
+}
+
+/* Judge the table of joints at `offset` of a slot, `all` bytes. *count: of its joints. */
+static bool are_joints(const uint8_t *slot, uint64_t all, uint64_t offset,
+                       uint32_t *count)
+{
+    struct record_joints head;
+
+    if (!is_inside(offset, sizeof head, all)) {
+        return false;
+    }
+    memcpy(&head, slot + offset, sizeof head);
+    *count = head.count;
+    if (head.count == 0 || head.count > PROTO_JOINTS_MAX || head.reserved != 0 ||
+        head.count > (all - offset - sizeof head) / sizeof(struct pccd_joint)) {
+        return false;
+    }
+    for (uint32_t i = 0; i < head.count; i++) {
+        struct pccd_joint joint;
+
+        memcpy(&joint, slot + offset + sizeof head + i * sizeof joint, sizeof joint);
+        if (common_joint_fault(&joint, i) != NULL) {
+            return false;
+        }
+    }
+    return true;
 }
 
 /* The payload of a slot, `all` bytes, with a table of `count` segments. `step` is of whom
@@ -172,12 +202,23 @@ static int judge_segments(const uint8_t *slot, uint64_t all, uint32_t count,
     if (count > all / sizeof(struct record_segment) || count > PROTO_SEGMENTS_MAX) {
         return bad(text, "a movement with less than its segments, or too many");
     }
+    uint64_t joints_at = 0; /* of all that turn; 0: none does yet */
+    uint32_t joint_count = 0;
+
     for (uint32_t i = 0; i < count; i++) {
         struct record_segment segment;
+        bool fits = true;
 
         memcpy(&segment, slot + i * sizeof segment, sizeof segment);
         uint64_t each = positions_bytes(&segment);
-        if (segment.kind > RECORD_RIGID || segment.format >= PCCD_FORMAT_COUNT ||
+        if (segment.kind == RECORD_ON_JOINT) {
+            fits = joints_at == 0 ? are_joints(slot, all, segment.offset0, &joint_count)
+                                  : segment.offset0 == joints_at;
+            fits = fits && segment.first < joint_count;
+            joints_at = segment.offset0;
+        }
+        if (!fits || segment.kind > RECORD_ON_JOINT ||
+            segment.format >= PCCD_FORMAT_COUNT ||
             !is_inside(segment.offset1, each, all) ||
             (segment.kind != RECORD_X1 && !is_inside(segment.offset0, each, all))) {
             (void)snprintf(text, RECORD_TEXT_BYTES,
@@ -357,6 +398,7 @@ static uint64_t head_bytes(uint16_t kind, bool *is_all)
         HEAD(TUNING, tuning)
         HEAD(SEPARATION, separation)
         HEAD(TELLS, tells)
+        HEAD(TURNING, turning)
         HEAD(ANSWER, answer)
         HEAD(NEAR_ANSWER, near_answer)
         HEAD(CANCEL, cancel)
@@ -443,6 +485,7 @@ static uint64_t segment_count_of(uint16_t kind, const void *head)
 static uint64_t moved_bytes(const uint8_t *slot, uint64_t count)
 {
     uint64_t bytes = PROTO_SEGMENTS_MAX * sizeof(struct record_segment) + 64;
+    bool has_joints = false;
 
     for (uint64_t i = 0; i < count; i++) {
         struct record_segment segment;
@@ -450,8 +493,11 @@ static uint64_t moved_bytes(const uint8_t *slot, uint64_t count)
         memcpy(&segment, slot + i * sizeof segment, sizeof segment);
         uint64_t each = positions_bytes(&segment);
         bytes += padded(each) * (segment.kind == RECORD_X1 ? 1 : 2);
+        has_joints = has_joints || segment.kind == RECORD_ON_JOINT;
     }
-    return bytes;
+    return bytes + (has_joints ? sizeof(struct record_joints) +
+                                     PROTO_JOINTS_MAX * sizeof(struct pccd_joint)
+                               : 0);
 }
 
 uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,

@@ -80,6 +80,10 @@ enum record_telling {
     RECORD_TELLS_ALL = 7
 };
 
+struct record_turning {
+    double resolution; /* as frame.submit has it; of what is near 0 */
+};
+
 struct record_radii { /* and a double for each vertex */
     uint32_t vertex_count;
     uint32_t reserved;
@@ -114,7 +118,18 @@ struct record_segment {
     uint64_t offset0; /* from the start of the slot's payload */
     uint64_t offset1;
 };
-enum record_segment_kind { RECORD_X1 = 0, RECORD_X0X1 = 1, RECORD_RIGID = 2 };
+enum record_segment_kind {
+    RECORD_X1 = 0,
+    RECORD_X0X1 = 1,
+    RECORD_RIGID = 2,
+    RECORD_ON_JOINT = 3 /* a table of joints is at offset0; `first` is one of them */
+};
+
+/* The head of a table of joints in a slot; struct pccd_joint[count] follows. */
+struct record_joints {
+    uint32_t count;
+    uint32_t reserved;
+};
 
 #define RECORD_TIMES    10u /* in the order of struct pccd_step_times */
 #define RECORD_COUNTERS 13u /* in the order of struct pccd_step_counters */

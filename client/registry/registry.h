@@ -120,6 +120,8 @@ struct registry_object {
     double (*x0)[3]; /* at the start of the last step, and at its end; NULL: both ends */
     double (*x1)[3]; /* are not followed (registry_positions.c) */
     double m[12];
+    bool turned;    /* in the last step, where both ends are followed: on this joint of */
+    uint32_t joint; /* the step; registry_begin_step forgets it */
     uint64_t since; /* what steps before this one said of its place counts no more */
     uint32_t what;  /* enum pccd_object_what: that was ever set, of the next */
     struct common_attributes attributes;

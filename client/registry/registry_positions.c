@@ -198,6 +198,7 @@ void registry_begin_step(struct registry_scene *scene)
 
         assert(object->x0 != NULL && object->x1 != NULL);
         memcpy(object->x0, object->x1, object->mesh->vertex_count * sizeof *object->x0);
+        object->turned = false;
     }
 }
 

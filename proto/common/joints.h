@@ -236,17 +236,20 @@ static inline void common_joint_place(const struct pccd_joint *joint, uint32_t e
 }
 
 /* Set m to where the link of `joint` is in the world at that end of the step, 0 or 1, of
- * a table without faults: the vertices of a body that hangs on it are where m takes the
- * registered ones (common_transform). */
-static inline void common_joint_transform(const struct pccd_joint *joints, uint32_t joint,
+ * a table without faults, aligned or not: the vertices of a body that hangs on it are
+ * where m takes the registered ones (common_transform). */
+static inline void common_joint_transform(const void *joints, uint32_t joint,
                                           uint32_t end, double m[12])
 {
-    common_joint_place(&joints[joint], end, m);
-    while (joints[joint].parent != PCCD_NO_JOINT) {
+    struct pccd_joint at;
+
+    memcpy(&at, (const uint8_t *)joints + joint * sizeof at, sizeof at);
+    common_joint_place(&at, end, m);
+    while (at.parent != PCCD_NO_JOINT) {
         double parent[12];
 
-        joint = joints[joint].parent;
-        common_joint_place(&joints[joint], end, parent);
+        memcpy(&at, (const uint8_t *)joints + at.parent * sizeof at, sizeof at);
+        common_joint_place(&at, end, parent);
         common_transform_after(parent, m, m);
     }
 }

@@ -224,7 +224,7 @@ CASE(step__structs_keep_their_layout)
     AT(pccd_motion, x1, 24);
     AT(pccd_motion, m0, 32);
     AT(pccd_motion, m1, 40);
-    SIZE(pccd_step_settings, 80);
+    SIZE(pccd_step_settings, 104);
     AT(pccd_step_settings, struct_bytes, 0);
     AT(pccd_step_settings, mode, 8);
     AT(pccd_step_settings, method, 12);
@@ -237,7 +237,15 @@ CASE(step__structs_keep_their_layout)
     AT(pccd_step_settings, approach, 64);
     AT(pccd_step_settings, tells_start, 72);
     AT(pccd_step_settings, touching, 76);
-    SIZE(pccd_near_settings, 136);
+    AT(pccd_step_settings, resolution, 80);
+    AT(pccd_step_settings, joints, 88);
+    AT(pccd_step_settings, joint_count, 96);
+}
+
+/* If this failed, a question about what is near would be another one. */
+CASE(near__structs_keep_their_layout)
+{
+    SIZE(pccd_near_settings, 152);
     AT(pccd_near_settings, struct_bytes, 0);
     AT(pccd_near_settings, what, 8);
     AT(pccd_near_settings, distance, 16);
@@ -251,6 +259,13 @@ CASE(step__structs_keep_their_layout)
     AT(pccd_near_settings, tuning, 60);
     AT(pccd_near_settings, reserved, 124);
     AT(pccd_near_settings, tells_crossings, 128);
+    AT(pccd_near_settings, joints, 136);
+    AT(pccd_near_settings, joint_count, 144);
+}
+
+/* If this failed, what a step took and did would be told of something else. */
+CASE(counters__keep_their_layout)
+{
     SIZE(pccd_step_times, 80);
     AT(pccd_step_times, queue, 0);
     AT(pccd_step_times, ingest, 8);
@@ -413,6 +428,8 @@ CASE(shared_memory__keeps_its_layout)
     VALUE(PCCD_JOINT_SHIFT, 3);
     VALUE(PCCD_JOINT_VECTOR, 4);
     SIZE(proto_joints, 8);
+    SIZE(pccd_pose, 56);
+    AT(pccd_pose, rotation, 24);
     SIZE(pccd_joint, 136);
     AT(pccd_joint, kind, 0);
     AT(pccd_joint, parent, 4);

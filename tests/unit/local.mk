@@ -1,6 +1,7 @@
 # tests/unit/local.mk - one part of a room each.
 
 test_programs += \
+    tests/unit/test_cli_turning \
     tests/unit/test_cli_weld \
     tests/unit/test_ctl_cloth \
     tests/unit/test_ctl_gltf \

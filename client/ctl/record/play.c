@@ -238,6 +238,8 @@ static int show_step(struct play_reader *reader, uint64_t then_ns,
     bool is_old = item->frame.mode == PCCD_MODE_PAIRS &&
                   (reader->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
     bool is_traced = answer != NULL && reader->settings.is_traced;
+    uint32_t joint_count = 0;
+    const uint8_t *joints = recorded_joints(item, &joint_count);
     uint64_t told = reader->settings.number;
     const struct play_step step = {
         .number = told != 0 ? told : item->number,
@@ -246,6 +248,9 @@ static int show_step(struct play_reader *reader, uint64_t then_ns,
         .separation = item->separation,
         .tells_start = item->tells,
         .touching = item->touching,
+        .resolution = item->resolution,
+        .joints = joints,
+        .joint_count = joint_count,
         .scene = scene,
         .recorded = then,
         .hash_version = record_reader_hash_version(&reader->chunks),

@@ -57,6 +57,11 @@ struct play_step {
     struct record_separation separation;
     bool tells_start;  /* it was asked how it begins */
     uint32_t touching; /* enum pccd_touching */
+    double resolution; /* of bodies that turn; 0: the default */
+    /* On which they turn (registry_object: turned, joint), struct pccd_joint [], which
+     * need not be aligned; NULL: none turns */
+    const uint8_t *joints;
+    uint32_t joint_count;
     const struct registry_scene *scene;
     const struct record_answer *recorded; /* NULL: there was none */
     uint32_t hash_version;                /* of the recorded hash */

@@ -7,9 +7,11 @@
 #include <string.h>
 
 #include "coordinates.h"
+#include "joints.h"
 #include "kinds.h"
 #include "oracle_scene.h"
 #include "payload.h"
+#include "rounding.h"
 
 static int no_memory(struct ctl_error *error)
 {
@@ -471,6 +473,9 @@ bool recorded_item_take(struct recorded_item *item, const struct record_view *vi
         item->tells = (tells.tells & RECORD_TELLS_START) != 0;
         item->touching = (uint32_t)(tells.tells & RECORD_TELLS_TOUCHING) / 2;
         return false;
+    case RECORD_TURNING:
+        memcpy(&item->resolution, view->payload, sizeof item->resolution);
+        return false;
     case RECORD_SEPARATION:
         memcpy(&item->separation, view->payload, sizeof item->separation);
         return false;
@@ -505,16 +510,44 @@ bool recorded_item_take(struct recorded_item *item, const struct record_view *vi
     }
 }
 
-static struct registry_motion motion_of(const struct record_segment *segment,
-                                        const uint8_t *slot)
+const uint8_t *recorded_joints(const struct recorded_item *item, uint32_t *count)
 {
-    return (struct registry_motion){
-        .is_rigid = segment->kind == RECORD_RIGID,
+    for (uint32_t i = 0; i < item->segment_count; i++) {
+        struct record_segment segment;
+        struct record_joints head;
+        memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
+        if (segment.kind == RECORD_ON_JOINT) {
+            memcpy(&head, item->slot + segment.offset0, sizeof head);
+            *count = head.count;
+            return item->slot + segment.offset0 + sizeof head;
+        }
+    }
+    *count = 0;
+    return NULL;
+}
+
+/* Return what a segment moves. Where a body turns, transforms take it to both ends, which
+ * `ends` gets. */
+static struct registry_motion motion_of(const struct record_segment *segment,
+                                        const uint8_t *slot, double ends[2][12])
+{
+    struct registry_motion motion = {
+        .is_rigid = segment->kind >= RECORD_RIGID,
         .format = segment->format,
         .first = segment->first,
         .count = segment->count,
         .start = segment->kind == RECORD_X1 ? NULL : slot + segment->offset0,
         .end = slot + segment->offset1};
+    if (segment->kind == RECORD_ON_JOINT) {
+        const uint8_t *joints = slot + segment->offset0 + sizeof(struct record_joints);
+        COMMON_ROUNDING_HERE;
+        common_joint_transform(joints, segment->first, 0, ends[0]);
+        common_joint_transform(joints, segment->first, 1, ends[1]);
+        motion.first = 0;
+        motion.start = ends[0];
+        motion.end = ends[1];
+    }
+    return motion;
 }
 
 static int judge_segment(const struct registry *state, const struct recorded_item *item,
@@ -526,14 +559,15 @@ static int judge_segment(const struct registry *state, const struct recorded_ite
     if (status != PCCD_OK) {
         return status;
     }
-    if (segment->first > object->mesh->vertex_count ||
-        segment->count > object->mesh->vertex_count - segment->first) {
+    double ends[2][12];
+    const struct registry_motion motion = motion_of(segment, item->slot, ends);
+    if (motion.first > object->mesh->vertex_count ||
+        motion.count > object->mesh->vertex_count - motion.first) {
         return ctl_error_set(error, PCCD_E_FORMAT,
                              "step %" PRIu64 " moves vertices that object 0x%" PRIx32
                              " has not",
                              item->number, segment->object);
     }
-    const struct registry_motion motion = motion_of(segment, item->slot);
     return judge_motion(object, &motion, error);
 }
 
@@ -553,8 +587,12 @@ int recorded_state_move(struct registry *state, const struct recorded_item *item
     registry_begin_step(scene);
     for (uint32_t i = 0; i < item->segment_count; i++) {
         memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
-        const struct registry_motion motion = motion_of(&segment, item->slot);
-        registry_move(registry_object(scene, segment.object), &motion);
+        double ends[2][12];
+        const struct registry_motion motion = motion_of(&segment, item->slot, ends);
+        struct registry_object *object = registry_object(scene, segment.object);
+        registry_move(object, &motion);
+        object->turned = segment.kind == RECORD_ON_JOINT;
+        object->joint = segment.first;
     }
     return PCCD_OK;
 }

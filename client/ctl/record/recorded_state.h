@@ -28,11 +28,16 @@ struct recorded_item {
     struct record_separation separation;
     bool tells; /* how the step begins; what crosses */
     uint32_t touching;
+    double resolution;
 };
 
 /* Take what a chunk says of the item, which is all zero before its first. True: it is
  * whole, and `slot` is the view's payload. */
 bool recorded_item_take(struct recorded_item *item, const struct record_view *view);
+
+/* Return the joints on which objects turn in the item, struct pccd_joint [*count], which
+ * need not be aligned; NULL: nothing turns. */
+const uint8_t *recorded_joints(const struct recorded_item *item, uint32_t *count);
 
 /* ---- Everything else, in a registry that follows both ends of the last steps. */
 

@@ -20,6 +20,8 @@ struct replayer {
     size_t record_room;          /* bytes */
     struct pccd_motion *motions; /* ours: of one item */
     size_t motion_room;
+    struct pccd_joint *joints; /* ours: on which they turn, if any do */
+    uint32_t joint_count;
 };
 
 /* Follow a chunk that is not of an item, and tell the daemon, if there is one, what goes

@@ -155,7 +155,7 @@ bool verify_wrong(struct verify_result *result, const struct play_step *step,
         return false;
     }
     witness->pair = *pair;
-    if (misnamed(step->scene, pair) != NULL) {
+    if (misnamed(step->scene, pair) != NULL || verify_turns(step, pair)) {
         return false;
     }
     struct verify_meeting meeting;
@@ -225,6 +225,9 @@ static bool check_exactly(const struct play_step *step,
     bool is_proved = (contact->flags & PCCD_PROVED) != 0;
     const char *what = NULL;
     struct verify_meeting meeting;
+    if (verify_turns(step, pair)) {
+        return verify_turning(step, contact, pair, result);
+    }
     verify_meet(step, pair, &meeting);
     struct oracle_first *first = meeting.first;
     const char *untold = verify_touching(step, contact, pair, &meeting, result);
@@ -276,7 +279,7 @@ uint64_t verify_mix(uint64_t x)
 static bool check_beside(const struct play_step *step, const struct pccd_pair *pair,
                          struct verify_result *result)
 {
-    return (step->has_old_pairs && step->answer == NULL) ||
+    return (step->has_old_pairs && step->answer == NULL) || verify_turns(step, pair) ||
            verify_is_beside(step, pair) ||
            verify_wrong(result, step, pair, "an axis separates a pair of the answer");
 }
@@ -292,7 +295,7 @@ static bool check_records(const struct play_step *step,
             step->contacts != NULL ? &step->contacts[i] : NULL;
         const char *what = misnamed(step->scene, &pair);
         if (what == NULL && contact != NULL) {
-            what = malformed(contact, tolerance);
+            what = malformed(contact, verify_turns(step, &pair) ? 1 : tolerance);
         }
         if (what == NULL && i > 0) {
             const struct pccd_pair before = pair_of(step, i - 1);
@@ -403,6 +406,10 @@ int verify_step(const struct play_step *step, const struct verify_settings *sett
         status = recorded_edges(step->scene->objects[i].mesh, error);
     }
     leave_open(step, result);
+    if (verify_has_turning(step)) {
+        verify_leave(result, "bodies turn: when they meet, and whether a contact of "
+                             "theirs is missing, is not checked");
+    }
     is_right = status == PCCD_OK && check_records(step, settings, result) &&
                verify_numbers(step, result) &&
                verify_start(step, result, &start, error, &status);

@@ -45,6 +45,7 @@ struct verify_counts {
     uint64_t nears;        /* questions about what is near */
     uint64_t near_records; /* of them, and right, with all else that is near left out */
     uint64_t nears_unchecked;
+    uint64_t turning; /* records of bodies that turn, which are not checked */
 };
 
 /* Proof of a fault: the step, what is wrong there, and with which pair. */
@@ -165,6 +166,14 @@ const char *verify_touching(const struct play_step *step,
 bool verify_is_left_out(const struct play_step *step, const struct pccd_pair *pair,
                         const struct verify_meeting *meeting,
                         struct verify_result *result);
+/* Return whether an object of the pair turns in the step, or any object of its scene:
+ * verify_meet and verify_is_beside have nothing to say of it then. */
+bool verify_turns(const struct play_step *step, const struct pccd_pair *pair);
+bool verify_has_turning(const struct play_step *step);
+/* Check a contact of bodies of which one turns, as far as that can be checked, and count
+ * it. */
+bool verify_turning(const struct play_step *step, const struct pccd_contact *contact,
+                    const struct pccd_pair *pair, struct verify_result *result);
 /* Return whether mode pairs has the pair: no axis separates it, by the given coordinates,
  * and its kind has a meaning where it is thin. The meshes have their edges. */
 bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair);

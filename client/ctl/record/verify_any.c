@@ -133,7 +133,7 @@ static void try_pair(struct sweep *sweep, const struct swept *a, const struct sw
         }
     }
     if (!registry_may_meet(sweep->step->scene, a->object, b->object) ||
-        shares(a, points[0], b, points[1])) {
+        a->object->turned || b->object->turned || shares(a, points[0], b, points[1])) {
         return;
     }
     if (points[0] == points[1] &&
@@ -227,7 +227,8 @@ bool verify_any(const struct play_step *step, const struct verify_start *start,
         return verify_wrong(result, step, &sweep.found,
                             "the verdict is that nothing meets, and this does");
     }
-    if (!sweep.has_found && !sweep.is_too_long && is_free && verdict != PCCD_VERDICT_NO) {
+    if (!sweep.has_found && !sweep.is_too_long && is_free && verdict != PCCD_VERDICT_NO &&
+        !verify_has_turning(step)) {
         return verify_wrong(result, step, NULL,
                             "the verdict is that something meets, and nothing does");
     }

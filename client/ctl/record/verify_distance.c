@@ -478,7 +478,7 @@ bool verify_start(const struct play_step *step, struct verify_result *result,
         return now == NULL || now->crossings + now->start_inside == 0 ||
                verify_wrong(result, step, NULL, "it tells how it begins, unasked");
     }
-    if (!verify_is_complete(step)) {
+    if (!verify_is_complete(step) || verify_has_turning(step)) {
         return true;
     }
     bool has_memory = make_moment(&judge);

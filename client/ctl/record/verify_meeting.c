@@ -161,3 +161,37 @@ bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair
     }
     return is_beside;
 }
+
+/* ---- bodies that turn: on no line, of which alone all of this speaks --------------- */
+
+bool verify_turns(const struct play_step *step, const struct pccd_pair *pair)
+{
+    const struct registry_object *a = registry_object(step->scene, pair->object_a);
+    const struct registry_object *b = registry_object(step->scene, pair->object_b);
+    return a->turned || b->turned;
+}
+
+bool verify_has_turning(const struct play_step *step)
+{
+    bool has = false;
+    for (uint32_t i = 0; i < step->scene->object_count; i++) {
+        has = has || step->scene->objects[i].turned;
+    }
+    return has;
+}
+
+bool verify_turning(const struct play_step *step, const struct pccd_contact *contact,
+                    const struct pccd_pair *pair, struct verify_result *result)
+{
+    const uint32_t known = PCCD_PROVED | PCCD_INITIAL | PCCD_INSIDE;
+    if (pair->object_a == pair->object_b) {
+        return verify_wrong(result, step, NULL, "a body that turns meets itself");
+    }
+    if ((contact->flags & ~known) != 0 || contact->reserved != 0) {
+        return verify_wrong(result, step, NULL,
+                            "a record of a body that turns has flags, or a last word, "
+                            "that say nothing");
+    }
+    result->counts.turning++;
+    return true; /* what is left of the step was said by whoever checks it */
+}

@@ -94,7 +94,8 @@ static bool may_be_left_out(const struct play_step *step, struct oracle_first *f
 static bool judge(struct draw *draw, const struct pccd_pair *pair)
 {
     struct verify_meeting meeting;
-    if (draw->left == 0 || verify_has(draw->step, pair)) {
+    if (draw->left == 0 || verify_turns(draw->step, pair) ||
+        verify_has(draw->step, pair)) {
         return true;
     }
     draw->left--;

@@ -85,6 +85,7 @@ int verify_report_add(struct verify_report *report, const struct verify_result *
     report->counts.nears += more->nears;
     report->counts.near_records += more->near_records;
     report->counts.nears_unchecked += more->nears_unchecked;
+    report->counts.turning += more->turning;
     if (result->is_wrong) {
         report->witness = &result->witness;
         return PCCD_OK;
@@ -170,6 +171,9 @@ void verify_print_text(const struct verify_report *report)
         printf(", %" PRIu64 " possible %s not contradicted", counts->possible,
                proto_plural(counts->possible, "one", "ones"));
     }
+    if (counts->turning > 0) {
+        printf(", %" PRIu64 " of bodies that turn not checked", counts->turning);
+    }
     if (counts->unchecked > 0) {
         printf(", %" PRIu64 " %s without an answer to check", counts->unchecked,
                proto_plural(counts->unchecked, "step", "steps"));
@@ -195,6 +199,7 @@ static const struct column count_columns[] = {
     {"nears", .type = COLUMN_NUMBER, OF(nears)},
     {"near_records", .type = COLUMN_NUMBER, OF(near_records)},
     {"nears_unchecked", .type = COLUMN_NUMBER, OF(nears_unchecked)},
+    {"turning", .type = COLUMN_NUMBER, OF(turning)},
     {0}};
 #undef OF
 
