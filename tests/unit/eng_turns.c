@@ -260,6 +260,7 @@ double turns_distance(const struct turns_place *place, const double x[3])
 
 static double random_angle(struct prng *random)
 {
+    int exponent = -(int)prng_u32(random, 200);
     switch (prng_u32(random, 6)) {
     case 0:
         return 0;
@@ -268,7 +269,7 @@ static double random_angle(struct prng *random)
     case 2:
         return prng_integer(random, 4) * 0x1.921fb54442d18p+0;
     case 3:
-        return ldexp(prng_between(random, -1, 1), -(int)prng_u32(random, 200));
+        return ldexp(prng_between(random, -1, 1), exponent);
     case 4:
         return prng_integer(random, 1) * ENG_ANGLE_MAX;
     default:

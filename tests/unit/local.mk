@@ -112,7 +112,8 @@ test_programs += \
 test_scripts += \
     tests/unit/test_eng_margins.sh \
     tests/unit/test_eng_neon.sh \
-    tests/unit/test_eng_sets.sh
+    tests/unit/test_eng_sets.sh \
+    tests/unit/test_eng_sine.sh
 # What test_eng_neon.sh and test_eng_sets.sh run for a set.
 check_PROGRAMS += tests/unit/kernel_digest
 

@@ -239,6 +239,42 @@ CASE(path__bows_of_arms_are_near)
     assert_true(bow_sum > 0.5);
 }
 
+static void mix(uint64_t *hash, const double *x, int count)
+{
+    for (int i = 0; i < count; i++) {
+        uint64_t bits;
+        memcpy(&bits, &x[i], sizeof bits);
+        *hash = (*hash ^ bits) * 0x9e3779b97f4a7c15u;
+        *hash ^= *hash >> 29;
+    }
+}
+
+/* If it failed, contacts of what turns would differ from those of another compiler or
+ * machine, or of an earlier pccd. */
+CASE(path__has_the_same_bytes_everywhere)
+{
+    struct prng random = {1};
+    uint64_t hash = 0;
+    for (int n = 0; n < 1000; n++) {
+        struct pccd_joint joints[CHAIN_MAX];
+        static struct eng_path path;
+        struct eng_path_pose pose[3];
+        struct eng_path_span span;
+        turns_random(&random, joints, CHAIN_MAX, 1 + n);
+        assert_int_equal(eng_path_between(joints, 5, 15, &path), PCCD_OK);
+        for (int i = 0; i < 3; i++) {
+            eng_path_pose(&path, i / 2.0, &pose[i]);
+            mix(&hash, pose[i].m, 12);
+            mix(&hash, pose[i].error, 2);
+        }
+        eng_path_span(&path, 0, 1, &pose[0], &pose[1], &pose[2], &span);
+        mix(&hash, span.m, 12);
+        mix(&hash, span.error, 2);
+        mix(&hash, path.jerk, 2);
+    }
+    assert_true(hash == 0x0d7073e47e93bb57);
+}
+
 /* A chain of 64 joints, seen from the world and from a second one. */
 CASE(path__is_as_long_as_allowed)
 {

@@ -22,7 +22,7 @@
 /* Errors of rotations, in roundings. */
 #define QUATERNION_ERROR (28 * ROUNDED)
 #define AXIS_ERROR       (36 * ROUNDED)
-#define TURN_ERROR       (6 * ROUNDED)
+#define TURN_ERROR       (9 * ROUNDED)
 #define VECTOR_ERROR     (64 * ROUNDED)
 #define PRODUCT_ERROR    (10 * ROUNDED)
 

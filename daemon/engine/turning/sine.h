@@ -11,7 +11,7 @@
 #define ENG_ANGLE_MAX 0x1.921fb54442d18p+22
 
 /* Each of the two is within this of the true one. */
-#define ENG_SINE_ERROR 0x1p-52
+#define ENG_SINE_ERROR 0x1p-51
 
 /* Set *sine, *cosine to those of hi + lo, of magnitude at most ENG_ANGLE_MAX + 1, where
  * hi is the double nearest to that sum. */
