@@ -1,6 +1,7 @@
 # client/ctl/local.mk - pccdctl.
 
 bin_PROGRAMS += pccdctl
+dist_doc_DATA += client/prometheus/pccd.dashboard.json client/prometheus/pccd.rules.yml
 noinst_LTLIBRARIES += libctl.la
 
 # Everything but main, so that tests can link what they test.

@@ -253,6 +253,62 @@ else
     tap_skip metrics__satisfy_promtool "it takes prometheus"
 fi
 
+# If it failed, an alert or a chart would ask for a metric that does not exist, and stay silent.
+files="$top_srcdir/client/prometheus/pccd.rules.yml $top_srcdir/client/prometheus/pccd.dashboard.json"
+ctl metrics && sed -n 's/^\(pccd_[a-z_]*\)[ {].*/\1/p' out | sort -u >names &&
+    # shellcheck disable=SC2086 # two files
+    grep -oh 'pccd_[a-z_]*[a-z]' $files | sort -u >asked && [ "$(wc -l <asked)" -gt 20 ] &&
+    comm -23 asked names >"$log" && [ ! -s "$log" ] && says '^# TYPE pccd_memory_bytes_max gauge$'
+report metrics__have_what_alerts_and_charts_ask_for
+
+# If it failed, Prometheus would not load the alerts, or one would not tell of what it is for.
+if command -v promtool >/dev/null; then
+    cat >alerts.yml <<YAML
+rule_files: [$top_srcdir/client/prometheus/pccd.rules.yml]
+tests:
+  - interval: 1m
+    input_series:
+      - series: pccd_jobs_queued_now
+        values: 0x5 2000x10
+      - series: pccd_steps_total
+        values: 0+600x20
+      - series: pccd_steps_incomplete_total
+        values: 0+100x20
+      - series: pccd_uptime_seconds
+        values: 1000+60x5 10+60x14
+    alert_rule_test:
+      - {eval_time: 5m, alertname: PccdRequestsWait}
+      - eval_time: 9m
+        alertname: PccdRequestsWait
+        exp_alerts:
+          - exp_labels: {severity: warning}
+            exp_annotations:
+              summary: 2000 requests wait to be computed
+              description: pccdctl top tells whose they are.
+      - eval_time: 15m
+        alertname: PccdStepsAreIncomplete
+        exp_alerts:
+          - exp_labels: {severity: warning}
+            exp_annotations:
+              summary: 1.6666666666666667 steps a second have incomplete answers
+              description: >-
+                Deadlines are too short, results too large for their memory, or steps cancelled.
+      - {eval_time: 4m, alertname: PccdRestarted}
+      - eval_time: 10m
+        alertname: PccdRestarted
+        exp_alerts:
+          - exp_labels: {severity: info}
+            exp_annotations:
+              summary: pccdd was started anew
+              description: journalctl -u pccdd tells whether it crashed. Clients bring their scenes back.
+YAML
+    promtool check rules "$top_srcdir/client/prometheus/pccd.rules.yml" >"$log" 2>&1 &&
+        promtool test rules alerts.yml >"$log" 2>&1
+    report alerts__tell_of_what_they_are_for
+else
+    tap_skip alerts__tell_of_what_they_are_for "it takes prometheus"
+fi
+
 # If it failed, samples would be lost on their way to Prometheus: the file whole, a counter's type.
 if command -v prometheus-node-exporter >/dev/null && command -v python3 >/dev/null; then
     mkdir textfiles && ctl metrics && cp out textfiles/pccd.prom &&

@@ -46,15 +46,14 @@ static bool ends_in(const char *name, const char *end)
 
 bool counters_is_gauge(const char *name)
 {
-    static const char *const gauges[] = {"uptime_ns",   "pid",
-                                         "threads_max", "threads_bound",
-                                         "processors",  "processors_allowed"};
+    static const char *const gauges[] = {"uptime_ns", "pid", "threads_bound",
+                                         "processors", "processors_allowed"};
     for (size_t i = 0; i < sizeof gauges / sizeof gauges[0]; i++) {
         if (strcmp(name, gauges[i]) == 0) {
             return true;
         }
     }
-    return ends_in(name, "_now") || ends_in(name, "_last");
+    return ends_in(name, "_now") || ends_in(name, "_last") || ends_in(name, "_max");
 }
 
 double histogram_bound_s(uint32_t bucket)
