@@ -34,6 +34,12 @@
 /* Halves of the step, and what is cut off at the end of a bracket. */
 #define SPANS_MAX 96u
 
+/* Windows that are tried before a contact is called possible. */
+#define WINDOWS 20
+
+/* Shorter spans are not cut where nobody knows. */
+#define LENGTH_LEAST 0x1p-44
+
 #define SIZE_MOST 1e18
 
 static const uint32_t whole[1][4] = {{0, 1, 2, 3}};
@@ -308,26 +314,12 @@ static bool is_rim_clear(const struct decider *decider, const struct span *span)
     return true;
 }
 
-/* Return a time by which thin features have met; INFINITY: it is not proved. They are
- * free up to `until`, and the proof is about a window around the time when the straight
- * features meet, which is shorter than the span and may go beyond it. */
-static double prove_thin(struct decider *decider, const struct span *span, double until)
+/* Return whether thin features certainly meet in a window of time. */
+static bool proves(struct decider *decider, double from, double to)
 {
     const enum pccd_kind kind = decider->pair->kind;
     struct passage passage;
     struct span window;
-    double middle = span->r->t; /* where neither this span nor the next one would tell */
-    if (set_passage(kind, span, &passage)) {
-        double slope;
-        middle = span->l->t +
-                 (span->r->t - span->l->t) * eng_bernstein_root(passage.f, &slope);
-    }
-    double reach = 3 * (middle - until) + 8 * ENG_U;
-    double from = eng_most(middle - reach, 0);
-    double to = eng_least(middle + reach, 1);
-    if (!(from < to && to - from < span->length)) {
-        return INFINITY;
-    }
     set_moment(decider, from, &decider->spare[0]);
     set_moment(decider, to, &decider->spare[1]);
     set_span(decider, &decider->spare[0], &decider->spare[1], &window);
@@ -335,10 +327,36 @@ static double prove_thin(struct decider *decider, const struct span *span, doubl
         eng_motion_domain(&passage.motion, &passage.pose[0], &passage.pose[1]) !=
             ENG_INSIDE ||
         !is_rim_clear(decider, &window)) {
-        return INFINITY;
+        return false;
     }
     decider->side = passage.f[0];
-    return to;
+    return true;
+}
+
+/* Return a time by which thin features have met; INFINITY: it is not proved. They are
+ * free up to `until`, and the proof is about a window around the time when the straight
+ * features meet, which is shorter than the span and may go beyond it. Where they pass
+ * near a border, shorter ones prove what longer ones do not: `tries` of them, from a
+ * quarter of the span on. */
+static double prove_thin(struct decider *decider, const struct span *span, double until,
+                         int tries)
+{
+    struct passage passage;
+    double middle = span->r->t; /* where neither this span nor the next one would tell */
+    if (set_passage(decider->pair->kind, span, &passage)) {
+        double slope;
+        middle = span->l->t +
+                 (span->r->t - span->l->t) * eng_bernstein_root(passage.f, &slope);
+    }
+    double reach = tries == 1 ? 3 * (middle - until) + 8 * ENG_U : 0.25 * span->length;
+    for (; tries > 0 && reach > 2 * ENG_U; tries--, reach *= 0.25) {
+        double from = eng_most(middle - reach, 0);
+        double to = eng_least(middle + reach, 1);
+        if (to - from < span->length && proves(decider, from, to)) {
+            return to;
+        }
+    }
+    return INFINITY;
 }
 
 /* ---- possible ---------------------------------------------------------------------- */
@@ -369,6 +387,21 @@ static bool is_near(enum pccd_kind kind, const struct moment *moment, double rea
     eng_sub(pose.c, is_ee ? x[2] : x[3], is_ee ? x[3] : x[1]);
     eng_closest_to_origin(is_ee ? PCCD_EE : PCCD_VF, &pose, &closest);
     return !(sqrt(eng_dot(closest.gap, closest.gap)) > reach);
+}
+
+/* Return whether there is nothing more to be known of a leaf, and its features come within
+ * precision of r. */
+static bool comes_near(struct decider *decider, const struct span *span, enum look seen,
+                       double until, double precision)
+{
+    if (seen != LOOK_UNSURE || until == span->l->t) {
+        return true;
+    }
+    if (span->length > LENGTH_LEAST) {
+        return false;
+    }
+    set_moment(decider, until, &decider->spare[0]);
+    return is_near(decider->pair->kind, &decider->spare[0], decider->at_most + precision);
 }
 
 /* ---- the search -------------------------------------------------------------------- */
@@ -409,7 +442,7 @@ static void cut(struct decider *decider, const struct span *span, double until)
 
 /* Prove what can be proved of a span whose straight features come near. */
 static void prove(struct decider *decider, const struct span *span, double until,
-                  struct found *found)
+                  int tries, struct found *found)
 {
     const enum pccd_kind kind = decider->pair->kind;
     if (!decider->is_thin && !found->has_begun && until == 0) {
@@ -418,11 +451,11 @@ static void prove(struct decider *decider, const struct span *span, double until
         found->met_by = eng_least(found->met_by, prove_thick(decider, &instant));
     }
     found->has_begun = true;
-    if (!decider->is_thin) {
-        found->met_by = eng_least(found->met_by, prove_thick(decider, span));
-    } else if (kind == PCCD_VF || kind == PCCD_EE) {
-        found->met_by = eng_least(found->met_by, prove_thin(decider, span, until));
+    double met_by = decider->is_thin ? INFINITY : prove_thick(decider, span);
+    if (met_by == INFINITY && (kind == PCCD_VF || kind == PCCD_EE)) {
+        met_by = prove_thin(decider, span, until, tries);
     }
+    found->met_by = eng_least(found->met_by, met_by);
 }
 
 /* Return whether the bracket is short enough, or nobody wants it. */
@@ -444,9 +477,11 @@ static bool look_at_first(struct decider *decider, struct found *found)
     }
     set_span(decider, &decider->begin, &decider->ends[decider->count - 1], &span);
     const double precision = precision_of(decider, &span);
+    /* The errors at its ends would be most of a shorter one's eps, too. */
     const bool is_leaf =
         span.eps <= precision &&
-        (found->is_possible || span.length <= decider->limits->tolerance);
+        (found->is_possible || (span.length <= decider->limits->tolerance &&
+                                span.bent <= span.eps - span.bent));
     enum look seen = look(decider, &span, is_leaf, &until);
     if (!found->is_possible) {
         found->free_until = seen == LOOK_FREE ? span.r->t : until;
@@ -456,21 +491,13 @@ static bool look_at_first(struct decider *decider, struct found *found)
         return is_known(decider, found);
     }
     if (seen != LOOK_UNASKED) {
-        prove(decider, &span, until, found);
+        int tries = is_leaf && !found->is_possible ? WINDOWS : 1;
+        prove(decider, &span, until, tries, found);
         if (is_known(decider, found)) {
             return true;
         }
     }
-    if (is_leaf && seen == LOOK_UNSURE && until > span.l->t) {
-        set_moment(decider, until, &decider->spare[0]);
-        seen =
-            is_near(decider->pair->kind, &decider->spare[0], decider->at_most + precision)
-                ? LOOK_NEAR
-                : LOOK_UNSURE;
-    } else if (is_leaf) {
-        seen = LOOK_NEAR;
-    }
-    if (!is_leaf || seen == LOOK_UNSURE) {
+    if (!is_leaf || !comes_near(decider, &span, seen, until, precision)) {
         cut(decider, &span, until);
         return false;
     }
