@@ -2,10 +2,12 @@
 #include "dispatch.h"
 
 #include <argp.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "ctl.h"
+#include "option_table.h"
 #include "terminal.h"
 
 static void print_help(const struct ctl_program *program, FILE *to)
@@ -33,9 +35,21 @@ static const struct ctl_command *find_command(const struct ctl_program *program,
 
 static int complain_of(const struct ctl_program *program, const char *name)
 {
-    if (!program->is_mute) {
-        (void)ctl_complain("no command \"%s\"; see %s --help", name, program->name);
+    const char *nearest = name;
+    unsigned least = UINT_MAX;
+    for (size_t i = 0; i < program->command_count; i++) {
+        unsigned edits = option_edits(name, program->commands[i].name);
+        if (edits < least) {
+            least = edits;
+            nearest = program->commands[i].name;
+        }
     }
+    if (program->is_mute) {
+        return CTL_USAGE;
+    }
+    (void)(option_is_near(name, least)
+               ? ctl_complain("no command \"%s\"; %s?", name, nearest)
+               : ctl_complain("no command \"%s\"; see %s --help", name, program->name));
     return CTL_USAGE;
 }
 

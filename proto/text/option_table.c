@@ -200,6 +200,217 @@ static void list_options(struct parsing *parsing)
     }
     parsing->options[used] =
         (struct argp_option){.key = 'h', .flags = OPTION_HIDDEN, .group = -1};
+    parsing->options[used + 1] = (struct argp_option){
+        .name = "help", .key = '?', .flags = OPTION_HIDDEN, .group = -1};
+}
+
+/* ---- the help text ----------------------------------------------------------------- */
+
+/* argp's own lines lose their indentation, or get that of another one, where its buffer
+ * of 200 bytes happens to be full (glibc 2.36 to 2.41). */
+
+#define COLUMNS    79u
+#define TEXT_BEGIN 29u /* the column of what is said of an option */
+
+/* Write words from `column` on, further lines from `begin`. A line that begins with
+ * blanks stays as it is. */
+static void write_text(const char *text, size_t column, size_t begin)
+{
+    bool is_first = true;
+    while (*text != '\0') {
+        bool is_kept = is_first && *text == ' ';
+        size_t length = strcspn(text, is_kept ? "\n" : " \n");
+        if (!is_first && column + 1 + length > COLUMNS) {
+            printf("\n%*s", (int)begin, "");
+            column = begin;
+        } else if (!is_first && length > 0) {
+            putchar(' ');
+            column++;
+        }
+        fwrite(text, 1, length, stdout);
+        column += length;
+        is_first = false;
+        text += length;
+        if (*text == '\n') {
+            column = (size_t)printf("\n%*s", text[1] != '\0' ? (int)begin : 0, "") - 1;
+            is_first = true;
+            text++;
+        } else if (*text == ' ') {
+            text++;
+        }
+    }
+}
+
+static void write_option(char letter, const char *name, const char *arg, const char *help)
+{
+    char start[] = "      ";
+    if (letter != 0) {
+        snprintf(start, sizeof start, "  -%c,", letter);
+    }
+    int column = printf("%-6s--%s%s%s", start, name, arg != NULL ? "=" : "",
+                        arg != NULL ? arg : "");
+    if (column + 2 > (int)TEXT_BEGIN) {
+        putchar('\n');
+        column = 0;
+    }
+    printf("%*s", (int)TEXT_BEGIN - column, "");
+    write_text(help, TEXT_BEGIN, TEXT_BEGIN);
+    putchar('\n');
+}
+
+/* By heading, then by letter or name. */
+static int compare_places(const void *a, const void *b)
+{
+    const struct place *const places[2] = {a, b};
+    char first[2];
+    if (places[0]->group != places[1]->group) {
+        return places[0]->group - places[1]->group;
+    }
+    for (int i = 0; i < 2; i++) {
+        const struct option_row *row = places[i]->row;
+        if (row->name == NULL) {
+            return i == 0 ? -1 : places[0]->row->name == NULL ? 0 : 1;
+        }
+        first[i] = (char)tolower((unsigned char)(row->letter ? row->letter : *row->name));
+    }
+    return first[0] != first[1] ? first[0] - first[1]
+                                : strcmp(places[0]->row->name, places[1]->row->name);
+}
+
+static void write_usage(const char *program, const char *arguments)
+{
+    const char *at = arguments != NULL ? arguments : "";
+    const char *begin = "Usage:";
+    do {
+        size_t length = strcspn(at, "\n");
+        printf("%s %s [OPTION...]%s%.*s\n", begin, program, length > 0 ? " " : "",
+               (int)length, at);
+        at += length + (at[length] == '\n');
+        begin = "  or: ";
+    } while (*at != '\0');
+}
+
+/* Sorts the places: whoever parses is done. */
+static void write_help(const struct parsing *parsing, const char *program)
+{
+    const struct option_table *table = parsing->table;
+    int group = -1;
+    write_usage(program, table->arguments);
+    write_text(table->text, 0, 0);
+    printf("%s", table->text[strlen(table->text) - 1] == '\n' ? "" : "\n");
+    qsort(parsing->places, parsing->count, sizeof *parsing->places, compare_places);
+    for (size_t i = 0; i < parsing->count; i++) {
+        const struct option_row *row = parsing->places[i].row;
+        if (row->type == OPTION_ARGUMENTS) {
+            continue;
+        }
+        bool is_new = parsing->places[i].group != group;
+        group = parsing->places[i].group;
+        if (is_new) {
+            putchar('\n');
+        }
+        if (row->type == OPTION_HEADING && is_new) {
+            putchar(' ');
+            write_text(row->help, 1, 1);
+            putchar('\n');
+        } else if (row->name != NULL) {
+            write_option(row->letter, row->name, row->arg, row->help);
+        }
+    }
+    putchar('\n');
+    write_option('?', "help", NULL, "Give this help list");
+    write_option(0, "usage", NULL, "Give a short usage message");
+    if (argp_program_version != NULL) {
+        write_option('V', "version", NULL, "Print program version");
+    }
+    for (int i = 0; i < 2; i++) {
+        const char *text = i == 0 ? table->more : table->examples;
+        if (text != NULL && text[0] != '\0') {
+            printf("\n%s", i == 0 ? "" : "Examples:\n");
+            write_text(text, 0, 0);
+            printf("%s", text[strlen(text) - 1] == '\n' ? "" : "\n");
+        }
+    }
+}
+
+/* ---- what may have been meant ------------------------------------------------------ */
+
+#define WORD_MAX 64u
+
+unsigned option_edits(const char *a, const char *b)
+{
+    unsigned edits[WORD_MAX + 1]; /* from the beginning of a to that much of b */
+    size_t lengths[2] = {strlen(a), strlen(b)};
+    if (lengths[0] > WORD_MAX || lengths[1] > WORD_MAX) {
+        return WORD_MAX;
+    }
+    for (unsigned k = 0; k <= lengths[1]; k++) {
+        edits[k] = k;
+    }
+    for (size_t i = 0; i < lengths[0]; i++) {
+        unsigned before = edits[0]++;
+        for (size_t k = 0; k < lengths[1]; k++) {
+            unsigned least = before + (a[i] != b[k]);
+            least = least < edits[k] + 1 ? least : edits[k] + 1;
+            before = edits[k + 1];
+            edits[k + 1] = least < before + 1 ? least : before + 1;
+        }
+    }
+    return edits[lengths[1]];
+}
+
+bool option_is_near(const char *word, unsigned edits)
+{
+    return edits <= 1 + strlen(word) / 4;
+}
+
+/* Say which option may be meant by "--NAME" or "--NAME=VALUE" if there is none that it is
+ * the beginning of. */
+static void suggest(const struct parsing *parsing, const struct argp_state *state,
+                    const char *text)
+{
+    char name[WORD_MAX];
+    size_t length = strcspn(text, "=");
+    const char *nearest = NULL;
+    unsigned least = WORD_MAX;
+    if (length >= sizeof name) {
+        return;
+    }
+    memcpy(name, text, length);
+    name[length] = '\0';
+    for (const struct argp_option *option = parsing->options;
+         option->name != NULL || option->key != 0 || option->doc != NULL; option++) {
+        if (option->name == NULL) {
+            continue;
+        }
+        unsigned edits = option_edits(name, option->name);
+        if (strncmp(name, option->name, length) == 0) {
+            return;
+        }
+        if (edits < least) {
+            least = edits;
+            nearest = option->name;
+        }
+    }
+    if (option_is_near(name, least)) {
+        option_misused(state, "--%s: no such option; --%s?", name, nearest);
+    }
+}
+
+/* Return whether a word is an option whose value is the next word. */
+static bool takes_next(const struct parsing *parsing, const char *word)
+{
+    for (const struct argp_option *option = parsing->options;
+         word[0] == '-' && (option->name != NULL || option->key != 0 || option->doc);
+         option++) {
+        bool is_it = word[1] == '-' ? option->name != NULL &&
+                                          strcmp(word + 2, option->name) == 0
+                                    : word[1] == option->key && word[2] == '\0';
+        if (is_it) {
+            return option->arg != NULL;
+        }
+    }
+    return false;
 }
 
 /* ---- the walk of argp -------------------------------------------------------------- */
@@ -245,10 +456,29 @@ static void check_tables(const struct option_table *table, struct argp_state *st
     }
 }
 
+/* Look at each word that is an option's name, before getopt does: it suggests nothing. */
+static void look_at_names(const struct parsing *parsing, struct argp_state *state)
+{
+    char *slash = strrchr(state->argv[0], '/');
+    state->name = slash != NULL ? slash + 1 : state->argv[0]; /* as argp will, later */
+    for (int i = 1; i < state->argc && strcmp(state->argv[i], "--") != 0; i++) {
+        const char *word = state->argv[i];
+        if (strncmp(word, "--", 2) == 0 && !takes_next(parsing, state->argv[i - 1])) {
+            suggest(parsing, state, word + 2);
+        } else if (word[0] != '-' && parsing->table->ends_options &&
+                   !takes_next(parsing, state->argv[i - 1])) {
+            return;
+        }
+    }
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     const struct parsing *parsing = state->input;
     switch (key) {
+    case ARGP_KEY_INIT:
+        look_at_names(parsing, state);
+        return 0;
     case ARGP_KEY_ARGS:
         take_arguments(parsing, state);
         return 0;
@@ -266,50 +496,31 @@ static error_t parse(int key, char *text, struct argp_state *state)
             return 0;
         }
     }
-    if (key == 'h') {
-        argp_state_help(state, stdout, ARGP_HELP_STD_HELP);
-        return 0;
+    if (key == 'h' || key == '?') {
+        write_help(parsing, state->name);
+        exit(fflush(stdout) != 0);
     }
     return ARGP_ERR_UNKNOWN;
-}
-
-/* Write what a command does, and behind the options the rest and the examples; NULL:
- * there is no memory. */
-static char *describe(const struct option_table *table)
-{
-    const char *more = table->more != NULL ? table->more : "";
-    const char *examples = table->examples != NULL ? table->examples : "";
-    char *doc = NULL;
-    int bytes = asprintf(&doc, "%s%s%s%s%s", table->text,
-                         more[0] != '\0' || examples[0] != '\0' ? "\v" : "", more,
-                         examples[0] == '\0' ? ""
-                         : more[0] != '\0'   ? "\n\nExamples:\n"
-                                             : "Examples:\n",
-                         examples);
-    return bytes < 0 ? NULL : doc;
 }
 
 int option_parse(const struct option_table *table, int argc, char **argv, void *to)
 {
     struct parsing parsing = {.table = table, .to = to};
     size_t rows = count_rows(table);
-    char *doc = describe(table);
     int status = ENOMEM;
     parsing.places = calloc(rows + 1, sizeof *parsing.places);
-    parsing.options = calloc(rows + 2, sizeof *parsing.options);
-    if (doc != NULL && parsing.places != NULL && parsing.options != NULL) {
+    parsing.options = calloc(rows + 3, sizeof *parsing.options);
+    if (parsing.places != NULL && parsing.options != NULL) {
         add_rows(&parsing, table, to);
         list_options(&parsing);
         const struct argp argp = {.options = parsing.options,
                                   .parser = parse,
-                                  .args_doc = table->arguments,
-                                  .doc = doc};
+                                  .args_doc = table->arguments};
         status = argp_parse(&argp, argc, argv, table->ends_options ? ARGP_IN_ORDER : 0,
                             NULL, &parsing);
     }
     free(parsing.options);
     free(parsing.places);
-    free(doc);
     return status;
 }
 

@@ -92,6 +92,14 @@ double option_real(const struct argp_state *state, const struct option_row *row,
 uint32_t option_word(const struct argp_state *state, const char *name, const char *text,
                      size_t bytes, const char *words);
 
+/* ---- For those who say what may have been meant. */
+
+/* Return how many letters have to be changed, added or taken away to make one word the
+ * other (Levenshtein); words of more than 64 bytes have nothing in common: 64. */
+unsigned option_edits(const char *a, const char *b);
+/* Return whether a word with so many mistakes may be meant. */
+bool option_is_near(const char *word, unsigned edits);
+
 /* ---- For those who tell of options. */
 
 /* Call it for each option, those of the parts last. */

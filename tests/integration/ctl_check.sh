@@ -532,4 +532,21 @@ ctl --help && says '^  ping ' '^  stats ' '^  trace ' '^  check ' '^  demo ' '^ 
     says '^pccdctl [0-9]+\.[0-9]+\.[0-9]+$' && fails 2 'no command "chekc"' chekc
 report "help lists every command"
 
+# If it failed, a line of the help would run out of a terminal, or say something of another option.
+"$PCCDCTL" --help | sed -n 's/^  \([a-z]*\) .*/\1/p' >commands && [ "$(wc -l <commands)" -gt 20 ] &&
+    while read -r command; do
+        "$PCCDCTL" "$command" --help >out
+        sed '/^  -V, /q' out | grep -vE '^$|^[^ ]|^ [A-Z]|^ {6}--[a-z]|^  -., --|^ {29}[^ ]|^  or:  '
+        grep -E '^.{80}' out
+        cat -s out | cmp out -
+    done <commands >help.log && [ ! -s help.log ]
+tap_result $? "help keeps to its columns" help.log
+
+fails 2 'no command "chekc"; check?' chekc &&
+    fails 2 'pccdctl check: --treads: no such option; --threads?' check --treads 2 &&
+    fails 2 'unrecognized option' check --nothing-like-it && fails 2 'see pccdctl --help' nothing-like-it &&
+    ! grep -q '[?]$' err && fails 4 'a.none: cannot open' check --thread 1 a.none b.none &&
+    ctl demo --steps 1 --output --jsno && [ -e ./--jsno ]
+report "what is misspelt gets the word that may be meant"
+
 tap_end
