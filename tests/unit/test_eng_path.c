@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "path.h"
+#include "poses.h"
 #include "sine.h"
 
 #define CHAIN_MAX 16
@@ -375,4 +376,25 @@ CASE(joints__are_refused_by_name)
     joints[0].parent = 0;
     assert_false(eng_joints_check(joints, 2, &joint, &why));
     assert_true(joint == 0 && strstr(why, "parent") != NULL);
+}
+
+/* If it failed, poses at halves of the step, which all pairs ask for, would push each other
+ * out. */
+CASE(poses__of_many_halves_are_kept)
+{
+    static struct eng_path path;
+    static struct eng_poses poses;
+    struct prng random = {1};
+    struct pccd_joint joints[2];
+    uint32_t kept = 0;
+    turns_random(&random, joints, 2, 1);
+    assert_int_equal(eng_path_between(joints, PCCD_NO_JOINT, 1, &path), PCCD_OK);
+    eng_poses_begin(&poses, &path);
+    for (int i = 0; i <= 64; i++) {
+        eng_poses_at(&poses, i / 64.0);
+    }
+    for (uint32_t i = 0; i < ENG_POSES_KEPT; i++) {
+        kept += poses.t[i] >= 0;
+    }
+    assert_true(kept > 48);
 }

@@ -16,7 +16,7 @@ static uint32_t place_of(double t)
 {
     uint64_t bits;
     memcpy(&bits, &t, sizeof bits);
-    return (uint32_t)(bits * 0x9e3779b97f4a7c15u >> 32) % ENG_POSES_KEPT;
+    return (uint32_t)(bits * 0x9e3779b97f4a7c15u >> 56) % ENG_POSES_KEPT;
 }
 
 const struct eng_path_pose *eng_poses_at(struct eng_poses *poses, double t)
