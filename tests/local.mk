@@ -39,6 +39,7 @@ libtests_la_SOURCES = \
     tests/unit/eng_way.c \
     tests/unit/thick_cases.c \
     tests/unit/turning_draw.c \
+    tests/unit/turning_truth.c \
     tests/property/judge.c \
     tests/property/near_judge.c \
     tests/property/sequences.c \
@@ -80,6 +81,7 @@ test_programs += \
     tests/property/test_eng_standing \
     tests/property/test_eng_thick_plays \
     tests/property/test_eng_touching \
+    tests/property/test_eng_turning \
     tests/proto/test_proto_codec \
     tests/proto/test_proto_damage \
     tests/proto/test_proto_joints \

@@ -5,29 +5,16 @@
 #include "oracle_thick.h"
 #include "oracle_turning.h"
 #include "oracle_turning_balls.h"
-#include "turning_draw.h"
+#include "turning_truth.h"
 
 #include <float.h>
 
 #define PI 3.14159265358979323846
 
-static struct oracle_turning_answer find(const struct turning_drawn *drawn, double width,
-                                         uint32_t fine)
+static struct turning_truth find(const struct turning_drawn *drawn, double width,
+                                 uint32_t fine)
 {
-    struct oracle_turning pair = {.joints = drawn->joints};
-    const struct oracle_turning_asked asked = {
-        .to = 1, .width = width, .spans = 3000, .fine = fine};
-    struct oracle_turning_answer answer;
-    for (int side = 0; side < 2; side++) {
-        uint32_t begin = side == 0 ? 0 : drawn->points[0];
-        pair.side[side] =
-            (struct oracle_turning_side){.points = drawn->points[side],
-                                         .joint = drawn->link[side],
-                                         .x = {&drawn->x[0][begin], &drawn->x[1][begin]}};
-    }
-    memcpy(pair.radius, drawn->radius, sizeof drawn->radius);
-    oracle_turning_find(&pair, &asked, &answer);
-    return answer;
+    return turning_truth(drawn, 0, 1, 0, width, fine);
 }
 
 /* A vertex that hangs on the last joint, and a face, an edge or a vertex that stands. */
@@ -72,7 +59,7 @@ static void assert_first(const struct turning_drawn *drawn, double due)
 {
     for (uint32_t fine = 0; fine < 2; fine++) {
         double width = fine ? 1e-13 : 1e-9;
-        struct oracle_turning_answer answer = find(drawn, width, 400 * fine);
+        struct turning_truth answer = find(drawn, width, 400 * fine);
         if (!(answer.free_until <= due + 4e-16 && due <= answer.met_by + 4e-16 &&
               answer.met_by - answer.free_until <= width)) {
             fail_msg("%.17g is not in %.17g .. %.17g", due, answer.free_until,
@@ -234,7 +221,7 @@ CASE(turning__tells_free_and_touching)
     put_wall(&drawn, 1 + 1e-14);
     assert_true(find(&drawn, 1e-6, 400).is_free);
     put_wall(&drawn, 1 - 1e-9);
-    struct oracle_turning_answer answer = find(&drawn, 1e-6, 400);
+    struct turning_truth answer = find(&drawn, 1e-6, 400);
     assert_true(!answer.is_free && answer.met_by < 0.25 && answer.free_until > 0.24999);
     put_wall(&drawn, 1); /* touches at a quarter turn: nobody knows */
     answer = find(&drawn, 1e-6, 400);
@@ -291,7 +278,7 @@ CASE(turning__of_straight_motions_is_what_roots_say)
             .p = (const double(*)[3])p,
             .radius = {drawn.radius[0], drawn.radius[1], drawn.radius[2]}};
         struct oracle_first *first = oracle_thick_first_new(&thick);
-        struct oracle_turning_answer answer = find(&drawn, 1e-6, 100);
+        struct turning_truth answer = find(&drawn, 1e-6, 100);
         hits += first != NULL;
         unknown += !answer.is_free && answer.met_by == ORACLE_TURNING_NEVER;
         if (first == NULL) {
@@ -316,7 +303,7 @@ CASE(turning__of_random_motions_is_what_samples_say)
     for (int i = 0; i < 2000; i++) {
         struct turning_drawn drawn;
         turning_draw(&prng, &drawn);
-        struct oracle_turning_answer answer = find(&drawn, 1e-6, 100);
+        struct turning_truth answer = find(&drawn, 1e-6, 100);
         double r = drawn.radius[0] + drawn.radius[1] + drawn.radius[2];
         double slack = 1e-8 * drawn.size;
         bool meets = answer.met_by <= 1;

@@ -199,7 +199,7 @@ static double draw_angle(struct prng *prng)
                 : what < 930 ? 4 * PI
                 : what < 960 ? 1e-7
                 : what < 990 ? 40
-                : what < 998 ? 600
+                : what < 999 ? 600
                              : 0x1p20 * 2 * PI;
     return by * prng_between(prng, -1, 1);
 }
@@ -250,6 +250,18 @@ static uint32_t add_any(struct prng *prng, struct turning_drawn *drawn, uint32_t
             joint->to[k] += one_in(prng, 2) ? joint->from[k] : 0;
         }
     }
+    return drawn->count - 1;
+}
+
+/* Add one that does turn. */
+static uint32_t add_turn(struct prng *prng, struct turning_drawn *drawn, uint32_t parent)
+{
+    struct pccd_joint *joint = add_joint(drawn, PCCD_JOINT_TURN, parent);
+    draw_vector(prng, drawn->size, joint->position);
+    draw_rotation(prng, joint->rotation);
+    draw_axis(prng, joint->axis);
+    joint->from[0] = prng_between(prng, -3, 3);
+    joint->to[0] = draw_angle(prng);
     return drawn->count - 1;
 }
 
@@ -309,10 +321,10 @@ static uint32_t add_motion(struct prng *prng, struct turning_drawn *drawn,
     case TURNING_VECTOR:
         return add_vector(prng, drawn, parent);
     default:
-        for (uint32_t i = 0; i < joints; i++) {
+        for (uint32_t i = 1; i < joints; i++) {
             parent = add_any(prng, drawn, parent);
         }
-        return parent;
+        return add_turn(prng, drawn, parent);
     }
 }
 
@@ -332,70 +344,98 @@ static void draw_links(struct prng *prng, struct turning_drawn *drawn)
     }
 }
 
-/* Move feature b so that a point of it comes to a point of a, at some time, but for what
- * the family says. */
-static void bring_near(struct prng *prng, struct turning_drawn *drawn)
+/* Points of both features that are to be near each other. */
+enum spot {
+    SPOT_INSIDE,   /* by much */
+    SPOT_ANYWHERE, /* corners, sides and insides */
+    SPOT_RIM       /* inside of a, on the side of b that is not its first point's */
+};
+
+static void draw_spots(struct prng *prng, const struct turning_drawn *drawn,
+                       enum spot spot, long double t, long double at[2][3])
 {
-    /* Corners, sides and the ends of the step are where nobody can tell. */
-    bool is_inner = drawn->family == TURNING_MEETS;
-    uint32_t what = is_inner ? 2 : prng_u32(prng, 8);
-    long double t = what == 0 ? 0 : what == 1 ? 1 : prng_between(prng, 0.01, 0.99);
-    long double at[2][3] = {{0}}, gap[3], sum[2] = {0};
-    double r = drawn->radius[0] + drawn->radius[1] + drawn->radius[2];
-    double length = drawn->family == TURNING_MEETS ? r * prng_between(prng, 0, 0.9) : r;
-    for (uint32_t i = 0; i < drawn->points[0] + drawn->points[1]; i++) {
+    uint32_t begin = drawn->points[0], all = begin + drawn->points[1];
+    long double sum[2] = {0};
+    memset(at, 0, 2 * sizeof at[0]);
+    for (uint32_t i = 0; i < all; i++) {
         uint32_t side = side_of(drawn, i);
-        /* Some inner point, a corner or a point of a side. */
-        bool is_off = !is_inner && one_in(prng, 4);
+        bool is_off =
+            spot == SPOT_ANYWHERE ? one_in(prng, 4) : spot == SPOT_RIM && i == begin;
+        bool is_last = i + 1 == begin || i + 1 == all;
         long double weight = is_off ? 0 : prng_between(prng, 0.05, 1);
-        bool is_last =
-            i + 1 == drawn->points[0] || i + 1 == drawn->points[0] + drawn->points[1];
-        weight = is_last && sum[side] == 0 ? 1 : weight;
         long double place[3];
+        weight = is_last && sum[side] == 0 ? 1 : weight;
         turning_place(drawn, i, t, place);
         for (int k = 0; k < 3; k++) {
             at[side][k] += weight * place[k];
         }
         sum[side] += weight;
     }
-    if (drawn->family == TURNING_NEAR) {
+    for (int k = 0; k < 6; k++) {
+        at[k / 3][k % 3] /= sum[k / 3];
+    }
+}
+
+/* Draw where the spot of b lies from that of a. */
+static void draw_direction(struct prng *prng, const struct turning_drawn *drawn,
+                           enum spot spot, long double t, long double at[2][3],
+                           long double direction[3])
+{
+    double any[3];
+    long double e[2][3], n[3], x[3][3];
+    draw_axis(prng, any);
+    for (int k = 0; k < 3; k++) {
+        direction[k] = any[k];
+    }
+    for (uint32_t i = 0; i < 3; i++) {
+        turning_place(drawn, drawn->points[0] + (i < drawn->points[1] ? i : 0), t, x[i]);
+    }
+    for (int k = 0; k < 3; k++) {
+        e[0][k] = x[1][k] - x[0][k];
+        e[1][k] = drawn->points[1] == 3 ? x[2][k] - x[0][k] : any[k];
+        n[k] = x[0][k] - at[1][k];
+    }
+    if (drawn->family == TURNING_TOUCHES && drawn->points[1] >= 2) {
+        cross(e[0], e[1], n); /* perpendicular, so that they touch */
+    } else if (spot != SPOT_RIM) {
+        return;
+    }
+    for (int k = 0; k < 3 && dot(n, n) > 0; k++) {
+        direction[k] = n[k];
+    }
+}
+
+/* Move feature b so that a point of it comes to a point of a, at some time, but for what
+ * the family says. */
+static void bring_near(struct prng *prng, struct turning_drawn *drawn)
+{
+    bool is_near = drawn->family == TURNING_NEAR;
+    bool is_rim = is_near && drawn->points[1] >= 2 && one_in(prng, 2);
+    enum spot spot = drawn->family == TURNING_MEETS ? SPOT_INSIDE
+                     : is_rim                       ? SPOT_RIM
+                                                    : SPOT_ANYWHERE;
+    /* The ends of the step are where nobody can tell. */
+    uint32_t what = spot == SPOT_ANYWHERE ? prng_u32(prng, 8) : 2;
+    long double t = what == 0 ? 0 : what == 1 ? 1 : prng_between(prng, 0.01, 0.99);
+    long double at[2][3], direction[3], gap[3], zero[3] = {0};
+    double r = drawn->radius[0] + drawn->radius[1] + drawn->radius[2];
+    double length = drawn->family == TURNING_MEETS ? r * prng_between(prng, 0, 0.9) : r;
+    if (is_near) {
         double past = drawn->size * pow(10, prng_between(prng, -12, -1));
         length += one_in(prng, 2) ? past : -past;
     }
-    double direction[3];
-    draw_axis(prng, direction);
-    if (drawn->family == TURNING_TOUCHES && drawn->points[1] >= 2) {
-        /* As far as it goes perpendicular to the edge or face, so that they touch. */
-        long double e[2][3], n[3], x[3][3];
-        for (uint32_t i = 0; i < 3; i++) {
-            turning_place(drawn, drawn->points[0] + (i < drawn->points[1] ? i : 0), t,
-                          x[i]);
-        }
-        for (int k = 0; k < 3; k++) {
-            e[0][k] = x[1][k] - x[0][k];
-            e[1][k] = drawn->points[1] == 3 ? x[2][k] - x[0][k] : direction[k];
-        }
-        cross(e[0], e[1], n);
-        for (int k = 0; k < 3 && dot(n, n) > 0; k++) {
-            direction[k] = (double)n[k];
-        }
-    }
-    long double size = sqrtl((long double)direction[0] * direction[0] +
-                             (long double)direction[1] * direction[1] +
-                             (long double)direction[2] * direction[2]);
-    uint32_t begin = drawn->points[0];
+    draw_spots(prng, drawn, spot, t, at);
+    draw_direction(prng, drawn, spot, t, at, direction);
+    long double size = sqrtl(dot(direction, direction));
     for (int k = 0; k < 3; k++) {
-        gap[k] = at[0][k] / sum[0] - at[1][k] / sum[1] + length * direction[k] / size;
+        gap[k] = at[0][k] - at[1][k] + length * direction[k] / size;
     }
     /* The same change of all its points in the frame of its link. */
-    long double zero[3] = {0};
     move_point(drawn, drawn->link[1], t, true, zero);
     move_point(drawn, drawn->link[1], t, true, gap);
-    for (uint32_t i = begin; i < begin + drawn->points[1]; i++) {
-        for (int end = 0; end < 2; end++) {
-            for (int k = 0; k < 3; k++) {
-                drawn->x[end][i][k] += (double)(gap[k] - zero[k]);
-            }
+    for (uint32_t i = drawn->points[0]; i < drawn->points[0] + drawn->points[1]; i++) {
+        for (int k = 0; k < 6; k++) {
+            drawn->x[k / 3][i][k % 3] += (double)(gap[k % 3] - zero[k % 3]);
         }
     }
 }
@@ -416,7 +456,7 @@ void turning_draw(struct prng *prng, struct turning_drawn *drawn)
 {
     static const double sizes[8] = {1, 1, 1, 1, 1, 100, 0x1p-40, 0x1p40};
     static const uint32_t points[PCCD_KIND_COUNT][2] = {{1, 3}, {2, 2}, {1, 2}, {1, 1}};
-    static const double radii[8] = {0, 0, 0, 0x1p-10, 0.1, 0.3, 1e-9, 0.02};
+    static const double radii[8] = {0, 0, 0, 0x1p-10, 0.1, 0.3, -1, 0.02};
     uint32_t kind = prng_u32(prng, 8);
     uint32_t family = prng_u32(prng, 100);
     *drawn = (struct turning_drawn){.count = 0};
@@ -425,13 +465,16 @@ void turning_draw(struct prng *prng, struct turning_drawn *drawn)
     drawn->kind = kind < 3 ? PCCD_VF : kind < 6 ? PCCD_EE : kind == 6 ? PCCD_VE : PCCD_VV;
     drawn->points[0] = points[drawn->kind][0];
     drawn->points[1] = points[drawn->kind][1];
-    drawn->family = family < 40   ? TURNING_ANY
-                    : family < 88 ? TURNING_MEETS
+    drawn->family = family < 45   ? TURNING_ANY
+                    : family < 90 ? TURNING_MEETS
                     : family < 99 ? TURNING_NEAR
                                   : TURNING_TOUCHES;
     bool is_thick = drawn->kind == PCCD_VE || drawn->kind == PCCD_VV || one_in(prng, 2);
     for (int i = 0; i < 3 && is_thick; i++) {
-        drawn->radius[i] = drawn->size * radii[prng_u32(prng, 8)];
+        /* One that is far below what a step can resolve is for those that are near. */
+        double tiny = drawn->family == TURNING_NEAR ? 1e-9 : 0x1p-14;
+        double radius = radii[prng_u32(prng, 8)];
+        drawn->radius[i] = drawn->size * (radius < 0 ? tiny : radius);
     }
     if (drawn->kind == PCCD_VE || drawn->kind == PCCD_VV) {
         drawn->radius[0] += 0.01 * drawn->size; /* without any they only touch */
