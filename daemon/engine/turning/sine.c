@@ -16,7 +16,7 @@
 
 typedef double d2 __attribute__((vector_size(16)));
 
-/* Terms of the sine and of the cosine, from the last to the first that is not a power of r. */
+/* Terms of the sine and of the cosine: from the last to those behind r and 1 - z / 2. */
 static const d2 terms[] = {
     {0x1.952c77030ad4ap-49, -0x1.6827863b97d97p-53},
     {-0x1.ae7f3e733b81fp-41, 0x1.ae7f3e733b81fp-45},
