@@ -101,6 +101,7 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_still.c \
     daemon/engine/wide/wide_team.c \
     daemon/engine/wide/wide_test.c \
+    daemon/engine/turning/body_tree.c \
     daemon/engine/turning/decide_turning.c \
     daemon/engine/turning/joints.c \
     daemon/engine/turning/pace.c \
@@ -109,6 +110,8 @@ libengine_la_SOURCES = \
     daemon/engine/turning/poses.c \
     daemon/engine/turning/rotation.c \
     daemon/engine/turning/sine.c \
+    daemon/engine/turning/sweep.c \
+    daemon/engine/turning/turning.c \
     daemon/engine/answer.c \
     daemon/engine/detect.c \
     daemon/engine/near.c \

@@ -74,12 +74,14 @@ test_programs += \
     tests/unit/test_eng_step \
     tests/unit/test_eng_still \
     tests/unit/test_eng_subtree \
+    tests/unit/test_eng_sweep \
     tests/unit/test_eng_team \
     tests/unit/test_eng_teleport \
     tests/unit/test_eng_thick \
     tests/unit/test_eng_thick_step \
     tests/unit/test_eng_touching \
     tests/unit/test_eng_trace \
+    tests/unit/test_eng_turning \
     tests/unit/test_eng_warm \
     tests/unit/test_eng_wide \
     tests/unit/test_load_judge \
@@ -119,6 +121,8 @@ check_PROGRAMS += tests/unit/kernel_digest
 
 # Their own eng_alloc comes first, so the library's memory.o is not linked.
 tests_unit_test_eng_path_SOURCES = tests/unit/test_eng_path.c tests/unit/eng_turns.c
+tests_unit_test_eng_sweep_SOURCES = tests/unit/test_eng_sweep.c tests/unit/eng_turns.c
+tests_unit_test_eng_turning_SOURCES = tests/unit/test_eng_turning.c tests/unit/eng_turns.c
 tests_unit_test_eng_fault_SOURCES = tests/unit/test_eng_fault.c tests/unit/eng_scarce.c
 tests_unit_test_eng_fault_team_SOURCES = tests/unit/test_eng_fault_team.c tests/unit/eng_scarce.c
 

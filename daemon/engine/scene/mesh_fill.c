@@ -80,6 +80,7 @@ void eng_mesh_release(struct eng_mesh *mesh)
     eng_free(mesh->radii);
     eng_free(mesh->reach);
     eng_free(mesh->order);
+    eng_free(atomic_load_explicit(&mesh->body_tree, memory_order_acquire));
     eng_rings_deinit(mesh);
     eng_stars_deinit(mesh);
     eng_free(mesh->clearance.search);
@@ -392,5 +393,6 @@ uint64_t eng_mesh_bytes(const struct eng_mesh *mesh)
                 ? (words_for(info->vertex_count) + words_for(info->edge_count)) * 8
                 : 0) +
            (mesh->radii ? (uint64_t)info->vertex_count * 2 * sizeof *mesh->radii : 0) +
-           eng_rings_bytes(mesh) + eng_stars_bytes(mesh) + mesh->order_bytes;
+           eng_rings_bytes(mesh) + eng_stars_bytes(mesh) + mesh->order_bytes +
+           atomic_load_explicit(&mesh->body_tree_bytes, memory_order_relaxed);
 }

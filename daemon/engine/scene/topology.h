@@ -48,6 +48,7 @@ struct eng_clearance {
 
 struct eng_rings; /* topology.h */
 struct eng_stars; /* topology.h */
+struct eng_body_tree;
 struct eng_account;
 struct eng_wide_order;
 struct eng_wide_crowded;
@@ -90,6 +91,9 @@ struct eng_mesh {
      * there is none. */
     struct eng_wide_order *order;
     uint64_t order_bytes;
+    /* Of bodies that turn (body_tree.h): one block of memory. NULL: nobody has asked. */
+    _Atomic(struct eng_body_tree *) body_tree;
+    atomic_uint_fast64_t body_tree_bytes;
     atomic_uint closed; /* a state of feature.c; 0: it is not known */
 };
 

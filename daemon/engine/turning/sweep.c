@@ -1,0 +1,1029 @@
+/* sweep.c - two trees against each other, over spans of time. */
+#include "sweep.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "kinds.h"
+#include "memory.h"
+#include "vec.h"
+
+/* A span is divided before a node if the motion leaves its chord by more than this part
+ * of the larger box, or moves it by that many times its size. */
+#define BEND_PART   0.5f
+#define MOTION_PART 2.0f
+
+/* The same of two leaves, beside the smaller one, or that part of the larger one. */
+#define LEAF_BEND_PART   0.125f
+#define LEAF_MOTION_PART 2.0f
+#define LARGER_PART      0.125f
+
+#define DEPTH_MAX 30u
+
+/* Nodes and spans that are looked at before should_stop is asked: some 40 ns each. */
+#define LOOKS 2048u
+
+#define FRAMES 128u /* a power of two */
+
+#define AXES 8 /* x, y, z of side 0, one unused; of side 1 at the middle, one unused */
+
+typedef eng_f4 f4;
+
+/* Numbers by axis. A point b of side 1 lies at rb[end] b + off[end] along it, one of side
+ * 0, a, at ra a. */
+struct eng_sweep_frame {
+    struct eng_sweep_span span;
+    float t[2];
+    float slack;
+    _Alignas(16) float rb[2][3][AXES];
+    float rb_most[3][AXES]; /* the larger magnitude of both ends */
+    float off[2][AXES];
+    float ra[3][4]; /* of the last four */
+    float ra_abs[3][4];
+    /* A point b is off its chord, in the middle, by bow b + bow_off along an axis, and
+     * elsewhere by a part of that; bow_error is for what is not so, in any direction. */
+    float bow[3][AXES];
+    float bow_off[AXES];
+    float bow_error;
+};
+
+/* A node or a leaf of a side, with its box at both ends of the step. */
+struct item {
+    uint32_t ref;   /* 0: the root; else its place + 1 among the children of all nodes */
+    uint32_t child; /* body_tree.h */
+    float size;     /* half of the longest side */
+    f4 centre[2];
+    f4 half[2];
+};
+
+/* ---- vectors ----------------------------------------------------------------------- */
+
+static inline f4 all4(float x)
+{
+    return (f4){x, x, x, x};
+}
+
+static inline f4 abs4(f4 x)
+{
+    return eng_max4(x, -x);
+}
+
+static inline unsigned bits_of(eng_i4 x)
+{
+#ifdef __SSE__
+    return (unsigned)__builtin_ia32_movmskps((f4)x);
+#else
+    return (x[0] & 1u) | (x[1] & 2u) | (x[2] & 4u) | (x[3] & 8u);
+#endif
+}
+
+static inline f4 load4(const float *x)
+{
+    return *(const f4 *)(const void *)x;
+}
+
+/* Return which are apart by more than `reach`, on the same side at both ends. */
+static inline eng_i4 are_apart(f4 d0, f4 d1, f4 reach)
+{
+    return eng_max4(eng_min4(d0, d1), eng_min4(-d0, -d1)) > reach;
+}
+
+/* ---- where the sides are in a span ------------------------------------------------- */
+
+/* The pose as side 1 has it, measured from both origins. */
+static void shift_pose(const struct eng_sweep *sweep, double t, double r[3][3],
+                       double off[3])
+{
+    const struct eng_path_pose *pose = eng_poses_at(sweep->poses, t);
+    const double *from = sweep->body[1]->origin;
+    for (int i = 0; i < 3; i++) {
+        const double *row = pose->m + 4 * (size_t)i;
+        memcpy(r[i], row, sizeof r[i]);
+        off[i] = (row[3] - sweep->body[0]->origin[i]) + eng_dot(row, from);
+    }
+}
+
+static void set_bow(const struct eng_sweep *sweep, double t0, double t1,
+                    const double u[3][3], struct eng_sweep_frame *frame)
+{
+    struct eng_path_pose pose[3];
+    struct eng_path_span span;
+    double r[4][3]; /* by column, off last */
+    pose[0] = *eng_poses_at(sweep->poses, t0);
+    pose[1] = *eng_poses_at(sweep->poses, 0.5 * (t0 + t1));
+    pose[2] = *eng_poses_at(sweep->poses, t1);
+    eng_path_span(sweep->poses->path, t0, t1, &pose[0], &pose[1], &pose[2], &span);
+    for (int k = 0; k < 3; k++) {
+        const double *row = span.m + 4 * (size_t)k;
+        for (int c = 0; c < 3; c++) {
+            r[c][k] = row[c];
+        }
+        r[3][k] = row[3] + eng_dot(row, sweep->body[1]->origin);
+    }
+    for (int c = 0; c < 4; c++) {
+        float *to = c < 3 ? frame->bow[c] : frame->bow_off;
+        for (int k = 0; k < 3; k++) {
+            to[k] = (float)r[c][k];
+            to[4 + k] =
+                (float)(r[c][0] * u[0][k] + r[c][1] * u[1][k] + r[c][2] * u[2][k]);
+        }
+    }
+    double error = span.error[0] + span.error[1] * sweep->size;
+    frame->bow_error = eng_round_up(eng_least(error, 0x1p100));
+}
+
+static void make_frame(const struct eng_sweep *sweep, struct eng_sweep_span span,
+                       struct eng_sweep_frame *frame)
+{
+    double h = ldexp(1, -(int)span.depth);
+    double u[3][3];
+    double off[3];
+    memset(frame, 0, sizeof *frame);
+    frame->span = span;
+    shift_pose(sweep, (span.index + 0.5) * h, u, off);
+    double far = eng_size(off);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            frame->ra[i][j] = (float)u[i][j];
+            frame->ra_abs[i][j] = fabsf(frame->ra[i][j]);
+        }
+    }
+    for (uint32_t end = 0; end < 2; end++) {
+        double r[3][3];
+        frame->t[end] = (float)((span.index + end) * h);
+        shift_pose(sweep, (span.index + end) * h, r, off);
+        far = eng_most(far, eng_size(off));
+        for (int k = 0; k < 3; k++) {
+            double along = off[0] * u[0][k] + off[1] * u[1][k] + off[2] * u[2][k];
+            frame->off[end][k] = (float)off[k];
+            frame->off[end][4 + k] = (float)along;
+            for (int c = 0; c < 3; c++) {
+                double to = r[0][c] * u[0][k] + r[1][c] * u[1][k] + r[2][c] * u[2][k];
+                frame->rb[end][c][k] = (float)r[k][c];
+                frame->rb[end][c][4 + k] = (float)to;
+            }
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        for (int k = 0; k < AXES; k++) {
+            frame->rb_most[c][k] =
+                fmaxf(fabsf(frame->rb[0][c][k]), fabsf(frame->rb[1][c][k]));
+        }
+    }
+    frame->slack = sweep->slack + 0x1p-18f * (float)far;
+    set_bow(sweep, span.index * h, (span.index + 1) * h, (const double(*)[3])u, frame);
+}
+
+static const struct eng_sweep_frame *frame_of(const struct eng_sweep *sweep,
+                                              struct eng_sweep_span span)
+{
+    uint32_t place = ((1u << span.depth) + span.index) % FRAMES;
+    struct eng_sweep_frame *frame = &sweep->frames[place];
+    if (frame->span.index != span.index || frame->span.depth != span.depth) {
+        make_frame(sweep, span, frame);
+    }
+    return frame;
+}
+
+static float length_of(f4 x)
+{
+    f4 square = x * x;
+    return sqrtf(square[0] + square[1] + square[2]);
+}
+
+/* Return how far points of a box of side 1 leave their chords along four axes. */
+static inline f4 bow_along(const struct eng_sweep_frame *frame, int from,
+                           const struct item *b)
+{
+    f4 middle = load4(frame->bow_off + from);
+    f4 around = all4(0);
+    for (int c = 0; c < 3; c++) {
+        f4 bow = load4(frame->bow[c] + from);
+        middle += bow * all4(b->centre[0][c]);
+        around += abs4(bow) * all4(b->half[0][c]);
+    }
+    return (abs4(middle) + around) * all4(1 + 0x1p-18f);
+}
+
+static float bow_of(const struct eng_sweep_frame *frame, const struct item *b)
+{
+    return length_of(bow_along(frame, 0, b)) + frame->bow_error;
+}
+
+/* Return how far its middle goes in the span. */
+static float way_of(const struct eng_sweep_frame *frame, const struct item *b)
+{
+    f4 way = load4(frame->off[1]) - load4(frame->off[0]);
+    for (int c = 0; c < 3; c++) {
+        way += (load4(frame->rb[1][c]) - load4(frame->rb[0][c])) * all4(b->centre[0][c]);
+    }
+    return length_of(way);
+}
+
+/* By how much the boxes have to be apart at both ends of a span, the rounding of that
+ * included, but for what points leave their chords. */
+static float margin_of(const struct eng_sweep *sweep, const struct eng_sweep_frame *frame)
+{
+    return (sweep->margin + frame->bow_error) * (1 + 0x1p-18f) + frame->slack;
+}
+
+static double begin_of(struct eng_sweep_span span)
+{
+    return ldexp(span.index, -(int)span.depth);
+}
+
+static struct eng_sweep_span half_of(struct eng_sweep_span span, uint32_t which)
+{
+    return (struct eng_sweep_span){span.index * 2 + which, (uint16_t)(span.depth + 1), 0};
+}
+
+/* ---- nodes ------------------------------------------------------------------------- */
+
+static bool is_leaf(const struct item *item)
+{
+    return (item->child & ENG_BODY_LEAF) != 0;
+}
+
+static void set_boxes(struct item *item, const struct eng_body *body, uint32_t node,
+                      uint32_t which)
+{
+    item->size = 0;
+    for (int end = 0; end < 2; end++) {
+        const struct eng_body_boxes *boxes = &body->boxes[end][node];
+        for (int k = 0; k < 3; k++) {
+            item->centre[end][k] = boxes->centre[k][which];
+            item->half[end][k] = boxes->half[k][which];
+            item->size = fmaxf(item->size, item->half[end][k]);
+        }
+        item->centre[end][3] = item->half[end][3] = 0;
+    }
+}
+
+static struct item child_of(const struct eng_sweep *sweep, uint32_t side,
+                            const struct item *item, uint32_t which)
+{
+    const struct eng_body *body = sweep->body[side];
+    struct item child = *item;
+    child.ref = item->child * 4 + which + 1;
+    child.child = eng_body_tree_of(body->mesh)->children[item->child][which];
+    set_boxes(&child, body, item->child, which);
+    return child;
+}
+
+static struct item root_of(const struct eng_sweep *sweep, uint32_t side)
+{
+    const struct eng_body *body = sweep->body[side];
+    struct item root = {.ref = 0, .child = 0};
+    for (int k = 0; k < 3; k++) {
+        double half = eng_most(body->box.hi[k] - body->origin[k],
+                               body->origin[k] - body->box.lo[k]);
+        root.half[0][k] = root.half[1][k] = eng_round_up(half * (1 + 0x1p-20));
+        root.size = fmaxf(root.size, root.half[0][k]);
+    }
+    return root;
+}
+
+/* Return the item that a task names. */
+static struct item item_of(const struct eng_sweep *sweep, uint32_t side, uint32_t ref)
+{
+    struct item item = root_of(sweep, side);
+    if (ref > 0) {
+        const struct eng_body *body = sweep->body[side];
+        uint32_t node = (ref - 1) / 4;
+        item.ref = ref;
+        item.child = eng_body_tree_of(body->mesh)->children[node][(ref - 1) % 4];
+        set_boxes(&item, body, node, (ref - 1) % 4);
+    }
+    return item;
+}
+
+/* ---- boxes in a span --------------------------------------------------------------- */
+
+/* A box at both ends of a span; of side 1, whose frame turns, the same. */
+struct moving_box {
+    f4 centre[2];
+    f4 half;
+};
+
+static inline f4 mix(f4 x0, f4 x1, float t)
+{
+    return x0 + (x1 - x0) * all4(t);
+}
+
+static struct moving_box box_in(const struct eng_sweep *sweep,
+                                const struct eng_sweep_frame *frame,
+                                const struct item *item)
+{
+    const struct eng_body *body = sweep->body[0];
+    if (body->boxes[0] == body->boxes[1]) {
+        return (struct moving_box){{item->centre[0], item->centre[0]}, item->half[0]};
+    }
+    struct moving_box box;
+    f4 half[2];
+    for (int end = 0; end < 2; end++) {
+        box.centre[end] = mix(item->centre[0], item->centre[1], frame->t[end]);
+        half[end] = mix(item->half[0], item->half[1], frame->t[end]);
+    }
+    box.half = eng_max4(half[0], half[1]);
+    return box;
+}
+
+/* Along four axes, which begin at `from`. */
+struct shadow {
+    f4 centre[2];
+    f4 half;
+};
+
+/* With what its points leave their chords. */
+static inline struct shadow shadow_of_b(const struct eng_sweep_frame *frame, int from,
+                                        const struct item *b)
+{
+    struct shadow shadow = {{load4(frame->off[0] + from), load4(frame->off[1] + from)},
+                            bow_along(frame, from, b)};
+    for (int c = 0; c < 3; c++) {
+        f4 at = all4(b->centre[0][c]);
+        shadow.centre[0] += load4(frame->rb[0][c] + from) * at;
+        shadow.centre[1] += load4(frame->rb[1][c] + from) * at;
+        shadow.half += load4(frame->rb_most[c] + from) * all4(b->half[0][c]);
+    }
+    return shadow;
+}
+
+static inline struct shadow shadow_of_a(const struct eng_sweep_frame *frame, int from,
+                                        const struct moving_box *a)
+{
+    if (from == 0) {
+        return (struct shadow){{a->centre[0], a->centre[1]}, a->half};
+    }
+    struct shadow shadow = {{all4(0), all4(0)}, all4(0)};
+    for (int c = 0; c < 3; c++) {
+        f4 ra = load4(frame->ra[c]);
+        shadow.centre[0] += ra * all4(a->centre[0][c]);
+        shadow.centre[1] += ra * all4(a->centre[1][c]);
+        shadow.half += load4(frame->ra_abs[c]) * all4(a->half[c]);
+    }
+    return shadow;
+}
+
+/* Return whether two boxes may come within keep of each other in a span. */
+static bool may_meet(struct eng_sweep *sweep, struct eng_sweep_span span,
+                     const struct item *a, const struct item *b)
+{
+    const struct eng_sweep_frame *frame = frame_of(sweep, span);
+    struct moving_box box = box_in(sweep, frame, a);
+    f4 margin = all4(margin_of(sweep, frame));
+    unsigned apart = 0;
+    sweep->box_tests++;
+    for (int from = 0; from < AXES && apart == 0; from += 4) {
+        struct shadow of_a = shadow_of_a(frame, from, &box);
+        struct shadow of_b = shadow_of_b(frame, from, b);
+        apart = bits_of(are_apart(of_b.centre[0] - of_a.centre[0],
+                                  of_b.centre[1] - of_a.centre[1],
+                                  of_a.half + of_b.half + margin)) &
+                7u;
+    }
+    return apart == 0;
+}
+
+/* Return which children of a node of side 0, whose boxes are given, may meet b. */
+static unsigned may_meet_of_a(struct eng_sweep *sweep, struct eng_sweep_span span,
+                              const struct eng_body_boxes *const boxes[2],
+                              const struct item *b)
+{
+    const struct eng_sweep_frame *frame = frame_of(sweep, span);
+    const struct eng_body_boxes *at[2] = {boxes[0], boxes[1]};
+    struct eng_body_boxes between[2];
+    f4 margin = all4(margin_of(sweep, frame));
+    f4 half[3];
+    eng_i4 apart = {0, 0, 0, 0};
+    sweep->box_tests += 4;
+    for (int end = 0; end < 2 && boxes[0] != boxes[1]; end++) {
+        for (int k = 0; k < 3; k++) {
+            f4 t = all4(frame->t[end]);
+            between[end].centre[k] =
+                boxes[0]->centre[k] + (boxes[1]->centre[k] - boxes[0]->centre[k]) * t;
+            between[end].half[k] =
+                boxes[0]->half[k] + (boxes[1]->half[k] - boxes[0]->half[k]) * t;
+        }
+        at[end] = &between[end];
+    }
+    for (int k = 0; k < 3; k++) {
+        half[k] = eng_max4(at[0]->half[k], at[1]->half[k]);
+    }
+    for (int from = 0; from < AXES; from += 4) {
+        struct shadow of_b = shadow_of_b(frame, from, b);
+        for (int k = 0; k < 3; k++) {
+            f4 c0 = at[0]->centre[k];
+            f4 c1 = at[1]->centre[k];
+            f4 h = half[k];
+            if (from > 0) {
+                f4 r[3] = {all4(frame->ra[0][k]), all4(frame->ra[1][k]),
+                           all4(frame->ra[2][k])};
+                c0 = r[0] * at[0]->centre[0] + r[1] * at[0]->centre[1] +
+                     r[2] * at[0]->centre[2];
+                c1 = c0;
+                if (at[0] != at[1]) {
+                    c1 = r[0] * at[1]->centre[0] + r[1] * at[1]->centre[1] +
+                         r[2] * at[1]->centre[2];
+                }
+                h = abs4(r[0]) * half[0] + abs4(r[1]) * half[1] + abs4(r[2]) * half[2];
+            }
+            apart |= are_apart(all4(of_b.centre[0][k]) - c0, all4(of_b.centre[1][k]) - c1,
+                               h + (all4(of_b.half[k]) + margin));
+        }
+        if (bits_of(apart) == 15u) {
+            break;
+        }
+    }
+    return ~bits_of(apart) & 15u;
+}
+
+/* Return which children of a node of side 1 may meet a. */
+static unsigned may_meet_of_b(struct eng_sweep *sweep, struct eng_sweep_span span,
+                              const struct item *a, const struct item *b,
+                              const struct eng_body_boxes *boxes)
+{
+    const struct eng_sweep_frame *frame = frame_of(sweep, span);
+    struct moving_box box = box_in(sweep, frame, a);
+    f4 margin = all4(margin_of(sweep, frame));
+    eng_i4 apart = {0, 0, 0, 0};
+    sweep->box_tests += 4;
+    for (int from = 0; from < AXES; from += 4) {
+        struct shadow of_a = shadow_of_a(frame, from, &box);
+        of_a.half += bow_along(frame, from, b);
+        for (int k = 0; k < 3; k++) {
+            f4 c0 = all4(frame->off[0][from + k] - of_a.centre[0][k]);
+            f4 c1 = all4(frame->off[1][from + k] - of_a.centre[1][k]);
+            f4 h = all4(of_a.half[k]) + margin;
+            for (int c = 0; c < 3; c++) {
+                c0 += all4(frame->rb[0][c][from + k]) * boxes->centre[c];
+                c1 += all4(frame->rb[1][c][from + k]) * boxes->centre[c];
+                h += all4(frame->rb_most[c][from + k]) * boxes->half[c];
+            }
+            apart |= are_apart(c0, c1, h);
+        }
+        if (bits_of(apart) == 15u) {
+            break;
+        }
+    }
+    return ~bits_of(apart) & 15u;
+}
+
+/* ---- spans ------------------------------------------------------------------------- */
+
+static void look(struct eng_sweep *sweep, uint32_t looks)
+{
+    if (sweep->looks_left > looks) {
+        sweep->looks_left -= looks;
+        return;
+    }
+    sweep->looks_left = LOOKS;
+    sweep->stops |= sweep->should_stop(sweep->owner);
+    if (sweep->box_tests + sweep->leaf_tests > sweep->tests_most && !sweep->stops) {
+        sweep->status = PCCD_E_LIMIT;
+        sweep->stops = true;
+    }
+}
+
+static void push(struct eng_sweep *sweep, struct eng_sweep_span span)
+{
+    int status = eng_array_extend(&sweep->spans, &sweep->span_capacity,
+                                  sweep->span_count + 1, sizeof *sweep->spans);
+    if (status != PCCD_OK) {
+        sweep->status = status;
+        sweep->stops = true;
+        return;
+    }
+    sweep->spans[sweep->span_count++] = span;
+}
+
+/* Return whether a span is to be divided for a box of that size of side 1. */
+static bool is_long(const struct eng_sweep *sweep, struct eng_sweep_span span,
+                    const struct item *b, float bend_most, float motion_most)
+{
+    const struct eng_sweep_frame *frame = frame_of(sweep, span);
+    float least = (float)sweep->fineness;
+    return span.depth < DEPTH_MAX && (bow_of(frame, b) > fmaxf(bend_most, least) ||
+                                      way_of(frame, b) > fmaxf(motion_most, least));
+}
+
+/* Push the parts of a span, in which the two may meet, that are short beside the two and
+ * in which they still may, in the order of time. */
+static void push_parts(struct eng_sweep *sweep, const struct item *a,
+                       const struct item *b, struct eng_sweep_span span)
+{
+    float size = fmaxf(fmaxf(a->size, b->size), sweep->margin);
+    if (begin_of(span) > sweep->t_end || sweep->stops) {
+        return;
+    }
+    if (!is_long(sweep, span, b, BEND_PART * size, MOTION_PART * size)) {
+        push(sweep, span);
+        return;
+    }
+    look(sweep, 2);
+    for (uint32_t i = 0; i < 2; i++) {
+        if (may_meet(sweep, half_of(span, i), a, b)) {
+            push_parts(sweep, a, b, half_of(span, i));
+        }
+    }
+}
+
+/* ---- two leaves -------------------------------------------------------------------- */
+
+/* Pairs of features of two leaves: vertices of one and the face of the other, edges; or
+ * of leaves that are no faces. */
+#define LEAF_PAIRS 15
+
+struct leaf_pair {
+    struct eng_sweep_pair pair;
+    uint32_t points[2]; /* of either side: bit i: corner i */
+};
+
+/* The corners of two leaves, as floats from the origins, by axis. */
+struct leaves {
+    const struct item *item[2];
+    uint32_t count;
+    struct leaf_pair pairs[LEAF_PAIRS];
+    float a[2][3][3]; /* [end][corner] */
+    float b[3][3];
+};
+
+/* Corners in a span, at both ends of it, along an axis. */
+struct along {
+    float a[2][3];
+    float b[2][3];
+};
+
+#define LEAF_AXES 5
+
+static uint32_t owned_of(const struct eng_face *leaf, uint32_t points)
+{
+    return points == 1 ? leaf->owns & 7u : points == 2 ? leaf->owns >> 3 & 7u : 1;
+}
+
+/* Vertices, or edges, of a place as corners. */
+static uint32_t corners_at(uint32_t points, uint32_t place)
+{
+    return points == 1   ? 1u << place
+           : points == 2 ? 1u << place | 1u << (place + 1) % 3
+                         : 7u;
+}
+
+/* List the pairs of a kind, of which side_a has the first features. */
+static void list_kind(const struct eng_sweep *sweep, struct leaves *leaves,
+                      enum pccd_kind kind, uint32_t side_a)
+{
+    const uint32_t sides[2] = {side_a, 1 - side_a};
+    const struct eng_face *leaf[2];
+    uint32_t owned[2];
+    uint32_t number[2];
+    for (int i = 0; i < 2; i++) {
+        const struct eng_mesh *mesh = sweep->body[sides[i]]->mesh;
+        number[i] = leaves->item[sides[i]]->child & ~ENG_BODY_LEAF;
+        leaf[i] = &mesh->leaves[number[i]];
+        owned[i] = owned_of(leaf[i], common_kinds[kind].points[i]);
+    }
+    for (uint32_t i = 0; i < 9; i++) {
+        uint32_t place[2] = {i / 3, i % 3};
+        if (!(owned[0] >> place[0] & 1) || !(owned[1] >> place[1] & 1)) {
+            continue;
+        }
+        struct leaf_pair *one = &leaves->pairs[leaves->count++];
+        one->pair = (struct eng_sweep_pair){.kind = kind,
+                                            .side_a = side_a,
+                                            .leaf = {number[0], number[1]},
+                                            .place = {place[0], place[1]},
+                                            .span = {2, -1}};
+        for (int k = 0; k < 2; k++) {
+            one->points[sides[k]] = corners_at(common_kinds[kind].points[k], place[k]);
+        }
+    }
+}
+
+static bool is_face(const struct eng_face *leaf)
+{
+    return (leaf->owns & ENG_OWNS_FACE) != 0;
+}
+
+static bool is_point(const struct eng_face *leaf)
+{
+    return !is_face(leaf) && leaf->v[0] == leaf->v[1];
+}
+
+static void list_pairs(const struct eng_sweep *sweep, struct leaves *leaves)
+{
+    const struct eng_face *leaf[2];
+    for (int side = 0; side < 2; side++) {
+        leaf[side] =
+            &sweep->body[side]->mesh->leaves[leaves->item[side]->child & ~ENG_BODY_LEAF];
+    }
+    leaves->count = 0;
+    for (uint32_t side = 0; side < 2; side++) {
+        if (is_face(leaf[1 - side])) {
+            list_kind(sweep, leaves, PCCD_VF, side);
+        }
+        if (sweep->wants_free && is_point(leaf[side]) && !is_face(leaf[1 - side]) &&
+            !is_point(leaf[1 - side])) {
+            list_kind(sweep, leaves, PCCD_VE, side);
+        }
+    }
+    if (sweep->wants_free && is_point(leaf[0]) && is_point(leaf[1])) {
+        list_kind(sweep, leaves, PCCD_VV, 0);
+    }
+    list_kind(sweep, leaves, PCCD_EE, 0);
+}
+
+static void load_corners(const struct eng_sweep *sweep, struct leaves *leaves)
+{
+    for (uint32_t side = 0; side < 2; side++) {
+        const struct eng_body *body = sweep->body[side];
+        const uint32_t *v =
+            body->mesh->leaves[leaves->item[side]->child & ~ENG_BODY_LEAF].v;
+        for (int i = 0; i < 3; i++) {
+            for (int k = 0; k < 3; k++) {
+                double from = body->origin[k];
+                if (side == 1) {
+                    leaves->b[i][k] = (float)(body->x[0][v[i]][k] - from);
+                } else {
+                    leaves->a[0][i][k] = (float)(body->x[0][v[i]][k] - from);
+                    leaves->a[1][i][k] = (float)(body->x[1][v[i]][k] - from);
+                }
+            }
+        }
+    }
+}
+
+/* The corners of both in a span: at both ends [end][corner]. */
+struct corners {
+    float a[2][3][3];
+    float b[2][3][3];
+    f4 bow; /* of the middle of the box of side 1, and what is around it */
+    f4 bow_around;
+    float margin;
+};
+
+static void set_corners(const struct eng_sweep_frame *frame, const struct leaves *leaves,
+                        struct corners *corners)
+{
+    const struct item *item = leaves->item[1];
+    corners->bow = load4(frame->bow_off);
+    corners->bow_around = all4(0);
+    for (int c = 0; c < 3; c++) {
+        corners->bow += load4(frame->bow[c]) * all4(item->centre[0][c]);
+        corners->bow_around += abs4(load4(frame->bow[c])) * all4(item->half[0][c]);
+    }
+    for (int end = 0; end < 2; end++) {
+        for (int i = 0; i < 3; i++) {
+            const float *b = leaves->b[i];
+            for (int k = 0; k < 3; k++) {
+                float from = leaves->a[0][i][k];
+                corners->a[end][i][k] =
+                    from + (leaves->a[1][i][k] - from) * frame->t[end];
+                corners->b[end][i][k] = frame->off[end][k] + frame->rb[end][0][k] * b[0] +
+                                        frame->rb[end][1][k] * b[1] +
+                                        frame->rb[end][2][k] * b[2];
+            }
+        }
+    }
+}
+
+/* Set the unit vector across two vectors; zeros if there is none. */
+static void set_across(const float u[3], const float v[3], float n[3])
+{
+    double a[3] = {(double)u[0], (double)u[1], (double)u[2]};
+    double b[3] = {(double)v[0], (double)v[1], (double)v[2]};
+    double c[3];
+    eng_cross(c, a, b);
+    double length = sqrt(eng_dot(c, c));
+    for (int k = 0; k < 3; k++) {
+        n[k] = length > 0 && length < INFINITY ? (float)(c[k] / length) : 0;
+    }
+}
+
+static void set_edge(const float x[2][3][3], int from, int to, float edge[3])
+{
+    for (int k = 0; k < 3; k++) {
+        edge[k] = x[0][to][k] - x[0][from][k] + (x[1][to][k] - x[1][from][k]);
+    }
+}
+
+static void set_normal(const float x[2][3][3], float n[3])
+{
+    float u[3];
+    float v[3];
+    set_edge(x, 0, 1, u);
+    set_edge(x, 0, 2, v);
+    set_across(u, v, n);
+}
+
+static void set_along(const struct corners *corners, const float n[3],
+                      struct along *along)
+{
+    for (int end = 0; end < 2; end++) {
+        for (int i = 0; i < 3; i++) {
+            const float *a = corners->a[end][i];
+            const float *b = corners->b[end][i];
+            along->a[end][i] = n[0] * a[0] + n[1] * a[1] + n[2] * a[2];
+            along->b[end][i] = n[0] * b[0] + n[1] * b[1] + n[2] * b[2];
+        }
+    }
+}
+
+/* Return how far apart corners of both have to be along an axis. */
+static float margin_along(const struct corners *corners, const float n[3])
+{
+    float bow = 0;
+    float around = 0;
+    for (int k = 0; k < 3; k++) {
+        bow += n[k] * corners->bow[k];
+        around += fabsf(n[k]) * corners->bow_around[k];
+    }
+    return (fabsf(bow) + around) * (1 + 0x1p-18f) + corners->margin;
+}
+
+/* Return whether some corners of either are apart along an axis at both ends. */
+static bool are_apart_along(const struct along *along, uint32_t of_a, uint32_t of_b,
+                            float margin)
+{
+    float below = INFINITY; /* how far b is above a, and below it */
+    float above = INFINITY;
+    for (int end = 0; end < 2; end++) {
+        float low[2] = {INFINITY, INFINITY};
+        float high[2] = {-INFINITY, -INFINITY};
+        for (int i = 0; i < 3; i++) {
+            if (of_a >> i & 1) {
+                low[0] = fminf(low[0], along->a[end][i]);
+                high[0] = fmaxf(high[0], along->a[end][i]);
+            }
+            if (of_b >> i & 1) {
+                low[1] = fminf(low[1], along->b[end][i]);
+                high[1] = fmaxf(high[1], along->b[end][i]);
+            }
+        }
+        above = fminf(above, low[1] - high[0]);
+        below = fminf(below, low[0] - high[1]);
+    }
+    return above > margin || below > margin;
+}
+
+/* Return whether edges are apart along what is across both. */
+static bool are_apart_across(const struct corners *corners, const struct leaf_pair *one)
+{
+    uint32_t place_a = one->pair.place[0];
+    uint32_t place_b = one->pair.place[1];
+    float edge[2][3];
+    float n[3];
+    struct along along;
+    set_edge(corners->a, (int)place_a, (int)(place_a + 1) % 3, edge[0]);
+    set_edge(corners->b, (int)place_b, (int)(place_b + 1) % 3, edge[1]);
+    set_across(edge[0], edge[1], n);
+    set_along(corners, n, &along);
+    return are_apart_along(&along, one->points[0], one->points[1],
+                           margin_along(corners, n));
+}
+
+/* Find which features of two leaves may meet in a span in which their boxes may. */
+static void look_at_leaves(struct eng_sweep *sweep, struct leaves *leaves,
+                           struct eng_sweep_span span)
+{
+    const struct item *a = leaves->item[0];
+    const struct item *b = leaves->item[1];
+    const struct eng_sweep_frame *frame = frame_of(sweep, span);
+    float axes[LEAF_AXES][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    struct along along[LEAF_AXES];
+    float margin[LEAF_AXES];
+    struct corners corners;
+    if (begin_of(span) > sweep->t_end || sweep->stops) {
+        return;
+    }
+    look(sweep, 4);
+    sweep->leaf_tests++;
+    corners.margin = margin_of(sweep, frame);
+    set_corners(frame, leaves, &corners);
+    set_normal(corners.a, axes[3]);
+    set_normal(corners.b, axes[4]);
+    for (int i = 0; i < LEAF_AXES; i++) {
+        set_along(&corners, axes[i], &along[i]);
+        margin[i] = margin_along(&corners, axes[i]);
+        if (are_apart_along(&along[i], 7, 7, margin[i])) {
+            return;
+        }
+    }
+    float size = fmaxf(fmaxf(fminf(a->size, b->size), sweep->margin),
+                       LARGER_PART * fmaxf(a->size, b->size));
+    if (is_long(sweep, span, b, LEAF_BEND_PART * size, LEAF_MOTION_PART * size)) {
+        look_at_leaves(sweep, leaves, half_of(span, 0));
+        look_at_leaves(sweep, leaves, half_of(span, 1));
+        return;
+    }
+    for (uint32_t n = 0; n < leaves->count; n++) {
+        struct leaf_pair *one = &leaves->pairs[n];
+        bool is_apart = false;
+        for (int i = 0; i < LEAF_AXES && !is_apart; i++) {
+            is_apart =
+                are_apart_along(&along[i], one->points[0], one->points[1], margin[i]);
+        }
+        if (!is_apart && one->pair.kind == PCCD_EE) {
+            is_apart = are_apart_across(&corners, one);
+        }
+        if (!is_apart) {
+            double begin = begin_of(span);
+            double end = begin + ldexp(1, -(int)span.depth);
+            one->pair.span[0] = fmin(one->pair.span[0], begin);
+            one->pair.span[1] = fmax(one->pair.span[1], end);
+        }
+    }
+}
+
+static void join_leaves(struct eng_sweep *sweep, const struct item *a,
+                        const struct item *b, uint32_t first)
+{
+    struct leaves leaves = {.item = {a, b}};
+    load_corners(sweep, &leaves);
+    list_pairs(sweep, &leaves);
+    for (uint32_t i = first; i < sweep->span_count && leaves.count > 0; i++) {
+        look_at_leaves(sweep, &leaves, sweep->spans[i]);
+    }
+    for (uint32_t n = 0; n < leaves.count && !sweep->stops; n++) {
+        if (leaves.pairs[n].pair.span[0] <= sweep->t_end &&
+            !sweep->take(sweep->owner, &leaves.pairs[n].pair)) {
+            sweep->stops = true;
+        }
+    }
+}
+
+/* ---- two nodes --------------------------------------------------------------------- */
+
+static void join(struct eng_sweep *sweep, const struct item *a, const struct item *b,
+                 uint32_t first);
+
+/* Go on with a child of either, in those of the spans in which it may meet. */
+static void join_child(struct eng_sweep *sweep, const struct item *a,
+                       const struct item *b, uint32_t first, uint32_t end, uint32_t which)
+{
+    for (uint32_t i = first; i < end; i++) {
+        if (sweep->spans[i].children >> which & 1) {
+            push_parts(sweep, a, b, sweep->spans[i]);
+        }
+    }
+    if (sweep->span_count > end && !sweep->stops) {
+        join(sweep, a, b, end);
+    }
+    sweep->span_count = end;
+}
+
+/* Join what is below a and b in the spans from `first` to the end of the stack, which
+ * are short beside the two. */
+static void join(struct eng_sweep *sweep, const struct item *a, const struct item *b,
+                 uint32_t first)
+{
+    uint32_t end = sweep->span_count;
+    unsigned any = 0;
+    if (is_leaf(a) && is_leaf(b)) {
+        join_leaves(sweep, a, b, first);
+        return;
+    }
+    bool opens_a = !is_leaf(a) && (is_leaf(b) || a->size >= b->size);
+    const struct item *opened = opens_a ? a : b;
+    const struct eng_body *body = sweep->body[opens_a ? 0 : 1];
+    const struct eng_body_boxes *boxes[2] = {&body->boxes[0][opened->child],
+                                             &body->boxes[1][opened->child]};
+    look(sweep, end - first);
+    for (uint32_t i = first; i < end; i++) {
+        struct eng_sweep_span *span = &sweep->spans[i];
+        span->children =
+            (uint16_t)(opens_a ? may_meet_of_a(sweep, *span, boxes, b)
+                               : may_meet_of_b(sweep, *span, a, b, boxes[0]));
+        any |= span->children;
+    }
+    for (uint32_t which = 0; which < 4 && !sweep->stops; which++) {
+        if (any >> which & 1) {
+            struct item child = child_of(sweep, opens_a ? 0 : 1, opened, which);
+            join_child(sweep, opens_a ? &child : a, opens_a ? b : &child, first, end,
+                       which);
+        }
+    }
+}
+
+/* ---- all of it --------------------------------------------------------------------- */
+
+int eng_sweep_init(struct eng_sweep *sweep)
+{
+    memset(sweep, 0, sizeof *sweep);
+    sweep->frames = eng_alloc(FRAMES, sizeof *sweep->frames);
+    return sweep->frames ? PCCD_OK : PCCD_E_NOMEM;
+}
+
+void eng_sweep_deinit(struct eng_sweep *sweep)
+{
+    eng_free(sweep->frames);
+    eng_free(sweep->spans);
+    memset(sweep, 0, sizeof *sweep);
+}
+
+uint64_t eng_sweep_bytes(const struct eng_sweep *sweep)
+{
+    return FRAMES * sizeof *sweep->frames +
+           (uint64_t)sweep->span_capacity * sizeof *sweep->spans;
+}
+
+/* The sum of all that coordinates along an axis are made of, but for where side 1 is. */
+static double reach_of(const struct eng_body *body)
+{
+    double reach = 0;
+    for (int k = 0; k < 3; k++) {
+        double far = eng_most(fabs(body->box.lo[k]), fabs(body->box.hi[k]));
+        reach += 0.5 * (body->box.hi[k] - body->box.lo[k]) + 0x1p-30 * far;
+    }
+    return reach;
+}
+
+void eng_sweep_begin(struct eng_sweep *sweep)
+{
+    const struct eng_path_box *box = &sweep->body[1]->box;
+    sweep->size = eng_most(eng_size(box->lo), eng_size(box->hi));
+    const struct eng_path_pose *pose = eng_poses_at(sweep->poses, 0);
+    double error = pose->error[0] + pose->error[1] * sweep->size;
+    double reach = reach_of(sweep->body[0]) + reach_of(sweep->body[1]);
+    sweep->margin = eng_round_up(sweep->keep + 2 * error);
+    sweep->slack = eng_round_up(0x1p-18 * reach);
+    for (uint32_t i = 0; i < FRAMES; i++) {
+        sweep->frames[i].span.depth = UINT16_MAX;
+    }
+    sweep->looks_left = LOOKS;
+    sweep->span_count = 0;
+    sweep->stops = false;
+    sweep->status = PCCD_OK;
+}
+
+/* Push the spans in which the two may meet. */
+static bool push_all(struct eng_sweep *sweep, const struct item *a, const struct item *b)
+{
+    const struct eng_sweep_span whole = {0, 0, 0};
+    sweep->span_count = 0;
+    look(sweep, 1);
+    if (may_meet(sweep, whole, a, b)) {
+        push_parts(sweep, a, b, whole);
+    }
+    return sweep->span_count > 0;
+}
+
+static uint64_t task_of(const struct item *a, const struct item *b)
+{
+    return (uint64_t)a->ref << 32 | b->ref;
+}
+
+/* Divide a task in at most four; returns how many of them may have pairs. */
+static uint32_t divide(struct eng_sweep *sweep, uint64_t task, uint64_t parts[4])
+{
+    struct item a = item_of(sweep, 0, (uint32_t)(task >> 32));
+    struct item b = item_of(sweep, 1, (uint32_t)task);
+    uint32_t count = 0;
+    if (is_leaf(&a) && is_leaf(&b)) {
+        parts[0] = task;
+        return 1;
+    }
+    uint32_t side = !is_leaf(&a) && (is_leaf(&b) || a.size >= b.size) ? 0 : 1;
+    for (uint32_t which = 0; which < 4; which++) {
+        struct item child = child_of(sweep, side, side == 0 ? &a : &b, which);
+        if (child.child != ENG_BODY_NONE &&
+            push_all(sweep, side == 0 ? &child : &a, side == 0 ? &b : &child)) {
+            parts[count++] = side == 0 ? task_of(&child, &b) : task_of(&a, &child);
+        }
+    }
+    return count;
+}
+
+uint32_t eng_sweep_split(struct eng_sweep *sweep, uint32_t most, uint64_t *tasks)
+{
+    uint32_t count = 1;
+    uint32_t next = 0;
+    uint32_t unchanged = 0; /* tasks in succession that stayed as they are */
+    tasks[0] = ENG_SWEEP_ALL;
+    while (count > 0 && count + 3 <= most && unchanged < count && !sweep->stops) {
+        uint64_t parts[4];
+        uint64_t task = tasks[next];
+        uint32_t n = divide(sweep, task, parts);
+        tasks[next] = n > 0 ? parts[0] : tasks[count - 1];
+        count -= n == 0;
+        for (uint32_t i = 1; i < n; i++) {
+            tasks[count++] = parts[i];
+        }
+        unchanged = n == 1 && parts[0] == task ? unchanged + 1 : 0;
+        next = next + 1 < count ? next + 1 : 0;
+    }
+    return count;
+}
+
+int eng_sweep_run(struct eng_sweep *sweep, uint64_t task)
+{
+    struct item a = item_of(sweep, 0, (uint32_t)(task >> 32));
+    struct item b = item_of(sweep, 1, (uint32_t)task);
+    sweep->box_tests = 0;
+    sweep->leaf_tests = 0;
+    if (push_all(sweep, &a, &b)) {
+        join(sweep, &a, &b, 0);
+    }
+    return sweep->status;
+}

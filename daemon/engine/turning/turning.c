@@ -1,0 +1,339 @@
+/* turning.c - two objects of which one turns: from candidates to records. */
+#include "turning.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "decide.h"
+#include "kinds.h"
+#include "memory.h"
+#include "sweep.h"
+#include "thickness.h"
+#include "vec.h"
+
+/* Tests of boxes of a task: some seconds. What needs more turns so often, or is so near
+ * all the time, that it could not be decided, either. */
+#define TESTS_MOST (1ull << 28)
+
+struct eng_turning {
+    struct eng_turning_side side[2]; /* the first is what the second is seen from */
+    struct eng_path path;            /* between them */
+    struct eng_path place;           /* of the first in the world */
+    struct eng_poses poses;
+    struct eng_sweep sweep;
+    double separation;
+    double delta;
+    struct eng_worker *worker; /* while a task is performed */
+    bool has_limit;            /* some pairs of the task took too many looks */
+};
+
+int eng_turning_make(struct eng_turning **turning)
+{
+    struct eng_turning *made = eng_alloc(1, sizeof *made);
+    if (!made) {
+        return PCCD_E_NOMEM;
+    }
+    int status = eng_sweep_init(&made->sweep);
+    if (status != PCCD_OK) {
+        eng_free(made);
+        return status;
+    }
+    *turning = made;
+    return PCCD_OK;
+}
+
+void eng_turning_free(struct eng_turning *turning)
+{
+    if (turning) {
+        eng_sweep_deinit(&turning->sweep);
+        eng_free(turning);
+    }
+}
+
+uint64_t eng_turning_bytes(const struct eng_turning *turning)
+{
+    return turning ? sizeof *turning + eng_sweep_bytes(&turning->sweep) : 0;
+}
+
+/* ---- two objects ------------------------------------------------------------------- */
+
+/* An object that does not turn stands, as far as the path goes; of two that do the one
+ * with the lower id. */
+static void order_sides(struct eng_turning *turning,
+                        const struct eng_turning_objects *objects)
+{
+    const struct eng_turning_side *side = objects->side;
+    bool turns[2] = {side[0].joint != PCCD_NO_JOINT, side[1].joint != PCCD_NO_JOINT};
+    assert(turns[0] || turns[1]);
+    uint32_t first =
+        turns[0] == turns[1] ? side[0].object->id > side[1].object->id : turns[0];
+    turning->side[0] = side[first];
+    turning->side[1] = side[1 - first];
+}
+
+static double size_of(const struct eng_path_box *box)
+{
+    double size = 0;
+    for (int k = 0; k < 3; k++) {
+        size = eng_most(size, eng_most(fabs(box->lo[k]), fabs(box->hi[k])));
+    }
+    return size;
+}
+
+static double extent_of(const struct eng_path_box *box)
+{
+    return eng_most(eng_most(box->hi[0] - box->lo[0], box->hi[1] - box->lo[1]),
+                    box->hi[2] - box->lo[2]);
+}
+
+static double delta_of(struct eng_turning *turning, double resolution)
+{
+    const struct eng_path_box *box[2] = {&turning->side[0].body->box,
+                                         &turning->side[1].body->box};
+    const struct eng_path_pose *pose = eng_poses_at(&turning->poses, 0);
+    double size = size_of(box[1]);
+    const double from[3] = {pose->m[3], pose->m[7], pose->m[11]};
+    double far = eng_size(from) + 2 * size + eng_path_speed(&turning->path, box[1], 0, 1);
+    double least = eng_turning_delta_least(eng_most(size_of(box[0]), far),
+                                           pose->error[0] + pose->error[1] * size);
+    if (resolution == 0) {
+        resolution =
+            ENG_TURNING_RESOLUTION * eng_most(extent_of(box[0]), extent_of(box[1]));
+    }
+    return eng_most(resolution, least);
+}
+
+static bool take(void *owner, const struct eng_sweep_pair *found);
+
+static bool should_stop(void *owner)
+{
+    struct eng_turning *turning = owner;
+    bool stops = eng_worker_should_stop(turning->worker);
+    turning->sweep.t_end = turning->worker->time_bound;
+    return stops;
+}
+
+int eng_turning_begin(struct eng_turning *turning,
+                      const struct eng_turning_objects *objects)
+{
+    order_sides(turning, objects);
+    const struct eng_turning_side *side = turning->side;
+    int status =
+        eng_path_between(objects->joints, side[0].joint, side[1].joint, &turning->path);
+    if (status == PCCD_OK && side[0].joint != PCCD_NO_JOINT) {
+        status = eng_path_between(objects->joints, PCCD_NO_JOINT, side[0].joint,
+                                  &turning->place);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    eng_poses_begin(&turning->poses, &turning->path);
+    turning->separation = objects->separation;
+    turning->delta = delta_of(turning, objects->resolution);
+    double radii = eng_thickness_most(side[0].object) +
+                   eng_thickness_most(side[1].object) + objects->separation;
+    struct eng_sweep *sweep = &turning->sweep;
+    sweep->body[0] = side[0].body;
+    sweep->body[1] = side[1].body;
+    sweep->poses = &turning->poses;
+    sweep->keep = (radii + 4 * turning->delta) * (1 + 0x1p-40);
+    sweep->fineness = turning->delta;
+    sweep->wants_free = radii > 0;
+    sweep->t_end = 1;
+    sweep->tests_most = TESTS_MOST;
+    sweep->take = take;
+    sweep->should_stop = should_stop;
+    sweep->owner = turning;
+    eng_sweep_begin(sweep);
+    return PCCD_OK;
+}
+
+/* ---- a pair of features ------------------------------------------------------------ */
+
+/* A pair as its record names it. */
+struct named {
+    enum pccd_kind kind;
+    const struct eng_turning_side *side[2];
+    uint32_t v[2][3]; /* vertices of either feature, in the order of their mesh */
+};
+
+static void name_feature(const struct eng_sweep_pair *found, int i, uint32_t points,
+                         const struct eng_mesh *mesh, uint32_t v[3])
+{
+    const struct eng_face *leaf = &mesh->leaves[found->leaf[i]];
+    uint32_t place = found->place[i];
+    for (uint32_t k = 0; k < points; k++) {
+        v[k] = leaf->v[(place + k) % 3];
+    }
+    if (points == 2 && v[0] > v[1]) {
+        v[0] = leaf->v[(place + 1) % 3];
+        v[1] = leaf->v[place];
+    }
+}
+
+static struct named name(const struct eng_turning *turning,
+                         const struct eng_sweep_pair *found)
+{
+    const uint32_t *points = common_kinds[found->kind].points;
+    struct named named = {.kind = found->kind};
+    bool is_turned =
+        points[0] == points[1] && turning->side[found->side_a].object->id >
+                                      turning->side[1 - found->side_a].object->id;
+    for (uint32_t i = 0; i < 2; i++) {
+        const struct eng_turning_side *side =
+            &turning->side[i == 0 ? found->side_a : 1 - found->side_a];
+        uint32_t at = is_turned ? 1 - i : i;
+        named.side[at] = side;
+        name_feature(found, (int)i, points[i], side->body->mesh, named.v[at]);
+    }
+    return named;
+}
+
+/* Return the number of an edge that there is. */
+static uint32_t edge_of(const struct eng_mesh *mesh, const uint32_t v[2])
+{
+    uint32_t low = 0;
+    uint32_t high = mesh->info.edge_count;
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        const uint32_t *ends = mesh->edges[middle];
+        bool is_after = ends[1] > v[1] || (ends[1] == v[1] && ends[0] > v[0]);
+        low = is_after ? low : middle;
+        high = is_after ? middle : high;
+    }
+    return low;
+}
+
+static uint32_t feature_of(const struct eng_turning *turning,
+                           const struct eng_sweep_pair *found, const struct named *named,
+                           int i)
+{
+    uint32_t points = common_kinds[named->kind].points[i];
+    uint32_t from =
+        named->side[0] == &turning->side[found->side_a] ? (uint32_t)i : 1 - (uint32_t)i;
+    return points == 1   ? named->v[i][0]
+           : points == 2 ? edge_of(named->side[i]->body->mesh, named->v[i])
+                         : found->leaf[from];
+}
+
+/* Return whether somebody else looks for the pair (mesh.h). */
+static bool is_foreign(const struct eng_turning *turning,
+                       const struct eng_sweep_pair *found, const struct named *named)
+{
+    const struct eng_mesh *mesh = named->side[0]->body->mesh;
+    uint32_t points = common_kinds[named->kind].points[0];
+    return eng_mesh_has_foreign(mesh) &&
+           eng_mesh_is_foreign(mesh, (enum pccd_tree)(points - 1),
+                               feature_of(turning, found, named, 0));
+}
+
+static void make_query(const struct eng_turning *turning, const struct named *named,
+                       struct eng_turning_pair *pair)
+{
+    uint32_t count = 0;
+    pair->kind = named->kind;
+    pair->turning = named->side[0] == &turning->side[1] ? 0 : 1;
+    for (uint32_t i = 0; i < 2; i++) {
+        const struct eng_turning_side *side = named->side[i];
+        uint32_t points = common_kinds[named->kind].points[i];
+        for (uint32_t k = 0; k < points; k++, count++) {
+            for (int end = 0; end < 2; end++) {
+                memcpy(pair->x[end][count], side->body->x[end][named->v[i][k]],
+                       sizeof pair->x[end][count]);
+            }
+        }
+        pair->radius[i] = eng_thickness_radius(side->object, named->v[i], points);
+    }
+    for (; count < 4; count++) {
+        memcpy(pair->x[0][count], pair->x[0][count - 1], sizeof pair->x[0][count]);
+        memcpy(pair->x[1][count], pair->x[1][count - 1], sizeof pair->x[1][count]);
+    }
+    pair->radius[2] = turning->separation;
+}
+
+/* Turn the normal as the first side lies in the world. */
+static void turn_normal(const struct eng_turning *turning, struct eng_hit *hit)
+{
+    if (turning->side[0].joint == PCCD_NO_JOINT) {
+        return;
+    }
+    struct eng_path_pose pose;
+    eng_path_pose(&turning->place, hit->toi, &pose);
+    const double n[3] = {(double)hit->normal[0], (double)hit->normal[1],
+                         (double)hit->normal[2]};
+    for (size_t k = 0; k < 3; k++) {
+        hit->normal[k] = (float)eng_dot(pose.m + 4 * k, n);
+    }
+}
+
+static void record(struct eng_turning *turning, const struct eng_sweep_pair *found,
+                   const struct named *named, struct eng_hit *hit)
+{
+    struct pccd_pair words = {.kind = named->kind,
+                              .object_a = named->side[0]->object->id,
+                              .feature_a = feature_of(turning, found, named, 0),
+                              .object_b = named->side[1]->object->id,
+                              .feature_b = feature_of(turning, found, named, 1)};
+    turn_normal(turning, hit);
+    eng_record_contact(turning->worker, &words, hit);
+}
+
+static bool take(void *owner, const struct eng_sweep_pair *found)
+{
+    struct eng_turning *turning = owner;
+    struct eng_worker *worker = turning->worker;
+    struct named named = name(turning, found);
+    struct eng_turning_pair pair;
+    struct eng_turning_answer answer;
+    if (is_foreign(turning, found, &named)) {
+        return true;
+    }
+    make_query(turning, &named, &pair);
+    if (pair.radius[0] + pair.radius[1] + pair.radius[2] == 0 && found->kind != PCCD_VF &&
+        found->kind != PCCD_EE) {
+        return true;
+    }
+    eng_count_candidates(worker, found->kind, 1);
+    worker->record.tests++;
+    const struct eng_turning_limits limits = {.delta = turning->delta,
+                                              .tolerance = worker->question->tolerance,
+                                              .t_end = worker->time_bound,
+                                              .looks_max = ENG_TURNING_LOOKS_MAX,
+                                              .should_stop = should_stop,
+                                              .owner = turning};
+    switch (eng_turning_decide(&turning->poses, &pair, &limits, &answer)) {
+    case ENG_TURNING_FREE:
+        break;
+    case ENG_TURNING_MEETS:
+        record(turning, found, &named, &answer.hit);
+        turning->sweep.t_end = worker->time_bound;
+        break;
+    case ENG_TURNING_LIMIT:
+        turning->has_limit = true;
+        break;
+    case ENG_TURNING_STOPPED:
+        return false;
+    }
+    return !eng_stop_is_set(worker->stop);
+}
+
+/* ---- tasks ------------------------------------------------------------------------- */
+
+uint32_t eng_turning_split(struct eng_turning *turning, uint32_t most, uint64_t *tasks)
+{
+    return eng_sweep_split(&turning->sweep, most, tasks);
+}
+
+int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
+                        uint64_t task)
+{
+    struct eng_sweep *sweep = &turning->sweep;
+    turning->worker = worker;
+    turning->has_limit = false;
+    sweep->t_end = worker->time_bound;
+    int status = eng_sweep_run(sweep, task);
+    worker->record.box_tests += sweep->box_tests;
+    worker->tally.leaf_pairs += sweep->leaf_tests;
+    return status == PCCD_OK && turning->has_limit ? PCCD_E_LIMIT : status;
+}
