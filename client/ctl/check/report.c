@@ -2,6 +2,7 @@
 #include "report.h"
 
 #include <inttypes.h>
+#include <math.h>
 
 #include "kinds.h"
 #include "names.h"
@@ -282,7 +283,7 @@ static void print_first(FILE *to, const struct report_scene *scene,
 {
     const struct pccd_answer *answer = &step->answer;
     if (answer->toi_first < NO_TOI) {
-        fprintf(to, "first at   t = %.17g", answer->toi_first);
+        fprintf(to, "first at   t = %.9g", answer->toi_first);
         print_place(to, scene, &step->first);
         fputc('\n', to);
     } else if (answer->crossings > 0) {
@@ -324,7 +325,8 @@ static void print_records(FILE *to, const struct report_scene *scene,
                 answer->inside);
     }
     print_first(to, scene, step);
-    fprintf(to, "safe step  %.17g\n", answer->safe_step);
+    /* Rounded down: whoever takes so much meets nothing. */
+    fprintf(to, "safe step  %.9g\n", floor(answer->safe_step * 1e9) * 1e-9);
     if (answer->coincident > answer->total / 2) {
         fputs(
             "warning    most contacts touch in vertices at the start. Is a surface split "

@@ -58,10 +58,10 @@ static void print_question(FILE *to, const struct near_run *near)
         to, "near       %" PRIu64 " %s", answer->total,
         proto_plural(answer->total, texts[settings->what][0], texts[settings->what][1]));
     if (has_limit) {
-        fprintf(to, " within %.17g", settings->distance);
+        fprintf(to, " within %.9g", settings->distance);
     }
     if (settings->what == PCCD_NEAR_NEAREST && settings->gap > 0) {
-        fprintf(to, ", others may be nearer by %.17g", settings->gap);
+        fprintf(to, ", others may be nearer by %.9g", settings->gap);
     }
     print_kinds(to, answer);
 }
@@ -77,9 +77,9 @@ static void print_found(FILE *to, const struct near_run *near)
         fprintf(to, "crossings  %" PRIu64 "\n", answer->crossings);
     }
     if (what == PCCD_NEAR_DEPTH) {
-        fprintf(to, "depth      %.17g\n", answer->distance_max);
+        fprintf(to, "depth      %.9g\n", answer->distance_max);
     } else if (what != PCCD_NEAR_CROSSINGS && has_distance(answer)) {
-        fprintf(to, "distance   %.17g to %.17g\n", answer->distance_min,
+        fprintf(to, "distance   %.9g to %.9g\n", answer->distance_min,
                 answer->distance_max);
     }
 }

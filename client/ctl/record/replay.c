@@ -197,7 +197,7 @@ static void print_side(const struct replay_item *item, const char *name,
     } else if (item->is_near) {
         printf("  %s  %s, %" PRIu64 " records\n", name, text, side->total);
     } else {
-        printf("  %s  %s, %" PRIu64 " records, the first at t = %.17g\n", name, text,
+        printf("  %s  %s, %" PRIu64 " records, the first at t = %.9g\n", name, text,
                side->total, side->toi_first);
     }
 }
