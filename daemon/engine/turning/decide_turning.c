@@ -389,8 +389,8 @@ static bool is_near(enum pccd_kind kind, const struct moment *moment, double rea
     return !(sqrt(eng_dot(closest.gap, closest.gap)) > reach);
 }
 
-/* Return whether there is nothing more to be known of a leaf, and its features come within
- * precision of r. */
+/* Return whether there is nothing more to be known of a leaf, and its features come
+ * within precision of r. */
 static bool comes_near(struct decider *decider, const struct span *span, enum look seen,
                        double until, double precision)
 {

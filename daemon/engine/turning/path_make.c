@@ -130,12 +130,12 @@ static void place_joint(struct maker *maker, const struct pccd_joint *joint,
     r[0] = ((w * w + x * x) - (y * y + z * z)) / square;
     r[5] = ((w * w + y * y) - (x * x + z * z)) / square;
     r[10] = ((w * w + z * z) - (x * x + y * y)) / square;
-    r[1] = 2 * (x * y - w * z) / square;
+    const eng_d2 upper = (eng_d2){x * y, x * z} + (eng_d2){-(w * z), w * y};
+    const eng_d2 lower = (eng_d2){x * z, y * z} + (eng_d2){-(w * y), w * x};
+    eng_d2_store(r + 1, 2 * upper / square);
+    eng_d2_store(r + 8, 2 * lower / square);
     r[4] = 2 * (x * y + w * z) / square;
     r[6] = 2 * (y * z - w * x) / square;
-    r[9] = 2 * (y * z + w * x) / square;
-    r[8] = 2 * (x * z - w * y) / square;
-    r[2] = 2 * (x * z + w * y) / square;
     if (is_inverse) {
         double back[3] = {-joint->position[0], -joint->position[1], -joint->position[2]};
         transpose(r);
