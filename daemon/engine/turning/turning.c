@@ -296,9 +296,13 @@ static bool take(void *owner, const struct eng_sweep_pair *found)
     }
     eng_count_candidates(worker, found->kind, 1);
     worker->record.tests++;
+    /* With a bound of time the sweep has not looked at what comes later. */
+    double to = turning->sweep.t_end < 1 ? 1 : found->span[1];
     const struct eng_turning_limits limits = {.delta = turning->delta,
                                               .tolerance = worker->question->tolerance,
                                               .t_end = worker->time_bound,
+                                              .from = found->span[0],
+                                              .to = to,
                                               .looks_max = ENG_TURNING_LOOKS_MAX,
                                               .should_stop = should_stop,
                                               .owner = turning};
