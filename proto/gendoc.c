@@ -270,6 +270,7 @@ static void print_answer_enums(void)
     VALUE(PCCD_INCOMPLETE_DEADLINE, "the deadline passed");
     VALUE(PCCD_INCOMPLETE_CANCELLED, "cancelled");
     VALUE(PCCD_INCOMPLETE_CONTACT_LIMIT, "more records than the daemon keeps of a step");
+    VALUE(PCCD_INCOMPLETE_UNDECIDED, "pairs of what turns took too much work or memory");
     print_enum("pccd_verdict");
     VALUE(PCCD_VERDICT_NO, "there is no contact");
     VALUE(PCCD_VERDICT_POSSIBLE, "nothing is proved, but something is undecided");

@@ -142,7 +142,7 @@ bool eng_answer_cache_begin(struct eng_answer_cache *cache, const struct eng_sce
     (void)records;
     if (!eng_answer_cache_fits(cache, scene, question, scene->moving.number - 1) ||
         (question->brief && !eng_answer_cache_is_brief(cache)) || question->weigh ||
-        !eng_moves_little(scene)) {
+        !(eng_moves_little(scene) || eng_moving_turns_alone(scene))) {
         return false;
     }
     if (!reserve(cache)) {

@@ -49,6 +49,7 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_question *quest
     team->prunes = false;
     team->has_boxes = false;
     team->search = NULL;
+    team->after = NULL;
     team->method = eng_methods[eng_method_of(question)];
     if (team->method->is_stale(scene)) {
         eng_effort_forget(effort);
@@ -113,6 +114,9 @@ static void perform_alone(struct eng_team *team, struct eng_worker *worker)
     }
     team->method->leave(worker);
     beside(team, worker);
+    if (team->after) {
+        team->after(team, worker);
+    }
 }
 
 /* Refit and detection by one thread; returns when they ended. */
@@ -189,6 +193,9 @@ static void perform(struct eng_team *team, struct eng_worker *worker, bool has_b
         eng_schedule_steal(team, worker);
     }
     team->method->leave(worker);
+    if (team->after) {
+        team->after(team, worker);
+    }
 }
 
 /* The boxes are there, or all make them: true for one thread, which sees every box. */

@@ -110,8 +110,10 @@ libengine_la_SOURCES = \
     daemon/engine/turning/poses.c \
     daemon/engine/turning/rotation.c \
     daemon/engine/turning/sine.c \
+    daemon/engine/turning/stage_turning.c \
     daemon/engine/turning/sweep.c \
     daemon/engine/turning/turning.c \
+    daemon/engine/turning/turning_step.c \
     daemon/engine/answer.c \
     daemon/engine/detect.c \
     daemon/engine/near.c \

@@ -13,9 +13,11 @@
 #include "detect.h"
 #include "memory.h"
 #include "method.h"
+#include "moving.h"
 #include "near.h"
 #include "order.h"
 #include "rigid.h"
+#include "stage_turning.h"
 #include "step_memory.h"
 #include "thickness.h"
 #include "topology.h"
@@ -149,9 +151,10 @@ bool eng_step_can_be_brief(const struct eng_scene *scene,
 /* The longest separation. */
 #define SEPARATION_MAX 1e18
 
-static bool thickness_is_valid(const struct eng_question *question)
+static bool lengths_are_valid(const struct eng_question *question)
 {
     return question->distance >= 0 && question->distance < INFINITY &&
+           question->resolution >= 0 && question->resolution <= SEPARATION_MAX &&
            question->approach >= 0 && question->approach < 1;
 }
 
@@ -165,7 +168,7 @@ static bool span_is_valid(const struct eng_question *question)
 
 static bool settings_are_valid(const struct eng_question *question)
 {
-    return thickness_is_valid(question) && question->verb == ENG_CONTACTS &&
+    return lengths_are_valid(question) && question->verb == ENG_CONTACTS &&
            span_is_valid(question) && question->mode < PCCD_MODE_COUNT &&
            question->touching < PCCD_TOUCHING_COUNT &&
            question->method < PCCD_METHOD_COUNT && question->threads >= 1 &&
@@ -176,12 +179,29 @@ static bool settings_are_valid(const struct eng_question *question)
            question->tolerance <= 1;
 }
 
-static int check(const struct eng_question *question)
+/* Return whether the step is one in which objects turn: the last one, if that is computed
+ * once more. */
+static bool objects_turn(const struct eng_scene *scene,
+                         const struct eng_question *question)
 {
-    if (!settings_are_valid(question) || (question->brief && !can_be_brief(question))) {
+    return eng_scene_turns(scene) &&
+           (scene->staging || scene->has_moved_without_answer || eng_asks_part(question));
+}
+
+static int check(const struct eng_scene *scene, const struct eng_question *question)
+{
+    if (!settings_are_valid(question) || (question->brief && !can_be_brief(question)) ||
+        (objects_turn(scene, question) && eng_turning_refuses(question))) {
         return PCCD_E_INVAL;
     }
     return question->distance <= SEPARATION_MAX ? PCCD_OK : PCCD_E_LIMIT;
+}
+
+/* Return what is known of the work of a step, by whether objects turn in it. */
+static struct eng_effort *effort_of(struct eng_step_memory *memory,
+                                    const struct eng_question *question, bool turns)
+{
+    return turns ? &memory->turning_effort : &memory->effort[eng_method_of(question)];
 }
 
 /* Leave the step to one thread, as a rule, where most stands still. */
@@ -211,7 +231,8 @@ static void keep_what_stands(struct eng_team *team, const struct eng_question *q
     const struct eng_scene *scene = team->scene;
     struct eng_step_memory *memory = eng_step_memory_of(scene);
     const struct eng_effort *effort = &memory->effort[eng_method_of(question)];
-    if (team->method->survey && question->tuning.still == ENG_STILL_KEPT) {
+    if (team->method->survey && question->tuning.still == ENG_STILL_KEPT &&
+        !eng_moving_turns_alone(scene)) {
         team->method->survey(team->scene);
     }
     team->prunes =
@@ -220,7 +241,7 @@ static void keep_what_stands(struct eng_team *team, const struct eng_question *q
     if (!team->prunes) {
         return;
     }
-    if (team->count > 1 && !question->team_always &&
+    if (team->count > 1 && !question->team_always && scene->turning_count == 0 &&
         !eng_effort_pays_for(effort, question->mode, moving_part(scene))) {
         make_single(memory, team, question, stop);
     }
@@ -254,8 +275,9 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
     result->counters.thick_survivors = result->thick.survivors;
     result->counters.thick_exact = result->thick.exact;
     result->counters.rigid_objects = team->scene->rigid.objects;
-    struct eng_effort *effort = &memory->effort[result->method];
-    if (result->incomplete == PCCD_COMPLETE && team->prunes) {
+    bool turns = team->scene->turning_count > 0;
+    struct eng_effort *effort = effort_of(memory, team->workers[0]->question, turns);
+    if (result->incomplete == PCCD_COMPLETE && team->prunes && !turns) {
         eng_effort_learn_part(effort, result->mode, moving_part(team->scene), work_ns);
     } else if (result->incomplete == PCCD_COMPLETE) {
         eng_effort_learn(effort, result->mode, work_ns);
@@ -269,6 +291,38 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
     }
     result->thread_records = memory->threads.items;
     result->threads = team->count;
+}
+
+static void perform_turning(struct eng_team *team, struct eng_worker *worker)
+{
+    eng_turning_step_perform(&eng_step_memory_of(team->scene)->turning, worker);
+}
+
+/* Have objects that turn tested after all others; or alone, if nothing else moves and the
+ * last answer tells of what stands, or nothing stands. The method makes no boxes then. */
+static void begin_turning(struct eng_team *team)
+{
+    const struct eng_scene *scene = team->scene;
+    eng_turning_step_begin(&eng_step_memory_of(scene)->turning, team->workers[0],
+                           team->count);
+    team->after = perform_turning;
+    if (scene->turning_count == scene->object_count ||
+        (team->prunes && eng_moving_turns_alone(scene))) {
+        team->search = perform_turning;
+        team->has_boxes = true;
+    }
+}
+
+/* Remember of mode any what the rest of the step has shown, whatever turning objects
+ * met. */
+static void remember_rest(struct eng_step_memory *memory,
+                          const struct eng_step_result *result)
+{
+    int rest = atomic_load_explicit(&memory->turning.rest, memory_order_relaxed);
+    if (result->mode == PCCD_MODE_ANY && rest != ENG_REST_MEETS) {
+        memory->cache.is_valid = rest == ENG_REST_IS_FREE;
+        memory->cache.verdict = PCCD_VERDICT_NO;
+    }
 }
 
 /* The scene was emptied: the answer may be of another size. */
@@ -312,6 +366,47 @@ static int reserve(struct eng_scene *scene, const struct eng_question *question)
                                                         : status;
 }
 
+/* Do all that can fail before anything moves. */
+static int prepare(struct eng_scene *scene, const struct eng_question *question,
+                   bool turns, struct eng_stop *stop, struct eng_team *team)
+{
+    struct eng_step_memory *memory = eng_step_memory_of(scene);
+    int status = check(scene, question);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    eng_thickness_begin(scene, question->distance);
+    eng_stop_init(stop, question);
+    if (memory->was_emptied) {
+        forget_records(memory);
+    }
+    status = eng_detect_prepare(scene, question, effort_of(memory, question, turns),
+                                &memory->sorted, stop, team);
+    if (status == PCCD_OK && turns) {
+        status =
+            eng_turning_step_prepare(&memory->turning, scene, team->workers, team->count);
+    }
+    return status == PCCD_OK ? reserve(scene, question) : status;
+}
+
+/* Choose what is searched, when the positions have moved on. */
+static void start(struct eng_team *team, const struct eng_question *question, bool turns)
+{
+    struct eng_scene *scene = team->scene;
+    eng_box_frames_follow(scene);
+    eng_rigid_choose(scene,
+                     question->mode != PCCD_MODE_PAIRS && !eng_asks_part(question));
+    if (turns && !question->brief) {
+        begin_turning(team);
+    }
+    if (!team->search) {
+        team->method->start(team, question);
+    }
+    if (question->brief && (turns || !is_bounded(scene, team, question))) {
+        eng_worker_give_up(team->workers[0]);
+    }
+}
+
 /* The step, by the workers that the scene has, or was lent. */
 static int step(struct eng_scene *scene, const struct eng_question *question,
                 struct eng_step_result *result)
@@ -321,22 +416,9 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     uint64_t builds = scene->builds;
     struct eng_stop stop;
     struct eng_team team;
-    int status = check(question);
-    if (status == PCCD_OK) {
-        eng_thickness_begin(scene, question->distance);
-        eng_stop_init(&stop, question);
-        struct eng_step_memory *memory = eng_step_memory_of(scene);
-        if (memory->was_emptied) {
-            forget_records(memory);
-        }
-        status =
-            eng_detect_prepare(scene, question, &memory->effort[eng_method_of(question)],
-                               &memory->sorted, &stop, &team);
-    }
     bool is_part = eng_asks_part(question);
-    if (status == PCCD_OK) {
-        status = reserve(scene, question);
-    }
+    bool turns = objects_turn(scene, question);
+    int status = prepare(scene, question, turns, &stop, &team);
     if (status != PCCD_OK) {
         eng_stage_abort(scene);
         return status;
@@ -354,12 +436,7 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     r.times.ingest = scene->stage_ns;
     scene->step++;
     keep_what_stands(&team, question, &stop);
-    eng_box_frames_follow(scene);
-    eng_rigid_choose(scene, question->mode != PCCD_MODE_PAIRS && !is_part);
-    team.method->start(&team, question);
-    if (question->brief && !is_bounded(scene, &team, question)) {
-        eng_worker_give_up(team.workers[0]);
-    }
+    start(&team, question, turns);
     uint64_t detect_ns = eng_detect_run(&team, &r.times);
     scene->has_moved_without_answer = stop.gave_up;
     struct eng_step_memory *memory = eng_step_memory_of(scene);
@@ -372,13 +449,18 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     r.incomplete =
         (enum pccd_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
     merge(&team, memory, begin_ns, detect_ns, &r);
+    if (turns) {
+        remember_rest(memory, &r);
+    }
     if (is_part) {
         eng_part_leave(scene);
     }
     eng_worker_trace(team.workers[0], PCCD_TRACE_STEP, begin_ns, eng_detect_size(scene),
                      team.count);
     r.times.step = common_now_ns() - begin_ns + staged_ns;
-    team.method->end(&team, &r, r.times.step - staged_ns);
+    if (!team.search) {
+        team.method->end(&team, &r, r.times.step - staged_ns);
+    }
     r.counters.builds = scene->builds - builds;
     r.counters.allocs = atomic_load(&eng_payer()->allocs) - allocs;
     *result = r;
@@ -463,9 +545,9 @@ uint64_t eng_step_expects(const struct eng_scene *scene,
                           const struct eng_question *question)
 {
     assert(scene && question && question->mode <= PCCD_MODE_PAIRS);
-    const struct eng_step_memory *memory = eng_step_memory_of(scene);
-    return eng_effort_expects(&memory->effort[eng_method_of(question)], question->mode,
-                              eng_detect_size(scene));
+    struct eng_step_memory *memory = eng_step_memory_of(scene);
+    return eng_effort_expects(effort_of(memory, question, scene->turning_count > 0),
+                              question->mode, eng_detect_size(scene));
 }
 
 bool eng_team_pays(uint64_t work_ns)

@@ -41,6 +41,8 @@ void eng_step_memory_keep(struct eng_step_memory *memory, uint32_t count)
             }
         }
         eng_narrow_free(worker);
+        eng_turning_free(worker->turning);
+        worker->turning = NULL;
         eng_worker_deinit(worker);
         eng_free(worker);
     }
@@ -65,6 +67,7 @@ static void destroy(struct eng_scene *scene)
     eng_free((void *)memory->near.bounds);
     eng_free(memory->near.order);
     eng_near_objects_deinit(&memory->near.objects);
+    eng_turning_step_deinit(&memory->turning);
     eng_free(memory);
     scene->slots[ENG_SLOT_STEP] = NULL;
 }
@@ -170,7 +173,8 @@ static uint64_t bytes_of(const struct eng_worker *worker)
     for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
         bytes += eng_methods[i] ? eng_methods[i]->work_bytes(worker) : 0;
     }
-    return bytes + eng_narrow_bytes(worker);
+    return bytes + eng_narrow_bytes(worker) +
+           (worker->turning ? eng_turning_bytes(worker->turning) : 0);
 }
 
 uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
@@ -184,7 +188,8 @@ uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
             sizeof(struct eng_thread_record) +
         memory->near.bound_capacity * sizeof *memory->near.bounds +
         memory->near.order_capacity * sizeof *memory->near.order +
-        eng_near_objects_bytes(&memory->near.objects);
+        eng_near_objects_bytes(&memory->near.objects) +
+        eng_turning_step_bytes(&memory->turning);
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         sum += bytes_of(memory->workers[i]);
     }

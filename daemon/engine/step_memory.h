@@ -8,6 +8,7 @@
 #include "merge.h"
 #include "near_objects.h"
 #include "question.h"
+#include "turning_step.h"
 #include "worker.h"
 #include "world.h"
 
@@ -85,6 +86,8 @@ struct eng_step_memory {
     uint32_t turn_count;
     struct eng_thread_records threads;           /* of the last step */
     struct eng_effort effort[PCCD_METHOD_COUNT]; /* by method */
+    struct eng_effort turning_effort;            /* of steps in which objects turn */
+    struct eng_turning_step turning;
     struct eng_pool *pool;                       /* of the workers' records */
     struct eng_pool own_pool;
     struct eng_merge *merge;

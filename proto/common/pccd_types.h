@@ -249,7 +249,8 @@ enum pccd_incomplete {
     PCCD_INCOMPLETE_RESULT_FULL = 1,  /* page ended; go on with the cursor */
     PCCD_INCOMPLETE_DEADLINE = 2,     /* the deadline passed; these records were found */
     PCCD_INCOMPLETE_CANCELLED = 3,    /* cancelled; so were these */
-    PCCD_INCOMPLETE_CONTACT_LIMIT = 4 /* more than the daemon keeps: the first in order */
+    PCCD_INCOMPLETE_CONTACT_LIMIT = 4, /* more than the daemon keeps: the first of all */
+    PCCD_INCOMPLETE_UNDECIDED = 5 /* too much work, or memory, for pairs of what turns */
 };
 
 /* Room for kinds in what counts by kind: kinds that come later need no other struct. */

@@ -82,6 +82,7 @@ test_programs += \
     tests/unit/test_eng_touching \
     tests/unit/test_eng_trace \
     tests/unit/test_eng_turning \
+    tests/unit/test_eng_turning_step \
     tests/unit/test_eng_warm \
     tests/unit/test_eng_wide \
     tests/unit/test_load_judge \

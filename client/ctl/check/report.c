@@ -49,6 +49,8 @@ static const char *why_incomplete(enum pccd_incomplete incomplete)
         return "cancelled";
     case PCCD_INCOMPLETE_CONTACT_LIMIT:
         return "more records than the daemon keeps";
+    case PCCD_INCOMPLETE_UNDECIDED:
+        return "some pairs of what turns are not known";
     }
     return "records are missing";
 }

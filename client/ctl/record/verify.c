@@ -377,7 +377,9 @@ static void leave_open(const struct play_step *step, struct verify_result *resul
     static const char *const why[] = {[PCCD_INCOMPLETE_DEADLINE] = "its deadline passed",
                                       [PCCD_INCOMPLETE_CANCELLED] = "it was cancelled",
                                       [PCCD_INCOMPLETE_CONTACT_LIMIT] =
-                                          "there was more than the daemon kept"};
+                                          "there was more than the daemon kept",
+                                      [PCCD_INCOMPLETE_UNDECIDED] =
+                                          "some pairs of what turns are not known"};
     uint32_t incomplete = verify_incomplete(step);
     if (!verify_is_complete(step)) {
         verify_leave(result, "%s: what is missing in its answer is not checked",

@@ -177,7 +177,7 @@ static const char *misended(const struct play_step *step)
 {
     uint32_t incomplete = verify_incomplete(step), verdict = verify_verdict(step);
     bool is_any = verify_mode(step) == PCCD_MODE_ANY;
-    if (incomplete > PCCD_INCOMPLETE_CONTACT_LIMIT) {
+    if (incomplete > PCCD_INCOMPLETE_UNDECIDED) {
         return "the answer is incomplete for no reason that there is";
     }
     if (is_any && (incomplete == PCCD_INCOMPLETE_RESULT_FULL ||

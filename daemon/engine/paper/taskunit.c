@@ -98,7 +98,8 @@ static bool is_allowed(const struct eng_scene *scene, uint32_t n, uint32_t m)
     uint32_t a = trees->upkeep[n].object;
     uint32_t b = trees->upkeep[m].object;
     return a == ENG_NO_OBJECT || b == ENG_NO_OBJECT ||
-           eng_masks_allows(&scene->masks, a, b);
+           (eng_masks_allows(&scene->masks, a, b) &&
+            !eng_masks_keep_apart(&scene->masks, a, b));
 }
 
 /* Return whether a pair of nodes is to be refined, or of leaves to be tested. */

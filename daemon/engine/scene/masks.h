@@ -57,12 +57,13 @@ bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
 
 /* ---- masks ------------------------------------------------------------------------- */
 
-/* Which pairs within an object are tested in a step, if its self-collision is on. Those
- * that are not are known to have no contact. */
+/* Which pairs of an object are tested in a step, those within it if its self-collision is
+ * on. What is left out within it is known to have no contact. */
 enum eng_self {
     ENG_SELF_TESTED,
     ENG_SELF_CROWDED, /* only those of two features that are crowded (wide_crowded.h) */
-    ENG_SELF_EXEMPT   /* none */
+    ENG_SELF_EXEMPT,  /* none */
+    ENG_SELF_APART    /* nor any with other objects: it turns, and others see to it */
 };
 
 struct eng_masks_entry {
@@ -125,14 +126,22 @@ static inline bool eng_masks_ignores(const struct eng_masks *masks, uint32_t a,
            eng_pairset_has(&masks->ignored, a, b);
 }
 
-/* Return whether object a may meet object b. Of one that may meet itself only where it is
- * crowded, anything may. */
+/* Return whether the step looks for no pair of two different objects. */
+static inline bool eng_masks_keep_apart(const struct eng_masks *masks, uint32_t a,
+                                        uint32_t b)
+{
+    return masks->entries[a].left_out == ENG_SELF_APART ||
+           masks->entries[b].left_out == ENG_SELF_APART;
+}
+
+/* Return whether object a may meet object b, whoever finds that out. Of one that may meet
+ * itself only where it is crowded, anything may. */
 static inline bool eng_masks_allows(const struct eng_masks *masks, uint32_t a, uint32_t b)
 {
     const struct eng_masks_entry *of_a = &masks->entries[a];
     const struct eng_masks_entry *of_b = &masks->entries[b];
     if (a == b) {
-        return of_a->self && of_a->left_out != ENG_SELF_EXEMPT;
+        return of_a->self && of_a->left_out < ENG_SELF_EXEMPT;
     }
     return (of_a->group & of_b->mask) != 0 && (of_b->group & of_a->mask) != 0 &&
            !eng_masks_ignores(masks, a, b);

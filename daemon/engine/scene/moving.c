@@ -190,6 +190,9 @@ static void settle(struct eng_scene *scene, struct eng_object *object,
 {
     enum eng_movement before = object->moved_last_step;
     object->moved_last_step = now;
+    if (now != ENG_STANDS) {
+        object->moved_number = scene->moving.number;
+    }
     object->moves = now > before ? now : before;
     if (object->is_new) {
         object->moves = ENG_MOVES_ALL;
@@ -232,4 +235,15 @@ void eng_moving_commit(struct eng_scene *scene)
         }
         settle(scene, object, ENG_STANDS);
     }
+}
+
+bool eng_moving_turns_alone(const struct eng_scene *scene)
+{
+    bool alone = scene->turning_count > 0;
+    for (uint32_t i = 0; i < scene->object_capacity && alone; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        alone = !object->mesh || object->joint != PCCD_NO_JOINT ||
+                object->moves == ENG_STANDS;
+    }
+    return alone;
 }

@@ -38,6 +38,9 @@ static inline bool eng_moves_little(const struct eng_scene *scene)
            !eng_moves_much(scene->moving.vertices, scene->moving.all);
 }
 
+/* Return whether objects turn, and nothing else moves, nor has in the step before. */
+bool eng_moving_turns_alone(const struct eng_scene *scene);
+
 /* Return how many vertices move, 2^32 - 1 if there are more: for the trace. */
 static inline uint32_t eng_moving_count(const struct eng_scene *scene)
 {

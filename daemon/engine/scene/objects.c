@@ -194,6 +194,7 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
                                 .bounds = {mesh->bounds, mesh->bounds},
                                 .frame = {.scale = 1},
                                 .joint = PCCD_NO_JOINT,
+                                .moved_number = scene->moving.number,
                                 .ends_are_equal = true,
                                 .is_new = true};
     int status = take_all(scene, &object);

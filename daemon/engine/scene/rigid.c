@@ -209,7 +209,9 @@ void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out)
         bool is_wanted = object->mesh && may_leave_out && scene->masks.entries[i].self &&
                          !eng_thickness_is_within(scene, object);
         enum eng_self self = ENG_SELF_TESTED;
-        if (is_wanted && object->clearance > object->rounding_reach[0]) {
+        if (object->mesh && may_leave_out && object->joint != PCCD_NO_JOINT) {
+            self = ENG_SELF_APART; /* nor does what turns meet itself */
+        } else if (is_wanted && object->clearance > object->rounding_reach[0]) {
             self = object->has_crowded ? ENG_SELF_CROWDED : ENG_SELF_EXEMPT;
             rigid->objects++;
             rigid->leaves += object->mesh->leaf_count;

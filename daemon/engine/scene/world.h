@@ -126,6 +126,7 @@ struct eng_object {
      * in later ones until something is written to it (rigid.h). */
     double rounding_reach[2];
     uint64_t staged;                   /* stage number that last wrote to it */
+    uint64_t moved_number;             /* moving.number when it came, or moved last */
     enum eng_movement moves;           /* in the last step, and .. */
     enum eng_movement moved_last_step; /* .. in it without the one before */
     struct eng_span marked;            /* if it is some: what has marks (moving.h), .. */

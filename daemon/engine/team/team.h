@@ -34,6 +34,8 @@ struct eng_team {
     bool has_boxes; /* of this very step: there is nothing to refit */
     /* Do a thread's part when the boxes are there; NULL: the method's tasks. [team] */
     void (*search)(struct eng_team *team, struct eng_worker *worker);
+    /* Do more when a thread has no task of the method any more; NULL: nothing. [team] */
+    void (*after)(struct eng_team *team, struct eng_worker *worker);
     uint64_t refit_end_ns; /* written by the thread that ended the refit */
     struct eng_refit_progress refit;
     _Alignas(128) atomic_uint active; /* stealing: workers that have tasks */

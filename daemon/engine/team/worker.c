@@ -24,7 +24,7 @@ void eng_worker_deinit(struct eng_worker *worker)
     for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
         assert(!worker->work[i]);
     }
-    assert(!worker->narrow);
+    assert(!worker->narrow && !worker->turning);
 }
 
 void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
@@ -148,6 +148,18 @@ void eng_worker_ask(struct eng_worker *worker)
     if (stop->is_stopped && !eng_stop_is_set(stop) && is_cancelled(worker)) {
         stop_for(stop, PCCD_INCOMPLETE_CANCELLED);
     }
+}
+
+void eng_worker_stop(struct eng_worker *worker, enum pccd_incomplete reason)
+{
+    stop_for(worker->stop, reason);
+}
+
+void eng_worker_lack(struct eng_worker *worker, enum pccd_incomplete reason)
+{
+    int complete = PCCD_COMPLETE;
+    atomic_compare_exchange_strong_explicit(&worker->stop->reason, &complete, (int)reason,
+                                            memory_order_relaxed, memory_order_relaxed);
 }
 
 void eng_worker_give_up(struct eng_worker *worker)

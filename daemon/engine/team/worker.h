@@ -21,6 +21,7 @@
 struct eng_kernels;
 struct eng_narrow;
 struct eng_scene;
+struct eng_turning;
 
 /* Where the threads of a region wait for each other (wait.h). */
 struct eng_barrier {
@@ -80,6 +81,7 @@ struct eng_worker {
     struct eng_exact exact;
     void *work[PCCD_METHOD_COUNT]; /* by method, which casts it; NULL: none yet */
     struct eng_narrow *narrow;     /* of the narrow phase (narrow.h); NULL: none yet */
+    struct eng_turning *turning;   /* of objects that turn (turning.h); NULL: none yet */
     struct eng_thread_record record;
     struct eng_tally tally;
     uint64_t low_end_ns;    /* the paper's scheduler: when it knew that all were done with
@@ -145,6 +147,11 @@ static inline void eng_worker_trace(const struct eng_worker *worker,
 
 /* Record that the worker was without work from `begin_ns` until now. */
 void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns);
+
+/* Stop the step for a reason that the worker has found. */
+void eng_worker_stop(struct eng_worker *worker, enum pccd_incomplete reason);
+/* Note that something is not known, without stopping. */
+void eng_worker_lack(struct eng_worker *worker, enum pccd_incomplete reason);
 
 /* Stop a step that is to be brief, and is not. */
 void eng_worker_give_up(struct eng_worker *worker);

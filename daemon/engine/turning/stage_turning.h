@@ -10,6 +10,7 @@
 #ifndef ENG_STAGE_TURNING_H
 #define ENG_STAGE_TURNING_H
 
+#include "question.h"
 #include "scene.h"
 
 /* A joint that is not as struct pccd_joint says. */
@@ -31,5 +32,9 @@ int eng_stage_joints(struct eng_scene *scene, const void *source, uint32_t count
  * ENG_PATH_JOINTS_MAX joints between it and the world; PCCD_E_NOTFINITE: it would be
  * beyond 1e18; PCCD_E_NOMEM. */
 int eng_stage_turning(struct eng_scene *scene, uint32_t object_idx, uint32_t joint);
+
+/* Return what of a question has no answer where objects turn, in words; NULL: all of it
+ * has. Such a step is PCCD_E_INVAL. [any] */
+const char *eng_turning_refuses(const struct eng_question *question);
 
 #endif

@@ -24,7 +24,7 @@ struct eng_turning {
     struct eng_sweep sweep;
     double separation;
     double delta;
-    struct eng_worker *worker; /* while a task is performed */
+    struct eng_worker *worker; /* of the task that is performed, or divided */
     bool has_limit;            /* some pairs of the task took too many looks */
 };
 
@@ -324,8 +324,10 @@ static bool take(void *owner, const struct eng_sweep_pair *found)
 
 /* ---- tasks ------------------------------------------------------------------------- */
 
-uint32_t eng_turning_split(struct eng_turning *turning, uint32_t most, uint64_t *tasks)
+uint32_t eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
+                           uint32_t most, uint64_t *tasks)
 {
+    turning->worker = worker;
     return eng_sweep_split(&turning->sweep, most, tasks);
 }
 

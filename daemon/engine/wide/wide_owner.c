@@ -125,7 +125,8 @@ int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wid
                             const struct eng_scene *scene, bool *has_changed)
 {
     assert(!wide->is_stale);
-    bool is_on = eng_masks_is_on(&scene->masks) || scene->rigid.is_possible;
+    bool is_on = eng_masks_is_on(&scene->masks) || scene->rigid.is_possible ||
+                 eng_scene_turns(scene);
     *has_changed = owners->version != scene->masks.version;
     bool is_old = *has_changed || !owners->masks ||
                   owners->assembled != wide->assembled ||
@@ -164,9 +165,17 @@ static bool may_meet_within(const struct eng_masks *masks, const struct eng_wide
     case ENG_SELF_CROWDED:
         return a->has_self && a->has_crowded && b->has_crowded;
     case ENG_SELF_EXEMPT:
+    case ENG_SELF_APART:
         break;
     }
     return false;
+}
+
+/* Return whether the step looks for no pair of the one object below a node. */
+static bool is_apart(const struct eng_masks *masks, const struct eng_wide_owner *owner)
+{
+    return owner->object != ENG_NO_OBJECT &&
+           masks->entries[owner->object].left_out == ENG_SELF_APART;
 }
 
 /* A node of an object has its bits; the groups of several are those of any of them, and
@@ -182,6 +191,9 @@ static bool may_meet(const struct eng_masks *masks, const struct eng_wide_owner 
     }
     if (have_common && a->has_self && b->has_self) {
         return true;
+    }
+    if (is_apart(masks, a) || is_apart(masks, b)) {
+        return false;
     }
     return (a->groups & b->masks) != 0 && (b->groups & a->masks) != 0 &&
            !(are_objects && eng_masks_ignores(masks, a->object, b->object));

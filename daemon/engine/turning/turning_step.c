@@ -1,0 +1,516 @@
+/* turning_step.c - pairs of objects of which one turns, and who tests them. */
+#include "turning_step.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "memory.h"
+#include "thickness.h"
+#include "wait.h"
+
+/* Above what rounds off in a box of a few sums. */
+#define ROUNDING 0x1p-44
+
+/* Parts of the step, at most, of which each has its box. */
+#define SPANS_MAX 64u
+
+/* Couples for each thread from which on none is divided. */
+#define COUPLES_EACH 8u
+
+/* Objects between two looks at the clock: some 50 us. */
+#define OBJECTS_PER_LOOK 32u
+
+/* ---- memory ------------------------------------------------------------------------ */
+
+void eng_turning_step_deinit(struct eng_turning_step *step)
+{
+    for (uint32_t i = 0; i < step->part_capacity; i++) {
+        eng_body_deinit(&step->parts[i].body);
+    }
+    eng_free(step->parts);
+    eng_free(step->items);
+    eng_free(step->keys);
+    eng_free(step->joining);
+    eng_free(step->couples);
+    eng_free(step->tasks);
+    memset(step, 0, sizeof *step);
+}
+
+uint64_t eng_turning_step_bytes(const struct eng_turning_step *step)
+{
+    uint64_t bytes =
+        (uint64_t)step->part_capacity * sizeof *step->parts +
+        (uint64_t)step->item_capacity * (sizeof *step->items + sizeof *step->joining) +
+        (uint64_t)step->key_capacity * 2 * sizeof *step->keys +
+        (uint64_t)step->couple_capacity * sizeof *step->couples +
+        (uint64_t)step->task_capacity * sizeof *step->tasks;
+    for (uint32_t i = 0; i < step->part_capacity; i++) {
+        bytes += eng_body_bytes(&step->parts[i].body);
+    }
+    return bytes;
+}
+
+static int reserve_keys(struct eng_turning_step *step, uint32_t count)
+{
+    if (count <= step->key_capacity) {
+        return PCCD_OK;
+    }
+    uint32_t capacity = eng_array_grown(step->key_capacity, count);
+    int status = eng_array_grow(&step->keys, 2 * capacity, sizeof *step->keys);
+    step->key_capacity = status == PCCD_OK ? capacity : step->key_capacity;
+    return status;
+}
+
+int eng_turning_step_prepare(struct eng_turning_step *step, const struct eng_scene *scene,
+                             struct eng_worker *const *workers, uint32_t count)
+{
+    uint32_t capacity = scene->object_capacity;
+    int status = PCCD_OK;
+    step->scene = scene;
+    if (step->part_capacity < capacity) {
+        status = eng_array_grow(&step->parts, capacity, sizeof *step->parts);
+        if (status == PCCD_OK) {
+            memset(step->parts + step->part_capacity, 0,
+                   (capacity - step->part_capacity) * sizeof *step->parts);
+            step->part_capacity = capacity;
+        }
+    }
+    if (status == PCCD_OK && step->item_capacity < capacity) {
+        status = eng_array_grow(&step->items, capacity, sizeof *step->items);
+        if (status == PCCD_OK) {
+            status = eng_array_grow(&step->joining, capacity, sizeof *step->joining);
+        }
+        step->item_capacity = status == PCCD_OK ? capacity : step->item_capacity;
+    }
+    if (status == PCCD_OK) {
+        status = reserve_keys(step, capacity);
+    }
+    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
+        if (!workers[i]->turning) {
+            status = eng_turning_make(&workers[i]->turning);
+        }
+    }
+    return status;
+}
+
+/* ---- where objects are in the step ------------------------------------------------- */
+
+static void widen(struct eng_bounds *box, double by)
+{
+    for (int k = 0; k < 3; k++) {
+        double error = ROUNDING * (fabs(box->low[k]) + fabs(box->high[k]) + by);
+        box->low[k] -= by + error;
+        box->high[k] += by + error;
+    }
+}
+
+/* The box of a box under a pose, but for rounding. */
+static struct eng_bounds place(const double m[12], const struct eng_bounds *box)
+{
+    struct eng_bounds placed;
+    for (int k = 0; k < 3; k++) {
+        const double *row = m + 4 * k;
+        double middle = row[3];
+        double half = 0;
+        for (int i = 0; i < 3; i++) {
+            middle += row[i] * (0.5 * box->low[i] + 0.5 * box->high[i]);
+            half += fabs(row[i]) * (0.5 * box->high[i] - 0.5 * box->low[i]);
+        }
+        placed.low[k] = middle - half;
+        placed.high[k] = middle + half;
+    }
+    return placed;
+}
+
+static double largest_of(const struct eng_bounds *box)
+{
+    double largest = 0;
+    for (int k = 0; k < 3; k++) {
+        largest = fmax(largest, fmax(fabs(box->low[k]), fabs(box->high[k])));
+    }
+    return largest;
+}
+
+/* A box around all that an object sweeps as it turns: around its places at some times,
+ * wider by how far it leaves the chords between them. */
+static struct eng_bounds swept(struct eng_turning_step *step,
+                               const struct eng_object *object)
+{
+    const struct eng_bounds *bounds = &object->mesh->bounds;
+    struct eng_bounds all = ENG_NO_BOUNDS;
+    struct eng_path_box box;
+    memcpy(box.lo, bounds->low, sizeof box.lo);
+    memcpy(box.hi, bounds->high, sizeof box.hi);
+    int status = eng_path_between(step->scene->joints.items, PCCD_NO_JOINT, object->joint,
+                                  &step->path);
+    assert(status == PCCD_OK); /* as it was when it was staged */
+    (void)status;
+    double sagitta = eng_path_bend(&step->path, &box, 0, 1) / 8;
+    double enough = 0.25 * eng_bounds_size(bounds);
+    double error = 0;
+    uint32_t spans = 1;
+    for (; spans < SPANS_MAX && sagitta > enough; spans *= 2) {
+        sagitta /= 4;
+    }
+    for (uint32_t i = 0; i <= spans; i++) {
+        struct eng_path_pose pose;
+        eng_path_pose(&step->path, (double)i / spans, &pose);
+        struct eng_bounds placed = place(pose.m, bounds);
+        eng_bounds_unite(&all, &placed);
+        error = fmax(error, pose.error[0] + pose.error[1] * largest_of(bounds));
+    }
+    double rounding = ROUNDING * (largest_of(bounds) + largest_of(&all));
+    widen(&all, sagitta + error + rounding);
+    return all;
+}
+
+static struct eng_bounds around(struct eng_turning_step *step,
+                                const struct eng_object *object, double separation)
+{
+    struct eng_bounds box = object->bounds[0];
+    if (object->joint != PCCD_NO_JOINT) {
+        box = swept(step, object);
+    } else {
+        eng_bounds_unite(&box, &object->bounds[1]);
+    }
+    widen(&box, 0.5 * separation + eng_thickness_most(object));
+    return box;
+}
+
+static bool is_apart(const struct eng_bounds *a, const struct eng_bounds *b)
+{
+    for (int k = 0; k < 3; k++) {
+        if (a->low[k] > b->high[k] || b->low[k] > a->high[k]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* ---- which pairs of objects may meet ----------------------------------------------- */
+
+/* A number of the same order as a double's. */
+static uint64_t key_of(double x)
+{
+    uint64_t bits;
+    double number = x + 0.0; /* no -0 */
+    memcpy(&bits, &number, sizeof bits);
+    return bits >> 63 ? ~bits : bits | 1ull << 63;
+}
+
+/* The objects that turn, then those that come near any of these. */
+static void list_items(struct eng_turning_step *step, struct eng_worker *worker)
+{
+    const struct eng_scene *scene = step->scene;
+    struct eng_bounds all = ENG_NO_BOUNDS;
+    step->item_count = 0;
+    for (int turns = 1; turns >= 0; turns--) {
+        for (uint32_t i = 0; i < scene->object_capacity; i++) {
+            const struct eng_object *object = &scene->objects[i];
+            step->parts[i].takes_part = turns == 0 && step->parts[i].takes_part;
+            if (!object->mesh || (object->joint != PCCD_NO_JOINT) != (turns == 1) ||
+                object->bounds[0].low[0] > object->bounds[0].high[0]) {
+                continue;
+            }
+            if (i % OBJECTS_PER_LOOK == 0 && eng_worker_should_stop(worker)) {
+                return;
+            }
+            struct eng_bounds box = around(step, object, step->separation);
+            if (turns == 1) {
+                eng_bounds_unite(&all, &box);
+            } else if (is_apart(&all, &box)) {
+                continue;
+            }
+            step->items[step->item_count++] =
+                (struct eng_turning_item){.box = box, .object = i, .turns = turns == 1};
+        }
+    }
+}
+
+/* The axis along which the least of them lie one behind another. */
+static int axis_of(const struct eng_turning_step *step)
+{
+    int best = 0;
+    double most = -1;
+    for (int k = 0; k < 3; k++) {
+        double low = INFINITY;
+        double high = -INFINITY;
+        double sum = 0;
+        for (uint32_t i = 0; i < step->item_count; i++) {
+            const struct eng_bounds *box = &step->items[i].box;
+            low = fmin(low, box->low[k]);
+            high = fmax(high, box->high[k]);
+            sum += box->high[k] - box->low[k];
+        }
+        double spread = sum > 0 ? (high - low) / sum : 0;
+        best = spread > most ? k : best;
+        most = fmax(spread, most);
+    }
+    return best;
+}
+
+static void join(struct eng_turning_step *step, uint32_t object)
+{
+    if (!step->parts[object].takes_part) {
+        step->parts[object].takes_part = true;
+        step->joining[step->joining_count++] = object;
+    }
+}
+
+/* Two objects may meet. Without memory for more the answer is not complete. */
+static void add_couple(struct eng_turning_step *step, uint32_t a, uint32_t b)
+{
+    if (step->has_failed ||
+        eng_array_extend(&step->couples, &step->couple_capacity, step->couple_count + 1,
+                         sizeof *step->couples) != PCCD_OK) {
+        step->has_failed = true;
+        return;
+    }
+    step->couples[step->couple_count++] = (struct eng_turning_couple){.a = a, .b = b};
+    join(step, a);
+    join(step, b);
+}
+
+/* By where they begin along the axis: each with those that begin before it ends. */
+static void list_couples(struct eng_turning_step *step, struct eng_worker *worker)
+{
+    int axis = axis_of(step);
+    for (uint32_t i = 0; i < step->item_count; i++) {
+        step->keys[i] = (struct eng_radix_key){key_of(step->items[i].box.low[axis]), i};
+    }
+    const struct eng_radix_key *keys =
+        eng_radix_sort(step->keys, step->keys + step->key_capacity, step->item_count);
+    for (uint32_t i = 0; i < step->item_count; i++) {
+        const struct eng_turning_item *item = &step->items[keys[i].index];
+        if (i % OBJECTS_PER_LOOK == 0 && eng_worker_should_stop(worker)) {
+            return;
+        }
+        for (uint32_t j = i + 1; j < step->item_count; j++) {
+            const struct eng_turning_item *other = &step->items[keys[j].index];
+            if (other->box.low[axis] > item->box.high[axis]) {
+                break;
+            }
+            if ((item->turns || other->turns) && !is_apart(&item->box, &other->box) &&
+                eng_masks_allows(&step->scene->masks, item->object, other->object)) {
+                add_couple(step, item->object, other->object);
+            }
+        }
+    }
+}
+
+static uint64_t size_of(const struct eng_turning_step *step,
+                        const struct eng_turning_couple *couple)
+{
+    const struct eng_object *objects = step->scene->objects;
+    return (uint64_t)objects[couple->a].mesh->leaf_count +
+           objects[couple->b].mesh->leaf_count;
+}
+
+/* Large ones first, so that no thread ends with one while others have nothing to do. */
+static void sort_couples(struct eng_turning_step *step)
+{
+    uint32_t count = step->couple_count;
+    if (reserve_keys(step, count) != PCCD_OK) {
+        return; /* in any order */
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const struct eng_turning_couple *couple = &step->couples[i];
+        step->keys[i] = (struct eng_radix_key){UINT64_MAX - size_of(step, couple),
+                                               (uint64_t)couple->a << 32 | couple->b};
+    }
+    const struct eng_radix_key *keys =
+        eng_radix_sort(step->keys, step->keys + step->key_capacity, count);
+    for (uint32_t i = 0; i < count; i++) {
+        step->couples[i] = (struct eng_turning_couple){
+            .a = (uint32_t)(keys[i].index >> 32), .b = (uint32_t)keys[i].index};
+    }
+}
+
+void eng_turning_step_begin(struct eng_turning_step *step, struct eng_worker *worker,
+                            uint32_t threads)
+{
+    const struct eng_question *question = worker->question;
+    step->separation = question->distance;
+    step->resolution = question->resolution;
+    step->couple_count = 0;
+    step->joining_count = 0;
+    step->has_failed = false;
+    atomic_init(&step->next_body, 0);
+    atomic_init(&step->next_couple, 0);
+    atomic_init(&step->next_task, 0);
+    atomic_init(&step->rest, ENG_REST_IS_FREE);
+    list_items(step, worker);
+    list_couples(step, worker);
+    step->is_divided = threads > 1 && step->couple_count < COUPLES_EACH * threads &&
+                       eng_array_fit(&step->tasks, &step->task_capacity,
+                                     step->couple_count * ENG_TURNING_TASKS,
+                                     sizeof *step->tasks) == PCCD_OK;
+    sort_couples(step);
+}
+
+/* ---- by all threads ---------------------------------------------------------------- */
+
+static uint32_t take(atomic_uint *next)
+{
+    return atomic_fetch_add_explicit(next, 1, memory_order_relaxed);
+}
+
+/* Some pairs are not known; without memory no more is tried. */
+static void fail(struct eng_worker *worker, int status)
+{
+    if (status == PCCD_E_LIMIT) {
+        eng_worker_lack(worker, PCCD_INCOMPLETE_UNDECIDED);
+    } else {
+        eng_worker_stop(worker, PCCD_INCOMPLETE_UNDECIDED);
+    }
+}
+
+static const double (*positions_of(const struct eng_scene *scene,
+                                   const struct eng_object *object, unsigned end))[3]
+{
+    const double(*x)[3] =
+        (const double(*)[3])scene->x[end == 0 ? 1 - scene->now : scene->now];
+    return x + object->vertices.first;
+}
+
+/* The boxes of an object: of one that stands those of a step before, if there are. */
+static int make_body(struct eng_turning_step *step, uint32_t idx)
+{
+    const struct eng_scene *scene = step->scene;
+    const struct eng_object *object = &scene->objects[idx];
+    struct eng_turning_part *part = &step->parts[idx];
+    struct eng_body *body = &part->body;
+    int status = eng_body_tree_prepare(object->mesh);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (object->joint != PCCD_NO_JOINT) {
+        eng_body_set(body, object->mesh);
+        part->fitted = 0;
+        return PCCD_OK;
+    }
+    if (part->fitted > object->moved_number && body->mesh == object->mesh) {
+        body->x[0] = positions_of(scene, object, 0); /* they change places */
+        body->x[1] = positions_of(scene, object, 1);
+        return PCCD_OK;
+    }
+    bool stands = object->moved_number < scene->moving.number;
+    const double(*x1)[3] = positions_of(scene, object, 1);
+    status = eng_body_fit(body, object->mesh,
+                          stands ? x1 : positions_of(scene, object, 0), x1);
+    part->fitted = status == PCCD_OK && stands ? scene->moving.number : 0;
+    return status;
+}
+
+static void make_bodies(struct eng_turning_step *step, struct eng_worker *worker)
+{
+    for (uint32_t i = take(&step->next_body);
+         i < step->joining_count && !eng_worker_should_stop(worker);
+         i = take(&step->next_body)) {
+        int status = make_body(step, step->joining[i]);
+        if (status != PCCD_OK) {
+            fail(worker, status);
+        }
+    }
+}
+
+static int begin_couple(struct eng_turning_step *step, struct eng_worker *worker,
+                        const struct eng_turning_couple *couple)
+{
+    const uint32_t objects[2] = {couple->a, couple->b};
+    struct eng_turning_objects both = {.joints = step->scene->joints.items,
+                                       .separation = step->separation,
+                                       .resolution = step->resolution};
+    for (int side = 0; side < 2; side++) {
+        const struct eng_object *object = &step->scene->objects[objects[side]];
+        both.side[side] =
+            (struct eng_turning_side){.object = object,
+                                      .body = &step->parts[objects[side]].body,
+                                      .joint = object->joint};
+    }
+    return eng_turning_begin(worker->turning, &both);
+}
+
+/* Divide couples, so that there is something for every thread. */
+static void divide(struct eng_turning_step *step, struct eng_worker *worker)
+{
+    for (uint32_t i = take(&step->next_couple);
+         i < step->couple_count && !eng_worker_should_stop(worker);
+         i = take(&step->next_couple)) {
+        struct eng_turning_couple *couple = &step->couples[i];
+        uint64_t *tasks = step->tasks + i * ENG_TURNING_TASKS;
+        int status = begin_couple(step, worker, couple);
+        if (status == PCCD_OK) {
+            couple->task_count =
+                eng_turning_split(worker->turning, worker, ENG_TURNING_TASKS, tasks);
+        } else {
+            fail(worker, status);
+        }
+    }
+}
+
+/* Do what no thread has taken yet, couple by couple. */
+static void perform_tasks(struct eng_turning_step *step, struct eng_worker *worker)
+{
+    uint32_t each = step->is_divided ? ENG_TURNING_TASKS : 1;
+    uint32_t begun = UINT32_MAX;
+    int status = PCCD_OK;
+    for (uint32_t i = take(&step->next_task);
+         i < step->couple_count * each && !eng_worker_should_stop(worker);
+         i = take(&step->next_task)) {
+        const struct eng_turning_couple *couple = &step->couples[i / each];
+        if (step->is_divided && i % each >= couple->task_count) {
+            continue;
+        }
+        uint64_t begin_ns = eng_worker_slice(worker);
+        if (i / each != begun) {
+            status = begin_couple(step, worker, couple);
+            begun = i / each;
+        }
+        if (status == PCCD_OK) {
+            uint64_t task = step->is_divided ? step->tasks[i] : ENG_TURNING_ALL;
+            int performed = eng_turning_perform(worker->turning, worker, task);
+            if (performed != PCCD_OK) {
+                fail(worker, performed);
+            }
+        } else {
+            fail(worker, status);
+        }
+        worker->record.task_units++;
+        eng_worker_trace(worker, PCCD_TRACE_UNIT, begin_ns, couple->a, couple->b);
+    }
+}
+
+/* Note what is known of all other pairs: before any pair of these is tested. */
+static void note_rest(struct eng_turning_step *step, const struct eng_worker *worker)
+{
+    int mine = worker->proved_seen > 0 ? ENG_REST_MEETS
+               : worker->possible_seen > 0 || eng_stop_is_set(worker->stop)
+                   ? ENG_REST_IS_OPEN
+                   : ENG_REST_IS_FREE;
+    int rest = atomic_load_explicit(&step->rest, memory_order_relaxed);
+    while (mine > rest && !atomic_compare_exchange_weak_explicit(&step->rest, &rest, mine,
+                                                                 memory_order_relaxed,
+                                                                 memory_order_relaxed)) {
+    }
+}
+
+void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *worker)
+{
+    uint64_t begin_ns = common_now_ns();
+    uint64_t waited_ns = worker->record.wait_ns;
+    note_rest(step, worker);
+    if (step->has_failed) {
+        fail(worker, PCCD_E_NOMEM);
+    }
+    make_bodies(step, worker);
+    eng_wait_for_all(worker);
+    if (step->is_divided) {
+        divide(step, worker);
+        eng_wait_for_all(worker);
+    }
+    perform_tasks(step, worker);
+    worker->record.low_ns +=
+        common_now_ns() - begin_ns - (worker->record.wait_ns - waited_ns);
+}

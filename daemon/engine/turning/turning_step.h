@@ -1,0 +1,85 @@
+/* turning_step.h - the objects of a step that turn, each with all that it may meet.
+ *
+ * List the pairs of objects of which one turns, by boxes around what each of them sweeps;
+ * then have all threads test them (turning.h), large ones first, or in tasks where there
+ * are few. The methods leave objects that turn out (masks.h).
+ *
+ * Threads: prepare, begin: [compute]; perform: [team].
+ */
+#ifndef ENG_TURNING_STEP_H
+#define ENG_TURNING_STEP_H
+
+#include <stdatomic.h>
+
+#include "question.h"
+#include "sort.h"
+#include "turning.h"
+#include "world.h"
+
+/* The boxes of an object, kept from step to step while it stands. */
+struct eng_turning_part {
+    struct eng_body body;
+    uint64_t fitted; /* moving.number of the step for which they were fitted; 0: none */
+    bool takes_part; /* in this step */
+};
+
+/* An object among those that may meet one that turns. */
+struct eng_turning_item {
+    struct eng_bounds box; /* around all places of it in the step, thickness included */
+    uint32_t object;
+    bool turns;
+};
+
+/* Two of these that may meet. */
+struct eng_turning_couple {
+    uint32_t a; /* indices of objects */
+    uint32_t b;
+    uint32_t task_count;
+};
+
+/* Knowledge of the rest of a step, when turning objects have their turn. */
+enum eng_turning_rest { ENG_REST_IS_FREE, ENG_REST_IS_OPEN, ENG_REST_MEETS };
+
+struct eng_turning_step {
+    const struct eng_scene *scene;
+    double separation;
+    double resolution;
+    struct eng_turning_part *parts; /* [part_capacity] by object */
+    uint32_t part_capacity;
+    struct eng_turning_item *items; /* [item_capacity] */
+    struct eng_radix_key *keys;     /* [2 key_capacity] */
+    uint32_t *joining;              /* [item_capacity] objects of couples */
+    uint32_t item_count, item_capacity;
+    uint32_t joining_count;
+    struct eng_turning_couple *couples; /* large ones first */
+    uint32_t couple_count, couple_capacity;
+    uint32_t key_capacity;
+    uint64_t *tasks; /* [couple_count][ENG_TURNING_TASKS] if divided */
+    uint32_t task_capacity;
+    bool is_divided;
+    bool has_failed; /* there was no memory for all couples */
+    struct eng_path path;
+    atomic_uint next_body;
+    atomic_uint next_couple;
+    atomic_uint next_task;
+    atomic_int rest; /* enum eng_turning_rest */
+};
+
+#define ENG_TURNING_TASKS 32u
+
+void eng_turning_step_deinit(struct eng_turning_step *step);
+uint64_t eng_turning_step_bytes(const struct eng_turning_step *step);
+
+/* Do what can fail before anything moves. PCCD_E_NOMEM. */
+int eng_turning_step_prepare(struct eng_turning_step *step, const struct eng_scene *scene,
+                             struct eng_worker *const *workers, uint32_t count);
+
+/* List the pairs of objects, when the positions have moved on. `worker`: the first. */
+void eng_turning_step_begin(struct eng_turning_step *step, struct eng_worker *worker,
+                            uint32_t threads);
+
+/* Do a thread's part, when it has done its other tasks; waits for the others before the
+ * first pair. */
+void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *worker);
+
+#endif

@@ -1,0 +1,489 @@
+/* test_eng_turning_step.c - steps in which objects turn: staged, and beside others. */
+#include "eng_answer.h"
+#include "eng_kit.h"
+#include "eng_way.h"
+
+#include <math.h>
+
+#include "coordinates.h"
+#include "joints.h"
+#include "stage_turning.h"
+
+#define OBJECTS 7u
+#define JOINTS  4u
+
+/* Kinds of motion of an object in a step. */
+enum motion { STANDS, GOES, TURNS };
+
+/* Meshes, and how they move in a step: some on one table of joints. */
+struct cast {
+    struct eng_mesh *mesh[OBJECTS];
+    double (*x[OBJECTS])[3];  /* where they are */
+    double (*to[OBJECTS])[3]; /* where they go, if they go straight */
+    enum motion motion[OBJECTS];
+    uint32_t joint[OBJECTS];
+    struct pccd_joint joints[JOINTS];
+};
+
+static const struct pccd_joint no_joint = {
+    .kind = PCCD_JOINT_FIXED, .parent = PCCD_NO_JOINT, .rotation = {0, 0, 0, 1}};
+
+/* Turn about an axis through a place, from 0 to an angle. */
+static struct pccd_joint hinge(uint32_t parent, double x, double y, double z,
+                               double angle)
+{
+    struct pccd_joint joint = no_joint;
+    joint.kind = PCCD_JOINT_TURN;
+    joint.parent = parent;
+    joint.position[0] = x;
+    joint.position[1] = y;
+    joint.position[2] = z;
+    joint.axis[2] = 1;
+    joint.to[0] = angle;
+    return joint;
+}
+
+static void check_staging(struct eng_scene *scene, uint32_t object,
+                          const struct pccd_joint *joint)
+{
+    uint32_t base = 99;
+    struct eng_bad_joint bad;
+    eng_stage_begin(scene);
+    assert_ok(eng_stage_joints(scene, joint, 1, &base, &bad));
+    assert_int_equal(base, 0);
+    assert_ok(eng_stage_turning(scene, object, 0));
+}
+
+static struct eng_mesh *bar(double x)
+{
+    return kit_box((const double[3]){x, -0.05, -0.05},
+                   (const double[3]){x + 1, 0.05, 0.05}, false);
+}
+
+static void cast_begin(struct cast *cast, struct prng *random)
+{
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        const double low[3] = {prng_between(random, -1, 1), prng_between(random, -1, 1),
+                               prng_between(random, -0.3, 0.3)};
+        const double high[3] = {low[0] + prng_between(random, 0.1, 1),
+                                low[1] + prng_between(random, 0.1, 0.5), low[2] + 0.3};
+        cast->mesh[i] = i == 0 ? kit_sheet(6, 0) : kit_box(low, high, false);
+        uint32_t count = i == 0 ? 49 : 8;
+        cast->x[i] = malloc(count * sizeof *cast->x[i]);
+        cast->to[i] = malloc(count * sizeof *cast->to[i]);
+        memcpy(cast->x[i], eng_mesh_vertices(cast->mesh[i]), count * sizeof *cast->x[i]);
+    }
+}
+
+static uint32_t vertices_of(const struct cast *cast, uint32_t i)
+{
+    struct eng_mesh_info info;
+    eng_mesh_get_info(cast->mesh[i], &info);
+    return info.vertex_count;
+}
+
+static void cast_end(struct cast *cast)
+{
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        eng_mesh_release(cast->mesh[i]);
+        free(cast->x[i]);
+        free(cast->to[i]);
+    }
+}
+
+/* Draw how they move: as a rule a few do. */
+static void cast_draw(struct cast *cast, struct prng *random)
+{
+    for (uint32_t j = 0; j < JOINTS; j++) {
+        uint32_t parent = j > 0 && prng_below(random, 2) ? j - 1 : PCCD_NO_JOINT;
+        cast->joints[j] =
+            hinge(parent, prng_between(random, -1, 1), prng_between(random, -1, 1), 0,
+                  prng_below(random, 5) == 0 ? 2 * M_PI : prng_between(random, -2, 2));
+        cast->joints[j].axis[0] = prng_between(random, -0.5, 0.5);
+        cast->joints[j].from[0] = prng_below(random, 2) ? 0 : prng_between(random, -1, 1);
+    }
+    uint32_t few = prng_u32(random, 3);
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        uint64_t drawn = prng_below(random, few == 0 ? 3 : few == 1 ? 6 : 2);
+        cast->motion[i] = drawn == 0 ? TURNS : drawn == 1 && few < 2 ? GOES : STANDS;
+        cast->joint[i] = prng_u32(random, JOINTS);
+        double by[3] = {prng_between(random, -0.5, 0.5), prng_between(random, -0.5, 0.5),
+                        prng_between(random, -0.1, 0.1)};
+        for (uint32_t v = 0; v < vertices_of(cast, i); v++) {
+            for (int k = 0; k < 3; k++) {
+                cast->to[i][v][k] = cast->x[i][v][k] + by[k];
+            }
+        }
+    }
+}
+
+/* Stage it, of a scene that stands where the cast does; or of a new one. */
+static void cast_stage(const struct cast *cast, struct eng_scene *scene,
+                       const uint32_t *idx, bool is_new)
+{
+    uint32_t base = 0;
+    struct eng_bad_joint bad;
+    eng_stage_begin(scene);
+    assert_ok(eng_stage_joints(scene, cast->joints, JOINTS, &base, &bad));
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        const double(*x0)[3] = (const double(*)[3])cast->x[i];
+        const double(*x1)[3] =
+            cast->motion[i] == GOES ? (const double(*)[3])cast->to[i] : x0;
+        uint32_t count = vertices_of(cast, i);
+        if (idx[i] == UINT32_MAX) {
+            continue;
+        }
+        if (cast->motion[i] == TURNS) {
+            assert_ok(eng_stage_turning(scene, idx[i], base + cast->joint[i]));
+        } else if (is_new) {
+            assert_ok(eng_stage_x0x1(scene, idx[i], PCCD_FORMAT_F64, 0, count, x0, x1));
+        } else if (cast->motion[i] == GOES) {
+            assert_ok(eng_stage_x1(scene, idx[i], PCCD_FORMAT_F64, 0, count, x1));
+        }
+    }
+}
+
+/* Stand where the scene does now. */
+static void cast_follow(struct cast *cast, const struct eng_scene *scene,
+                        const uint32_t *idx)
+{
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        memcpy(cast->x[i], eng_scene_positions(scene, idx[i], 1),
+               vertices_of(cast, i) * sizeof *cast->x[i]);
+    }
+}
+
+/* A scene of those objects whose bits are set. */
+static struct eng_scene *cast_scene(const struct cast *cast, uint32_t which,
+                                    uint32_t idx[OBJECTS])
+{
+    struct eng_scene *scene = kit_scene();
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        idx[i] = UINT32_MAX;
+        if (which >> i & 1) {
+            assert_ok(eng_scene_add(scene, cast->mesh[i], i + 1, &idx[i]));
+        }
+    }
+    return scene;
+}
+
+static void draw_question(struct prng *random, struct eng_question *question)
+{
+    *question = (struct eng_question)ENG_QUESTION_DEFAULT;
+    question->mode = (enum pccd_mode)prng_below(random, 3);
+    question->distance = prng_below(random, 3) == 0 ? 0.01 : 0;
+}
+
+/* If it failed: a body would begin or end somewhere else than its joints say, or the next
+ * step would begin somewhere else. */
+CASE(turning__begins_and_ends_at_its_poses)
+{
+    const struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0.25, 0, 0, 1.25);
+    kit_begin_with(bar(0), kit_sheet(2, 3));
+    check_staging(kit.scene, kit.idx[0], &joint);
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    kit_step(kit.scene, &settings);
+    for (uint32_t end = 0; end < 2; end++) {
+        double m[12];
+        common_joint_transform(&joint, 0, end, m);
+        for (uint32_t v = 0; v < 8; v++) {
+            double x[3];
+            const struct eng_mesh *mesh = eng_scene_mesh(kit.scene, kit.idx[0]);
+            common_transform(m, eng_mesh_vertices(mesh)[v], x);
+            assert_memory_equal(x, eng_scene_positions(kit.scene, kit.idx[0], end)[v],
+                                sizeof x);
+        }
+    }
+    double ended[8][3];
+    memcpy(ended, eng_scene_positions(kit.scene, kit.idx[0], 1), sizeof ended);
+    kit_step(kit.scene, &settings);
+    for (uint32_t end = 0; end < 2; end++) {
+        assert_memory_equal(ended, eng_scene_positions(kit.scene, kit.idx[0], end),
+                            sizeof ended);
+    }
+}
+
+/* If it failed: a bar that turns through a post, and ends free of it, would miss it, as
+ * it does along its chord; or a step that is not staged would turn it once more. */
+CASE(turning__meets_what_its_arc_meets)
+{
+    const double low[3] = {0.6, 0.6, -1};
+    const double high[3] = {0.7, 0.7, 1};
+    const struct pccd_joint half = hinge(PCCD_NO_JOINT, 0, 0, 0, 2 * M_PI);
+    for (uint32_t way = 0; way < way_count(); way++) {
+        kit_begin_with(bar(0), kit_box(low, high, false));
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
+        way_choose(way, &settings);
+        assert_int_equal(kit_step(kit.scene, &settings).count, 0);
+        check_staging(kit.scene, kit.idx[0], &half);
+        struct eng_step_result result = kit_step(kit.scene, &settings);
+        assert_true(result.count > 0);
+        assert_true(result.toi_first > 0.1 && result.toi_first < 0.125);
+        assert_true(result.safe_step < result.toi_first);
+        assert_int_equal(result.incomplete, PCCD_COMPLETE);
+        assert_int_equal(kit_step(kit.scene, &settings).count, 0);
+        assert_int_equal(kit_step(kit.scene, &settings).count, 0);
+    }
+}
+
+/* If it failed: an answer would depend on the way in which it was found, or on the steps
+ * before. */
+CASE(turning__gives_the_same_bytes_in_every_way)
+{
+    struct prng random = {prng_seed()};
+    for (int sequence = 0; sequence < 24; sequence++) {
+        struct cast cast;
+        uint32_t idx[OBJECTS];
+        cast_begin(&cast, &random);
+        struct eng_scene *scene = cast_scene(&cast, UINT32_MAX, idx);
+        enum pccd_mode mode = (enum pccd_mode)(sequence % 3);
+        for (int s = 0; s < 5; s++) {
+            struct eng_question question;
+            struct eng_step_result result;
+            cast_draw(&cast, &random);
+            draw_question(&random, &question);
+            question.mode = s < 4 ? mode : question.mode;
+            struct eng_question plain = question;
+            struct answer want;
+            uint32_t fresh_idx[OBJECTS];
+            struct eng_scene *fresh = cast_scene(&cast, UINT32_MAX, fresh_idx);
+            cast_stage(&cast, fresh, fresh_idx, true);
+            result = kit_step(fresh, &plain);
+            answer_keep(&result, &want);
+            eng_scene_free(fresh);
+            way_draw(&random, 4, &question);
+            cast_stage(&cast, scene, idx, false);
+            result = kit_step(scene, &question);
+            const char *difference = answer_difference(&want, &result);
+            if (difference) {
+                char text[WAY_TEXT_MAX];
+                way_tell(&question, text);
+                fail_msg("seed %llu, sequence %d, step %d, mode %d, %s: %s",
+                         (unsigned long long)prng_seed(), sequence, s, (int)question.mode,
+                         text, difference);
+            }
+            answer_free(&want);
+            cast_follow(&cast, scene, idx);
+        }
+        eng_scene_free(scene);
+        cast_end(&cast);
+    }
+}
+
+static int compare_contacts(const void *a, const void *b)
+{
+    const struct pccd_contact *x = a;
+    const struct pccd_contact *y = b;
+    const uint32_t of_x[5] = {x->kind, x->object_a, x->feature_a, x->object_b,
+                              x->feature_b};
+    const uint32_t of_y[5] = {y->kind, y->object_a, y->feature_a, y->object_b,
+                              y->feature_b};
+    for (int i = 0; i < 5; i++) {
+        if (of_x[i] != of_y[i]) {
+            return of_x[i] < of_y[i] ? -1 : 1;
+        }
+    }
+    return 0;
+}
+
+/* If it failed: what two objects meet would depend on the others, or be lost beside
+ * them. */
+CASE(turning__is_the_union_of_what_each_two_give)
+{
+    struct prng random = {prng_seed() + 1};
+    for (int round = 0; round < 12; round++) {
+        struct cast cast;
+        uint32_t idx[OBJECTS];
+        cast_begin(&cast, &random);
+        cast_draw(&cast, &random);
+        struct eng_question question = ENG_QUESTION_DEFAULT;
+        question.distance = round % 2 ? 0.02 : 0;
+        struct pccd_contact *all = NULL;
+        uint64_t count = 0;
+        for (uint32_t a = 0; a < OBJECTS; a++) {
+            for (uint32_t b = a + 1; b < OBJECTS; b++) {
+                struct eng_scene *scene = cast_scene(&cast, 1u << a | 1u << b, idx);
+                const struct eng_object_filter filter = {1, UINT64_MAX, false};
+                assert_ok(eng_scene_set_filter(scene, idx[a], &filter));
+                assert_ok(eng_scene_set_filter(scene, idx[b], &filter));
+                cast_stage(&cast, scene, idx, false);
+                struct eng_step_result result = kit_step(scene, &question);
+                all = realloc(all, (count + result.count + 1) * sizeof *all);
+                assert_non_null(all);
+                memcpy(all + count, result.records, result.count * sizeof *all);
+                count += result.count;
+                eng_scene_free(scene);
+            }
+        }
+        qsort(all, count, sizeof *all, compare_contacts);
+        struct eng_scene *scene = cast_scene(&cast, UINT32_MAX, idx);
+        const struct eng_object_filter filter = {1, UINT64_MAX, false};
+        for (uint32_t i = 0; i < OBJECTS; i++) {
+            assert_ok(eng_scene_set_filter(scene, idx[i], &filter));
+        }
+        cast_stage(&cast, scene, idx, false);
+        struct eng_step_result result = kit_step(scene, &question);
+        assert_int_equal(result.count, count);
+        assert_memory_equal(result.records, all, count * sizeof *all);
+        eng_scene_free(scene);
+        free(all);
+        cast_end(&cast);
+    }
+}
+
+/* If it failed: masks, groups or ignored pairs would not hold for what turns; or it would
+ * meet itself. */
+CASE(turning__heeds_who_may_meet)
+{
+    const double low[3] = {0.6, 0.6, -1};
+    const double high[3] = {0.7, 0.7, 1};
+    const struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0, 0, 0, 3);
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    for (int how = 0; how < 4; how++) {
+        const struct eng_object_filter other = {2, 2, true};
+        kit_begin_with(bar(0), kit_box(low, high, false));
+        assert_ok(how == 1   ? eng_scene_set_filter(kit.scene, kit.idx[1], &other)
+                  : how == 2 ? eng_scene_ignore(kit.scene, kit.idx[1], kit.idx[0], true)
+                  : how == 3 ? eng_scene_remove(kit.scene, kit.idx[1])
+                             : 0);
+        check_staging(kit.scene, kit.idx[0], &joint);
+        assert_int_equal(kit_step(kit.scene, &settings).count > 0, how == 0);
+    }
+}
+
+/* If it failed: what stands would be looked for in every step, or what it is known to do
+ * would be lost, or kept for what has turned. Mode any asks for the rest of the scene. */
+CASE(turning__keeps_what_stands)
+{
+    const double low[3] = {0.6, 0.6, -1};
+    const double high[3] = {0.7, 0.7, 1};
+    for (enum pccd_mode mode = PCCD_MODE_ALL; mode <= PCCD_MODE_ANY; mode++) {
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
+        settings.mode = mode;
+        kit_begin_with(bar(0), kit_box(low, high, false));
+        kit_put(kit_sheet(20, 5));
+        kit_step(kit.scene, &settings);
+        kit_step(kit.scene, &settings);
+        for (int s = 0; s < 4; s++) { /* it meets in every other */
+            const struct pccd_joint joint =
+                hinge(PCCD_NO_JOINT, 0, 0, 0, s % 2 ? 3.0 : -0.5);
+            check_staging(kit.scene, kit.idx[0], &joint);
+            struct eng_step_result result = kit_step(kit.scene, &settings);
+            if (mode == PCCD_MODE_ANY) {
+                assert_int_equal(result.verdict,
+                                 s % 2 ? PCCD_VERDICT_YES : PCCD_VERDICT_NO);
+            } else {
+                assert_int_equal(result.count > 0, s % 2);
+            }
+            assert_int_equal(result.times.refit / 1000000, 0);
+            assert_true(s == 0 || result.counters.still_features == 0);
+        }
+    }
+}
+
+/* If it failed: a step would be answered that has no answer, or moved before it was
+ * refused. */
+CASE(turning__refuses_what_has_no_answer)
+{
+    const struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0, 0, 0, 3);
+    kit_begin_with(bar(0), bar(3));
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    kit_step(kit.scene, &settings);
+    double before[8][3];
+    memcpy(before, eng_scene_positions(kit.scene, kit.idx[0], 1), sizeof before);
+    for (int what = 0; what < 6; what++) {
+        struct eng_step_result result;
+        struct eng_question asked = ENG_QUESTION_DEFAULT;
+        assert_null(eng_turning_refuses(&asked));
+        asked.mode = what == 0 ? PCCD_MODE_PAIRS : PCCD_MODE_ALL;
+        asked.approach = what == 1 ? 0.5 : 0;
+        asked.touching = what == 2 ? PCCD_TOUCHING_LEFT_OUT : PCCD_TOUCHING_KEPT;
+        asked.tells_start = what == 3;
+        asked.span[0] = what == 4 ? 0.5 : 0;
+        asked.resolution = what == 5 ? -1 : 0;
+        assert_true(what == 5 || eng_turning_refuses(&asked));
+        check_staging(kit.scene, kit.idx[0], &joint);
+        assert_int_equal(eng_step(kit.scene, &asked, &result), PCCD_E_INVAL);
+        assert_memory_equal(before, eng_scene_positions(kit.scene, kit.idx[0], 1),
+                            sizeof before);
+    }
+    check_staging(kit.scene, kit.idx[0], &joint);
+    kit_step(kit.scene, &settings);
+    struct eng_step_result result;
+    settings.span[1] = 0.5; /* a part of the step that was */
+    assert_int_equal(eng_step(kit.scene, &settings, &result), PCCD_E_INVAL);
+}
+
+/* If it failed: a bad table would be staged, or not named; or staging that is given up
+ * would leave something. */
+CASE(staging__refuses_bad_joints)
+{
+    struct pccd_joint joints[2] = {hinge(PCCD_NO_JOINT, 0, 0, 0, 3),
+                                   hinge(1, 0, 0, 0, 3)};
+    uint32_t base;
+    struct eng_bad_joint bad;
+    kit_begin_with(bar(0), bar(3));
+    assert_int_equal(eng_stage_joints(kit.scene, joints, 2, &base, &bad), PCCD_E_INVAL);
+    assert_null(bad.why);
+    eng_stage_begin(kit.scene);
+    assert_int_equal(eng_stage_joints(kit.scene, joints, 2, &base, &bad), PCCD_E_INVAL);
+    assert_int_equal(bad.joint, 1);
+    assert_non_null(bad.why);
+    assert_int_equal(eng_stage_turning(kit.scene, kit.idx[0], 0), PCCD_E_INVAL);
+    joints[1].parent = 0;
+    assert_ok(eng_stage_joints(kit.scene, joints, 2, &base, &bad));
+    assert_ok(eng_stage_joints(kit.scene, joints, 2, &base, &bad));
+    assert_int_equal(base, 2);
+    assert_ok(eng_stage_turning(kit.scene, kit.idx[0], 3));
+    assert_int_equal(eng_stage_turning(kit.scene, kit.idx[1], 4), PCCD_E_INVAL);
+    assert_false(eng_stage_overlaps(kit.scene));
+    assert_ok(eng_stage_turning(kit.scene, kit.idx[0], 3));
+    assert_true(eng_stage_overlaps(kit.scene));
+    eng_stage_abort(kit.scene);
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    settings.mode = PCCD_MODE_PAIRS; /* nothing turns */
+    kit_step(kit.scene, &settings);
+}
+
+/* If it failed: a joint far down a chain would be refused, or one beyond the limit
+ * taken. */
+CASE(staging__takes_chains_up_to_the_limit)
+{
+    struct pccd_joint joints[129];
+    uint32_t base;
+    struct eng_bad_joint bad;
+    for (uint32_t i = 0; i < 129; i++) {
+        joints[i] = hinge(i == 0 ? PCCD_NO_JOINT : i - 1, 0.001, 0, 0, 0.01);
+    }
+    kit_begin_with(bar(0), bar(3));
+    eng_stage_begin(kit.scene);
+    assert_ok(eng_stage_joints(kit.scene, joints, 129, &base, &bad));
+    assert_int_equal(eng_stage_turning(kit.scene, kit.idx[0], 128), PCCD_E_LIMIT);
+    eng_stage_abort(kit.scene);
+    eng_stage_begin(kit.scene);
+    assert_ok(eng_stage_joints(kit.scene, joints, 129, &base, &bad));
+    assert_ok(eng_stage_turning(kit.scene, kit.idx[0], 127));
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    assert_int_equal(kit_step(kit.scene, &settings).incomplete, PCCD_COMPLETE);
+}
+
+/* If it failed: a step that is asked for in the loop would be computed there however long
+ * it takes, or not be computed at all. */
+CASE(turning__is_never_brief)
+{
+    const struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0, 0, 0, 3);
+    const double low[3] = {0.6, 0.6, -1};
+    const double high[3] = {0.7, 0.7, 1};
+    kit_begin_with(bar(0), kit_box(low, high, false));
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    struct eng_step_result result;
+    kit_step(kit.scene, &settings);
+    settings.alone = true;
+    assert_true(eng_step_can_be_brief(kit.scene, &settings, true));
+    settings.brief = true;
+    check_staging(kit.scene, kit.idx[0], &joint);
+    assert_int_equal(eng_step(kit.scene, &settings, &result), PCCD_E_AGAIN);
+    settings.brief = false;
+    assert_true(kit_step(kit.scene, &settings).count > 0);
+    assert_int_equal(kit_step(kit.scene, &settings).count, 0);
+}
