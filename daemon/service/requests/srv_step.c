@@ -296,6 +296,12 @@ static int explain(const struct srv_step_run *run, int status)
 {
     const struct eng_step_result *found = run->result;
     struct proto_error *error = run->staging.error;
+    const char *refused = eng_turning_refuses(run->question);
+    if (!run->params->is_near && status == PCCD_E_INVAL && refused != NULL) {
+        return proto_error_set(error, status,
+                               "the step: %s has no answer where objects turn",
+                               refused);
+    }
     if (!run->params->is_near) {
         return proto_error_set(error, status, "the step: %s", proto_status_text(status));
     }

@@ -56,6 +56,12 @@ static uint64_t append_sent(struct srv_sent *sent, const uint8_t **part, uint64_
     return offset;
 }
 
+static void add_entry(struct srv_sent *sent, const struct proto_segment *entry)
+{
+    PCCD_ASSERT(sent->segments < sent->segments_max);
+    memcpy(sent->slot + sent->segments++ * sizeof *entry, entry, sizeof *entry);
+}
+
 void srv_sent_add(struct srv_sent *sent, const struct proto_segment *segment,
                   uint64_t bytes, const uint8_t *parts[2])
 {
@@ -66,11 +72,28 @@ void srv_sent_add(struct srv_sent *sent, const struct proto_segment *segment,
     if (sent->status != 0) {
         return;
     }
-    PCCD_ASSERT(sent->segments < sent->segments_max);
     copy.offset0 =
         segment->kind == PROTO_SEGMENT_X1 ? 0 : append_sent(sent, &parts[0], bytes);
     copy.offset1 = append_sent(sent, &parts[1], bytes);
-    memcpy(sent->slot + sent->segments++ * sizeof copy, &copy, sizeof copy);
+    add_entry(sent, &copy);
+}
+
+/* Copy a table of joints whose head was read, and return the offset of the copy; then
+ * *joints points there, if it fits. */
+static uint64_t copy_joints(struct srv_sent *sent, const struct proto_joints *head,
+                            const uint8_t **joints)
+{
+    const uint8_t *first = (const uint8_t *)head;
+    uint64_t bytes = head->count * sizeof(struct pccd_joint);
+    if (sent->status == 0) {
+        sent->status = reserve_sent(sent, sizeof *head + bytes);
+    }
+    if (sent->status != 0) {
+        return 0;
+    }
+    uint64_t offset = append_sent(sent, &first, sizeof *head);
+    (void)append_sent(sent, joints, bytes);
+    return offset;
 }
 
 void srv_sent_end(struct srv_sent *sent)
@@ -96,25 +119,29 @@ static int check_segment(const struct srv_staging *staging,
                          uint64_t *bytes)
 {
     struct proto_error *error = staging->error;
-    if (segment->kind >= PROTO_SEGMENT_TURNING) {
+    if (segment->kind >= PROTO_SEGMENT_KIND_COUNT) {
         return proto_error_set(error, PCCD_E_SEGMENT, "segment %u: unknown kind %u", at,
                                segment->kind);
     }
     bool rigid = segment->kind == PROTO_SEGMENT_RIGID;
+    bool turning = segment->kind == PROTO_SEGMENT_TURNING;
     if (segment->format >= PCCD_FORMAT_COUNT ||
-        (rigid && segment->format != PCCD_FORMAT_F64)) {
+        ((rigid || turning) && segment->format != PCCD_FORMAT_F64)) {
         return proto_error_set(error, PCCD_E_SEGMENT, "segment %u: unknown format %u", at,
                                segment->format);
     }
     if (segment->count == 0) {
         return proto_error_set(error, PCCD_E_SEGMENT, "segment %u: no vertices", at);
     }
-    *bytes =
-        rigid ? PROTO_RIGID_BYTES : segment->count * common_vertex_bytes(segment->format);
+    *bytes = turning ? sizeof(struct proto_joints) /* what it says comes behind it */
+             : rigid ? PROTO_RIGID_BYTES
+                     : segment->count * common_vertex_bytes(segment->format);
     bool start_ok = segment->kind == PROTO_SEGMENT_X1
                         ? segment->offset0 == 0
                         : is_inside(staging, segment->offset0, *bytes);
-    if (!start_ok || !is_inside(staging, segment->offset1, *bytes)) {
+    bool end_ok =
+        turning ? segment->offset1 == 0 : is_inside(staging, segment->offset1, *bytes);
+    if (!start_ok || !end_ok) {
         return proto_error_set(
             error, PCCD_E_SEGMENT,
             "segment %u: offsets %llu and %llu with %llu bytes each do not fit in the "
@@ -158,6 +185,99 @@ static int copy_segment(const struct srv_staging *staging,
     srv_assert_failed("the kind was checked", __FILE__, __LINE__);
 }
 
+/* Stage the table of joints of segment `at`, unless that of the last such segment is the
+ * same; any other lies behind that, so that nothing is copied twice. */
+static int take_joints(struct srv_staging *staging, const struct proto_segment *segment,
+                       uint32_t at)
+{
+    struct srv_joints *joints = &staging->joints;
+    struct srv_scene *scene = staging->scene;
+    struct proto_error *error = staging->error;
+    struct proto_joints head;
+    struct eng_bad_joint bad = {0, NULL};
+    const uint8_t *from = staging->payload + segment->offset0;
+    if (segment->offset0 == joints->offset) {
+        return 0;
+    }
+    if (segment->offset0 < joints->end) {
+        return proto_error_set(error, PCCD_E_SEGMENT,
+                               "segment %u: a table of joints at %llu, which is neither "
+                               "the last one nor behind it",
+                               at, (unsigned long long)segment->offset0);
+    }
+    memcpy(&head, from,
+           sizeof head); /* the one read of the head, and below of the rest */
+    if (head.count == 0 || head.count > PROTO_JOINTS_MAX || head.reserved != 0 ||
+        !is_inside(staging, segment->offset0, PROTO_JOINTS_BYTES(head.count))) {
+        return proto_error_set(
+            error, PCCD_E_SEGMENT,
+            "segment %u: a table of %u joints (and %u, not 0) at %llu "
+            "does not fit in the slot's %llu bytes, or is not of 1 "
+            "to %u joints",
+            at, head.count, head.reserved, (unsigned long long)segment->offset0,
+            (unsigned long long)staging->payload_bytes, PROTO_JOINTS_MAX);
+    }
+    from += sizeof head;
+    if (scene->journals != NULL) {
+        joints->sent_from = copy_joints(&scene->sent, &head, &from);
+    }
+    int status = eng_stage_joints(scene->engine, from, head.count, &joints->base, &bad);
+    if (status == PCCD_E_INVAL && bad.why != NULL) {
+        return proto_error_set(error, PCCD_E_SEGMENT,
+                               "segment %u (object 0x%x): joint %u of its table: %s", at,
+                               segment->object, bad.joint, bad.why);
+    }
+    if (status != 0) {
+        return proto_error_set(error, status, "segment %u: %u joints: %s", at, head.count,
+                               proto_status_text(status));
+    }
+    joints->offset = segment->offset0;
+    joints->end = segment->offset0 + PROTO_JOINTS_BYTES(head.count);
+    joints->count = head.count;
+    staging->copied += PROTO_JOINTS_BYTES(head.count);
+    return 0;
+}
+
+/* Check and stage a segment of an object that turns. */
+static int take_turning(struct srv_staging *staging, const struct proto_segment *segment,
+                        const struct srv_placed *object, uint32_t at)
+{
+    struct srv_scene *scene = staging->scene;
+    if (segment->count != object->vertex_count) {
+        return proto_error_set(staging->error, PCCD_E_SEGMENT,
+                               "segment %u: %u vertices turn, object 0x%x has %u "
+                               "(generation %u of its mesh): all do or none",
+                               at, segment->count, segment->object, object->vertex_count,
+                               object->generation);
+    }
+    int status = take_joints(staging, segment, at);
+    if (status != 0) {
+        return status;
+    }
+    if (segment->first >= staging->joints.count) {
+        return proto_error_set(staging->error, PCCD_E_SEGMENT,
+                               "segment %u: object 0x%x hangs on joint %u, the table has "
+                               "%u",
+                               at, segment->object, segment->first,
+                               staging->joints.count);
+    }
+    if (scene->journals != NULL && scene->sent.status == 0) {
+        struct proto_segment copy = *segment;
+        copy.offset0 = staging->joints.sent_from;
+        add_entry(&scene->sent, &copy);
+    }
+    status = eng_stage_turning(scene->engine, object->engine_idx,
+                               staging->joints.base + segment->first);
+    return status == 0
+               ? 0
+               : proto_error_set(staging->error, status,
+                                 "segment %u (object 0x%x on joint %u): %s", at,
+                                 segment->object, segment->first,
+                                 status == PCCD_E_LIMIT
+                                     ? "more than 128 joints between it and the world"
+                                     : proto_status_text(status));
+}
+
 static bool may_move(const struct srv_staging *staging, const struct srv_placed *object)
 {
     return staging->member == NULL || object->member == staging->member;
@@ -182,6 +302,9 @@ static int take_segment(struct srv_staging *staging, const struct proto_segment 
         return proto_error_set(staging->error, PCCD_E_ACCESS,
                                "segment %u: object 0x%x is another session's", at,
                                segment->object);
+    }
+    if (segment->kind == PROTO_SEGMENT_TURNING) {
+        return take_turning(staging, segment, object, at);
     }
     if (segment->first >= object->vertex_count ||
         segment->count > object->vertex_count - segment->first) {
@@ -272,9 +395,20 @@ int srv_stage(struct srv_staging *staging)
     return torn != 0 ? torn : status;
 }
 
-/* Return where the last segment of a copied table ends; 0: something is wrong with one,
- * and the error is set. */
-static uint64_t extent_of(const struct srv_staging *staging)
+/* Return where a table of joints ends, as its head says now: whoever stages the copy
+ * reads that one. Beyond the payload: where that ends. */
+static uint64_t end_of_joints(const struct srv_staging *staging, const uint8_t *payload,
+                              uint64_t offset)
+{
+    struct proto_joints head;
+    memcpy(&head, payload + offset, sizeof head);
+    uint64_t end = offset + PROTO_JOINTS_BYTES(head.count);
+    return end < staging->payload_bytes ? end : staging->payload_bytes;
+}
+
+/* Return where the last segment of a copied table ends, of a slot whose payload is not
+ * copied yet; 0: something is wrong with one, and the error is set. */
+static uint64_t extent_of(const struct srv_staging *staging, const uint8_t *payload)
 {
     uint64_t extent = staging->tables_bytes;
     for (uint32_t at = 0; at < staging->slot.segments; at++) {
@@ -286,6 +420,9 @@ static uint64_t extent_of(const struct srv_staging *staging)
         }
         uint64_t end0 = segment.offset0 == 0 ? 0 : segment.offset0 + bytes;
         uint64_t end1 = segment.offset1 + bytes;
+        if (segment.kind == PROTO_SEGMENT_TURNING) {
+            end0 = end1 = end_of_joints(staging, payload, segment.offset0);
+        }
         extent = end0 > extent ? end0 : extent;
         extent = end1 > extent ? end1 : extent;
     }
@@ -317,7 +454,7 @@ int srv_stage_keep(struct srv_ring *ring, const struct srv_slot_ref *slot,
     }
     memcpy(new, payload, staging.tables_bytes); /* the one read of the table */
     staging.payload = new;
-    *bytes = extent_of(&staging);
+    *bytes = extent_of(&staging, payload);
     if (*bytes > 0) {
         memcpy(new + staging.tables_bytes, payload + staging.tables_bytes,
                *bytes - staging.tables_bytes);

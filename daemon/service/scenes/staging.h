@@ -19,6 +19,15 @@ struct srv_slot_ref {
 #define SRV_SLOT_OF(request)                                                             \
     ((const struct srv_slot_ref){(request)->slot, (request)->segments, (request)->seq})
 
+/* The table of joints that was staged last. All zeros: none was. */
+struct srv_joints {
+    uint64_t offset; /* in the payload, and .. */
+    uint64_t end;    /* .. behind it */
+    uint32_t count;
+    uint32_t base;      /* of them in the scene's step */
+    uint64_t sent_from; /* offset of the copy for journals */
+};
+
 /* The motion of one scene by a request, while it is staged. */
 struct srv_staging {
     struct srv_scene *scene;         /* has its staging open */
@@ -30,7 +39,8 @@ struct srv_staging {
     struct proto_segment *table; /* [slot.segments] */
     uint64_t tables_bytes;       /* before the positions; 0: `table` is only room for what
                                   * the payload begins with */
-    uint64_t copied;             /* bytes so far */
+    struct srv_joints joints;
+    uint64_t copied; /* bytes so far */
     struct proto_error *error;
 };
 
