@@ -41,6 +41,9 @@ struct eng_turning_limits {
     double delta;       /* positive; how near is possible, see below */
     double tolerance;   /* 1e-12 .. 1, of the bracket of a contact that is proved */
     double t_end;       /* who begins later is not wanted */
+    /* Known: before `from` and after `to` the pair is farther apart than r + 4 delta. The
+     * answer is the same, but sooner. Zeros: nothing is known. */
+    double from, to;
     uint32_t looks_max; /* at spans of time, each some 0.05 to 3 microseconds */
     /* Asked every so many looks, at least every 0.2 ms; NULL: never. */
     bool (*should_stop)(void *owner);
@@ -81,7 +84,8 @@ struct eng_turning_answer {
 
 #define ENG_TURNING_LOOKS_AHEAD 64u
 
-/* Decide a pair; `poses` has the path of its turning side. */
+/* Decide a pair; `poses` has the path of its turning side. What is known of from and to
+ * changes nothing but how many looks it takes. */
 enum eng_turning_verdict eng_turning_decide(struct eng_poses *poses,
                                             const struct eng_turning_pair *pair,
                                             const struct eng_turning_limits *limits,

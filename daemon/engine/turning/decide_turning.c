@@ -466,6 +466,14 @@ static bool is_known(const struct decider *decider, const struct found *found)
            found->free_until > decider->limits->t_end;
 }
 
+/* Return whether the caller knows that the first span is free. */
+static bool is_known_free(const struct decider *decider)
+{
+    const struct eng_turning_limits *limits = decider->limits;
+    return decider->ends[decider->count - 1].t <= limits->from ||
+           (limits->to > 0 && decider->begin.t >= limits->to);
+}
+
 /* Look at the first span that is left. Return whether the answer is known. */
 static bool look_at_first(struct decider *decider, struct found *found)
 {
@@ -474,6 +482,11 @@ static bool look_at_first(struct decider *decider, struct found *found)
     if (decider->ends[decider->count - 1].t > found->met_by) {
         decider->count = 0;
         push(decider, found->met_by);
+    }
+    if (is_known_free(decider)) {
+        pass(decider);
+        found->free_until = found->is_possible ? found->free_until : decider->begin.t;
+        return is_known(decider, found);
     }
     set_span(decider, &decider->begin, &decider->ends[decider->count - 1], &span);
     const double precision = precision_of(decider, &span);

@@ -2,6 +2,7 @@
 #include "pace.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "vec.h"
 
@@ -80,6 +81,30 @@ double eng_path_bend(const struct eng_path *path, const struct eng_path_box *box
     return pace_of(path, box, t1).bend;
 }
 
+/* Set way[0] + way[1] |b| to at least how far a point b of the link goes within a time h:
+ * a turn takes none farther than twice its distance from the axis. */
+static void bound_way(const struct eng_path *path, double h, double way[2])
+{
+    double far = path->far;
+    double arm = far;
+    way[0] = 0;
+    way[1] = 0;
+    for (uint32_t i = path->count; i-- > 0;) {
+        const struct eng_path_joint *joint = &path->joints[i];
+        double w = joint->rate;
+        if (joint->kind == PCCD_JOINT_SHIFT) {
+            way[0] += w * h;
+            far += w;
+        } else {
+            double part = eng_least(w * h, 2);
+            way[0] += part * (joint->kind == PCCD_JOINT_TURN ? arm : far);
+            way[1] += part;
+        }
+        arm = far + joint->arm;
+        far += joint->far;
+    }
+}
+
 void eng_path_span(const struct eng_path *path, double t0, double t1,
                    const struct eng_path_pose *begin, const struct eng_path_pose *middle,
                    const struct eng_path_pose *end, struct eng_path_span *span)
@@ -91,6 +116,16 @@ void eng_path_span(const struct eng_path *path, double t0, double t1,
     }
     for (int i = 0; i < 2; i++) {
         span->error[i] = (4 * path->error[i] + cube * path->jerk[i]) * ENG_PACE_SLOP;
+    }
+    if (cube * path->jerk[1] > 1) {
+        double way[2];
+        bound_way(path, h, way);
+        way[0] *= ENG_PACE_SLOP;
+        way[1] *= 1.75 * ENG_PACE_SLOP;
+        if (way[0] <= span->error[0] && way[1] <= span->error[1]) {
+            memset(span->m, 0, sizeof span->m);
+            memcpy(span->error, way, sizeof way);
+        }
     }
 }
 

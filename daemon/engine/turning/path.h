@@ -41,6 +41,7 @@ struct eng_path {
     uint32_t count;
     double last[12]; /* from the frame of the link that moves to that of the last joint */
     double error[2]; /* as in struct eng_path_pose, at all times */
+    double far;      /* at least the distance of the origin of that link in that frame */
     double jerk[2];  /* |x'''| is at most jerk[0] + jerk[1] max(|x|, |y|, |z|) of b */
     struct eng_path_joint joints[ENG_PATH_JOINTS_MAX];
 };
@@ -87,7 +88,8 @@ double eng_path_bend(const struct eng_path *path, const struct eng_path_box *box
  * several times less than bend (t1 - t0)^2 / 8 is, and costs less, where the poses are
  * there. */
 struct eng_path_span {
-    double m[12];    /* the pose at the middle, less the mean of those at the ends */
+    double m[12]; /* the pose at the middle, less the mean of those at the ends; or 0, if
+                   * all that joints can do is less than is known by that */
     double error[2]; /* of that, and for what is between, as in struct eng_path_pose */
 };
 

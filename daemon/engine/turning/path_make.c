@@ -65,10 +65,14 @@ static void grow_place(struct errors *errors, double length, double error)
                     SLOP;
 }
 
+/* Multiply by a rotation; an error of 0: it takes axes to axes, and the product is
+ * exact. */
 static void turn_fixed(struct maker *maker, const double rotation[12], double error)
 {
     eng_rotation_multiply(maker->fixed, rotation);
-    grow_turn(&maker->fixed_errors, error);
+    if (error > 0) {
+        grow_turn(&maker->fixed_errors, error);
+    }
 }
 
 static void shift_fixed(struct maker *maker, const double d[3], double error)
@@ -160,9 +164,9 @@ static void set_unit(double u[3], const double axis[3])
     }
 }
 
-/* Set r to a rotation that takes z to an axis.
+/* Set r to a rotation that takes z to an axis, and return its error.
  * Source: Duff et al.: Building an orthonormal basis, revisited, 2017. */
-static void set_frame(double r[12], const double axis[3])
+static double set_frame(double r[12], const double axis[3])
 {
     double u[3];
     set_unit(u, axis);
@@ -182,14 +186,16 @@ static void set_frame(double r[12], const double axis[3])
                              u[2],
                              0};
     memcpy(r, rows, sizeof rows);
+    bool is_straight = (u[0] != 0) + (u[1] != 0) + (u[2] != 0) == 1;
+    return is_straight ? 0 : AXIS_ERROR;
 }
 
 static void add_turn(struct maker *maker, const double axis[3],
                      struct eng_path_joint *joint)
 {
     double frame[12];
-    set_frame(frame, axis);
-    turn_fixed(maker, frame, AXIS_ERROR);
+    double error = set_frame(frame, axis);
+    turn_fixed(maker, frame, error);
     if (joint->by[0] != 0) {
         add_joint(maker, PCCD_JOINT_TURN, joint);
     } else {
@@ -199,7 +205,7 @@ static void add_turn(struct maker *maker, const double axis[3],
         grow_turn(&maker->fixed_errors, TURN_ERROR);
     }
     transpose(frame);
-    turn_fixed(maker, frame, AXIS_ERROR);
+    turn_fixed(maker, frame, error);
 }
 
 static void add_shift(struct maker *maker, struct eng_path_joint *joint, double error)
@@ -332,12 +338,12 @@ static int list_joints(const struct pccd_joint *joints, uint32_t of, uint32_t to
 static void set_jerk(struct eng_path *path)
 {
     const double origin[3] = {path->last[3], path->last[7], path->last[11]};
-    double far = length_of(origin) + path->error[0];
     double rate = 0;
     for (uint32_t i = 0; i < path->count; i++) {
         rate += path->joints[i].kind == PCCD_JOINT_SHIFT ? 0 : path->joints[i].rate;
     }
-    path->jerk[0] = eng_pace_bound(path, far, far, 1).jerk;
+    path->far = length_of(origin) + path->error[0];
+    path->jerk[0] = eng_pace_bound(path, path->far, path->far, 1).jerk;
     path->jerk[1] = 1.75 * rate * rate * rate * SLOP;
 }
 

@@ -69,6 +69,23 @@ static inline f4 abs4(f4 x)
     return eng_max4(x, -x);
 }
 
+static inline float least(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static inline float most(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+/* Return the least of four. */
+static inline float least_of(f4 x)
+{
+    f4 halves = eng_min4(x, (f4){x[2], x[3], x[0], x[1]});
+    return least(halves[0], halves[1]);
+}
+
 static inline unsigned bits_of(eng_i4 x)
 {
 #ifdef __SSE__
@@ -87,6 +104,24 @@ static inline f4 load4(const float *x)
 static inline eng_i4 are_apart(f4 d0, f4 d1, f4 reach)
 {
     return eng_max4(eng_min4(d0, d1), eng_min4(-d0, -d1)) > reach;
+}
+
+/* ---- spans of time ---------------------------------------------------------------- */
+
+/* Return how long a span is. */
+static double length_of(struct eng_sweep_span span)
+{
+    return 1.0 / (double)(1u << span.depth);
+}
+
+static double begin_of(struct eng_sweep_span span)
+{
+    return span.index * length_of(span);
+}
+
+static struct eng_sweep_span half_of(struct eng_sweep_span span, uint32_t which)
+{
+    return (struct eng_sweep_span){span.index * 2 + which, (uint16_t)(span.depth + 1), 0};
 }
 
 /* ---- where the sides are in a span ------------------------------------------------- */
@@ -136,7 +171,7 @@ static void set_bow(const struct eng_sweep *sweep, double t0, double t1,
 static void make_frame(const struct eng_sweep *sweep, struct eng_sweep_span span,
                        struct eng_sweep_frame *frame)
 {
-    double h = ldexp(1, -(int)span.depth);
+    double h = length_of(span);
     double u[3][3];
     double off[3];
     memset(frame, 0, sizeof *frame);
@@ -168,7 +203,7 @@ static void make_frame(const struct eng_sweep *sweep, struct eng_sweep_span span
     for (int c = 0; c < 3; c++) {
         for (int k = 0; k < AXES; k++) {
             frame->rb_most[c][k] =
-                fmaxf(fabsf(frame->rb[0][c][k]), fabsf(frame->rb[1][c][k]));
+                most(fabsf(frame->rb[0][c][k]), fabsf(frame->rb[1][c][k]));
         }
     }
     frame->slack = sweep->slack + 0x1p-18f * (float)far;
@@ -186,7 +221,7 @@ static const struct eng_sweep_frame *frame_of(const struct eng_sweep *sweep,
     return frame;
 }
 
-static float length_of(f4 x)
+static float norm_of(f4 x)
 {
     f4 square = x * x;
     return sqrtf(square[0] + square[1] + square[2]);
@@ -208,7 +243,7 @@ static inline f4 bow_along(const struct eng_sweep_frame *frame, int from,
 
 static float bow_of(const struct eng_sweep_frame *frame, const struct item *b)
 {
-    return length_of(bow_along(frame, 0, b)) + frame->bow_error;
+    return norm_of(bow_along(frame, 0, b)) + frame->bow_error;
 }
 
 /* Return how far its middle goes in the span. */
@@ -218,7 +253,7 @@ static float way_of(const struct eng_sweep_frame *frame, const struct item *b)
     for (int c = 0; c < 3; c++) {
         way += (load4(frame->rb[1][c]) - load4(frame->rb[0][c])) * all4(b->centre[0][c]);
     }
-    return length_of(way);
+    return norm_of(way);
 }
 
 /* By how much the boxes have to be apart at both ends of a span, the rounding of that
@@ -226,16 +261,6 @@ static float way_of(const struct eng_sweep_frame *frame, const struct item *b)
 static float margin_of(const struct eng_sweep *sweep, const struct eng_sweep_frame *frame)
 {
     return (sweep->margin + frame->bow_error) * (1 + 0x1p-18f) + frame->slack;
-}
-
-static double begin_of(struct eng_sweep_span span)
-{
-    return ldexp(span.index, -(int)span.depth);
-}
-
-static struct eng_sweep_span half_of(struct eng_sweep_span span, uint32_t which)
-{
-    return (struct eng_sweep_span){span.index * 2 + which, (uint16_t)(span.depth + 1), 0};
 }
 
 /* ---- nodes ------------------------------------------------------------------------- */
@@ -254,7 +279,7 @@ static void set_boxes(struct item *item, const struct eng_body *body, uint32_t n
         for (int k = 0; k < 3; k++) {
             item->centre[end][k] = boxes->centre[k][which];
             item->half[end][k] = boxes->half[k][which];
-            item->size = fmaxf(item->size, item->half[end][k]);
+            item->size = most(item->size, item->half[end][k]);
         }
         item->centre[end][3] = item->half[end][3] = 0;
     }
@@ -279,7 +304,7 @@ static struct item root_of(const struct eng_sweep *sweep, uint32_t side)
         double half = eng_most(body->box.hi[k] - body->origin[k],
                                body->origin[k] - body->box.lo[k]);
         root.half[0][k] = root.half[1][k] = eng_round_up(half * (1 + 0x1p-20));
-        root.size = fmaxf(root.size, root.half[0][k]);
+        root.size = most(root.size, root.half[0][k]);
     }
     return root;
 }
@@ -470,7 +495,7 @@ static unsigned may_meet_of_b(struct eng_sweep *sweep, struct eng_sweep_span spa
     return ~bits_of(apart) & 15u;
 }
 
-/* ---- spans ------------------------------------------------------------------------- */
+/* ---- which spans are left ---------------------------------------------------------- */
 
 static void look(struct eng_sweep *sweep, uint32_t looks)
 {
@@ -503,9 +528,9 @@ static bool is_long(const struct eng_sweep *sweep, struct eng_sweep_span span,
                     const struct item *b, float bend_most, float motion_most)
 {
     const struct eng_sweep_frame *frame = frame_of(sweep, span);
-    float least = (float)sweep->fineness;
-    return span.depth < DEPTH_MAX && (bow_of(frame, b) > fmaxf(bend_most, least) ||
-                                      way_of(frame, b) > fmaxf(motion_most, least));
+    float finest = (float)sweep->fineness;
+    return span.depth < DEPTH_MAX && (bow_of(frame, b) > most(bend_most, finest) ||
+                                      way_of(frame, b) > most(motion_most, finest));
 }
 
 /* Push the parts of a span, in which the two may meet, that are short beside the two and
@@ -513,7 +538,7 @@ static bool is_long(const struct eng_sweep *sweep, struct eng_sweep_span span,
 static void push_parts(struct eng_sweep *sweep, const struct item *a,
                        const struct item *b, struct eng_sweep_span span)
 {
-    float size = fmaxf(fmaxf(a->size, b->size), sweep->margin);
+    float size = most(most(a->size, b->size), sweep->margin);
     if (begin_of(span) > sweep->t_end || sweep->stops) {
         return;
     }
@@ -545,14 +570,14 @@ struct leaves {
     const struct item *item[2];
     uint32_t count;
     struct leaf_pair pairs[LEAF_PAIRS];
-    float a[2][3][3]; /* [end][corner] */
-    float b[3][3];
+    f4 a[2][3]; /* [end][axis], of each corner, the first once more */
+    f4 b[3];
 };
 
 /* Corners in a span, at both ends of it, along an axis. */
 struct along {
-    float a[2][3];
-    float b[2][3];
+    f4 a[2];
+    f4 b[2];
 };
 
 #define LEAF_AXES 5
@@ -640,24 +665,26 @@ static void load_corners(const struct eng_sweep *sweep, struct leaves *leaves)
         const struct eng_body *body = sweep->body[side];
         const uint32_t *v =
             body->mesh->leaves[leaves->item[side]->child & ~ENG_BODY_LEAF].v;
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 4; i++) {
+            uint32_t vertex = v[i % 3];
             for (int k = 0; k < 3; k++) {
-                double from = body->origin[k];
-                if (side == 1) {
-                    leaves->b[i][k] = (float)(body->x[0][v[i]][k] - from);
+                float x0 = (float)(body->x[0][vertex][k] - body->origin[k]);
+                float x1 = (float)(body->x[1][vertex][k] - body->origin[k]);
+                if (side == 0) {
+                    leaves->a[0][k][i] = x0;
+                    leaves->a[1][k][i] = x1;
                 } else {
-                    leaves->a[0][i][k] = (float)(body->x[0][v[i]][k] - from);
-                    leaves->a[1][i][k] = (float)(body->x[1][v[i]][k] - from);
+                    leaves->b[k][i] = x0;
                 }
             }
         }
     }
 }
 
-/* The corners of both in a span: at both ends [end][corner]. */
+/* The corners of both in a span: at both ends [end][axis]. */
 struct corners {
-    float a[2][3][3];
-    float b[2][3][3];
+    f4 a[2][3];
+    f4 b[2][3];
     f4 bow; /* of the middle of the box of side 1, and what is around it */
     f4 bow_around;
     float margin;
@@ -674,44 +701,41 @@ static void set_corners(const struct eng_sweep_frame *frame, const struct leaves
         corners->bow_around += abs4(load4(frame->bow[c])) * all4(item->half[0][c]);
     }
     for (int end = 0; end < 2; end++) {
-        for (int i = 0; i < 3; i++) {
-            const float *b = leaves->b[i];
-            for (int k = 0; k < 3; k++) {
-                float from = leaves->a[0][i][k];
-                corners->a[end][i][k] =
-                    from + (leaves->a[1][i][k] - from) * frame->t[end];
-                corners->b[end][i][k] = frame->off[end][k] + frame->rb[end][0][k] * b[0] +
-                                        frame->rb[end][1][k] * b[1] +
-                                        frame->rb[end][2][k] * b[2];
+        for (int k = 0; k < 3; k++) {
+            f4 from = leaves->a[0][k];
+            corners->a[end][k] = from + (leaves->a[1][k] - from) * all4(frame->t[end]);
+            corners->b[end][k] = all4(frame->off[end][k]);
+            for (int c = 0; c < 3; c++) {
+                corners->b[end][k] += all4(frame->rb[end][c][k]) * leaves->b[c];
             }
         }
     }
 }
 
 /* Set the unit vector across two vectors; zeros if there is none. */
-static void set_across(const float u[3], const float v[3], float n[3])
+static void set_across(const double u[3], const double v[3], float n[3])
 {
-    double a[3] = {(double)u[0], (double)u[1], (double)u[2]};
-    double b[3] = {(double)v[0], (double)v[1], (double)v[2]};
     double c[3];
-    eng_cross(c, a, b);
+    eng_cross(c, u, v);
     double length = sqrt(eng_dot(c, c));
     for (int k = 0; k < 3; k++) {
         n[k] = length > 0 && length < INFINITY ? (float)(c[k] / length) : 0;
     }
 }
 
-static void set_edge(const float x[2][3][3], int from, int to, float edge[3])
+/* Set the mean of an edge at both ends, twice. */
+static void set_edge(const f4 x[2][3], uint32_t from, uint32_t to, double edge[3])
 {
     for (int k = 0; k < 3; k++) {
-        edge[k] = x[0][to][k] - x[0][from][k] + (x[1][to][k] - x[1][from][k]);
+        f4 sum = x[0][k] + x[1][k];
+        edge[k] = (double)sum[to] - (double)sum[from];
     }
 }
 
-static void set_normal(const float x[2][3][3], float n[3])
+static void set_normal(const f4 x[2][3], float n[3])
 {
-    float u[3];
-    float v[3];
+    double u[3];
+    double v[3];
     set_edge(x, 0, 1, u);
     set_edge(x, 0, 2, v);
     set_across(u, v, n);
@@ -721,12 +745,10 @@ static void set_along(const struct corners *corners, const float n[3],
                       struct along *along)
 {
     for (int end = 0; end < 2; end++) {
-        for (int i = 0; i < 3; i++) {
-            const float *a = corners->a[end][i];
-            const float *b = corners->b[end][i];
-            along->a[end][i] = n[0] * a[0] + n[1] * a[1] + n[2] * a[2];
-            along->b[end][i] = n[0] * b[0] + n[1] * b[1] + n[2] * b[2];
-        }
+        const f4 *a = corners->a[end];
+        const f4 *b = corners->b[end];
+        along->a[end] = all4(n[0]) * a[0] + all4(n[1]) * a[1] + all4(n[2]) * a[2];
+        along->b[end] = all4(n[0]) * b[0] + all4(n[1]) * b[1] + all4(n[2]) * b[2];
     }
 }
 
@@ -742,27 +764,27 @@ static float margin_along(const struct corners *corners, const float n[3])
     return (fabsf(bow) + around) * (1 + 0x1p-18f) + corners->margin;
 }
 
+#define O 0.0f
+#define X INFINITY
+/* By which corners count: infinity for those that do not. */
+static const f4 left_out[8] = {{X, X, X, X}, {O, X, X, O}, {X, O, X, X}, {O, O, X, O},
+                               {X, X, O, X}, {O, X, O, O}, {X, O, O, X}, {O, O, O, O}};
+#undef O
+#undef X
+
 /* Return whether some corners of either are apart along an axis at both ends. */
-static bool are_apart_along(const struct along *along, uint32_t of_a, uint32_t of_b,
-                            float margin)
+static inline bool are_apart_along(const struct along *along, uint32_t of_a,
+                                   uint32_t of_b, float margin)
 {
-    float below = INFINITY; /* how far b is above a, and below it */
-    float above = INFINITY;
+    f4 out_a = left_out[of_a];
+    f4 out_b = left_out[of_b];
+    float above = INFINITY; /* how far b is above a, and below it */
+    float below = INFINITY;
     for (int end = 0; end < 2; end++) {
-        float low[2] = {INFINITY, INFINITY};
-        float high[2] = {-INFINITY, -INFINITY};
-        for (int i = 0; i < 3; i++) {
-            if (of_a >> i & 1) {
-                low[0] = fminf(low[0], along->a[end][i]);
-                high[0] = fmaxf(high[0], along->a[end][i]);
-            }
-            if (of_b >> i & 1) {
-                low[1] = fminf(low[1], along->b[end][i]);
-                high[1] = fmaxf(high[1], along->b[end][i]);
-            }
-        }
-        above = fminf(above, low[1] - high[0]);
-        below = fminf(below, low[0] - high[1]);
+        f4 a = along->a[end];
+        f4 b = along->b[end];
+        above = least(above, least_of(b + out_b) + least_of(out_a - a));
+        below = least(below, least_of(a + out_a) + least_of(out_b - b));
     }
     return above > margin || below > margin;
 }
@@ -772,11 +794,11 @@ static bool are_apart_across(const struct corners *corners, const struct leaf_pa
 {
     uint32_t place_a = one->pair.place[0];
     uint32_t place_b = one->pair.place[1];
-    float edge[2][3];
+    double edge[2][3];
     float n[3];
     struct along along;
-    set_edge(corners->a, (int)place_a, (int)(place_a + 1) % 3, edge[0]);
-    set_edge(corners->b, (int)place_b, (int)(place_b + 1) % 3, edge[1]);
+    set_edge(corners->a, place_a, (place_a + 1) % 3, edge[0]);
+    set_edge(corners->b, place_b, (place_b + 1) % 3, edge[1]);
     set_across(edge[0], edge[1], n);
     set_along(corners, n, &along);
     return are_apart_along(&along, one->points[0], one->points[1],
@@ -810,8 +832,8 @@ static void look_at_leaves(struct eng_sweep *sweep, struct leaves *leaves,
             return;
         }
     }
-    float size = fmaxf(fmaxf(fminf(a->size, b->size), sweep->margin),
-                       LARGER_PART * fmaxf(a->size, b->size));
+    float size = most(most(least(a->size, b->size), sweep->margin),
+                      LARGER_PART * most(a->size, b->size));
     if (is_long(sweep, span, b, LEAF_BEND_PART * size, LEAF_MOTION_PART * size)) {
         look_at_leaves(sweep, leaves, half_of(span, 0));
         look_at_leaves(sweep, leaves, half_of(span, 1));
@@ -829,7 +851,7 @@ static void look_at_leaves(struct eng_sweep *sweep, struct leaves *leaves,
         }
         if (!is_apart) {
             double begin = begin_of(span);
-            double end = begin + ldexp(1, -(int)span.depth);
+            double end = begin + length_of(span);
             one->pair.span[0] = fmin(one->pair.span[0], begin);
             one->pair.span[1] = fmax(one->pair.span[1], end);
         }
@@ -995,13 +1017,13 @@ static uint32_t divide(struct eng_sweep *sweep, uint64_t task, uint64_t parts[4]
     return count;
 }
 
-uint32_t eng_sweep_split(struct eng_sweep *sweep, uint32_t most, uint64_t *tasks)
+uint32_t eng_sweep_split(struct eng_sweep *sweep, uint32_t limit, uint64_t *tasks)
 {
     uint32_t count = 1;
     uint32_t next = 0;
     uint32_t unchanged = 0; /* tasks in succession that stayed as they are */
     tasks[0] = ENG_SWEEP_ALL;
-    while (count > 0 && count + 3 <= most && unchanged < count && !sweep->stops) {
+    while (count > 0 && count + 3 <= limit && unchanged < count && !sweep->stops) {
         uint64_t parts[4];
         uint64_t task = tasks[next];
         uint32_t n = divide(sweep, task, parts);

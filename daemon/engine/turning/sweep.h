@@ -69,9 +69,9 @@ uint64_t eng_sweep_bytes(const struct eng_sweep *sweep);
 /* Get ready for two bodies, when what the caller sets is set. */
 void eng_sweep_begin(struct eng_sweep *sweep);
 
-/* Divide the work into at most `most` >= 1 tasks, each a child of a node of either side;
+/* Divide the work into at most `limit` >= 1 tasks, each a child of a node of either side;
  * returns how many. */
-uint32_t eng_sweep_split(struct eng_sweep *sweep, uint32_t most, uint64_t *tasks);
+uint32_t eng_sweep_split(struct eng_sweep *sweep, uint32_t limit, uint64_t *tasks);
 
 #define ENG_SWEEP_ALL 0u /* a task: both trees */
 
