@@ -21,8 +21,16 @@
 
 #define DEPTH_MAX 30u
 
-/* Nodes and spans that are looked at before should_stop is asked: some 40 ns each. */
-#define LOOKS 2048u
+/* Spans of the stack: from here on none is divided, which leaves more to be decided; a
+ * run ends that needs still more; so many are kept for the next two bodies. */
+#define SPANS_DIVIDED (1u << 18)
+#define SPANS_MOST    (1u << 22)
+#define SPANS_KEPT    (1u << 14)
+
+/* Nodes and spans that are looked at before should_stop is asked: some 20 ns each, and a
+ * span whose frame has to be made. */
+#define LOOKS          2048u
+#define LOOKS_OF_FRAME 32u
 
 #define FRAMES 128u /* a power of two */
 
@@ -210,12 +218,28 @@ static void make_frame(const struct eng_sweep *sweep, struct eng_sweep_span span
     set_bow(sweep, span.index * h, (span.index + 1) * h, (const double(*)[3])u, frame);
 }
 
-static const struct eng_sweep_frame *frame_of(const struct eng_sweep *sweep,
+/* Count what is looked at. */
+static void look(struct eng_sweep *sweep, uint32_t looks)
+{
+    if (sweep->looks_left > looks) {
+        sweep->looks_left -= looks;
+        return;
+    }
+    sweep->looks_left = LOOKS;
+    sweep->stops |= sweep->should_stop(sweep->owner);
+    if (sweep->box_tests + sweep->leaf_tests > sweep->tests_most && !sweep->stops) {
+        sweep->status = PCCD_E_LIMIT;
+        sweep->stops = true;
+    }
+}
+
+static const struct eng_sweep_frame *frame_of(struct eng_sweep *sweep,
                                               struct eng_sweep_span span)
 {
     uint32_t place = ((1u << span.depth) + span.index) % FRAMES;
     struct eng_sweep_frame *frame = &sweep->frames[place];
     if (frame->span.index != span.index || frame->span.depth != span.depth) {
+        look(sweep, LOOKS_OF_FRAME);
         make_frame(sweep, span, frame);
     }
     return frame;
@@ -497,24 +521,12 @@ static unsigned may_meet_of_b(struct eng_sweep *sweep, struct eng_sweep_span spa
 
 /* ---- which spans are left ---------------------------------------------------------- */
 
-static void look(struct eng_sweep *sweep, uint32_t looks)
-{
-    if (sweep->looks_left > looks) {
-        sweep->looks_left -= looks;
-        return;
-    }
-    sweep->looks_left = LOOKS;
-    sweep->stops |= sweep->should_stop(sweep->owner);
-    if (sweep->box_tests + sweep->leaf_tests > sweep->tests_most && !sweep->stops) {
-        sweep->status = PCCD_E_LIMIT;
-        sweep->stops = true;
-    }
-}
-
 static void push(struct eng_sweep *sweep, struct eng_sweep_span span)
 {
-    int status = eng_array_extend(&sweep->spans, &sweep->span_capacity,
-                                  sweep->span_count + 1, sizeof *sweep->spans);
+    int status = sweep->span_count == SPANS_MOST
+                     ? PCCD_E_LIMIT
+                     : eng_array_extend(&sweep->spans, &sweep->span_capacity,
+                                        sweep->span_count + 1, sizeof *sweep->spans);
     if (status != PCCD_OK) {
         sweep->status = status;
         sweep->stops = true;
@@ -524,7 +536,7 @@ static void push(struct eng_sweep *sweep, struct eng_sweep_span span)
 }
 
 /* Return whether a span is to be divided for a box of that size of side 1. */
-static bool is_long(const struct eng_sweep *sweep, struct eng_sweep_span span,
+static bool is_long(struct eng_sweep *sweep, struct eng_sweep_span span,
                     const struct item *b, float bend_most, float motion_most)
 {
     const struct eng_sweep_frame *frame = frame_of(sweep, span);
@@ -539,15 +551,16 @@ static void push_parts(struct eng_sweep *sweep, const struct item *a,
                        const struct item *b, struct eng_sweep_span span)
 {
     float size = most(most(a->size, b->size), sweep->margin);
+    look(sweep, 1);
     if (begin_of(span) > sweep->t_end || sweep->stops) {
         return;
     }
-    if (!is_long(sweep, span, b, BEND_PART * size, MOTION_PART * size)) {
+    if (sweep->span_count >= SPANS_DIVIDED ||
+        !is_long(sweep, span, b, BEND_PART * size, MOTION_PART * size)) {
         push(sweep, span);
         return;
     }
-    look(sweep, 2);
-    for (uint32_t i = 0; i < 2; i++) {
+    for (uint32_t i = 0; i < 2 && !sweep->stops; i++) {
         if (may_meet(sweep, half_of(span, i), a, b)) {
             push_parts(sweep, a, b, half_of(span, i));
         }
@@ -811,7 +824,6 @@ static void look_at_leaves(struct eng_sweep *sweep, struct leaves *leaves,
 {
     const struct item *a = leaves->item[0];
     const struct item *b = leaves->item[1];
-    const struct eng_sweep_frame *frame = frame_of(sweep, span);
     float axes[LEAF_AXES][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     struct along along[LEAF_AXES];
     float margin[LEAF_AXES];
@@ -821,6 +833,7 @@ static void look_at_leaves(struct eng_sweep *sweep, struct leaves *leaves,
     }
     look(sweep, 4);
     sweep->leaf_tests++;
+    const struct eng_sweep_frame *frame = frame_of(sweep, span);
     corners.margin = margin_of(sweep, frame);
     set_corners(frame, leaves, &corners);
     set_normal(corners.a, axes[3]);
@@ -895,6 +908,19 @@ static void join_child(struct eng_sweep *sweep, const struct item *a,
     sweep->span_count = end;
 }
 
+/* Return which of some children, one at least, may meet first. */
+static uint32_t soonest(const struct eng_sweep *sweep, uint32_t first, uint32_t end,
+                        unsigned children)
+{
+    for (uint32_t i = first; i < end; i++) {
+        unsigned those = sweep->spans[i].children & children;
+        if (those != 0) {
+            return (uint32_t)__builtin_ctz(those);
+        }
+    }
+    return (uint32_t)__builtin_ctz(children);
+}
+
 /* Join what is below a and b in the spans from `first` to the end of the stack, which
  * are short beside the two. */
 static void join(struct eng_sweep *sweep, const struct item *a, const struct item *b,
@@ -911,20 +937,19 @@ static void join(struct eng_sweep *sweep, const struct item *a, const struct ite
     const struct eng_body *body = sweep->body[opens_a ? 0 : 1];
     const struct eng_body_boxes *boxes[2] = {&body->boxes[0][opened->child],
                                              &body->boxes[1][opened->child]};
-    look(sweep, end - first);
-    for (uint32_t i = first; i < end; i++) {
+    for (uint32_t i = first; i < end && !sweep->stops; i++) {
         struct eng_sweep_span *span = &sweep->spans[i];
         span->children =
             (uint16_t)(opens_a ? may_meet_of_a(sweep, *span, boxes, b)
                                : may_meet_of_b(sweep, *span, a, b, boxes[0]));
         any |= span->children;
+        look(sweep, 1);
     }
-    for (uint32_t which = 0; which < 4 && !sweep->stops; which++) {
-        if (any >> which & 1) {
-            struct item child = child_of(sweep, opens_a ? 0 : 1, opened, which);
-            join_child(sweep, opens_a ? &child : a, opens_a ? b : &child, first, end,
-                       which);
-        }
+    while (any != 0 && !sweep->stops) {
+        uint32_t which = soonest(sweep, first, end, any);
+        struct item child = child_of(sweep, opens_a ? 0 : 1, opened, which);
+        join_child(sweep, opens_a ? &child : a, opens_a ? b : &child, first, end, which);
+        any &= ~(1u << which);
     }
 }
 
@@ -972,6 +997,11 @@ void eng_sweep_begin(struct eng_sweep *sweep)
     sweep->slack = eng_round_up(0x1p-18 * reach);
     for (uint32_t i = 0; i < FRAMES; i++) {
         sweep->frames[i].span.depth = UINT16_MAX;
+    }
+    if (sweep->span_capacity > SPANS_KEPT) {
+        eng_free(sweep->spans);
+        sweep->spans = NULL;
+        sweep->span_capacity = 0;
     }
     sweep->looks_left = LOOKS;
     sweep->span_count = 0;
