@@ -313,7 +313,7 @@ void turns_random(struct prng *random, struct pccd_joint *joints, uint32_t count
     memset(joints, 0, count * sizeof *joints);
     for (uint32_t i = 0; i < count; i++) {
         struct pccd_joint *joint = &joints[i];
-        double scale = ldexp(1, (int)prng_u32(random, 40) - 20);
+        double scale = ldexp(1, (int)prng_u32(random, 48) - 20);
         joint->kind = prng_u32(random, PCCD_JOINT_KIND_COUNT);
         joint->parent = i == 0                         ? PCCD_NO_JOINT
                         : prng_u32(random, 4) || i < 2 ? i - 1

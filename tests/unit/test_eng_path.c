@@ -31,6 +31,13 @@ static double size_of(const double b[3])
     return fmax(fabs(b[0]), fmax(fabs(b[1]), fabs(b[2])));
 }
 
+static double random_size(struct prng *random)
+{
+    uint32_t around = prng_u32(random, 40);
+    return ldexp(1, prng_u32(random, 8) ? (int)around - 20
+                                        : 59 - (int)prng_u32(random, 1100));
+}
+
 /* Random chains of all kinds, seen from any of their frames. */
 CASE(path__poses_are_within_their_error)
 {
@@ -43,7 +50,7 @@ CASE(path__poses_are_within_their_error)
         static struct eng_path path;
         struct eng_path_pose pose;
         uint32_t count = 1 + prng_u32(&random, CHAIN_MAX);
-        double size = ldexp(1, (int)prng_u32(&random, 40) - 20), b[3], x[3];
+        double size = random_size(&random), b[3], x[3];
         uint32_t of = prng_u32(&random, count + 1) - 1, to = prng_u32(&random, count);
         uint32_t fault;
         const char *why;
@@ -148,7 +155,7 @@ CASE(path__points_keep_to_their_bounds)
         static struct eng_path path;
         struct eng_path_box box;
         uint32_t count = 1 + prng_u32(&random, CHAIN_MAX);
-        double size = ldexp(1, (int)prng_u32(&random, 40) - 20), b[3];
+        double size = random_size(&random), b[3];
         double h = ldexp(1, -(int)prng_u32(&random, 8));
         double t0 = h * prng_u32(&random, (uint32_t)(1 / h));
         uint32_t of = prng_u32(&random, count + 1) - 1, to = prng_u32(&random, count);

@@ -54,8 +54,8 @@ static double measure_corners(const double m[12], const struct eng_path_box *box
         flat_square = eng_most(flat_square, a * a + b * b);
         far_square = eng_most(far_square, (a * a + b * b) + c * c);
     }
-    *flat = sqrt(flat_square) * ENG_PACE_SLOP;
-    return sqrt(far_square) * ENG_PACE_SLOP;
+    *flat = sqrt(flat_square) * ENG_PACE_SLOP + ENG_PACE_LOST;
+    return sqrt(far_square) * ENG_PACE_SLOP + ENG_PACE_LOST;
 }
 
 static struct eng_pace pace_of(const struct eng_path *path,
@@ -142,6 +142,6 @@ double eng_span_bow_of(const struct eng_path_span *span, const double b[3])
     double x = ((m[0] * b[0] + m[1] * b[1]) + m[2] * b[2]) + m[3];
     double y = ((m[4] * b[0] + m[5] * b[1]) + m[6] * b[2]) + m[7];
     double z = ((m[8] * b[0] + m[9] * b[1]) + m[10] * b[2]) + m[11];
-    double far = sqrt((x * x + y * y) + z * z) * ENG_PACE_SLOP;
+    double far = sqrt((x * x + y * y) + z * z) * ENG_PACE_SLOP + ENG_PACE_LOST;
     return (far + span->error[0] + span->error[1] * eng_size(b)) * ENG_PACE_SLOP;
 }

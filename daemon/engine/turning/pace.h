@@ -12,6 +12,9 @@
 /* More than what rounding takes off sums and products of positive numbers. */
 #define ENG_PACE_SLOP (1 + 0x1p-40)
 
+/* More than what squares below the normal range take off a length. */
+#define ENG_PACE_LOST 0x1p-530
+
 /* At least |x'|, |x''| and |x'''|. */
 struct eng_pace {
     double speed;

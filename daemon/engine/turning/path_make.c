@@ -46,9 +46,10 @@ struct maker {
 
 static const double nowhere[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
+/* Return at least the length. */
 static double length_of(const double d[3])
 {
-    return sqrt(eng_dot(d, d)) * SLOP + LOST;
+    return sqrt(eng_dot(d, d)) * SLOP + ENG_PACE_LOST;
 }
 
 static void grow_turn(struct errors *errors, double error)
@@ -77,10 +78,9 @@ static void turn_fixed(struct maker *maker, const double rotation[12], double er
 
 static void shift_fixed(struct maker *maker, const double d[3], double error)
 {
-    double length = length_of(d);
-    if (length > LOST) {
+    if (eng_size(d) > 0) {
         eng_rotation_shift(maker->fixed, d);
-        grow_place(&maker->fixed_errors, length, error);
+        grow_place(&maker->fixed_errors, length_of(d), error);
     }
 }
 
