@@ -128,20 +128,3 @@ void eng_path_span(const struct eng_path *path, double t0, double t1,
         }
     }
 }
-
-double eng_span_bow(const struct eng_path_span *span, const struct eng_path_box *box)
-{
-    double flat, size;
-    double far = measure_corners(span->m, box, &flat, &size);
-    return (far + span->error[0] + span->error[1] * size) * ENG_PACE_SLOP;
-}
-
-double eng_span_bow_of(const struct eng_path_span *span, const double b[3])
-{
-    const double *m = span->m;
-    double x = ((m[0] * b[0] + m[1] * b[1]) + m[2] * b[2]) + m[3];
-    double y = ((m[4] * b[0] + m[5] * b[1]) + m[6] * b[2]) + m[7];
-    double z = ((m[8] * b[0] + m[9] * b[1]) + m[10] * b[2]) + m[11];
-    double far = sqrt((x * x + y * y) + z * z) * ENG_PACE_SLOP + ENG_PACE_LOST;
-    return (far + span->error[0] + span->error[1] * eng_size(b)) * ENG_PACE_SLOP;
-}

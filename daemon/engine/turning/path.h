@@ -84,9 +84,11 @@ double eng_path_speed(const struct eng_path *path, const struct eng_path_box *bo
 double eng_path_bend(const struct eng_path *path, const struct eng_path_box *box,
                      double t0, double t1);
 
-/* A span of time, and how far points leave their chords in it. For long chains that is
- * several times less than bend (t1 - t0)^2 / 8 is, and costs less, where the poses are
- * there. */
+/* A span of time, and how far points leave their chords in it: the exact place of a point
+ * b is never farther than the length of m b and the error from where the chord between
+ * its exact places at t0 and t1 is at the same time. Of a box or a feature its corners
+ * are enough. For long chains that is several times less than bend (t1 - t0)^2 / 8 is,
+ * and costs less, where the poses are there. */
 struct eng_path_span {
     double m[12]; /* the pose at the middle, less the mean of those at the ends; or 0, if
                    * all that joints can do is less than is known by that */
@@ -98,11 +100,5 @@ struct eng_path_span {
 void eng_path_span(const struct eng_path *path, double t0, double t1,
                    const struct eng_path_pose *begin, const struct eng_path_pose *middle,
                    const struct eng_path_pose *end, struct eng_path_span *span);
-
-/* Return an upper bound of the distance of the exact place of a point of the box, of the
- * point b, from where the chord between its exact places at t0 and t1 is at the same
- * time, for all times of the span. That of a feature is the largest of its points'. */
-double eng_span_bow(const struct eng_path_span *span, const struct eng_path_box *box);
-double eng_span_bow_of(const struct eng_path_span *span, const double b[3]);
 
 #endif
