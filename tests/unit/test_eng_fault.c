@@ -1,6 +1,7 @@
 /* test_eng_fault.c - the engine when memory runs out. */
 #include "eng_scarce.h"
 #include "paper.h"
+#include "stage_turning.h"
 #include "step.h"
 #include "step_memory.h"
 #include "trees.h"
@@ -364,4 +365,90 @@ CASE(fault__steps_go_on_without_memory_for_an_order)
     eng_scene_free(scene);
     eng_mesh_release(mesh);
     assert_int_equal(scarce.held_blocks, 0);
+}
+
+/* Three sheets turn on three joints, and one stands. */
+static int try_turning_step(struct eng_scene *scene, enum pccd_mode mode,
+                            uint32_t threads, struct eng_step_result *result)
+{
+    struct pccd_joint joints[3] = {
+        {PCCD_JOINT_TURN,
+         PCCD_NO_JOINT,
+         {0.1, 0.2, 0.3},
+         {0, 0, 0, 1},
+         {0, 1, 0},
+         {0},
+         {3, 0, 0}},
+        {PCCD_JOINT_TURN, 0, {1, 0, 0.3}, {0, 0, 0, 1}, {0, 1, 1}, {0}, {-2, 0, 0}},
+        {PCCD_JOINT_SLIDE, 1, {0.3, 0, 0.4}, {0, 0, 0, 1}, {1, 1, 1}, {0}, {2, 0, 0}}};
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    struct eng_bad_joint bad;
+    uint32_t base = 0;
+    settings.mode = mode;
+    settings.threads = threads;
+    settings.team_always = true;
+    eng_stage_begin(scene);
+    int status = eng_stage_joints(scene, joints, 3, &base, &bad);
+    for (uint32_t i = 0; i < 3 && status == PCCD_OK; i++) {
+        status = eng_stage_turning(scene, i, base + i);
+    }
+    if (status != PCCD_OK) {
+        eng_stage_abort(scene);
+        return status;
+    }
+    const uint64_t failed_before = scarce.failures;
+    status = eng_step(scene, &settings, result);
+    if (status == PCCD_OK && result->incomplete != PCCD_COMPLETE) {
+        assert_true(result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT ||
+                    result->incomplete == PCCD_INCOMPLETE_UNDECIDED);
+        assert_true(result->safe_step == 0 && scarce.failures > failed_before);
+        status = PCCD_E_NOMEM;
+    }
+    return status;
+}
+
+static void live_turning(struct journal *journal, uint32_t threads)
+{
+    struct eng_scene *scene = NULL;
+    struct eng_step_result result;
+    uint32_t idx;
+    journal->count = 0;
+    struct eng_mesh *mesh = make_sheet();
+    struct eng_mesh *other = make_sheet();
+    RETRY(eng_scene_new(NULL, &scene));
+    for (uint32_t i = 0; i < 4; i++) {
+        RETRY(eng_scene_add(scene, i < 2 ? mesh : other, i, &idx));
+    }
+    for (int s = 0; s < 4; s++) {
+        RETRY(try_turning_step(scene, (enum pccd_mode)(s % 3), threads, &result));
+        journal->hash[journal->count++] = result.hash[1];
+        assert_true(s > 0 || result.count > 0);
+    }
+    eng_mesh_release(mesh);
+    eng_mesh_release(other);
+    eng_scene_free(scene);
+}
+
+/* If it failed: a step in which objects turn would do what that says, or wait for ever
+ * for a thread that had no memory. */
+CASE(fault__every_allocation_of_a_turning_step_may_fail)
+{
+    struct journal reference;
+    struct journal journal;
+    for (uint32_t i = 0; i < 4; i++) {
+        scarce.countdown = 0;
+        scarce.goes_on_failing = i >= 2;
+        live_turning(&reference, 1 + 2 * (i % 2));
+        for (uint64_t n = 1, unharmed = 0; unharmed < 3; n++) {
+            scarce.countdown = n;
+            scarce.failures = 0;
+            live_turning(&journal, 1 + 2 * (i % 2));
+            unharmed += scarce.failures == 0;
+            assert_int_equal(journal.count, reference.count);
+            assert_memory_equal(journal.hash, reference.hash,
+                                reference.count * sizeof *reference.hash);
+            assert_int_equal(scarce.held_blocks, 0);
+        }
+    }
+    scarce.countdown = 0;
 }

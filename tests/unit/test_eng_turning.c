@@ -134,7 +134,8 @@ static void find(struct two *two, enum pccd_mode mode, uint32_t most)
     eng_pool_reset(&two->pool, 1);
     eng_worker_begin(&two->worker, kit.scene, &two->question, &two->stop, &two->pool);
     assert_ok(eng_turning_begin(two->turning, &two->objects));
-    uint32_t count = eng_turning_split(two->turning, &two->worker, most, tasks);
+    uint32_t count = 0;
+    assert_ok(eng_turning_split(two->turning, &two->worker, most, tasks, &count));
     assert_true(count <= most);
     while (count-- > 0) {
         assert_ok(eng_turning_perform(two->turning, &two->worker, tasks[count]));

@@ -324,11 +324,12 @@ static bool take(void *owner, const struct eng_sweep_pair *found)
 
 /* ---- tasks ------------------------------------------------------------------------- */
 
-uint32_t eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
-                           uint32_t most, uint64_t *tasks)
+int eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
+                      uint32_t most, uint64_t *tasks, uint32_t *count)
 {
     turning->worker = worker;
-    return eng_sweep_split(&turning->sweep, most, tasks);
+    *count = eng_sweep_split(&turning->sweep, most, tasks);
+    return turning->sweep.status;
 }
 
 int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,

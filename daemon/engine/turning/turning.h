@@ -60,10 +60,11 @@ uint64_t eng_turning_bytes(const struct eng_turning *turning);
 int eng_turning_begin(struct eng_turning *turning,
                       const struct eng_turning_objects *objects);
 
-/* Divide the work into at most `most` tasks, >= 1, and return how many: 0 if the two stay
- * apart. A function of the pair and of `most`, unless the worker is to stop. */
-uint32_t eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
-                           uint32_t most, uint64_t *tasks);
+/* Divide the work into *count tasks, at most `most`, >= 1: 0 if the two stay apart. A
+ * function of the pair and of `most`, unless the worker is to stop. PCCD_E_LIMIT,
+ * PCCD_E_NOMEM: these are not all. */
+int eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
+                      uint32_t most, uint64_t *tasks, uint32_t *count);
 
 /* Perform a task of the two that have begun: what meets goes to the worker by
  * eng_record_contact, as the mode of its question wants it (all, first or any): each pair

@@ -442,9 +442,10 @@ static void divide(struct eng_turning_step *step, struct eng_worker *worker)
         uint64_t *tasks = step->tasks + i * ENG_TURNING_TASKS;
         int status = begin_couple(step, worker, couple);
         if (status == PCCD_OK) {
-            couple->task_count =
-                eng_turning_split(worker->turning, worker, ENG_TURNING_TASKS, tasks);
-        } else {
+            status = eng_turning_split(worker->turning, worker, ENG_TURNING_TASKS, tasks,
+                                       &couple->task_count);
+        }
+        if (status != PCCD_OK) {
             fail(worker, status);
         }
     }
