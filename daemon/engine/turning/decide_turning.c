@@ -80,7 +80,8 @@ struct decider {
     double at_least; /* r, rounded down */
     bool is_thin;
     bool is_beyond; /* a place is beyond the numbers that tests know */
-    double side; /* thin, proved: its sign is that of det[p, b, c] before the contact */
+    double side;  /* thin, proved: its sign is that of det[p, b, c] before the contact */
+    double guess; /* thin features have met then, it seems; INFINITY: nobody knows */
     struct moment spare[2];        /* of a window */
     struct moment begin;           /* the earliest span begins here */
     struct moment ends[SPANS_MAX]; /* spans that are left end here; the first one last */
@@ -134,6 +135,17 @@ static void set_span(const struct decider *decider, const struct moment *l,
         memcpy(span->points[i].x0, l->x[i], sizeof l->x[i]);
         memcpy(span->points[i].x1, r->x[i], sizeof r->x[i]);
     }
+}
+
+/* Set the difference vectors of query.h. */
+static void set_pose(enum pccd_kind kind, const struct moment *moment,
+                     struct eng_pose *pose)
+{
+    const double(*x)[3] = moment->x;
+    const bool is_ee = kind == PCCD_EE;
+    eng_sub(pose->p, is_ee ? x[2] : x[0], is_ee ? x[0] : x[1]);
+    eng_sub(pose->b, is_ee ? x[1] : x[2], is_ee ? x[0] : x[1]);
+    eng_sub(pose->c, is_ee ? x[2] : x[3], is_ee ? x[3] : x[1]);
 }
 
 /* Return a time that is not after that part of the span, nor before its begin. */
@@ -280,15 +292,25 @@ static bool set_passage(enum pccd_kind kind, const struct span *span,
            (f[0] < 0) != (f[3] < 0);
 }
 
-/* Return whether the features are farther apart than that at one time. */
-static bool are_apart_at(const struct decider *decider, const struct moment *moment,
-                         double r)
+/* Return whether the planes across both features are farther apart than that at a time,
+ * and so the features. */
+static bool are_planes_apart(enum pccd_kind kind, const struct moment *moment, double r)
 {
-    struct span instant;
-    struct eng_advance told;
-    set_span(decider, moment, moment, &instant);
-    advance(decider, (uint32_t)decider->pair->kind, &instant, whole, 1, r, &told);
-    return told.now == ENG_ADVANCE_MISSES;
+    struct eng_pose pose;
+    double n[3];
+    double terms = 0;
+    set_pose(kind, moment, &pose);
+    eng_cross(n, pose.b, pose.c);
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3;
+        int k = (i + 2) % 3;
+        terms +=
+            fabs(pose.p[i]) * (fabs(pose.b[j] * pose.c[k]) + fabs(pose.b[k] * pose.c[j]));
+    }
+    double size = eng_size(pose.b) * eng_size(pose.c);
+    double across = sqrt(eng_dot(n, n)) * (1 + 8 * ENG_U) + 32 * ENG_U * size;
+    return fabs(eng_dot(pose.p, n)) - 16 * ENG_U * terms >
+           r * across * (1 + 8 * ENG_U) + ENG_TINY;
 }
 
 /* Return whether no vertex of a feature comes within eps of an edge of the other, and
@@ -298,11 +320,12 @@ static bool is_rim_clear(const struct decider *decider, const struct span *span)
     static const uint32_t rims[2][4][4] = {
         {{0, 1, 2, 2}, {0, 2, 3, 3}, {0, 3, 1, 1}},
         {{0, 2, 3, 3}, {1, 2, 3, 3}, {2, 0, 1, 1}, {3, 0, 1, 1}}};
-    const bool is_vf = decider->pair->kind == PCCD_VF;
+    const enum pccd_kind kind = decider->pair->kind;
+    const bool is_vf = kind == PCCD_VF;
     const uint32_t count = is_vf ? 3 : 4;
     const double r = span->eps * (1 + 4 * ENG_U) + ENG_TINY;
     struct eng_advance told[4];
-    if (!are_apart_at(decider, span->l, r) || !are_apart_at(decider, span->r, r)) {
+    if (!are_planes_apart(kind, span->l, r) || !are_planes_apart(kind, span->r, r)) {
         return false;
     }
     advance(decider, PCCD_VE, span, rims[!is_vf], count, r, told);
@@ -333,22 +356,11 @@ static bool proves(struct decider *decider, double from, double to)
     return true;
 }
 
-/* Return a time by which thin features have met; INFINITY: it is not proved. They are
- * free up to `until`, and the proof is about a window around the time when the straight
- * features meet, which is shorter than the span and may go beyond it. Where they pass
- * near a border, shorter ones prove what longer ones do not: `tries` of them, from a
- * quarter of the span on. */
-static double prove_thin(struct decider *decider, const struct span *span, double until,
-                         int tries)
+/* Try windows of those lengths before and behind a time, which shorten by four: `tries`
+ * of them. Return a time by which thin features have met, or INFINITY. */
+static double try_windows(struct decider *decider, const struct span *span, double middle,
+                          double reach, int tries)
 {
-    struct passage passage;
-    double middle = span->r->t; /* where neither this span nor the next one would tell */
-    if (set_passage(decider->pair->kind, span, &passage)) {
-        double slope;
-        middle = span->l->t +
-                 (span->r->t - span->l->t) * eng_bernstein_root(passage.f, &slope);
-    }
-    double reach = tries == 1 ? 3 * (middle - until) + 8 * ENG_U : 0.25 * span->length;
     for (; tries > 0 && reach > 2 * ENG_U; tries--, reach *= 0.25) {
         double from = eng_most(middle - reach, 0);
         double to = eng_least(middle + reach, 1);
@@ -357,6 +369,36 @@ static double prove_thin(struct decider *decider, const struct span *span, doubl
         }
     }
     return INFINITY;
+}
+
+/* Return a time by which thin features have met; INFINITY: it is not proved. They are
+ * free up to `until`, and the proof is about a window around the time when the straight
+ * features meet, which is shorter than the span and may go beyond it. One that is longer
+ * than the tolerance would be no more than a guess. `hard`: near a border, shorter ones
+ * prove what longer ones do not. */
+static double prove_thin(struct decider *decider, const struct span *span, double until,
+                         bool hard)
+{
+    const double tolerance = decider->limits->tolerance;
+    struct passage passage;
+    double middle = span->r->t; /* where neither this span nor the next one would tell */
+    if (set_passage(decider->pair->kind, span, &passage)) {
+        double slope;
+        middle = span->l->t +
+                 (span->r->t - span->l->t) * eng_bernstein_root(passage.f, &slope);
+    }
+    if (hard) {
+        return try_windows(decider, span, middle, 0.25 * span->length, WINDOWS);
+    }
+    double reach = 3 * (middle - until) + 8 * ENG_U;
+    if (2 * reach > tolerance) {
+        decider->guess = middle + reach;
+        return INFINITY;
+    }
+    double met_by = try_windows(decider, span, middle, reach, 1);
+    return met_by < INFINITY || 8 * reach > tolerance
+               ? met_by
+               : try_windows(decider, span, middle, 0.25 * tolerance, 1);
 }
 
 /* ---- possible ---------------------------------------------------------------------- */
@@ -378,14 +420,10 @@ double eng_turning_delta_least(double size, double error)
  * apart than that. */
 static bool is_near(enum pccd_kind kind, const struct moment *moment, double reach)
 {
-    const double(*x)[3] = moment->x;
-    const bool is_ee = kind == PCCD_EE;
     struct eng_pose pose;
     struct eng_closest closest;
-    eng_sub(pose.p, is_ee ? x[2] : x[0], is_ee ? x[0] : x[1]);
-    eng_sub(pose.b, is_ee ? x[1] : x[2], is_ee ? x[0] : x[1]);
-    eng_sub(pose.c, is_ee ? x[2] : x[3], is_ee ? x[3] : x[1]);
-    eng_closest_to_origin(is_ee ? PCCD_EE : PCCD_VF, &pose, &closest);
+    set_pose(kind, moment, &pose);
+    eng_closest_to_origin(kind == PCCD_EE ? PCCD_EE : PCCD_VF, &pose, &closest);
     return !(sqrt(eng_dot(closest.gap, closest.gap)) > reach);
 }
 
@@ -427,22 +465,29 @@ static void pass(struct decider *decider)
     decider->begin = decider->ends[--decider->count];
 }
 
-/* Go on where the span, which is the first, is free until, if that is in its second half;
- * else with its first half. */
+/* Go on with the part of the span, which is the first, that is not known to be free: up
+ * to where it is guessed to meet, or, in its second half, to its end; else with its first
+ * half. */
 static void cut(struct decider *decider, const struct span *span, double until)
 {
     const double l = span->l->t;
     const double r = span->r->t;
-    if (r - until <= 0.5 * (r - l)) {
-        set_moment(decider, until, &decider->begin);
-    } else {
+    const double end = decider->guess < r ? decider->guess : r;
+    if (end - until > 0.5 * (r - l)) {
         push(decider, l + 0.5 * (r - l));
+        return;
+    }
+    if (until > l) {
+        set_moment(decider, until, &decider->begin);
+    }
+    if (end < r) {
+        push(decider, end);
     }
 }
 
 /* Prove what can be proved of a span whose straight features come near. */
 static void prove(struct decider *decider, const struct span *span, double until,
-                  int tries, struct found *found)
+                  bool hard, struct found *found)
 {
     const enum pccd_kind kind = decider->pair->kind;
     if (!decider->is_thin && !found->has_begun && until == 0) {
@@ -453,7 +498,7 @@ static void prove(struct decider *decider, const struct span *span, double until
     found->has_begun = true;
     double met_by = decider->is_thin ? INFINITY : prove_thick(decider, span);
     if (met_by == INFINITY && (kind == PCCD_VF || kind == PCCD_EE)) {
-        met_by = prove_thin(decider, span, until, tries);
+        met_by = prove_thin(decider, span, until, hard);
     }
     found->met_by = eng_least(found->met_by, met_by);
 }
@@ -496,6 +541,7 @@ static bool look_at_first(struct decider *decider, struct found *found)
         (found->is_possible || (span.length <= decider->limits->tolerance &&
                                 span.bent <= span.eps - span.bent));
     enum look seen = look(decider, &span, is_leaf, &until);
+    decider->guess = INFINITY;
     if (!found->is_possible) {
         found->free_until = seen == LOOK_FREE ? span.r->t : until;
     }
@@ -504,8 +550,7 @@ static bool look_at_first(struct decider *decider, struct found *found)
         return is_known(decider, found);
     }
     if (seen != LOOK_UNASKED) {
-        int tries = is_leaf && !found->is_possible ? WINDOWS : 1;
-        prove(decider, &span, until, tries, found);
+        prove(decider, &span, until, is_leaf && !found->is_possible, found);
         if (is_known(decider, found)) {
             return true;
         }
