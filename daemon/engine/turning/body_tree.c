@@ -267,16 +267,17 @@ static void bound_node(const struct eng_body_boxes *boxes, const uint32_t childr
     }
 }
 
+/* Rounded outward: what is added is more than the roundings of bounds, of the centre and
+ * of the half take off, however small it is. */
 static void put_box(struct eng_body_boxes *boxes, int which, const double low[3],
                     const double high[3])
 {
     for (int k = 0; k < 3; k++) {
         float centre = (float)(0.5 * (low[k] + high[k]));
-        double half =
-            eng_most(high[k] - (double)centre, (double)centre - low[k]) * (1 + 0x1p-40) +
-            0x1p-50 * fabs((double)centre);
+        double half = eng_most(high[k] - (double)centre, (double)centre - low[k]);
         boxes->centre[k][which] = centre;
-        boxes->half[k][which] = eng_round_up(half);
+        boxes->half[k][which] =
+            (float)(half * (1 + 0x1p-22) + 0x1p-50 * fabs((double)centre) + 0x1p-120);
     }
 }
 

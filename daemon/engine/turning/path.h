@@ -86,9 +86,10 @@ double eng_path_bend(const struct eng_path *path, const struct eng_path_box *box
 
 /* A span of time, and how far points leave their chords in it: the exact place of a point
  * b is never farther than the length of m b and the error from where the chord between
- * its exact places at t0 and t1 is at the same time. Of a box or a feature its corners
- * are enough. For long chains that is several times less than bend (t1 - t0)^2 / 8 is,
- * and costs less, where the poses are there. */
+ * its exact places at t0 and t1 is at the same time; along a unit vector u it is off by
+ * at most |u . m b| and the error. Of a box or a feature its corners are enough. For long
+ * chains that is several times less than bend (t1 - t0)^2 / 8 is, and costs less, where
+ * the poses are there. */
 struct eng_path_span {
     double m[12]; /* the pose at the middle, less the mean of those at the ends; or 0, if
                    * all that joints can do is less than is known by that */
