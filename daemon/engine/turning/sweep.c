@@ -10,9 +10,9 @@
 #include "vec.h"
 
 /* A span is divided before a node if the motion leaves its chord by more than this part
- * of the larger box, or moves it by that many times its size. */
+ * of the larger box, or moves it by that part of its size. */
 #define BEND_PART   0.5f
-#define MOTION_PART 2.0f
+#define MOTION_PART 1.0f
 
 /* The same of two leaves, beside the smaller one, or that part of the larger one. */
 #define LEAF_BEND_PART   0.125f
