@@ -554,7 +554,7 @@ CASE(sweep__asks_often_whether_it_should_stop)
     hunt_free(hunt);
 }
 
-/* If it failed: the boxes of what stays 0.01 above the other would be looked at down to
+/* If it failed: the boxes of what stays 0.05 above the other would be looked at down to
  * the leaves, and each of these at many times. */
 CASE(sweep__is_short_where_there_is_a_clearance)
 {
