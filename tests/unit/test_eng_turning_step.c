@@ -487,3 +487,93 @@ CASE(turning__is_never_brief)
     assert_true(kit_step(kit.scene, &settings).count > 0);
     assert_int_equal(kit_step(kit.scene, &settings).count, 0);
 }
+
+/* If it failed: what is near after such a step would be asked of other positions than
+ * those where it began and ended. */
+CASE(turning__ends_where_questions_look)
+{
+    struct prng random = {prng_seed() + 2};
+    for (int round = 0; round < 4; round++) {
+        struct cast cast;
+        uint32_t idx[OBJECTS];
+        cast_begin(&cast, &random);
+        cast_draw(&cast, &random);
+        struct eng_scene *scene = cast_scene(&cast, UINT32_MAX, idx);
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
+        cast_stage(&cast, scene, idx, false);
+        kit_step(scene, &settings);
+        uint32_t moved_idx[OBJECTS];
+        struct eng_scene *moved = cast_scene(&cast, UINT32_MAX, moved_idx);
+        eng_stage_begin(moved);
+        for (uint32_t i = 0; i < OBJECTS; i++) {
+            assert_ok(eng_stage_x0x1(moved, moved_idx[i], PCCD_FORMAT_F64, 0,
+                                     vertices_of(&cast, i),
+                                     eng_scene_positions(scene, idx[i], 0),
+                                     eng_scene_positions(scene, idx[i], 1)));
+        }
+        kit_step(moved, &settings);
+        for (uint32_t end = 0; end < 2; end++) {
+            struct eng_question near = kit_question(PCCD_NEAR_PAIRS);
+            struct answer want;
+            near.distance = 0.1;
+            near.end = end;
+            struct eng_step_result result = kit_near(moved, &near);
+            answer_keep(&result, &want);
+            result = kit_near(scene, &near);
+            assert_null(answer_difference(&want, &result));
+            answer_free(&want);
+        }
+        eng_scene_free(moved);
+        eng_scene_free(scene);
+        cast_end(&cast);
+    }
+}
+
+static bool is_stopped(void *asked)
+{
+    uint32_t *left = asked;
+    return *left == 0 || --*left == 0;
+}
+
+/* If it failed: a step that is to end would go on, say that it is whole, or spoil the
+ * next one. */
+CASE(turning__ends_when_it_is_to_end)
+{
+    const struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0.01, 0, 0, 200);
+    kit_begin_with(kit_sheet(24, 0.001), kit_sheet(25, 0));
+    struct answer want;
+    for (uint32_t i = 0; i < 8; i++) {
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
+        uint32_t left = 40 * i;
+        settings.resolution = 1e-3;
+        settings.threads = 1 + i % 2;
+        settings.team_always = true;
+        settings.mode = i % 4 < 2 ? PCCD_MODE_ALL : PCCD_MODE_FIRST;
+        settings.is_stopped = is_stopped;
+        settings.asked = &left;
+        settings.deadline_ns = i == 5 ? 1 : 0;
+        check_staging(kit.scene, kit.idx[0], &joint);
+        struct eng_step_result result = kit_step(kit.scene, &settings);
+        if (result.incomplete != PCCD_COMPLETE) {
+            assert_int_equal(result.incomplete, i == 5 ? PCCD_INCOMPLETE_DEADLINE
+                                                       : PCCD_INCOMPLETE_CANCELLED);
+            assert_true(result.safe_step == 0);
+        }
+        assert_true(i > 0 || result.incomplete == PCCD_INCOMPLETE_CANCELLED);
+    }
+    for (int i = 0; i < 2; i++) {
+        const struct pccd_joint short_joint = hinge(PCCD_NO_JOINT, 0.01, 0, 0, 0.25);
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
+        if (i == 1) {
+            kit_begin_with(kit_sheet(24, 0.001), kit_sheet(25, 0));
+        }
+        check_staging(kit.scene, kit.idx[0], &short_joint);
+        struct eng_step_result result = kit_step(kit.scene, &settings);
+        if (i == 0) {
+            answer_keep(&result, &want);
+        } else {
+            assert_null(answer_difference(&want, &result));
+        }
+    }
+    answer_free(&want);
+}
