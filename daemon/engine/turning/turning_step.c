@@ -336,6 +336,7 @@ void eng_turning_step_begin(struct eng_turning_step *step, struct eng_worker *wo
     step->couple_count = 0;
     step->joining_count = 0;
     step->has_failed = false;
+    step->is_alone = threads == 1;
     atomic_init(&step->next_body, 0);
     atomic_init(&step->next_couple, 0);
     atomic_init(&step->next_task, 0);
@@ -506,7 +507,9 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
         fail(worker, PCCD_E_NOMEM);
     }
     make_bodies(step, worker);
-    eng_wait_for_all(worker);
+    if (!step->is_alone) {
+        eng_wait_for_all(worker);
+    }
     if (step->is_divided) {
         divide(step, worker);
         eng_wait_for_all(worker);

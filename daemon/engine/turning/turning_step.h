@@ -57,6 +57,7 @@ struct eng_turning_step {
     uint64_t *tasks; /* [couple_count][ENG_TURNING_TASKS] if divided */
     uint32_t task_capacity;
     bool is_divided;
+    bool is_alone;   /* by one thread: others of its OpenMP team have other steps */
     bool has_failed; /* there was no memory for all couples */
     struct eng_path path;
     atomic_uint next_body;
