@@ -100,9 +100,9 @@ enum proto_segment_kind {
  *
  * Ranges of one object must not overlap within a step. RIGID: offset0 and offset1 each
  * lead to double[12], the rows of [R | t]: x' = R x + t. TURNING: offset0 leads to a
- * struct proto_joints, the same for all such segments of a scene; `first` is the joint
- * that the object hangs on, `count` all its vertices. A segment with count = 0 is
- * refused. */
+ * struct proto_joints, that of the last such segment of the scene or one behind that;
+ * `first` is the joint that the object hangs on, `count` all its vertices. A segment with
+ * count = 0 is refused. */
 struct proto_segment {
     uint32_t object;  /* handle */
     uint16_t kind;    /* enum proto_segment_kind */

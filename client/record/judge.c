@@ -202,7 +202,8 @@ static int judge_segments(const uint8_t *slot, uint64_t all, uint32_t count,
     if (count > all / sizeof(struct record_segment) || count > PROTO_SEGMENTS_MAX) {
         return bad(text, "a movement with less than its segments, or too many");
     }
-    uint64_t joints_at = 0; /* of all that turn; 0: none does yet */
+    uint64_t joints_at = 0; /* of the last that turned; the next may be behind its end */
+    uint64_t joints_end = 0;
     uint32_t joint_count = 0;
 
     for (uint32_t i = 0; i < count; i++) {
@@ -212,10 +213,14 @@ static int judge_segments(const uint8_t *slot, uint64_t all, uint32_t count,
         memcpy(&segment, slot + i * sizeof segment, sizeof segment);
         uint64_t each = positions_bytes(&segment);
         if (segment.kind == RECORD_ON_JOINT) {
-            fits = joints_at == 0 ? are_joints(slot, all, segment.offset0, &joint_count)
-                                  : segment.offset0 == joints_at;
+            if (joints_end == 0 || segment.offset0 != joints_at) {
+                fits = segment.offset0 >= joints_end &&
+                       are_joints(slot, all, segment.offset0, &joint_count);
+                joints_at = segment.offset0;
+                joints_end = joints_at + sizeof(struct record_joints) +
+                             joint_count * sizeof(struct pccd_joint);
+            }
             fits = fits && segment.first < joint_count;
-            joints_at = segment.offset0;
         }
         if (!fits || segment.kind > RECORD_ON_JOINT ||
             segment.format >= PCCD_FORMAT_COUNT ||
@@ -485,7 +490,7 @@ static uint64_t segment_count_of(uint16_t kind, const void *head)
 static uint64_t moved_bytes(const uint8_t *slot, uint64_t count)
 {
     uint64_t bytes = PROTO_SEGMENTS_MAX * sizeof(struct record_segment) + 64;
-    bool has_joints = false;
+    uint64_t tables = 0, last = 0; /* of joints */
 
     for (uint64_t i = 0; i < count; i++) {
         struct record_segment segment;
@@ -493,11 +498,11 @@ static uint64_t moved_bytes(const uint8_t *slot, uint64_t count)
         memcpy(&segment, slot + i * sizeof segment, sizeof segment);
         uint64_t each = positions_bytes(&segment);
         bytes += padded(each) * (segment.kind == RECORD_X1 ? 1 : 2);
-        has_joints = has_joints || segment.kind == RECORD_ON_JOINT;
+        tables += segment.kind == RECORD_ON_JOINT && segment.offset0 != last;
+        last = segment.kind == RECORD_ON_JOINT ? segment.offset0 : last;
     }
-    return bytes + (has_joints ? sizeof(struct record_joints) +
-                                     PROTO_JOINTS_MAX * sizeof(struct pccd_joint)
-                               : 0);
+    return bytes + tables * (sizeof(struct record_joints) +
+                             PROTO_JOINTS_MAX * sizeof(struct pccd_joint));
 }
 
 uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,

@@ -122,7 +122,8 @@ enum record_segment_kind {
     RECORD_X1 = 0,
     RECORD_X0X1 = 1,
     RECORD_RIGID = 2,
-    RECORD_ON_JOINT = 3 /* a table of joints is at offset0; `first` is one of them */
+    RECORD_ON_JOINT = 3 /* a table of joints is at offset0, that of the last such segment
+                         * or one behind it; `first` is one of them */
 };
 
 /* The head of a table of joints in a slot; struct pccd_joint[count] follows. */

@@ -27,8 +27,9 @@ struct play_reader {
     struct answers answers;
     struct registry state;
     struct replayer replayer;
-    struct recorded_item item; /* the next one, as far as it is read */
-    bool asks_daemon;          /* for the answers of what is shown */
+    struct recorded_joints joints; /* of the item that is shown */
+    struct recorded_item item;     /* the next one, as far as it is read */
+    bool asks_daemon;              /* for the answers of what is shown */
     struct progress progress;
     struct step_trace trace;
     struct answers_found found; /* recorded ones */
@@ -238,8 +239,9 @@ static int show_step(struct play_reader *reader, uint64_t then_ns,
     bool is_old = item->frame.mode == PCCD_MODE_PAIRS &&
                   (reader->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
     bool is_traced = answer != NULL && reader->settings.is_traced;
-    uint32_t joint_count = 0;
-    const uint8_t *joints = recorded_joints(item, &joint_count);
+    if (!recorded_joints_of(item, &reader->joints)) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for joints");
+    }
     uint64_t told = reader->settings.number;
     const struct play_step step = {
         .number = told != 0 ? told : item->number,
@@ -249,8 +251,7 @@ static int show_step(struct play_reader *reader, uint64_t then_ns,
         .tells_start = item->tells,
         .touching = item->touching,
         .resolution = item->resolution,
-        .joints = joints,
-        .joint_count = joint_count,
+        .joints = reader->joints,
         .scene = scene,
         .recorded = then,
         .hash_version = record_reader_hash_version(&reader->chunks),
@@ -608,6 +609,7 @@ void play_close(struct play_reader *reader)
     }
     pccd_close(reader->replayer.client);
     replayer_deinit(&reader->replayer);
+    recorded_joints_deinit(&reader->joints);
     registry_deinit(&reader->state);
     answers_deinit(&reader->answers);
     record_reader_deinit(&reader->chunks);

@@ -55,13 +55,10 @@ struct play_step {
     uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
     const struct record_frame *frame;
     struct record_separation separation;
-    bool tells_start;  /* it was asked how it begins */
-    uint32_t touching; /* enum pccd_touching */
-    double resolution; /* of bodies that turn; 0: the default */
-    /* On which they turn (registry_object: turned, joint), struct pccd_joint [], which
-     * need not be aligned; NULL: none turns */
-    const uint8_t *joints;
-    uint32_t joint_count;
+    bool tells_start;              /* it was asked how it begins */
+    uint32_t touching;             /* enum pccd_touching */
+    double resolution;             /* of bodies that turn; 0: the default */
+    struct recorded_joints joints; /* on which they turn (registry_object: turned) */
     const struct registry_scene *scene;
     const struct record_answer *recorded; /* NULL: there was none */
     uint32_t hash_version;                /* of the recorded hash */

@@ -510,20 +510,51 @@ bool recorded_item_take(struct recorded_item *item, const struct record_view *vi
     }
 }
 
-const uint8_t *recorded_joints(const struct recorded_item *item, uint32_t *count)
+bool recorded_joints_take(struct recorded_joints *joints, const uint8_t *slot,
+                          const struct record_segment *segment, uint32_t *index)
 {
-    for (uint32_t i = 0; i < item->segment_count; i++) {
-        struct record_segment segment;
-        struct record_joints head;
-        memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
-        if (segment.kind == RECORD_ON_JOINT) {
-            memcpy(&head, item->slot + segment.offset0, sizeof head);
-            *count = head.count;
-            return item->slot + segment.offset0 + sizeof head;
-        }
+    struct record_joints head;
+    const uint8_t *from = slot + segment->offset0 + sizeof head;
+    if (joints->count > 0 && joints->at == segment->offset0) {
+        *index = joints->base + segment->first;
+        return true;
     }
-    *count = 0;
-    return NULL;
+    memcpy(&head, slot + segment->offset0, sizeof head);
+    struct pccd_joint *items =
+        realloc(joints->items, (joints->count + (size_t)head.count) * sizeof *items);
+    if (items == NULL) {
+        return false;
+    }
+    memcpy(items + joints->count, from, head.count * sizeof *items);
+    for (uint32_t i = joints->count; i < joints->count + head.count; i++) {
+        items[i].parent += items[i].parent != PCCD_NO_JOINT ? joints->count : 0;
+    }
+    *joints = (struct recorded_joints){.items = items,
+                                       .base = joints->count,
+                                       .count = joints->count + head.count,
+                                       .at = segment->offset0};
+    *index = joints->base + segment->first;
+    return true;
+}
+
+bool recorded_joints_of(const struct recorded_item *item, struct recorded_joints *joints)
+{
+    bool fits = true;
+    recorded_joints_deinit(joints);
+    for (uint32_t i = 0; i < item->segment_count && fits; i++) {
+        struct record_segment segment;
+        uint32_t index = 0;
+        memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
+        fits = segment.kind != RECORD_ON_JOINT ||
+               recorded_joints_take(joints, item->slot, &segment, &index);
+    }
+    return fits;
+}
+
+void recorded_joints_deinit(struct recorded_joints *joints)
+{
+    free(joints->items);
+    *joints = (struct recorded_joints){.items = NULL};
 }
 
 /* Return what a segment moves. Where a body turns, transforms take it to both ends, which
@@ -585,14 +616,22 @@ int recorded_state_move(struct registry *state, const struct recorded_item *item
         return status;
     }
     registry_begin_step(scene);
+    struct record_joints head = {.count = 0};
+    uint64_t table = 0;
+    uint32_t base = 0; /* index of its first among those of all tables */
     for (uint32_t i = 0; i < item->segment_count; i++) {
         memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
+        if (segment.kind == RECORD_ON_JOINT && segment.offset0 != table) {
+            base += head.count;
+            table = segment.offset0;
+            memcpy(&head, item->slot + table, sizeof head);
+        }
         double ends[2][12];
         const struct registry_motion motion = motion_of(&segment, item->slot, ends);
         struct registry_object *object = registry_object(scene, segment.object);
         registry_move(object, &motion);
         object->turned = segment.kind == RECORD_ON_JOINT;
-        object->joint = segment.first;
+        object->joint = base + segment.first;
     }
     return PCCD_OK;
 }

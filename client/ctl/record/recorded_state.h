@@ -35,9 +35,21 @@ struct recorded_item {
  * whole, and `slot` is the view's payload. */
 bool recorded_item_take(struct recorded_item *item, const struct record_view *view);
 
-/* Return the joints on which objects turn in the item, struct pccd_joint [*count], which
- * need not be aligned; NULL: nothing turns. */
-const uint8_t *recorded_joints(const struct recorded_item *item, uint32_t *count);
+/* The joints on which objects turn in an item: those of all its tables, in their order,
+ * with parents among all of them. All zero: none. */
+struct recorded_joints {
+    struct pccd_joint *items; /* ours: [count] */
+    uint32_t count;
+    uint32_t base; /* index of the first of the last table */
+    uint64_t at;   /* of that in the slot */
+};
+/* Take the joint that a segment hangs an object on, with its table if that is the next
+ * one; *index gets it. False: no memory. */
+bool recorded_joints_take(struct recorded_joints *joints, const uint8_t *slot,
+                          const struct record_segment *segment, uint32_t *index);
+/* Take those of all segments, in the place of what there is. False: no memory. */
+bool recorded_joints_of(const struct recorded_item *item, struct recorded_joints *joints);
+void recorded_joints_deinit(struct recorded_joints *joints);
 
 /* ---- Everything else, in a registry that follows both ends of the last steps. */
 

@@ -277,27 +277,11 @@ static bool add_motion(struct replayer *replayer, uint32_t *count,
     return true;
 }
 
-/* Take the joints of an item, if it has any. */
-static bool take_joints(struct replayer *replayer, const struct recorded_item *item)
-{
-    const uint8_t *joints = recorded_joints(item, &replayer->joint_count);
-    free(replayer->joints);
-    replayer->joints = NULL;
-    if (joints != NULL) {
-        replayer->joints = malloc(replayer->joint_count * sizeof *replayer->joints);
-    }
-    if (replayer->joints != NULL) {
-        memcpy(replayer->joints, joints,
-               replayer->joint_count * sizeof *replayer->joints);
-    }
-    return joints == NULL || replayer->joints != NULL;
-}
-
 /* Give the daemon what an item moves. */
 static bool take_segments(struct replayer *replayer, const struct recorded_item *item,
                           uint32_t *count)
 {
-    bool fits = take_joints(replayer, item);
+    bool fits = true;
     for (uint32_t i = 0; i < item->segment_count && fits; i++) {
         struct record_segment segment;
         memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
@@ -310,11 +294,14 @@ static bool take_segments(struct replayer *replayer, const struct recorded_item 
         if (segment.kind == RECORD_RIGID) {
             motion.m0 = begin;
             motion.m1 = end;
-        } else if (segment.kind != RECORD_ON_JOINT) {
+        } else if (segment.kind == RECORD_ON_JOINT) {
+            fits = recorded_joints_take(&replayer->joints, item->slot, &segment,
+                                        &motion.first);
+        } else {
             motion.x0 = segment.kind == RECORD_X0X1 ? begin : NULL;
             motion.x1 = end;
         }
-        fits = add_motion(replayer, count, &motion);
+        fits = fits && add_motion(replayer, count, &motion);
     }
     return fits;
 }
@@ -389,8 +376,8 @@ static int submit_step(struct replayer *replayer, const struct recorded_item *it
                                                 .touching =
                                                     (enum pccd_touching)item->touching,
                                                 .resolution = item->resolution,
-                                                .joints = replayer->joints,
-                                                .joint_count = replayer->joint_count};
+                                                .joints = replayer->joints.items,
+                                                .joint_count = replayer->joints.count};
     return pccd_submit(replayer->client, item->scene, replayer->motions, motion_count,
                        &settings, step);
 }
@@ -410,8 +397,8 @@ static int submit_near(struct replayer *replayer, const struct recorded_item *it
                                           .tells_crossings = item->tells,
                                           .deadline_ns = item->deadline_ns,
                                           .method = (enum pccd_method)item->method,
-                                          .joints = replayer->joints,
-                                          .joint_count = replayer->joint_count};
+                                          .joints = replayer->joints.items,
+                                          .joint_count = replayer->joints.count};
     memcpy(settings.tuning, item->tuning, sizeof settings.tuning);
     return pccd_submit_near(replayer->client, item->scene, replayer->motions,
                             motion_count, &settings, step);
@@ -494,7 +481,7 @@ int replayer_ask(struct replayer *replayer, struct registry *state,
     if (status != PCCD_OK) {
         return status;
     }
-    replayer->joint_count = 0;
+    recorded_joints_deinit(&replayer->joints);
     if (!(repeats ? take_places(replayer, scene, true, &count)
                   : take_segments(replayer, item, &count))) {
         return no_memory(error);
@@ -513,6 +500,6 @@ void replayer_deinit(struct replayer *replayer)
 {
     free(replayer->records);
     free(replayer->motions);
-    free(replayer->joints);
+    recorded_joints_deinit(&replayer->joints);
     *replayer = (struct replayer){.records = NULL};
 }

@@ -20,8 +20,7 @@ struct replayer {
     size_t record_room;          /* bytes */
     struct pccd_motion *motions; /* ours: of one item */
     size_t motion_room;
-    struct pccd_joint *joints; /* ours: on which they turn, if any do */
-    uint32_t joint_count;
+    struct recorded_joints joints; /* on which they turn */
 };
 
 /* Follow a chunk that is not of an item, and tell the daemon, if there is one, what goes
