@@ -11,7 +11,8 @@
 
 static_assert((int)PCCD_BATCH_X1 == PROTO_SEGMENT_X1 &&
                   (int)PCCD_BATCH_X0X1 == PROTO_SEGMENT_X0X1 &&
-                  (int)PCCD_BATCH_RIGID == PROTO_SEGMENT_RIGID,
+                  (int)PCCD_BATCH_RIGID == PROTO_SEGMENT_RIGID &&
+                  (int)PCCD_BATCH_TURNING == PROTO_SEGMENT_TURNING,
               "a way is a kind of segment");
 
 struct pccd_batch {
@@ -23,6 +24,7 @@ struct pccd_batch {
     uint32_t slot;                    /* that is begun; CLI_SLOT_NONE: none */
     uint64_t slot_bytes;              /* tables and positions */
     struct proto_batch_scene *scenes; /* [scene_count] */
+    uint32_t *joint_counts;           /* [scene_count]: of the table of each; 0: none */
     struct proto_segment *segments;   /* [segment_count] */
     uint32_t *segment_of;             /* [part_count]; NO_SEGMENT: nothing moves */
 };
@@ -37,7 +39,7 @@ static int check_part(struct pccd_client *client, const struct pccd_batch_part *
     const struct pccd_batch_part *part = &parts[i];
     bool follows = i > 0 && parts[i - 1].scene == part->scene;
 
-    if ((unsigned)part->way > PCCD_BATCH_RIGID ||
+    if ((unsigned)part->way > PCCD_BATCH_TURNING ||
         (unsigned)part->format >= PCCD_FORMAT_COUNT) {
         return cli_fail(client, PCCD_E_INVAL, "part %u: unknown way %u or format %u", i,
                         (unsigned)part->way, (unsigned)part->format);
@@ -78,7 +80,7 @@ static void enter(struct pccd_batch *batch, const struct pccd_batch_part *parts,
                   uint32_t i)
 {
     const struct pccd_batch_part *part = &parts[i];
-    bool is_rigid = part->way == PCCD_BATCH_RIGID;
+    bool is_double = part->way >= PCCD_BATCH_RIGID;
 
     if (i == 0 || parts[i - 1].scene != part->scene) {
         batch->scenes[batch->scene_count++].scene = part->scene;
@@ -90,7 +92,7 @@ static void enter(struct pccd_batch *batch, const struct pccd_batch_part *parts,
         batch->segments[batch->segment_count++] = (struct proto_segment){
             .object = part->object,
             .kind = (uint16_t)part->way,
-            .format = (uint16_t)(is_rigid ? PCCD_FORMAT_F64 : part->format),
+            .format = (uint16_t)(is_double ? PCCD_FORMAT_F64 : part->format),
             .first = part->first,
             .count = part->count};
     }
@@ -106,20 +108,70 @@ static uint64_t segments_bytes(const struct pccd_batch *batch)
     return batch->segment_count * sizeof batch->segments[0];
 }
 
-/* Positions behind the tables, in the order of the segments. */
+/* Positions behind the tables, in the order of the segments; the joints of a scene stand
+ * where the first one that turns would have its positions. */
 static void lay_out(struct pccd_batch *batch)
 {
     uint64_t used =
         cli_round_up(scenes_bytes(batch) + segments_bytes(batch), CLI_PAYLOAD_ALIGN);
+    struct proto_segment *segment = batch->segments;
 
-    for (uint32_t i = 0; i < batch->segment_count; i++) {
-        used = cli_segment_place(&batch->segments[i], used);
+    for (uint32_t i = 0; i < batch->scene_count; i++) {
+        uint64_t joints_at = 0;
+
+        for (uint32_t k = 0; k < batch->scenes[i].segments; k++, segment++) {
+            if (segment->kind == PROTO_SEGMENT_TURNING && joints_at == 0) {
+                joints_at = used;
+                used += PROTO_JOINTS_BYTES(batch->joint_counts[i]);
+            }
+            segment->offset0 = joints_at;
+            used = cli_segment_place(segment, used);
+        }
     }
     batch->slot_bytes = used;
 }
 
+/* Take how many joints each scene has; parts turn on these alone. */
+static int take_joints(struct pccd_batch *batch, const uint32_t *joint_counts,
+                       uint32_t scene_count)
+{
+    const struct proto_segment *segment = batch->segments;
+    bool turns = false;
+
+    if (joint_counts != NULL && scene_count != batch->scene_count) {
+        return cli_fail(batch->client, PCCD_E_INVAL, "joints of %u scenes, there are %u",
+                        scene_count, batch->scene_count);
+    }
+    for (uint32_t i = 0; i < batch->scene_count; i++) {
+        uint32_t count = joint_counts != NULL ? joint_counts[i] : 0;
+
+        batch->joint_counts[i] = count;
+        for (uint32_t k = 0; k < batch->scenes[i].segments; k++, segment++) {
+            turns = turns || segment->kind == PROTO_SEGMENT_TURNING;
+            if (segment->kind == PROTO_SEGMENT_TURNING &&
+                (segment->first >= count || count > PROTO_JOINTS_MAX)) {
+                return cli_fail(batch->client, PCCD_E_INVAL,
+                                "object 0x%x of scene %u: joint %u of %u, from 0; %u at "
+                                "most",
+                                segment->object, i, segment->first, count,
+                                PROTO_JOINTS_MAX);
+            }
+        }
+    }
+    return turns ? cli_check_feature(batch->client, PROTO_FEATURE_TURNING, "batch.submit")
+                 : 0;
+}
+
 int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *parts,
                       uint32_t part_count, struct pccd_batch **batch)
+{
+    return pccd_batch_create_turning(client, parts, part_count, NULL, 0, batch);
+}
+
+int pccd_batch_create_turning(struct pccd_client *client,
+                              const struct pccd_batch_part *parts, uint32_t part_count,
+                              const uint32_t *joint_counts, uint32_t scene_count,
+                              struct pccd_batch **batch)
 {
     struct pccd_batch *made;
     int status;
@@ -132,11 +184,12 @@ int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *
     made = calloc(1, sizeof *made);
     if (made != NULL) {
         made->scenes = calloc(part_count, sizeof *made->scenes);
+        made->joint_counts = calloc(part_count, sizeof *made->joint_counts);
         made->segments = calloc(part_count, sizeof *made->segments);
         made->segment_of = calloc(part_count, sizeof *made->segment_of);
     }
-    if (made == NULL || made->scenes == NULL || made->segments == NULL ||
-        made->segment_of == NULL) {
+    if (made == NULL || made->scenes == NULL || made->joint_counts == NULL ||
+        made->segments == NULL || made->segment_of == NULL) {
         pccd_batch_destroy(made);
         return cli_fail(client, PCCD_E_NOMEM, "no memory for a batch of %u parts",
                         part_count);
@@ -148,6 +201,11 @@ int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *
     made->slot = CLI_SLOT_NONE;
     for (uint32_t i = 0; i < part_count; i++) {
         enter(made, parts, i);
+    }
+    status = take_joints(made, joint_counts, scene_count);
+    if (status != 0) {
+        pccd_batch_destroy(made);
+        return status;
     }
     lay_out(made);
     *batch = made;
@@ -199,6 +257,7 @@ void pccd_batch_destroy(struct pccd_batch *batch)
         *place = batch->next;
     }
     free(batch->scenes);
+    free(batch->joint_counts);
     free(batch->segments);
     free(batch->segment_of);
     free(batch);
@@ -223,6 +282,22 @@ static int keep_tables(struct pccd_batch *batch, struct cli_slot *own)
     memcpy(own->segments, batch->segments, segments_bytes(batch));
     memcpy(own->scenes, batch->scenes, scenes_bytes(batch));
     return 0;
+}
+
+/* Write the heads of the tables of joints. */
+static void write_heads(const struct pccd_batch *batch, uint8_t *payload)
+{
+    const struct proto_segment *segment = batch->segments;
+
+    for (uint32_t i = 0; i < batch->scene_count; i++) {
+        const struct proto_joints head = {.count = batch->joint_counts[i]};
+
+        for (uint32_t k = 0; k < batch->scenes[i].segments; k++, segment++) {
+            if (segment->kind == PROTO_SEGMENT_TURNING) {
+                memcpy(payload + segment->offset0, &head, sizeof head);
+            }
+        }
+    }
 }
 
 /* A slot with the tables in it. */
@@ -252,6 +327,7 @@ static int begin(struct pccd_batch *batch)
     payload = cli_slot_payload(&client->ring, slot);
     memcpy(payload, batch->scenes, scenes_bytes(batch));
     memcpy(payload + scenes_bytes(batch), batch->segments, segments_bytes(batch));
+    write_heads(batch, payload);
     own->scene = 0;
     own->scene_count = batch->scene_count;
     own->segment_count = own->segment_max = batch->segment_count;
@@ -267,6 +343,12 @@ static const struct proto_segment *segment_of(const struct pccd_batch *batch, ui
                                               : NULL;
 }
 
+/* Return whether a segment brings both ends. */
+static bool has_both(const struct proto_segment *segment)
+{
+    return segment->kind == PROTO_SEGMENT_X0X1 || segment->kind == PROTO_SEGMENT_RIGID;
+}
+
 int pccd_batch_begin(struct pccd_batch *batch, void **x0, void **x1)
 {
     uint8_t *payload;
@@ -277,7 +359,7 @@ int pccd_batch_begin(struct pccd_batch *batch, void **x0, void **x1)
         return cli_fail(batch->client, PCCD_E_INVAL, "x1 is NULL");
     }
     for (uint32_t i = 0; x0 == NULL && i < batch->segment_count; i++) {
-        if (batch->segments[i].kind != PROTO_SEGMENT_X1) {
+        if (has_both(&batch->segments[i])) {
             return cli_fail(batch->client, PCCD_E_INVAL,
                             "x0 is NULL, and a part has both ends");
         }
@@ -290,11 +372,13 @@ int pccd_batch_begin(struct pccd_batch *batch, void **x0, void **x1)
     for (uint32_t i = 0; i < batch->part_count; i++) {
         const struct proto_segment *segment = segment_of(batch, i);
 
-        x1[i] = segment != NULL ? payload + segment->offset1 : NULL;
+        x1[i] = segment == NULL ? NULL
+                : segment->kind == PROTO_SEGMENT_TURNING
+                    ? payload + segment->offset0 + sizeof(struct proto_joints)
+                    : payload + segment->offset1;
         if (x0 != NULL) {
-            x0[i] = segment != NULL && segment->kind != PROTO_SEGMENT_X1
-                        ? payload + segment->offset0
-                        : NULL;
+            x0[i] =
+                segment != NULL && has_both(segment) ? payload + segment->offset0 : NULL;
         }
     }
     return 0;
@@ -351,11 +435,19 @@ static int copy(struct pccd_batch *batch, const void *const *x0, const void *con
         if (segment == NULL) {
             continue;
         }
-        if (x1[i] == NULL || (segment->kind != PROTO_SEGMENT_X1 && start == NULL)) {
+        if (x1[i] == NULL || (has_both(segment) && start == NULL)) {
             return cli_fail(batch->client, PCCD_E_INVAL, "part %u: %s is NULL", i,
                             x1[i] == NULL ? "x1" : "x0");
         }
-        cli_segment_write(payload, segment, start, x1[i]);
+        if (segment->kind == PROTO_SEGMENT_TURNING) {
+            struct proto_joints head;
+            uint8_t *to = payload + segment->offset0;
+
+            memcpy(&head, to, sizeof head);
+            memcpy(to + sizeof head, x1[i], head.count * sizeof(struct pccd_joint));
+        } else {
+            cli_segment_write(payload, segment, start, x1[i]);
+        }
     }
     return 0;
 }

@@ -49,9 +49,11 @@ struct pccd_step_settings;
 
 /* The way in which a part of a batch moves. */
 enum pccd_batch_way {
-    PCCD_BATCH_X1 = 0,   /* to x1, from where the last step ended */
-    PCCD_BATCH_X0X1 = 1, /* from x0 to x1 */
-    PCCD_BATCH_RIGID = 2 /* by transforms at both ends, as pccd_frame_rigid says */
+    PCCD_BATCH_X1 = 0,     /* to x1, from where the last step ended */
+    PCCD_BATCH_X0X1 = 1,   /* from x0 to x1 */
+    PCCD_BATCH_RIGID = 2,  /* by transforms at both ends, as pccd_frame_rigid says */
+    PCCD_BATCH_TURNING = 3 /* on a joint of its scene, as pccd_frame_turning says:
+                            * `first` is the joint, `count` all vertices */
 };
 
 /* A part of a batch: `count` vertices of an object, from `first` on. */
@@ -70,6 +72,15 @@ struct pccd_batch_part {
  * scenes or parts; E_VERSION: the daemon knows of no batches; E_NOMEM. */
 int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *parts,
                       uint32_t part_count, struct pccd_batch **batch);
+/* Create one in which bodies turn, too (pccd_turning.h): scene i has a table of
+ * joint_counts[i] joints, or 0: none, and brings it at each step as the x1 of its parts
+ * that turn, struct pccd_joint [joint_counts[i]], the same one for all of them. E_INVAL:
+ * also a part on a joint that its scene has not; E_VERSION: the daemon knows of no
+ * joints. */
+int pccd_batch_create_turning(struct pccd_client *client,
+                              const struct pccd_batch_part *parts, uint32_t part_count,
+                              const uint32_t *joint_counts, uint32_t scene_count,
+                              struct pccd_batch **batch);
 /* Free it, before or after pccd_close. One that is begun is aborted; those in flight go
  * on. NULL is allowed. */
 void pccd_batch_destroy(struct pccd_batch *batch);
@@ -112,8 +123,9 @@ const struct pccd_pair *pccd_batch_pairs(const struct pccd_batch_answer *answer,
                                          uint64_t i);
 
 /* Begin a step: take a slot, as pccd_frame_begin does, and get where to write positions:
- * x1[part] is packed [count][3] of the part's format; of a rigid part double[12]. x0 has
- * the same of parts with both ends, NULL of others; it may be NULL if there are none.
+ * x1[part] is packed [count][3] of the part's format; of a rigid part double[12], of one
+ * that turns the table of its scene. x0 has the same of parts with both ends, NULL of
+ * others; it may be NULL if there are none.
  * Write before commit; never read. Errors: those of pccd_frame_begin; E_STATE: it is
  * begun. */
 int pccd_batch_begin(struct pccd_batch *batch, void **x0, void **x1);

@@ -192,7 +192,9 @@ static struct record_part rebase(const struct pccd_client *client,
 
     for (uint32_t i = 0; i < count; i++) {
         table[i] = from[i];
-        table[i].offset1 = from[i].offset1 - first + table_bytes;
+        if (from[i].kind != PROTO_SEGMENT_TURNING) {
+            table[i].offset1 = from[i].offset1 - first + table_bytes;
+        }
         if (from[i].kind != PROTO_SEGMENT_X1) {
             table[i].offset0 = from[i].offset0 - first + table_bytes;
         }

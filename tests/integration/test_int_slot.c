@@ -198,7 +198,7 @@ static const struct {
     int code;
 } lies[] = {
     {"no vertices", {GOOD, X1, 0, 0, 0, 0, 32}, PCCD_E_SEGMENT},
-    {"an unknown kind", {GOOD, 3, 0, 0, 3, 0, 32}, PCCD_E_SEGMENT},
+    {"an unknown kind", {GOOD, 4, 0, 0, 3, 0, 32}, PCCD_E_SEGMENT},
     {"a kind far away", {GOOD, 0xffff, 0, 0, 3, 0, 32}, PCCD_E_SEGMENT},
     {"an unknown format", {GOOD, X1, 2, 0, 3, 0, 32}, PCCD_E_SEGMENT},
     {"a rigid segment in float", {GOOD, RIGID, 0, 0, 3, 32, 128}, PCCD_E_SEGMENT},
