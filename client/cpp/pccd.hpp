@@ -555,6 +555,112 @@ inline pccd_motion rigid(const object &object, const double (&m0)[12],
     return motion;
 }
 
+// ---- bodies that turn -----------------------------------------------------------------
+
+// The joints of a step (pccd_turning.h), on which objects hang. What adds a motion returns
+// the joint that a body hangs on; `parent` is such a joint, or the world.
+class joints {
+public:
+    using vector = double[3];
+
+    // Turn by `angle` (radians) about the axis through `centre`, and go by `shift` along
+    // it.
+    result<std::uint32_t> try_screw(const vector &centre, const vector &axis,
+                                    double angle, double shift = 0,
+                                    std::uint32_t parent = PCCD_NO_JOINT)
+    {
+        return add([&](pccd_joint *to, std::uint32_t *count) {
+            return pccd_joints_screw(centre, axis, angle, shift, parent, to, count);
+        });
+    }
+    std::uint32_t screw(const vector &centre, const vector &axis, double angle,
+                        double shift = 0, std::uint32_t parent = PCCD_NO_JOINT)
+    {
+        return try_screw(centre, axis, angle, shift, parent).value();
+    }
+    // Go from one pose to another, with so many whole turns more; `axis` says which way.
+    result<std::uint32_t> try_poses(const pccd_pose &from, const pccd_pose &to,
+                                    std::int32_t turns = 0, const double *axis = nullptr,
+                                    std::uint32_t parent = PCCD_NO_JOINT)
+    {
+        return add([&](pccd_joint *where, std::uint32_t *count) {
+            return pccd_joints_poses(&from, &to, turns, axis, parent, where, count);
+        });
+    }
+    std::uint32_t poses(const pccd_pose &from, const pccd_pose &to,
+                        std::int32_t turns = 0, const double *axis = nullptr,
+                        std::uint32_t parent = PCCD_NO_JOINT)
+    {
+        return try_poses(from, to, turns, axis, parent).value();
+    }
+    // Go with a rotation vector that goes straight from w0 to w1.
+    result<std::uint32_t> try_rotation_vector(const vector &origin0, const vector &origin1,
+                                              const vector &w0, const vector &w1,
+                                              std::uint32_t parent = PCCD_NO_JOINT)
+    {
+        return add([&](pccd_joint *to, std::uint32_t *count) {
+            return pccd_joints_rotation_vector(origin0, origin1, w0, w1, parent, to,
+                                               count);
+        });
+    }
+    std::uint32_t rotation_vector(const vector &origin0, const vector &origin1,
+                                  const vector &w0, const vector &w1,
+                                  std::uint32_t parent = PCCD_NO_JOINT)
+    {
+        return try_rotation_vector(origin0, origin1, w0, w1, parent).value();
+    }
+    // Add a joint as it is.
+    std::uint32_t add(const pccd_joint &joint)
+    {
+        all_.push_back(joint);
+        return static_cast<std::uint32_t>(all_.size() - 1);
+    }
+
+    // All of them, to be changed between steps.
+    std::vector<pccd_joint> &all() noexcept { return all_; }
+    const std::vector<pccd_joint> &all() const noexcept { return all_; }
+    // Settings of a step whose motions `turning` are on these, which stay where they are
+    // until it is submitted.
+    step_settings with(const step_settings &settings = {}) const
+    {
+        return set(settings);
+    }
+    near_settings with(const near_settings &settings) const { return set(settings); }
+
+private:
+    template <class Settings> Settings set(Settings settings) const
+    {
+        settings.joints = all_.data();
+        settings.joint_count = static_cast<std::uint32_t>(all_.size());
+        return settings;
+    }
+    template <class Call> result<std::uint32_t> add(const Call &call)
+    {
+        std::uint32_t count = static_cast<std::uint32_t>(all_.size());
+        all_.resize(all_.size() + PCCD_JOINTS_MOST);
+        const std::uint32_t first = count;
+        const int status = call(all_.data(), &count);
+        all_.resize(status == PCCD_OK ? count : first);
+        if (status != PCCD_OK) {
+            return error(status, pccd_error_text(nullptr));
+        }
+        return count - 1;
+    }
+
+    std::vector<pccd_joint> all_;
+};
+
+// All of a body on a joint of the step's settings: scene.step(turning(door, joint),
+// joints.with()).
+inline pccd_motion turning(const object &object, std::uint32_t joint)
+{
+    pccd_motion motion{};
+    motion.object = object.id();
+    motion.first = joint;
+    motion.count = object.vertex_count();
+    return motion;
+}
+
 // ---- answers --------------------------------------------------------------------------
 
 // The answer to a step or to a question about what is near. Its records lie in memory

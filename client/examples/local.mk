@@ -5,6 +5,7 @@
 
 example_names = \
     client/examples/hello \
+    client/examples/hinge \
     client/examples/cloth \
     client/examples/cloth_near \
     client/examples/cloth_thick \
@@ -15,6 +16,7 @@ check_PROGRAMS += $(example_names)
 
 example_libs = libpccd.la $(LIBM)
 client_examples_hello_LDADD = $(example_libs)
+client_examples_hinge_LDADD = $(example_libs)
 client_examples_cloth_LDADD = $(example_libs)
 client_examples_cloth_near_LDADD = $(example_libs)
 client_examples_cloth_thick_LDADD = $(example_libs)

@@ -5,7 +5,7 @@
 #           printed. A daemon that it leaves behind would show in the private folder check.
 set -u
 
-examples="hello cloth cloth_near cloth_thick game_balls game_loop two_processes"
+examples="hello hinge cloth cloth_near cloth_thick game_balls game_loop two_processes"
 runtime=$(mktemp -d)
 trap 'rm -rf "$runtime"' EXIT
 export XDG_RUNTIME_DIR=$runtime
@@ -13,7 +13,7 @@ unset PCCD_URL
 
 number=0
 failed=0
-echo "1..10"
+echo "1..11"
 for example in $examples; do
     number=$((number + 1))
     if output=$("$top_builddir/client/examples/$example" 2>&1); then
@@ -27,10 +27,10 @@ done
 
 # A private daemon's folder that is still there means that it was not stopped.
 if [ -z "$(ls -A "$runtime")" ]; then
-    echo "ok 8 - examples leave nothing behind"
+    echo "ok 9 - examples leave nothing behind"
 else
     failed=1
-    echo "not ok 8 - examples leave nothing behind"
+    echo "not ok 9 - examples leave nothing behind"
     find "$runtime" | sed 's/^/# /'
 fi
 
@@ -45,20 +45,20 @@ for example in $examples; do
     esac
 done >"$runtime/out"
 if ! grep 'wrong' "$runtime/out" && grep -q "no daemon that two processes share" "$runtime/out"; then
-    echo "ok 9 - examples compute without a daemon when PCCD_URL is direct:"
+    echo "ok 10 - examples compute without a daemon when PCCD_URL is direct:"
 else
     failed=1
-    echo "not ok 9 - examples compute without a daemon when PCCD_URL is direct:"
+    echo "not ok 10 - examples compute without a daemon when PCCD_URL is direct:"
 fi
 sed 's/^/# /' "$runtime/out"
 
 # Longer ones are not read.
 if long=$(wc -l "$top_srcdir"/client/examples/*.c | awk '$1 >= 150 && $2 != "total"') &&
     [ -z "$long" ]; then
-    echo "ok 10 - examples have less than 150 lines"
+    echo "ok 11 - examples have less than 150 lines"
 else
     failed=1
-    echo "not ok 10 - examples have less than 150 lines"
+    echo "not ok 11 - examples have less than 150 lines"
     printf '%s\n' "$long" | sed 's/^/# /'
 fi
 exit $failed

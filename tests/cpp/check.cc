@@ -354,6 +354,34 @@ void check_weld()
          "weld__says_what_is_wrong");
 }
 
+// If one failed, a door would turn about another pin, or not as in C.
+void check_turning(pccd::client &client)
+{
+    const std::vector<vec3> door = {{.125, 0, -1}, {1, 0, -1}, {1, 0, 1}, {.125, 0, 1}};
+    const std::vector<vec3> post = {{.25, .25, -2}, {.25, .25, 2}, {-1, 1, 0}};
+    const std::uint32_t door_faces[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    const std::uint32_t post_face[1][3] = {{0, 1, 2}};
+    const double pin[3] = {0, 0, 0}, up[3] = {0, 0, 1}, none[3] = {0, 0, 0};
+    const pccd_pose still = {{0, 0, 0}, {0, 0, 0, 1}}, half = {{0, 0, 0}, {0, 0, 1, 0}};
+    pccd::scene scene = client.make_scene();
+    pccd::mesh of_door = client.make_mesh({door, door_faces});
+    pccd::mesh of_post = client.make_mesh({post, post_face});
+    pccd::object turns = scene.add(of_door);
+    pccd::object stands = scene.add(of_post);
+    pccd::joints joints;
+    const std::uint32_t hinge = joints.screw(pin, up, std::acos(-1.0) / 2);
+    const pccd::answer answer = scene.step(pccd::turning(turns, hinge), joints.with());
+    tell(answer->total == 3 && answer->toi_first <= .5 && answer->toi_first > .4999,
+         "turning__meets_at_its_angle");
+    const std::size_t before = joints.all().size();
+    tell(joints.try_screw(pin, none, 1).status() == PCCD_E_INVAL &&
+             joints.try_poses(still, half).status() == PCCD_E_INVAL &&
+             joints.all().size() == before &&
+             joints.poses(still, half, 0, up, hinge) == before + 2 &&
+             joints.rotation_vector(pin, up, pin, up) == before + 4,
+         "joints__are_added_or_refused");
+}
+
 void check_all(pccd::client client)
 {
     check_step(client);
@@ -363,6 +391,7 @@ void check_all(pccd::client client)
     check_ownership(client);
     check_errors(client);
     check_motions(client);
+    check_turning(client);
 }
 
 } // namespace

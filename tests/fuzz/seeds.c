@@ -430,6 +430,28 @@ static void make_slot_seeds(void)
         put_noise(0, 0);
         save("slot", (snprintf(name, sizeof name, "segment%u", kind), name));
     }
+    for (unsigned kind = 0; kind < PCCD_JOINT_KIND_COUNT; kind++) {
+        const struct proto_joints head = {.count = 2};
+        struct pccd_joint joints[2] = {
+            {.parent = PCCD_NO_JOINT, .rotation = {0, 0, 0, 1}, .to = {1}},
+            {.kind = kind, .rotation = {0, 0, 1, 1}, .to = {3}}};
+        joints[0].kind = PCCD_JOINT_TURN;
+        joints[0].axis[kind % 3] = 1;
+        joints[1].axis[0] = kind == PCCD_JOINT_TURN || kind == PCCD_JOINT_SLIDE;
+        joints[1].to[0] = kind == PCCD_JOINT_FIXED ? 0 : 3;
+        begin();
+        put_u8(0);
+        put_u8(2); /* segments, of objects 0 and 1 */
+        for (unsigned object = 0; object < 2; object++) {
+            put_u8(224 + object);
+            put_u8(192 + object); /* the joint, whole */
+            put_u8(1);            /* joints behind the table */
+            put_u8(0);
+        }
+        put(&head, sizeof head);
+        put(joints, sizeof joints);
+        save("slot", (snprintf(name, sizeof name, "turning%u", kind), name));
+    }
     for (unsigned part = 0; part < 4; part++) {
         begin();
         put_u8(3 + part * 64);
@@ -598,7 +620,7 @@ static void put_chunk(unsigned kind, const void *head, size_t head_bytes,
     put(rest, rest_bytes);
 }
 
-/* A triangle that is added, moved in three ways, replaced, and removed. */
+/* A triangle that is added, moved in four ways, replaced, and removed. */
 static void make_record_seeds(void)
 {
     const struct record_begin hello = {.pid = 1};
@@ -628,6 +650,20 @@ static void make_record_seeds(void)
     } frame = {{.step = 1, .scene = 5, .segment_count = 1},
                {9, RECORD_X1, PCCD_FORMAT_F32, 1, 3, 0, 32},
                {1}};
+    const struct record_turning turning = {.resolution = 0.5};
+    struct {
+        struct record_frame head;
+        struct record_segment segment;
+        struct record_joints table;
+        struct pccd_joint joint;
+    } turn = {.head = {.step = 1, .scene = 5, .segment_count = 1},
+              .segment = {9, RECORD_ON_JOINT, PCCD_FORMAT_F64, 0, 4, 32, 0},
+              .table = {.count = 1},
+              .joint = {.kind = PCCD_JOINT_TURN,
+                        .parent = PCCD_NO_JOINT,
+                        .rotation = {0, 0, 0, 1},
+                        .axis = {0, 0, 1},
+                        .to = {1}}};
     begin();
     put_u8(2);
     put_chunk(RECORD_BEGIN, &hello, sizeof hello, "", 0);
@@ -642,6 +678,8 @@ static void make_record_seeds(void)
     frame.segment =
         (struct record_segment){9, RECORD_RIGID, PCCD_FORMAT_F64, 0, 4, 32, 128};
     put_chunk(RECORD_FRAME, &frame.head, sizeof frame.head, &frame.segment, 224);
+    put_chunk(RECORD_TURNING, &turning, sizeof turning, "", 0);
+    put_chunk(RECORD_FRAME, &turn.head, sizeof turn.head, &turn.segment, 176);
     put_chunk(RECORD_ANSWER, &answer, sizeof answer, "", 0);
     put_chunk(RECORD_NEAR, &near, sizeof near, &frame.segment, 224);
     put_chunk(RECORD_NEAR_ANSWER, &told, sizeof told, "", 0);

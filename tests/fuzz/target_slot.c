@@ -140,6 +140,11 @@ static void take_segment(struct fuzz_input *input, uint64_t table_bytes,
                                    : fuzz_take_u32(input);
     segment->offset0 = take_offset(input, table_bytes);
     segment->offset1 = take_offset(input, table_bytes);
+    if (choice >= 224 && choice < 240) { /* all hangs on a joint */
+        segment->kind = PROTO_SEGMENT_TURNING;
+        segment->format = choice % 16 < 14 ? PCCD_FORMAT_F64 : PCCD_FORMAT_F32;
+        segment->count = range < 240 ? VERTICES : segment->count;
+    }
 }
 
 /* A sequence number for the slot; seldom another one than it holds. */
@@ -185,6 +190,7 @@ static void submit(struct fuzz_input *input, uint8_t choices)
     memset(payload + at, 0, SLOT_BYTES - at);
     request.mode = fuzz_take_u8(input) % PCCD_MODE_COUNT;
     request.method = fuzz_take_u8(input) % PCCD_METHOD_COUNT;
+    request.deadline_ns = 50000000; /* what turns may take long to decide */
     request.seq = publish(input, request.slot);
     int status = test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, &answer);
     FUZZ_CHECK(is_explained(status));

@@ -132,6 +132,7 @@ class Abi(unittest.TestCase):
                               (pccd.PAIR, abi.pccd_pair), (pccd.NEAR, abi.pccd_near),
                               (pccd.EDGE, abi.pccd_edge),
                               (pccd.SCENE, abi.pccd_scene_answer),
+                              (pccd.JOINT, abi.pccd_joint),
                               (pccd.BOX, abi.pccd_box), (pccd.TRACE_EVENT,
                               abi.pccd_trace_event)):
             self.assertEqual(dtype.itemsize, ctypes.sizeof(struct))
@@ -141,7 +142,8 @@ class Abi(unittest.TestCase):
 
     # If this failed, a setting of a step could not be given from Python.
     def test_settings__are_all_of_the_struct(self):
-        fields = {name for name, _ in abi.pccd_step_settings._fields_} - {"struct_bytes"}
+        fields = {name for name, _ in abi.pccd_step_settings._fields_} - {
+            "struct_bytes", "joints", "joint_count"}  # of Motions
         self.assertEqual({name for name in vars(pccd.StepSettings())
                           if not name.startswith("_")}, fields)
         with self.assertRaisesRegex(pccd.PccdError, "threads is -1"):

@@ -37,7 +37,8 @@ wait for it.
 """
 
 from . import abi
-from .abi import (BatchWay, ContactFlag, Format, HistogramKind, Incomplete, Kind, Method,
+from .abi import (BatchWay, ContactFlag, Format, HistogramKind, Incomplete, JointKind,
+                  Kind, Method,
                   Mode, NearFlag, NearKind, NearWhat, ObjectWhat, Share, Touching,
                   Status, TraceKind, Tree, Verdict)
 from .answer import Answer
@@ -45,6 +46,8 @@ from .batch import SCENE, Batch, BatchAnswer, Part
 from .client import Client, connect
 from .frame import Frame, Motions
 from .library import PccdError
+from .turning import (JOINT, NO_JOINT, joints_poses, joints_rotation_vector,
+                      joints_screw, rotation_of_matrix)
 from .values import (BOX, CONTACT, EDGE, NEAR, PAIR, TRACE_EVENT, DaemonInfo, Histogram,
                      LinkInfo, MeshInfo, ObjectSettings, RecordInfo, SceneNews, Setting,
                      StepCounters, StepEvent, StepSettings, StepTimes, TraceInfo)
@@ -56,9 +59,11 @@ __all__ = [
     "Answer", "Batch", "BatchAnswer", "BatchWay", "BOX", "Client", "connect", "CONTACT",
     "ContactFlag", "DaemonInfo", "EDGE",
     "Format", "Frame", "Histogram", "HistogramKind", "Incomplete", "Kind",
+    "JOINT", "JointKind", "joints_poses", "joints_rotation_vector", "joints_screw",
     "LinkInfo", "MeshInfo", "Method", "Mode", "Motions", "NEAR", "NearFlag", "NearKind",
-    "NearWhat", "ObjectSettings", "ObjectWhat",
-    "PAIR", "Part", "PccdError", "RecordInfo", "SCENE", "SceneNews",
+    "NearWhat", "NO_JOINT", "ObjectSettings", "ObjectWhat",
+    "PAIR", "Part", "PccdError", "RecordInfo", "rotation_of_matrix", "SCENE",
+    "SceneNews",
     "Setting", "Share", "Status", "StepCounters", "StepEvent", "StepSettings",
     "StepTimes", "TRACE_EVENT", "Touching", "TraceInfo", "TraceKind", "Tree", "Verdict",
     "weld", "Welded",

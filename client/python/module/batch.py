@@ -21,6 +21,7 @@ from .abi import BatchWay, Mode, Status
 from .answer import Held
 from .frame import DEFAULT
 from .library import PccdError, lib, one_thread_at_a_time, quick
+from .turning import JOINT
 from .values import (CONTACT, PAIR, StepSettings, enumerator, format_of, refusal, u32)
 
 SCENE = np.dtype(abi.pccd_scene_answer)
@@ -134,10 +135,13 @@ class Batch:
         with batch.step(x1) as answer:
             reward = -answer.scenes["total"]
 
-    The parts of one scene stand one behind the other.
+    The parts of one scene stand one behind the other. joint_counts[i]: how many joints
+    the table of scene i has, on which parts of way TURNING hang: `first` is the joint,
+    and what they move to is the table, (joint_counts[i],) of JOINT.
     """
 
-    def __init__(self, client: Any, parts: Iterable[Union[Part, Sequence[Any]]]) -> None:
+    def __init__(self, client: Any, parts: Iterable[Union[Part, Sequence[Any]]],
+                 joint_counts: Sequence[int] = ()) -> None:
         self._client = client
         self._turn = client._turn
         self._parts = [part if isinstance(part, Part) else Part(*part) for part in parts]
@@ -149,8 +153,16 @@ class Batch:
             struct.first, struct.count = u32("first", part.first), u32("count",
                                                                        part.count)
             struct.format, struct.way = format_of(part.dtype), part.way
-        client._check(lib.pccd_batch_create(client._handle, structs, len(self._parts),
-                                            byref(self._handle)))
+        if len(joint_counts):
+            counts = (ctypes.c_uint32 * len(joint_counts))(
+                *(u32("joint_counts", count) for count in joint_counts))
+            client._check(lib.pccd_batch_create_turning(
+                client._handle, structs, len(self._parts), counts, len(joint_counts),
+                byref(self._handle)))
+        else:
+            client._check(lib.pccd_batch_create(client._handle, structs,
+                                                len(self._parts), byref(self._handle)))
+        self._joint_counts = joint_counts
         self._x0 = (ctypes.c_void_p * len(self._parts))()
         self._x1 = (ctypes.c_void_p * len(self._parts))()
         first = self._parts[0]
@@ -163,6 +175,11 @@ class Batch:
     def __len__(self) -> int:
         """How many scenes there are; answers have as many entries."""
         return int(quick.pccd_batch_scenes(self._handle))
+
+    def _table(self, address: int, scene: int) -> NDArray[Any]:
+        span = self._client._memory.span(address)
+        flat: NDArray[Any] = span.array(JOINT, self._joint_counts[scene], writable=True)
+        return flat
 
     def _view(self, address: int, part: Part) -> NDArray[Any]:
         is_rigid = part.way == BatchWay.RIGID
@@ -187,7 +204,8 @@ class Batch:
         """Take a slot, and get where to write end positions, before commit(): one array
         (parts, count, 3) where all parts are alike, of way X1; else a list with an array
         (count, 3) a part, or two of them, start and end, or two transforms (3, 4), or
-        None of a part that stands still. Never read them."""
+        or the table of its scene, or None of a part that stands still. Never read
+        them."""
         self._check_open()
         self._client._settle()
         self._client._check(lib.pccd_batch_begin(self._handle, self._x0, self._x1))
@@ -195,8 +213,11 @@ class Batch:
             self._views = [self._all()]
             return self._views[0]
         ends: List[Any] = []
+        scene, last = -1, None
         for part, x0, x1 in zip(self._parts, self._x0, self._x1):
-            views = [self._view(address, part) for address in (x0, x1) if address]
+            scene, last = scene + (part.scene != last), part.scene
+            views = [self._table(address, scene) if part.way == BatchWay.TURNING else
+                     self._view(address, part) for address in (x0, x1) if address]
             self._views += views
             ends.append(None if not views else views[0] if len(views) == 1 else
                         tuple(views))

@@ -141,15 +141,15 @@ class Client(Observe):
     def submit(self, scene: int, motions: Motions,
                settings: StepSettings = DEFAULT) -> int:
         """A step in which several objects move; its number."""
-        return self._submit(scene, motions._structs, motions._count, settings).value
+        return self._submit(scene, motions._structs, motions._count,
+                            motions._step_settings(settings)).value
 
     def _submit(self, scene: int, motions: Any, count: int,
-                settings: StepSettings) -> ctypes.c_uint64:
+                settings: Any) -> ctypes.c_uint64:
         step = ctypes.c_uint64()
         if scene.__class__ is not int or scene >> 32:
             scene = u32("scene", scene)
-        status = _submit(self._handle, scene, motions, count, settings._as_parameter_,
-                         byref(step))
+        status = _submit(self._handle, scene, motions, count, settings, byref(step))
         if status:
             raise self._failure(status)
         return step
@@ -166,7 +166,7 @@ class Client(Observe):
         """The same as submit, and wait for the answer. On E_TIMEOUT the step is
         abandoned."""
         return self._finish(self._submit(scene, motions._structs, motions._count,
-                                         settings))
+                                         motions._step_settings(settings)))
 
     def step_safe(self, scene: int, motions: Motions, x: Sequence[NDArray[Any]],
                   settings: StepSettings = DEFAULT) -> Tuple[float, Answer]:
@@ -215,7 +215,8 @@ class Client(Observe):
         motion = abi.pccd_motion(object=object, count=len(end),
                                  format=format_of(end.dtype), x1=end.ctypes.data,
                                  x0=None if begin is None else begin.ctypes.data)
-        return self._finish(self._submit(scene, byref(motion), 1, settings))
+        return self._finish(self._submit(scene, byref(motion), 1,
+                                         settings._as_parameter_))
 
     # -- what is near --
 
@@ -247,6 +248,8 @@ class Client(Observe):
         asked, step = near_settings(what, distance, end, **settings), ctypes.c_uint64()
         structs, count = (None, 0) if motions is None else \
             (motions._structs, motions._count)
+        if motions is not None:
+            motions._with_joints(asked)
         self._check(lib.pccd_submit_near(self._handle, u32("scene", scene), structs,
                                          count, byref(asked), byref(step)))
         return step
@@ -287,9 +290,9 @@ class Client(Observe):
 
     # -- batches --
 
-    def batch(self, parts: Iterable[Part]) -> Batch:
+    def batch(self, parts: Iterable[Part], joint_counts: Sequence[int] = ()) -> Batch:
         """Scenes that are stepped together, and what moves in each (batch.py)."""
-        return Batch(self, parts)
+        return Batch(self, parts, joint_counts)
 
     def batch_poll(self) -> Optional[BatchAnswer]:
         """A finished answer to a batch, the oldest first, or None. One of a batch that

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes
 from ctypes import byref
-from typing import Any, List, Tuple
+from typing import Any, List, Optional, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from . import abi
 from .abi import Status
 from .library import lib, one_thread_at_a_time, quick
+from .turning import table_of
 from .values import StepSettings, format_of, near_settings, refusal, u32
 
 DEFAULT = StepSettings()
@@ -83,6 +84,25 @@ class Frame:
         if status:
             raise self._client._failure(status)
 
+    def joints(self, table: NDArray[Any]) -> None:
+        """Copy a table of joints (JOINT) into the frame, once, before what hangs on it:
+        8 + 136 * len(table) bytes. E_STATE: there is one; E_VERSION: a daemon that knows
+        of none."""
+        self._client._check_open()
+        status = quick.pccd_frame_joints(byref(self._struct), table_of(table).ctypes.data,
+                                         len(table))
+        if status:
+            raise self._client._failure(status)
+
+    def turning(self, object: int, count: int, joint: int) -> None:
+        """All `count` vertices of an object hang on a joint of the table: they are as
+        registered in the frame of its link, and go along the curve that it says."""
+        self._client._check_open()
+        status = quick.pccd_frame_turning(byref(self._struct), u32("object", object),
+                                          u32("joint", joint), u32("count", count))
+        if status:
+            raise self._client._failure(status)
+
     def commit(self, settings: StepSettings = DEFAULT) -> int:
         """Publish and submit; the number of the step. The arrays cannot be written any
         more, and the slot belongs to the daemon, also on failure."""
@@ -134,6 +154,7 @@ class Motions:
         self._count = 0
         self._structs = (abi.pccd_motion * 8)()
         self._arrays: List[NDArray[Any]] = []  # so that they stay
+        self._joints: Optional[NDArray[Any]] = None
 
     def __len__(self) -> int:
         return self._count
@@ -185,3 +206,25 @@ class Motions:
             if self._check(name, m, (3, 4)).dtype != np.float64:
                 raise refusal(Status.E_INVAL, f"{name} is {m.dtype}, not float64")
         self._add(object, first, count, abi.Format.F64, m0=m0, m1=m1)
+
+    def joints(self, table: NDArray[Any]) -> None:
+        """The table of JOINT that `turning` speaks of; each step reads it as it is then:
+        table["from"][:, 0] = table["to"][:, 0]; table["to"][:, 0] = q."""
+        self._joints = table_of(table)
+
+    def turning(self, object: int, count: int, joint: int) -> None:
+        """All `count` vertices of an object hang on a joint of the table: see
+        Frame.turning."""
+        self._add(object, joint, count, abi.Format.F64)
+
+    def _step_settings(self, settings: StepSettings) -> Any:
+        """For the library, with the joints."""
+        return settings._as_parameter_ if self._joints is None else \
+            byref(self._with_joints(type(settings._struct).from_buffer_copy(
+                settings._struct)))
+
+    def _with_joints(self, struct: Any) -> Any:
+        if self._joints is not None:
+            struct.joints = self._joints.ctypes.data
+            struct.joint_count = len(self._joints)
+        return struct

@@ -124,8 +124,11 @@ class StepSettings:
     tells_start: bool = False  # say how it begins, too: Answer.crossings, start_inside
     touching: Union[int, str] = Touching.KEPT  # what touches at t = 0: "told": whether it
     # enters, slides or leaves; "left_out": what does not enter is no contact then
+    resolution: float = 0.0  # of bodies that turn: what comes within so much more than
+    # the distance at which it meets may be possible; 0 = 2^-20 of the size of the two
 
     _as_parameter_: ClassVar[Any]  # the struct, for ctypes
+    _struct: ClassVar[Any]
 
     def __post_init__(self) -> None:
         made = with_size(abi.pccd_step_settings())
