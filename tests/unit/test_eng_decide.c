@@ -165,6 +165,29 @@ CASE(decide__grazing_is_free_proved_or_possible)
     }
 }
 
+/* If it failed: a chord that passes through would be taken for its curve, which passes
+ * beside. */
+CASE(decide__curves_pass_beside_what_their_chords_pass_through)
+{
+    static const double borders[] = {0.93, 0.95, 0.97, 0.99, 1.01};
+    for (int n = 0; n < 20; n++) {
+        double border = borders[n % 5];
+        const double face[3][3] = {{-3, 0, -3}, {border, 0, -3}, {border, 0, 5}};
+        const double edge[2][3] = {{0, 0, 0}, {border, 0, 0}};
+        const double upright[2][3] = {{1, 0, -1}, {1, 0, 1}};
+        struct eng_turning_pair pair = n < 10 ? pair_of(PCCD_VF, 0, on_x, face, 0)
+                                              : pair_of(PCCD_EE, 0, upright, edge, 0);
+        double tolerance = n / 5 % 2 ? 1 : 0.1;
+        enum eng_turning_verdict verdict = decide_turn(-0.5, 0.5, &pair, tolerance);
+        if (border < 1) {
+            assert_int_equal(verdict, ENG_TURNING_FREE);
+        } else {
+            assert_int_equal(verdict, ENG_TURNING_MEETS);
+            expect_proved(0.5, tolerance);
+        }
+    }
+}
+
 /* If it failed: radii would count for nothing, or not all of them; a pair that begins
  * within them would be told late. */
 CASE(decide__thick_features_meet_at_their_distance)
