@@ -248,6 +248,9 @@ static void print_step_enums(void)
     VALUE(PCCD_MODE_FIRST, "the contacts that may attain the scene's earliest time");
     VALUE(PCCD_MODE_ANY, "whether there is a contact; no records");
     VALUE(PCCD_MODE_PAIRS, "the pairs that neither x, y nor z separates");
+    VALUE(PCCD_MODE_FIRST_PER_PAIR,
+          "for each two objects that meet, and each that meets itself, the contact of "
+          "the least toi; of several the first in canonical order");
     print_enum("pccd_method");
     VALUE(PCCD_METHOD_DEFAULT, "wide; paper where its scheduler is asked for");
     VALUE(PCCD_METHOD_PAPER, "binary tree of boxes over triangles");

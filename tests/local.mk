@@ -76,6 +76,7 @@ test_programs += \
     tests/property/test_eng_near_objects \
     tests/property/test_eng_near_oracle \
     tests/property/test_eng_part \
+    tests/property/test_eng_per_pair \
     tests/property/test_eng_plays \
     tests/property/test_eng_rigid \
     tests/property/test_eng_standing \

@@ -136,8 +136,8 @@ static const struct option_row rows[] = {
      OPTION_OWN, .take = take_kinds},
     {"batch", 0, "N", "scenes of each client of kind batch (default 8)", OPTION_U32,
      .at = AT(batch), .min = 1, .max = LOAD_BATCH_MAX},
-    {"mode", 0, "all|first|any|pairs",
-     "of every step: all, first, any, pairs (default by kind)", OPTION_WORD,
+    {"mode", 0, "all|first|any|pairs|first-per-pair",
+     "of every step (default by kind)", OPTION_WORD,
      .at = AT(mode)},
     {"near", 0, NULL,
      "every second request asks what is near where it leads, instead of a step: "

@@ -134,6 +134,7 @@ int pccd_mpi_pair_ignore(struct pccd_mpi *world, uint32_t object_a, uint32_t obj
  * toi_first, safe_step, verdict, hash. Times are those of the slowest rank; counters and
  * threads are sums. A record is kept by the rank that has its first feature.
  *
+ * Mode first-per-pair is refused (E_INVAL): no rank knows all contacts of two objects.
  * In mode any the first rank that proves a contact ends the step of all. deadline_ns
  * begins when the last rank has come. To cut the scene, and to choose ghosts and make
  * meshes of them, cannot end early: the ranks look at the deadline after each. When a

@@ -73,6 +73,11 @@ static int read_settings(struct pccd_mpi *world, const struct pccd_step_settings
         return ranks_fail(&world->link, PCCD_E_INVAL,
                           "joints, resolution: ranks share what goes straight alone");
     }
+    if (settings->mode == PCCD_MODE_FIRST_PER_PAIR) {
+        return ranks_fail(&world->link, PCCD_E_INVAL,
+                          "mode first-per-pair: a rank does not know what the others "
+                          "find of its objects; ask for mode all");
+    }
     if (settings->hold || (unsigned)settings->mode >= PCCD_MODE_COUNT ||
         !(settings->separation >= 0)) {
         return ranks_fail(&world->link, PCCD_E_INVAL,

@@ -26,6 +26,50 @@ static void keep_earliest(struct eng_found *found, double bound)
     }
 }
 
+/* Mode first-per-pair: a contact that this thread found is the first of its two objects
+ * unless another one's comes before it. All have searched; what is found twice is the
+ * lower thread's. */
+static bool is_first(const struct eng_team *team, const struct eng_worker *worker,
+                     const struct pccd_contact *contact)
+{
+    for (uint32_t i = 0; i < team->count; i++) {
+        const struct pccd_contact *other =
+            i == worker->thread ? NULL
+                                : eng_per_pair_find(&team->workers[i]->firsts, contact);
+        if (other && (eng_contact_is_before(other, contact) ||
+                      (i < worker->thread && !eng_contact_is_before(contact, other)))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void keep_firsts(const struct eng_team *team, struct eng_worker *worker)
+{
+    const struct eng_per_pair *firsts = &worker->firsts;
+    for (uint32_t i = 0; i < firsts->count; i++) {
+        const struct pccd_contact *contact = &firsts->contacts[i];
+        const struct pccd_pair name = {contact->kind, contact->object_a,
+                                       contact->feature_a, contact->object_b,
+                                       contact->feature_b};
+        struct pccd_contact *kept =
+            is_first(team, worker, contact) ? eng_found_add(&worker->found, &name) : NULL;
+        if (kept) {
+            *kept = *contact;
+        }
+    }
+}
+
+/* Keep, in modes whose answer is not all that was found, what is. All have searched. */
+static void keep_answer(const struct eng_team *team, struct eng_worker *worker)
+{
+    if (worker->question->mode == PCCD_MODE_FIRST) {
+        keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
+    } else if (worker->question->mode == PCCD_MODE_FIRST_PER_PAIR) {
+        keep_firsts(team, worker);
+    }
+}
+
 /* A step that was stopped is answered soon: of what a thread has found it keeps as many
  * records as are merged in a millisecond. Which ones is as arbitrary as the moment. One
  * that would be late with all of them is stopped here. Measured: 50 ns a record to merge
@@ -120,9 +164,10 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
     if (worker->question->mode == PCCD_MODE_ANY) {
         return;
     }
-    if (worker->question->mode == PCCD_MODE_FIRST) {
-        eng_wait_for_all(worker); /* the bound is final when all have searched */
-        keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
+    if (worker->question->mode == PCCD_MODE_FIRST ||
+        worker->question->mode == PCCD_MODE_FIRST_PER_PAIR) {
+        eng_wait_for_all(worker); /* what is the answer is known when all have searched */
+        keep_answer(team, worker);
     }
     uint64_t begin_ns = common_now_ns();
     keep_in_time(worker, team->count);
@@ -145,11 +190,8 @@ int eng_answer_collect(struct eng_step_memory *memory, const struct eng_team *te
 {
     struct eng_merge *merge = memory->merge;
     bool overflowed = false;
-    if (team->workers[0]->question->mode == PCCD_MODE_FIRST && team->count == 1) {
-        struct eng_worker *worker = team->workers[0];
-        keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
-    }
     if (team->count == 1) {
+        keep_answer(team, team->workers[0]);
         keep_in_time(team->workers[0], 1);
         *incomplete = (enum pccd_incomplete)atomic_load_explicit(
             &team->workers[0]->stop->reason, memory_order_relaxed);

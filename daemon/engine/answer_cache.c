@@ -117,8 +117,10 @@ bool eng_answer_cache_fits(const struct eng_answer_cache *cache,
                            const struct eng_scene *scene,
                            const struct eng_question *question, uint64_t number)
 {
-    /* What becomes of a pair that touches depends on what is around it, too. */
+    /* What becomes of a pair that touches depends on what is around it, too; and of what
+     * touches, mode first-per-pair has forgotten all but one for each two objects. */
     return cache->is_valid && !eng_asks_touching(question) &&
+           question->mode != PCCD_MODE_FIRST_PER_PAIR &&
            question->tuning.still == ENG_STILL_KEPT && cache->number == number &&
            cache->mode == question->mode && cache->tolerance == question->tolerance &&
            cache->masks_version == scene->masks.version &&

@@ -52,7 +52,7 @@ bool eng_effort_is_enough(uint64_t work_ns)
 
 bool eng_effort_pays(struct eng_effort *effort, enum pccd_mode mode, uint32_t triangles)
 {
-    assert(mode <= PCCD_MODE_PAIRS);
+    assert(mode < PCCD_MODE_COUNT);
     uint64_t work_ns = eng_effort_expects(effort, mode, triangles);
     if (effort->work_ns[mode] == 0) { /* which what comes of it must not cling to */
         return eng_effort_is_enough(work_ns);
@@ -70,7 +70,7 @@ bool eng_effort_pays_for(const struct eng_effort *effort, enum pccd_mode mode,
 
 void eng_effort_learn(struct eng_effort *effort, enum pccd_mode mode, uint64_t work_ns)
 {
-    assert(mode <= PCCD_MODE_PAIRS);
+    assert(mode < PCCD_MODE_COUNT);
     uint64_t old_ns = effort->work_ns[mode];
     /* A thread that was off its processor for a while looks as if it had worked: believe
      * a factor of two for each step. */
@@ -85,7 +85,7 @@ void eng_effort_learn(struct eng_effort *effort, enum pccd_mode mode, uint64_t w
 void eng_effort_learn_part(struct eng_effort *effort, enum pccd_mode mode, double part,
                            uint64_t work_ns)
 {
-    assert(mode <= PCCD_MODE_PAIRS && part >= 0 && part <= 1);
+    assert(mode < PCCD_MODE_COUNT && part >= 0 && part <= 1);
     double most_ns = (double)effort->work_ns[mode];
     if ((double)work_ns < most_ns * part) {
         eng_effort_learn(effort, mode, (uint64_t)((double)work_ns / part));
@@ -95,7 +95,7 @@ void eng_effort_learn_part(struct eng_effort *effort, enum pccd_mode mode, doubl
 void eng_effort_time(struct eng_effort *effort, enum pccd_mode mode, bool by_team,
                      uint64_t took_ns)
 {
-    assert(mode <= PCCD_MODE_PAIRS);
+    assert(mode < PCCD_MODE_COUNT);
     struct eng_effort_took *took = &effort->took[mode];
     uint64_t *smooth_ns = by_team ? &took->team_ns : &took->alone_ns;
     uint64_t most_ns = *smooth_ns > 0 ? SMOOTH * *smooth_ns : took_ns;

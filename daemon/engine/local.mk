@@ -52,6 +52,7 @@ libengine_la_SOURCES = \
     daemon/engine/result/found.c \
     daemon/engine/result/merge.c \
     daemon/engine/result/order.c \
+    daemon/engine/result/per_pair.c \
     daemon/engine/team/deque.c \
     daemon/engine/team/affinity.c \
     daemon/engine/team/parallel.c \

@@ -544,7 +544,7 @@ int eng_step(struct eng_scene *scene, const struct eng_question *question,
 uint64_t eng_step_expects(const struct eng_scene *scene,
                           const struct eng_question *question)
 {
-    assert(scene && question && question->mode <= PCCD_MODE_PAIRS);
+    assert(scene && question && question->mode < PCCD_MODE_COUNT);
     struct eng_step_memory *memory = eng_step_memory_of(scene);
     return eng_effort_expects(effort_of(memory, question, scene->turning_count > 0),
                               question->mode, eng_detect_size(scene));

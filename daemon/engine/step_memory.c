@@ -169,7 +169,8 @@ static void emptied(struct eng_scene *scene)
 
 static uint64_t bytes_of(const struct eng_worker *worker)
 {
-    uint64_t bytes = sizeof *worker + eng_exact_bytes();
+    uint64_t bytes =
+        sizeof *worker + eng_exact_bytes() + eng_per_pair_bytes(&worker->firsts);
     for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
         bytes += eng_methods[i] ? eng_methods[i]->work_bytes(worker) : 0;
     }

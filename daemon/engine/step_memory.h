@@ -15,12 +15,12 @@
 /* ---- does a team pay? -------------------------------------------------------------- */
 
 struct eng_effort {
-    uint64_t work_ns[PCCD_MODE_PAIRS + 1]; /* of all threads, by mode; 0: not known */
+    uint64_t work_ns[PCCD_MODE_COUNT]; /* of all threads, by mode; 0: not known */
     bool paid; /* the last answer; the next one clings to it */
     struct eng_effort_took {
         uint64_t alone_ns, team_ns; /* from beginning to end, smoothed; 0: not known */
         uint32_t turns;             /* steps that this has decided */
-    } took[PCCD_MODE_PAIRS + 1];
+    } took[PCCD_MODE_COUNT];
 };
 
 /* Return whether the next step in this mode should be taken by more than one thread. */

@@ -9,8 +9,8 @@
 #include "pccd_types.h"
 
 /* By value; the last is NULL. */
-static const char *const common_mode_names[PCCD_MODE_COUNT + 1] = {"all", "first", "any",
-                                                                   "pairs"};
+static const char *const common_mode_names[PCCD_MODE_COUNT + 1] = {
+    "all", "first", "any", "pairs", "first-per-pair"};
 static const char *const common_method_names[PCCD_METHOD_COUNT + 1] = {"default", "paper",
                                                                        "wide"};
 static const char *const common_near_names[PCCD_NEAR_COUNT + 1] = {

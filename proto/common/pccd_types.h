@@ -63,7 +63,10 @@ enum pccd_mode {
      * them each point of one feature is more than r above each point of the other, at
      * both ends of the step; r: the exact sum of both radii and the separation, or 0. */
     PCCD_MODE_PAIRS = 3,
-    PCCD_MODE_COUNT = 4
+    /* For each two objects that meet, and for each that meets itself, the contact of the
+     * least toi among those of mode all; of several the first in canonical order. */
+    PCCD_MODE_FIRST_PER_PAIR = 4,
+    PCCD_MODE_COUNT = 5
 };
 
 /* Methods by which an answer is computed. All give the same bytes. */

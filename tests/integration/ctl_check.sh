@@ -313,6 +313,9 @@ report "the exit status of check says whether something meets"
 meets --mode first --contacts contacts.csv t0.ply t1.ply && known_contact contacts.csv
 report "mode first gives the earliest contact"
 
+meets --mode first-per-pair --contacts contacts.csv t0.ply t1.ply && known_contact contacts.csv
+report "mode first-per-pair gives the first contact of two objects"
+
 meets --mode pairs --contacts contacts.csv t0.ply t1.ply &&
     grep -qx 'vf,3,0,1,2,,,0' contacts.csv && says '^pairs +[1-9]'
 report "mode pairs gives candidates without times"

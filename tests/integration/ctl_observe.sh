@@ -492,8 +492,8 @@ complete_words() {
 "$PCCDCTL" completion bash >pccdctl.bash && bash -n pccdctl.bash 2>"$log" &&
     complete_words pccdctl '' && says '^status$' '^top$' '^check$' '^completion$' &&
     complete_words pccdctl st && [ "$(sort out | tr '\n' ' ')" = 'stats status ' ] &&
-    complete_words pccdctl check --mode '' && [ "$(sort out | tr '\n' ' ')" = 'all any first pairs ' ] &&
-    complete_words pccdctl check --mode = f && [ "$(cat out)" = first ] &&
+    complete_words pccdctl check --mode '' && [ "$(sort out | tr '\n' ' ')" = 'all any first first-per-pair pairs ' ] &&
+    complete_words pccdctl check --mode = p && [ "$(cat out)" = pairs ] &&
     complete_words pccdctl top --sor && [ "$(cat out)" = --sort ] &&
     complete_words pccdctl list '' && says '^meshes$' && complete_words pccdctl check a.o &&
     [ "$(cat out)" = a.obj ] && complete_words pccdctl config g && [ "$(cat out)" = get ] &&
@@ -513,11 +513,11 @@ offers() {
     shift
     grep -qxF -- "$line: $*" out || echo "no \"$line: $*\" in: $(grep -F -- "$line:" out)"
 }
-completion_lines=('pccdctl st' 'pccdctl check --mode=f' 'pccdctl list m' 'pccdctl config g'
+completion_lines=('pccdctl st' 'pccdctl check --mode=p' 'pccdctl list m' 'pccdctl config g'
     'pccdctl help li' 'pccdctl top --so')
 is_completed() {
     offers 'pccdctl st' stats status
-    offers 'pccdctl check --mode=f' "$1first"
+    offers 'pccdctl check --mode=p' "$1pairs"
     offers 'pccdctl list m' meshes
     offers 'pccdctl config g' get
     offers 'pccdctl help li' list

@@ -99,7 +99,7 @@ tap_result $? load__stalls_show_in_what_was_due "$work/stalled"
 
 # If it failed, an option that everybody may set would make right answers seem wrong.
 rm -f "$work/modes"
-for mode in all first any pairs; do
+for mode in all first any pairs first-per-pair; do
     load mode --clients 12 --processes 2 --requests 40 --mode $mode ||
         { echo "--mode $mode" && cat "$work/mode"; } >>"$work/modes"
 done

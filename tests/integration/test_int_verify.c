@@ -77,8 +77,18 @@ enum forgery {
     FORGE_OLD_HASH,            /* a recording of before, with hashes of version 1, */
     FORGE_OLD_WRONG,           /* and one of these wrong */
     FORGE_UNKNOWN,             /* a feature that nobody knows */
-    FORGE_FATE                 /* what enters is told to leave, and the reverse */
+    FORGE_FATE,                /* what enters is told to leave, and the reverse */
+    /* What was asked in mode all is said to have been asked in mode first-per-pair: with
+     * all contacts, or with that of the greatest or the least toi alone. */
+    FORGE_PER_PAIR,
+    FORGE_PER_PAIR_LATEST,
+    FORGE_PER_PAIR_FIRST
 };
+
+static bool is_per_pair(enum forgery forgery)
+{
+    return forgery >= FORGE_PER_PAIR && forgery <= FORGE_PER_PAIR_FIRST;
+}
 
 /* The answer is written after its records have been forged, so it waits here. */
 struct forger {
@@ -216,6 +226,18 @@ static void forge_contacts(struct forger *forger, struct pccd_contact *contacts,
     case FORGE_FATE:
         one->flags ^= PCCD_ENTERS | PCCD_LEAVES;
         break;
+    case FORGE_PER_PAIR_LATEST:
+    case FORGE_PER_PAIR_FIRST:
+        for (uint64_t i = 0; i < *count; i++) {
+            bool is_later = contacts[i].toi > contacts[0].toi;
+            bool is_earlier = contacts[i].toi < contacts[0].toi;
+            if (forger->forgery == FORGE_PER_PAIR_FIRST ? is_earlier : is_later) {
+                contacts[0] = contacts[i];
+            }
+        }
+        *count = 1;
+        settle(&forger->answer, contacts, 1);
+        return; /* of every step */
     default:
         return;
     }
@@ -239,7 +261,8 @@ static void forge_records(struct forger *forger, const struct record_view *view)
         put(forger, RECORD_RECORDS, view->time_ns, view->payload, view->bytes, NULL, 0);
         return;
     }
-    if (head.record_bytes != sizeof(struct pccd_contact) || forger->is_done) {
+    bool is_done = forger->is_done && !is_per_pair(forger->forgery);
+    if (head.record_bytes != sizeof(struct pccd_contact) || is_done) {
         put_answer(forger);
         put(forger, RECORD_RECORDS, view->time_ns, view->payload, view->bytes, NULL, 0);
         return;
@@ -260,6 +283,14 @@ static void forge_frame(struct forger *forger, const struct record_view *view)
 
     assert_non_null(copy);
     memcpy(copy, view->payload, view->bytes);
+    if (is_per_pair(forger->forgery)) {
+        struct record_frame frame;
+        memcpy(&frame, copy, sizeof frame);
+        frame.mode = frame.mode == PCCD_MODE_ALL ? (uint32_t)PCCD_MODE_FIRST_PER_PAIR
+                                                 : frame.mode;
+        memcpy(copy, &frame, sizeof frame);
+        forger->is_done = true;
+    }
     if (forger->forgery == FORGE_MOTION && !forger->is_done) {
         memcpy(&segment, copy + sizeof(struct record_frame), sizeof segment);
         assert_int_equal(segment.format, PCCD_FORMAT_F32);
@@ -303,6 +334,9 @@ static void forge_of(const char *source, enum forgery forgery)
             memcpy(&forger.answer, view.payload, sizeof forger.answer);
             forger.answer_ns = view.time_ns;
             forger.has_answer = true;
+            if (is_per_pair(forgery) && forger.answer.mode == PCCD_MODE_ALL) {
+                forger.answer.mode = PCCD_MODE_FIRST_PER_PAIR;
+            }
             bool is_chosen = forger.answer.mode == PCCD_MODE_PAIRS
                                  ? forgery == FORGE_PAIRS || forgery == FORGE_OLD_PAIRS
                                  : forgery == FORGE_HASH;
@@ -421,6 +455,22 @@ CASE(verify__shows_what_is_wrong)
         assert_non_null(strstr(said, "FAIL: step"));
         assert_non_null(strstr(said, says[forgery]));
     }
+}
+
+/* If this failed, a body could be told to meet another later than it does, or twice. */
+CASE(verify__knows_the_first_contact_of_two_objects)
+{
+    char said[4096];
+
+    forge(FORGE_PER_PAIR_FIRST);
+    assert_int_equal(run_ctl("verify", "--sample 100000", forged, said), 0);
+    assert_non_null(strstr(said, "PASS: 6 steps"));
+    forge(FORGE_PER_PAIR_LATEST);
+    assert_int_equal(run_ctl("verify", "--sample 100000", forged, said), 1);
+    assert_non_null(strstr(said, "a contact is missing in the answer"));
+    forge(FORGE_PER_PAIR);
+    assert_int_equal(run_ctl("verify", "", forged, said), 1);
+    assert_non_null(strstr(said, "two records are of the same two objects"));
 }
 
 /* Record one step of a triangle that lies in a floor, front to front, and goes up or

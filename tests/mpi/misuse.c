@@ -129,6 +129,12 @@ static int wrong_totals(void)
     return put_part(&part);
 }
 
+static int no_mode_of_ranks(void)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    return step_in_mode(PCCD_MODE_FIRST_PER_PAIR, 0, &answer);
+}
+
 static int wrong_mode(void)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -343,6 +349,7 @@ static const struct mistake {
 } mistakes[] = {
     {"order", wrong_order, PCCD_E_STATE, "rank %d called pccd_mpi_add"},
     {"totals", wrong_totals, PCCD_E_INVAL, "rank %d gave other arguments"},
+    {"no-mode", no_mode_of_ranks, PCCD_E_INVAL, "mode first-per-pair: a rank does not"},
     {"mode", wrong_mode, PCCD_E_INVAL, "rank %d gave other arguments to pccd_mpi_step"},
     {"settings", wrong_settings, PCCD_E_INVAL, "rank %d gave other arguments"},
     {"two-owners", two_owners, PCCD_E_INVAL, "two owners of vertex 0: ranks 0 and %d"},

@@ -535,8 +535,8 @@ static void limit_one(bool is_on)
 static struct pccd_step_settings choose_settings(void)
 {
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
-    settings.mode = chance(0.5) ? PCCD_MODE_ALL
-                                : (enum pccd_mode)prng_below(&test.prng, PCCD_MODE_COUNT);
+    uint32_t mode = prng_u32(&test.prng, PCCD_MODE_PAIRS + 1);
+    settings.mode = chance(0.5) ? PCCD_MODE_ALL : (enum pccd_mode)mode;
     settings.mode = test.mode >= 0 ? (enum pccd_mode)test.mode : settings.mode;
     settings.method = chance(0.2) ? PCCD_METHOD_PAPER : PCCD_METHOD_DEFAULT;
     settings.threads = 1;

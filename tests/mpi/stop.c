@@ -422,10 +422,10 @@ static void cancel_by(int rank, const struct pccd_step_settings *settings,
 /* By a rank that computes and by one that waits, in each mode; and what is near. */
 static void cancel(void)
 {
-    uint64_t work[PCCD_MODE_COUNT];
+    uint64_t work[PCCD_MODE_PAIRS + 1];
     open_uneven();
     move(0);
-    for (int mode = 0; mode < PCCD_MODE_COUNT; mode++) {
+    for (int mode = 0; mode <= PCCD_MODE_PAIRS; mode++) {
         struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
         settings.mode = (enum pccd_mode)mode;
         work[mode] = UINT64_MAX;

@@ -536,7 +536,7 @@ CASE(step__empty_scene_and_single_object_have_no_contacts)
 {
     struct eng_scene *scene = kit_scene();
     for (int objects = 0; objects < 2; objects++) {
-        for (int mode = PCCD_MODE_ALL; mode <= PCCD_MODE_PAIRS; mode++) {
+        for (int mode = PCCD_MODE_ALL; mode < PCCD_MODE_COUNT; mode++) {
             struct eng_question settings = ENG_QUESTION_DEFAULT;
             settings.mode = (enum pccd_mode)mode;
             struct eng_step_result result = kit_step(scene, &settings);

@@ -10,7 +10,7 @@
 CASE_WITH(team__same_records_for_any_number_of_threads, crew_setup, crew_teardown)
 {
     struct crew *crew = *state;
-    for (int mode = PCCD_MODE_ALL; mode <= PCCD_MODE_PAIRS; mode++) {
+    for (int mode = PCCD_MODE_ALL; mode < PCCD_MODE_COUNT; mode++) {
         struct eng_step_result alone = crew_run(crew, crew_alone((enum pccd_mode)mode));
         assert_int_equal(alone.threads, 1);
         assert_int_equal(alone.incomplete, PCCD_COMPLETE);

@@ -43,9 +43,10 @@ static void check_usage(struct argp_state *state, void *to)
 #define AT(member) offsetof(struct check_options, member)
 static const struct option_row rows[] = {
     CTL_QUESTION,
-    {"mode", 0, "all|first|any|pairs",
+    {"mode", 0, "all|first|any|pairs|first-per-pair",
      "all (every contact, the default), first (the earliest), any (yes or no), pairs "
-     "(the pairs that no coordinate axis separates)",
+     "(the pairs that no coordinate axis separates), first-per-pair (of each two objects "
+     "the first contact)",
      OPTION_WORD, .at = AT(settings.mode)},
     {"tolerance", 0, "T", "Largest toi_hi - toi of a proved contact (default: 1e-6)",
      OPTION_REAL, .at = AT(settings.tolerance), .min = TOLERANCE_MIN, .max = 1},

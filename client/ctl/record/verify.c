@@ -89,6 +89,19 @@ bool verify_has(const struct play_step *step, const struct pccd_pair *pair)
     return false;
 }
 
+const struct pccd_contact *verify_of_objects(const struct play_step *step, uint32_t a,
+                                             uint32_t b)
+{
+    for (uint64_t i = 0; i < step->found.count; i++) {
+        const struct pccd_contact *is = &step->contacts[i];
+        if ((is->object_a == a && is->object_b == b) ||
+            (is->object_a == b && is->object_b == a)) {
+            return is;
+        }
+    }
+    return NULL;
+}
+
 /* ---- records ---------------------------------------------------------------------- */
 
 /* Return NULL if a pair names two features that there are and that may touch; else why it

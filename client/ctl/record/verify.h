@@ -118,6 +118,10 @@ const char *verify_place(const struct pccd_contact *contact, const double p[8][3
 
 /* Return whether the answer holds the pair. */
 bool verify_has(const struct play_step *step, const struct pccd_pair *pair);
+
+/* Return the first contact of two objects, in either order; NULL: there is none. */
+const struct pccd_contact *verify_of_objects(const struct play_step *step, uint32_t a,
+                                             uint32_t b);
 /* Return whether nothing ended the step before it was done. */
 bool verify_is_complete(const struct play_step *step);
 /* Mix x into a number that looks random (splitmix64); for the next one x grows by the

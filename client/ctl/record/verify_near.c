@@ -77,9 +77,14 @@ static bool meet(const struct box *a, const struct box *b)
 }
 
 /* Return whether an answer of its mode may leave out a pair that touches. */
-static bool may_be_left_out(const struct play_step *step, struct oracle_first *first)
+static bool may_be_left_out(const struct play_step *step, const struct pccd_pair *pair,
+                            struct oracle_first *first)
 {
+    const struct pccd_contact *kept;
     switch (verify_mode(step)) {
+    case PCCD_MODE_FIRST_PER_PAIR:
+        kept = verify_of_objects(step, pair->object_a, pair->object_b);
+        return kept != NULL && oracle_first_compare(first, kept->toi) >= 0;
     case PCCD_MODE_FIRST:
         return oracle_first_compare(first, verify_toi_first(step)) >= 0 &&
                step->found.count > 0;
@@ -107,7 +112,8 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
                             "a pair that no axis separates is missing in the answer");
     }
     verify_meet(draw->step, pair, &meeting);
-    bool is_right = meeting.first == NULL || may_be_left_out(draw->step, meeting.first) ||
+    bool is_right = meeting.first == NULL ||
+                    may_be_left_out(draw->step, pair, meeting.first) ||
                     verify_is_left_out(draw->step, pair, &meeting, draw->result);
     oracle_first_free(meeting.first);
     if (!is_right) {

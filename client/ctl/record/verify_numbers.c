@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "kinds.h"
@@ -219,6 +220,35 @@ static bool check_earliest(const struct play_step *step, struct verify_result *r
     return true;
 }
 
+static int compare_numbers(const void *a, const void *b)
+{
+    uint64_t one = *(const uint64_t *)a, other = *(const uint64_t *)b;
+    return (one > other) - (one < other);
+}
+
+/* Check that mode first-per-pair has one record of each two objects at most. */
+static bool check_once(const struct play_step *step, struct verify_result *result)
+{
+    uint64_t count = step->found.count;
+    uint64_t *objects = calloc(count + 1, sizeof *objects); /* the lower one first */
+    bool is_once = objects != NULL;
+    if (objects == NULL) {
+        return verify_leave(result, "no memory to look whether a record of two objects "
+                                    "is the only one");
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        uint64_t a = step->contacts[i].object_a, b = step->contacts[i].object_b;
+        objects[i] = a < b ? a << 32 | b : b << 32 | a;
+    }
+    qsort(objects, count, sizeof *objects, compare_numbers);
+    for (uint64_t i = 1; i < count && is_once; i++) {
+        is_once = objects[i] != objects[i - 1];
+    }
+    free(objects);
+    return is_once || verify_wrong(result, step, NULL,
+                                   "two records are of the same two objects");
+}
+
 /* Return whether two features may make a pair of VE or VV, whose numbers are not
  * recorded. */
 static bool has_free(const struct registry_scene *scene)
@@ -295,6 +325,9 @@ bool verify_numbers(const struct play_step *step, struct verify_result *result)
     }
     if (verify_mode(step) == PCCD_MODE_FIRST && verify_is_complete(step) &&
         !check_earliest(step, result)) {
+        return false;
+    }
+    if (verify_mode(step) == PCCD_MODE_FIRST_PER_PAIR && !check_once(step, result)) {
         return false;
     }
     if (step->answer != NULL) {

@@ -219,8 +219,8 @@ def put(struct: Any, name: str, value: Any) -> None:
 def enumerator(kind: Any, name: str, value: Any) -> int:
     """One of an enum: itself, its name or its number, of which a daemon may know more."""
     names = kind.__members__
-    if isinstance(value, str) and value.upper() in names:
-        return int(names[value.upper()])
+    if isinstance(value, str):
+        value = names.get(value.upper().replace("-", "_"), value)
     if isinstance(value, (str, enum.Enum)) and not isinstance(value, kind):
         raise refusal(Status.E_INVAL, f"{name} is {value!r}, not one of "
                       f"{', '.join(names).lower()}")

@@ -21,6 +21,7 @@ int eng_worker_init(struct eng_worker *worker)
 void eng_worker_deinit(struct eng_worker *worker)
 {
     eng_exact_deinit(&worker->exact);
+    eng_per_pair_deinit(&worker->firsts);
     for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
         assert(!worker->work[i]);
     }
@@ -32,7 +33,7 @@ void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
                       struct eng_pool *pool)
 {
     assert(scene && question && stop && pool);
-    assert(question->tolerance > 0 && question->mode <= PCCD_MODE_PAIRS);
+    assert(question->tolerance > 0 && question->mode < PCCD_MODE_COUNT);
     worker->scene = scene;
     worker->question = question;
     worker->kernels = question->kernels ? question->kernels : eng_kernels();
@@ -52,6 +53,7 @@ void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
                     question->contact_max);
     worker->found.folds = question->verb == PCCD_NEAR_FEATURES;
     worker->found.is_of_earliest = question->mode == PCCD_MODE_FIRST;
+    eng_per_pair_begin(&worker->firsts);
 }
 
 void eng_stop_init(struct eng_stop *stop, const struct eng_question *question)
@@ -192,6 +194,26 @@ void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns)
 
 /* ---- what a test found ------------------------------------------------------------- */
 
+/* Mode first-per-pair: it may be the first of its two objects. */
+static void keep_first(struct eng_worker *worker, const struct pccd_pair *name,
+                       const struct eng_hit *hit)
+{
+    const struct pccd_contact contact = {
+        .kind = name->kind,
+        .flags = hit->flags,
+        .object_a = name->object_a,
+        .feature_a = name->feature_a,
+        .object_b = name->object_b,
+        .feature_b = name->feature_b,
+        .toi = hit->toi,
+        .toi_hi = hit->toi_hi,
+        .param = {hit->param[0], hit->param[1]},
+        .normal = {hit->normal[0], hit->normal[1], hit->normal[2]}};
+    if (eng_per_pair_add(&worker->firsts, &contact) != PCCD_OK) {
+        worker->found.overflowed = true;
+    }
+}
+
 void eng_record_contact(struct eng_worker *worker, const struct pccd_pair *name,
                         const struct eng_hit *hit)
 {
@@ -204,6 +226,10 @@ void eng_record_contact(struct eng_worker *worker, const struct pccd_pair *name,
         } else {
             worker->possible_seen++;
         }
+        return;
+    }
+    if (worker->question->mode == PCCD_MODE_FIRST_PER_PAIR) {
+        keep_first(worker, name, hit);
         return;
     }
     if (worker->question->mode == PCCD_MODE_FIRST && (hit->flags & PCCD_PROVED)) {

@@ -12,6 +12,7 @@
 #include "clock.h"
 #include "deque.h"
 #include "exact.h"
+#include "per_pair.h"
 #include "query.h"
 #include "question.h"
 #include "result.h"
@@ -78,6 +79,7 @@ struct eng_worker {
     bool is_dealt;          /* the step began with tasks for it */
     bool prunes;            /* that of the team */
     struct eng_found found; /* records */
+    struct eng_per_pair firsts; /* mode first-per-pair: what it has found so far */
     struct eng_exact exact;
     void *work[PCCD_METHOD_COUNT]; /* by method, which casts it; NULL: none yet */
     struct eng_narrow *narrow;     /* of the narrow phase (narrow.h); NULL: none yet */

@@ -36,14 +36,14 @@ enum eng_wide_resort_state {
 struct eng_wide_resort {
     enum eng_wide_resort_state state;
     /* Box tests of the cheapest step since the last sort, by mode; 0: none yet. */
-    uint64_t least_tests[PCCD_MODE_PAIRS + 1];
+    uint64_t least_tests[PCCD_MODE_COUNT];
     /* Of the last step in each mode, with the order before the one that is tried. */
-    uint64_t last_tests[PCCD_MODE_PAIRS + 1];
-    uint64_t refused_tests[PCCD_MODE_PAIRS + 1]; /* of the order that was taken back to */
+    uint64_t last_tests[PCCD_MODE_COUNT];
+    uint64_t refused_tests[PCCD_MODE_COUNT]; /* of the order that was taken back to */
     /* Of the last step that searched the whole scene; and how many box tests a moving
      * vertex took in the first step after it that left out what stands, or 0. */
-    uint64_t whole_tests[PCCD_MODE_PAIRS + 1];
-    double tests_each[PCCD_MODE_PAIRS + 1];
+    uint64_t whole_tests[PCCD_MODE_COUNT];
+    double tests_each[PCCD_MODE_COUNT];
     uint64_t budget_ns; /* of a step's share */
     uint64_t sorts;     /* taken in this step, with their triangles */
     uint64_t sorted_triangles;
