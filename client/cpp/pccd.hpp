@@ -486,6 +486,14 @@ public:
         settings.radius = radius;
         set(settings);
     }
+    // A number of the user's, such as an entity's: scene::user_data gives it back.
+    void set_user_data(std::uint64_t user_data)
+    {
+        object_settings settings;
+        settings.what = PCCD_OBJECT_USER_DATA;
+        settings.user_data = user_data;
+        set(settings);
+    }
 
 private:
     friend class scene;
@@ -830,6 +838,15 @@ public:
     answer fetch(answer &page, std::uint64_t cursor)
     {
         return try_fetch(page, cursor).value();
+    }
+
+    // The number that was given to an object of this scene, by its id in a record; else 0.
+    // The daemon is not asked.
+    std::uint64_t user_data(std::uint32_t object) const
+    {
+        std::uint64_t number = 0;
+        pccd_user_data(connection().get(), id(), &object, 1, &number);
+        return number;
     }
 
     // Let two objects ignore each other, or meet again.

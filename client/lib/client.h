@@ -152,6 +152,7 @@ struct pccd_client {
     struct cli_shared *shared;     /* by scene; NULL: nothing was heard (events.h) */
     uint32_t shared_room;          /* entries of it */
     struct registry_map nears;     /* replica.h */
+    struct cli_user_data *user_data; /* user_data.c; NULL: none was given */
     pid_t owner; /* process that connected; a forked copy must not stop the daemon */
     uint32_t pid, forks; /* of the daemon; of this process, by then (rpc.h) */
     char cpu[PROTO_STR_MAX + 1];
@@ -189,6 +190,13 @@ struct pccd_client {
     struct proto_encoder encoder;
     uint8_t message[PROTO_MESSAGE_BYTES_MAX];
 };
+
+/* Note the number of an object, 0: none any more; forget those of a scene; or all
+ * (user_data.c). PCCD_E_NOMEM, and says so. */
+int cli_user_data_note(struct pccd_client *client, uint32_t scene, uint32_t object,
+                       uint64_t user_data);
+void cli_user_data_forget(struct pccd_client *client, uint32_t scene);
+void cli_user_data_deinit(struct pccd_client *client);
 
 /* Set the text of pccd_error_text (of NULL: the thread's) and return `status`. */
 int cli_fail(struct pccd_client *client, int status, const char *format, ...)

@@ -312,6 +312,7 @@ void pccd_close(struct pccd_client *client)
     cli_ring_deinit(&client->ring);
     registry_deinit(&client->registry);
     registry_map_deinit(&client->nears);
+    cli_user_data_deinit(client);
     cli_shared_deinit(client);
     cli_watch_deinit(client);
     if (client->owner == getpid()) {

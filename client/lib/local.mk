@@ -42,6 +42,7 @@ libclient_la_SOURCES = \
     client/lib/stats.c \
     client/lib/step.c \
     client/lib/turning.c \
+    client/lib/user_data.c \
     client/lib/weld.c
 libclient_la_CPPFLAGS = $(PCCD_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \

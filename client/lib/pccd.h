@@ -421,6 +421,8 @@ struct pccd_object_settings {
                              vertices, if it has any */
     double rest_distance; /* PCCD_OBJECT_REST_DISTANCE: 0 .. 1e18; at first 0 */
     uint32_t rest_rings;  /* PCCD_OBJECT_REST_RINGS: 0 .. 8; at first 0 */
+    uint64_t user_data;   /* PCCD_OBJECT_USER_DATA: a number of the user's, such as an
+                             entity's; at first 0 */
 };
 
 /* Set what settings->what names, for steps that are submitted from now on. Errors:
@@ -428,9 +430,15 @@ struct pccd_object_settings {
  * above 1e18, or too many rings; E_VERSION: a daemon that does not know of filters. */
 int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
                     const struct pccd_object_settings *settings);
-/* Get all of them; struct_bytes is neither read nor changed. */
+/* Get all of them; user_data, which the first release does not have, where struct_bytes
+ * says that the struct has it. struct_bytes is not changed. */
 int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
                     struct pccd_object_settings *settings);
+/* Look up user_data[count] of objects[count], such as those of an answer's records. The
+ * daemon is not asked: they are as this client has last set or got them, 0 for objects of
+ * which it has done neither. E_INVAL: a pointer is NULL. */
+int pccd_user_data(struct pccd_client *client, uint32_t scene, const uint32_t *objects,
+                   uint64_t count, uint64_t *user_data);
 /* Make two objects ignore each other, or (ignored = false) meet again. Asking twice is
  * the same as once; removing either object ends it. Errors as above, and E_LIMIT: 262144
  * pairs of the scene ignore each other already. In a shared scene E_ACCESS: neither

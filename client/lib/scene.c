@@ -107,6 +107,7 @@ int pccd_scene_destroy(struct pccd_client *client, uint32_t scene)
     if (status == 0) { /* what was said of it has come before that */
         cli_shared_forget(client, scene);
         cli_near_forget(client, scene);
+        cli_user_data_forget(client, scene);
     }
     return status;
 }
@@ -136,8 +137,9 @@ int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t objec
     struct proto_SCENE_REMOVE_request request = {.scene = scene, .object = object};
 
     CLI_ENTER_OR_RETURN(client);
-    return cli_call_sync(client, PROTO_METHOD_SCENE_REMOVE, &request, NULL,
-                         cli_deadline(client, -1));
+    int status = cli_call_sync(client, PROTO_METHOD_SCENE_REMOVE, &request, NULL,
+                               cli_deadline(client, -1));
+    return status != 0 ? status : cli_user_data_note(client, scene, object, 0);
 }
 
 /* ---- which objects are tested against each other ----------------------------------- */
@@ -169,9 +171,13 @@ static int call_set(struct pccd_client *client,
 {
     int status = cli_check_feature(client, PROTO_FEATURE_FILTERS, "object.set");
 
+    if (status == 0) {
+        status = cli_call_sync(client, PROTO_METHOD_OBJECT_SET, request, result,
+                               cli_deadline(client, -1));
+    }
     return status != 0 ? status
-                       : cli_call_sync(client, PROTO_METHOD_OBJECT_SET, request, result,
-                                       cli_deadline(client, -1));
+                       : cli_user_data_note(client, request->scene, request->object,
+                                            result->user_data);
 }
 
 int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
@@ -207,8 +213,14 @@ int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
     }
     status = call_set(client, &request, &result);
     if (status == 0) {
-        settings->what = PCCD_OBJECT_ALL;
-        COMMON_ATTRIBUTES_COPY(settings, &result);
+        struct pccd_object_settings known = {.struct_bytes = settings->struct_bytes,
+                                             .what = PCCD_OBJECT_ALL};
+
+        COMMON_ATTRIBUTES_COPY(&known, &result);
+        memcpy(settings, &known,
+               settings->struct_bytes == sizeof known
+                   ? sizeof known
+                   : offsetof(struct pccd_object_settings, user_data));
     }
     return status;
 }

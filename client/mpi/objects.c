@@ -182,6 +182,7 @@ int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
         asked.what & PCCD_OBJECT_REST_DISTANCE ? asked.rest_distance : now.rest_distance;
     now.rest_rings =
         asked.what & PCCD_OBJECT_REST_RINGS ? asked.rest_rings : now.rest_rings;
+    now.user_data = asked.what & PCCD_OBJECT_USER_DATA ? asked.user_data : now.user_data;
     int status = found != NULL ? check_length(world, now.radius)
                                : ranks_fail(&world->link, PCCD_E_HANDLE,
                                             "there is no object %" PRIu32, object);
@@ -200,6 +201,7 @@ int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
     hash = ranks_hash(hash, &now.radius, sizeof now.radius);
     hash = ranks_hash(hash, &now.rest_distance, sizeof now.rest_distance);
     hash = ranks_hash(hash, &now.rest_rings, sizeof now.rest_rings);
+    hash = ranks_hash(hash, &now.user_data, sizeof now.user_data);
     status = ranks_agree(&world->link, RANKS_OBJECT_SET, hash, status);
     if (status == PCCD_OK) {
         struct pccd_object_settings before = found->settings;

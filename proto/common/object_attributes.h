@@ -27,7 +27,9 @@
       ".. 1e18; at first 0")                                                             \
     X(F, u32, rest_rings, REST_RINGS, 0,                                                 \
       "pairs within it with a vertex each that so many edges or fewer join have no "     \
-      "thickness, 0 .. 8; at first 0")
+      "thickness, 0 .. 8; at first 0")                                                   \
+    X(F, u64, user_data, USER_DATA, 0,                                                   \
+      "a number of the user's, which means nothing to the daemon; at first 0")
 
 typedef uint32_t common_attribute_u32;
 typedef uint64_t common_attribute_u64;

@@ -77,6 +77,7 @@ struct pccd_object_info {
     bool self_collision;
     uint32_t rest_rings;
     double radius, rest_distance;
+    uint64_t user_data;
 };
 
 struct pccd_registered_mesh {

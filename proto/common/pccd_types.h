@@ -126,6 +126,7 @@ enum pccd_object_what {
     PCCD_OBJECT_RADIUS = 8,
     PCCD_OBJECT_REST_DISTANCE = 16,
     PCCD_OBJECT_REST_RINGS = 32,
+    PCCD_OBJECT_USER_DATA = 64,
     PCCD_OBJECT_ALL = 2147483647 /* whatever there is to set */
 };
 

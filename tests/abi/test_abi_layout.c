@@ -157,7 +157,7 @@ CASE(library__structs_keep_their_layout)
     AT(pccd_record_info, ns, 32);
     AT(pccd_record_info, segments, 40);
     AT(pccd_record_info, status, 44);
-    SIZE(pccd_object_settings, 56);
+    SIZE(pccd_object_settings, 64);
     AT(pccd_object_settings, struct_bytes, 0);
     AT(pccd_object_settings, what, 8);
     AT(pccd_object_settings, self_collision, 12);
@@ -166,6 +166,7 @@ CASE(library__structs_keep_their_layout)
     AT(pccd_object_settings, radius, 32);
     AT(pccd_object_settings, rest_distance, 40);
     AT(pccd_object_settings, rest_rings, 48);
+    AT(pccd_object_settings, user_data, 56);
     SIZE(pccd_scene_settings, 16);
     AT(pccd_scene_settings, name, 0);
     AT(pccd_scene_settings, share, 8);
@@ -489,6 +490,7 @@ CASE(enums__keep_their_values)
     VALUE(PCCD_OBJECT_RADIUS, 8);
     VALUE(PCCD_OBJECT_REST_DISTANCE, 16);
     VALUE(PCCD_OBJECT_REST_RINGS, 32);
+    VALUE(PCCD_OBJECT_USER_DATA, 64);
     VALUE(PCCD_OBJECT_ALL, 0x7fffffff);
     VALUE(PCCD_KINDS_MAX, 8);
     VALUE(PCCD_FORMAT_F32, 0);

@@ -91,6 +91,13 @@ void check_step(pccd::client &client)
     settings.separation = .125;
     const pccd::answer thick = scene.step(pccd::to(object, two), settings);
     tell(thick->initial > 0 && thick->safe_step == 0, "radius__is_of_the_next_step");
+
+    object.set_user_data(~std::uint64_t{6});
+    settings.mode = PCCD_MODE_FIRST_PER_PAIR;
+    const pccd::answer firsts = scene.step(pccd::to(object, down), settings);
+    tell(firsts->total == 1 && scene.user_data(0) == 0 &&
+             scene.user_data(object.id()) == ~std::uint64_t{6},
+         "user_data__is_of_the_object");
 }
 
 // If one failed, surfaces that pass through each other from the start would be taken for

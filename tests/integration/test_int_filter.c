@@ -235,6 +235,39 @@ CASE_WITH(filter__is_listed, setup, teardown)
     pccd_close(other);
 }
 
+/* If it failed, a game would be told that another of its bodies was hit: also after the
+ * daemon was lost. */
+CASE_WITH(filter__user_data_is_given_back, setup, teardown)
+{
+    struct pccd_object_settings settings = {.struct_bytes = sizeof settings,
+                                            .what = PCCD_OBJECT_USER_DATA,
+                                            .user_data = UINT64_MAX - 6};
+    const uint32_t objects[3] = {crossing.object, crossing.floor, 77};
+    uint64_t is[3] = {9, 9, 9};
+    struct { /* of a program of before */
+        struct pccd_object_settings settings;
+    } old = {.settings = {.user_data = 5}};
+
+    assert_ok(pccd_user_data(client, crossing.scene, objects, 3, is));
+    assert_true(is[0] == 0 && is[1] == 0 && is[2] == 0);
+    assert_ok(pccd_object_set(client, crossing.scene, crossing.object, &settings));
+    set(PCCD_OBJECT_GROUP, 1, 0, true);
+    assert_ok(kill((pid_t)pccd_daemon_pid(client), SIGKILL));
+    assert_true(turn() > 0);
+    settings.user_data = 0;
+    assert_ok(pccd_object_get(client, crossing.scene, crossing.object, &settings));
+    assert_true(settings.user_data == UINT64_MAX - 6 && settings.group == 1);
+    assert_ok(pccd_object_get(client, crossing.scene, crossing.object, &old.settings));
+    assert_true(old.settings.user_data == 5 && old.settings.group == 1);
+    assert_ok(pccd_user_data(client, crossing.scene, objects, 3, is));
+    assert_true(is[0] == UINT64_MAX - 6 && is[1] == 0 && is[2] == 0);
+    assert_ok(pccd_user_data(client, crossing.scene + 1, objects, 3, is));
+    assert_true(is[0] == 0);
+    assert_ok(pccd_scene_remove(client, crossing.scene, crossing.object));
+    assert_ok(pccd_user_data(client, crossing.scene, objects, 3, is));
+    assert_true(is[0] == 0);
+}
+
 /* If it failed, a caller's mistake would change something, or not be told. */
 CASE_WITH(filter__refuses_what_cannot_be, setup, teardown)
 {

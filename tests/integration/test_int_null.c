@@ -58,6 +58,7 @@ static int call_with_no_client(void)
         pccd_scene_boxes(NULL, 1, PCCD_TREE_FACES, 0, NULL, 0, &count),
         pccd_object_set(NULL, 1, 1, &settings),
         pccd_object_get(NULL, 1, 1, &settings),
+        pccd_user_data(NULL, 1, NULL, 0, NULL),
         pccd_pair_ignore(NULL, 1, 1, 2, true),
         pccd_scene_wait(NULL, 1, 0, &news),
         pccd_scene_read(NULL, 1, 1, 0, &answer),
@@ -174,6 +175,7 @@ CASE_CROSSING(null__arguments_that_are_null_are_named)
     NAMED(pccd_mesh_edges(client, crossing->mesh, NULL, 3));
     NAMED(pccd_object_set(client, crossing->scene, crossing->object, NULL));
     NAMED(pccd_object_get(client, crossing->scene, crossing->object, NULL));
+    NAMED(pccd_user_data(client, crossing->scene, NULL, 1, NULL));
     NAMED(pccd_stats(client, NULL, NULL));
     NAMED(pccd_list_scenes(client, 0, NULL, NULL));
     NAMED(pccd_histogram(client, PCCD_HISTOGRAM_STEPS, NULL));

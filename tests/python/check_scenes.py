@@ -63,16 +63,22 @@ class Filters(Supervised):
     def test_objects__meet_what_they_may(self):
         client, scene = self.client, self.scene
         self.assertEqual(client.object_get(scene, self.tent),
-                         (1, 2**64 - 1, True, 0, 0, 0))
+                         (1, 2**64 - 1, True, 0, 0, 0, 0))
         both = self.total()
         self.assertEqual(client.object_set(scene, self.tent, self_collision=False),
-                         (1, 2**64 - 1, False, 0, 0, 0))
+                         (1, 2**64 - 1, False, 0, 0, 0, 0))
         others = self.total()
         self.assertTrue(0 < others < both)
         client.pair_ignore(scene, self.floor, self.tent)
         self.assertEqual(self.total(), 0)
         pairs = [set(entry.values()) for entry in client.list_pairs(scene)]
         self.assertEqual(pairs, [{self.floor, self.tent}])
+        client.object_set(scene, self.tent, user_data=2**64 - 1)
+        self.assertEqual(client.object_get(scene, self.tent).user_data, 2**64 - 1)
+        given = client.user_data(scene, [[self.tent, self.floor], [self.floor, 77]])
+        self.assertEqual(given.tolist(), [[2**64 - 1, 0], [0, 0]])
+        client.object_set(scene, self.tent, user_data=0)
+        self.assertEqual(client.user_data(scene, self.tent).tolist(), 0)
         self.assertEqual([entry["self_collision"] for entry in client.list_objects(scene)
                           if entry["object"] == self.tent], [False])
         client.object_set(scene, self.tent, self_collision=True)
@@ -81,7 +87,7 @@ class Filters(Supervised):
         client.pair_ignore(scene, self.tent, self.floor, False)
         self.assertEqual(client.list_pairs(scene), [])
         self.assertEqual(client.object_set(scene, self.floor, group=2, mask=2**63),
-                         (2, 2**63, True, 0, 0, 0))
+                         (2, 2**63, True, 0, 0, 0, 0))
         self.assertEqual(self.total(), alone)
         client.object_set(scene, self.tent, group=2**63)
         self.assertEqual(self.total(), both)
@@ -108,7 +114,7 @@ class Filters(Supervised):
             self.assertTrue(ends(pid))
             self.assertEqual(self.total(), 0 if ignored else others)
             self.assertEqual(client.object_get(scene, self.tent),
-                             (6, 2**64 - 1, False, 0, 0, 0))
+                             (6, 2**64 - 1, False, 0, 0, 0, 0))
 
 
 class Shared(Supervised):

@@ -167,7 +167,7 @@ class Thick(Case):
         self.fails(pccd.Status.E_LIMIT, client.object_set, scene, lower, radius=2e18)
         self.fails(pccd.Status.E_LIMIT, client.object_set, scene, lower, rest_rings=9)
         client.object_set(scene, lower, rest_rings=8, rest_distance=0.125)
-        self.assertEqual(client.object_get(scene, lower)[3:], (0, 0.125, 8))
+        self.assertEqual(client.object_get(scene, lower)[3:6], (0, 0.125, 8))
         self.fails(pccd.Status.E_INVAL, self.fall, client, scene, upper,
                    pccd.StepSettings(approach=1.0))
 

@@ -192,6 +192,7 @@ static const struct column object_columns[] = {
     {"radius", "RADIUS", COLUMN_REAL, OF(info.radius), .width = 10},
     {"rest_distance", "REST", COLUMN_REAL, OF(info.rest_distance), .width = 10},
     {"rest_rings", "RINGS", COLUMN_NUMBER, OF(info.rest_rings), .width = 5},
+    {"user_data", "USER", COLUMN_NUMBER, OF(info.user_data), .width = 6},
     {0}};
 #undef OF
 

@@ -227,6 +227,17 @@ class Scenes:
         return ObjectSettings(*(getattr(settings, name)
                                 for name in ObjectSettings._fields))
 
+    def user_data(self, scene: int, objects: ArrayLike) -> NDArray[np.uint64]:
+        """Of each object, in an array of any shape, its user_data as this client has last
+        set or got it, else 0: user_data(scene, answer.contacts["object_a"]). The daemon
+        is not asked."""
+        handles = np.asarray(objects, np.uint32, order="C")
+        numbers = np.empty(handles.shape, np.uint64)
+        self._check(lib.pccd_user_data(self._handle, u32("scene", scene),
+                                       handles.ctypes.data, handles.size,
+                                       numbers.ctypes.data))
+        return numbers
+
     def pair_ignore(self, scene: int, object_a: int, object_b: int,
                     ignored: bool = True) -> None:
         """Have two objects ignore each other, or not any more. Removing either ends it.

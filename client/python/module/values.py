@@ -93,6 +93,7 @@ class ObjectSettings(NamedTuple):
     radius: float  # 0 .. 1e18; at first 0: the radii of the mesh's vertices, if any
     rest_distance: float  # 0 .. 1e18; at first 0
     rest_rings: int  # 0 .. 8; at first 0
+    user_data: int = 0  # of 64 bits: what it means is the user's
 
 
 class Histogram(NamedTuple):
