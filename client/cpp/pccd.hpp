@@ -34,6 +34,7 @@
 
 #include <pccd.h>
 
+#include <array>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -386,6 +387,93 @@ inline welded weld(const shape &shape, view<const positions> frames = {},
                    double distance = 0)
 {
     return try_weld(shape, frames, distance).value();
+}
+
+// ---- where records are (pccd_points.h) ------------------------------------------------
+
+// Of each record four vertices, by their numbers among all, and their weights.
+struct stencils {
+    std::vector<std::array<std::uint32_t, 4>> vertices;
+    std::vector<std::array<double, 4>> weights;
+};
+
+namespace detail {
+
+template <class Call> result<stencils> stencils_by(std::size_t count, const Call &call)
+{
+    stencils made;
+    made.vertices.resize(count);
+    made.weights.resize(count);
+    const int status =
+        call(reinterpret_cast<std::uint32_t(*)[4]>(made.vertices.data()),
+             reinterpret_cast<double(*)[4]>(made.weights.data()));
+    if (status != PCCD_OK) {
+        return error(status, pccd_error_text(nullptr));
+    }
+    return made;
+}
+
+template <class Call>
+result<std::vector<pccd_manifold>> manifolds_by(std::size_t count, const Call &call)
+{
+    std::vector<pccd_manifold> made(count);
+    std::uint64_t total = 0;
+    const int status = call(made.data(), std::uint64_t{count}, &total);
+    if (status != PCCD_OK) {
+        return error(status, pccd_error_text(nullptr));
+    }
+    made.resize(static_cast<std::size_t>(total));
+    return made;
+}
+
+} // namespace detail
+
+// They need no client; bodies are in the order of their objects.
+inline result<stencils> try_stencils(view<const pccd_body> bodies,
+                                     view<const pccd_contact> contacts)
+{
+    return detail::stencils_by(contacts.size(), [&](auto *vertices, auto *weights) {
+        return pccd_stencils(bodies.data(), static_cast<std::uint32_t>(bodies.size()),
+                             contacts.data(), contacts.size(), vertices, weights);
+    });
+}
+inline result<stencils> try_stencils(view<const pccd_body> bodies,
+                                     view<const pccd_near> near)
+{
+    return detail::stencils_by(near.size(), [&](auto *vertices, auto *weights) {
+        return pccd_near_stencils(bodies.data(),
+                                  static_cast<std::uint32_t>(bodies.size()), near.data(),
+                                  near.size(), vertices, weights);
+    });
+}
+// For each two bodies at most four points of the contacts whose toi is at most `time`
+// later than their first; of what is near and at most `distance` apart, at time t.
+inline result<std::vector<pccd_manifold>>
+try_manifolds(view<const pccd_body> bodies, view<const pccd_contact> contacts,
+              double time = 1e-6)
+{
+    return detail::manifolds_by(contacts.size(), [&](auto *made, auto room, auto *total) {
+        return pccd_manifolds(bodies.data(), static_cast<std::uint32_t>(bodies.size()),
+                              contacts.data(), contacts.size(), time, made, room, total);
+    });
+}
+inline result<std::vector<pccd_manifold>>
+try_manifolds(view<const pccd_body> bodies, view<const pccd_near> near, double distance,
+              double t)
+{
+    return detail::manifolds_by(near.size(), [&](auto *made, auto room, auto *total) {
+        return pccd_near_manifolds(bodies.data(),
+                                   static_cast<std::uint32_t>(bodies.size()), near.data(),
+                                   near.size(), distance, t, made, room, total);
+    });
+}
+template <class... Given> auto stencils_of(const Given &...given)
+{
+    return try_stencils(given...).value();
+}
+template <class... Given> auto manifolds_of(const Given &...given)
+{
+    return try_manifolds(given...).value();
 }
 
 // A registered mesh. Objects that were made of it stay when it goes.

@@ -43,6 +43,7 @@
 #include "pccd_daemon.h"
 #include "pccd_near.h"
 #include "pccd_trace.h"
+#include "pccd_points.h"
 #include "pccd_turning.h"
 #include "pccd_types.h"
 #include "pccd_weld.h"

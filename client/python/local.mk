@@ -17,6 +17,7 @@ python_module = \
     client/python/module/memory.py \
     client/python/module/mpi.py \
     client/python/module/observe.py \
+    client/python/module/points.py \
     client/python/module/py.typed \
     client/python/module/scenes.py \
     client/python/module/turning.py \
@@ -27,6 +28,7 @@ python_headers = \
     $(top_srcdir)/client/lib/pccd.h \
     $(top_srcdir)/client/lib/pccd_batch.h \
     $(top_srcdir)/client/lib/pccd_near.h \
+    $(top_srcdir)/client/lib/pccd_points.h \
     $(top_srcdir)/client/lib/pccd_turning.h \
     $(top_srcdir)/client/lib/pccd_weld.h \
     $(top_srcdir)/proto/common/pccd_daemon.h \

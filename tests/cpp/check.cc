@@ -39,6 +39,34 @@ std::vector<vec3> moved(double by)
     return x;
 }
 
+// If one failed, a program would not know where on its mesh something is.
+void check_points()
+{
+    pccd_body body{};
+    const pccd_edge edges[] = {{0, 1}, {0, 2}, {1, 2}};
+    body.object = 7;
+    body.first = 100;
+    body.vertex_count = 6;
+    body.triangle_count = 2;
+    body.triangles = faces[0];
+    body.edges = edges;
+    body.edge_count = 3;
+    body.x0 = &two[0].x;
+    pccd_contact contact{};
+    contact.kind = PCCD_VF;
+    contact.object_a = contact.object_b = 7;
+    contact.feature_a = 3;
+    const pccd::view<const pccd_body> bodies(&body, 1);
+    const pccd::view<const pccd_contact> contacts(&contact, 1);
+    const pccd::stencils stencils = pccd::stencils_of(bodies, contacts);
+    const auto manifolds = pccd::manifolds_of(bodies, contacts);
+    tell(stencils.vertices.size() == 1 && stencils.vertices[0][0] == 103 &&
+             stencils.weights[0][1] == -1 && manifolds.size() == 1 &&
+             manifolds[0].count == 1 && manifolds[0].points[0].point[2] == .5 &&
+             pccd::try_stencils({}, contacts).status() == PCCD_E_HANDLE,
+         "records__have_places");
+}
+
 // If one failed, a program would be told another thing than by pccd.h.
 void check_step(pccd::client &client)
 {
@@ -415,6 +443,7 @@ int main()
     check_all(*client);
     check_all(pccd::client("direct:"));
     check_order();
+    check_points();
     check_weld();
     std::printf("1..%d\n", count);
     return failed != 0;

@@ -133,6 +133,7 @@ class Abi(unittest.TestCase):
                               (pccd.EDGE, abi.pccd_edge),
                               (pccd.SCENE, abi.pccd_scene_answer),
                               (pccd.JOINT, abi.pccd_joint),
+                              (pccd.MANIFOLD, abi.pccd_manifold),
                               (pccd.BOX, abi.pccd_box), (pccd.TRACE_EVENT,
                               abi.pccd_trace_event)):
             self.assertEqual(dtype.itemsize, ctypes.sizeof(struct))

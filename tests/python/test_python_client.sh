@@ -7,7 +7,7 @@ set -u
 # shellcheck source=tests/python/find.sh
 . "$top_srcdir/tests/python/find.sh"
 
-cases="check_abi check_raw check_client check_near check_batch check_thick check_turning check_arrays check_misuse check_scenes check_link check_weld"
+cases="check_abi check_raw check_client check_near check_batch check_thick check_turning check_arrays check_misuse check_scenes check_link check_points check_weld"
 if [ -z "$python" ]; then
     for case in $cases; do
         tap_skip "$case" "$no_python"

@@ -2,6 +2,7 @@
 
 test_programs += \
     tests/unit/test_cli_turning \
+    tests/unit/test_cli_points \
     tests/unit/test_cli_weld \
     tests/unit/test_ctl_cloth \
     tests/unit/test_ctl_gltf \

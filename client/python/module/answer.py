@@ -19,6 +19,7 @@ from . import abi
 from .abi import Mode, NearWhat
 from .library import PccdError, quick
 from .memory import Span
+from .points import Stencils
 from .values import CONTACT, NEAR, PAIR, StepCounters, StepTimes, hash_text
 
 _contacts: Any = abi.pccd_answer.contacts
@@ -166,6 +167,11 @@ class Answer(abi.pccd_answer, Held):
         """Of VERTICES: for each vertex of all objects, by increasing handle, or of
         object_a, in the order of its mesh, its bound."""
         return self._records_of(np.dtype(np.float64))
+
+    def stencils(self, scene: int) -> Stencils:
+        """Vertices, weights, times or distances and normals of the records, which are of
+        that scene: Client.bodies(scene) has points and manifolds of them, too."""
+        return self._client.bodies(scene).stencils(self.records)
 
     @property
     def hash(self) -> str:

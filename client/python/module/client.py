@@ -58,6 +58,7 @@ class Client(Observe):
         self._dropped: Deque[Any] = collections.deque()  # what nobody gave back
         self._slice_ms = min(SLICE_MS, options.timeout_ms)
         options.unmap = self._memory.unmap
+        self._keeps = not options.no_keep
         status = lib.pccd_connect(byref(options), byref(self._handle))
         if status:
             raise failure(None, status)

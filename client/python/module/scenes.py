@@ -20,6 +20,7 @@ from . import abi
 from .abi import Share, Status, Tree
 from .answer import Answer
 from .library import PccdError, failure, lib, new_turn
+from .points import Bodies, Shape
 from .values import (BOX, EDGE, MeshInfo, ObjectSettings, SceneNews, enumerator,
                      format_of, object_settings, pack_indices, pack_vertices, refusal,
                      u32, with_size)
@@ -34,8 +35,11 @@ class Scenes:
         self._handle = ctypes.c_void_p()
         self._turn = new_turn()
         self._timeout = timeout
-        self._infos: Dict[int, List[Any]] = {}  # of every mesh its last one
-        self._objects: Dict[int, Dict[int, List[Any]]] = {}  # by scene, that of its mesh
+        # Of every mesh its last MeshInfo, its handle, its triangles and, once somebody
+        # has asked, its edges; of every scene that of each object's mesh.
+        self._infos: Dict[int, List[Any]] = {}
+        self._objects: Dict[int, Dict[int, List[Any]]] = {}
+        self._keeps = True  # the triangles
 
     def _failure(self, status: int) -> PccdError:
         if not self._handle:
@@ -71,6 +75,7 @@ class Scenes:
         data.x, data.format = vertices.ctypes.data, format_of(vertices.dtype)
         data.vertex_count = len(vertices)
         kept = []  # until the library has copied them
+        faces = np.empty((0, 3), np.uint32)
         for count, (name, given) in enumerate(
                 (("points", points), ("edges", edges), ("triangles", triangles)), 1):
             if given is not None:
@@ -84,12 +89,15 @@ class Scenes:
                               f"({len(vertices)},)")
             data.radii = thick.ctypes.data
         made = ctypes.c_uint32(mesh)
+        if triangles is not None:
+            faces = kept[-1].copy() if self._keeps else None
         self._check(lib.pccd_mesh_put(self._handle, byref(data), byref(made),
                                       byref(info)))
+        now = [MeshInfo.of(info), made.value, faces, None]
         if mesh:
-            self._infos[mesh][:] = [MeshInfo.of(info)]  # of its objects, too
+            self._infos[mesh][:] = now  # of its objects, too
         else:
-            self._infos[made.value] = [MeshInfo.of(info)]
+            self._infos[made.value] = now
         return made.value
 
     def mesh_create(self, x: ArrayLike, triangles: Optional[ArrayLike] = None,
@@ -184,6 +192,20 @@ class Scenes:
         self._check(lib.pccd_scene_remove(self._handle, u32("scene", scene),
                                           u32("object", object)))
         self._objects.get(scene, {}).pop(object, None)
+
+    def bodies(self, scene: int) -> Bodies:
+        """What this client's objects in a scene are made of, for stencils, points and
+        manifolds of records; until objects or meshes change. E_STATE: the client was told
+        not to keep that (keep=False); E_HANDLE: a mesh is destroyed, and nobody has asked
+        for its edges before."""
+        shapes = {}
+        for handle, mesh in self._objects.get(u32("scene", scene), {}).items():
+            if mesh[2] is None:
+                raise refusal(Status.E_STATE, "bodies: this client keeps no triangles")
+            if mesh[3] is None:
+                mesh[3] = self.mesh_edges(mesh[1])
+            shapes[handle] = Shape(mesh[0].vertex_count, mesh[2], mesh[3])
+        return Bodies(shapes)
 
     def _check_whole(self, scene: int, object: int, count: int) -> None:
         """That so many vertices are all that an object has."""
