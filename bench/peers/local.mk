@@ -73,4 +73,20 @@ bench-peers:
 endif
 .PHONY: bench-peers
 
+# Bodies that turn, beside FCL asked at poses.
+if HAVE_FCL
+check_PROGRAMS += bench/peers/turning
+bench_peers_turning_SOURCES = bench/peers/turning.cc
+bench_peers_turning_CPPFLAGS = $(AM_CPPFLAGS) $(PEERS_CPPFLAGS)
+bench_peers_turning_CXXFLAGS = $(PEERS_CXXFLAGS)
+bench_peers_turning_LDADD = libpccd.la $(PEERS_LIBS) $(JANSSON_LIBS)
+
+bench-turning: bench/peers/turning
+	@$(AM_TESTS_ENVIRONMENT) bench/peers/turning $(BENCH_ARGS)
+else
+bench-turning:
+	@echo 'configure has not found FCL (on Debian: libfcl-dev)'; exit 1
+endif
+.PHONY: bench-turning
+
 test_scripts += bench/peers/smoke.sh

@@ -39,4 +39,16 @@ fi
     grep -q 'ours: allowed' "$log"
 tap_result $? bench_allowed__is_just_before_the_true_share "$log"
 
+
+# If this failed, the time of bodies that turn would be that of wrong answers.
+turning=$top_builddir/bench/peers/turning
+if [ -x "$turning" ]; then
+    env -u PCCD_DATA "$turning" --smoke >"$log" 2>&1 &&
+        [ "$(grep -c ' 0 that we call free' "$log")" -eq 12 ] &&
+        grep -q '1000 poses.* 0 hits missed' "$log"
+    tap_result $? bench_turning__says_what_many_poses_say "$log"
+else
+    tap_skip bench_turning__says_what_many_poses_say "configure has not found FCL"
+fi
+
 tap_end
