@@ -507,6 +507,16 @@ static void hint(const struct play *play, struct eng_turning_limits *limits)
     }
 }
 
+/* The bytes of all members; what lies between them is nobody's. */
+static void expect_same(const struct eng_hit *a, const struct eng_hit *b)
+{
+    assert_int_equal(a->flags, b->flags);
+    assert_memory_equal(&a->toi, &b->toi, sizeof a->toi);
+    assert_memory_equal(&a->toi_hi, &b->toi_hi, sizeof a->toi_hi);
+    assert_memory_equal(a->param, b->param, sizeof a->param);
+    assert_memory_equal(a->normal, b->normal, sizeof a->normal);
+}
+
 static void check_play(const struct play *play, struct tally *tally)
 {
     static struct eng_poses poses;
@@ -526,7 +536,7 @@ static void check_play(const struct play *play, struct tally *tally)
         assert_true(answer.looks <= first.looks && answer.free_until == first.free_until);
     }
     if (verdict == ENG_TURNING_MEETS) {
-        assert_memory_equal(&answer.hit, &first.hit, sizeof answer.hit);
+        expect_same(&answer.hit, &first.hit);
     }
     answer = first;
     tally->looks[verdict] += answer.looks;
