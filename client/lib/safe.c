@@ -23,6 +23,23 @@ static bool do_overlap(const void *a, const void *b, size_t bytes)
     return (from < other ? other - from : from - other) < bytes;
 }
 
+/* Where a motion begins and ends: numbers, of vertices or of transforms. */
+struct ends {
+    const void *from, *to;
+    size_t bytes;
+    bool is_double;
+};
+
+static struct ends ends_of(const struct pccd_motion *motion)
+{
+    if (motion->m0 != NULL || motion->m1 != NULL) {
+        return (struct ends){motion->m0, motion->m1, 12 * sizeof(double), true};
+    }
+    return (struct ends){motion->x0, motion->x1,
+                         motion->count * common_vertex_bytes((uint32_t)motion->format),
+                         motion->format == PCCD_FORMAT_F64};
+}
+
 static int check(struct pccd_client *client, const struct pccd_motion *motions,
                  uint32_t motion_count, void *const *x, const double *part)
 {
@@ -34,43 +51,47 @@ static int check(struct pccd_client *client, const struct pccd_motion *motions,
     }
     for (uint32_t i = 0; i < motion_count; i++) {
         const struct pccd_motion *motion = &motions[i];
+        const struct ends ends = ends_of(motion);
 
-        if (motion->x0 == NULL || motion->x1 == NULL || x[i] == NULL) {
+        if (ends.from == NULL || ends.to == NULL || x[i] == NULL) {
             return cli_fail(client, PCCD_E_INVAL,
-                            "motion %u: it needs x0 and x1, and where to put x", i);
+                            "motion %u: it needs x0 and x1, or m0 and m1, and where to "
+                            "put x",
+                            i);
         }
         if (motion->format != PCCD_FORMAT_F32 && motion->format != PCCD_FORMAT_F64) {
             return cli_fail(client, PCCD_E_INVAL, "motion %u: unknown format %d", i,
                             (int)motion->format);
         }
-        size_t bytes = motion->count * common_vertex_bytes((uint32_t)motion->format);
-        if (do_overlap(x[i], motion->x0, bytes) || do_overlap(x[i], motion->x1, bytes)) {
-            return cli_fail(client, PCCD_E_INVAL, "motion %u: x lies in x0 or x1", i);
+        if (do_overlap(x[i], ends.from, ends.bytes) ||
+            do_overlap(x[i], ends.to, ends.bytes)) {
+            return cli_fail(client, PCCD_E_INVAL, "motion %u: x lies in %s", i,
+                            motion->m0 != NULL ? "m0 or m1" : "x0 or x1");
         }
     }
     return 0;
 }
 
-/* x = x0 + part (x1 - x0), rounded to the motion's format; both ends are exact. */
+/* x = from + part (to - from), rounded to the motion's format; both ends are exact. Of
+ * transforms, too: each vertex is then on its straight way, up to rounding. */
 static void go(const struct pccd_motion *motion, double part, void *x)
 {
-    size_t count = 3 * (size_t)motion->count;
-    bool is_double = motion->format == PCCD_FORMAT_F64;
+    const struct ends ends = ends_of(motion);
+    size_t count = ends.bytes / (ends.is_double ? sizeof(double) : sizeof(float));
 
     if (part == 0 || part == 1) {
-        memcpy(x, part == 0 ? motion->x0 : motion->x1,
-               motion->count * common_vertex_bytes((uint32_t)motion->format));
+        memcpy(x, part == 0 ? ends.from : ends.to, ends.bytes);
         return;
     }
     COMMON_ROUNDING_HERE;
     for (size_t i = 0; i < count; i++) {
-        double a = is_double ? ((const double *)motion->x0)[i]
-                             : (double)((const float *)motion->x0)[i];
-        double b = is_double ? ((const double *)motion->x1)[i]
-                             : (double)((const float *)motion->x1)[i];
+        double a = ends.is_double ? ((const double *)ends.from)[i]
+                                  : (double)((const float *)ends.from)[i];
+        double b = ends.is_double ? ((const double *)ends.to)[i]
+                                  : (double)((const float *)ends.to)[i];
         double at = a + part * (b - a);
 
-        if (is_double) {
+        if (ends.is_double) {
             ((double *)x)[i] = at;
         } else {
             ((float *)x)[i] = (float)at;
@@ -133,7 +154,11 @@ int pccd_step_safe(struct pccd_client *client, uint32_t scene,
         for (uint32_t i = 0; i < motion_count; i++) {
             shorter[i] = motions[i];
             go(&motions[i], at, x[i]);
-            shorter[i].x1 = x[i];
+            if (motions[i].m0 != NULL) {
+                shorter[i].m1 = x[i];
+            } else {
+                shorter[i].x1 = x[i];
+            }
         }
         status = pccd_step(client, scene, shorter, motion_count, &quick, &again);
         safe = again.safe_step;

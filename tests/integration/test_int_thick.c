@@ -265,6 +265,41 @@ CASE(thick__goes_as_far_as_is_safe)
     pccd_close(pile.client);
 }
 
+/* If it failed, a body that is moved by transforms would go into what it must not. */
+CASE(thick__goes_as_far_as_is_safe_by_transforms)
+{
+    static const double m0[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1};
+    static const double m1[12] = {0, -1, 0, 0.25, 1, 0, 0, 0, 0, 0, 1, -1};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    double m[12] = {0}, part = 2;
+    struct pccd_motion motion = {.count = 3, .m0 = m0, .m1 = m1};
+    void *to[1] = {m};
+    struct pile pile;
+
+    begin(&pile, test_shared.url);
+    motion.object = pile.upper;
+    assert_int_equal(set_radius(&pile, pile.lower, 0.3), 0);
+    assert_ok(pccd_step_safe(pile.client, pile.scene, &motion, 1, NULL, to, &part,
+                             &answer));
+    assert_true(answer.total > 0);
+    pccd_answer_release(pile.client, &answer);
+    assert_true(part > 0.35 - 1e-6 && part < 0.35);
+    assert_true(m[11] == 1 - 2 * part && m[0] == 1 - part && m[1] == -part);
+    assert_ok(pccd_step(pile.client, pile.scene, NULL, 0, NULL, &answer));
+    assert_int_equal(answer.total, 0);
+    pccd_answer_release(pile.client, &answer);
+    motion.m1 = NULL;
+    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, NULL, to, &part,
+                                    &answer),
+                     PCCD_E_INVAL);
+    motion.m1 = m;
+    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, NULL, to, &part,
+                                    &answer),
+                     PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(pile.client), "x lies in m0 or m1"));
+    pccd_close(pile.client);
+}
+
 /* The mesh again, with radii of its vertices. */
 static int put_radii(struct pile *pile, const double radii[3])
 {

@@ -156,6 +156,16 @@ class Thick(Case):
             self.assertEqual(part, 0)
             self.assertTrue(np.array_equal(reached, begin))
             self.fails(pccd.Status.E_INVAL, self.client.step_safe, scene, motions, [])
+        rigid, pose = pccd.Motions(), np.empty((3, 4))
+        begin, end = np.eye(3, 4), np.eye(3, 4)
+        begin[2, 3], end[2, 3] = 1, -1
+        rigid.rigid(upper, 3, begin, end)
+        part, answer = self.client.step_safe(scene, rigid, [pose])
+        answer.release()
+        self.assertAlmostEqual(part, 0.45, delta=1e-6)
+        self.assertTrue(np.array_equal(pose, begin + part * (end - begin)))
+        self.fails(pccd.Status.E_INVAL, self.client.step_safe, scene, rigid,
+                   [np.empty((3, 3))])
 
     # If this failed, a mistake would be taken for a length.
     def test_thick__refuses_what_is_no_length(self):

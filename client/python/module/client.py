@@ -20,7 +20,7 @@ from typing import (Any, Deque, Dict, Iterable, Iterator, Optional, Sequence, Tu
 from numpy.typing import ArrayLike, NDArray
 
 from . import abi
-from .abi import Incomplete, NearWhat, Status
+from .abi import Format, Incomplete, NearWhat, Status
 from .answer import Answer
 from .batch import Batch, BatchAnswer, Part, new_answer
 from .frame import DEFAULT, Frame, Motions
@@ -173,15 +173,19 @@ class Client(Observe):
                   settings: StepSettings = DEFAULT) -> Tuple[float, Answer]:
         """Go as far as nothing meets: the part of the way, 0 .. 1, and the answer to the
         whole step. Each of the motions is an x0x1; its vertices come to the array of x at
-        its place, of the same shape and type: x0 + part (x1 - x0), rounded. The step from
-        x0 to these, which is where the objects then are, was tested, too: nothing meets
-        in it. part is 0 where something meets at once."""
+        its place, of the same shape and type: x0 + part (x1 - x0), rounded. Or it is
+        rigid, and x has an array (3, 4) of float64 for m0 + part (m1 - m0), which is no
+        rotation where it turns. The step from the begin to these, which is where the
+        objects then are, was tested, too: nothing meets in it. part is 0 where something
+        meets at once."""
         if len(x) != motions._count:
             raise refusal(Status.E_INVAL, f"{motions._count} motions and {len(x)} arrays")
         for k, array in enumerate(x):
             motion = motions._structs[k]
-            Motions._check(f"x[{k}]", array, (motion.count, 3))
-            if format_of(array.dtype) != motion.format or not array.flags.writeable:
+            is_rigid = bool(motion.m0)
+            Motions._check(f"x[{k}]", array, (3, 4) if is_rigid else (motion.count, 3))
+            wanted = Format.F64 if is_rigid else motion.format
+            if format_of(array.dtype) != wanted or not array.flags.writeable:
                 raise refusal(Status.E_INVAL,
                               f"x[{k}] is {array.dtype}, or not writeable")
         to = (ctypes.c_void_p * max(len(x), 1))(*(array.ctypes.data for array in x))
