@@ -131,6 +131,13 @@ two '' '' && printf '\xef\xbb\xbf' | cat - scene.json >bom.json && check 1 bom.j
 [ ! -s "$log" ]
 report scene__that_is_wrong_is_refused_by_its_line
 
+# If it failed, a mechanism would be checked as if it had no joints.
+printf '%s\n' '{"pccd_scene": 1, "objects": [{"name": "a", "files": "floor.obj"}],' \
+    ' "joints": [{"name": "pin", "type": "fixed"}]}' >joints.json
+check 4 joints.json
+grep -q 'joints.json:2: joints are moved by pccdctl sweep alone$' err >"$log"
+report scene__with_joints_is_not_checked
+
 # If it failed, a new scene would have to be written by hand, or its format be guessed, or it would
 # name another file where JSON has no word for the name.
 ! timeout 100 "$PCCDCTL" scene new $'\xff.obj' >out 2>err &&

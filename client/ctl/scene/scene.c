@@ -19,7 +19,8 @@ static int no_memory(struct ctl_error *error)
 
 /* ---- what a command line says ------------------------------------------------------ */
 
-static void add(struct argp_state *state, struct scene_texts *texts, const char *text)
+void scene_texts_add(struct argp_state *state, struct scene_texts *texts,
+                     const char *text)
 {
     void *list = texts->list;
     if (!array_reserve(&list, texts->count, &texts->room, sizeof *texts->list)) {
@@ -33,7 +34,7 @@ static void take_with(struct argp_state *state, const struct option_row *row,
                       const char *text, void *to)
 {
     (void)row;
-    add(state, &((struct scene_options *)to)->with, text);
+    scene_texts_add(state, &((struct scene_options *)to)->with, text);
 }
 
 static void take_between(struct argp_state *state, const struct option_row *row,
@@ -43,7 +44,7 @@ static void take_between(struct argp_state *state, const struct option_row *row,
         option_misused(state, "--%s: \"%s\" is not two names with a comma between them",
                        row->name, text);
     }
-    add(state, &((struct scene_options *)to)->between, text);
+    scene_texts_add(state, &((struct scene_options *)to)->between, text);
 }
 
 #define AT(member) offsetof(struct scene_options, member)
@@ -548,8 +549,15 @@ void scene_close(struct scene *scene)
         free(object->paths);
         free(object->name);
         free(object->animation);
+        free(object->joint);
         free(object->edges);
     }
+    for (uint32_t i = 0; i < scene->joint_count; i++) {
+        free(scene->joints[i].name);
+        free(scene->joints[i].parent);
+        free(scene->joints[i].follows);
+    }
+    free(scene->joints);
     free(scene->objects);
     free(scene->ignored);
     free(scene->path);

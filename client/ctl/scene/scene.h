@@ -35,6 +35,10 @@ struct scene_options {
     bool has_no_self;
 };
 
+/* Add the text of an option, or end the program without memory. */
+void scene_texts_add(struct argp_state *state, struct scene_texts *texts,
+                     const char *text);
+
 /* Options that fill a struct scene_options: --with, --no-self, --between. */
 extern const struct option_table scene_table;
 
@@ -50,6 +54,7 @@ struct scene_object {
     uint32_t line;   /* of the scene file that says so; 0: none does */
     double unit;     /* of its files' coordinates, in that of the scene */
     char *animation; /* that frames.wish names; NULL: none is named */
+    char *joint;     /* that it hangs on; NULL: none */
     struct ctl_frames_options frames;
     struct pccd_object_settings settings;
 
@@ -60,19 +65,37 @@ struct scene_object {
     uint32_t handle, mesh; /* the daemon's */
 };
 
+/* A joint of a scene file: how a link moves against the one that it hangs on. What its
+ * members mean is in man pccdctl, "Scene files". */
+struct scene_joint {
+    char *name, *parent, *follows; /* ours; NULL: the scene; none */
+    uint32_t line;
+    enum scene_joint_type {
+        SCENE_FIXED,
+        SCENE_REVOLUTE,
+        SCENE_CONTINUOUS,
+        SCENE_PRISMATIC
+    } type;
+    double position[3], rpy[3], axis[3], range[2];
+    double multiplier, offset;
+};
+
 /* Fill with {0} but for what is the caller's; scene_close's to give back, also on
  * error. */
 struct scene {
     /* The caller's: what an object has where nothing else is said of it. */
     const struct pccd_object_settings *settings; /* NULL: nothing is set */
     const struct ctl_frames_options *frames;
-    bool first_alone; /* the caller's: no later frame is read */
-    char *path;       /* ours; of the scene file; NULL: there is none */
+    bool first_alone;  /* the caller's: no later frame is read */
+    bool takes_joints; /* the caller's: a file may have joints */
+    char *path;        /* ours; of the scene file; NULL: there is none */
     struct scene_object *objects;
     uint32_t object_count;
     size_t object_room;
     uint32_t (*ignored)[2]; /* ours: places of objects that ignore each other */
     size_t ignored_count, ignored_room;
+    struct scene_joint *joints; /* ours: [joint_count] */
+    uint32_t joint_count;
     uint32_t first;  /* frame of the files that is frame 0 of the scene */
     uint32_t last;   /* the last one; UINT32_MAX: as many as there are */
     uint32_t count;  /* frames */

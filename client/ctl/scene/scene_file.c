@@ -27,7 +27,20 @@ bool scene_is_named(const char *path)
 
 /* ---- members ----------------------------------------------------------------------- */
 
-enum form { REAL, WHOLE, TRUTH, TEXT, TEXTS, WELD, FRAMES, OBJECTS, PAIRS };
+enum form {
+    REAL,
+    WHOLE,
+    TRUTH,
+    TEXT,
+    TEXTS,
+    WELD,
+    FRAMES,
+    OBJECTS,
+    PAIRS,
+    NUMBERS, /* `min` of them */
+    WORD,
+    JOINTS
+};
 
 struct member {
     const char *name;
@@ -50,12 +63,29 @@ static const struct member scene_members[] = {
      "What there is. Objects with several frames have as many of them; one with a single "
      "frame stands"},
     {"ignore", PAIRS, 0, 0, "Names of two objects each that do not meet"},
+    {"joints", JOINTS, 0, 0, "How objects move, for pccdctl sweep"},
     {0}};
 
 static const struct member frames_members[] = {
     {"first", WHOLE, 0, FRAMES_MAX, "The first frame (default: 0)"},
     {"last", WHOLE, 0, FRAMES_MAX, "The last frame (default: the last one there is)"},
     {0}};
+
+static const struct member joint_members[] = {
+    {"name", TEXT, 0, 0, "Another one for each joint"},
+    {"type", WORD, 0, 0, "How it moves"},
+    {"parent", TEXT, 0, 0, "The joint that it hangs on (default: none)"},
+    {"position", NUMBERS, 3, 0, "Of the joint, where its parent is at rest (default: 0)"},
+    {"rpy", NUMBERS, 3, 0, "Its roll, pitch and yaw in radians, as in URDF (default: 0)"},
+    {"axis", NUMBERS, 3, 0, "That it turns about or slides along (default: 1, 0, 0)"},
+    {"range", NUMBERS, 2, 0, "Of its value: radians, or the unit of the scene"},
+    {"follows", TEXT, 0, 0,
+     "Another joint, whose value times multiplier plus offset is its value"},
+    {"multiplier", REAL, -LENGTH_MAX, LENGTH_MAX, "As said (default: 1)"},
+    {"offset", REAL, -LENGTH_MAX, LENGTH_MAX, "As said (default: 0)"},
+    {0}};
+static const char *const joint_types[] = {"fixed", "revolute", "continuous", "prismatic",
+                                          NULL};
 
 static const struct member object_members[] = {
     {"name", TEXT, 0, 0, "Another one for each object"},
@@ -76,6 +106,8 @@ static const struct member object_members[] = {
     {"meets", TEXTS, 0, 0,
      "The groups that it may meet. Two objects meet if each is in a group that the other "
      "may meet (default: all)"},
+    {"joint", TEXT, 0, 0,
+     "The joint that it hangs on: its files are in the frame of that (default: none)"},
     {0}};
 
 static const struct member *member_of(const struct member *members, const char *name)
@@ -421,6 +453,7 @@ static void take_object(struct reader *reader, json_t *of, const struct step *at
     check_members(reader, of, at, "an object", object_members);
     const char *name = take_text(reader, of, at, "name");
     const char *animation = take_text(reader, of, at, "animation");
+    const char *joint = take_text(reader, of, at, "joint");
     if (json_object_get(of, "name") == NULL) {
         refuse(reader, at, "an object has no \"name\"");
     } else if (name != NULL && scene_find(scene, name) < scene->object_count) {
@@ -441,7 +474,9 @@ static void take_object(struct reader *reader, json_t *of, const struct step *at
     to->line = line_of(reader->text, at);
     to->name = strdup(name);
     to->animation = animation != NULL ? strdup(animation) : NULL;
-    if (to->name == NULL || (animation != NULL && to->animation == NULL)) {
+    to->joint = joint != NULL ? strdup(joint) : NULL;
+    if (to->name == NULL || (animation != NULL && to->animation == NULL) ||
+        (joint != NULL && to->joint == NULL)) {
         lack_memory(reader);
     }
     to->frames.wish.animation =
@@ -451,6 +486,99 @@ static void take_object(struct reader *reader, json_t *of, const struct step *at
     take_real(reader, of, at, object_members, "rate", &to->frames.wish.rate);
     take_weld(reader, of, at, &to->frames.weld);
     take_settings(reader, of, at, &to->settings);
+}
+
+/* ---- joints ------------------------------------------------------------------------ */
+
+/* Return whether the numbers are there. */
+static bool take_numbers(struct reader *reader, const json_t *of, const struct step *at,
+                         const char *key, double *to)
+{
+    const json_t *value = json_object_get(of, key);
+    size_t count = (size_t)member_of(joint_members, key)->min;
+    struct step place[6];
+    bool is_right = json_array_size(value) == count;
+    for (size_t i = 0; i < count && is_right; i++) {
+        to[i] = json_number_value(json_array_get(value, i));
+        is_right = json_is_number(json_array_get(value, i)) && fabs(to[i]) <= LENGTH_MAX;
+    }
+    if (value != NULL && !is_right) {
+        refuse(reader, join(place, at, key, 0), "\"%s\" is no list of %zu numbers", key,
+               count);
+    }
+    return value != NULL;
+}
+
+static char *take_copy(struct reader *reader, const json_t *of, const struct step *at,
+                       const char *key)
+{
+    const char *text = take_text(reader, of, at, key);
+    char *copy = text != NULL ? strdup(text) : NULL;
+    if (text != NULL && copy == NULL) {
+        lack_memory(reader);
+    }
+    return copy;
+}
+
+static void take_joint(struct reader *reader, json_t *of, const struct step *at,
+                       struct scene_joint *to)
+{
+    const char *type = take_text(reader, of, at, "type");
+    struct step place[6];
+    check_members(reader, of, at, "a joint", joint_members);
+    to->line = line_of(reader->text, at);
+    to->axis[0] = to->multiplier = 1;
+    to->name = take_copy(reader, of, at, "name");
+    to->parent = take_copy(reader, of, at, "parent");
+    to->follows = take_copy(reader, of, at, "follows");
+    if (to->name == NULL || type == NULL) {
+        refuse(reader, at, "a joint has no \"%s\"", to->name == NULL ? "name" : "type");
+        return;
+    }
+    int word = 0;
+    while (joint_types[word] != NULL && strcmp(joint_types[word], type) != 0) {
+        word++;
+    }
+    if (joint_types[word] == NULL) {
+        refuse(reader, join(place, at, "type", 0),
+               "\"%s\" is no type of joint: fixed, revolute, continuous or prismatic",
+               tool_shown(type));
+        return;
+    }
+    to->type = (enum scene_joint_type)word;
+    (void)take_numbers(reader, of, at, "position", to->position);
+    (void)take_numbers(reader, of, at, "rpy", to->rpy);
+    (void)take_numbers(reader, of, at, "axis", to->axis);
+    bool has_range = take_numbers(reader, of, at, "range", to->range);
+    bool has_ends = to->type == SCENE_REVOLUTE || to->type == SCENE_PRISMATIC;
+    if (has_ends && to->follows == NULL && !has_range) {
+        refuse(reader, at, "joint \"%s\": %s, and no \"range\"", tool_shown(to->name),
+               type);
+    }
+    take_real(reader, of, at, joint_members, "multiplier", &to->multiplier);
+    take_real(reader, of, at, joint_members, "offset", &to->offset);
+}
+
+static void take_joints(struct reader *reader, const json_t *all)
+{
+    struct scene *scene = reader->scene;
+    const struct step at_joints[] = {{"joints", 0}, {NULL, 0}};
+    size_t count = json_array_size(all);
+    if (all != NULL && (count == 0 || count > SCENE_OBJECTS_MAX)) {
+        refuse(reader, at_joints, "\"joints\" is no list of 1 to %u of them",
+               SCENE_OBJECTS_MAX);
+    } else if (all != NULL && !scene->takes_joints) {
+        refuse(reader, at_joints, "joints are moved by pccdctl sweep alone");
+    }
+    scene->joints = calloc(count + 1, sizeof *scene->joints);
+    if (scene->joints == NULL) {
+        lack_memory(reader);
+    }
+    for (size_t i = 0; i < count && reader->status == PCCD_OK; i++) {
+        const struct step at[] = {{"joints", 0}, {NULL, i + 1}, {NULL, 0}};
+        take_joint(reader, json_array_get(all, i), at, &scene->joints[i]);
+        scene->joint_count++;
+    }
 }
 
 /* ---- the file ---------------------------------------------------------------------- */
@@ -529,6 +657,7 @@ static void take_scene(struct reader *reader, json_t *root)
         take_object(reader, json_array_get(objects, i), at);
     }
     take_ignored(reader, root);
+    take_joints(reader, json_object_get(root, "joints"));
 }
 
 int scene_read_file(struct scene *scene, const char *path, struct ctl_error *error)
@@ -588,6 +717,7 @@ static json_t *type_of(const struct member *member)
 {
     static const char *const of_object[] = {"name", "files", NULL};
     static const char *const of_frames[] = {NULL};
+    static const char *const of_joint[] = {"name", "type", NULL};
     switch (member->form) {
     case REAL:
         return json_pack("{s:s, s:f, s:f}", "type", "number", "minimum", member->min,
@@ -617,6 +747,17 @@ static json_t *type_of(const struct member *member)
         return json_pack("{s:s, s:{s:s, s:i, s:i, s:{s:s}}}", "type", "array", "items",
                          "type", "array", "minItems", 2, "maxItems", 2, "items", "type",
                          "string");
+    case NUMBERS:
+        return json_pack("{s:s, s:i, s:i, s:{s:s}}", "type", "array", "minItems",
+                         (int)member->min, "maxItems", (int)member->min, "items", "type",
+                         "number");
+    case WORD:
+        return json_pack("{s:[s, s, s, s]}", "enum", joint_types[0], joint_types[1],
+                         joint_types[2], joint_types[3]);
+    case JOINTS:
+        return json_pack("{s:s, s:i, s:i, s:o}", "type", "array", "minItems", 1,
+                         "maxItems", (int)SCENE_OBJECTS_MAX, "items",
+                         schema_of(joint_members, of_joint));
     }
     return NULL;
 }
