@@ -26,6 +26,7 @@ struct ctl_error;
     X(ping, "measure round trips through the daemon")                                    \
     X(check, "find the contacts between two or more frames of a mesh")                   \
     X(near, "tell what is near: pairs, nearest, crossings, depth")                       \
+    X(sweep, "tell what meets while the joints of a robot or machine move")              \
     X(scene, "write a scene file, or its format")                                        \
     X(load, "play the frames of a mesh in a daemon")                                     \
     X(record, "run a program and record what it asks the daemon")                        \
@@ -45,7 +46,8 @@ enum ctl_exit {
     CTL_NEGATIVE = 1,  /* it was done, and something meets or is wrong */
     CTL_USAGE = 2,     /* an option or argument is wrong */
     CTL_NO_DAEMON = 3, /* no daemon could be reached or started, or it refused us */
-    CTL_FAILED = 4     /* anything else: a file, a refusal, the end of the daemon */
+    CTL_FAILED = 4,    /* anything else: a file, a refusal, the end of the daemon */
+    CTL_UNDECIDED = 5  /* it was done, and what meets could not all be decided */
 };
 
 /* A command gets its own arguments; argv[0] is "pccdctl NAME". Returns an exit status.

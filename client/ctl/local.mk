@@ -47,6 +47,7 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_scene.c \
     client/ctl/commands/cmd_stats.c \
     client/ctl/commands/cmd_status.c \
+    client/ctl/commands/cmd_sweep.c \
     client/ctl/commands/cmd_top.c \
     client/ctl/commands/cmd_trace.c \
     client/ctl/commands/cmd_verify.c \
@@ -94,6 +95,15 @@ libctl_la_SOURCES = \
     client/ctl/picture/thick.c \
     client/ctl/scene/scene.c \
     client/ctl/scene/scene_file.c \
+    client/ctl/sweep/edges.c \
+    client/ctl/sweep/robot.c \
+    client/ctl/sweep/robot_scene.c \
+    client/ctl/sweep/shapes.c \
+    client/ctl/sweep/sweep_ask.c \
+    client/ctl/sweep/sweep_range.c \
+    client/ctl/sweep/sweep_report.c \
+    client/ctl/sweep/urdf.c \
+    client/ctl/sweep/xml.c \
     client/ctl/record/answers.c \
     client/ctl/record/frames.c \
     client/ctl/record/play.c \
@@ -117,11 +127,12 @@ ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/judge \
     -iquote $(top_srcdir)/client/ctl/picture \
     -iquote $(top_srcdir)/client/ctl/record -iquote $(top_srcdir)/client/ctl/scene \
+    -iquote $(top_srcdir)/client/ctl/sweep \
     -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/oracle \
     -iquote $(top_srcdir)/client/registry \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto $(tool_cppflags)
 libctl_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS) \
-    $(XXHASH_CFLAGS)
+    $(XXHASH_CFLAGS) $(EXPAT_CFLAGS)
 # The assembler takes the page in: no compiler tells of it.
 noinst_LTLIBRARIES += libpage.la
 libpage_la_SOURCES = client/ctl/inspect/page_template.c
@@ -131,7 +142,8 @@ libctl_la_LIBADD = libpage.la libtools.la libregistry.la
 
 pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
-pccdctl_LDADD = libctl.la libclient.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)
+pccdctl_LDADD = libctl.la libclient.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) \
+    $(EXPAT_LIBS) $(LIBM)
 
 # Of README.md; client/README.md has the command that drew it.
 

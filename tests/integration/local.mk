@@ -76,6 +76,7 @@ test_scripts += \
     tests/integration/ctl_files.sh \
     tests/integration/ctl_record.sh \
     tests/integration/ctl_near.sh \
+    tests/integration/ctl_sweep.sh \
     tests/integration/ctl_see.sh \
     tests/integration/ctl_judge.sh \
     tests/integration/ctl_scene.sh \

@@ -96,6 +96,7 @@ daemon/service .          base sessions requests
 client/ctl .
 client/ctl mesh           .
 client/ctl scene          . mesh
+client/ctl sweep          . mesh scene
 client/ctl check          . mesh scene
 client/ctl near           . mesh scene check
 client/ctl observe        . check
@@ -105,7 +106,7 @@ client/ctl export         . record
 client/ctl inspect        . check record export
 client/ctl picture        . record export
 client/ctl mcp            . mesh scene check record
-client/ctl commands       . mesh scene check near observe judge record export inspect picture mcp
+client/ctl commands       . mesh scene sweep check near observe judge record export inspect picture mcp
 '
 
 # Folder prefix, then the libraries beside the C library.
@@ -124,7 +125,7 @@ client/ipc          ipc/collisions/normal/normal_collisions.hpp
 client/planner      arm.hpp pccd_motion.hpp cstdio cstdlib cstring ompl/base/spaces/RealVectorStateSpace.h
 client/planner      ompl/geometric/SimpleSetup.h ompl/geometric/planners/rrt/RRTConnect.h
 client/planner      ompl/util/RandomNumbers.h
-client/ctl          jansson.h png.h xxhash.h zlib.h
+client/ctl          expat.h jansson.h png.h xxhash.h zlib.h
 client/mpi          malloc.h mpi.h xxhash.h
 client/mpi/program  jansson.h malloc.h mpi.h
 client/mpi/example  mpi.h

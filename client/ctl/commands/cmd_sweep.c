@@ -1,0 +1,449 @@
+/* cmd_sweep.c - pccdctl sweep. */
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ctl.h"
+#include "link.h"
+#include "output.h"
+#include "scene.h"
+#include "shown.h"
+#include "sweep.h"
+
+#define LENGTH_MAX  1e18
+#define SIDES_MAX   4096u
+#define MOTIONS_MAX 1000000000u
+#define THREADS_MAX 1024u
+
+struct command {
+    struct option_arguments files;
+    struct ctl_link link;
+    struct robot_options robot;
+    struct scene_texts joints, fixed, apart;
+    double clearance, bracket, least;
+    uint32_t limit, threads;
+    const char *edges; /* NULL: ranges are swept */
+    bool is_json;
+};
+
+static void take_text(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
+{
+    scene_texts_add(state, (struct scene_texts *)((char *)to + row->at), text);
+}
+
+static void take_apart(struct argp_state *state, const struct option_row *row,
+                       const char *text, void *to)
+{
+    if (strchr(text, ',') == NULL) {
+        option_misused(state, "--%s: \"%s\" is not two names with a comma between them",
+                       row->name, text);
+    }
+    take_text(state, row, text, to);
+}
+
+static void check_usage(struct argp_state *state, void *to)
+{
+    const struct command *command = to;
+    bool is_scene = command->files.count == 1 && scene_is_named(command->files.list[0]);
+    if (command->files.count != 1) {
+        option_misused(state, "one file: a URDF file or a scene file");
+    }
+    if (command->joints.count > SWEEP_AXES_MAX) {
+        option_misused(state, "--joint: at most %u of them move at a time",
+                       SWEEP_AXES_MAX);
+    }
+    if (is_scene && (command->robot.srdf != NULL || command->robot.meshes.count > 0 ||
+                     command->robot.with.count > 0)) {
+        option_misused(state, "--srdf, --meshes and --with are of URDF files");
+    }
+    if (command->edges != NULL && command->joints.count > 0) {
+        option_misused(state, "--edges: not with --joint; all joints move");
+    }
+    if (command->robot.state != NULL && command->robot.srdf == NULL) {
+        option_misused(state, "--state is of the file that --srdf names");
+    }
+}
+
+#define AT(member) offsetof(struct command, member)
+static const struct option_row rows[] = {
+    CTL_QUESTION,
+    {"joint", 0, "NAME[=LO:HI]",
+     "Sweep this joint, from LO to HI (default: its limits), in radians, in degrees (as "
+     "-90deg:90deg) or in the file's unit; up to three at once (default: each joint by "
+     "itself)",
+     OPTION_OWN, .at = AT(joints), .take = take_text},
+    {"fix", 0, "NAME=VALUE",
+     "Hold a joint that is not swept there (default: at 0, or where its limits are "
+     "nearest to 0); may be repeated",
+     OPTION_OWN, .at = AT(fixed), .take = take_text},
+    {"edges", 0, "FILE",
+     "Instead of ranges: motions of all joints at once, a line {\"from\": [VALUE..], "
+     "\"to\": [VALUE..]} each, in radians or the file's unit, of all joints in their "
+     "order, or as {\"NAME\": VALUE..}",
+     OPTION_TEXT, .at = AT(edges)},
+    {"clearance", 0, "D", "Parts may not come nearer to each other than D (default: 0)",
+     OPTION_REAL, .at = AT(clearance), .max = LENGTH_MAX},
+    {"allow", 0, "A,B",
+     "These two parts may meet, as those do that touch by design; may be repeated",
+     OPTION_OWN, .at = AT(apart), .take = take_apart},
+    {"with", 0, "FILE", "Add a mesh that stands, as another part; may be repeated",
+     OPTION_OWN, .at = AT(robot.with), .take = take_text},
+    {"srdf", 0, "FILE", "Leave out the pairs of links that this file disables",
+     OPTION_TEXT, .at = AT(robot.srdf)},
+    {"state", 0, "NAME", "Hold joints where a group_state of that file has them",
+     OPTION_TEXT, .at = AT(robot.state)},
+    {"meshes", 0, "DIR",
+     "Look for meshes here first, by their path, what is behind the package, and their "
+     "last name; may be repeated (default: beside the file, and up to three folders "
+     "above for a package)",
+     OPTION_OWN, .at = AT(robot.meshes), .take = take_text},
+    {"sides", 0, "N",
+     "Of the prism around a cylinder, which is up to 5 / N^2 of its radius thicker "
+     "(default: 64)",
+     OPTION_U32, .at = AT(robot.sides), .min = 3, .max = SIDES_MAX},
+    {"bracket", 0, "D",
+     "Find a jam to within D, in radians or the file's unit (default: 1e-6)", OPTION_REAL,
+     .at = AT(bracket), .min = 1e-15, .max = 1},
+    {"least", 0, "PART",
+     "Find the least distance while one joint moves freely, to PART of the size; 0: do "
+     "not (default: 0.001)",
+     OPTION_REAL, .at = AT(least), .max = 1},
+    {"motions", 0, "N",
+     "Of several joints at once: decide by N motions, or a few more (default: 4096)",
+     OPTION_U32, .at = AT(limit), .min = 1, .max = MOTIONS_MAX},
+    CTL_OUTPUT,
+    {"json", 0, NULL, "Print JSON", OPTION_FLAG, .at = AT(is_json)},
+    CTL_ENGINE,
+    {"threads", 0, "N", "Use at most N threads (default: the daemon decides)", OPTION_U32,
+     .at = AT(threads), .min = 1, .max = THREADS_MAX},
+    {.type = OPTION_ARGUMENTS, .at = AT(files), .needed = "a URDF or scene file"},
+    {0}};
+
+const struct option_table ctl_table_sweep = {
+    .rows = rows,
+    .parts = (const struct option_part[]){{&ctl_link_table, AT(link)}, {0}},
+    .check = check_usage,
+    .arguments = "ROBOT.urdf|SCENE.json",
+    .text = "Tell whether parts of a robot or machine meet while its joints move over "
+            "their ranges, with proof: free, or jams at a value, of which a bracket is "
+            "given. Parts turn on their true arcs; nothing is sampled. Parts that no "
+            "joint moves against each other are not compared.",
+    .more = "Without --url, --socket and $PCCD_URL a private daemon is started. Exit "
+            "status: 0 free, 1 when something jams, 2 after wrong usage, 3 without a "
+            "daemon, 4 after any other error, as a mesh that is not there, 5 when "
+            "nothing jams and a part of a range stays undecided.",
+    .examples = "  pccdctl sweep hinge.urdf\n"
+                "  pccdctl sweep --srdf arm.srdf --joint elbow=-90deg:90deg arm.urdf\n",
+};
+
+struct run {
+    const struct command *command;
+    struct scene scene; /* of a scene file */
+    struct robot robot;
+    struct sweep sweep;
+    struct sweep_range range; /* of no joint: each is swept by itself */
+    enum sweep_verdict verdict;
+    json_t *ranges; /* or edges; NULL: text is printed */
+    bool lacks_memory;
+};
+
+/* ---- what is asked ----------------------------------------------------------------- */
+
+/* Read a number, with "deg" behind it if it is an angle, up to `end`. */
+static bool read_value(const struct robot *robot, uint32_t joint, const char *text,
+                       const char *end, double *value)
+{
+    char *stop;
+    errno = 0;
+    *value = strtod(text, &stop);
+    bool is_read = stop > text && errno == 0 && isfinite(*value);
+    if (is_read && end - stop == 3 && strncmp(stop, "deg", 3) == 0 &&
+        robot->joints[joint].kind == PCCD_JOINT_TURN) {
+        *value *= ROBOT_PI / 180;
+        stop += 3;
+    }
+    return is_read && stop == end;
+}
+
+/* Find the joint of "NAME=VALUE" or "NAME=LO:HI", and its values; E_INVAL: it is none, or
+ * none that has a value of its own. */
+static int read_joint(const struct robot *robot, const char *option, const char *text,
+                      uint32_t value_count, double *values, uint32_t *joint,
+                      struct ctl_error *error)
+{
+    const char *equals = strrchr(text, '=');
+    char *name = strndup(text, equals != NULL ? (size_t)(equals - text) : strlen(text));
+    uint32_t found = name != NULL ? robot_find_joint(robot, name) : ROBOT_NONE;
+    free(name);
+    if (found == ROBOT_NONE) {
+        return ctl_error_set(error, PCCD_E_INVAL, "--%s %s: %s has no such joint", option,
+                             tool_shown(text), tool_shown(robot->path));
+    }
+    if (!robot_is_free(robot, found)) {
+        const struct robot_joint *at = &robot->joints[found];
+        return ctl_error_set(
+            error, PCCD_E_INVAL, "--%s %s: the joint %s%s", option, tool_shown(text),
+            at->leader != ROBOT_NONE ? "follows " : "does not move",
+            at->leader != ROBOT_NONE ? tool_shown(robot->joints[at->leader].name) : "");
+    }
+    *joint = found;
+    memcpy(values, robot->joints[found].range, value_count * sizeof *values);
+    if (equals == NULL && value_count == 2) {
+        return PCCD_OK;
+    }
+    const char *begin = equals != NULL ? equals + 1 : "", *end = begin + strlen(begin);
+    const char *colon = value_count == 2 ? strchr(begin, ':') : end;
+    bool is_right = colon != NULL && read_value(robot, found, begin, colon, &values[0]);
+    if (is_right && value_count == 2) {
+        is_right = read_value(robot, found, colon + 1, end, &values[1]) &&
+                   values[0] <= values[1];
+    }
+    return is_right
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_INVAL, "--%s %s: not NAME=%s", option,
+                               tool_shown(text), value_count == 2 ? "LO:HI" : "VALUE");
+}
+
+static int fix_joints(const struct command *command, struct robot *robot,
+                      struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (size_t i = 0; i < command->fixed.count && status == PCCD_OK; i++) {
+        uint32_t joint;
+        double value;
+        status =
+            read_joint(robot, "fix", command->fixed.list[i], 1, &value, &joint, error);
+        if (status == PCCD_OK) {
+            robot->start[joint] = value;
+        }
+    }
+    robot_follow(robot, robot->start);
+    return status;
+}
+
+/* Find the parts of "A,B", whose names may have commas, too. */
+static int set_apart(struct robot *robot, const char *text, struct ctl_error *error)
+{
+    for (uint32_t a = 0; a < robot->part_count; a++) {
+        size_t length = strlen(robot->parts[a].name);
+        bool begins = strncmp(text, robot->parts[a].name, length) == 0;
+        uint32_t b = begins && text[length] == ','
+                         ? robot_find_part(robot, text + length + 1)
+                         : ROBOT_NONE;
+        if (b != ROBOT_NONE) {
+            return robot_set_apart(robot, a, b, error);
+        }
+    }
+    return ctl_error_set(error, PCCD_E_INVAL, "--allow: \"%s\" does not name two parts",
+                         tool_shown(text));
+}
+
+static int read_range(const struct command *command, const struct robot *robot,
+                      struct sweep_range *range, struct ctl_error *error)
+{
+    const struct scene_texts *named = &command->joints;
+    int status = PCCD_OK;
+    range->count = (uint32_t)named->count;
+    for (uint32_t k = 0; k < range->count && status == PCCD_OK; k++) {
+        status = read_joint(robot, "joint", named->list[k], 2, range->ends[k],
+                            &range->joints[k], error);
+        for (uint32_t i = 0; i < k && status == PCCD_OK; i++) {
+            if (range->joints[i] == range->joints[k]) {
+                status = ctl_error_set(error, PCCD_E_INVAL, "--joint %s: once is enough",
+                                       tool_shown(named->list[k]));
+            }
+        }
+    }
+    return status;
+}
+
+static int read_scene(const struct command *command, struct run *run,
+                      struct ctl_error *error)
+{
+    static const struct ctl_frames_options frames = {.weld = 0};
+    run->scene = (struct scene){
+        .frames = &frames, .first_alone = true, .takes_joints = true, .last = UINT32_MAX};
+    int status = scene_read_file(&run->scene, command->files.list[0], error);
+    if (status == PCCD_OK) {
+        status = scene_open(&run->scene, error);
+    }
+    return status == PCCD_OK ? robot_take_scene(&run->robot, &run->scene, error) : status;
+}
+
+static int read_robot(const struct command *command, struct run *run,
+                      struct ctl_error *error)
+{
+    const char *path = command->files.list[0];
+    struct robot *robot = &run->robot;
+    int status = scene_is_named(path)
+                     ? read_scene(command, run, error)
+                     : robot_read_urdf(robot, path, &command->robot, error);
+    for (size_t i = 0; i < command->apart.count && status == PCCD_OK; i++) {
+        status = set_apart(robot, command->apart.list[i], error);
+    }
+    if (status == PCCD_OK && robot->shape_count == 0) {
+        status = ctl_error_set(error, PCCD_E_FORMAT, "%s: nothing has a shape",
+                               tool_shown(path));
+    }
+    if (status == PCCD_OK) {
+        status = fix_joints(command, robot, error);
+    }
+    return status == PCCD_OK ? read_range(command, robot, &run->range, error) : status;
+}
+
+/* ---- what comes of it -------------------------------------------------------------- */
+
+static void note_verdict(struct run *run, enum sweep_verdict verdict)
+{
+    if (run->verdict != SWEEP_JAMS && verdict != SWEEP_FREE) {
+        run->verdict = verdict;
+    }
+}
+
+static int try_range(struct run *run, const struct sweep_range *range)
+{
+    struct sweep_answer answer;
+    const double *values = run->robot.start;
+    int status = sweep_try(&run->sweep, range, values, &answer);
+    if (status == PCCD_OK) {
+        note_verdict(run, answer.verdict);
+    }
+    if (status == PCCD_OK && run->ranges == NULL) {
+        sweep_report_range(stdout, &run->sweep, range, values, &answer);
+    } else if (status == PCCD_OK &&
+               json_array_append_new(
+                   run->ranges, sweep_report_json(&run->sweep, range, values, &answer)) !=
+                   0) {
+        run->lacks_memory = true;
+    }
+    sweep_answer_deinit(&answer);
+    return status;
+}
+
+static int try_each(struct run *run)
+{
+    const struct robot *robot = &run->robot;
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < robot->joint_count && status == PCCD_OK; i++) {
+        const double *ends = robot->joints[i].range;
+        const struct sweep_range range = {
+            .count = 1, .joints = {i}, .ends = {{ends[0], ends[1]}}};
+        if (robot_is_free(robot, i) && ends[0] < ends[1]) {
+            status = try_range(run, &range);
+        }
+    }
+    return status;
+}
+
+static void take_edge(void *context, uint64_t line, const struct sweep_hit *hit)
+{
+    struct run *run = context;
+    enum sweep_verdict verdict = sweep_hit_verdict(hit);
+    note_verdict(run, verdict);
+    if (run->ranges == NULL) {
+        sweep_report_edge(stdout, &run->robot, line, hit);
+    } else if (json_array_append_new(
+                   run->ranges, sweep_report_edge_json(&run->robot, line, hit)) != 0) {
+        run->lacks_memory = true;
+    }
+}
+
+static int sweep_all(struct run *run)
+{
+    int status = sweep_begin(&run->sweep);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (run->ranges == NULL) {
+        sweep_report_begin(stdout, &run->sweep);
+        sweep_report_still(stdout, &run->robot);
+    }
+    if (run->command->edges != NULL) {
+        return sweep_edges(&run->sweep, run->command->edges, take_edge, run);
+    }
+    return run->range.count > 0 ? try_range(run, &run->range) : try_each(run);
+}
+
+static bool print_end(struct run *run)
+{
+    bool ok = !run->lacks_memory;
+    if (run->ranges == NULL) {
+        if (run->sweep.is_open) {
+            printf(
+                "note       not all shapes are closed meshes: what begins wholly within "
+                "another part is not seen\n");
+        }
+        printf("answer     %s\n", sweep_verdict_name(run->verdict));
+        return true;
+    }
+    json_t *value = json_object();
+    json_set(value, "file", json_text(run->robot.path), &ok);
+    json_set_count(value, "joints", run->robot.joint_count, &ok);
+    json_set_count(value, "parts", run->robot.part_count, &ok);
+    json_set_count(value, "shapes", run->robot.shape_count, &ok);
+    json_set_count(value, "pairs", run->sweep.pair_count, &ok);
+    json_set_count(value, "motions", run->sweep.asked, &ok);
+    json_set(value, "looked_within", json_boolean(!run->sweep.is_open), &ok);
+    json_set(value, "clearance", json_real(run->sweep.clearance), &ok);
+    json_set(value, run->command->edges != NULL ? "edges" : "ranges",
+             json_incref(run->ranges), &ok);
+    json_set(value, "verdict", json_string(sweep_verdict_name(run->verdict)), &ok);
+    return output_json(value, ok, stdout);
+}
+
+static int run_sweep(const struct command *command)
+{
+    struct ctl_error error = {.text = ""};
+    struct run run = {.command = command,
+                      .ranges = command->is_json ? json_array() : NULL};
+    int status = read_robot(command, &run, &error);
+    run.sweep = (struct sweep){.robot = &run.robot,
+                               .clearance = command->clearance,
+                               .bracket = command->bracket,
+                               .error = &error,
+                               .least = command->least,
+                               .limit = command->limit,
+                               .threads = command->threads};
+    if (status == PCCD_OK &&
+        ctl_link_open(&command->link, &run.sweep.client) != CTL_DONE) {
+        status = ctl_error_set(&error, PCCD_E_NODAEMON, "%s", "");
+    }
+    if (status == PCCD_OK) {
+        status = sweep_all(&run);
+    }
+    if (status == PCCD_OK && !print_end(&run)) {
+        status = ctl_error_set(&error, PCCD_E_SYSTEM, "the report could not be written");
+    }
+    ctl_error_tell(&error);
+    sweep_end(&run.sweep);
+    pccd_close(run.sweep.client);
+    robot_close(&run.robot);
+    scene_close(&run.scene);
+    json_decref(run.ranges);
+    return status == PCCD_OK && run.verdict == SWEEP_UNDECIDED
+               ? CTL_UNDECIDED
+               : (int)ctl_exit_of(status, run.verdict == SWEEP_FREE);
+}
+
+int ctl_cmd_sweep(int argc, char **argv)
+{
+    struct command command = {.link.policy = CTL_LINK_PRIVATE_UNLESS_ENV,
+                              .robot.sides = 64,
+                              .bracket = 1e-6,
+                              .least = 1e-3,
+                              .limit = 4096};
+    int status = CTL_USAGE;
+    if (option_parse(&ctl_table_sweep, argc, argv, &command) == 0) {
+        status = run_sweep(&command);
+    }
+    free(command.joints.list);
+    free(command.fixed.list);
+    free(command.apart.list);
+    free(command.robot.meshes.list);
+    free(command.robot.with.list);
+    ctl_link_deinit(&command.link);
+    return status;
+}
