@@ -63,12 +63,12 @@ enum eng_turning_verdict {
  *
  * *Proved*: the distance is more than r before toi, and at most r at some time up to
  * toi_hi. The bracket is at most `tolerance` long, but where it begins with what is
- * possible. PCCD_INITIAL: it is at most r at t = 0; toi = toi_hi = 0.
+ * possible, or the looks were too few. PCCD_INITIAL: it is at most r at t = 0; toi = toi_hi = 0.
  *
  * *Possible*, without PCCD_PROVED: the distance is more than r before toi, and comes to
  * at most r + 2 delta in [toi, toi_hi], which is at most `tolerance` long. Whether the
- * pair meets there nobody knows; nor does it later as far as was looked, which are
- * ENG_TURNING_LOOKS_AHEAD looks more, and that need not be to the end of the step.
+ * pair meets there nobody knows; nor whether it does later, as far as was looked: to
+ * ENG_TURNING_LOOKS_AHEAD more spans that are possible, or to the end of the step.
  *
  * A pair that stays farther apart than r + 4 delta is free: who looks for candidates may
  * leave out what does. For this delta has to be at least what eng_turning_delta_least
