@@ -63,7 +63,8 @@ enum eng_turning_verdict {
  *
  * *Proved*: the distance is more than r before toi, and at most r at some time up to
  * toi_hi. The bracket is at most `tolerance` long, but where it begins with what is
- * possible, or the looks were too few. PCCD_INITIAL: it is at most r at t = 0; toi = toi_hi = 0.
+ * possible, or the looks were too few. PCCD_INITIAL: it is at most r at t = 0;
+ * toi = toi_hi = 0.
  *
  * *Possible*, without PCCD_PROVED: the distance is more than r before toi, and comes to
  * at most r + 2 delta in [toi, toi_hi], which is at most `tolerance` long. Whether the
