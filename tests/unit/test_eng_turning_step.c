@@ -168,10 +168,13 @@ static struct eng_scene *cast_scene(const struct cast *cast, uint32_t which,
     return scene;
 }
 
+static const enum pccd_mode modes[4] = {PCCD_MODE_ALL, PCCD_MODE_FIRST, PCCD_MODE_ANY,
+                                        PCCD_MODE_FIRST_PER_PAIR};
+
 static void draw_question(struct prng *random, struct eng_question *question)
 {
     *question = (struct eng_question)ENG_QUESTION_DEFAULT;
-    question->mode = (enum pccd_mode)prng_below(random, 3);
+    question->mode = modes[prng_below(random, 4)];
     question->distance = prng_below(random, 3) == 0 ? 0.01 : 0;
 }
 
@@ -274,7 +277,7 @@ CASE(turning__gives_the_same_bytes_in_every_way)
         uint32_t idx[OBJECTS];
         cast_begin(&cast, &random);
         struct eng_scene *scene = cast_scene(&cast, UINT32_MAX, idx);
-        enum pccd_mode mode = (enum pccd_mode)(sequence % 3);
+        enum pccd_mode mode = modes[sequence % 4];
         for (int s = 0; s < 5; s++) {
             struct eng_question question;
             struct eng_step_result result;
