@@ -117,6 +117,7 @@ libctl_la_SOURCES = \
     client/ctl/record/verify_any.c client/ctl/record/verify_distance.c \
     client/ctl/record/verify_meeting.c \
     client/ctl/record/verify_near.c client/ctl/record/verify_numbers.c \
+    client/ctl/record/verify_turning.c \
     client/ctl/record/verify_place.c \
     client/ctl/record/verify_report.c client/ctl/record/verify_touching.c
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \

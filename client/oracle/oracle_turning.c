@@ -22,3 +22,22 @@ void oracle_turning_find(const struct oracle_turning *pair,
     answer->free_until = more.free_until;
     answer->met_by = more.met_by < answer->met_by ? more.met_by : answer->met_by;
 }
+
+bool oracle_turning_place(const struct pccd_joint *joints,
+                          const struct oracle_turning_side *side, double t,
+                          double x[3][3])
+{
+    /* Nothing cancels against what hangs on no joint. */
+    const struct oracle_turning alone = {.joints = joints,
+                                         .side = {*side, {.joint = PCCD_NO_JOINT}}};
+    struct body bodies[2];
+    struct jet places[3][3];
+    if (!set_bodies(bodies, &alone)) {
+        return false;
+    }
+    place_body(&bodies[0], ball_exact(t), places);
+    for (uint32_t i = 0; i < 3 * side->points; i++) {
+        x[i / 3][i % 3] = places[i / 3][i % 3].c[0].m;
+    }
+    return true;
+}

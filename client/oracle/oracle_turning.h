@@ -55,4 +55,10 @@ void oracle_turning_find(const struct oracle_turning *pair,
                          const struct oracle_turning_asked *asked,
                          struct oracle_turning_answer *answer);
 
+/* Set x to where the points of a side are in the world at time t, rounded. False: too
+ * many joints. */
+bool oracle_turning_place(const struct pccd_joint *joints,
+                          const struct oracle_turning_side *side, double t,
+                          double x[3][3]);
+
 #endif

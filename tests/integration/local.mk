@@ -64,6 +64,7 @@ test_programs += \
     tests/integration/test_int_verify_fields \
     tests/integration/test_int_turning \
     tests/integration/test_int_verify_near \
+    tests/integration/test_int_verify_turning \
     tests/integration/test_int_version \
     tests/integration/test_int_warm \
     tests/integration/test_int_watch

@@ -45,7 +45,7 @@ struct verify_counts {
     uint64_t nears;        /* questions about what is near */
     uint64_t near_records; /* of them, and right, with all else that is near left out */
     uint64_t nears_unchecked;
-    uint64_t turning; /* records of bodies that turn, which are not checked */
+    uint64_t turning; /* pairs of bodies that turn of which intervals do not tell all */
 };
 
 /* Proof of a fault: the step, what is wrong there, and with which pair. */
@@ -170,17 +170,42 @@ const char *verify_touching(const struct play_step *step,
 bool verify_is_left_out(const struct play_step *step, const struct pccd_pair *pair,
                         const struct verify_meeting *meeting,
                         struct verify_result *result);
+/* Set the radii of a pair, and the separation: zeros where rest leaves it thin. Return
+ * whether it is thick. */
+bool verify_radii(const struct play_step *step, const struct pccd_pair *pair,
+                  double radius[3]);
+/* Return whether mode pairs has the pair: no axis separates it, by the given coordinates,
+ * and its kind has a meaning where it is thin. The meshes have their edges. */
+bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair);
+
+/* ---- Bodies that turn, by intervals (verify_turning.c). */
+
 /* Return whether an object of the pair turns in the step, or any object of its scene:
  * verify_meet and verify_is_beside have nothing to say of it then. */
 bool verify_turns(const struct play_step *step, const struct pccd_pair *pair);
 bool verify_has_turning(const struct play_step *step);
-/* Check a contact of bodies of which one turns, as far as that can be checked, and count
- * it. */
+/* Check a contact of bodies of which one turns, or that a pair of such may be missing in
+ * the answer; count what intervals tell, and what they cannot. */
 bool verify_turning(const struct play_step *step, const struct pccd_contact *contact,
                     const struct pccd_pair *pair, struct verify_result *result);
-/* Return whether mode pairs has the pair: no axis separates it, by the given coordinates,
- * and its kind has a meaning where it is thin. The meshes have their edges. */
-bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair);
+bool verify_turning_missing(const struct play_step *step, const struct pccd_pair *pair,
+                            struct verify_result *result);
+/* Tell where such a pair begins and ends, and when it meets if that is known. */
+void verify_turning_tell(const struct play_step *step, const struct pccd_pair *pair,
+                         struct verify_witness *witness);
+
+/* Where a vertex of an object is at so many times of the step, from its begin to its
+ * end, about: for who looks what comes near what. */
+#define VERIFY_TIMES 17u
+struct verify_path {
+    double m[VERIFY_TIMES][12]; /* transforms of what was registered */
+};
+/* Make one for each object of the step's scene that turns; NULL: none does, or no
+ * memory. The caller frees it. */
+struct verify_path *verify_paths(const struct play_step *step);
+/* Set `place` to where a registered point is at time number `at`. */
+void verify_path_place(const struct verify_path *path, const double x[3], uint32_t at,
+                       double place[3]);
 
 /* ---- What came of it, as text and as JSON. */
 

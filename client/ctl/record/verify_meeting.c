@@ -77,10 +77,8 @@ static bool is_excluded(const struct registry_scene *scene,
            (is->rest_rings > 0 && are_joined(object->mesh, pair, is->rest_rings));
 }
 
-/* The radii of a pair, and the separation: zeros where rest leaves it thin. Returns
- * whether it is thick. */
-static bool find_radii(const struct play_step *step, const struct pccd_pair *pair,
-                       double radius[3])
+bool verify_radii(const struct play_step *step, const struct pccd_pair *pair,
+                  double radius[3])
 {
     const struct registry_object *a = registry_object(step->scene, pair->object_a);
     const struct registry_object *b = registry_object(step->scene, pair->object_b);
@@ -106,7 +104,7 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                                  .points_b = (int)points[1],
                                  .p = (const double(*)[3])meeting->p,
                                  .approach = step->separation.approach};
-    bool is_thick = find_radii(step, pair, thick.radius);
+    bool is_thick = verify_radii(step, pair, thick.radius);
     meeting->r = thick.radius[0] + thick.radius[1] + thick.radius[2];
     find_ends(step->scene, pair, meeting->p);
     meeting->first = is_thick ? oracle_thick_first_new(&thick)
@@ -143,8 +141,8 @@ bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair
     const uint32_t *points = common_kinds[pair->kind].points;
     uint32_t all = points[0] + points[1];
     double p[8][3], radius[3];
-    bool is_beside =
-        find_radii(step, pair, radius) || pair->kind == PCCD_VF || pair->kind == PCCD_EE;
+    bool is_beside = verify_radii(step, pair, radius) || pair->kind == PCCD_VF ||
+                     pair->kind == PCCD_EE;
     find_ends(step->scene, pair, p);
     for (uint32_t way = 0; way < 6 && is_beside; way++) {
         bool are_apart = true;
@@ -160,38 +158,4 @@ bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair
         is_beside = !are_apart;
     }
     return is_beside;
-}
-
-/* ---- bodies that turn: on no line, of which alone all of this speaks --------------- */
-
-bool verify_turns(const struct play_step *step, const struct pccd_pair *pair)
-{
-    const struct registry_object *a = registry_object(step->scene, pair->object_a);
-    const struct registry_object *b = registry_object(step->scene, pair->object_b);
-    return a->turned || b->turned;
-}
-
-bool verify_has_turning(const struct play_step *step)
-{
-    bool has = false;
-    for (uint32_t i = 0; i < step->scene->object_count; i++) {
-        has = has || step->scene->objects[i].turned;
-    }
-    return has;
-}
-
-bool verify_turning(const struct play_step *step, const struct pccd_contact *contact,
-                    const struct pccd_pair *pair, struct verify_result *result)
-{
-    const uint32_t known = PCCD_PROVED | PCCD_INITIAL | PCCD_INSIDE;
-    if (pair->object_a == pair->object_b) {
-        return verify_wrong(result, step, NULL, "a body that turns meets itself");
-    }
-    if ((contact->flags & ~known) != 0 || contact->reserved != 0) {
-        return verify_wrong(result, step, NULL,
-                            "a record of a body that turns has flags, or a last word, "
-                            "that say nothing");
-    }
-    result->counts.turning++;
-    return true; /* what is left of the step was said by whoever checks it */
 }

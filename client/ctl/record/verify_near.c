@@ -4,6 +4,8 @@
  * trying every one, and put those that the answer leaves out to exact arithmetic.
  */
 #include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "kinds.h"
 #include "oracle.h"
@@ -21,8 +23,9 @@ struct draw {
     const struct play_step *step;
     const struct verify_settings *settings;
     struct verify_result *result;
-    uint64_t state; /* of the random numbers */
-    uint64_t left;  /* pairs */
+    const struct verify_path *paths; /* of each object that turns; NULL: none does */
+    uint64_t state;                  /* of the random numbers */
+    uint64_t left;                   /* pairs */
 };
 
 static uint64_t next(struct draw *draw)
@@ -32,12 +35,35 @@ static uint64_t next(struct draw *draw)
     return drawn;
 }
 
+static void enlarge(struct box *box, const double x[3])
+{
+    for (uint32_t k = 0; k < 3; k++) {
+        box->lo[k] = x[k] < box->lo[k] ? x[k] : box->lo[k];
+        box->hi[k] = x[k] > box->hi[k] ? x[k] : box->hi[k];
+    }
+}
+
 /* Return the box of the motion of `count` vertices; it is exact, for it is only
- * compared. */
-static struct box box_of(const struct registry_object *object, const uint32_t *v,
-                         uint32_t count)
+ * compared. That of a body that turns is of some times. */
+static struct box box_of(const struct draw *draw, const struct registry_object *object,
+                         const uint32_t *v, uint32_t count)
 {
     struct box box;
+    if (object->turned && draw->paths != NULL) {
+        const struct verify_path *path =
+            &draw->paths[object - draw->step->scene->objects];
+        for (uint32_t i = 0; i < count * VERIFY_TIMES; i++) {
+            double x[3], place[3];
+            registry_registered(object->mesh, v[i / VERIFY_TIMES], x);
+            verify_path_place(path, x, i % VERIFY_TIMES, place);
+            if (i == 0) {
+                memcpy(box.lo, place, sizeof box.lo);
+                memcpy(box.hi, place, sizeof box.hi);
+            }
+            enlarge(&box, place);
+        }
+        return box;
+    }
     for (uint32_t k = 0; k < 3; k++) {
         box.lo[k] = box.hi[k] = object->x0[v[0]][k];
         for (uint32_t i = 0; i < count; i++) {
@@ -99,11 +125,14 @@ static bool may_be_left_out(const struct play_step *step, const struct pccd_pair
 static bool judge(struct draw *draw, const struct pccd_pair *pair)
 {
     struct verify_meeting meeting;
-    if (draw->left == 0 || verify_turns(draw->step, pair) ||
-        verify_has(draw->step, pair)) {
+    if (draw->left == 0 || verify_has(draw->step, pair)) {
         return true;
     }
     draw->left--;
+    if (verify_turns(draw->step, pair)) {
+        return verify_mode(draw->step) == PCCD_MODE_PAIRS ||
+               verify_turning_missing(draw->step, pair, draw->result);
+    }
     if (verify_mode(draw->step) == PCCD_MODE_PAIRS) {
         draw->result->counts.non_contacts++;
         return !verify_is_beside(draw->step, pair) ||
@@ -140,7 +169,7 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
     const struct registry_scene *scene = draw->step->scene;
     const uint32_t *points = common_kinds[kind].points;
     const uint32_t *own = recorded_feature(object->mesh, points[0], &feature);
-    const struct box tight = box_of(object, own, points[0]);
+    const struct box tight = box_of(draw, object, own, points[0]);
     double near_by =
         recorded_radius(object, own, points[0]) + draw->step->separation.separation;
     for (uint32_t i = 0; i < scene->object_count; i++) {
@@ -148,7 +177,7 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
         uint32_t count = recorded_feature_count(other->mesh, points[1]);
         for (uint32_t f = 0; registry_may_meet(scene, object, other) && f < count; f++) {
             const uint32_t *v = recorded_feature(other->mesh, points[1], &f);
-            struct box near = box_of(other, v, points[1]);
+            struct box near = box_of(draw, other, v, points[1]);
             struct box box = tight;
             widen(&box, near_by + recorded_radius(other, v, points[1]));
             if (!meet(&box, &near) || !is_of_kind(kind, other->mesh, points[1], f) ||
@@ -222,7 +251,9 @@ static bool has_named(const struct registry_scene *scene)
 bool verify_near(const struct play_step *step, const struct verify_settings *settings,
                  struct verify_result *result)
 {
+    struct verify_path *paths = verify_paths(step);
     struct draw draw = {.step = step,
+                        .paths = paths,
                         .settings = settings,
                         .result = result,
                         .state = settings->seed ^ step->number * 0x2545f4914f6cdd1du,
@@ -244,5 +275,6 @@ bool verify_near(const struct play_step *step, const struct verify_settings *set
             is_right = try_feature(&draw, kind, object, edge);
         }
     }
+    free(paths);
     return is_right;
 }

@@ -172,7 +172,8 @@ void verify_print_text(const struct verify_report *report)
                proto_plural(counts->possible, "one", "ones"));
     }
     if (counts->turning > 0) {
-        printf(", %" PRIu64 " of bodies that turn not checked", counts->turning);
+        printf(", %" PRIu64 " of bodies that turn not fully told by intervals",
+               counts->turning);
     }
     if (counts->unchecked > 0) {
         printf(", %" PRIu64 " %s without an answer to check", counts->unchecked,

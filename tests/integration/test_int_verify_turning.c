@@ -1,0 +1,153 @@
+/* test_int_verify_turning.c - answers about bodies that turn, right and wrong, and
+ * whether pccdctl verify tells them apart. */
+#include "cases.h"
+
+#include <unistd.h>
+
+#include "chunk.h"
+#include "fixture.h"
+#include "must.h"
+#include "reader.h"
+#include "recording.h"
+#include "run_ctl.h"
+
+#define PI    3.141592653589793
+#define ANGLE 1.125 /* where the post stands, seen from the pin */
+#define SHORT 1.03125
+
+static char forged[112];
+
+static int set_up(void **state)
+{
+    int status = test_recording_start(state);
+
+    (void)snprintf(forged, sizeof forged, "%s.forged", test_recording);
+    return status;
+}
+
+static int tear_down(void **state)
+{
+    (void)unlink(forged);
+    return test_recording_stop(state);
+}
+
+CASES_WITH(set_up, tear_down);
+
+/* A door that turns about z by `angle`, against a post whose upright edge is at ANGLE. */
+static void record_door(double angle, enum pccd_mode mode, uint64_t due)
+{
+    static const double door_x[4][3] = {
+        {0.125, 0, -1}, {1, 0, -1}, {1, 0, 1}, {0.125, 0, 1}};
+    static const uint32_t door_faces[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    static const uint32_t post_face[1][3] = {{0, 1, 2}};
+    const double post_x[3][3] = {{0.5 * cos(ANGLE), 0.5 * sin(ANGLE), -2},
+                                 {0.5 * cos(ANGLE), 0.5 * sin(ANGLE), 2},
+                                 {cos(ANGLE + 1), sin(ANGLE + 1), 0}};
+    const struct pccd_record_settings kept = {.contacts = 1};
+    struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_joint joints[PCCD_JOINTS_MOST];
+    uint32_t count = 0;
+    struct pccd_client *client = test_client_at(test_shared.url);
+
+    test_recording_clear();
+    assert_ok(pccd_record_start(client, test_recording, &kept));
+    uint32_t scene = test_scene(client);
+    uint32_t door = test_object(
+        client, scene, test_mesh(client, door_x, PCCD_FORMAT_F64, 4, door_faces, 2));
+    test_object(client, scene,
+                test_mesh(client, post_x, PCCD_FORMAT_F64, 3, post_face, 1));
+    assert_ok(pccd_joints_screw((double[3]){0, 0, 0}, (double[3]){0, 0, 1}, angle, 0,
+                                PCCD_NO_JOINT, joints, &count));
+    const struct pccd_motion motion = {.object = door, .first = count - 1, .count = 4};
+    settings.mode = mode;
+    settings.joints = joints;
+    settings.joint_count = count;
+    assert_ok(pccd_step(client, scene, &motion, 1, &settings, &answer));
+    assert_int_equal(answer.total, due);
+    pccd_answer_release(client, &answer);
+    pccd_close(client);
+}
+
+/* Copy the recording; the door turns by another angle there. */
+static void forge(double was, double angle)
+{
+    struct record_writer writer = {.fd = -1};
+    struct record_reader reader;
+    struct record_view view;
+    int got, changed = 0;
+
+    (void)unlink(forged);
+    assert_ok(record_writer_open(&writer, forged));
+    assert_ok(record_reader_open(&reader, test_recording));
+    assert_ok(record_writer_need(&writer, reader.features));
+    while ((got = record_reader_next(&reader, &view)) == 1) {
+        uint8_t *copy = malloc(view.bytes + 1);
+
+        assert_non_null(copy);
+        memcpy(copy, view.payload, view.bytes);
+        for (uint64_t i = 0; view.kind == RECORD_FRAME && i + 8 <= view.bytes; i += 8) {
+            if (memcmp(copy + i, &was, 8) == 0) {
+                memcpy(copy + i, &angle, 8);
+                changed++;
+            }
+        }
+        const struct record_part part = {copy, view.bytes};
+        assert_ok(record_writer_add(&writer, (enum record_kind)view.kind, view.time_ns,
+                                    &part, 1));
+        free(copy);
+    }
+    assert_int_equal(got, 0);
+    assert_int_equal(changed, 1);
+    record_reader_deinit(&reader);
+    record_writer_deinit(&writer);
+}
+
+static void assert_wrong(const char *what)
+{
+    char said[8192];
+
+    int status = test_ctl("verify", "", forged, said, sizeof said);
+
+    if (status != 1 || strstr(said, what) == NULL) {
+        fail_msg("%d, not 1 and '%s': %s", status, what, said);
+    }
+}
+
+/* If it failed, right answers would be called wrong, or nothing would be checked. */
+CASE(verify_turning__says_that_right_answers_are)
+{
+    static const enum pccd_mode modes[3] = {PCCD_MODE_ALL, PCCD_MODE_FIRST,
+                                            PCCD_MODE_ANY};
+    char said[8192];
+
+    for (int i = 0; i < 3; i++) {
+        record_door(PI / 2, modes[i], i < 2 ? 3 : 0);
+        assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said),
+                         0);
+        assert_int_equal(test_ctl_number(said, "contacts"), i < 2 ? 3 : 0);
+        assert_int_equal(test_ctl_number(said, "turning"), 0);
+    }
+    record_door(SHORT, PCCD_MODE_ALL, 0);
+    assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
+    assert_true(test_ctl_number(said, "non_contacts") > 0);
+    assert_int_equal(test_ctl_number(said, "turning"), 0);
+}
+
+/* If it failed, a contact that is invented, late or missing would be taken for right. */
+CASE(verify_turning__finds_what_is_wrong)
+{
+    record_door(PI / 2, PCCD_MODE_ALL, 3);
+    forge(PI / 2, 2);
+    assert_wrong("meet before the record's time");
+    forge(PI / 2, 1.5);
+    assert_wrong("are apart until after its time");
+    forge(PI / 2, SHORT);
+    assert_wrong("are apart until after its time");
+    record_door(SHORT, PCCD_MODE_ALL, 0);
+    forge(SHORT, PI / 2);
+    assert_wrong("a contact is missing in the answer");
+    record_door(SHORT, PCCD_MODE_ANY, 0);
+    forge(SHORT, PI / 2);
+    assert_wrong("a contact is missing in the answer");
+}
