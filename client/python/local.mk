@@ -19,6 +19,7 @@ python_module = \
     client/python/module/observe.py \
     client/python/module/points.py \
     client/python/module/py.typed \
+    client/python/module/rays.py \
     client/python/module/scenes.py \
     client/python/module/turning.py \
     client/python/module/values.py \

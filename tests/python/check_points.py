@@ -9,7 +9,7 @@ import unittest
 import numpy as np
 
 import pccd
-from support import Supervised
+from support import Supervised, cloth_triangles
 
 CUBE = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
 SIDES = np.array([[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
@@ -118,6 +118,79 @@ class Points(Supervised):
             made = other.scene_create()
             other.scene_add(made, other.mesh_create(CUBE, SIDES))
             self.fails(pccd.Status.E_STATE, other.bodies, made)
+
+
+class Casts(Supervised):
+    """Rays, spheres and capsules over hills."""
+
+    def setUp(self):
+        side = 16
+        u, v = np.meshgrid(*2 * [np.arange(side, dtype=float)], indexing="ij")
+        self.x = np.stack([u, v, np.sin(u) * np.cos(0.7 * v)], -1).reshape(-1, 3)
+        self.triangles = cloth_triangles(side)
+        self.client = self.connect()
+        self.scene = self.client.scene_create()
+        level = self.client.mesh_create(self.x, self.triangles)
+        self.level = self.client.scene_add(self.scene, level)
+        random = np.random.default_rng(5)
+        self.begin = random.uniform([-1, -1, -2], [16, 16, 4], (300, 3))
+        self.end = random.uniform([-1, -1, -2], [16, 16, 4], (300, 3))
+
+    def first(self, begin, end):
+        """Where a ray meets the hills, by numpy."""
+        a, b, c = self.x[self.triangles].transpose(1, 0, 2)
+        normal = np.cross(b - a, c - a)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = ((a - begin) * normal).sum(1) / ((end - begin) * normal).sum(1)
+        p = begin + t[:, None] * (end - begin)
+        inside = (t >= 0) & (t <= 1)
+        for one, other in ((a, b), (b, c), (c, a)):
+            inside &= (np.cross(other - one, p - one) * normal).sum(1) >= 0
+        return t[inside].min(initial=np.inf), np.flatnonzero(inside)
+
+    # If this failed, a shot would go through a hill, or hit the one behind.
+    def test_cast__finds_the_first_thing_of_each_ray(self):
+        truth = [self.first(*ray) for ray in zip(self.begin, self.end)]
+        times = np.array([t for t, _ in truth])
+        self.assertGreater(np.isfinite(times).sum(), 50)
+        self.assertGreater(np.isinf(times).sum(), 50)
+        for pieces in (1, 3, 8):
+            rays = pccd.Rays(self.client, self.scene, 300, pieces=pieces)
+            for _ in range(2):
+                hits = rays.cast(self.begin, self.end)
+                np.testing.assert_allclose(hits.t, times, atol=1e-6)
+                for k in np.flatnonzero(np.isfinite(times)):
+                    self.assertIn(hits.feature[k], truth[k][1])
+                    self.assertEqual(hits.object[k], self.level)
+            rays.close()
+        self.fails(pccd.Status.E_INVAL, rays.cast, self.begin[:3], self.end)
+
+    # If this failed, a ball or a player would be let into the hill, or held off it.
+    def test_cast__spheres_and_capsules_keep_their_radius(self):
+        rods = np.arange(300).reshape(-1, 2)
+        begin, end = self.begin.copy(), self.end.copy()
+        begin[:, 2] += 6
+        begin[1::2], end[1::2] = begin[::2] + [0, 0, 1], end[::2] + [0, 0, 1]
+        for given, count in (({}, 300), ({"rods": rods}, 150)):
+            told = []
+            for pieces in (1, 8):
+                rays = pccd.Rays(self.client, self.scene, 300, radii=0.25, pieces=pieces,
+                                 **given)
+                told.append(rays.cast(begin, end))
+                rays.close()
+            one, eight = told
+            self.assertEqual(len(one.t), count)
+            self.assertGreater(np.isfinite(one.t).sum(), 20)
+            np.testing.assert_allclose(one.t, eight.t, atol=1e-5)
+            met = np.isfinite(one.t)
+            self.assertTrue((eight.object[met] == self.level).all())
+            if not given:
+                thin = np.array([self.first(*ray)[0] for ray in zip(begin, end)])
+                self.assertTrue((one.t <= thin + 1e-6).all())
+                self.assertGreater((one.t < thin - 1e-3).sum(), 20)
+                at = (begin + one.t[:, None] * (end - begin))[met & (one.t > 0)]
+                near = np.linalg.norm(at[:, None] - self.x[None], axis=2).min(1)
+                self.assertTrue((near >= 0.25 - 1e-5).all())
 
 
 if __name__ == "__main__":

@@ -47,6 +47,7 @@ from .client import Client, connect
 from .frame import Frame, Motions
 from .library import PccdError
 from .points import MANIFOLD, Bodies, Shape, Stencils
+from .rays import Hits, Rays
 from .turning import (JOINT, NO_JOINT, joints_poses, joints_rotation_vector,
                       joints_screw, rotation_of_matrix)
 from .values import (BOX, CONTACT, EDGE, NEAR, PAIR, TRACE_EVENT, DaemonInfo, Histogram,
@@ -59,10 +60,10 @@ __version__ = abi.VERSION
 __all__ = [
     "Answer", "Batch", "BatchAnswer", "BatchWay", "Bodies", "BOX", "Client", "connect",
     "CONTACT", "ContactFlag", "DaemonInfo", "EDGE", "Format", "Frame", "Histogram",
-    "HistogramKind", "Incomplete", "JOINT", "JointKind", "joints_poses",
+    "HistogramKind", "Hits", "Incomplete", "JOINT", "JointKind", "joints_poses",
     "joints_rotation_vector", "joints_screw", "Kind", "LinkInfo", "MANIFOLD", "MeshInfo",
     "Method", "Mode", "Motions", "NEAR", "NearFlag", "NearKind", "NearWhat", "NO_JOINT",
-    "ObjectSettings", "ObjectWhat", "PAIR", "Part", "PccdError", "RecordInfo",
+    "ObjectSettings", "ObjectWhat", "PAIR", "Part", "PccdError", "Rays", "RecordInfo",
     "rotation_of_matrix", "SCENE", "SceneNews", "Setting", "Shape", "Share", "Status",
     "Stencils", "StepCounters", "StepEvent", "StepSettings", "StepTimes", "Touching",
     "TRACE_EVENT", "TraceInfo", "TraceKind", "Tree", "Verdict", "weld", "Welded",

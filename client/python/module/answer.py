@@ -171,7 +171,8 @@ class Answer(abi.pccd_answer, Held):
     def stencils(self, scene: int) -> Stencils:
         """Vertices, weights, times or distances and normals of the records, which are of
         that scene: Client.bodies(scene) has points and manifolds of them, too."""
-        return self._client.bodies(scene).stencils(self.records)
+        made: Stencils = self._client.bodies(scene).stencils(self.records)
+        return made
 
     @property
     def hash(self) -> str:

@@ -75,7 +75,7 @@ class Scenes:
         data.x, data.format = vertices.ctypes.data, format_of(vertices.dtype)
         data.vertex_count = len(vertices)
         kept = []  # until the library has copied them
-        faces = np.empty((0, 3), np.uint32)
+        faces: Optional[NDArray[np.uint32]] = np.empty((0, 3), np.uint32)
         for count, (name, given) in enumerate(
                 (("points", points), ("edges", edges), ("triangles", triangles)), 1):
             if given is not None:
@@ -93,7 +93,7 @@ class Scenes:
             faces = kept[-1].copy() if self._keeps else None
         self._check(lib.pccd_mesh_put(self._handle, byref(data), byref(made),
                                       byref(info)))
-        now = [MeshInfo.of(info), made.value, faces, None]
+        now: List[Any] = [MeshInfo.of(info), made.value, faces, None]
         if mesh:
             self._infos[mesh][:] = now  # of its objects, too
         else:
@@ -202,9 +202,9 @@ class Scenes:
         for handle, mesh in self._objects.get(u32("scene", scene), {}).items():
             if mesh[2] is None:
                 raise refusal(Status.E_STATE, "bodies: this client keeps no triangles")
-            if mesh[3] is None:
-                mesh[3] = self.mesh_edges(mesh[1])
-            shapes[handle] = Shape(mesh[0].vertex_count, mesh[2], mesh[3])
+            edges = self.mesh_edges(mesh[1]) if mesh[3] is None else mesh[3]
+            mesh[3] = edges
+            shapes[handle] = Shape(mesh[0].vertex_count, mesh[2], edges)
         return Bodies(shapes)
 
     def _check_whole(self, scene: int, object: int, count: int) -> None:
