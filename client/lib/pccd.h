@@ -562,10 +562,11 @@ struct pccd_answer {
     uint64_t cursor;                 /* the next page begins here; total: there is none */
     uint64_t total;                  /* records of the whole answer */
     uint64_t counts[PCCD_KINDS_MAX]; /* records by enum pccd_kind; in mode any 0 */
-    uint64_t possible, initial; /* possible: 0: every contact of this release is proved */
-    double toi_first;           /* smallest toi; 2: no record, or mode any or pairs */
-    uint64_t hash[2];           /* of all records, version PCCD_HASH_VERSION: high, low */
-    uint64_t number;            /* of the step in its scene, whoever made it, from 1 */
+    uint64_t possible, initial;      /* possible: records that are not proved, of bodies
+                                 * that turn */
+    double toi_first; /* smallest toi; 2: no record, or mode any or pairs */
+    uint64_t hash[2]; /* of all records, version PCCD_HASH_VERSION: high, low */
+    uint64_t number;  /* of the step in its scene, whoever made it, from 1 */
     uint32_t threads;
     char tuning[PCCD_TUNING_BYTES]; /* what was used; "": one thread, nothing to share */
     struct pccd_step_times times;

@@ -214,7 +214,7 @@ struct pccd_near {
 
 /* Flags of a contact. */
 enum pccd_contact_flag {
-    PCCD_PROVED = 1u,  /* it begins in [toi, toi_hi]: every contact of this release */
+    PCCD_PROVED = 1u,  /* it begins in [toi, toi_hi]: all but some that turn */
     PCCD_INITIAL = 2u, /* the features already touch at t = 0, or are within the distance
                           at which they meet (then toi = toi_hi = 0) */
     PCCD_INSIDE = 4u,  /* of a step with approach: at t = 0 they are within that distance;
@@ -342,7 +342,7 @@ enum pccd_verdict {
 /* One contact. Records are sorted by (kind, object_a, feature_a, object_b, feature_b).
  *
  * toi, toi_hi  parameter of the step, 0 .. 1. `toi` is never after the first contact.
- *              Every contact of this release is proved, thick or not: the first is in
+ *              All are proved but some of bodies that turn: the first contact is in
  *              [toi, toi_hi] and toi_hi - toi <= tolerance. Thick features, those with a
  *              radius or a separation, meet where their distance is at most r, the sum of
  *              both radii and the separation; param and normal are then those of the
