@@ -351,7 +351,9 @@ CASE(turning__is_the_union_of_what_each_two_give)
                 struct eng_step_result result = kit_step(scene, &question);
                 all = realloc(all, (count + result.count + 1) * sizeof *all);
                 assert_non_null(all);
-                memcpy(all + count, result.records, result.count * sizeof *all);
+                if (result.count > 0) {
+                    memcpy(all + count, result.records, result.count * sizeof *all);
+                }
                 count += result.count;
                 eng_scene_free(scene);
             }
