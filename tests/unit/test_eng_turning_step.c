@@ -619,3 +619,47 @@ CASE(turning__ends_when_it_is_to_end)
     }
     answer_free(&want);
 }
+
+static bool is_counted(void *asked)
+{
+    ++*(uint32_t *)asked;
+    return false;
+}
+
+/* If it failed: a step would not look at the clock while it finds out where long chains
+ * take its objects, nor while it goes through all pairs of these: for many times as long
+ * as may pass. */
+CASE(turning__looks_at_the_clock_between_objects)
+{
+    enum { BODIES = 200, LINKS = 100 };
+    static struct pccd_joint links[LINKS];
+    const double low[3] = {0, 0, 0};
+    const double high[3] = {1, 1, 1};
+    struct eng_scene *scene = kit_scene();
+    struct eng_mesh *mesh = kit_box(low, high, false);
+    uint32_t idx[BODIES];
+    uint32_t base;
+    struct eng_bad_joint bad;
+    for (uint32_t i = 0; i < LINKS; i++) {
+        links[i] = hinge(i > 0 ? i - 1 : PCCD_NO_JOINT, 0.001, 0, 0, 0.5);
+    }
+    for (uint32_t i = 0; i < BODIES; i++) {
+        const struct eng_object_filter alone = {0, 0, false};
+        assert_ok(eng_scene_add(scene, mesh, i + 1, &idx[i]));
+        assert_ok(eng_scene_set_filter(scene, idx[i], &alone));
+    }
+    eng_stage_begin(scene);
+    assert_ok(eng_stage_joints(scene, links, LINKS, &base, &bad));
+    for (uint32_t i = 0; i < BODIES; i++) {
+        assert_ok(eng_stage_turning(scene, idx[i], base + LINKS - 1));
+    }
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    uint32_t asked = 0;
+    settings.threads = 1;
+    settings.is_stopped = is_counted;
+    settings.asked = &asked;
+    assert_int_equal(kit_step(scene, &settings).count, 0);
+    assert_true(asked >= BODIES + BODIES * (BODIES - 1) / 2 / 4096);
+    eng_scene_free(scene);
+    eng_mesh_release(mesh);
+}

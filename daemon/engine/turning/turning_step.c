@@ -18,8 +18,14 @@
 /* Couples for each thread from which on none is divided. */
 #define COUPLES_EACH 8u
 
-/* Objects between two looks at the clock: some 50 us. */
+/* Objects that do not turn, and pairs of objects, between two looks at the clock: some
+ * 50 us. One that turns may take longer alone: a chain of many joints does. */
 #define OBJECTS_PER_LOOK 32u
+#define PAIRS_PER_LOOK   4096u
+
+/* From so many couples on they are taken as they were found: to sort them takes longer
+ * than may pass between two looks, and there are enough for every thread. */
+#define SORTED_MOST 16384u
 
 /* ---- memory ------------------------------------------------------------------------ */
 
@@ -213,7 +219,8 @@ static void list_items(struct eng_turning_step *step, struct eng_worker *worker)
                 object->bounds[0].low[0] > object->bounds[0].high[0]) {
                 continue;
             }
-            if (i % OBJECTS_PER_LOOK == 0 && eng_worker_should_stop(worker)) {
+            if ((turns == 1 || i % OBJECTS_PER_LOOK == 0) &&
+                eng_worker_should_stop(worker)) {
                 return;
             }
             struct eng_bounds box = around(step, object, step->separation);
@@ -276,6 +283,7 @@ static void add_couple(struct eng_turning_step *step, uint32_t a, uint32_t b)
 static void list_couples(struct eng_turning_step *step, struct eng_worker *worker)
 {
     int axis = axis_of(step);
+    uint32_t looked = PAIRS_PER_LOOK; /* pairs since the clock was */
     for (uint32_t i = 0; i < step->item_count; i++) {
         step->keys[i] = (struct eng_radix_key){key_of(step->items[i].box.low[axis]), i};
     }
@@ -283,10 +291,13 @@ static void list_couples(struct eng_turning_step *step, struct eng_worker *worke
         eng_radix_sort(step->keys, step->keys + step->key_capacity, step->item_count);
     for (uint32_t i = 0; i < step->item_count; i++) {
         const struct eng_turning_item *item = &step->items[keys[i].index];
-        if (i % OBJECTS_PER_LOOK == 0 && eng_worker_should_stop(worker)) {
-            return;
-        }
         for (uint32_t j = i + 1; j < step->item_count; j++) {
+            if (looked++ == PAIRS_PER_LOOK) {
+                looked = 0;
+                if (eng_worker_should_stop(worker)) {
+                    return;
+                }
+            }
             const struct eng_turning_item *other = &step->items[keys[j].index];
             if (other->box.low[axis] > item->box.high[axis]) {
                 break;
@@ -311,7 +322,7 @@ static uint64_t size_of(const struct eng_turning_step *step,
 static void sort_couples(struct eng_turning_step *step)
 {
     uint32_t count = step->couple_count;
-    if (reserve_keys(step, count) != PCCD_OK) {
+    if (count > SORTED_MOST || reserve_keys(step, count) != PCCD_OK) {
         return; /* in any order */
     }
     for (uint32_t i = 0; i < count; i++) {
