@@ -83,6 +83,7 @@ test_programs += \
     tests/property/test_eng_thick_plays \
     tests/property/test_eng_touching \
     tests/property/test_eng_turning \
+    tests/property/test_eng_turning_scenes \
     tests/proto/test_proto_codec \
     tests/proto/test_proto_damage \
     tests/proto/test_proto_joints \

@@ -309,8 +309,8 @@ static uint32_t add_vector(struct prng *prng, struct turning_drawn *drawn,
     return drawn->count - 1;
 }
 
-static uint32_t add_motion(struct prng *prng, struct turning_drawn *drawn,
-                           uint32_t parent)
+uint32_t turning_draw_joints(struct prng *prng, struct turning_drawn *drawn,
+                             uint32_t parent)
 {
     uint32_t joints = 1 + prng_u32(prng, one_in(prng, 4) ? 8 : 3);
     switch (drawn->way) {
@@ -337,10 +337,10 @@ static void draw_links(struct prng *prng, struct turning_drawn *drawn)
     if (what == 0) {
         shared = add_any(prng, drawn, shared);
     }
-    drawn->link[first] = add_motion(prng, drawn, shared);
+    drawn->link[first] = turning_draw_joints(prng, drawn, shared);
     drawn->link[!first] = shared;
     if (what <= 1) {
-        drawn->link[!first] = add_motion(prng, drawn, shared);
+        drawn->link[!first] = turning_draw_joints(prng, drawn, shared);
     }
 }
 

@@ -43,6 +43,10 @@ struct turning_drawn {
 /* Draw a pair of which at least one side turns. */
 void turning_draw(struct prng *prng, struct turning_drawn *drawn);
 
+/* Add joints of one of the ways, on joint `parent`; return the last one's number. */
+uint32_t turning_draw_joints(struct prng *prng, struct turning_drawn *drawn,
+                             uint32_t parent);
+
 /* Set `place` to where point number `point` is at time t, in the world. */
 void turning_place(const struct turning_drawn *drawn, uint32_t point, long double t,
                    long double place[3]);
