@@ -47,7 +47,7 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_scene.c \
     client/ctl/commands/cmd_stats.c \
     client/ctl/commands/cmd_status.c \
-    client/ctl/commands/cmd_sweep.c \
+    client/ctl/commands/cmd_sweep.c client/ctl/commands/sweep_draw.c \
     client/ctl/commands/cmd_top.c \
     client/ctl/commands/cmd_trace.c \
     client/ctl/commands/cmd_verify.c \

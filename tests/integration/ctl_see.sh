@@ -202,6 +202,49 @@ names = [node['name'] for node in json.loads(data[20:20 + size])['nodes']]
 assert names[:2] == ['all0', 'all1'], names
 END
 report export__objects_of_files_keep_their_names
+# If it failed, the parts of a jam would not be told apart in its picture, be where they do not meet,
+# or lack the way that they went. A leaf turns about z, from the x axis, and meets the corner of a
+# post that is up to the right; a wall stands aside.
+box() { # LOW-X HIGH-X LOW-Y HIGH-Y LOW-Z HIGH-Z
+    for x in "$1" "$2"; do for y in "$3" "$4"; do for z in "$5" "$6"; do echo "v $x $y $z"; done; done; done
+    printf 'f %s\n' '1 2 4 3' '5 7 8 6' '1 5 6 2' '3 4 8 7' '1 3 7 5' '2 6 8 4'
+}
+box 0.67 0.87 0.5 0.7 -0.05 0.15 >post.obj
+box 0.5 1.5 -0.2 0 -0.05 0.05 >leaf.obj
+box -0.4 0.2 0.5 0.6 -0.05 0.15 >wall.obj
+cat >hinge.json <<'END'
+{"pccd_scene": 1,
+ "joints": [{"name": "pin", "type": "revolute", "axis": [0, 0, 1], "range": [0, 1.5]}],
+ "objects": [{"name": "wall", "files": "wall.obj"}, {"name": "post", "files": "post.obj"},
+             {"name": "leaf", "files": "leaf.obj", "joint": "pin"}]}
+END
+{ ctl sweep -o jam.png hinge.json; [ $? -eq 1 ]; } && says '^picture +jam.png$' &&
+    ctl sweep -o least.png --joint pin=0:0.4 hinge.json &&
+    ctl sweep -o free.svg --least 0 --joint pin=0:0.4 hinge.json && grep -q '>free at pin = 0.2: ' free.svg &&
+    cp jam.png kept.png && ends 2 'neither .png nor .svg' sweep -o jam.jpg hinge.json &&
+    fails 4 'no such joint' sweep -o jam.png --joint knee hinge.json && cmp jam.png kept.png &&
+    ends 2 'a picture is of a range' sweep -o jam.png --edges hinge.json hinge.json &&
+    python3 - >>"$log" 2>&1 <<'END'
+from picture import rows
+def seen(path):
+    places = {'post': [], 'leaf': [], 'mark': [], 'way': [], 'wall': []}
+    for y, row in enumerate(rows(path)[112:], 112):
+        for x, (r, g, b) in enumerate(row):
+            name = 'post' if b > 2 * r else 'mark' if g > 3 * b and r > g - 20 and g > 180 else \
+                'leaf' if r > 2.5 * b else 'way' if r > b + 10 else 'wall' if abs(r - b) < 6 and r < 180 else None
+            if name:
+                places[name].append((x, y))
+    return places
+jam, least = seen('jam.png'), seen('least.png')
+assert all(len(at[name]) > 3000 for at in (jam, least) for name in ('post', 'leaf', 'way', 'wall'))
+assert len(jam['way']) > 2 * len(jam['leaf']), [len(at) for at in jam.values()]
+assert 40 < len(jam['mark']) < len(least['mark']), (len(jam['mark']), len(least['mark']))
+middle = [sum(at[k] for at in jam['mark']) / len(jam['mark']) for k in (0, 1)]
+for name in ('post', 'leaf'): # both are beside the mark
+    assert min(max(abs(x - middle[0]), abs(y - middle[1])) for x, y in jam[name]) < 12, name
+END
+report sweep__draws_the_jam_and_the_way_to_it
+
 if /usr/bin/python3 -c 'import vtk' 2>/dev/null; then
     /usr/bin/python3 - >>"$log" 2>&1 <<'END'
 import vtk

@@ -11,6 +11,7 @@
 #include "scene.h"
 #include "shown.h"
 #include "sweep.h"
+#include "sweep_draw.h"
 
 #define LENGTH_MAX  1e18
 #define SIDES_MAX   4096u
@@ -24,7 +25,8 @@ struct command {
     struct scene_texts joints, fixed, apart;
     double clearance, bracket, least;
     uint32_t limit, threads;
-    const char *edges; /* NULL: ranges are swept */
+    const char *edges;   /* NULL: ranges are swept */
+    const char *picture; /* a file; NULL: none is drawn */
     bool is_json;
 };
 
@@ -61,6 +63,14 @@ static void check_usage(struct argp_state *state, void *to)
     }
     if (command->edges != NULL && command->joints.count > 0) {
         option_misused(state, "--edges: not with --joint; all joints move");
+    }
+    if (command->picture != NULL && !tool_ends_with(command->picture, ".png") &&
+        !tool_ends_with(command->picture, ".svg")) {
+        option_misused(state, "-o: \"%s\" ends with neither .png nor .svg",
+                       command->picture);
+    }
+    if (command->edges != NULL && command->picture != NULL) {
+        option_misused(state, "-o: a picture is of a range, and --edges asks for none");
     }
     if (command->robot.state != NULL && command->robot.srdf == NULL) {
         option_misused(state, "--state is of the file that --srdf names");
@@ -115,6 +125,10 @@ static const struct option_row rows[] = {
      "Of several joints at once: decide by N motions, or a few more (default: 4096)",
      OPTION_U32, .at = AT(limit), .min = 1, .max = MOTIONS_MAX},
     CTL_OUTPUT,
+    {"output", 'o', "FILE",
+     "Draw the first jam, else where parts are nearest, to FILE.png or FILE.svg: the two "
+     "parts in colour, the place, and paler the way of what moves",
+     OPTION_TEXT, .at = AT(picture)},
     {"json", 0, NULL, "Print JSON", OPTION_FLAG, .at = AT(is_json)},
     CTL_ENGINE,
     {"threads", 0, "N", "Use at most N threads (default: the daemon decides)", OPTION_U32,
@@ -146,7 +160,8 @@ struct run {
     struct sweep sweep;
     struct sweep_range range; /* of no joint: each is swept by itself */
     enum sweep_verdict verdict;
-    json_t *ranges; /* or edges; NULL: text is printed */
+    struct sweep_scene shown; /* in the picture */
+    json_t *ranges;           /* or edges; NULL: text is printed */
     bool lacks_memory;
 };
 
@@ -310,6 +325,7 @@ static int try_range(struct run *run, const struct sweep_range *range)
     int status = sweep_try(&run->sweep, range, values, &answer);
     if (status == PCCD_OK) {
         note_verdict(run, answer.verdict);
+        sweep_scene_take(&run->shown, range, &answer);
     }
     if (status == PCCD_OK && run->ranges == NULL) {
         sweep_report_range(stdout, &run->sweep, range, values, &answer);
@@ -394,9 +410,22 @@ static bool print_end(struct run *run)
     return output_json(value, ok, stdout);
 }
 
+static int draw(struct run *run, struct whole_file *file)
+{
+    const char *path = run->command->picture;
+    struct ctl_error *error = run->sweep.error;
+    int status = sweep_draw(&run->sweep, &run->shown, run->robot.start, file->to, path);
+    status = status == PCCD_OK ? output_finish(file, path, error) : status;
+    if (status == PCCD_OK && run->ranges == NULL) {
+        printf("picture    %s\n", tool_shown(path));
+    }
+    return status;
+}
+
 static int run_sweep(const struct command *command)
 {
     struct ctl_error error = {.text = ""};
+    struct whole_file file = {.to = NULL};
     struct run run = {.command = command,
                       .ranges = command->is_json ? json_array() : NULL};
     int status = read_robot(command, &run, &error);
@@ -407,6 +436,9 @@ static int run_sweep(const struct command *command)
                                .least = command->least,
                                .limit = command->limit,
                                .threads = command->threads};
+    if (status == PCCD_OK && command->picture != NULL) {
+        status = output_open(&file, command->picture, false, &error);
+    }
     if (status == PCCD_OK &&
         ctl_link_open(&command->link, &run.sweep.client) != CTL_DONE) {
         status = ctl_error_set(&error, PCCD_E_NODAEMON, "%s", "");
@@ -414,9 +446,13 @@ static int run_sweep(const struct command *command)
     if (status == PCCD_OK) {
         status = sweep_all(&run);
     }
+    if (status == PCCD_OK && command->picture != NULL) {
+        status = draw(&run, &file);
+    }
     if (status == PCCD_OK && !print_end(&run)) {
         status = ctl_error_set(&error, PCCD_E_SYSTEM, "the report could not be written");
     }
+    whole_file_discard(&file);
     ctl_error_tell(&error);
     sweep_end(&run.sweep);
     pccd_close(run.sweep.client);

@@ -315,11 +315,15 @@ void picture_project(const struct picture_canvas *canvas, const float x[3],
 }
 
 /* The light stands to the upper left behind the eye. */
-static struct raster_surface surface_of(const struct picture_canvas *canvas,
+static struct raster_surface surface_of(const struct picture *picture,
+                                        const struct picture_canvas *canvas,
                                         uint32_t place)
 {
     struct raster_surface surface = {.line_width = LINE_WIDTH * PICTURE_OVERSAMPLING};
     colour_of_object(place, surface.front, surface.back);
+    for (uint32_t k = 0; k < 3 && picture->colours != NULL; k++) {
+        surface.front[k] = surface.back[k] = picture->colours[place][k];
+    }
     for (uint32_t k = 0; k < 3; k++) {
         surface.eye[k] = -canvas->axes[2][k];
         surface.light[k] =
@@ -439,7 +443,10 @@ int picture_draw(const struct picture *picture, struct picture_canvas *canvas)
     }
     for (uint32_t m = 0; m < picture->snapshot->object_count; m++) {
         const struct snapshot_object *mesh = &picture->snapshot->objects[m];
-        const struct raster_surface surface = surface_of(canvas, m);
+        const struct raster_surface surface = surface_of(picture, canvas, m);
+        if (m == picture->behind_count && m > 0) {
+            raster_forget(&canvas->raster);
+        }
         if (!draw_triangles(picture, canvas, mesh, &surface)) {
             return PCCD_E_NOMEM;
         }

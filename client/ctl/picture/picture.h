@@ -63,6 +63,8 @@ struct picture {
     const struct picture_place *place; /* this is, and not the marks; NULL: no place */
     const char *title;
     const struct picture_scale *scale; /* NULL: none */
+    const float (*colours)[3];         /* of the objects; NULL: by their places */
+    uint32_t behind_count; /* all other objects are drawn over so many, the first ones */
 };
 
 /* Render to `file`, whose name is `path`: a PNG, or, where `path` ends with .svg, that

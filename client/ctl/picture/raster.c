@@ -138,6 +138,12 @@ static void mix(struct raster *raster, size_t pixel, const float colour[3], floa
     }
 }
 
+void raster_forget(struct raster *raster)
+{
+    memset(raster->nearness, 0,
+           (size_t)raster->width * raster->height * sizeof *raster->nearness);
+}
+
 void raster_clear(struct raster *raster, const float top[3], const float bottom[3])
 {
     for (uint32_t y = 0; y < raster->height; y++) {
@@ -150,8 +156,7 @@ void raster_clear(struct raster *raster, const float top[3], const float bottom[
             put(raster, (size_t)y * raster->width + x, colour);
         }
     }
-    memset(raster->nearness, 0,
-           (size_t)raster->width * raster->height * sizeof *raster->nearness);
+    raster_forget(raster);
 }
 
 /* Ambient light from above, a lamp, a little light from the eye, and a soft highlight;

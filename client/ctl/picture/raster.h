@@ -37,6 +37,8 @@ uint8_t raster_byte(float share);
 bool raster_init(struct raster *raster, uint32_t width, uint32_t height);
 void raster_deinit(struct raster *raster);
 
+/* Forget all depths: what is drawn from now on is over all that was. */
+void raster_forget(struct raster *raster);
 /* Fill with a vertical run from one colour to another; forget all depths. */
 void raster_clear(struct raster *raster, const float top[3], const float bottom[3]);
 void raster_triangle(struct raster *raster, const struct raster_corner corners[3],

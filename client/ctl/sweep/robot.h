@@ -68,7 +68,9 @@ struct robot_shape {
     bool is_given;        /* that is where it is */
     struct ctl_mesh mesh; /* in the frame of `place` */
     struct pccd_object_settings settings;
-    uint32_t handle; /* of the object */
+    uint32_t handle;     /* of the object */
+    uint32_t registered; /* its mesh in the daemon .. */
+    uint32_t edge_count; /* .. and how many edges that has there */
 };
 
 /* Fill with {0}; robot_close's to give back, also on error. Names are those of the file

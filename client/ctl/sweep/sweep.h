@@ -61,6 +61,16 @@ int sweep_ask(struct sweep *sweep, const double *from, const double *to, double 
  * *hit becomes a proved one at 0. Errors: those of pccd_near.h. */
 int sweep_look(struct sweep *sweep, struct sweep_hit *hit);
 
+/* Set m to where a shape is, in rows of [R | t], at these values of all joints. */
+void sweep_pose(struct sweep *sweep, const double *values, uint32_t shape, double m[12]);
+
+/* Find the nearest points of two shapes at these values of all joints, on what the radii
+ * are around; of all that may meet where shapes[0] is shapes[1], which become those.
+ * *is_found: there are such points; with round shapes, within `distance` and the radii.
+ * Errors: those of sweep_ask, pccd_near.h and pccd_points.h. */
+int sweep_nearest(struct sweep *sweep, const double *values, double distance,
+                  uint32_t shapes[2], double points[2][3], bool *is_found);
+
 /* Ask for the motions of a file, {"from": VALUES, "to": VALUES} a line, in which all
  * joints move at once; VALUES: a list of all that have their own, or an object of some.
  * Each is told with its line, in order. Errors: those of sweep_ask, sweep_look and

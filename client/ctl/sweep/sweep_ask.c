@@ -1,7 +1,9 @@
 /* sweep_ask.c - a mechanism in a daemon, and what meets in one of its motions. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "joints.h"
 #include "sweep.h"
 
 #define TOLERANCE_MIN 1e-12
@@ -16,10 +18,12 @@ static int fail(struct sweep *sweep, int status)
 
 static int put_shape(struct sweep *sweep, struct robot_shape *shape)
 {
-    uint32_t mesh;
-    int status = scene_put_mesh(sweep->client, &shape->mesh, &mesh, NULL);
+    struct pccd_mesh_info info = {.edge_count = 0};
+    int status = scene_put_mesh(sweep->client, &shape->mesh, &shape->registered, &info);
+    shape->edge_count = info.edge_count;
     if (status == PCCD_OK) {
-        status = pccd_scene_add(sweep->client, sweep->scene, mesh, &shape->handle);
+        status = pccd_scene_add(sweep->client, sweep->scene, shape->registered,
+                                &shape->handle);
     }
     shape->settings.what |= PCCD_OBJECT_SELF; /* it is rigid */
     shape->settings.self_collision = false;
@@ -168,5 +172,113 @@ int sweep_look(struct sweep *sweep, struct sweep_hit *hit)
         sweep->is_open = status == PCCD_E_INVAL;
         status = sweep->is_open ? PCCD_OK : status;
     }
+    return fail(sweep, status);
+}
+
+/* ---- where two shapes are nearest -------------------------------------------------- */
+
+void sweep_pose(struct sweep *sweep, const double *values, uint32_t shape, double m[12])
+{
+    robot_joints(sweep->robot, values, values, sweep->joints);
+    common_joint_transform(sweep->joints, sweep->robot->joint_count + shape, 0, m);
+}
+
+/* Find the points of a record of what is near; its shapes are shapes[2]. */
+static int find_points(struct sweep *sweep, const double *values,
+                       const struct pccd_near *near, const uint32_t shapes[2],
+                       double points[2][3])
+{
+    struct pccd_body bodies[2] = {{.object = 0}, {.object = 0}};
+    struct pccd_edge *edges[2] = {NULL, NULL};
+    double m[2][12];
+    uint32_t first =
+        sweep->robot->shapes[shapes[0]].handle > sweep->robot->shapes[shapes[1]].handle;
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < 2 && status == PCCD_OK; i++) {
+        const struct robot_shape *shape = &sweep->robot->shapes[shapes[i ^ first]];
+        edges[i] = malloc(((size_t)shape->edge_count + 1) * sizeof *edges[i]);
+        status = edges[i] != NULL ? pccd_mesh_edges(sweep->client, shape->registered,
+                                                    edges[i], shape->edge_count)
+                                  : PCCD_E_NOMEM;
+        sweep_pose(sweep, values, shapes[i ^ first], m[i]);
+        bodies[i] = (struct pccd_body){.object = shape->handle,
+                                       .vertex_count = shape->mesh.vertex_count,
+                                       .triangle_count = shape->mesh.triangles.count,
+                                       .edge_count = shape->edge_count,
+                                       .triangles = shape->mesh.triangles.vertices,
+                                       .edges = edges[i],
+                                       .x0 = shape->mesh.x,
+                                       .m0 = m[i],
+                                       .m1 = m[i]};
+    }
+    if (status == PCCD_OK) {
+        status = pccd_near_points(bodies, 2, near, 1, 0, (double(*)[2][3])(void *)points);
+    }
+    free(edges[0]);
+    free(edges[1]);
+    return status;
+}
+
+/* Return how far the surfaces of two shapes of a record are apart. */
+static double gap_of(const struct robot *robot, const struct pccd_near *near)
+{
+    return near->d_lo - robot->shapes[shape_of(robot, near->object_a)].settings.radius -
+           robot->shapes[shape_of(robot, near->object_b)].settings.radius;
+}
+
+/* Take the record of two shapes whose surfaces are nearest; of any two, if both are one.
+ */
+static const struct pccd_near *least_of(const struct robot *robot,
+                                        const struct pccd_answer *answer,
+                                        const uint32_t shapes[2])
+{
+    const struct pccd_near *least = NULL;
+    for (uint64_t i = 0; i < answer->count; i++) {
+        const struct pccd_near *near = &answer->near[i];
+        struct sweep_hit of;
+        set_shapes(robot, near->object_a, near->object_b, &of);
+        bool is_asked =
+            shapes[0] == shapes[1] || memcmp(of.shapes, shapes, sizeof of.shapes) == 0;
+        if (is_asked && (least == NULL || gap_of(robot, near) < gap_of(robot, least))) {
+            least = near;
+        }
+    }
+    return least;
+}
+
+int sweep_nearest(struct sweep *sweep, const double *values, double distance,
+                  uint32_t shapes[2], double points[2][3], bool *is_found)
+{
+    const struct robot *robot = sweep->robot;
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct sweep_hit hit;
+    double most = 0;
+    for (uint32_t i = 0; i < robot->shape_count; i++) {
+        most = fmax(most, robot->shapes[i].settings.radius);
+    }
+    settings.what = PCCD_NEAR_NEAREST;
+    settings.distance = INFINITY;
+    settings.end = 0;
+    settings.threads = sweep->threads;
+    int status = sweep_ask(sweep, values, values, 0, 1, &hit);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    status = pccd_ask_near(sweep->client, sweep->scene, NULL, 0, &settings, &answer);
+    if (status == PCCD_E_INVAL) { /* round shapes: it knows of triangles alone */
+        settings.what = PCCD_NEAR_FEATURES;
+        settings.distance = distance + 2 * most;
+        status = pccd_ask_near(sweep->client, sweep->scene, NULL, 0, &settings, &answer);
+    }
+    const struct pccd_near *least =
+        status == PCCD_OK ? least_of(robot, &answer, shapes) : NULL;
+    *is_found = least != NULL;
+    if (least != NULL) {
+        set_shapes(robot, least->object_a, least->object_b, &hit);
+        memcpy(shapes, hit.shapes, sizeof hit.shapes);
+        status = find_points(sweep, values, least, shapes, points);
+    }
+    pccd_answer_release(sweep->client, &answer);
     return fail(sweep, status);
 }
