@@ -2,15 +2,14 @@
  * stands around it.
  *
  * Room:     client/planner; an example. May include: pccd.hpp.
- * Does:     say where the links are for four joint angles, how much their paths bend, and
- *           make the scene. The first joint turns about z, the others about y.
+ * Does:     say the joints for four angles, and make the scene. The first joint turns
+ *           about z, the others about y.
  * Threads:  those of the client.
  */
 #ifndef PLANNER_ARM_HPP
 #define PLANNER_ARM_HPP
 
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include <pccd.hpp>
@@ -19,46 +18,22 @@ struct arm {
     static constexpr int joints = 4, links = 3;
     static constexpr double length[links] = {.4, .35, .25}, base = .4, half = .03;
     using angles = std::array<double, joints>;
-    using matrix = std::array<double, 12>; // rows of [R | t]
 
-    static matrix times(const matrix &a, const matrix &b)
+    // The joints of a motion from a to b; link i hangs on joint i + 1.
+    static void hang(const angles &a, const angles &b, pccd::joints &chain)
     {
-        matrix c{};
-        for (std::size_t i = 0; i < 3; i++) {
-            for (std::size_t k = 0; k < 4; k++) {
-                for (std::size_t j = 0; j < 3; j++) {
-                    c[4 * i + k] += a[4 * i + j] * b[4 * j + k];
-                }
-            }
-            c[4 * i + 3] += a[4 * i + 3];
+        for (std::size_t i = 0; i < a.size(); i++) {
+            pccd_joint joint{};
+            joint.kind = PCCD_JOINT_TURN;
+            joint.parent = i == 0 ? PCCD_NO_JOINT : static_cast<std::uint32_t>(i - 1);
+            joint.position[0] = i < 2 ? 0 : length[i - 2];
+            joint.position[2] = i == 0 ? base : 0;
+            joint.rotation[3] = 1;
+            joint.axis[i == 0 ? 2 : 1] = 1;
+            joint.from[0] = a[i];
+            joint.to[0] = b[i];
+            chain.add(joint);
         }
-        return c;
-    }
-    static std::array<matrix, links> place(const angles &q)
-    {
-        std::array<matrix, links> made;
-        double c = std::cos(q[0]), s = std::sin(q[0]), x = 0;
-        matrix at = {c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, base};
-        for (std::size_t i = 0; i < links; i++) {
-            c = std::cos(q[i + 1]);
-            s = std::sin(q[i + 1]);
-            at = times(at, {c, 0, s, x, 0, 1, 0, 0, -s, 0, c, 0});
-            made[i] = at;
-            x = length[i];
-        }
-        return made;
-    }
-    // A point of a link is a sum of vectors p_i, each turned by joints 0 .. i + 1 at the
-    // rates w_m: |x''| <= sum of |p_i| (|w_0| + .. + |w_i+1|)^2.
-    static double bend(const angles &a, const angles &b, std::size_t link)
-    {
-        double rate = std::fabs(b[0] - a[0]), sum = 0;
-        for (std::size_t i = 0; i <= link; i++) {
-            rate += std::fabs(b[i + 1] - a[i + 1]);
-            const double wide = i == link ? 2 * half : 0; // more than half a diagonal
-            sum += (length[i] + wide) * rate * rate;
-        }
-        return sum;
     }
 
     static pccd::mesh box(pccd::client &client, const std::array<double, 3> &low,

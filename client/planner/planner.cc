@@ -28,20 +28,12 @@ arm::angles angles_of(const ob::State *state)
 
 class arm_links final : public pccd::links {
 public:
-    void place(const ob::State *state, std::vector<pccd::pose> &poses) const override
+    void hang(const ob::State *from, const ob::State *to, pccd::joints &joints,
+              std::vector<std::uint32_t> &on) const override
     {
-        poses.resize(arm::links);
-        const auto placed = arm::place(angles_of(state));
-        for (std::size_t i = 0; i < placed.size(); i++) {
-            std::memcpy(poses[i].m, placed[i].data(), sizeof poses[i].m);
-        }
+        arm::hang(angles_of(from), angles_of(to), joints);
+        on = {1, 2, 3}; // the first joint turns the base
     }
-    double bend(const ob::State *from, const ob::State *to,
-                std::size_t link) const override
-    {
-        return arm::bend(angles_of(from), angles_of(to), link);
-    }
-    double size() const override { return 2; }
 };
 
 void print(const char *word, const ob::State *a, const ob::State *b)
@@ -77,12 +69,9 @@ void print_edges(const ob::SpaceInformationPtr &space, long count)
 
 int main(int argc, char **argv)
 {
-    long pieces = 16, edges = 0, seed = 1;
+    long edges = 0, seed = 1;
     for (int i = 1; i + 1 < argc; i += 2) {
-        long *const value = std::strcmp(argv[i], "--pieces") == 0  ? &pieces
-                            : std::strcmp(argv[i], "--edges") == 0 ? &edges
-                                                                   : &seed;
-        *value = std::atol(argv[i + 1]);
+        (std::strcmp(argv[i], "--edges") == 0 ? edges : seed) = std::atol(argv[i + 1]);
     }
     ompl::msg::setLogLevel(ompl::msg::LOG_WARN);
     ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed));
@@ -98,7 +87,7 @@ int main(int argc, char **argv)
         const ob::SpaceInformationPtr &info = setup.getSpaceInformation();
         const arm_links robot;
         const auto judge = std::make_shared<pccd::motion_validator>(
-            info, robot, world.scene, world.bodies, static_cast<unsigned>(pieces));
+            info, robot, world.scene, world.bodies);
         info->setMotionValidator(judge);
         setup.setStateValidityChecker(
             [&judge](const ob::State *state) { return judge->is_free(state); });

@@ -2,8 +2,9 @@
  * tests (TAP).
  *
  * Read the planner's lines; place the arm at many states of each edge and ask which edges
- * pass through or touch faces there. Knows nothing of pieces, nor of OMPL.
+ * pass through or touch faces there. Knows nothing of joints, nor of OMPL.
  */
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -21,13 +22,43 @@ void tell(bool is_right, const char *name)
     std::printf("%sok %d - %s\n", is_right ? "" : "not ", count, name);
 }
 
+using matrix = std::array<double, 12>; // rows of [R | t]
+
+matrix times(const matrix &a, const matrix &b)
+{
+    matrix c{};
+    for (std::size_t i = 0; i < 3; i++) {
+        for (std::size_t k = 0; k < 4; k++) {
+            for (std::size_t j = 0; j < 3; j++) {
+                c[4 * i + k] += a[4 * i + j] * b[4 * j + k];
+            }
+        }
+        c[4 * i + 3] += a[4 * i + 3];
+    }
+    return c;
+}
+std::array<matrix, arm::links> place(const arm::angles &q)
+{
+    std::array<matrix, arm::links> made;
+    double c = std::cos(q[0]), s = std::sin(q[0]), x = 0;
+    matrix at = {c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, arm::base};
+    for (std::size_t i = 0; i < arm::links; i++) {
+        c = std::cos(q[i + 1]);
+        s = std::sin(q[i + 1]);
+        at = times(at, {c, 0, s, x, 0, 1, 0, 0, -s, 0, c, 0});
+        made[i] = at;
+        x = arm::length[i];
+    }
+    return made;
+}
+
 struct judge {
     pccd::client client{"direct:"};
     arm::world world = arm::make_world(client);
 
     bool is_free(const arm::angles &q)
     {
-        const auto placed = arm::place(q);
+        const auto placed = place(q);
         double m[arm::links][12];
         std::vector<pccd_motion> motions;
         for (std::size_t i = 0; i < placed.size(); i++) {

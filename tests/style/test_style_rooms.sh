@@ -148,7 +148,7 @@ tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h seccomp.h xxh
 tests               array cmath cstring limits pccd.hpp span
 tests               arm.hpp cstdio cstdlib cstring map pccd_ipc.hpp random set string tuple ipc/broad_phase/brute_force.hpp
 tests               ipc/ccd/additive_ccd.hpp ipc/collisions/normal/normal_collisions.hpp
-tests               ipc/utils/logger.hpp ompl/base/spaces/SE3StateSpace.h pccd_motion.hpp
+tests               ipc/utils/logger.hpp ompl/base/spaces/SO2StateSpace.h ompl/util/RandomNumbers.h pccd_motion.hpp
 '
 
 c_library='argp.h assert.h ctype.h dirent.h dlfcn.h endian.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h
