@@ -106,8 +106,9 @@ private:
 class motion_validator : public ompl::base::MotionValidator {
 public:
     // `bodies` are the links in `world`, in the order of `robot`. Which of them may meet
-    // is the scene's. They keep farther apart than `clearance` from all that they may
-    // meet. All are referred to, and have to stay.
+    // is the scene's. They keep farther than `clearance` from all that they may meet; an
+    // obstacle that is tested against itself and thinner meets itself. All are referred
+    // to, and have to stay.
     motion_validator(const ompl::base::SpaceInformationPtr &space, const links &robot,
                      scene &world, const std::vector<object> &bodies,
                      double clearance = 0)

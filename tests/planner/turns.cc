@@ -66,6 +66,10 @@ struct world {
         const std::vector<std::uint32_t> face = {0, 1, 2};
         bodies.push_back(scene.add(client.make_mesh({x, face})));
         obstacles.push_back(scene.add(arm::box(client, {9, low, -1}, {9.5, high, 1})));
+        pccd::object_settings settings; // none against itself
+        settings.what = PCCD_OBJECT_SELF;
+        bodies[0].set(settings);
+        obstacles[0].set(settings);
     }
 };
 
@@ -73,7 +77,7 @@ enum kind { SO2, SO3, SE3 };
 
 class judge {
 public:
-    judge(world &world, kind kind) : kind_(kind)
+    judge(world &world, kind kind, double clearance = 0) : kind_(kind)
     {
         ob::StateSpacePtr space;
         if (kind == SE3) {
@@ -93,7 +97,7 @@ public:
                                    : kind == SO3 ? static_cast<const pccd::links &>(so3_)
                                                  : so2_;
         judge_ = std::make_unique<pccd::motion_validator>(info_, robot, world.scene,
-                                                          world.bodies);
+                                                          world.bodies, clearance);
         for (ob::State *&state : states_) {
             state = info_->allocState();
         }
@@ -206,6 +210,15 @@ void check_ways()
          "half_a_turn__is_refused");
 }
 
+// If it failed, links would come nearer than they may, or could not come as near.
+void check_clearance()
+{
+    world plate(2, 2.1);
+    judge near(plate, SO2, 1.999), far(plate, SO2, 2.001);
+    tell(near.is_free(0, -.3) && !near.is_free(0, .01) && !far.is_free(0, -.3),
+         "clearance__is_kept");
+}
+
 // If it failed, a body that flies could be called free where it meets something, or its
 // last free state would not be one.
 void check_flights()
@@ -264,6 +277,7 @@ int main()
         check_small_turns();
         check_thin();
         check_ways();
+        check_clearance();
         check_flights();
     } catch (const pccd::error &error) {
         std::printf("Bail out! %s\n", error.what());
