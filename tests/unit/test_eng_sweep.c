@@ -566,3 +566,54 @@ CASE(sweep__is_short_where_there_is_a_clearance)
     assert_true(hunt->sweep.box_tests < 100);
     hunt_free(hunt);
 }
+
+/* If it failed: bodies below the range of floats would be looked at in all spans that
+ * there is room for, for half a minute. */
+CASE(sweep__is_short_for_the_smallest_bodies)
+{
+    struct hunt *hunt = hunt_new();
+    struct pccd_joint joint = {.kind = PCCD_JOINT_TURN,
+                               .parent = PCCD_NO_JOINT,
+                               .rotation = {0, 0, 0, 1},
+                               .axis = {0, 0, 1},
+                               .to = {3}};
+    const double x[4][3] = {{0}, {1e-300, 0, 0}, {0, 1e-300, 0}, {0, 0, 1e-300}};
+    const uint32_t triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    for (int i = 0; i < 2; i++) {
+        hunt->mesh[i] = kit_mesh(x, 4, triangles, 2);
+        assert_ok(eng_body_tree_prepare(hunt->mesh[i]));
+        eng_body_set(&hunt->body[i], hunt->mesh[i]);
+    }
+    assert_ok(eng_path_between(&joint, PCCD_NO_JOINT, 0, &hunt->path));
+    hunt->sweep.keep = 1e-305;
+    hunt->sweep.fineness = 1e-306;
+    hunt_begin(hunt);
+    hunt->sweep.tests_most = 100000;
+    assert_ok(eng_sweep_run(&hunt->sweep, ENG_SWEEP_ALL));
+    assert_true(hunt->found_count > 0);
+    assert_true(hunt->sweep.box_tests < 1000);
+    hunt_free(hunt);
+}
+
+/* If it failed: a deadline would be late beside what is large and deforms. */
+CASE(boxes__ask_often_whether_to_stop)
+{
+    enum { SIDE = 150, VERTICES = (SIDE + 1) * (SIDE + 1) };
+    struct hunt *hunt = hunt_new();
+    struct eng_body *body = &hunt->body[0];
+    double(*x)[3] = calloc(VERTICES, sizeof *x);
+    hunt->mesh[0] = kit_sheet(SIDE, 0);
+    assert_non_null(x);
+    assert_ok(eng_body_tree_prepare(hunt->mesh[0]));
+    body->should_stop = should_stop;
+    body->owner = hunt;
+    const double(*x0)[3] = (const double(*)[3])hunt->mesh[0]->x;
+    assert_ok(eng_body_fit(body, hunt->mesh[0], x0, (const double(*)[3])x));
+    /* Two times a node for each one to four leaves, 1024 nodes a look. */
+    assert_true(hunt->asked >= 2 * (2 * SIDE * SIDE / 4 / 1024));
+    hunt->stop_at = hunt->asked + 2;
+    assert_int_equal(eng_body_fit(body, hunt->mesh[0], x0, (const double(*)[3])x),
+                     PCCD_E_AGAIN);
+    free(x);
+    hunt_free(hunt);
+}

@@ -19,6 +19,9 @@
 /* From here on halves have equally many leaves: it bounds the depth to some 56. */
 #define LEVEL_OF_HALVES 40u
 
+/* Nodes whose boxes are made between two questions whether to stop. */
+#define NODES_PER_LOOK 1024u
+
 struct item {
     float low[3];
     float high[3];
@@ -289,11 +292,17 @@ static void put_nothing(struct eng_body_boxes *boxes, int which)
     }
 }
 
-static void make_boxes(const struct eng_mesh *mesh, const struct eng_body_tree *tree,
-                       const double (*x)[3], const double origin[3],
-                       struct eng_body_boxes *boxes)
+/* Returns false if whoever has asked for it wants no more. */
+static bool make_boxes(const struct eng_body *body, const struct eng_body_tree *tree,
+                       const double (*x)[3], struct eng_body_boxes *boxes)
 {
+    const struct eng_mesh *mesh = body->mesh;
+    const double *origin = body->origin;
     for (uint32_t node = tree->node_count; node-- > 0;) {
+        if (node % NODES_PER_LOOK == 0 && body->should_stop &&
+            body->should_stop(body->owner)) {
+            return false;
+        }
         for (int i = 0; i < 4; i++) {
             uint32_t child = tree->children[node][i];
             double low[3];
@@ -310,6 +319,7 @@ static void make_boxes(const struct eng_mesh *mesh, const struct eng_body_tree *
             put_box(&boxes[node], i, low, high);
         }
     }
+    return true;
 }
 
 /* Around the leaves at both ends, and the middle of that. */
@@ -369,7 +379,9 @@ static struct eng_body_tree *finish(const struct eng_mesh *mesh,
                builder->node_count * sizeof *tree->children);
         measure_box(mesh, (const double(*)[3])mesh->x, (const double(*)[3])mesh->x,
                     &tree->box, tree->origin);
-        make_boxes(mesh, tree, (const double(*)[3])mesh->x, tree->origin, tree->boxes);
+        struct eng_body registered = {.mesh = mesh};
+        memcpy(registered.origin, tree->origin, sizeof registered.origin);
+        (void)make_boxes(&registered, tree, (const double(*)[3])mesh->x, tree->boxes);
     }
     return tree;
 }
@@ -453,13 +465,13 @@ int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
     body->x[0] = x0;
     body->x[1] = x1;
     measure_box(mesh, x0, stands ? x0 : x1, &body->box, body->origin);
-    make_boxes(mesh, tree, x0, body->origin, body->fit);
+    bool is_made = make_boxes(body, tree, x0, body->fit);
     body->boxes[0] = body->boxes[1] = body->fit;
     if (!stands) {
-        make_boxes(mesh, tree, x1, body->origin, body->fit + tree->node_count);
+        is_made = is_made && make_boxes(body, tree, x1, body->fit + tree->node_count);
         body->boxes[1] = body->fit + tree->node_count;
     }
-    return PCCD_OK;
+    return is_made ? PCCD_OK : PCCD_E_AGAIN;
 }
 
 void eng_body_deinit(struct eng_body *body)

@@ -52,13 +52,17 @@ struct eng_body {
     struct eng_path_box box;    /* around all, at both ends */
     struct eng_body_boxes *fit; /* what it has made itself; NULL: nothing */
     uint32_t fit_capacity;      /* of both ends, in nodes */
+    /* Set by the caller: asked every 0.2 ms or so of a fit; NULL: never. */
+    bool (*should_stop)(void *owner);
+    void *owner;
 };
 
 /* Take the registered positions: those of a body that turns. The mesh has its tree. */
 void eng_body_set(struct eng_body *body, const struct eng_mesh *mesh);
 
 /* Take positions in the world, x0 == x1 if it stands, which must stay while the body is
- * used. The mesh has its tree. PCCD_E_NOMEM. O(leaves). [any] */
+ * used. The mesh has its tree. PCCD_E_NOMEM; PCCD_E_AGAIN: it was stopped, and has no
+ * boxes. O(leaves). [any] */
 int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
                  const double (*x0)[3], const double (*x1)[3]);
 

@@ -21,6 +21,10 @@
 
 #define DEPTH_MAX 30u
 
+/* Added to half of a box: what is smaller than that is not looked at more closely, nor
+ * are spans divided for it. As the boxes of nodes have it. */
+#define LEAST 0x1p-120
+
 /* Spans of the stack: from here on none is divided, which leaves more to be decided; a
  * run ends that needs still more; so many are kept for the next two bodies. */
 #define SPANS_DIVIDED (1u << 18)
@@ -327,7 +331,7 @@ static struct item root_of(const struct eng_sweep *sweep, uint32_t side)
     for (int k = 0; k < 3; k++) {
         double half = eng_most(body->box.hi[k] - body->origin[k],
                                body->origin[k] - body->box.lo[k]);
-        root.half[0][k] = root.half[1][k] = eng_round_up(half * (1 + 0x1p-20));
+        root.half[0][k] = root.half[1][k] = eng_round_up(half * (1 + 0x1p-20) + LEAST);
         root.size = most(root.size, root.half[0][k]);
     }
     return root;

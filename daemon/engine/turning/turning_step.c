@@ -386,8 +386,14 @@ static const double (*positions_of(const struct eng_scene *scene,
     return x + object->vertices.first;
 }
 
+static bool should_stop(void *owner)
+{
+    return eng_worker_should_stop(owner);
+}
+
 /* The boxes of an object: of one that stands those of a step before, if there are. */
-static int make_body(struct eng_turning_step *step, uint32_t idx)
+static int make_body(struct eng_turning_step *step, struct eng_worker *worker,
+                     uint32_t idx)
 {
     const struct eng_scene *scene = step->scene;
     const struct eng_object *object = &scene->objects[idx];
@@ -408,6 +414,8 @@ static int make_body(struct eng_turning_step *step, uint32_t idx)
         return PCCD_OK;
     }
     bool stands = object->moved_number < scene->moving.number;
+    body->should_stop = should_stop;
+    body->owner = worker;
     const double(*x1)[3] = positions_of(scene, object, 1);
     status = eng_body_fit(body, object->mesh,
                           stands ? x1 : positions_of(scene, object, 0), x1);
@@ -420,8 +428,8 @@ static void make_bodies(struct eng_turning_step *step, struct eng_worker *worker
     for (uint32_t i = take(&step->next_body);
          i < step->joining_count && !eng_worker_should_stop(worker);
          i = take(&step->next_body)) {
-        int status = make_body(step, step->joining[i]);
-        if (status != PCCD_OK) {
+        int status = make_body(step, worker, step->joining[i]);
+        if (status != PCCD_OK && status != PCCD_E_AGAIN) {
             fail(worker, status);
         }
     }
