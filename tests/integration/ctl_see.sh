@@ -245,6 +245,26 @@ for name in ('post', 'leaf'): # both are beside the mark
 END
 report sweep__draws_the_jam_and_the_way_to_it
 
+# If it failed, a body that turns would be drawn on the chords of its arcs: after half of half a turn
+# as a line, and its contacts where nothing is.
+sed -i 's/1.5]/3.14159]/; s/"pin", "type"/"pin", "position": [0, 0, 0], "type"/' hinge.json
+ctl record --force --contacts -o turn.rec -- "$PCCDCTL" sweep hinge.json
+for time in 0 0.5; do
+    ctl render --steps 1 --time $time --size 900x600 --view 0,90 --up z -o turn$time.png turn.rec || break
+done && ctl render --steps 1 --at 'contact 1' --size 900x600 --view 0,90 --up z -o hit.png turn.rec &&
+    ctl export --steps 1 --time 0.5 -o turn.vtp turn.rec && python3 - >>"$log" 2>&1 <<'END'
+from picture import rows
+def share(name): # of the leaf and the wall
+    flat = [p for row in rows(name)[112:] for p in row]
+    leaf = sum(g > 1.1 * r and g > 1.1 * b for r, g, b in flat)
+    return leaf / sum(b > 1.3 * r for r, g, b in flat)
+begin, middle = share('turn0.png'), share('turn0.5.png')
+assert abs(middle / begin - 1) < 0.1, (begin, middle)
+centre = [p for row in rows('hit.png')[270:330] for p in row[420:480]]
+assert any(g > 1.1 * r and g > 1.1 * b for r, g, b in centre) and any(r > 1.15 * b for r, g, b in centre)
+END
+report render__poses_what_turns_by_its_joints
+
 if /usr/bin/python3 -c 'import vtk' 2>/dev/null; then
     /usr/bin/python3 - >>"$log" 2>&1 <<'END'
 import vtk

@@ -179,6 +179,15 @@ static void choose_origin(struct inspect *inspect, const struct registry_scene *
     inspect->has_origin = scene->object_count > 0;
 }
 
+static bool has_turning(const struct registry_scene *scene)
+{
+    bool has = false;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        has = has || scene->objects[i].turned;
+    }
+    return has;
+}
+
 /* Everything of a step: its description, its data, and the meshes that it brings. */
 static json_t *describe(struct inspect *inspect, const struct play_step *step,
                         const char *compared, json_t *meshes)
@@ -191,6 +200,7 @@ static json_t *describe(struct inspect *inspect, const struct play_step *step,
     set(object, "answer", answer_of(step->answer, &ok), &ok);
     set(object, "objects",
         inspect_pack_objects(inspect, step->scene, INSPECT_BOTH, meshes), &ok);
+    set(object, "turns", json_boolean(has_turning(step->scene)), &ok);
     set(object, "separation", json_real(step->separation.separation), &ok);
     set(object, "approach", json_real(step->separation.approach), &ok);
     set(object, "contacts", inspect_pack_contacts(inspect, step), &ok);

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "coordinates.h"
 #include "kinds.h"
 #include "output.h"
 #include "printable.h"
@@ -77,11 +78,35 @@ static void take_radii(const struct registry_object *from, struct snapshot_objec
     }
 }
 
+/* Set x to where a vertex is at a time of the step: by the pose of a body that turns;
+ * NULL: it goes straight. */
+static void find_vertex(const struct registry_object *object, const double pose[12],
+                        uint32_t vertex, double t, double x[3])
+{
+    double registered[3];
+    if (pose != NULL) {
+        registry_registered(object->mesh, vertex, registered);
+        common_transform(pose, registered, x);
+        return;
+    }
+    for (uint32_t k = 0; k < 3; k++) {
+        double a = object->x0[vertex][k], b = object->x1[vertex][k];
+        x[k] = a + t * (b - a);
+    }
+}
+
 /* Its mesh has its edges (recorded_edges). */
-static bool take_object(const struct registry_object *from, double t,
+static bool take_object(const struct registry_object *from,
+                        const struct recorded_joints *joints, double t,
                         const double origin[3], struct snapshot_object *object)
 {
     const struct registry_mesh *mesh = from->mesh;
+    double m[12];
+    const double *pose = NULL;
+    if (from->turned && joints != NULL) { /* NULL: t is an end, of a question */
+        recorded_pose(joints, from->joint, t, m);
+        pose = m;
+    }
     *object = (struct snapshot_object){
         .handle = from->handle,
         .vertex_count = mesh->vertex_count,
@@ -100,10 +125,11 @@ static bool take_object(const struct registry_object *from, double t,
         return false;
     }
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        double x[3];
+        find_vertex(from, pose, i, t, x);
         for (uint32_t k = 0; k < 3; k++) {
-            double a = from->x0[i][k], b = from->x1[i][k];
-            object->x[i][k] = (float)(a + t * (b - a) - origin[k]);
-            object->motion[i][k] = (float)(b - a);
+            object->x[i][k] = (float)(x[k] - origin[k]);
+            object->motion[i][k] = (float)(from->x1[i][k] - from->x0[i][k]);
         }
     }
     if (mesh->triangle_count > 0) {
@@ -157,10 +183,37 @@ static void find_reach(double separation, const struct registry_object *const ob
     contact->radius = fmaxf(contact->radius, (float)both);
 }
 
+/* Have a feature of a body that turns stand where it is at a time of the step. */
+static void stand_at(const struct registry_object *object,
+                     const struct recorded_joints *joints, uint32_t points, double t,
+                     struct place_feature *ends)
+{
+    double pose[12];
+    if (!object->turned) {
+        return;
+    }
+    recorded_pose(joints, object->joint, t, pose);
+    for (uint32_t i = 0; i < points; i++) {
+        find_vertex(object, pose, ends->corners[i], t, ends->from[i]);
+        memcpy(ends->to[i], ends->from[i], sizeof ends->to[i]);
+    }
+}
+
+/* Find where two features of a contact are touched at a time of the step. */
+static void find_touch(const struct play_step *step, const struct pccd_contact *contact,
+                       const struct registry_object *const objects[2],
+                       struct place_feature ends[2], double t, double at[2][3])
+{
+    for (uint32_t side = 0; side < 2; side++) {
+        stand_at(objects[side], &step->joints, common_kinds[contact->kind].points[side],
+                 t, &ends[side]);
+    }
+    place_find((enum pccd_kind)contact->kind, contact->param, ends, t, at);
+}
+
 /* Find where the second feature is touched. Return false for a record that makes no
  * sense. */
-static bool place_contact(const struct snapshot *snapshot,
-                          const struct registry_scene *scene,
+static bool place_contact(const struct snapshot *snapshot, const struct play_step *step,
                           const struct pccd_contact *from, struct snapshot_contact *to)
 {
     const uint32_t handles[2] = {from->object_a, from->object_b};
@@ -176,7 +229,7 @@ static bool place_contact(const struct snapshot *snapshot,
     const uint32_t *points = common_kinds[from->kind].points;
     for (uint32_t side = 0; side < 2; side++) {
         shown[side] = find_object(snapshot, handles[side]);
-        known[side] = registry_object(scene, handles[side]);
+        known[side] = registry_object(step->scene, handles[side]);
         corners[side] =
             recorded_place(known[side], points[side], &features[side], &ends[side]);
         if (shown[side] == NULL || corners[side] == NULL) {
@@ -191,7 +244,7 @@ static bool place_contact(const struct snapshot *snapshot,
                                     .object_b = from->object_b,
                                     .feature_b = from->feature_b};
     memcpy(to->normal, from->normal, sizeof to->normal);
-    place_find((enum pccd_kind)from->kind, from->param, ends, snapshot->t, at);
+    find_touch(step, from, known, ends, snapshot->t, at);
     for (uint32_t k = 0; k < 3; k++) {
         to->at[k] = (float)(at[1][k] - snapshot->origin[k]);
     }
@@ -200,7 +253,7 @@ static bool place_contact(const struct snapshot *snapshot,
     }
     widen(to, shown[0], corners[0], points[0]);
     widen(to, shown[1], corners[1], points[1]);
-    place_find((enum pccd_kind)from->kind, from->param, ends, place_time(from), at);
+    find_touch(step, from, known, ends, place_time(from), at);
     find_reach(snapshot->separation, known, corners, points, (const double(*)[3])at, to);
     return true;
 }
@@ -240,7 +293,7 @@ static int find_contact(const struct snapshot_at *at, const struct play_step *st
 
 /* The objects of a scene at snapshot->t. */
 static int take_objects(const struct taking *taking, const struct registry_scene *scene,
-                        struct ctl_error *error)
+                        const struct recorded_joints *joints, struct ctl_error *error)
 {
     const struct play_settings *settings = taking->settings;
     struct snapshot *snapshot = taking->snapshot;
@@ -252,7 +305,7 @@ static int take_objects(const struct taking *taking, const struct registry_scene
     for (uint32_t i = 0; i < scene->object_count; i++) {
         snapshot->object_count++;
         if (recorded_edges(scene->objects[i].mesh, error) != PCCD_OK ||
-            !take_object(&scene->objects[i], snapshot->t, snapshot->origin,
+            !take_object(&scene->objects[i], joints, snapshot->t, snapshot->origin,
                          &snapshot->objects[i])) {
             return no_memory(error);
         }
@@ -282,12 +335,12 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
     if (snapshot->contacts == NULL) {
         return no_memory(error);
     }
-    int status = take_objects(taking, step->scene, error);
+    int status = take_objects(taking, step->scene, &step->joints, error);
     if (status != PCCD_OK) {
         return status;
     }
     for (uint64_t i = 0; step->contacts != NULL && i < step->found.count; i++) {
-        bool is_placed = place_contact(snapshot, step->scene, &step->contacts[i],
+        bool is_placed = place_contact(snapshot, step, &step->contacts[i],
                                        &snapshot->contacts[snapshot->contact_count]);
         if (i + 1 == taking->at->contact && !is_placed) {
             return ctl_error_set(error, PCCD_E_FORMAT,
@@ -384,7 +437,7 @@ static int take_near(void *context, const struct play_near *near, struct ctl_err
     if (snapshot->lines == NULL) {
         return no_memory(error);
     }
-    int status = take_objects(taking, near->scene, error);
+    int status = take_objects(taking, near->scene, NULL, error);
     for (uint64_t i = 0;
          status == PCCD_OK && near->records != NULL && i < near->found.count; i++) {
         snapshot->line_count +=

@@ -80,6 +80,7 @@ export function makeAnswer(data, state) {
       ...(step.near ? nearFacts(answer) : []),
       fact("first", answer.toi_first === null ? "–" : answer.toi_first.toFixed(6), "smallest time of impact"),
       ...(step.near ? [] : [fact("safe step", answer.safe_step.toFixed(6), "up to there nothing meets")]),
+      ...(step.turns ? [fact("bodies on joints", "drawn right at t = 0 and 1", "between them they turn, but this page draws them, their contacts and boxes on straight ways; pccdctl render --time has their arcs")] : []),
       ...thickFacts(step),
       fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0, or are within their distance"),
       fact("possible", count(answer.possible), "not proved"),
