@@ -26,6 +26,7 @@ PAGES = [
     ("", "README.md", "overview", "Overview"),
     ("Recipes", "client/man/site/cloth.md", "cloth", "A cloth that holds"),
     ("Recipes", "client/man/site/edge.md", "edge", "A planner's edge"),
+    ("Recipes", "client/man/site/jam.md", "jam", "Does it jam?"),
     ("Recipes", "client/man/site/bake.md", "bake", "Find where a bake intersects"),
     ("Recipes", "client/man/site/replay.md", "replay", "Replay a bad frame"),
     ("Recipes", "client/man/site/share.md", "share", "Share a world of two programs"),
