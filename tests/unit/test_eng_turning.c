@@ -125,16 +125,21 @@ static void sort_records(struct two *two, int which)
     qsort(two->records[which], two->count[which], sizeof(struct pccd_contact), compare);
 }
 
-/* Find, in `most` tasks at most, last ones first. */
-static void find(struct two *two, enum pccd_mode mode, uint32_t most)
+static void begin(struct two *two, enum pccd_mode mode)
 {
-    uint64_t tasks[64];
     two->question.mode = mode;
     eng_stop_init(&two->stop, &two->question);
     eng_pool_reset(&two->pool, 1);
     eng_worker_begin(&two->worker, kit.scene, &two->question, &two->stop, &two->pool);
     assert_ok(eng_turning_begin(two->turning, &two->objects));
+}
+
+/* Find, in `most` tasks at most, last ones first. */
+static void find(struct two *two, enum pccd_mode mode, uint32_t most)
+{
+    uint64_t tasks[64];
     uint32_t count = 0;
+    begin(two, mode);
     assert_ok(eng_turning_split(two->turning, &two->worker, most, tasks, &count));
     assert_true(count <= most);
     while (count-- > 0) {
@@ -268,6 +273,21 @@ static bool has_proved(const struct two *two)
     return false;
 }
 
+/* Check that what few tests say holds, and that enough tests tell all that is proved. */
+static void check_tries(struct two *two)
+{
+    for (uint64_t tests = 4; tests <= 1u << 22; tests *= 8) {
+        begin(two, PCCD_MODE_ANY);
+        bool is_known = eng_turning_try(two->turning, &two->worker, tests);
+        bool is_proved = two->worker.proved_seen > 0;
+        assert_true(!is_proved || has_proved(two));
+        assert_true(!is_known || is_proved || two->count[1] == 0);
+        assert_true(is_known || is_proved || tests < 1u << 22 || two->count[1] > 0);
+        assert_int_equal(two->worker.possible_seen, 0);
+    }
+    assert_int_equal(two->worker.proved_seen > 0, has_proved(two));
+}
+
 /* If it failed: contacts would be missed, invented or told twice, or depend on the tree,
  * on how the work is divided, or on what else is asked. */
 CASE(turning__finds_what_all_pairs_say)
@@ -293,6 +313,7 @@ CASE(turning__finds_what_all_pairs_say)
         check_first(two);
         find(two, PCCD_MODE_ANY, 1);
         assert_int_equal(two->worker.proved_seen > 0, has_proved(two));
+        check_tries(two);
         found += two->count[1];
         two_free(two);
     }

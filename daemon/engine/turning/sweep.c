@@ -222,6 +222,12 @@ static void make_frame(const struct eng_sweep *sweep, struct eng_sweep_span span
     set_bow(sweep, span.index * h, (span.index + 1) * h, (const double(*)[3])u, frame);
 }
 
+/* Return how many looks there are until should_stop is asked. */
+static uint32_t looks_of(const struct eng_sweep *sweep)
+{
+    return sweep->tests_most < LOOKS ? (uint32_t)sweep->tests_most : LOOKS;
+}
+
 /* Count what is looked at. */
 static void look(struct eng_sweep *sweep, uint32_t looks)
 {
@@ -229,7 +235,7 @@ static void look(struct eng_sweep *sweep, uint32_t looks)
         sweep->looks_left -= looks;
         return;
     }
-    sweep->looks_left = LOOKS;
+    sweep->looks_left = looks_of(sweep);
     sweep->stops |= sweep->should_stop(sweep->owner);
     if (sweep->box_tests + sweep->leaf_tests > sweep->tests_most && !sweep->stops) {
         sweep->status = PCCD_E_LIMIT;
@@ -1078,6 +1084,7 @@ int eng_sweep_run(struct eng_sweep *sweep, uint64_t task)
     struct item b = item_of(sweep, 1, (uint32_t)task);
     sweep->box_tests = 0;
     sweep->leaf_tests = 0;
+    sweep->looks_left = looks_of(sweep);
     if (push_all(sweep, &a, &b)) {
         join(sweep, &a, &b, 0);
     }

@@ -26,6 +26,7 @@ struct eng_turning {
     double delta;
     struct eng_worker *worker; /* of the task that is performed, or divided */
     bool has_limit;            /* some pairs of the task took too many looks */
+    bool only_proves;          /* what is possible is not recorded, and has_limit then */
 };
 
 int eng_turning_make(struct eng_turning **turning)
@@ -130,6 +131,7 @@ int eng_turning_begin(struct eng_turning *turning,
     }
     eng_poses_begin(&turning->poses, &turning->path);
     turning->separation = objects->separation;
+    turning->only_proves = false;
     turning->delta = delta_of(turning, objects->resolution);
     double radii = eng_thickness_most(side[0].object) +
                    eng_thickness_most(side[1].object) + objects->separation;
@@ -310,6 +312,10 @@ static bool take(void *owner, const struct eng_sweep_pair *found)
     case ENG_TURNING_FREE:
         break;
     case ENG_TURNING_MEETS:
+        if (turning->only_proves && !(answer.hit.flags & PCCD_PROVED)) {
+            turning->has_limit = true;
+            break;
+        }
         record(turning, found, &named, &answer.hit);
         turning->sweep.t_end = worker->time_bound;
         break;
@@ -332,6 +338,13 @@ int eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
     return turning->sweep.status;
 }
 
+static void count(struct eng_turning *turning)
+{
+    struct eng_worker *worker = turning->worker;
+    worker->record.box_tests += turning->sweep.box_tests;
+    worker->tally.leaf_pairs += turning->sweep.leaf_tests;
+}
+
 int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
                         uint64_t task)
 {
@@ -340,7 +353,22 @@ int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
     turning->has_limit = false;
     sweep->t_end = worker->time_bound;
     int status = eng_sweep_run(sweep, task);
-    worker->record.box_tests += sweep->box_tests;
-    worker->tally.leaf_pairs += sweep->leaf_tests;
+    count(turning);
     return status == PCCD_OK && turning->has_limit ? PCCD_E_LIMIT : status;
+}
+
+bool eng_turning_try(struct eng_turning *turning, struct eng_worker *worker,
+                     uint64_t tests)
+{
+    struct eng_sweep *sweep = &turning->sweep;
+    turning->worker = worker;
+    turning->has_limit = false;
+    turning->only_proves = true;
+    sweep->t_end = worker->time_bound;
+    sweep->tests_most = tests;
+    int status = eng_sweep_run(sweep, ENG_TURNING_ALL);
+    sweep->tests_most = TESTS_MOST;
+    turning->only_proves = false;
+    count(turning);
+    return status == PCCD_OK && !turning->has_limit;
 }

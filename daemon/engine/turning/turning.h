@@ -76,4 +76,11 @@ int eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
 int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
                         uint64_t task);
 
+/* Look for what is proved to meet with so many tests of boxes and leaves, and record it.
+ * Returns whether there is nothing else to be known; if not, nothing that is only
+ * possible was recorded, and the two have to begin anew. For mode any, which ends at the
+ * first proof. */
+bool eng_turning_try(struct eng_turning *turning, struct eng_worker *worker,
+                     uint64_t tests);
+
 #endif

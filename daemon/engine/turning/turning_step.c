@@ -18,6 +18,10 @@
 /* Couples for each thread from which on none is divided. */
 #define COUPLES_EACH 8u
 
+/* Tests that each couple gets in mode any before one of them gets more. */
+#define TRIES 2u
+static const uint64_t tests_of_try[TRIES] = {1u << 8, 1u << 12};
+
 /* Objects that do not turn, and pairs of objects, between two looks at the clock: some
  * 50 us. One that turns may take longer alone: a chain of many joints does. */
 #define OBJECTS_PER_LOOK 32u
@@ -349,6 +353,7 @@ void eng_turning_step_begin(struct eng_turning_step *step, struct eng_worker *wo
     step->has_failed = false;
     step->is_alone = threads == 1;
     atomic_init(&step->next_body, 0);
+    atomic_init(&step->next_try, 0);
     atomic_init(&step->next_couple, 0);
     atomic_init(&step->next_task, 0);
     atomic_init(&step->rest, ENG_REST_IS_FREE);
@@ -471,6 +476,22 @@ static void divide(struct eng_turning_step *step, struct eng_worker *worker)
     }
 }
 
+/* Give each couple a few tests, then more: what is proved soon ends the step. */
+static void try_couples(struct eng_turning_step *step, struct eng_worker *worker)
+{
+    for (uint32_t i = take(&step->next_try);
+         i < step->couple_count * TRIES && !eng_worker_should_stop(worker);
+         i = take(&step->next_try)) {
+        struct eng_turning_couple *couple = &step->couples[i % step->couple_count];
+        if (!atomic_load_explicit(&couple->is_known, memory_order_relaxed) &&
+            begin_couple(step, worker, couple) == PCCD_OK &&
+            eng_turning_try(worker->turning, worker,
+                            tests_of_try[i / step->couple_count])) {
+            atomic_store_explicit(&couple->is_known, true, memory_order_relaxed);
+        }
+    }
+}
+
 /* Do what no thread has taken yet, couple by couple. */
 static void perform_tasks(struct eng_turning_step *step, struct eng_worker *worker)
 {
@@ -481,7 +502,8 @@ static void perform_tasks(struct eng_turning_step *step, struct eng_worker *work
          i < step->couple_count * each && !eng_worker_should_stop(worker);
          i = take(&step->next_task)) {
         const struct eng_turning_couple *couple = &step->couples[i / each];
-        if (step->is_divided && i % each >= couple->task_count) {
+        if ((step->is_divided && i % each >= couple->task_count) ||
+            atomic_load_explicit(&couple->is_known, memory_order_relaxed)) {
             continue;
         }
         uint64_t begin_ns = eng_worker_slice(worker);
@@ -528,6 +550,9 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
     make_bodies(step, worker);
     if (!step->is_alone) {
         eng_wait_for_all(worker);
+    }
+    if (worker->question->mode == PCCD_MODE_ANY) {
+        try_couples(step, worker);
     }
     if (step->is_divided) {
         divide(step, worker);

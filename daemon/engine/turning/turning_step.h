@@ -35,6 +35,7 @@ struct eng_turning_couple {
     uint32_t a; /* indices of objects */
     uint32_t b;
     uint32_t task_count;
+    atomic_bool is_known; /* nothing is left to be tested */
 };
 
 /* Knowledge of the rest of a step, when turning objects have their turn. */
@@ -61,6 +62,7 @@ struct eng_turning_step {
     bool has_failed; /* there was no memory for all couples */
     struct eng_path path;
     atomic_uint next_body;
+    atomic_uint next_try;
     atomic_uint next_couple;
     atomic_uint next_task;
     atomic_int rest; /* enum eng_turning_rest */
