@@ -3,7 +3,8 @@
  * Room:     bench/peers.
  * Does:     ask of the same motions: does anything meet anything on the way? FCL is asked
  *           at evenly spaced poses, as planners do; ours says free, hit or possible. Tell
- *           the times of both and the hits that poses miss.
+ *           the times of both and the hits that poses miss. Tell, too, how long steps of
+ *           many bodies take beside the same with bodies that go straight (games).
  * Does not: use FCL's own continuous test: between two meshes it finds no hit (0.7).
  */
 #include <fcl/geometry/bvh/BVH_model.h>
@@ -11,6 +12,7 @@
 
 #include <jansson.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -308,26 +310,41 @@ struct scene {
             (void)pccd_mesh_destroy(client, mesh);
         }
     }
-    int ask(const world &in, const std::vector<pccd_joint> &joints)
+    // Move straight between the poses at both ends (then without joints), or turn; bodies
+    // of odd numbers alone where half do. Returns the verdict, -1 if it is not complete.
+    int step(const world &in, const std::vector<pccd_joint> &joints, bool is_straight,
+             const pccd_step_settings &settings, bool is_half = false)
     {
         pccd_frame frame;
-        pccd_step_settings settings = {};
         pccd_answer answer{};
         uint64_t step;
+        const uint32_t joint_count = uint32_t(joints.size());
+        const uint64_t room = joint_count * sizeof(pccd_joint) + objects.size() * 192;
         answer.struct_bytes = sizeof answer;
-        settings.struct_bytes = sizeof settings;
-        settings.mode = PCCD_MODE_ANY;
-        settings.threads = 1;
-        must(pccd_frame_begin(client, handle, uint32_t(objects.size()),
-                              16 + joints.size() * sizeof(pccd_joint), &frame),
-             "frame");
-        must(pccd_frame_joints(&frame, joints.data(), uint32_t(joints.size())), "joints");
+        must(
+            pccd_frame_begin(client, handle, uint32_t(objects.size()), 16 + room, &frame),
+            "frame");
+        if (!is_straight) {
+            must(pccd_frame_joints(&frame, joints.data(), joint_count), "joints");
+        }
         for (size_t i = 0; i < objects.size(); i++) {
-            if (in.bodies[i].joint != PCCD_NO_JOINT) {
-                must(pccd_frame_turning(&frame, objects[i], in.bodies[i].joint,
-                                        uint32_t(in.bodies[i].shape.x.size())),
-                     "body");
+            const uint32_t count = uint32_t(in.bodies[i].shape.x.size());
+            if (in.bodies[i].joint == PCCD_NO_JOINT) {
+                continue;
             }
+            if (!is_straight && (!is_half || i % 2 == 1)) {
+                must(pccd_frame_turning(&frame, objects[i], in.bodies[i].joint, count),
+                     "body");
+                continue;
+            }
+            double m[2][12];
+            for (int end = 0; end < 2; end++) {
+                const transform pose = pose_of(joints, in.bodies[i].joint, end);
+                for (int k = 0; k < 12; k++) {
+                    m[end][k] = pose.matrix()(k / 4, k % 4);
+                }
+            }
+            must(pccd_frame_rigid(&frame, objects[i], 0, count, m[0], m[1]), "body");
         }
         must(pccd_frame_commit(&frame, &settings, &step), "step");
         must(pccd_wait(client, step, -1, &answer), "answer");
@@ -336,6 +353,15 @@ struct scene {
         return verdict;
     }
 };
+
+pccd_step_settings one_thread(pccd_mode mode)
+{
+    pccd_step_settings settings = {};
+    settings.struct_bytes = sizeof settings;
+    settings.mode = mode;
+    settings.threads = 1;
+    return settings;
+}
 
 pccd_client *connect()
 {
@@ -354,10 +380,11 @@ answers ask(const world &in)
 {
     scene ours(connect(), in);
     answers found;
-    (void)ours.ask(in, in.motions[0]);
+    const pccd_step_settings settings = one_thread(PCCD_MODE_ANY);
+    (void)ours.step(in, in.motions[0], false, settings);
     const double begin = now_ms();
     for (const auto &joints : in.motions) {
-        found.verdicts.push_back(ours.ask(in, joints));
+        found.verdicts.push_back(ours.step(in, joints, false, settings));
     }
     found.ms = now_ms() - begin;
     return found;
@@ -640,17 +667,178 @@ void panda(const std::string &folder, bool is_smoke)
     compare("Panda, start to goal", worlds);
 }
 
+// ---- beside steps of the same bodies that go straight ---------------------------------
+
+mesh level(uint32_t n, double half)
+{
+    mesh made;
+    for (uint32_t i = 0; i <= n; i++) {
+        for (uint32_t k = 0; k <= n; k++) {
+            const double x = half * (2. * i / n - 1), y = half * (2. * k / n - 1);
+            made.x.emplace_back(x, y, 2 * std::sin(0.3 * x) * std::cos(0.2 * y));
+        }
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        for (uint32_t k = 0; k < n; k++) {
+            const uint32_t a = i * (n + 1) + k, b = a + n + 1;
+            made.faces.push_back({a, b, a + 1});
+            made.faces.push_back({b, b + 1, a + 1});
+        }
+    }
+    return made;
+}
+
+// Bodies of a shape, each on a shift and a turn of its own.
+void add_spinning(world &to, const mesh &shape, const vector &at, const vector &way,
+                  const vector &axis, double angle)
+{
+    body each;
+    each.shape = shape;
+    auto &joints = to.motions[0];
+    joints.push_back(joint_at(PCCD_NO_JOINT, at, Eigen::Quaterniond::Identity()));
+    joints.back().kind = PCCD_JOINT_SHIFT;
+    joints.push_back(joint_at(uint32_t(joints.size()) - 1, vector::Zero(),
+                              Eigen::Quaterniond::Identity()));
+    joints.back().kind = PCCD_JOINT_TURN;
+    for (int i = 0; i < 3; i++) {
+        joints[joints.size() - 2].to[i] = way[i];
+        joints.back().axis[i] = axis[i];
+    }
+    joints.back().to[0] = angle;
+    each.joint = uint32_t(joints.size()) - 1;
+    to.bodies.push_back(each);
+}
+
+// Rocks of 80 triangles at 60 Hz over a level of 99 458.
+world rocks(int count)
+{
+    world made;
+    made.motions.resize(1);
+    made.bodies.resize(1);
+    made.bodies[0].shape = level(223, 50);
+    std::mt19937_64 dice(52);
+    std::uniform_real_distribution<double> some(-1, 1);
+    const mesh rock = bumpy(5, 10, 0.2);
+    for (int i = 0; i < count; i++) {
+        const double x = 45 * some(dice), y = 45 * some(dice);
+        const double ground = 2 * std::sin(0.3 * x) * std::cos(0.2 * y);
+        add_spinning(made, rock, vector(x, y, ground + 1.4 + 0.3 * some(dice)),
+                     vector(some(dice), some(dice), -1) * 0.1,
+                     vector(some(dice), some(dice), 1), 0.1 * some(dice));
+    }
+    return made;
+}
+
+world balls(int side)
+{
+    world made;
+    made.motions.resize(1);
+    std::mt19937_64 dice(53);
+    std::uniform_real_distribution<double> some(-1, 1);
+    const mesh ball = bumpy(11, 16, 0);
+    for (int i = 0; i < side * side * side; i++) {
+        add_spinning(made, ball,
+                     vector(i % side, i / side % side, i / side / side) * 2.2,
+                     vector(some(dice), some(dice), some(dice)) * 0.15,
+                     vector(some(dice), some(dice), 1), 0.3 * some(dice));
+    }
+    return made;
+}
+
+// A part on a hinge, which it turns about once, and six around it: 35 000 triangles.
+world hinge(bool is_straight)
+{
+    world made;
+    made.motions.resize(1);
+    const mesh part = bumpy(51, 50, 0.1);
+    for (int i = 1; i < 7; i++) {
+        body each;
+        each.shape = part;
+        const double angle = 2 * M_PI * i / 7;
+        for (auto &x : each.shape.x) {
+            x += vector(5 * std::cos(angle), 5 * std::sin(angle), i == 4 ? 0.5 : 2.4);
+        }
+        made.bodies.push_back(each);
+    }
+    mesh arm = part;
+    for (auto &x : arm.x) {
+        x[0] += 5;
+    }
+    const vector way = 5 * vector(std::cos(8 * M_PI / 7) - 1, std::sin(8 * M_PI / 7), 0);
+    add_spinning(made, arm, vector::Zero(), is_straight ? way : vector(0, 0, 0),
+                 vector(0, 0, 1), is_straight ? 0 : 2 * M_PI);
+    return made;
+}
+
+double median(std::vector<double> &of)
+{
+    std::sort(of.begin(), of.end());
+    return of[of.size() / 2];
+}
+
+// Medians of steps in turn: straight, and turning (half of the bodies, if so).
+void beside_straight(const char *name, const world &straight, const world &turning,
+                     const pccd_step_settings &settings, int times, bool is_half)
+{
+    scene scenes[2] = {{connect(), straight}, {connect(), turning}};
+    std::vector<double> ms[2];
+    for (int i = 0; i <= times; i++) {
+        for (int turns = 0; turns < 2; turns++) {
+            const world &in = turns == 1 ? turning : straight;
+            const auto &joints = in.motions[0];
+            const double begin = now_ms();
+            if (scenes[turns].step(in, joints, turns == 0, settings, is_half) < 0) {
+                std::fprintf(stderr, "turning: %s: not complete\n", name);
+                std::exit(1);
+            }
+            if (i > 0) { // trees are made by the first
+                ms[turns].push_back(now_ms() - begin);
+            }
+        }
+    }
+    const double m[2] = {median(ms[0]), median(ms[1])};
+    std::printf("%-34s straight %8.3f ms, turning %8.3f ms: %.2f times\n", name,
+                m[0], m[1], m[1] / m[0]);
+}
+
+void games(int times)
+{
+    const world stones = rocks(200);
+    beside_straight("rocks on a level, first", stones, stones,
+                    one_thread(PCCD_MODE_FIRST), times, false);
+    beside_straight("rocks on a level, all", stones, stones, one_thread(PCCD_MODE_ALL),
+                    times, false);
+    pccd_step_settings fine = one_thread(PCCD_MODE_FIRST);
+    fine.tolerance = 1e-6 / (2 * M_PI);
+    beside_straight("a hinge of 360 degrees, first", hinge(true), hinge(false), fine,
+                    times, false);
+    const world some = balls(7);
+    beside_straight("balls, half of them turn, all", some, some,
+                    one_thread(PCCD_MODE_ALL), times, true);
+}
+
 } // namespace
 
 int main(int argc, char **argv)
 {
-    const bool is_smoke = argc > 1 && std::strcmp(argv[1], "--smoke") == 0;
-    compare("5000 triangles beside their like, few", {two_bodies(12)});
-    compare("5000 triangles beside their like", {two_bodies(is_smoke ? 2 : 1000)});
-    compare("arm of six links in a cell", {arm_in_cell(is_smoke ? 2 : 400)});
+    const std::string word = argc > 1 ? argv[1] : "";
+    const bool is_smoke = word == "--smoke";
+    const auto wants = [&](const char *row) {
+        return is_smoke || word.empty() || word == row;
+    };
+    if (wants("bodies")) {
+        compare("5000 triangles beside their like, few", {two_bodies(12)});
+        compare("5000 triangles beside their like", {two_bodies(is_smoke ? 2 : 1000)});
+    }
+    if (wants("arm")) {
+        compare("arm of six links in a cell", {arm_in_cell(is_smoke ? 2 : 400)});
+    }
+    if (wants("games")) {
+        games(is_smoke ? 1 : 21);
+    }
     std::fflush(stdout);
     const char *data = std::getenv("PCCD_DATA");
-    if (data != nullptr) {
+    if (data != nullptr && wants("panda")) {
         panda(std::string(data) + "/panda", is_smoke);
     }
     return 0;
