@@ -59,8 +59,8 @@ class Site(unittest.TestCase):
     # If it failed, nobody would find what is written.
     def test_site__has_every_document(self):
         menu = {link for _, link in self.pages["index.html"].links}
-        for name in ("cloth edge jam bake replay share answer guide protocol measurements "
-                     "pccdctl.1 pccdd.8 libpccd.3").split():
+        for name in ("cloth edge jam bake replay share answer guide protocol "
+                     "measurements pccdctl.1 pccdd.8 libpccd.3").split():
             self.assertIn(name + ".html", menu)
             self.assertGreater(os.path.getsize(os.path.join(SITE, name + ".html")), 3000)
 
