@@ -53,7 +53,7 @@ libclient_la_CPPFLAGS = $(PCCD_CPPFLAGS) -iquote $(top_srcdir)/proto \
 libclient_la_LIBADD = libregistry.la librecord.la libproto.la
 
 libpccd_la_SOURCES =
-libpccd_la_LIBADD = libclient.la
+libpccd_la_LIBADD = libclient.la $(LIBM)
 libpccd_la_LDFLAGS = $(AM_LDFLAGS) -no-undefined -version-info 0:0:0 \
     -Wl,--version-script=$(top_srcdir)/client/lib/libpccd.map
 EXTRA_libpccd_la_DEPENDENCIES = client/lib/libpccd.map

@@ -137,7 +137,7 @@ CASE_CROSSING(choice__unknown_values_are_refused_by_name)
         struct pccd_step_settings settings;
         const char *text;
     } wrong[] = {
-        {{.mode = PCCD_MODE_COUNT}, "unknown mode 4"},
+        {{.mode = PCCD_MODE_COUNT}, "unknown mode 5"},
         {{.tuning = "scheduler=fast"},
          "tuning: scheduler: \"fast\" is not steal or paper"},
         {{.tuning = "refit=paper,high-level="}, "high-level: \"\" is not round-robin or"},

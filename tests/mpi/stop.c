@@ -443,7 +443,7 @@ static void cancel(void)
     pccd_mpi_cancel(test.world); /* nothing is there to be cancelled */
     must(step(PCCD_MODE_ALL, 0).incomplete == PCCD_COMPLETE, "cancelled");
     uint64_t whole = work_of_all(); /* the same in each mode, as nothing meets */
-    for (int mode = 0; mode < PCCD_MODE_COUNT; mode++) {
+    for (int mode = 0; mode <= PCCD_MODE_PAIRS; mode++) {
         if (test.rank == 0) {
             printf("# mode %d: work until a cancel %" PRIu64 ", else %" PRIu64 "\n", mode,
                    work[mode], whole);

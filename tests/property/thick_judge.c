@@ -298,13 +298,48 @@ static const char *check_sums(const struct eng_step_result *result)
     return result->safe_step != safe ? "how far it is safe" : NULL;
 }
 
-/* `all`: else those that may be the earliest. */
+/* Return the contact of the same two objects, behind `from`, or NULL. */
+static const struct pccd_contact *find_of_two(const struct eng_step_result *result,
+                                              uint64_t from, uint32_t a, uint32_t b)
+{
+    const struct pccd_contact *contacts = result->records;
+    for (uint64_t i = from; i < result->count; i++) {
+        if ((contacts[i].object_a == a && contacts[i].object_b == b) ||
+            (contacts[i].object_a == b && contacts[i].object_b == a)) {
+            return &contacts[i];
+        }
+    }
+    return NULL;
+}
+
+/* Return whether the mode leaves a contact out that the answer has not. */
+static bool is_left_out(const struct thick_truth *truth,
+                        const struct eng_step_result *result)
+{
+    const struct pccd_contact *told =
+        find_of_two(result, 0, truth->name.object_a, truth->name.object_b);
+    switch (result->mode) {
+    case PCCD_MODE_FIRST:
+        return oracle_first_compare(truth->first, result->toi_first) > 0;
+    case PCCD_MODE_FIRST_PER_PAIR:
+        return told && oracle_first_compare(truth->first, told->toi) >= 0;
+    default:
+        return false;
+    }
+}
+
 static const char *check_contacts(const struct thick_step *step,
                                   const struct thick_truths *truths,
-                                  const struct eng_step_result *result, bool all,
+                                  const struct eng_step_result *result,
                                   uint64_t counts[PCCD_KIND_COUNT])
 {
     const struct pccd_contact *contacts = result->records;
+    for (uint64_t i = 0;
+         result->mode == PCCD_MODE_FIRST_PER_PAIR && i < result->count; i++) {
+        if (find_of_two(result, i + 1, contacts[i].object_a, contacts[i].object_b)) {
+            return "two contacts of two objects";
+        }
+    }
     uint64_t at = 0;
     for (size_t i = 0; i < truths->count; i++) {
         const struct thick_truth *truth = &truths->items[i];
@@ -314,9 +349,7 @@ static const char *check_contacts(const struct thick_step *step,
             wrong = check_contact(step, truth, &contacts[at]);
             counts[truth->name.kind]++;
         } else if (truth->first) {
-            wrong = all || oracle_first_compare(truth->first, result->toi_first) <= 0
-                        ? "a contact is missing"
-                        : NULL;
+            wrong = is_left_out(truth, result) ? NULL : "a contact is missing";
         } else if (is_there) {
             wrong =
                 truth->is_thick || contacts[at].flags != 0 ? "an invented contact" : NULL;
@@ -360,7 +393,6 @@ const char *thick_judge(const struct thick_step *step, const struct thick_truths
     case PCCD_MODE_ANY:
         return check_verdict(truths, result);
     default:
-        return check_contacts(step, truths, result, result->mode == PCCD_MODE_ALL,
-                              contacts);
+        return check_contacts(step, truths, result, contacts);
     }
 }

@@ -386,7 +386,7 @@ CASE_WITH(stage__refused_settings_leave_positions_as_before, setup, teardown)
     for (int which = 0; which < 7; which++) {
         struct eng_question settings = ENG_QUESTION_DEFAULT;
         struct eng_step_result result;
-        settings.mode = which == 0 ? 4 : PCCD_MODE_ALL;
+        settings.mode = which == 0 ? PCCD_MODE_COUNT : PCCD_MODE_ALL;
         settings.method = which == 1 ? 9 : PCCD_METHOD_DEFAULT;
         settings.threads = which == 2 ? 0 : 1;
         settings.tolerance = which == 3   ? 0
