@@ -311,6 +311,53 @@ CASE(turning__gives_the_same_bytes_in_every_way)
     }
 }
 
+/* If it failed: what is known of bodies that are too much to decide would depend on how
+ * many threads there were, or on what a thread had done before. */
+CASE(turning__ends_at_its_limits_in_every_way_alike)
+{
+    uint64_t some = 0;
+    uint32_t idx[3];
+    struct eng_mesh *meshes[3] = {kit_sheet(16, 0.1), kit_sheet(16, 0), bar(0.2)};
+    for (uint64_t tests = 1u << 9; tests <= 1u << 19; tests *= 4) {
+        struct answer want;
+        uint32_t incomplete = 0;
+        for (uint32_t i = 0; i < way_count(); i++) {
+            struct eng_question question = ENG_QUESTION_DEFAULT;
+            struct eng_bad_joint bad;
+            uint32_t base;
+            way_choose(i, &question);
+            question.threads = i % 2 ? 1 + i % 5 : question.threads;
+            question.turning_tests = tests;
+            struct eng_scene *scene = kit_scene();
+            for (uint32_t k = 0; k < 3; k++) {
+                assert_ok(eng_scene_add(scene, meshes[k], k + 1, &idx[k]));
+            }
+            struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0.4, 0.4, 0, 12);
+            joint.axis[0] = 0.3;
+            eng_stage_begin(scene);
+            assert_ok(eng_stage_joints(scene, &joint, 1, &base, &bad));
+            assert_ok(eng_stage_turning(scene, idx[0], base));
+            struct eng_step_result result = kit_step(scene, &question);
+            if (i == 0) {
+                answer_keep(&result, &want);
+                incomplete = result.incomplete;
+                some += incomplete == PCCD_INCOMPLETE_UNDECIDED && result.count > 0;
+            }
+            const char *difference = answer_difference(&want, &result);
+            if (difference || incomplete != result.incomplete) {
+                fail_msg("%llu tests, way %u, %u threads: %s", (unsigned long long)tests,
+                         i, question.threads, difference ? difference : "incomplete");
+            }
+            eng_scene_free(scene);
+        }
+        answer_free(&want);
+    }
+    assert_true(some > 1);
+    for (uint32_t k = 0; k < 3; k++) {
+        eng_mesh_release(meshes[k]);
+    }
+}
+
 static int compare_contacts(const void *a, const void *b)
 {
     const struct pccd_contact *x = a;

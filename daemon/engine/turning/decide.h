@@ -86,7 +86,8 @@ struct eng_turning_answer {
 #define ENG_TURNING_LOOKS_AHEAD 64u
 
 /* Decide a pair; `poses` has the path of its turning side. What is known of from and to
- * changes nothing but how many looks it takes. */
+ * changes nothing but how many looks it takes, and so whether looks_max are enough: who
+ * has limits must know the same in whatever way it has come to the pair (turning.h). */
 enum eng_turning_verdict eng_turning_decide(struct eng_poses *poses,
                                             const struct eng_turning_pair *pair,
                                             const struct eng_turning_limits *limits,

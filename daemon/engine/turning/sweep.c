@@ -222,21 +222,22 @@ static void make_frame(const struct eng_sweep *sweep, struct eng_sweep_span span
     set_bow(sweep, span.index * h, (span.index + 1) * h, (const double(*)[3])u, frame);
 }
 
-/* Return how many looks there are until should_stop is asked. */
-static uint32_t looks_of(const struct eng_sweep *sweep)
-{
-    return sweep->tests_most < LOOKS ? (uint32_t)sweep->tests_most : LOOKS;
-}
-
-/* Count what is looked at. */
-static void look(struct eng_sweep *sweep, uint32_t looks)
+/* Ask whether to stop when so much has been looked at. */
+static void ask(struct eng_sweep *sweep, uint32_t looks)
 {
     if (sweep->looks_left > looks) {
         sweep->looks_left -= looks;
         return;
     }
-    sweep->looks_left = looks_of(sweep);
+    sweep->looks_left = LOOKS;
     sweep->stops |= sweep->should_stop(sweep->owner);
+}
+
+/* Count what is looked at. A run of too many tests ends here, whatever was looked at
+ * before it, and whichever frames are kept. */
+static void look(struct eng_sweep *sweep, uint32_t looks)
+{
+    ask(sweep, looks);
     if (sweep->box_tests + sweep->leaf_tests > sweep->tests_most && !sweep->stops) {
         sweep->status = PCCD_E_LIMIT;
         sweep->stops = true;
@@ -249,7 +250,7 @@ static const struct eng_sweep_frame *frame_of(struct eng_sweep *sweep,
     uint32_t place = ((1u << span.depth) + span.index) % FRAMES;
     struct eng_sweep_frame *frame = &sweep->frames[place];
     if (frame->span.index != span.index || frame->span.depth != span.depth) {
-        look(sweep, LOOKS_OF_FRAME);
+        ask(sweep, LOOKS_OF_FRAME);
         make_frame(sweep, span, frame);
     }
     return frame;
@@ -1014,9 +1015,16 @@ void eng_sweep_begin(struct eng_sweep *sweep)
         sweep->span_capacity = 0;
     }
     sweep->looks_left = LOOKS;
+}
+
+/* Begin a run, or to divide one: nothing is left of those before. */
+static void begin_run(struct eng_sweep *sweep)
+{
     sweep->span_count = 0;
     sweep->stops = false;
     sweep->status = PCCD_OK;
+    sweep->box_tests = 0;
+    sweep->leaf_tests = 0;
 }
 
 /* Push the spans in which the two may meet. */
@@ -1062,6 +1070,7 @@ uint32_t eng_sweep_split(struct eng_sweep *sweep, uint32_t limit, uint64_t *task
     uint32_t count = 1;
     uint32_t next = 0;
     uint32_t unchanged = 0; /* tasks in succession that stayed as they are */
+    begin_run(sweep);
     tasks[0] = ENG_SWEEP_ALL;
     while (count > 0 && count + 3 <= limit && unchanged < count && !sweep->stops) {
         uint64_t parts[4];
@@ -1082,9 +1091,7 @@ int eng_sweep_run(struct eng_sweep *sweep, uint64_t task)
 {
     struct item a = item_of(sweep, 0, (uint32_t)(task >> 32));
     struct item b = item_of(sweep, 1, (uint32_t)task);
-    sweep->box_tests = 0;
-    sweep->leaf_tests = 0;
-    sweep->looks_left = looks_of(sweep);
+    begin_run(sweep);
     if (push_all(sweep, &a, &b)) {
         join(sweep, &a, &b, 0);
     }

@@ -143,7 +143,7 @@ int eng_turning_begin(struct eng_turning *turning,
     sweep->fineness = turning->delta;
     sweep->wants_free = radii > 0;
     sweep->t_end = 1;
-    sweep->tests_most = TESTS_MOST;
+    sweep->tests_most = objects->tests_most > 0 ? objects->tests_most : TESTS_MOST;
     sweep->take = take;
     sweep->should_stop = should_stop;
     sweep->owner = turning;
@@ -365,9 +365,10 @@ bool eng_turning_try(struct eng_turning *turning, struct eng_worker *worker,
     turning->has_limit = false;
     turning->only_proves = true;
     sweep->t_end = worker->time_bound;
+    const uint64_t tests_most = sweep->tests_most;
     sweep->tests_most = tests;
     int status = eng_sweep_run(sweep, ENG_TURNING_ALL);
-    sweep->tests_most = TESTS_MOST;
+    sweep->tests_most = tests_most;
     turning->only_proves = false;
     count(turning);
     return status == PCCD_OK && !turning->has_limit;

@@ -42,6 +42,7 @@ struct eng_turning_objects {
      * question, 0 .. 1e18; 0: the default. Less than rounding leaves a meaning is raised
      * to that. */
     double resolution;
+    uint64_t tests_most; /* of boxes, by a task; 0: the default. Fewer are for tests */
 };
 
 /* A task: the nodes of both sides whose leaves are tested against each other. */
@@ -71,8 +72,13 @@ int eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
  * of features once, in any order; first and any leave out what does not matter any more.
  * Normals are those of the world. Counts candidates, tests and box tests of the worker.
  * Looks whether the worker should stop at least every 0.2 ms, and ends if so.
- * PCCD_E_LIMIT: some pairs took too many looks (decide.h) and are not known;
- * PCCD_E_NOMEM. What was found stays then. */
+ * PCCD_E_LIMIT: some pairs took too many looks (decide.h), or the task too many tests of
+ * boxes or spans, and some are not known; PCCD_E_NOMEM. What was found stays then.
+ *
+ * Where nothing is left out, which is so in modes all and first-per-pair, what is found
+ * and whether a limit is met is a function of the two objects and of the task alone,
+ * whatever the thread did before. So a step must divide a pair of objects in the same
+ * way by any number of threads. */
 int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
                         uint64_t task);
 

@@ -15,9 +15,6 @@
 /* Parts of the step, at most, of which each has its box. */
 #define SPANS_MAX 64u
 
-/* Couples for each thread from which on none is divided. */
-#define COUPLES_EACH 8u
-
 /* Tests that each couple gets in mode any before one of them gets more. */
 #define TRIES 2u
 static const uint64_t tests_of_try[TRIES] = {1u << 8, 1u << 12};
@@ -269,6 +266,14 @@ static void join(struct eng_turning_step *step, uint32_t object)
     }
 }
 
+static uint64_t size_of(const struct eng_turning_step *step,
+                        const struct eng_turning_couple *couple)
+{
+    const struct eng_object *objects = step->scene->objects;
+    return (uint64_t)objects[couple->a].mesh->leaf_count +
+           objects[couple->b].mesh->leaf_count;
+}
+
 /* Two objects may meet. Without memory for more the answer is not complete. */
 static void add_couple(struct eng_turning_step *step, uint32_t a, uint32_t b)
 {
@@ -278,7 +283,13 @@ static void add_couple(struct eng_turning_step *step, uint32_t a, uint32_t b)
         step->has_failed = true;
         return;
     }
-    step->couples[step->couple_count++] = (struct eng_turning_couple){.a = a, .b = b};
+    const struct eng_turning_couple couple = {.a = a, .b = b};
+    struct eng_turning_couple *place = &step->couples[step->couple_count++];
+    if (size_of(step, &couple) >= ENG_TURNING_LARGE) {
+        *place = step->couples[step->divided_count];
+        place = &step->couples[step->divided_count++];
+    }
+    *place = couple;
     join(step, a);
     join(step, b);
 }
@@ -314,20 +325,12 @@ static void list_couples(struct eng_turning_step *step, struct eng_worker *worke
     }
 }
 
-static uint64_t size_of(const struct eng_turning_step *step,
-                        const struct eng_turning_couple *couple)
-{
-    const struct eng_object *objects = step->scene->objects;
-    return (uint64_t)objects[couple->a].mesh->leaf_count +
-           objects[couple->b].mesh->leaf_count;
-}
-
 /* Large ones first, so that no thread ends with one while others have nothing to do. */
 static void sort_couples(struct eng_turning_step *step)
 {
     uint32_t count = step->couple_count;
     if (count > SORTED_MOST || reserve_keys(step, count) != PCCD_OK) {
-        return; /* in any order */
+        return; /* as they are: those that are divided come first */
     }
     for (uint32_t i = 0; i < count; i++) {
         const struct eng_turning_couple *couple = &step->couples[i];
@@ -348,7 +351,9 @@ void eng_turning_step_begin(struct eng_turning_step *step, struct eng_worker *wo
     const struct eng_question *question = worker->question;
     step->separation = question->distance;
     step->resolution = question->resolution;
+    step->tests_most = question->turning_tests;
     step->couple_count = 0;
+    step->divided_count = 0;
     step->joining_count = 0;
     step->has_failed = false;
     step->is_alone = threads == 1;
@@ -359,10 +364,12 @@ void eng_turning_step_begin(struct eng_turning_step *step, struct eng_worker *wo
     atomic_init(&step->rest, ENG_REST_IS_FREE);
     list_items(step, worker);
     list_couples(step, worker);
-    step->is_divided = threads > 1 && step->couple_count < COUPLES_EACH * threads &&
-                       eng_array_fit(&step->tasks, &step->task_capacity,
-                                     step->couple_count * ENG_TURNING_TASKS,
-                                     sizeof *step->tasks) == PCCD_OK;
+    if (eng_array_fit(&step->tasks, &step->task_capacity,
+                      step->divided_count * ENG_TURNING_TASKS,
+                      sizeof *step->tasks) != PCCD_OK) {
+        step->divided_count = 0;
+        step->has_failed = true;
+    }
     sort_couples(step);
 }
 
@@ -446,7 +453,8 @@ static int begin_couple(struct eng_turning_step *step, struct eng_worker *worker
     const uint32_t objects[2] = {couple->a, couple->b};
     struct eng_turning_objects both = {.joints = step->scene->joints.items,
                                        .separation = step->separation,
-                                       .resolution = step->resolution};
+                                       .resolution = step->resolution,
+                                       .tests_most = step->tests_most};
     for (int side = 0; side < 2; side++) {
         const struct eng_object *object = &step->scene->objects[objects[side]];
         both.side[side] =
@@ -457,11 +465,11 @@ static int begin_couple(struct eng_turning_step *step, struct eng_worker *worker
     return eng_turning_begin(worker->turning, &both);
 }
 
-/* Divide couples, so that there is something for every thread. */
+/* Divide large couples, so that there is something for every thread. */
 static void divide(struct eng_turning_step *step, struct eng_worker *worker)
 {
     for (uint32_t i = take(&step->next_couple);
-         i < step->couple_count && !eng_worker_should_stop(worker);
+         i < step->divided_count && !eng_worker_should_stop(worker);
          i = take(&step->next_couple)) {
         struct eng_turning_couple *couple = &step->couples[i];
         uint64_t *tasks = step->tasks + i * ENG_TURNING_TASKS;
@@ -495,24 +503,26 @@ static void try_couples(struct eng_turning_step *step, struct eng_worker *worker
 /* Do what no thread has taken yet, couple by couple. */
 static void perform_tasks(struct eng_turning_step *step, struct eng_worker *worker)
 {
-    uint32_t each = step->is_divided ? ENG_TURNING_TASKS : 1;
+    const uint32_t divided = step->divided_count;
+    const uint32_t parts = divided * ENG_TURNING_TASKS; /* the rest are whole */
     uint32_t begun = UINT32_MAX;
     int status = PCCD_OK;
     for (uint32_t i = take(&step->next_task);
-         i < step->couple_count * each && !eng_worker_should_stop(worker);
+         i < parts + (step->couple_count - divided) && !eng_worker_should_stop(worker);
          i = take(&step->next_task)) {
-        const struct eng_turning_couple *couple = &step->couples[i / each];
-        if ((step->is_divided && i % each >= couple->task_count) ||
+        uint32_t number = i < parts ? i / ENG_TURNING_TASKS : divided + (i - parts);
+        const struct eng_turning_couple *couple = &step->couples[number];
+        if ((i < parts && i % ENG_TURNING_TASKS >= couple->task_count) ||
             atomic_load_explicit(&couple->is_known, memory_order_relaxed)) {
             continue;
         }
         uint64_t begin_ns = eng_worker_slice(worker);
-        if (i / each != begun) {
+        if (number != begun) {
             status = begin_couple(step, worker, couple);
-            begun = i / each;
+            begun = number;
         }
         if (status == PCCD_OK) {
-            uint64_t task = step->is_divided ? step->tasks[i] : ENG_TURNING_ALL;
+            uint64_t task = i < parts ? step->tasks[i] : ENG_TURNING_ALL;
             int performed = eng_turning_perform(worker->turning, worker, task);
             if (performed != PCCD_OK) {
                 fail(worker, performed);
@@ -554,9 +564,11 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
     if (worker->question->mode == PCCD_MODE_ANY) {
         try_couples(step, worker);
     }
-    if (step->is_divided) {
+    if (step->divided_count > 0) {
         divide(step, worker);
-        eng_wait_for_all(worker);
+        if (!step->is_alone) {
+            eng_wait_for_all(worker);
+        }
     }
     perform_tasks(step, worker);
     worker->record.low_ns +=

@@ -1,8 +1,9 @@
 /* turning_step.h - the objects of a step that turn, each with all that it may meet.
  *
  * List the pairs of objects of which one turns, by boxes around what each of them sweeps;
- * then have all threads test them (turning.h), large ones first, or in tasks where there
- * are few. The methods leave objects that turn out (masks.h).
+ * then have all threads test them (turning.h), large ones in tasks. Which are large is a
+ * matter of their meshes alone: so are the tasks, and where one of them ends for want of
+ * looks, whatever threads there are. The methods leave objects that turn out (masks.h).
  *
  * Threads: prepare, begin: [compute]; perform: [team].
  */
@@ -45,6 +46,7 @@ struct eng_turning_step {
     const struct eng_scene *scene;
     double separation;
     double resolution;
+    uint64_t tests_most;
     struct eng_turning_part *parts; /* [part_capacity] by object */
     uint32_t part_capacity;
     struct eng_turning_item *items; /* [item_capacity] */
@@ -54,10 +56,10 @@ struct eng_turning_step {
     uint32_t joining_count;
     struct eng_turning_couple *couples; /* large ones first */
     uint32_t couple_count, couple_capacity;
+    uint32_t divided_count; /* so many of them, the first ones, are divided */
     uint32_t key_capacity;
-    uint64_t *tasks; /* [couple_count][ENG_TURNING_TASKS] if divided */
+    uint64_t *tasks; /* [divided_count][ENG_TURNING_TASKS] */
     uint32_t task_capacity;
-    bool is_divided;
     bool is_alone;   /* by one thread: others of its OpenMP team have other steps */
     bool has_failed; /* there was no memory for all couples */
     struct eng_path path;
@@ -69,6 +71,9 @@ struct eng_turning_step {
 };
 
 #define ENG_TURNING_TASKS 32u
+
+/* Two objects are tested in tasks if they have so many leaves. */
+#define ENG_TURNING_LARGE 512u
 
 void eng_turning_step_deinit(struct eng_turning_step *step);
 uint64_t eng_turning_step_bytes(const struct eng_turning_step *step);
