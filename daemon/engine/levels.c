@@ -102,7 +102,8 @@ static uint32_t wide_boxes(const struct eng_scene *scene, enum pccd_tree kind,
 {
     const struct eng_wide *wide = eng_wide_of(scene);
     const struct eng_wide_tree *tree = &wide->trees[kind];
-    if (level >= wide->level_count ||
+    /* Trees may be put together by a step that makes no boxes, if all objects turn. */
+    if (level >= wide->level_count || wide->boxes_are_old || wide->boxes_of == 0 ||
         (wide->frames > 0 && wide->frames != scene->framing.number)) {
         return 0;
     }

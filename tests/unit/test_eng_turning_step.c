@@ -711,6 +711,31 @@ CASE(turning__looks_at_the_clock_between_objects)
     eng_mesh_release(mesh);
 }
 
+/* If it failed: who looks at the hierarchies after a step that makes no boxes, for all
+ * objects turn, would see boxes that nobody has made, or the process would end. */
+CASE(turning__shows_no_boxes_that_were_not_made)
+{
+    const struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0, 0, 0, 1);
+    for (uint32_t way = 0; way < way_count(); way++) {
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
+        struct pccd_box boxes[16];
+        way_choose(way, &settings);
+        kit_begin_with(bar(0), bar(2));
+        check_staging(kit.scene, kit.idx[0], &joint);
+        assert_ok(eng_stage_turning(kit.scene, kit.idx[1], 0));
+        for (int step = 0; step < 2; step++) { /* in the last one nothing turns */
+            kit_step(kit.scene, &settings);
+            uint32_t seen = 0;
+            for (enum pccd_tree tree = 0; tree < PCCD_TREE_TRIANGLES; tree++) {
+                for (uint32_t level = 0; level < 3; level++) {
+                    seen += eng_level_boxes(kit.scene, tree, level, 0, 16, boxes);
+                }
+            }
+            assert_int_equal(seen > 0, settings.method == PCCD_METHOD_WIDE && step > 0);
+        }
+    }
+}
+
 /* If it failed: a step that ended while it made the boxes of an object that goes straight
  * would leave boxes to the next ones that are not whole. */
 CASE(turning__makes_boxes_anew_when_it_was_stopped)
