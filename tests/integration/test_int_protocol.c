@@ -256,17 +256,18 @@ CASE_WITH(answer__fields_outside_their_mode_are_as_said, open_raw, close_raw)
     struct proto_FRAME_SUBMIT_result answer;
     make_scene("");
     for (uint32_t mode = PCCD_MODE_ALL; mode < PCCD_MODE_COUNT; mode++) {
-        bool has_contacts = mode == PCCD_MODE_ALL || mode == PCCD_MODE_FIRST;
+        bool has_contacts = mode != PCCD_MODE_ANY && mode != PCCD_MODE_PAIRS;
+        uint64_t count = mode == PCCD_MODE_FIRST_PER_PAIR ? 1 : 3;
         fall(1, -1, mode, &answer);
         assert_int_equal(answer.verdict,
                          mode == PCCD_MODE_ANY ? PCCD_VERDICT_YES : PCCD_VERDICT_NONE);
-        assert_int_equal(answer.vf, mode == PCCD_MODE_ANY ? 0 : 3);
+        assert_int_equal(answer.vf, mode == PCCD_MODE_ANY ? 0 : count);
         assert_int_equal(answer.record_bytes, mode == PCCD_MODE_PAIRS ? 20 : 64);
         assert_true(has_contacts ? answer.toi_first <= 0.5 && answer.toi_first > 0.499999
                                  : answer.toi_first == 2);
         assert_int_equal(answer.possible, 0);
         fall(0, -1, mode, &answer);
-        assert_int_equal(answer.initial, has_contacts ? 3 : 0);
+        assert_int_equal(answer.initial, has_contacts ? count : 0);
         fall(1, 2, mode, &answer);
         assert_int_equal(answer.verdict,
                          mode == PCCD_MODE_ANY ? PCCD_VERDICT_NO : PCCD_VERDICT_NONE);
