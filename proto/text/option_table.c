@@ -369,6 +369,7 @@ bool option_is_near(const char *word, unsigned edits)
 static void suggest(const struct parsing *parsing, const struct argp_state *state,
                     const char *text)
 {
+    static const char *const own[] = {"usage", "version"}; /* argp's own */
     char name[WORD_MAX];
     size_t length = strcspn(text, "=");
     const char *nearest = NULL;
@@ -378,6 +379,11 @@ static void suggest(const struct parsing *parsing, const struct argp_state *stat
     }
     memcpy(name, text, length);
     name[length] = '\0';
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++) {
+        if (strncmp(name, own[i], length) == 0) {
+            return;
+        }
+    }
     for (const struct argp_option *option = parsing->options;
          option->name != NULL || option->key != 0 || option->doc != NULL; option++) {
         if (option->name == NULL) {

@@ -552,4 +552,12 @@ fails 2 'no command "chekc"; check?' chekc &&
     ctl demo --steps 1 --output --jsno && [ -e ./--jsno ]
 report "what is misspelt gets the word that may be meant"
 
+# If it failed, what every command knows would be taken for another word that is misspelt.
+while read -r command; do
+    for option in --help --usage --version --vers --usag; do
+        ctl "$command" "$option" || echo "$command $option: $(cat err)"
+    done
+done <commands >help.log && [ ! -s help.log ]
+tap_result $? "every command has help, usage and version" help.log
+
 tap_end
