@@ -403,17 +403,21 @@ static void suggest(const struct parsing *parsing, const struct argp_state *stat
     }
 }
 
-/* Return whether a word is an option whose value is the next word. */
+/* Return whether a word may be an option, or its beginning, whose value is the next
+ * word. */
 static bool takes_next(const struct parsing *parsing, const char *word)
 {
+    if (word[0] != '-' || word[1] == '\0') {
+        return false;
+    }
     for (const struct argp_option *option = parsing->options;
-         word[0] == '-' && (option->name != NULL || option->key != 0 || option->doc);
-         option++) {
-        bool is_it = word[1] == '-' ? option->name != NULL &&
-                                          strcmp(word + 2, option->name) == 0
-                                    : word[1] == option->key && word[2] == '\0';
-        if (is_it) {
-            return option->arg != NULL;
+         option->name != NULL || option->key != 0 || option->doc != NULL; option++) {
+        bool may_be = word[1] == '-' ? option->name != NULL &&
+                                           strncmp(word + 2, option->name,
+                                                   strlen(word + 2)) == 0
+                                     : word[1] == option->key && word[2] == '\0';
+        if (may_be && option->arg != NULL) {
+            return true;
         }
     }
     return false;
