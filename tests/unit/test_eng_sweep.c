@@ -42,8 +42,18 @@ static struct eng_mesh *random_mesh(struct prng *random)
     }
     assert_ok(eng_mesh_write_points(mesh, 0, counts.points, named + 50, &bad));
     assert_ok(eng_mesh_commit(mesh));
-    assert_ok(eng_body_tree_prepare(mesh));
+    assert_ok(eng_body_tree_prepare(mesh, NULL, NULL));
     return mesh;
+}
+
+/* Fit a body to where its mesh goes. */
+static int fit(struct eng_body *body, const struct eng_mesh *mesh, const double (*x0)[3],
+               const double (*x1)[3])
+{
+    struct eng_bounds bounds = eng_mesh_measure(mesh, x0);
+    struct eng_bounds other = eng_mesh_measure(mesh, x1);
+    eng_bounds_unite(&bounds, &other);
+    return eng_body_fit(body, mesh, x0, x1, &bounds);
 }
 
 /* ---- trees ------------------------------------------------------------------------- */
@@ -106,9 +116,9 @@ static void check_tree(struct eng_mesh *mesh)
 {
     struct eng_body body = {0};
     uint64_t before = eng_mesh_bytes(mesh);
-    assert_ok(eng_body_tree_prepare(mesh));
+    assert_ok(eng_body_tree_prepare(mesh, NULL, NULL));
     const struct eng_body_tree *tree = eng_body_tree_of(mesh);
-    assert_ok(eng_body_tree_prepare(mesh)); /* it is there */
+    assert_ok(eng_body_tree_prepare(mesh, NULL, NULL)); /* it is there */
     assert_ptr_equal(eng_body_tree_of(mesh), tree);
     assert_true(eng_mesh_bytes(mesh) - before <= 512 + 64 * (uint64_t)mesh->leaf_count);
     eng_body_set(&body, mesh);
@@ -152,16 +162,15 @@ CASE(boxes__hold_their_leaves_wherever_they_are)
             }
         }
         struct eng_body body = {0};
-        assert_ok(eng_body_fit(&body, mesh, (const double(*)[3])x,
-                               (const double(*)[3])(x + count)));
+        assert_ok(
+            fit(&body, mesh, (const double(*)[3])x, (const double(*)[3])(x + count)));
         assert_true(body.boxes[0] != body.boxes[1]);
         check_body(&body);
-        assert_ok(
-            eng_body_fit(&body, mesh, (const double(*)[3])x, (const double(*)[3])x));
+        assert_ok(fit(&body, mesh, (const double(*)[3])x, (const double(*)[3])x));
         assert_true(body.boxes[0] == body.boxes[1]);
         check_body(&body);
-        assert_ok(eng_body_fit(&body, mesh, (const double(*)[3])mesh->x,
-                               (const double(*)[3])mesh->x));
+        assert_ok(
+            fit(&body, mesh, (const double(*)[3])mesh->x, (const double(*)[3])mesh->x));
         assert_true(body.boxes[0] == eng_body_tree_of(mesh)->boxes);
         eng_body_deinit(&body);
         eng_mesh_release(mesh);
@@ -407,9 +416,8 @@ CASE(sweep__finds_all_that_comes_near)
         bool deforms = n % 3 == 0;
         double(*end)[3] = random_end(&random, hunt->mesh[0]);
         if (deforms) {
-            assert_ok(eng_body_fit(&hunt->body[0], hunt->mesh[0],
-                                   (const double(*)[3])hunt->mesh[0]->x,
-                                   (const double(*)[3])end));
+            assert_ok(fit(&hunt->body[0], hunt->mesh[0],
+                          (const double(*)[3])hunt->mesh[0]->x, (const double(*)[3])end));
         }
         assert_ok(eng_path_between(joints, deforms ? PCCD_NO_JOINT : count - 2, count - 1,
                                    &hunt->path));
@@ -474,7 +482,7 @@ CASE(sweep__finds_what_comes_near_between_the_ends)
         hunt->mesh[box] = kit_box(low, high, false);
         hunt->mesh[1 - box] = wall_at(0);
         for (int i = 0; i < 2; i++) {
-            assert_ok(eng_body_tree_prepare(hunt->mesh[i]));
+            assert_ok(eng_body_tree_prepare(hunt->mesh[i], NULL, NULL));
             eng_body_set(&hunt->body[i], hunt->mesh[i]);
         }
         assert_ok(eng_path_between(joints, box == 0 ? PCCD_NO_JOINT : 1,
@@ -502,7 +510,7 @@ static void hunt_sheets(struct hunt *hunt, uint32_t side, double above, double a
                                .to = {angle}};
     for (int i = 0; i < 2; i++) {
         hunt->mesh[i] = kit_sheet(side, i == 0 ? 0 : above);
-        assert_ok(eng_body_tree_prepare(hunt->mesh[i]));
+        assert_ok(eng_body_tree_prepare(hunt->mesh[i], NULL, NULL));
         eng_body_set(&hunt->body[i], hunt->mesh[i]);
     }
     assert_ok(eng_path_between(&joint, PCCD_NO_JOINT, 0, &hunt->path));
@@ -581,7 +589,7 @@ CASE(sweep__is_short_for_the_smallest_bodies)
     const uint32_t triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
     for (int i = 0; i < 2; i++) {
         hunt->mesh[i] = kit_mesh(x, 4, triangles, 2);
-        assert_ok(eng_body_tree_prepare(hunt->mesh[i]));
+        assert_ok(eng_body_tree_prepare(hunt->mesh[i], NULL, NULL));
         eng_body_set(&hunt->body[i], hunt->mesh[i]);
     }
     assert_ok(eng_path_between(&joint, PCCD_NO_JOINT, 0, &hunt->path));
@@ -595,6 +603,81 @@ CASE(sweep__is_short_for_the_smallest_bodies)
     hunt_free(hunt);
 }
 
+/* Ask for a tree until it is there, each time until it has asked once. Returns how
+ * often. */
+static uint32_t make_in_parts(struct hunt *hunt, struct eng_mesh *mesh)
+{
+    uint32_t parts = 1;
+    for (;; parts++) {
+        hunt->stop_at = hunt->asked + 1;
+        if (eng_body_tree_prepare(mesh, should_stop, hunt) == PCCD_OK) {
+            return parts;
+        }
+        assert_null(eng_body_tree_of(mesh));
+        assert_true(eng_mesh_bytes(mesh) > 0 && parts < 100000);
+    }
+}
+
+static void check_equal(const struct eng_body_tree *a, const struct eng_body_tree *b)
+{
+    assert_int_equal(a->node_count, b->node_count);
+    assert_memory_equal(a->children, b->children, a->node_count * sizeof *a->children);
+    assert_memory_equal(a->boxes, b->boxes, a->node_count * sizeof *a->boxes);
+    assert_memory_equal(&a->box, &b->box, sizeof a->box);
+}
+
+/* If it failed: a step would not end at its deadline while it makes the tree of a mesh,
+ * or begin anew with each step and never have it, or have another one. */
+CASE(tree__is_made_in_parts)
+{
+    struct hunt *hunt = hunt_new();
+    struct prng random = {2};
+    for (int n = 0; n < 2; n++) {
+        /* The leaves of the other lie in one place: only halves are left. */
+        static const double x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+        static uint32_t same[20000][3];
+        for (uint32_t i = 0; i < 20000; i++) {
+            memcpy(same[i], (uint32_t[3]){0, 1, 2}, sizeof same[i]);
+        }
+        struct eng_mesh *mesh[2];
+        for (int i = 0; i < 2; i++) {
+            random.state = 2;
+            mesh[i] = n == 0 ? kit_soup(&random, 20000) : kit_mesh(x, 3, same, 20000);
+        }
+        uint32_t leaves = mesh[0]->leaf_count;
+        hunt->asked = 0;
+        hunt->stop_at = UINT32_MAX;
+        assert_ok(eng_body_tree_prepare(mesh[0], should_stop, hunt));
+        /* On each of the seven levels above the leaves all are looked at three times, or
+         * in halves twice: 8192 a look. */
+        assert_true(hunt->asked >= 7 * 2 * leaves / 8192);
+        uint64_t asked = hunt->asked;
+        uint32_t parts = make_in_parts(hunt, mesh[1]);
+        assert_true(parts > asked / 2 && parts <= asked + 1);
+        check_equal(eng_body_tree_of(mesh[0]), eng_body_tree_of(mesh[1]));
+        assert_int_equal(eng_mesh_bytes(mesh[0]), eng_mesh_bytes(mesh[1]));
+        eng_mesh_release(mesh[0]);
+        eng_mesh_release(mesh[1]);
+    }
+    hunt_free(hunt);
+}
+
+/* If it failed: a mesh that goes would leave behind what there is of its tree. */
+CASE(tree__goes_with_its_mesh_unmade)
+{
+    struct hunt *hunt = hunt_new();
+    struct prng random = {3};
+    uint64_t before = eng_alloc_bytes();
+    for (uint32_t part = 1; part < 60; part += 7) {
+        struct eng_mesh *mesh = kit_soup(&random, 20000);
+        hunt->stop_at = hunt->asked + part;
+        (void)eng_body_tree_prepare(mesh, should_stop, hunt);
+        eng_mesh_release(mesh);
+    }
+    assert_int_equal(eng_alloc_bytes(), before);
+    hunt_free(hunt);
+}
+
 /* If it failed: a deadline would be late beside what is large and deforms. */
 CASE(boxes__ask_often_whether_to_stop)
 {
@@ -604,16 +687,15 @@ CASE(boxes__ask_often_whether_to_stop)
     double(*x)[3] = calloc(VERTICES, sizeof *x);
     hunt->mesh[0] = kit_sheet(SIDE, 0);
     assert_non_null(x);
-    assert_ok(eng_body_tree_prepare(hunt->mesh[0]));
+    assert_ok(eng_body_tree_prepare(hunt->mesh[0], NULL, NULL));
     body->should_stop = should_stop;
     body->owner = hunt;
     const double(*x0)[3] = (const double(*)[3])hunt->mesh[0]->x;
-    assert_ok(eng_body_fit(body, hunt->mesh[0], x0, (const double(*)[3])x));
+    assert_ok(fit(body, hunt->mesh[0], x0, (const double(*)[3])x));
     /* Two times a node for each one to four leaves, 1024 nodes a look. */
     assert_true(hunt->asked >= 2 * (2 * SIDE * SIDE / 4 / 1024));
     hunt->stop_at = hunt->asked + 2;
-    assert_int_equal(eng_body_fit(body, hunt->mesh[0], x0, (const double(*)[3])x),
-                     PCCD_E_AGAIN);
+    assert_int_equal(fit(body, hunt->mesh[0], x0, (const double(*)[3])x), PCCD_E_AGAIN);
     free(x);
     hunt_free(hunt);
 }

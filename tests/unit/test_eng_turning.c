@@ -69,7 +69,7 @@ static struct two *two_new(struct prng *random, bool both, bool deforms, bool tu
     for (int i = 0; i < 2; i++) {
         put_object(two, random, i, turned);
         struct eng_object *object = eng_scene_object(kit.scene, kit.idx[i]);
-        assert_ok(eng_body_tree_prepare(object->mesh));
+        assert_ok(eng_body_tree_prepare(object->mesh, NULL, NULL));
         eng_body_set(&two->body[i], object->mesh);
         two->objects.side[i].object = object;
         two->objects.side[i].body = &two->body[i];
@@ -84,8 +84,10 @@ static struct two *two_new(struct prng *random, bool both, bool deforms, bool tu
                 two->end[i][k] = mesh->x[i][k] + prng_between(random, -0.5, 0.5);
             }
         }
+        struct eng_bounds bounds = eng_mesh_measure(mesh, (const double(*)[3])two->end);
+        eng_bounds_unite(&bounds, &mesh->bounds);
         assert_ok(eng_body_fit(&two->body[0], mesh, (const double(*)[3])mesh->x,
-                               (const double(*)[3])two->end));
+                               (const double(*)[3])two->end, &bounds));
     }
     two->objects.joints = two->joints;
     two->objects.resolution = 1e-5;

@@ -81,6 +81,8 @@ void eng_mesh_release(struct eng_mesh *mesh)
     eng_free(mesh->reach);
     eng_free(mesh->order);
     eng_free(atomic_load_explicit(&mesh->body_tree, memory_order_acquire));
+    eng_free(mesh->body_build.builder);
+    eng_free(mesh->body_build.tree);
     eng_rings_deinit(mesh);
     eng_stars_deinit(mesh);
     eng_free(mesh->clearance.search);

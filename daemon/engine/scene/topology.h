@@ -28,6 +28,9 @@ struct eng_face {
     uint32_t owns; /* ENG_OWNS_* */
 };
 
+struct eng_body_builder;
+struct eng_body_tree;
+
 enum eng_clearance_state {
     ENG_CLEARANCE_UNKNOWN, /* nobody is at it */
     ENG_CLEARANCE_TAKEN,   /* a thread is */
@@ -46,9 +49,16 @@ struct eng_clearance {
     struct eng_wide_crowded *search;
 };
 
+/* A tree that is being made (body_tree.h): two blocks of memory, of whoever has taken it.
+ * NULL: they are not there. */
+struct eng_body_build {
+    atomic_bool is_taken;
+    struct eng_body_builder *builder;
+    struct eng_body_tree *tree;
+};
+
 struct eng_rings; /* topology.h */
 struct eng_stars; /* topology.h */
-struct eng_body_tree;
 struct eng_account;
 struct eng_wide_order;
 struct eng_wide_crowded;
@@ -91,9 +101,10 @@ struct eng_mesh {
      * there is none. */
     struct eng_wide_order *order;
     uint64_t order_bytes;
-    /* Of bodies that turn (body_tree.h): one block of memory. NULL: nobody has asked. */
+    /* Of bodies that turn (body_tree.h): one block of memory. NULL: it is not there. */
     _Atomic(struct eng_body_tree *) body_tree;
-    atomic_uint_fast64_t body_tree_bytes;
+    struct eng_body_build body_build;
+    atomic_uint_fast64_t body_tree_bytes; /* of what is there of it */
     atomic_uint closed; /* a state of feature.c; 0: it is not known */
 };
 

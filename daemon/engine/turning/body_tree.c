@@ -1,7 +1,9 @@
 /* body_tree.c - the tree of a mesh, and its boxes.
  *
  * Split leaves in two where the surface area heuristic says, by bins of centres, until a
- * node has four children; make boxes from the last node to the first.
+ * node has four children; make boxes from the last node to the first. All of it goes by
+ * passes over items that may be left at any of them and gone on with, so the tree is the
+ * same wherever that was.
  */
 #include "body_tree.h"
 
@@ -19,8 +21,14 @@
 /* From here on halves have equally many leaves: it bounds the depth to some 56. */
 #define LEVEL_OF_HALVES 40u
 
-/* Nodes whose boxes are made between two questions whether to stop. */
-#define NODES_PER_LOOK 1024u
+/* Three that wait on each level, at most. */
+#define WAITING_MAX 192u
+
+/* Items, each some 10 ns, that are looked at before should_stop is asked. A pass looks at
+ * so many at a time. The boxes of a node take as long as some items. */
+#define ITEMS_PER_LOOK 8192u
+#define ITEMS_AT_ONCE  1024u
+#define ITEMS_OF_NODE  8u
 
 struct item {
     float low[3];
@@ -34,13 +42,6 @@ struct range {
     float area; /* of its box */
 };
 
-struct builder {
-    struct item *items;
-    uint32_t (*children)[4];
-    uint32_t node_count;
-    uint32_t capacity;
-};
-
 struct bounds {
     float low[3];
     float high[3];
@@ -48,6 +49,72 @@ struct bounds {
 
 static const struct bounds nothing = {{FLT_MAX, FLT_MAX, FLT_MAX},
                                       {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
+
+struct bin {
+    struct bounds bounds;
+    uint32_t count;
+};
+
+/* Where centres fall into bins along an axis. */
+struct cut {
+    int axis; /* -1: there is none */
+    float low;
+    float scale;
+    uint32_t bin; /* the first on the far side */
+    float cost;
+};
+
+/* The state of a range that is divided: the next thing to be done to it. */
+enum phase {
+    TO_BEGIN,
+    TO_FIND_MIDDLES,
+    TO_FILL_BINS,
+    TO_SORT,
+    TO_MEASURE,
+    TO_MEASURE_REST
+};
+
+/* A range that will be a node. */
+struct waiting {
+    uint32_t first;
+    uint32_t count;
+    uint32_t level;
+    uint32_t place; /* of its number among the children of all nodes */
+};
+
+/* A tree that is not made yet: all that it takes to go on. One block of memory. */
+struct eng_body_builder {
+    bool has_items;
+    bool has_nodes;
+    uint32_t at; /* items that the pass has seen, or nodes that have their boxes */
+
+    /* The node that is divided, if any, and into what so far. */
+    uint32_t node;
+    uint32_t level;
+    uint32_t parts; /* 0: none is */
+    struct range ranges[4];
+
+    /* The range that is. */
+    enum phase phase;
+    uint32_t kept;           /* items that go to its first part, which they begin */
+    struct bounds bounds[2]; /* of both parts */
+    struct bounds middles;
+    struct bin bins[3][BINS];
+    struct cut cuts[3]; /* by axis */
+    struct cut best;
+
+    struct waiting waiting[WAITING_MAX];
+    uint32_t waiting_count;
+    uint32_t node_count;
+    uint32_t (*children)[4]; /* [leaf_count] */
+    struct item *items;      /* [leaf_count] */
+
+    /* Of the thread that is at it. */
+    const struct eng_mesh *mesh;
+    uint32_t looked; /* items since it was asked: */
+    bool (*should_stop)(void *owner);
+    void *owner;
+};
 
 static void add(struct bounds *bounds, const float low[3], const float high[3])
 {
@@ -70,24 +137,85 @@ static float middle_of(const struct item *item, int axis)
     return item->low[axis] + item->high[axis];
 }
 
-struct bin {
-    struct bounds bounds;
-    uint32_t count;
-};
+/* Count what was looked at. False: whoever has asked for the tree wants no more. */
+static bool goes_on(struct eng_body_builder *builder, uint32_t items)
+{
+    builder->looked += items;
+    if (builder->looked < ITEMS_PER_LOOK) {
+        return true;
+    }
+    builder->looked = 0;
+    return !builder->should_stop || !builder->should_stop(builder->owner);
+}
 
-/* Where centres fall into bins along an axis. */
-struct cut {
-    int axis; /* -1: there is none */
-    float low;
-    float scale;
-    uint32_t bin; /* the first on the far side */
-    float cost;
-};
+/* Have all items of a range seen, a few at a time. False: not all; the next call goes
+ * on. */
+static bool pass(struct eng_body_builder *builder, uint32_t first, uint32_t count,
+                 void (*see)(struct eng_body_builder *, uint32_t first, uint32_t count))
+{
+    while (builder->at < count) {
+        uint32_t left = count - builder->at;
+        uint32_t n = left < ITEMS_AT_ONCE ? left : ITEMS_AT_ONCE;
+        see(builder, first + builder->at, n);
+        builder->at += n;
+        if (!goes_on(builder, n)) {
+            return false;
+        }
+    }
+    builder->at = 0;
+    return true;
+}
+
+static void see_middles(struct eng_body_builder *builder, uint32_t first, uint32_t count)
+{
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct item *item = &builder->items[i];
+        float at[3] = {middle_of(item, 0), middle_of(item, 1), middle_of(item, 2)};
+        add(&builder->middles, at, at);
+    }
+}
+
+static void see_bounds(struct eng_body_builder *builder, uint32_t first, uint32_t count)
+{
+    struct bounds *bounds = &builder->bounds[builder->phase == TO_MEASURE ? 0 : 1];
+    for (uint32_t i = first; i < first + count; i++) {
+        add(bounds, builder->items[i].low, builder->items[i].high);
+    }
+}
 
 static uint32_t bin_of(const struct cut *cut, const struct item *item)
 {
     float at = (middle_of(item, cut->axis) - cut->low) * cut->scale;
     return at < BINS - 1 ? (uint32_t)at : BINS - 1;
+}
+
+/* Along the axes that have a length. */
+static void empty_bins(struct eng_body_builder *builder)
+{
+    for (int k = 0; k < 3; k++) {
+        float low = builder->middles.low[k];
+        float length = builder->middles.high[k] - low;
+        bool has_length = length > FLT_MIN && length < FLT_MAX;
+        builder->cuts[k] = (struct cut){.axis = has_length ? k : -1,
+                                        .low = low,
+                                        .scale = (float)BINS * (1 - 0x1p-20f) / length};
+        for (uint32_t i = 0; i < BINS; i++) {
+            builder->bins[k][i] = (struct bin){nothing, 0};
+        }
+    }
+}
+
+static void see_bins(struct eng_body_builder *builder, uint32_t first, uint32_t count)
+{
+    for (int k = 0; k < 3; k++) {
+        const struct cut cut = builder->cuts[k];
+        for (uint32_t i = first; i < first + count && cut.axis >= 0; i++) {
+            const struct item *item = &builder->items[i];
+            struct bin *bin = &builder->bins[k][bin_of(&cut, item)];
+            add(&bin->bounds, item->low, item->high);
+            bin->count++;
+        }
+    }
 }
 
 /* So many nodes hold them at least. */
@@ -96,30 +224,25 @@ static float blocks_of(uint32_t count)
     return (float)((count + 3) / 4);
 }
 
+static void unite(struct bin *all, const struct bin *bin)
+{
+    add(&all->bounds, bin->bounds.low, bin->bounds.high);
+    all->count += bin->count;
+}
+
 /* Find the best cut along an axis, if it is better than *best. */
-static void look_along(const struct item *items, uint32_t count, struct cut cut,
+static void look_along(const struct bin bins[BINS], uint32_t count, struct cut cut,
                        struct cut *best)
 {
-    struct bin bins[BINS];
     float cost[BINS];
-    for (uint32_t i = 0; i < BINS; i++) {
-        bins[i] = (struct bin){nothing, 0};
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        struct bin *bin = &bins[bin_of(&cut, &items[i])];
-        add(&bin->bounds, items[i].low, items[i].high);
-        bin->count++;
-    }
     struct bin all = {nothing, 0};
     for (uint32_t i = BINS - 1; i > 0; i--) {
-        add(&all.bounds, bins[i].bounds.low, bins[i].bounds.high);
-        all.count += bins[i].count;
+        unite(&all, &bins[i]);
         cost[i] = area_of(&all.bounds) * blocks_of(all.count);
     }
     all = (struct bin){nothing, 0};
     for (uint32_t i = 1; i < BINS; i++) {
-        add(&all.bounds, bins[i - 1].bounds.low, bins[i - 1].bounds.high);
-        all.count += bins[i - 1].count;
+        unite(&all, &bins[i - 1]);
         cut.cost = cost[i] + area_of(&all.bounds) * blocks_of(all.count);
         cut.bin = i;
         if (all.count > 0 && all.count < count && cut.cost < best->cost) {
@@ -128,57 +251,84 @@ static void look_along(const struct item *items, uint32_t count, struct cut cut,
     }
 }
 
-static struct cut best_cut(const struct item *items, uint32_t count)
+/* Choose the cut, and bound what is on either side of it. */
+static void choose_cut(struct eng_body_builder *builder, uint32_t count)
 {
-    struct bounds middles = nothing;
-    struct cut best = {.axis = -1, .cost = INFINITY};
-    for (uint32_t i = 0; i < count; i++) {
-        float at[3] = {middle_of(&items[i], 0), middle_of(&items[i], 1),
-                       middle_of(&items[i], 2)};
-        add(&middles, at, at);
-    }
+    struct cut *best = &builder->best;
+    *best = (struct cut){.axis = -1, .cost = INFINITY};
     for (int k = 0; k < 3; k++) {
-        float length = middles.high[k] - middles.low[k];
-        if (length > FLT_MIN && length < FLT_MAX) {
-            look_along(items, count,
-                       (struct cut){.axis = k,
-                                    .low = middles.low[k],
-                                    .scale = (float)BINS * (1 - 0x1p-20f) / length},
-                       &best);
+        if (builder->cuts[k].axis >= 0) {
+            look_along(builder->bins[k], count, builder->cuts[k], best);
         }
     }
-    return best;
+    for (uint32_t i = 0; i < BINS && best->axis >= 0; i++) {
+        const struct bin *bin = &builder->bins[best->axis][i];
+        add(&builder->bounds[i < best->bin ? 0 : 1], bin->bounds.low, bin->bounds.high);
+    }
 }
 
-/* Return how many of the items go to the first part, which they begin. */
-static uint32_t divide(struct item *items, uint32_t count, uint32_t level)
+/* Bring those on the near side of the cut to the beginning of their range. */
+static void see_sides(struct eng_body_builder *builder, uint32_t first, uint32_t count)
 {
-    struct cut cut = {.axis = -1};
-    if (level < LEVEL_OF_HALVES) {
-        cut = best_cut(items, count);
-    }
-    if (cut.axis < 0) {
-        return count / 2;
-    }
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        if (bin_of(&cut, &items[i]) < cut.bin) {
+    struct item *items = builder->items;
+    struct item *next = items + first - builder->at + builder->kept;
+    for (uint32_t i = first; i < first + count; i++) {
+        if (bin_of(&builder->best, &items[i]) < builder->best.bin) {
             struct item one = items[i];
-            items[i] = items[kept];
-            items[kept++] = one;
+            items[i] = *next;
+            *next++ = one;
+            builder->kept++;
         }
     }
-    return kept;
 }
 
-static void measure(const struct builder *builder, struct range *range)
+/* Divide a range of more than one item: the rest of it becomes another. False: not yet;
+ * the next call goes on. */
+static bool divide(struct eng_body_builder *builder, struct range *whole,
+                   struct range *rest)
 {
-    struct bounds bounds = nothing;
-    for (uint32_t i = 0; i < range->count; i++) {
-        const struct item *item = &builder->items[range->first + i];
-        add(&bounds, item->low, item->high);
+    const uint32_t first = whole->first;
+    const uint32_t count = whole->count;
+    if (builder->phase == TO_BEGIN) {
+        builder->bounds[0] = builder->bounds[1] = builder->middles = nothing;
+        builder->kept = count <= 4 ? 1 : count / 2;
+        builder->phase =
+            count > 4 && builder->level < LEVEL_OF_HALVES ? TO_FIND_MIDDLES : TO_MEASURE;
     }
-    range->area = area_of(&bounds);
+    if (builder->phase == TO_FIND_MIDDLES) {
+        if (!pass(builder, first, count, see_middles)) {
+            return false;
+        }
+        empty_bins(builder);
+        builder->phase = TO_FILL_BINS;
+    }
+    if (builder->phase == TO_FILL_BINS) {
+        if (!pass(builder, first, count, see_bins)) {
+            return false;
+        }
+        choose_cut(builder, count);
+        bool has_cut = builder->best.axis >= 0;
+        builder->kept = has_cut ? 0 : builder->kept;
+        builder->phase = has_cut ? TO_SORT : TO_MEASURE;
+    }
+    if (builder->phase == TO_SORT && !pass(builder, first, count, see_sides)) {
+        return false;
+    }
+    if (builder->phase == TO_MEASURE) {
+        if (!pass(builder, first, builder->kept, see_bounds)) {
+            return false;
+        }
+        builder->phase = TO_MEASURE_REST;
+    }
+    if (builder->phase == TO_MEASURE_REST &&
+        !pass(builder, first + builder->kept, count - builder->kept, see_bounds)) {
+        return false;
+    }
+    *whole = (struct range){first, builder->kept, area_of(&builder->bounds[0])};
+    *rest = (struct range){first + builder->kept, count - builder->kept,
+                           area_of(&builder->bounds[1])};
+    builder->phase = TO_BEGIN;
+    return true;
 }
 
 /* The range to be divided next, when there are `parts` of them: the largest that is more
@@ -196,48 +346,58 @@ static int next_of(const struct range *ranges, uint32_t parts)
             best = (int)i;
         }
     }
-    return best;
+    return parts < 4 ? best : -1;
 }
 
-/* Divide a range of >= 1 items into up to four. Returns how many. */
-static uint32_t divide_in_four(struct builder *builder, struct range ranges[4],
-                               uint32_t level)
+static void begin_node(struct eng_body_builder *builder)
 {
-    uint32_t parts = 1;
-    for (int at = next_of(ranges, parts); at >= 0 && parts < 4;
-         at = next_of(ranges, parts)) {
-        struct range *whole = &ranges[at];
-        uint32_t count = whole->count <= 4
-                             ? 1
-                             : divide(builder->items + whole->first, whole->count, level);
-        ranges[parts] = (struct range){whole->first + count, whole->count - count, 0};
-        whole->count = count;
-        measure(builder, whole);
-        measure(builder, &ranges[parts++]);
+    const struct waiting *next = &builder->waiting[--builder->waiting_count];
+    builder->node = builder->node_count++;
+    if (builder->node > 0) {
+        builder->children[next->place / 4][next->place % 4] = builder->node;
     }
-    return parts;
+    builder->level = next->level;
+    builder->ranges[0] = (struct range){next->first, next->count, 0};
+    builder->parts = 1;
 }
 
-static int build(struct builder *builder, uint32_t first, uint32_t count, uint32_t level)
+/* Its parts are leaves, or wait: the first of them is the next node. */
+static void end_node(struct eng_body_builder *builder)
 {
-    struct range ranges[4] = {{first, count, 0}};
-    uint32_t parts = divide_in_four(builder, ranges, level);
-    uint32_t node = builder->node_count++;
-    int status = eng_array_extend(&builder->children, &builder->capacity,
-                                  builder->node_count, sizeof *builder->children);
-    for (uint32_t i = 0; i < 4 && status == PCCD_OK; i++) {
-        uint32_t child = ENG_BODY_NONE;
-        if (i < parts && ranges[i].count == 1) {
-            child = ENG_BODY_LEAF | builder->items[ranges[i].first].leaf;
-        } else if (i < parts) {
-            child = builder->node_count;
-            status = build(builder, ranges[i].first, ranges[i].count, level + 1);
-        }
-        if (status == PCCD_OK) {
-            builder->children[node][i] = child;
+    for (uint32_t i = 4; i-- > 0;) {
+        const struct range *range = &builder->ranges[i];
+        uint32_t *child = &builder->children[builder->node][i];
+        if (i >= builder->parts) {
+            *child = ENG_BODY_NONE;
+        } else if (range->count == 1) {
+            *child = ENG_BODY_LEAF | builder->items[range->first].leaf;
+        } else {
+            assert(builder->waiting_count < WAITING_MAX);
+            builder->waiting[builder->waiting_count++] = (struct waiting){
+                range->first, range->count, builder->level + 1, builder->node * 4 + i};
         }
     }
-    return status;
+    builder->parts = 0;
+}
+
+/* False: not yet, as below. */
+static bool make_nodes(struct eng_body_builder *builder)
+{
+    while (builder->parts > 0 || builder->waiting_count > 0) {
+        if (builder->parts == 0) {
+            begin_node(builder);
+        }
+        struct range *ranges = builder->ranges;
+        for (int at = next_of(ranges, builder->parts); at >= 0;
+             at = next_of(ranges, builder->parts)) {
+            if (!divide(builder, &ranges[at], &ranges[builder->parts])) {
+                return false;
+            }
+            builder->parts++;
+        }
+        end_node(builder);
+    }
+    return true;
 }
 
 /* ---- boxes ------------------------------------------------------------------------- */
@@ -292,68 +452,78 @@ static void put_nothing(struct eng_body_boxes *boxes, int which)
     }
 }
 
-/* Returns false if whoever has asked for it wants no more. */
-static bool make_boxes(const struct eng_body *body, const struct eng_body_tree *tree,
-                       const double (*x)[3], struct eng_body_boxes *boxes)
+/* Make the boxes of a node; those of the nodes after it are there. */
+static void make_boxes(const struct eng_mesh *mesh, const struct eng_body_tree *tree,
+                       const double origin[3], const double (*x)[3], uint32_t node,
+                       struct eng_body_boxes *boxes)
 {
-    const struct eng_mesh *mesh = body->mesh;
-    const double *origin = body->origin;
-    for (uint32_t node = tree->node_count; node-- > 0;) {
-        if (node % NODES_PER_LOOK == 0 && body->should_stop &&
-            body->should_stop(body->owner)) {
-            return false;
+    for (int i = 0; i < 4; i++) {
+        uint32_t child = tree->children[node][i];
+        double low[3];
+        double high[3];
+        if (child == ENG_BODY_NONE) {
+            put_nothing(&boxes[node], i);
+            continue;
         }
-        for (int i = 0; i < 4; i++) {
-            uint32_t child = tree->children[node][i];
-            double low[3];
-            double high[3];
-            if (child == ENG_BODY_NONE) {
-                put_nothing(&boxes[node], i);
-                continue;
-            }
-            if (child & ENG_BODY_LEAF) {
-                bound_leaf(&mesh->leaves[child & ~ENG_BODY_LEAF], x, origin, low, high);
-            } else {
-                bound_node(&boxes[child], tree->children[child], low, high);
-            }
-            put_box(&boxes[node], i, low, high);
+        if (child & ENG_BODY_LEAF) {
+            bound_leaf(&mesh->leaves[child & ~ENG_BODY_LEAF], x, origin, low, high);
+        } else {
+            bound_node(&boxes[child], tree->children[child], low, high);
         }
+        put_box(&boxes[node], i, low, high);
     }
-    return true;
 }
 
-/* Around the leaves at both ends, and the middle of that. */
-static void measure_box(const struct eng_mesh *mesh, const double (*x0)[3],
-                        const double (*x1)[3], struct eng_path_box *box, double origin[3])
+/* Set the box around bounds, and the middle of it. */
+static void set_box(const struct eng_bounds *bounds, struct eng_path_box *box,
+                    double origin[3])
 {
-    struct eng_bounds bounds = eng_mesh_measure(mesh, x0);
-    if (x1 != x0) {
-        struct eng_bounds other = eng_mesh_measure(mesh, x1);
-        eng_bounds_unite(&bounds, &other);
-    }
     for (int k = 0; k < 3; k++) {
-        box->lo[k] = bounds.low[k];
-        box->hi[k] = bounds.high[k];
-        origin[k] = 0.5 * bounds.low[k] + 0.5 * bounds.high[k];
+        box->lo[k] = bounds->low[k];
+        box->hi[k] = bounds->high[k];
+        origin[k] = 0.5 * bounds->low[k] + 0.5 * bounds->high[k];
     }
 }
 
 /* ---- the tree of a mesh ------------------------------------------------------------ */
 
-static struct item *make_items(const struct eng_mesh *mesh, const double origin[3])
+static void see_leaves(struct eng_body_builder *builder, uint32_t first, uint32_t count)
 {
-    struct item *items = eng_alloc(mesh->leaf_count, sizeof *items);
-    for (uint32_t i = 0; items && i < mesh->leaf_count; i++) {
+    const struct eng_mesh *mesh = builder->mesh;
+    struct eng_path_box box;
+    double origin[3];
+    set_box(&mesh->bounds, &box, origin);
+    for (uint32_t i = first; i < first + count; i++) {
+        struct item *item = &builder->items[i];
         double low[3];
         double high[3];
         bound_leaf(&mesh->leaves[i], (const double(*)[3])mesh->x, origin, low, high);
         for (int k = 0; k < 3; k++) {
-            items[i].low[k] = (float)low[k];
-            items[i].high[k] = (float)high[k];
+            item->low[k] = (float)low[k];
+            item->high[k] = (float)high[k];
         }
-        items[i].leaf = i;
+        item->leaf = i;
     }
-    return items;
+}
+
+static size_t builder_bytes(const struct eng_mesh *mesh)
+{
+    return sizeof(struct eng_body_builder) +
+           mesh->leaf_count * (sizeof(struct item) + 4 * sizeof(uint32_t));
+}
+
+/* Each node has two children at least: there are no more nodes than leaves. */
+static struct eng_body_builder *begin(const struct eng_mesh *mesh)
+{
+    struct eng_body_builder *builder = eng_alloc(1, builder_bytes(mesh));
+    if (builder) {
+        memset(builder, 0, sizeof *builder);
+        builder->children = (void *)(builder + 1);
+        builder->items = (void *)(builder->children + mesh->leaf_count);
+        builder->waiting[0] = (struct waiting){.count = mesh->leaf_count};
+        builder->waiting_count = 1;
+    }
+    return builder;
 }
 
 static size_t bytes_of(uint32_t node_count)
@@ -362,66 +532,103 @@ static size_t bytes_of(uint32_t node_count)
            node_count * (sizeof(struct eng_body_boxes) + 4 * sizeof(uint32_t));
 }
 
-/* One block: the tree, its boxes, its children. */
-static struct eng_body_tree *finish(const struct eng_mesh *mesh,
-                                    const struct builder *builder)
+/* One block: the tree, its boxes, its children, neither of which are there yet. */
+static struct eng_body_tree *begin_tree(const struct eng_body_builder *builder)
 {
     size_t head = sizeof(struct eng_body_tree);
     head += sizeof(struct eng_body_boxes) - head % sizeof(struct eng_body_boxes);
     struct eng_body_tree *tree = eng_alloc(1, bytes_of(builder->node_count));
     if (tree) {
         unsigned char *block = (unsigned char *)tree;
-        size_t boxes = builder->node_count * sizeof *tree->boxes;
         tree->node_count = builder->node_count;
         tree->boxes = (void *)(block + head);
-        tree->children = (void *)(block + head + boxes);
-        memcpy(tree->children, builder->children,
-               builder->node_count * sizeof *tree->children);
-        measure_box(mesh, (const double(*)[3])mesh->x, (const double(*)[3])mesh->x,
-                    &tree->box, tree->origin);
-        struct eng_body registered = {.mesh = mesh};
-        memcpy(registered.origin, tree->origin, sizeof registered.origin);
-        (void)make_boxes(&registered, tree, (const double(*)[3])mesh->x, tree->boxes);
+        tree->children = (void *)(tree->boxes + builder->node_count);
+        set_box(&builder->mesh->bounds, &tree->box, tree->origin);
     }
     return tree;
 }
 
-static struct eng_body_tree *make(const struct eng_mesh *mesh)
+/* Give the nodes their children and boxes, from the last to the first. */
+static bool fill_tree(struct eng_body_builder *builder, struct eng_body_tree *tree)
 {
-    struct eng_body_tree *tree = NULL;
-    struct eng_path_box box;
-    double origin[3];
-    measure_box(mesh, (const double(*)[3])mesh->x, (const double(*)[3])mesh->x, &box,
-                origin);
-    struct builder builder = {.items = make_items(mesh, origin)};
-    if (builder.items && build(&builder, 0, mesh->leaf_count, 0) == PCCD_OK) {
-        tree = finish(mesh, &builder);
+    while (builder->at < tree->node_count) {
+        uint32_t node = tree->node_count - ++builder->at;
+        memcpy(tree->children[node], builder->children[node], sizeof *tree->children);
+        make_boxes(builder->mesh, tree, tree->origin,
+                   (const double(*)[3])builder->mesh->x, node, tree->boxes);
+        if (!goes_on(builder, ITEMS_OF_NODE)) {
+            return false;
+        }
     }
-    eng_free(builder.children);
-    eng_free(builder.items);
-    return tree;
+    return true;
 }
 
-int eng_body_tree_prepare(struct eng_mesh *mesh)
+/* Go on with the tree that nobody else is at. */
+static int build(struct eng_mesh *mesh, bool (*should_stop)(void *owner), void *owner)
+{
+    struct eng_body_build *made = &mesh->body_build;
+    made->builder = made->builder ? made->builder : begin(mesh);
+    struct eng_body_builder *builder = made->builder;
+    if (!builder) {
+        return PCCD_E_NOMEM;
+    }
+    builder->mesh = mesh;
+    builder->should_stop = should_stop;
+    builder->owner = owner;
+    builder->has_items =
+        builder->has_items || pass(builder, 0, mesh->leaf_count, see_leaves);
+    builder->has_nodes =
+        builder->has_nodes || (builder->has_items && make_nodes(builder));
+    if (builder->has_nodes && !made->tree) {
+        made->tree = begin_tree(builder);
+        if (!made->tree) {
+            return PCCD_E_NOMEM;
+        }
+    }
+    return builder->has_nodes && fill_tree(builder, made->tree) ? PCCD_OK : PCCD_E_AGAIN;
+}
+
+/* Whoever sees the tree sees what is in it. */
+static void finish(struct eng_mesh *mesh)
+{
+    struct eng_body_build *made = &mesh->body_build;
+    atomic_store_explicit(&mesh->body_tree, made->tree, memory_order_release);
+    eng_free(made->builder);
+    made->builder = NULL;
+    made->tree = NULL;
+}
+
+static uint64_t bytes_held(const struct eng_mesh *mesh)
+{
+    const struct eng_body_build *made = &mesh->body_build;
+    const struct eng_body_tree *tree = made->tree ? made->tree : eng_body_tree_of(mesh);
+    return (made->builder ? builder_bytes(mesh) : 0) +
+           (tree ? bytes_of(tree->node_count) : 0);
+}
+
+int eng_body_tree_prepare(struct eng_mesh *mesh, bool (*should_stop)(void *owner),
+                          void *owner)
 {
     assert(mesh->committed);
-    if (atomic_load_explicit(&mesh->body_tree, memory_order_acquire)) {
+    if (eng_body_tree_of(mesh)) {
         return PCCD_OK;
     }
-    struct eng_account *before = eng_charge_to(mesh->account);
-    struct eng_body_tree *made = make(mesh);
-    struct eng_body_tree *none = NULL;
-    int status = made ? PCCD_OK : PCCD_E_NOMEM;
-    /* Release: whoever sees the tree sees what is in it. */
-    if (made && !atomic_compare_exchange_strong_explicit(&mesh->body_tree, &none, made,
-                                                         memory_order_acq_rel,
-                                                         memory_order_acquire)) {
-        eng_free(made); /* another thread was first */
-    } else if (made) {
-        atomic_store_explicit(&mesh->body_tree_bytes, bytes_of(made->node_count),
+    if (atomic_exchange_explicit(&mesh->body_build.is_taken, true,
+                                 memory_order_acquire)) {
+        return PCCD_E_AGAIN; /* another thread is at it */
+    }
+    int status = PCCD_OK;
+    if (!eng_body_tree_of(mesh)) { /* nor was while it was taken */
+        struct eng_account *before = eng_charge_to(mesh->account);
+        status = build(mesh, should_stop, owner);
+        if (status == PCCD_OK) {
+            finish(mesh);
+        }
+        (void)eng_charge_to(before);
+        atomic_store_explicit(&mesh->body_tree_bytes, bytes_held(mesh),
                               memory_order_relaxed);
     }
-    (void)eng_charge_to(before);
+    atomic_store_explicit(&mesh->body_build.is_taken, false, memory_order_release);
     return status;
 }
 
@@ -431,6 +638,11 @@ const struct eng_body_tree *eng_body_tree_of(const struct eng_mesh *mesh)
 }
 
 /* ---- an object in a step ----------------------------------------------------------- */
+
+/* Vertices that are compared, and nodes that get their boxes, between two questions
+ * whether to stop. */
+#define VERTICES_PER_LOOK 4096u
+#define NODES_PER_LOOK    1024u
 
 void eng_body_set(struct eng_body *body, const struct eng_mesh *mesh)
 {
@@ -442,33 +654,74 @@ void eng_body_set(struct eng_body *body, const struct eng_mesh *mesh)
     memcpy(body->origin, tree->origin, sizeof body->origin);
 }
 
+static bool wants_no_more(const struct eng_body *body)
+{
+    return body->should_stop && body->should_stop(body->owner);
+}
+
+/* Find out whether positions of all vertices are equal. PCCD_E_AGAIN: it was stopped. */
+static int compare(const struct eng_body *body, const double (*a)[3],
+                   const double (*b)[3], bool *are_equal)
+{
+    const uint32_t count = body->mesh->info.vertex_count;
+    *are_equal = true;
+    for (uint32_t i = 0; i < count && a != b && *are_equal; i += VERTICES_PER_LOOK) {
+        uint32_t n = count - i < VERTICES_PER_LOOK ? count - i : VERTICES_PER_LOOK;
+        *are_equal = memcmp(a + i, b + i, n * sizeof *a) == 0;
+        if (i > 0 && wants_no_more(body)) {
+            return PCCD_E_AGAIN;
+        }
+    }
+    return PCCD_OK;
+}
+
+/* False: it was stopped. */
+static bool fit(const struct eng_body *body, const struct eng_body_tree *tree,
+                const double (*x)[3], struct eng_body_boxes *boxes)
+{
+    for (uint32_t node = tree->node_count; node-- > 0;) {
+        if (node % NODES_PER_LOOK == 0 && wants_no_more(body)) {
+            return false;
+        }
+        make_boxes(body->mesh, tree, body->origin, x, node, boxes);
+    }
+    return true;
+}
+
 int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
-                 const double (*x0)[3], const double (*x1)[3])
+                 const double (*x0)[3], const double (*x1)[3],
+                 const struct eng_bounds *bounds)
 {
     const struct eng_body_tree *tree = eng_body_tree_of(mesh);
-    size_t bytes = mesh->info.vertex_count * sizeof *x0;
-    bool stands = x0 == x1 || memcmp(x0, x1, bytes) == 0;
-    if (stands && memcmp(x0, mesh->x, bytes) == 0) {
+    bool stands;
+    bool is_registered = false;
+    body->mesh = mesh;
+    int status = compare(body, x0, x1, &stands);
+    if (status == PCCD_OK && stands) {
+        status = compare(body, x0, (const double(*)[3])mesh->x, &is_registered);
+    }
+    if (status == PCCD_OK && is_registered) {
         eng_body_set(body, mesh);
         return PCCD_OK;
     }
     uint32_t ends = stands ? 1 : 2;
-    if (tree->node_count > UINT32_MAX / 2) {
-        return PCCD_E_LIMIT;
+    if (status == PCCD_OK && tree->node_count > UINT32_MAX / 2) {
+        status = PCCD_E_LIMIT;
     }
-    int status = eng_array_fit(&body->fit, &body->fit_capacity, ends * tree->node_count,
+    if (status == PCCD_OK) {
+        status = eng_array_fit(&body->fit, &body->fit_capacity, ends * tree->node_count,
                                sizeof *body->fit);
+    }
     if (status != PCCD_OK) {
         return status;
     }
-    body->mesh = mesh;
     body->x[0] = x0;
     body->x[1] = x1;
-    measure_box(mesh, x0, stands ? x0 : x1, &body->box, body->origin);
-    bool is_made = make_boxes(body, tree, x0, body->fit);
+    set_box(bounds, &body->box, body->origin);
+    bool is_made = fit(body, tree, x0, body->fit);
     body->boxes[0] = body->boxes[1] = body->fit;
     if (!stands) {
-        is_made = is_made && make_boxes(body, tree, x1, body->fit + tree->node_count);
+        is_made = is_made && fit(body, tree, x1, body->fit + tree->node_count);
         body->boxes[1] = body->fit + tree->node_count;
     }
     return is_made ? PCCD_OK : PCCD_E_AGAIN;

@@ -34,9 +34,12 @@ struct eng_body_tree {
     uint32_t (*children)[4];      /* [node_count] */
 };
 
-/* Have the tree of a committed mesh, whose account is charged. PCCD_E_NOMEM. O(n log n)
- * the first time. [any] */
-int eng_body_tree_prepare(struct eng_mesh *mesh);
+/* Have the tree of a committed mesh, whose account is charged. should_stop is asked every
+ * 0.2 ms or so; NULL: never. PCCD_E_AGAIN: it was stopped, or another thread is at it;
+ * what was done stays with the mesh, and the next call goes on. PCCD_E_NOMEM. O(n log n)
+ * in all the first time, some 0.5 us a leaf. [any] */
+int eng_body_tree_prepare(struct eng_mesh *mesh, bool (*should_stop)(void *owner),
+                          void *owner);
 
 /* Return the tree, which is there. [any] */
 const struct eng_body_tree *eng_body_tree_of(const struct eng_mesh *mesh);
@@ -61,10 +64,11 @@ struct eng_body {
 void eng_body_set(struct eng_body *body, const struct eng_mesh *mesh);
 
 /* Take positions in the world, x0 == x1 if it stands, which must stay while the body is
- * used. The mesh has its tree. PCCD_E_NOMEM; PCCD_E_AGAIN: it was stopped, and has no
- * boxes. O(leaves). [any] */
+ * used; `bounds`: of its leaves, at both ends. The mesh has its tree. PCCD_E_NOMEM;
+ * PCCD_E_AGAIN: it was stopped, and has no boxes. O(leaves). [any] */
 int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
-                 const double (*x0)[3], const double (*x1)[3]);
+                 const double (*x0)[3], const double (*x1)[3],
+                 const struct eng_bounds *bounds);
 
 void eng_body_deinit(struct eng_body *body);
 uint64_t eng_body_bytes(const struct eng_body *body);

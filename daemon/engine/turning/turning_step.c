@@ -403,6 +403,23 @@ static bool should_stop(void *owner)
     return eng_worker_should_stop(owner);
 }
 
+/* Have the tree of a mesh, which one thread makes. PCCD_E_AGAIN: the step is to stop, and
+ * a later one goes on. */
+static int make_tree(struct eng_worker *worker, struct eng_mesh *mesh)
+{
+    struct eng_wait wait;
+    int status = eng_body_tree_prepare(mesh, should_stop, worker);
+    if (status == PCCD_E_AGAIN && !eng_worker_should_stop(worker)) {
+        eng_wait_begin(&wait, worker);
+        while (status == PCCD_E_AGAIN && !eng_worker_should_stop(worker)) {
+            eng_wait_moment(&wait);
+            status = eng_body_tree_prepare(mesh, should_stop, worker);
+        }
+        eng_wait_end(&wait);
+    }
+    return status;
+}
+
 /* The boxes of an object: of one that stands those of a step before, if there are. */
 static int make_body(struct eng_turning_step *step, struct eng_worker *worker,
                      uint32_t idx)
@@ -411,7 +428,7 @@ static int make_body(struct eng_turning_step *step, struct eng_worker *worker,
     const struct eng_object *object = &scene->objects[idx];
     struct eng_turning_part *part = &step->parts[idx];
     struct eng_body *body = &part->body;
-    int status = eng_body_tree_prepare(object->mesh);
+    int status = make_tree(worker, object->mesh);
     if (status != PCCD_OK) {
         return status;
     }
@@ -429,8 +446,10 @@ static int make_body(struct eng_turning_step *step, struct eng_worker *worker,
     body->should_stop = should_stop;
     body->owner = worker;
     const double(*x1)[3] = positions_of(scene, object, 1);
+    struct eng_bounds bounds = object->bounds[0];
+    eng_bounds_unite(&bounds, &object->bounds[1]);
     status = eng_body_fit(body, object->mesh,
-                          stands ? x1 : positions_of(scene, object, 0), x1);
+                          stands ? x1 : positions_of(scene, object, 0), x1, &bounds);
     part->fitted = status == PCCD_OK && stands ? scene->moving.number : 0;
     return status;
 }
