@@ -110,7 +110,6 @@ libengine_la_SOURCES = \
     daemon/engine/turning/path_make.c \
     daemon/engine/turning/poses.c \
     daemon/engine/turning/rotation.c \
-    daemon/engine/turning/sine.c \
     daemon/engine/turning/stage_turning.c \
     daemon/engine/turning/sweep.c \
     daemon/engine/turning/turning.c \

@@ -17,10 +17,10 @@
 
 #include "pccd_types.h"
 #include "proto_limits.h"
+#include "sine.h"
 
 #define COMMON_JOINT_LENGTH_MIN 1e-9 /* of axes and quaternions */
 #define COMMON_JOINT_LENGTH_MAX 1e9
-#define COMMON_JOINT_ANGLE_MAX  6588397.316661142 /* 2^20 turns, rounded down */
 
 /* ---- which can be joints ----------------------------------------------------------- */
 
@@ -87,81 +87,14 @@ static inline const char *common_joint_fault(const struct pccd_joint *joint, uin
         return "it has more values than its kind";
     }
     if ((joint->kind == PCCD_JOINT_TURN &&
-         (fabs(joint->from[0]) > COMMON_JOINT_ANGLE_MAX ||
-          fabs(joint->to[0]) > COMMON_JOINT_ANGLE_MAX)) ||
+         (fabs(joint->from[0]) > COMMON_ANGLE_MAX ||
+          fabs(joint->to[0]) > COMMON_ANGLE_MAX)) ||
         (joint->kind == PCCD_JOINT_VECTOR &&
-         (common_length(joint->from) > COMMON_JOINT_ANGLE_MAX ||
-          common_length(joint->to) > COMMON_JOINT_ANGLE_MAX))) {
+         (common_length(joint->from) > COMMON_ANGLE_MAX ||
+          common_length(joint->to) > COMMON_ANGLE_MAX))) {
         return "its angle is beyond 2^20 turns";
     }
     return NULL;
-}
-
-/* ---- sine and cosine --------------------------------------------------------------- */
-
-/* Set the sine and cosine of an angle of at most 2^20 turns, each within 2^-52. They are
- * our own because those of C libraries differ from processor to processor. The angle is
- * brought to within pi / 4 by four parts of pi / 2: the first three have 30 bits each, so
- * that their products with a number of quarter turns are exact. Powers beyond the last
- * one add less than 2^-60. */
-static inline void common_sine(double angle, double *sine, double *cosine)
-{
-    static const double parts[4] = {0x1.921fb54p+0, 0x1.10b46118p-30, 0x1.313198ap-61,
-                                    0x1.701b839a25205p-92};
-    static const double odd[8] = {-1.0 / 6,
-                                  1.0 / 120,
-                                  -1.0 / 5040,
-                                  1.0 / 362880,
-                                  -1.0 / 39916800,
-                                  1.0 / 6227020800.0,
-                                  -1.0 / 1307674368000.0,
-                                  1.0 / 355687428096000.0};
-    static const double even[8] = {1.0 / 24,
-                                   -1.0 / 720,
-                                   1.0 / 40320,
-                                   -1.0 / 3628800,
-                                   1.0 / 479001600,
-                                   -1.0 / 87178291200.0,
-                                   1.0 / 20922789888000.0,
-                                   -1.0 / 6402373705728000.0};
-    const double to_integer = 0x1.8p52; /* what is added to it is rounded to an integer */
-    double quarters = (angle * 0x1.45f306dc9c883p-1 + to_integer) - to_integer;
-    double high = angle, low = 0, square, s, c, rest;
-
-    for (int i = 0; i < 4; i++) {
-        double part = -quarters * parts[i], sum = high + part, back = sum - high;
-
-        low += (high - (sum - back)) + (part - back);
-        high = sum;
-    }
-    square = high * high;
-    s = odd[7];
-    c = even[7];
-    for (int i = 6; i >= 0; i--) {
-        s = s * square + odd[i];
-        c = c * square + even[i];
-    }
-    rest = 0.5 * square;
-    s = high + (high * square * s + low * (1 - rest));
-    c = (1 - rest) + (((1 - (1 - rest)) - rest) + (square * square * c - high * low));
-    switch ((int64_t)quarters & 3) {
-    case 0:
-        *sine = s;
-        *cosine = c;
-        break;
-    case 1:
-        *sine = c;
-        *cosine = -s;
-        break;
-    case 2:
-        *sine = -s;
-        *cosine = -c;
-        break;
-    default:
-        *sine = -c;
-        *cosine = s;
-        break;
-    }
 }
 
 /* ---- where a link is --------------------------------------------------------------- */
@@ -171,7 +104,7 @@ static inline void common_turn(const double axis[3], double angle, double m[12])
 {
     double length = common_length(axis), s, c, u[3];
 
-    common_sine(angle, &s, &c);
+    common_sine(angle, 0, &s, &c);
     for (int k = 0; k < 3; k++) {
         u[k] = length > 0 ? axis[k] / length : 0;
     }

@@ -265,13 +265,13 @@ static double random_angle(struct prng *random)
     case 0:
         return 0;
     case 1:
-        return prng_between(random, -ENG_ANGLE_MAX, ENG_ANGLE_MAX);
+        return prng_between(random, -COMMON_ANGLE_MAX, COMMON_ANGLE_MAX);
     case 2:
         return prng_integer(random, 4) * 0x1.921fb54442d18p+0;
     case 3:
         return ldexp(prng_between(random, -1, 1), exponent);
     case 4:
-        return prng_integer(random, 1) * ENG_ANGLE_MAX;
+        return prng_integer(random, 1) * COMMON_ANGLE_MAX;
     default:
         return prng_between(random, -4, 4);
     }

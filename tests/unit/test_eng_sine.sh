@@ -1,7 +1,7 @@
 #!/bin/bash
-# test_eng_sine.sh - sines of the engine are within their error of those of MPFR (TAP).
+# test_eng_sine.sh - sines are within their error of those of MPFR (TAP).
 #
-# Room:  engine (daemon/engine/turning), from outside.
+# Room:  proto/common (sine.h), from outside.
 # Does:  build a program that compares both, and run it.
 # Needs: a C compiler and MPFR's headers (Debian: libmpfr-dev); skipped without them.
 
@@ -11,7 +11,7 @@ set -u
 
 dir=$(mktemp -d "${TMPDIR:-/tmp}/pccd-sine-XXXXXX") || exit 99
 trap 'rm -rf "$dir"' EXIT
-turning=$top_srcdir/daemon/engine/turning
+common=$top_srcdir/proto/common
 name=sine__is_within_its_error
 
 # Prints the largest error, as a part of what is claimed, and fails if it is above 1.
@@ -34,7 +34,7 @@ static double draw(struct prng *random, double *lo)
     *lo = 0;
     switch (prng_u32(random, 5)) {
     case 0:
-        hi = prng_between(random, -ENG_ANGLE_MAX, ENG_ANGLE_MAX);
+        hi = prng_between(random, -COMMON_ANGLE_MAX, COMMON_ANGLE_MAX);
         break;
     case 1:
         hi = prng_between(random, -7, 7);
@@ -56,7 +56,7 @@ static double draw(struct prng *random, double *lo)
 static double error_of(mpfr_t truth, double computed)
 {
     mpfr_sub_d(truth, truth, computed, MPFR_RNDN);
-    return fabs(mpfr_get_d(truth, MPFR_RNDN)) / ENG_SINE_ERROR;
+    return fabs(mpfr_get_d(truth, MPFR_RNDN)) / COMMON_SINE_ERROR;
 }
 
 int main(void)
@@ -67,7 +67,7 @@ int main(void)
     mpfr_inits2(1200, angle, sine, cosine, (mpfr_ptr)0);
     for (int i = 0; i < TRIES; i++) {
         double lo, hi = draw(&random, &lo), s, c;
-        eng_sine(hi, lo, &s, &c);
+        common_sine(hi, lo, &s, &c);
         mpfr_set_d(angle, hi, MPFR_RNDN);
         mpfr_set_prec(sine, 140);
         mpfr_set_prec(cosine, 140);
@@ -81,10 +81,10 @@ int main(void)
 }
 PROGRAM
 
-build() { # SINE.C
+build() { # FOLDER of sine.h
     "${CC:-cc}" -std=c11 -O2 -ffp-contract=off -Wall -Wextra -Wconversion -Wshadow -Werror \
-        -iquote "$turning" -iquote "$top_srcdir/tests/support" \
-        "$dir/truth.c" "$1" -lmpfr -lgmp -lm -o "$dir/truth"
+        -iquote "$1" -iquote "$top_srcdir/tests/support" \
+        "$dir/truth.c" -lmpfr -lgmp -lm -o "$dir/truth"
 }
 
 if ! echo '#include <mpfr.h>
@@ -93,11 +93,11 @@ int main(void) { return mpfr_get_version() == 0; }' |
     tap_skip "$name" "no MPFR"
     tap_skip "sine__smaller_part_is_found_out" "no MPFR"
 else
-    build "$turning/sine.c" >"$dir/log" 2>&1 && "$dir/truth" >>"$dir/log" 2>&1
+    build "$common" >"$dir/log" 2>&1 && "$dir/truth" >>"$dir/log" 2>&1
     tap_result $? "$name" "$dir/log"
     # If it failed, the comparison would see nothing: the last bits of half pi are changed.
-    sed 's/0x1.313198a2e037p-61/0x1.3p-61/' "$turning/sine.c" >"$dir/sine.c"
-    ! cmp -s "$turning/sine.c" "$dir/sine.c" && build "$dir/sine.c" >"$dir/log" 2>&1 &&
+    sed 's/0x1.313198a2e037p-61/0x1.3p-61/' "$common/sine.h" >"$dir/sine.h"
+    ! cmp -s "$common/sine.h" "$dir/sine.h" && build "$dir" >"$dir/log" 2>&1 &&
         ! "$dir/truth" >>"$dir/log" 2>&1
     tap_result $? "sine__smaller_part_is_found_out" "$dir/log"
 fi

@@ -31,7 +31,7 @@ static void move(double m[12], const struct eng_path_joint *joint, double t)
     if (joint->kind == PCCD_JOINT_TURN) {
         struct eng_pair_number angle = value_at(joint, 0, t);
         double sine, cosine;
-        eng_sine(angle.hi, angle.lo, &sine, &cosine);
+        common_sine(angle.hi, angle.lo, &sine, &cosine);
         eng_rotation_turn(m, sine, cosine);
     } else if (joint->kind == PCCD_JOINT_SHIFT) {
         const double d[3] = {t * joint->by[0], t * joint->by[1], t * joint->by[2]};

@@ -22,7 +22,7 @@
 /* Errors of rotations, in roundings. */
 #define QUATERNION_ERROR (28 * ROUNDED)
 #define AXIS_ERROR       (36 * ROUNDED)
-#define TURN_ERROR       (9 * ROUNDED)
+#define TURN_ERROR       (5 * ROUNDED)
 #define VECTOR_ERROR     (64 * ROUNDED)
 #define PRODUCT_ERROR    (10 * ROUNDED)
 
@@ -200,7 +200,7 @@ static void add_turn(struct maker *maker, const double axis[3],
         add_joint(maker, PCCD_JOINT_TURN, joint);
     } else {
         double sine, cosine;
-        eng_sine(joint->from[0], joint->from_rest[0], &sine, &cosine);
+        common_sine(joint->from[0], joint->from_rest[0], &sine, &cosine);
         eng_rotation_turn(maker->fixed, sine, cosine);
         grow_turn(&maker->fixed_errors, TURN_ERROR);
     }

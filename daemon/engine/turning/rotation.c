@@ -35,7 +35,7 @@ void eng_rotation_of_vector(const struct eng_pair_number w[3], double m[12])
     double sine = 1, cosine = 1;
     if (eng_size(u) >= SHORT) {
         struct eng_pair_number length = eng_rotation_length(w);
-        eng_sine(length.hi, length.lo, &sine, &cosine);
+        common_sine(length.hi, length.lo, &sine, &cosine);
         for (int i = 0; i < 3; i++) {
             u[i] /= length.hi;
         }

@@ -71,7 +71,7 @@ static inline void eng_rotation_shift(double m[12], const double d[3])
  * it, and of at most 2^-500 where coordinates are so small. */
 struct eng_pair_number eng_rotation_length(const struct eng_pair_number w[3]);
 
-/* Set m to the rotation of a rotation vector of length at most ENG_ANGLE_MAX + 1. */
+/* Set m to the rotation of a rotation vector of length at most COMMON_ANGLE_MAX + 1. */
 void eng_rotation_of_vector(const struct eng_pair_number w[3], double m[12]);
 
 #endif
