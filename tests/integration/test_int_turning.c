@@ -762,4 +762,86 @@ CASE(turning__tables_that_lie_are_refused_one_by_one)
     test_raw_close(&raw);
 }
 
+/* Two scenes of one batch, one object of each, whose tables of joints are at `at`, of
+ * `counts` joints as they say, and what becomes of each scene. */
+struct parted {
+    uint64_t at[2];
+    uint32_t counts[2];
+    int statuses[2];
+};
+
+/* If this failed, a request could make a daemon copy one long table for each of many
+ * scenes: more than its slot by as many times. */
+CASE(turning__scenes_of_a_batch_share_no_table)
+{
+    static const struct parted plays[] = {
+        {{96, 96 + TABLE}, {2, 2}, {0, 0}},
+        {{96, 96}, {2, 2}, {PCCD_E_SEGMENT, 0}},
+        {{96 + TABLE, 96}, {2, 2}, {PCCD_E_SEGMENT, 0}},
+        {{96, 96 + TABLE}, {3, 2}, {PCCD_E_SEGMENT, 0}},
+        {{96, 8}, {2, 2}, {0, PCCD_E_SEGMENT}}, /* is none, in the table of segments */
+        {{96, SLOT - TABLE}, {479, 2}, {0, 0}},
+    };
+    const struct pccd_joint joint = {.parent = PCCD_NO_JOINT, .rotation = {0, 0, 0, 1}};
+    const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    struct proto_SCENE_CREATE_request create = {.want = 0};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_SCENE_ADD_request add = {0};
+    struct proto_SCENE_ADD_result added;
+    struct proto_batch_scene scenes[2];
+    struct proto_segment segments[2];
+    struct test_raw raw;
+
+    assert_ok(test_raw_session(&raw, test_shared.socket, 2, SLOT));
+    assert_ok(test_raw_mesh(&raw, x, 3, post_face, 1, &add.mesh));
+    for (int i = 0; i < 2; i++) {
+        assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
+        add.scene = created.scene;
+        assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
+        scenes[i] = (struct proto_batch_scene){created.scene, 1};
+        segments[i] = (struct proto_segment){.object = added.object,
+                                             .kind = PROTO_SEGMENT_TURNING,
+                                             .format = PCCD_FORMAT_F64,
+                                             .first = 1,
+                                             .count = 3};
+    }
+    for (size_t n = 0; n < sizeof plays / sizeof plays[0]; n++) {
+        const struct parted *play = &plays[n];
+        uint8_t *payload = test_raw_payload(&raw, 0);
+        struct proto_BATCH_SUBMIT_result result;
+        struct pccd_scene_answer answers[2];
+
+        for (uint64_t at = 96 + 8; at + sizeof joint <= SLOT; at += sizeof joint) {
+            memcpy(payload + at, &joint, sizeof joint);
+        }
+        for (int i = 0; i < 2; i++) {
+            const struct proto_joints head = {play->counts[i], 0};
+            uint64_t at = play->at[i];
+
+            segments[i].offset0 = at;
+            memcpy(payload + at, &head, sizeof head);
+            at += sizeof head;
+            for (uint32_t k = 0; i == 1 && at > 96 && k < head.count; k++) {
+                memcpy(payload + at + k * sizeof joint, &joint, sizeof joint);
+            }
+        }
+        memcpy(payload, scenes, sizeof scenes);
+        memcpy(payload + sizeof scenes, segments, sizeof segments);
+        const struct proto_BATCH_SUBMIT_request batch = {
+            .seq = test_raw_publish(&raw, 0), .scenes = 2, .segments = 2};
+        int status = test_raw_call(&raw, PROTO_METHOD_BATCH_SUBMIT, &batch, &result);
+        if (status != 0) {
+            fail_msg("play %zu: status %d \"%s\"", n, status, raw.error.text);
+        }
+        memcpy(answers, (const uint8_t *)raw.result.base + result.offset, sizeof answers);
+        for (int i = 0; i < 2; i++) {
+            if (answers[i].status != play->statuses[i]) {
+                fail_msg("play %zu, scene %d: status %d \"%s\"", n, i, answers[i].status,
+                         answers[i].why);
+            }
+        }
+    }
+    test_raw_close(&raw);
+}
+
 CASES_WITH(test_recording_start, test_recording_stop);

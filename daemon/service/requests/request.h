@@ -48,6 +48,7 @@ struct srv_item {
     int32_t status;    /* of the table of a batch, then [compute] of the step */
     uint32_t segments; /* of a batch: that are its own, */
     uint32_t first;    /* and where they begin in the table of all */
+    uint64_t joints_end; /* [compute] of a batch: where its tables of joints must end */
     bool has_stepped;  /* [compute] then [loop], as all that follows */
     struct srv_held_frame *taken; /* held frames that went along */
     struct proto_answer

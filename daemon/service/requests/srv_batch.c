@@ -267,6 +267,7 @@ static void work_scene(struct work *work, uint32_t i, const struct eng_question 
                                                     .seq = work->params->slot.seq},
                                            .table = batch->segments + item->first,
                                            .tables_bytes = work->tables_bytes,
+                                           .joints_end = item->joints_end,
                                            .error = &tally->error},
                                .result = &result};
     int status = srv_step_run(&run);
@@ -477,6 +478,24 @@ static void add_up(struct srv_request *request, const struct work *work,
     result->ns_steps = tallies[0].stats.ns_step;
 }
 
+/* Have the tables of joints of each scene end where those of the next scenes begin: so
+ * what is copied of them is at most the slot, however many scenes the batch has. */
+static void part_joints(const struct work *work, uint64_t end)
+{
+    struct srv_batch *batch = work->batch;
+    for (uint32_t i = batch->count; i-- > 0;) {
+        struct srv_item *item = &batch->items[i];
+        const struct proto_segment *segments = batch->segments + item->first;
+        item->joints_end = end;
+        for (uint32_t k = 0; k < item->segments; k++) {
+            uint64_t at = segments[k].offset0;
+            if (segments[k].kind == PROTO_SEGMENT_TURNING && at >= work->tables_bytes) {
+                end = at < end ? at : end;
+            }
+        }
+    }
+}
+
 /* The table of segments, which lies behind that of the scenes. */
 static int copy_segments(struct work *work)
 {
@@ -492,6 +511,7 @@ static int copy_segments(struct work *work)
     }
     work->tables_bytes = scenes_bytes + bytes;
     memcpy(work->batch->segments, payload + scenes_bytes, bytes);
+    part_joints(work, ring->slot_stride);
     return srv_ring_check_slot(ring, slot->slot, slot->seq, error);
 }
 

@@ -208,14 +208,15 @@ static int take_joints(struct srv_staging *staging, const struct proto_segment *
     memcpy(&head, from,
            sizeof head); /* the one read of the head, and below of the rest */
     if (head.count == 0 || head.count > PROTO_JOINTS_MAX || head.reserved != 0 ||
-        !is_inside(staging, segment->offset0, PROTO_JOINTS_BYTES(head.count))) {
+        !is_inside(staging, segment->offset0, PROTO_JOINTS_BYTES(head.count)) ||
+        segment->offset0 + PROTO_JOINTS_BYTES(head.count) > staging->joints_end) {
         return proto_error_set(
             error, PCCD_E_SEGMENT,
-            "segment %u: a table of %u joints (and %u, not 0) at %llu "
-            "does not fit in the slot's %llu bytes, or is not of 1 "
-            "to %u joints",
+            "segment %u: a table of %u joints (and %u, not 0) at %llu does not end by "
+            "%llu, where the slot ends or a table of the next scenes begins, or is not "
+            "of 1 to %u joints",
             at, head.count, head.reserved, (unsigned long long)segment->offset0,
-            (unsigned long long)staging->payload_bytes, PROTO_JOINTS_MAX);
+            (unsigned long long)staging->joints_end, PROTO_JOINTS_MAX);
     }
     from += sizeof head;
     if (scene->journals != NULL) {
@@ -386,6 +387,9 @@ int srv_stage(struct srv_staging *staging)
     }
     if (status != 0) {
         return status;
+    }
+    if (staging->joints_end == 0) {
+        staging->joints_end = staging->payload_bytes;
     }
     status = stage_segments(staging);
     /* A slot that changed explains any other complaint. */

@@ -39,6 +39,7 @@ struct srv_staging {
     struct proto_segment *table; /* [slot.segments] */
     uint64_t tables_bytes;       /* before the positions; 0: `table` is only room for what
                                   * the payload begins with */
+    uint64_t joints_end; /* of tables of joints, at most; 0: where the payload ends */
     struct srv_joints joints;
     uint64_t copied; /* bytes so far */
     struct proto_error *error;
