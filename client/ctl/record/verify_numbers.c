@@ -204,12 +204,14 @@ static const char *misended(const struct play_step *step)
     return NULL;
 }
 
-/* Check that each record of mode first can attain the earliest time. */
+/* Check that each record of mode first can attain the earliest time: one that is only
+ * possible sets none, as it may not meet at all. */
 static bool check_earliest(const struct play_step *step, struct verify_result *result)
 {
     double bound = INFINITY;
     for (uint64_t i = 0; i < step->found.count; i++) {
-        bound = fmin(bound, step->contacts[i].toi_hi);
+        bool is_proved = (step->contacts[i].flags & PCCD_PROVED) != 0;
+        bound = is_proved ? fmin(bound, step->contacts[i].toi_hi) : bound;
     }
     for (uint64_t i = 0; i < step->found.count; i++) {
         if (step->contacts[i].toi > bound) {
