@@ -78,11 +78,12 @@ meets t0.ply t1.ply &&
         '^  build ' '^  ingest ' '^  refit ' '^  traversal ' '^  tests ' '^  merge ' '^  step '
 report "check prints the summary"
 
-# The vertex, then the triangle's three; the time within the tolerance around 1/2.
+# The vertex, then the triangle's three; the time within the tolerance around 1/2; the place.
 known_contact() { # FILE
-    awk -F, 'NR == 1 { good = $0 == "kind,i0,i1,i2,i3,toi,toi_hi,proved" }
+    awk -F, 'NR == 1 { good = $0 == "kind,i0,i1,i2,i3,toi,toi_hi,proved,x,y,z" }
         NR == 2 { good = good && $1 == "vf" && $2 == 3 && $3 == 0 && $4 == 1 && $5 == 2 &&
-                  $6 <= 0.5 && $7 >= 0.5 && $7 - $6 <= 1e-6 && $8 == 1 }
+                  $6 <= 0.5 && $7 >= 0.5 && $7 - $6 <= 1e-6 && $8 == 1 &&
+                  $9 == 0.25 && $10 == 0.25 && $11 == 0 }
         END { exit !(good && NR == 2) }' "$1"
 }
 meets --contacts contacts.csv t0.ply t1.ply && known_contact contacts.csv
@@ -147,7 +148,8 @@ meets --contacts plain.csv t0.ply t1.ply t0.ply &&
     meets --geometry --contacts places.csv t0.ply t1.ply t0.ply && python3 - <<'PYTHON'
 import csv
 plain, places = (list(csv.reader(open(name))) for name in ("plain.csv", "places.csv"))
-assert [row[:9] for row in places] == plain, places
+assert [row[:9] for row in places] == [row[:9] for row in plain], places
+assert [row[9:] for row in plain] == ["x y z".split()] + [row[14:17] for row in places[1:]], plain
 assert places[0][9:] == "object_a object_b ax ay az bx by bz nx ny nz".split()
 first, second = ([float(value) for value in row[11:]] for row in places[1:])
 toi = float(places[1][6])
@@ -220,7 +222,7 @@ meets box0.obj box1.obj && says '^contacts +36: ' '^safe step +0$' && ! grep -q 
     meets --touching told box0.obj box1.obj && says '^contacts +36: ' '^safe step +0$' \
         '^touching +36 at t = 0: 0 enter, 0 slide, 36 leave$' &&
     meets --touching told --contacts box.csv box0.obj box1.obj &&
-    head -1 box.csv | grep -q ',proved,touching$' && [ "$(grep -c ',1,leaves$' box.csv)" = 36 ] &&
+    head -1 box.csv | grep -q ',proved,x,y,z,touching$' && [ "$(grep -c ',leaves$' box.csv)" = 36 ] &&
     ctl check --touching left-out box0.obj box1.obj && says '^contacts +0: ' '^safe step +1$' &&
     ctl check --touching left-out --mode any --method paper box0.obj box1.obj &&
     ctl check --touching left-out --json --url direct: box0.obj box1.obj &&
@@ -317,7 +319,7 @@ meets --mode first-per-pair --contacts contacts.csv t0.ply t1.ply && known_conta
 report "mode first-per-pair gives the first contact of two objects"
 
 meets --mode pairs --contacts contacts.csv t0.ply t1.ply &&
-    grep -qx 'vf,3,0,1,2,,,0' contacts.csv && says '^pairs +[1-9]'
+    grep -qx 'vf,3,0,1,2,,,0,,,' contacts.csv && says '^pairs +[1-9]'
 report "mode pairs gives candidates without times"
 
 meets --tolerance 0.25 --contacts contacts.csv t0.ply t1.ply &&
@@ -327,7 +329,7 @@ report "a wide tolerance still holds the contact"
 
 meets --json --contacts contacts.csv t0.ply t1.ply t0.ply t0.ply &&
     [ "$(json_value contacts)" = 2 ] && [ "$(grep -c '"hash"' out)" = 3 ] &&
-    [ "$(head -n 1 contacts.csv)" = step,kind,i0,i1,i2,i3,toi,toi_hi,proved ] &&
+    [ "$(head -n 1 contacts.csv)" = step,kind,i0,i1,i2,i3,toi,toi_hi,proved,x,y,z ] &&
     [ "$(grep -c '^1,vf,3,0,1,2,' contacts.csv)" = 1 ] &&
     [ "$(grep -c '^2,vf,3,0,1,2,' contacts.csv)" = 1 ] && [ "$(wc -l <contacts.csv)" = 3 ]
 report "a sequence is checked step by step"

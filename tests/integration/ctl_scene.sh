@@ -45,8 +45,8 @@ check 1 --json scene.json && cp out scene.out && grep -q '^  "vertices": 16,' ou
 report scene__has_objects_from_files
 
 # If it failed, contacts would name vertices of another file, or no object.
-check 1 --contacts c.csv scene.json && head -1 c.csv | grep -qx 'step,kind,i0,i1,i2,i3,toi,toi_hi,proved,object_a,object_b' &&
-    [ "$(sed 1d c.csv | grep -cE '^3,(vf|ee),[0-7],[0-7],[0-7],[0-7],[01][.0-9]*,.*,(box,floor|floor,box)$')" -eq \
+check 1 --contacts c.csv scene.json && head -1 c.csv | grep -qx 'step,kind,i0,i1,i2,i3,toi,toi_hi,proved,object_a,object_b,x,y,z' &&
+    [ "$(sed 1d c.csv | grep -cE '^3,(vf|ee),[0-7],[0-7],[0-7],[0-7],[01][.0-9]*,.*,(box,floor|floor,box)(,[^,]+){3}$')" -eq \
         "$(sed 1d c.csv | wc -l)" ] && [ "$(wc -l <c.csv)" -gt 4 ]
 report scene__contacts_name_their_objects
 

@@ -67,7 +67,8 @@ struct contacts_csv {
     bool has_names;                /* two more columns with names of objects */
     bool has_touching;             /* a last column: what becomes of what touches */
     const struct objects *objects; /* the caller's; with edges of each */
-    struct scene *geometry; /* the caller's, its edges fetched; NULL: no columns of it */
+    struct scene *scene; /* the caller's, its edges fetched; NULL: no columns of places */
+    bool has_geometry; /* both points and the normal, in the place of one point */
 };
 
 /* Write the vertices of a feature of so many points (1 a vertex, 2 an edge, 3 a face), as
@@ -79,7 +80,7 @@ uint32_t csv_vertices(FILE *to, uint32_t points, uint32_t feature,
 int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error);
 /* Append the records of a page; `step` counts from 1. vf: the vertex, then the triangle's
  * three as in the file; ee: the first edge's two, ascending, then the second's. Records
- * of mode pairs have empty times and proved = 0. Geometry is that of frames step - 1 and
+ * of mode pairs have empty times and proved = 0. Places are those of frames step - 1 and
  * `step`, which are read; pairs have none. */
 void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
                        const struct pccd_answer *page);

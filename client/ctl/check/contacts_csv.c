@@ -14,7 +14,9 @@ int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
     if (status == PCCD_OK) {
         fprintf(csv->whole.to, "%skind,i0,i1,i2,i3,toi,toi_hi,proved%s%s%s\n",
                 csv->has_step ? "step," : "", csv->has_names ? ",object_a,object_b" : "",
-                csv->geometry != NULL ? ",ax,ay,az,bx,by,bz,nx,ny,nz" : "",
+                csv->scene == NULL  ? ""
+                : csv->has_geometry ? ",ax,ay,az,bx,by,bz,nx,ny,nz"
+                                    : ",x,y,z",
                 csv->has_touching ? ",touching" : "");
     }
     return status;
@@ -87,13 +89,13 @@ static void print_number(FILE *to, double x)
     fprintf(to, ",%s", text);
 }
 
-/* The point on either side when they meet, and the normal; empty where there is no
- * place. */
-static void print_geometry(const struct contacts_csv *csv, uint32_t step,
+/* The point of the second feature when they meet, or that of both and the normal; empty
+ * where there is no place. */
+static void print_place(const struct contacts_csv *csv, uint32_t step,
                            const struct pccd_contact *contact)
 {
     FILE *to = csv->whole.to;
-    struct scene *scene = csv->geometry;
+    struct scene *scene = csv->scene;
     struct place_feature ends[2];
     double at[2][3];
     bool is_known = contact != NULL && contact->kind < PCCD_KIND_COUNT;
@@ -107,15 +109,15 @@ static void print_geometry(const struct contacts_csv *csv, uint32_t step,
                                  &ends[side]) == PCCD_OK;
     }
     if (!is_known) {
-        fputs(",,,,,,,,,", to);
+        fputs(csv->has_geometry ? ",,,,,,,,," : ",,,", to);
         return;
     }
     place_find((enum pccd_kind)contact->kind, contact->param, ends, place_time(contact),
                at);
-    for (uint32_t i = 0; i < 6; i++) {
+    for (uint32_t i = csv->has_geometry ? 0 : 3; i < 6; i++) {
         print_number(to, at[i / 3][i % 3]);
     }
-    for (uint32_t k = 0; k < 3; k++) {
+    for (uint32_t k = 0; csv->has_geometry && k < 3; k++) {
         print_number(to, (double)contact->normal[k]);
     }
 }
@@ -146,8 +148,8 @@ static void end_record(const struct contacts_csv *csv, uint32_t step,
     } else if (csv->has_names) {
         fputs(",,", csv->whole.to);
     }
-    if (csv->geometry != NULL) {
-        print_geometry(csv, step, contact);
+    if (csv->scene != NULL) {
+        print_place(csv, step, contact);
     }
     if (csv->has_touching) {
         print_touching(csv->whole.to, contact);

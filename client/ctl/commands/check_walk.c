@@ -357,7 +357,8 @@ static int place(struct walk *walk, struct ctl_error *error)
                                           .has_touching = options->settings.touching !=
                                                           PCCD_TOUCHING_KEPT,
                                           .objects = &walk->objects,
-                                          .geometry = has_geometry ? scene : NULL};
+                                          .scene = scene,
+                                          .has_geometry = has_geometry};
         status = contacts_csv_open(&walk->csv, error);
     }
     return status;

@@ -70,8 +70,8 @@ static void check_usage(struct argp_state *state, void *to)
 static const struct option_row rows[] = {
     CTL_OUTPUT,
     {"geometry", 0, NULL,
-     "With --contacts: add names of objects, where both features are touched, and the "
-     "normal",
+     "With --contacts: add names of objects, the points of both features instead of one, "
+     "and the normal",
      OPTION_FLAG, .at = AT(has_geometry)},
     {"results", 0, "FILE",
      "Write what comes of each step as a line of JSON to FILE, and go on with what is "
@@ -109,8 +109,8 @@ const struct option_table ctl_table_check = {
             "have the same faces; seq%d.obj names all that are numbered, and a point "
             "cache (.pc2, .mdd) has the frames of the mesh file before it.",
     .more = "Without --url, --socket and $PCCD_URL a private daemon is started. CSV "
-            "columns: kind,i0,i1,i2,i3,toi,toi_hi,proved, after a column step when "
-            "there are more than two files. Exit status: 0 when nothing meets, 1 "
+            "columns: kind,i0,i1,i2,i3,toi,toi_hi,proved,x,y,z, after a column step "
+            "when there are more than two files. Exit status: 0 when nothing meets, 1 "
             "when something does, or in mode pairs may, 2 after wrong usage, 3 "
             "without a daemon, 4 after any other error, and when nothing was found "
             "in an answer that is incomplete.",
