@@ -165,12 +165,13 @@ report render__writes_png_and_svg
     timeout 60 "$PCCDCTL" render session.rec --steps 1 --size 320x200 --at contact 1 -o c.svg &&
         timeout 60 "$PCCDCTL" render --at 'contact 1' --steps 1 --size 320x200 -o d.svg session.rec &&
         cmp c.svg d.svg &&
-        timeout 60 "$PCCDCTL" render session.rec --steps 1 --at contact 1 --time 0.25 -o e.svg
+        timeout 60 "$PCCDCTL" render session.rec --steps 1 --at contact 1 --time 0.25 -o e.svg &&
+        timeout 60 "$PCCDCTL" render session.rec --steps 1 --at all -o g.svg
 } >said 2>"$log" && [ "$(grep -c '^[cd].svg: step 1 at t = 0\.5, 1 object, 1 contact$' said)" = 2 ] &&
     grep -q '^e.svg: step 1 at t = 0.25' said &&
     grep -q 'step 1 at t = 0.5, contact 1 of 1</text>' c.svg &&
     grep -q '<circle cx="160.00" cy="100.00" r="6.3[0-9]*" opacity="1"' c.svg &&
-    ! grep -q 'r="6.3' a.svg &&
+    ! grep -q 'r="6.3' g.svg && grep -q 'step 1, 1 contact</text>' g.svg &&
     ! timeout 60 "$PCCDCTL" render session.rec --steps 1 --at contact 2 -o f.svg >"$log" 2>&1 &&
     grep -q 'step 1 has 1 contact, and no contact 2' "$log" && [ ! -e f.svg ] &&
     ! timeout 60 "$PCCDCTL" render session.rec --at contact -o f.svg >"$log" 2>&1

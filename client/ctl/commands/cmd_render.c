@@ -82,23 +82,28 @@ static void take_up(struct argp_state *state, const struct option_row *row,
     render->up = (enum picture_up)(at - axes);
 }
 
-/* all, contacts, or contact N, whose number is a word of its own or not. */
+/* all, contacts, first, or contact N, whose number is a word of its own or not. */
 static void take_at(struct argp_state *state, const struct option_row *row,
                     const char *text, void *to)
 {
     struct render *render = to;
     (void)row;
     bool is_one = strncmp(text, "contact", 7) == 0 && (text[7] == '\0' || text[7] == ' ');
-    render->is_at_contacts = strcmp(text, "contacts") == 0;
-    render->contact = 0;
+    render->at = RENDER_AT_ONE;
+    render->contact = SNAPSHOT_FIRST;
     if (is_one) {
         const char *number = text[7] == ' '              ? text + 8
                              : state->next < state->argc ? state->argv[state->next++]
                                                          : "";
         const struct option_row one = {"at contact", .min = 1, .max = INT64_MAX};
         render->contact = option_number(state, &one, number);
-    } else if (!render->is_at_contacts && strcmp(text, "all") != 0) {
-        option_misused(state, "--at: \"%s\" is not all, contacts or contact N", text);
+    } else if (strcmp(text, "first") != 0) {
+        render->contact = 0;
+        render->at = strcmp(text, "contacts") == 0 ? RENDER_AT_CONTACTS : RENDER_AT_ALL;
+        if (render->at == RENDER_AT_ALL && strcmp(text, "all") != 0) {
+            option_misused(state, "--at: \"%s\" is not all, contacts, first or contact N",
+                           text);
+        }
     }
 }
 
@@ -117,8 +122,11 @@ static void take_output(struct argp_state *state, const struct option_row *row,
 
 static void check(struct argp_state *state, void *to)
 {
-    const struct render *render = to;
+    struct render *render = to;
     bool has_rate = render->rate > 0 && !play_options_are_frames(&render->options);
+    if (render->at == RENDER_AT_FEW && (render->is_film || !isnan(render->t))) {
+        render->at = RENDER_AT_ALL;
+    }
     if ((has_rate || render->every > 0) && !render->is_film) {
         option_misused(state, "--%s is of a film: -o FILE.apng",
                        has_rate ? "rate" : "every");
@@ -128,23 +136,24 @@ static void check(struct argp_state *state, void *to)
         option_misused(state, "--rate: of a film a whole number up to %u", RATE_MAX);
     }
     if (render->is_film && (render->is_near || render->contact > 0)) {
-        option_misused(state, "a film is of steps: neither --near nor --at contact N");
+        option_misused(state, "a film is of steps: no --near, --at first or contact N");
     }
     if (render->has_first_tries && (!render->is_film || !isnan(render->t))) {
         option_misused(state, "--first-tries is of a film, -o FILE.apng, that shows "
                               "beginnings: no --time");
     }
     if (render->is_near && (!isnan(render->t) || render->contact > 0)) {
-        option_misused(state, "--near is of one moment, and has no contacts: neither "
-                              "--time nor --at contact N");
+        option_misused(state, "--near is of one moment, and has no contacts: no "
+                              "--time, --at first or contact N");
     }
 }
 
 #define AT(member) offsetof(struct render, member)
 static const struct option_row rows[] = {
     CTL_QUESTION,
-    {"time", 0, "T", "Show the step at time T, 0 to 1 (default: 1, its end)", OPTION_REAL,
-     .at = AT(t), .min = 0, .max = 1},
+    {"time", 0, "T",
+     "Show the step at time T, 0 to 1 (default: 1, its end, or what --at says)",
+     OPTION_REAL, .at = AT(t), .min = 0, .max = 1},
     {"near", 0, NULL,
      "Draw the last answer about what is near instead of contacts: lines between nearest "
      "points, coloured by distance, and edges that cross",
@@ -170,10 +179,12 @@ static const struct option_row rows[] = {
      OPTION_OWN, .take = take_view},
     {"up", 0, "x|y|z", "The axis that points up: x, y (the default) or z", OPTION_OWN,
      .take = take_up},
-    {"at", 0, "all|contacts|contact N",
-     "Show all (the default), the contacts, or contact N of the step, counted from 1 in "
-     "the order of the answer. One contact is shown close, at its time of impact, from a "
-     "side where nothing hides it, unless --time or --view say otherwise",
+    {"at", 0, "all|contacts|first|contact N",
+     "Show all of the step, the contacts, the first of them, or contact N, counted from "
+     "1 in the order of the answer. Without --at and --time, of a step with up to 20 "
+     "contacts these are shown, else all. So few are drawn when the first of them "
+     "happens, from a side where it is seen, unless --time or --view say otherwise; a "
+     "ring is a contact that something hides",
      OPTION_OWN, .take = take_at},
     {"thick", 0, NULL,
      "Draw triangles with their thickness, too, and half of the step's separation around "
@@ -196,7 +207,7 @@ const struct option_table ctl_table_render = {
             "last of the range. The contacts are those of the recording, or of a "
             "daemon that repeats the step.",
     .examples = "  pccdctl render -o hit.png a.obj b.obj\n"
-                "  pccdctl render -o step.svg --steps 7 --at 'contact 1' run.rec\n",
+                "  pccdctl render -o first.svg --steps 7 --at first run.rec\n",
 };
 
 static bool has_thickness(const struct snapshot *snapshot)
@@ -353,11 +364,10 @@ static int make_film(const struct render *render, struct whole_file *file,
 static int make_picture(const struct render *render, struct whole_file *file,
                         struct play_summary *summary, struct ctl_error *error)
 {
-    struct snapshot_at at = {.t = render->t, .contact = render->contact};
+    const struct snapshot_at at = {.t = render->t,
+                                   .contact = render->contact,
+                                   .few = render->at == RENDER_AT_ALL ? 0 : RENDER_FEW};
     struct snapshot snapshot = {.object_count = 0};
-    if (isnan(at.t) && at.contact == 0) {
-        at.t = 1;
-    }
     int status =
         render->is_near
             ? snapshot_take_near(&render->options.play, &snapshot, summary, error)
@@ -392,7 +402,7 @@ static int make_picture(const struct render *render, struct whole_file *file,
 
 int ctl_cmd_render(int argc, char **argv)
 {
-    struct render render = {.t = NAN, .azimuth = NAN};
+    struct render render = {.at = RENDER_AT_FEW, .t = NAN, .azimuth = NAN};
     struct play_summary summary;
     struct ctl_error error = {.text = ""};
     struct whole_file file = {.to = NULL};

@@ -9,16 +9,28 @@
 #include "play_options.h"
 #include "snapshot.h"
 
+/* So many contacts are few: a picture shows them close, when the first happens, and as
+ * rings where they are hidden. */
+#define RENDER_FEW 20u
+
+/* Part of a step that a picture shows. */
+enum render_at {
+    RENDER_AT_ALL,
+    RENDER_AT_FEW, /* the contacts where there are few, else all */
+    RENDER_AT_CONTACTS,
+    RENDER_AT_ONE
+};
+
 struct render {
     struct play_options options;
     const char *path;
     double t;                  /* NAN: not given */
-    uint64_t contact;          /* that is to be seen; 0: none in particular */
+    enum render_at at;
+    uint64_t contact;          /* of RENDER_AT_ONE: from 1, or SNAPSHOT_FIRST */
     double azimuth, elevation; /* degrees; NAN: not given */
     double zoom;
     enum picture_up up;
     uint32_t width, height;
-    bool is_at_contacts;
     bool is_near; /* what is near, and not contacts */
     bool is_thick;
     bool is_film;

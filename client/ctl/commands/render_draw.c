@@ -1,18 +1,26 @@
 /* render_draw.c - a step of a recording becomes a picture. */
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "kinds.h"
 #include "picture.h"
+#include "place.h"
 #include "printable.h"
 #include "render.h"
+#include "shown.h"
 
 #define DEGREE      0.017453292519943295
 #define AZIMUTH     25.0
 #define ELEVATION   16.0
-#define PLACE_ROOM  1.6f /* around the features of a contact */
-#define PLACE_LEAST 0.01 /* of the scene, where they have no size */
+#define SHOWN       15u  /* triangles and rods of each side around a contact */
+#define COARSER     3.0f /* times as much as the finer side needs may be shown */
+#define PLACE_ROOM  1.2f /* around them */
+#define PLACE_LEAST 0.01 /* of the scene, where features have no size */
+#define SAMPLES     3u   /* triangles of each side that are looked for */
+#define UNSEEN      1.0  /* what it costs when none of a side's is seen */
 #define TURNS       16u  /* directions around the normal */
 #define NEAR        1e-3 /* of the contact's radius: what it lies on hides nothing */
 #define STEEP       0.3  /* what a steeper view costs, beside how far it is turned away */
@@ -79,14 +87,84 @@ static bool is_free(const struct snapshot *snapshot, const double at[3],
     return true;
 }
 
+/* Triangles beside a contact, a point of each. */
+struct samples {
+    double at[2][SAMPLES][3]; /* of the first and the second feature */
+    uint32_t count[2];
+};
+
+/* Return the object of the first or the second feature of a contact, which is there. */
+static const struct snapshot_object *object_of(const struct snapshot *snapshot,
+                                               const struct snapshot_contact *contact,
+                                               uint32_t side)
+{
+    uint32_t handle = side == 0 ? contact->object_a : contact->object_b;
+    uint32_t i = 0;
+    while (i + 1 < snapshot->object_count && snapshot->objects[i].handle != handle) {
+        i++;
+    }
+    return &snapshot->objects[i];
+}
+
+static bool has_corner(const uint32_t v[3], uint32_t corner)
+{
+    return v[0] == corner || v[1] == corner || v[2] == corner;
+}
+
+/* Find triangles that have the features of a contact, and in each a point near it. */
+static void find_samples(const struct snapshot *snapshot,
+                         const struct snapshot_contact *contact, struct samples *samples)
+{
+    for (uint32_t side = 0; side < 2; side++) {
+        const struct snapshot_object *object = object_of(snapshot, contact, side);
+        const uint32_t points = common_kinds[contact->kind].points[side];
+        uint32_t *count = &samples->count[side];
+        *count = 0;
+        for (uint32_t i = 0; i < object->triangle_count && *count < SAMPLES; i++) {
+            const uint32_t *v = object->triangles[i];
+            bool has = true;
+            for (uint32_t k = 0; k < points; k++) {
+                has = has && has_corner(v, contact->corners[side][k]);
+            }
+            for (uint32_t k = 0; has && k < 3; k++) {
+                double middle = ((double)object->x[v[0]][k] + (double)object->x[v[1]][k] +
+                                 (double)object->x[v[2]][k]) /
+                                3;
+                samples->at[side][*count][k] = ((double)contact->at[k] + middle) / 2;
+            }
+            *count += has;
+        }
+    }
+}
+
+/* Return what it costs that triangles beside a contact are not seen. */
+static double cost_of_hidden(const struct snapshot *snapshot,
+                             const struct samples *samples, const double way[3],
+                             double near)
+{
+    double cost = 0;
+    for (uint32_t side = 0; side < 2; side++) {
+        uint32_t hidden = 0;
+        for (uint32_t i = 0; i < samples->count[side]; i++) {
+            hidden += !is_free(snapshot, samples->at[side][i], way, near);
+        }
+        cost += hidden > 0 ? UNSEEN * hidden / samples->count[side] : 0;
+    }
+    return cost;
+}
+
 /* `from`, unit, is the wanted direction from contact snapshot->chosen to the eye, and
- * becomes the one of those with a free view that is least turned away from it; it stays
- * where none of them has a free view. */
+ * becomes the one of those with a free view that costs least: by how far it is turned
+ * away, and by what of both sides is hidden. It stays where none of them has a free
+ * view. */
 static void choose_viewpoint(const struct snapshot *snapshot, float from[3])
 {
     const struct snapshot_contact *contact = &snapshot->contacts[snapshot->chosen];
     const double wanted[3] = {from[0], from[1], from[2]};
+    const double near = NEAR * (double)contact->radius;
     double at[3], normal[3], side[3], other[3], least = INFINITY;
+    struct samples samples;
+    find_samples(snapshot, contact, &samples);
     for (int k = 0; k < 3; k++) {
         at[k] = contact->at[k];
         normal[k] = contact->normal[k];
@@ -110,7 +188,12 @@ static void choose_viewpoint(const struct snapshot *snapshot, float from[3])
                 flat * (cos(turn) * other[k] + sin(turn) * side[k]) + tilt * normal[k];
         }
         double cost = 1 - dot(way, wanted) + STEEP * fabs(tilt);
-        if (cost < least && is_free(snapshot, at, way, NEAR * (double)contact->radius)) {
+        if (cost < least && is_free(snapshot, at, way, near)) {
+            cost += cost_of_hidden(snapshot, &samples, way, near);
+        } else {
+            cost = INFINITY;
+        }
+        if (cost < least) {
             least = cost;
             for (int k = 0; k < 3; k++) {
                 from[k] = (float)way[k];
@@ -131,25 +214,118 @@ static void find_eye(const struct render *render, float from[3])
     from[(up + 2) % 3] = (float)(cos(e) * sin(a));
 }
 
+/* Return whether the picture is of a few contacts, or of one, and close to them. */
+static bool is_close(const struct render *render, const struct snapshot *snapshot)
+{
+    return render->contact > 0 ||
+           ((render->at == RENDER_AT_FEW || render->at == RENDER_AT_CONTACTS) &&
+            !render->is_film && snapshot->contact_count > 0 &&
+            snapshot->contact_count <= RENDER_FEW);
+}
+
 static void name_step(const struct render *render, const struct snapshot *snapshot,
                       char *title, size_t room)
 {
+    char when[48] = "";
+    if (is_close(render, snapshot)) {
+        snprintf(when, sizeof when, " at t = %.6g", snapshot->t);
+    }
     if (render->is_near) {
         snprintf(title, room, "question %" PRIu64 ", %" PRIu64 " %s", snapshot->step,
                  snapshot->line_count,
                  proto_plural(snapshot->line_count, "record", "records"));
     } else if (render->contact > 0) {
-        snprintf(title, room,
-                 "step %" PRIu64 " at t = %.6g, contact %" PRIu64 " of %" PRIu64,
-                 snapshot->step, snapshot->t, render->contact, snapshot->contact_count);
+        snprintf(title, room, "step %" PRIu64 "%s, contact %" PRIu64 " of %" PRIu64,
+                 snapshot->step, when, snapshot->chosen + 1, snapshot->contact_count);
     } else {
-        snprintf(title, room, "step %" PRIu64 ", %" PRIu64 " %s", snapshot->step,
+        snprintf(title, room, "step %" PRIu64 "%s, %" PRIu64 " %s", snapshot->step, when,
                  snapshot->contact_count,
                  proto_plural(snapshot->contact_count, "contact", "contacts"));
     }
 }
 
-/* The features of the chosen contact, and what is around them. */
+/* "vertex 3 of cloth meets face 12 of ball at (0.2, 0.2, 0)", of the chosen contact; the
+ * place where the picture is of the moment at which it happens. */
+static void name_pair(const struct snapshot *snapshot, char *text, size_t room)
+{
+    const struct snapshot_contact *contact = &snapshot->contacts[snapshot->chosen];
+    const uint32_t features[2] = {contact->feature_a, contact->feature_b};
+    size_t used = 0;
+    for (uint32_t side = 0; side < 2 && used < room; side++) {
+        const struct snapshot_object *object = object_of(snapshot, contact, side);
+        const uint32_t points = common_kinds[contact->kind].points[side];
+        const uint32_t *v = contact->corners[side];
+        char other[16] = "", owner[64] = "";
+        if (points == 2) {
+            snprintf(other, sizeof other, "-%" PRIu32, v[1]);
+        }
+        if (snapshot->object_count > 1 && object->name != NULL) {
+            snprintf(owner, sizeof owner, " of %s", tool_shown(object->name));
+        } else if (snapshot->object_count > 1) {
+            snprintf(owner, sizeof owner, " of object %#" PRIx32, object->handle);
+        }
+        used += (size_t)snprintf(text + used, room - used, "%s%s %" PRIu32 "%s%s",
+                                 side == 0 ? "" : " meets ", common_feature_names[points],
+                                 points == 2 ? v[0] : features[side], other, owner);
+    }
+    if (used < room && snapshot->t == fmin(fmax(contact->toi, 0), 1)) {
+        double at[3];
+        for (uint32_t k = 0; k < 3; k++) {
+            at[k] = (double)contact->at[k] + snapshot->origin[k];
+            at[k] = fabs(at[k]) > FLT_EPSILON * snapshot->extent ? at[k] : 0;
+        }
+        snprintf(text + used, room - used, " at (%.6g, %.6g, %.6g)", at[0], at[1], at[2]);
+    }
+}
+
+/* Return how far the farthest of the SHOWN triangles and rods of an object is that are
+ * nearest to a point; of fewer, the farthest vertex. */
+static float room_of_side(const struct snapshot_object *object, const float at[3])
+{
+    float nearest[SHOWN], farthest = 0;
+    uint32_t count = 0;
+    const uint64_t all = (uint64_t)object->triangle_count + object->edge_count;
+    for (uint64_t i = 0; i < all; i++) {
+        bool is_face = i < object->triangle_count;
+        const uint32_t *v =
+            is_face ? object->triangles[i] : object->edges[i - object->triangle_count];
+        float middle[3] = {-at[0], -at[1], -at[2]};
+        for (uint32_t k = 0; k < (is_face ? 9 : 6); k++) {
+            middle[k % 3] += object->x[v[k / 3]][k % 3] / (is_face ? 3 : 2);
+        }
+        float away = hypotf(hypotf(middle[0], middle[1]), middle[2]);
+        uint32_t place = count;
+        while (place > 0 && nearest[place - 1] > away) {
+            place--;
+        }
+        if (place < SHOWN) {
+            count += count < SHOWN;
+            memmove(nearest + place + 1, nearest + place,
+                    (count - place - 1) * sizeof *nearest);
+            nearest[place] = away;
+        }
+    }
+    for (uint32_t i = 0; i < object->vertex_count && count < SHOWN; i++) {
+        const float *x = object->x[i];
+        farthest =
+            fmaxf(farthest, hypotf(hypotf(x[0] - at[0], x[1] - at[1]), x[2] - at[2]));
+    }
+    return count < SHOWN ? farthest : nearest[SHOWN - 1];
+}
+
+/* Return how much is shown around a contact: some triangles of both sides, but where one
+ * has much smaller ones no more than a few times what these need. */
+static float room_of(const struct snapshot *snapshot,
+                     const struct snapshot_contact *contact)
+{
+    float a = room_of_side(object_of(snapshot, contact, 0), contact->at);
+    float b = room_of_side(object_of(snapshot, contact, 1), contact->at);
+    float room = fminf(fmaxf(a, b), COARSER * fminf(a, b));
+    room = fmaxf(room, (float)(PLACE_LEAST * snapshot->extent));
+    return PLACE_ROOM * room;
+}
+
+/* The chosen contact, and what is around it. */
 static struct picture_place place_of(const struct render *render,
                                      const struct snapshot *snapshot)
 {
@@ -160,8 +336,7 @@ static struct picture_place place_of(const struct render *render,
             place.at[k] = contact->at[k] +
                           (render->is_thick ? contact->share * contact->reach[k] : 0);
         }
-        place.radius = contact->radius > 0 ? PLACE_ROOM * contact->radius
-                                           : (float)(PLACE_LEAST * snapshot->extent);
+        place.radius = room_of(snapshot, contact);
     }
     return place;
 }
@@ -204,33 +379,21 @@ static uint32_t mark_contact(const struct snapshot_contact *contact, bool is_thi
     return count + 1;
 }
 
-/* The one that is drawn larger; contact_count: none is. */
-static uint64_t chosen_of(const struct render *render, const struct snapshot *snapshot)
-{
-    uint64_t chosen = render->contact > 0 ? snapshot->chosen : snapshot->contact_count;
-    for (uint64_t i = 0; render->marks_first && i < snapshot->contact_count; i++) {
-        if (chosen == snapshot->contact_count ||
-            snapshot->contacts[i].toi < snapshot->contacts[chosen].toi) {
-            chosen = i;
-        }
-    }
-    return chosen;
-}
-
-/* Contacts by their times, the chosen one over the others. Returns how many marks. */
+/* Contacts by their times, the chosen one over the others; those of few are all drawn
+ * larger, unless it was asked for one. Returns how many marks. */
 static uint32_t mark_contacts(const struct render *render,
                               const struct snapshot *snapshot, struct picture_mark *marks)
 {
-    uint64_t chosen = chosen_of(render, snapshot);
+    bool has_one = render->contact > 0 || render->marks_first;
+    bool are_large = is_close(render, snapshot) && !has_one;
     uint32_t count = 0;
-    for (uint64_t i = 0; i < snapshot->contact_count; i++) {
-        if (i != chosen) {
-            count = mark_contact(&snapshot->contacts[i], render->is_thick, marks, count);
+    for (uint64_t i = 0; i <= snapshot->contact_count; i++) { /* the chosen one at last */
+        bool is_last = i == snapshot->contact_count;
+        if (snapshot->contact_count > 0 && (is_last || i != snapshot->chosen)) {
+            count = mark_contact(&snapshot->contacts[is_last ? snapshot->chosen : i],
+                                 render->is_thick, marks, count);
+            marks[count - 1].is_chosen = are_large || (is_last && has_one);
         }
-    }
-    if (chosen < snapshot->contact_count) {
-        count = mark_contact(&snapshot->contacts[chosen], render->is_thick, marks, count);
-        marks[count - 1].is_chosen = true;
     }
     return count;
 }
@@ -256,7 +419,8 @@ int render_draw(const struct render *render, const struct snapshot *snapshot, FI
         calloc(2 * snapshot->contact_count + snapshot->line_count + 1, sizeof *marks);
     double greatest = snapshot_greatest(snapshot);
     struct picture_scale scale = {.title = "time of impact", .low = "0", .high = "1"};
-    char title[128];
+    char title[128], pair[256] = "";
+    const bool is_few = is_close(render, snapshot);
     if (marks == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", render->path);
     }
@@ -269,6 +433,9 @@ int render_draw(const struct render *render, const struct snapshot *snapshot, FI
         snprintf(scale.high, sizeof scale.high, "%.4g", greatest);
     }
     name_step(render, snapshot, title, sizeof title);
+    if (is_few) {
+        name_pair(snapshot, pair, sizeof pair);
+    }
     struct picture_place place = place_of(render, snapshot);
     struct picture picture = {.snapshot = snapshot,
                               .marks = marks,
@@ -277,15 +444,19 @@ int render_draw(const struct render *render, const struct snapshot *snapshot, FI
                               .width = render->width,
                               .height = render->height,
                               .zoom = (float)render->zoom,
-                              .is_at_marks = render->is_at_contacts,
+                              .is_at_marks = is_few || render->at == RENDER_AT_CONTACTS,
                               .bounds = bounds,
                               .is_thick = render->is_thick,
                               .place = render->contact > 0 ? &place : NULL,
                               .title = title,
+                              .subtitle = is_few ? pair : NULL,
                               .scale = snapshot->lines == NULL || greatest > 0 ? &scale
                                                                                : NULL};
     find_eye(render, picture.from);
-    if (render->contact > 0 && isnan(render->azimuth)) {
+    if (picture.is_at_marks && snapshot->contact_count > 0) {
+        picture.room = room_of(snapshot, &snapshot->contacts[snapshot->chosen]);
+    }
+    if (is_few && isnan(render->azimuth)) {
         choose_viewpoint(snapshot, picture.from);
     }
     int status = film != NULL ? add_picture(&picture, film, error)

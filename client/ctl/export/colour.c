@@ -30,6 +30,6 @@ void colour_of_object(uint32_t i, float front[3], float back[3])
 {
     memcpy(front, fronts[i % OBJECTS], sizeof fronts[0]);
     for (int k = 0; k < 3; k++) {
-        back[k] = 0.72f * front[k];
+        back[k] = 0.82f * front[k];
     }
 }

@@ -298,7 +298,8 @@ static void place_camera(const struct picture *picture, struct picture_canvas *c
         float share = picture->place->radius / (canvas->distance * high);
         canvas->focus /= fminf(fmaxf(share, PLACE_LEAST), 1.0f);
     } else if (picture->is_at_marks && picture->mark_count > 0) {
-        canvas->focus /= fminf(fmaxf(share_of_marks(picture, canvas), ZOOM_LEAST), 1.0f);
+        float least = fmaxf(picture->room / (canvas->distance * high), ZOOM_LEAST);
+        canvas->focus /= fminf(fmaxf(share_of_marks(picture, canvas), least), 1.0f);
     }
 }
 

@@ -28,7 +28,7 @@ struct picture_mark {
     float to[3]; /* of a line */
     bool is_line;
     uint32_t colour; /* below PICTURE_COLOURS: those of times, from 0 to 1 */
-    bool is_chosen;  /* drawn larger */
+    bool is_chosen;  /* drawn larger, and as a ring where it is hidden */
 };
 
 /* Place to look at: a ball that fills the picture's height. */
@@ -53,7 +53,8 @@ struct picture {
     enum picture_up up;
     uint32_t width, height; /* 0: PICTURE_WIDTH and PICTURE_HEIGHT */
     float zoom;             /* 0: everything is seen, just so; 2: twice as large */
-    bool is_at_marks;       /* the marks are what is to be seen */
+    bool is_at_marks;       /* the marks are what is to be seen .. */
+    float room;             /* .. and so much around their middle, at least */
     /* Low and high corner of the box that is to be seen, so that several pictures are
      * from one place; NULL: that of the objects. */
     const float (*bounds)[3];
@@ -62,6 +63,7 @@ struct picture {
     bool is_thick;
     const struct picture_place *place; /* this is, and not the marks; NULL: no place */
     const char *title;
+    const char *subtitle;              /* below it; NULL: none */
     const struct picture_scale *scale; /* NULL: none */
     const float (*colours)[3];         /* of the objects; NULL: by their places */
     uint32_t behind_count; /* all other objects are drawn over so many, the first ones */

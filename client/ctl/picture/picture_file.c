@@ -14,10 +14,16 @@
 
 #define DOT_RADIUS  2.1f  /* picture pixels */
 #define LINE_RADIUS 1.1f  /* picture pixels */
+#define DOT_CHOSEN  3     /* times as large */
+#define RING        5     /* times as large as a dot */
 #define DOT_HIDDEN  0.30f /* opacity of marks behind a surface */
+#define PLATE_SOLID 0.85f /* opacity of what is behind words */
 #define SMALL       640u  /* a picture is, if it has fewer pixels from side to side */
 #define LETTER_WIDE 12u   /* units */
 #define LETTER_HIGH 14u
+#define LINE_HIGH   30u /* from one to the next */
+#define LEFT        28u /* of the border */
+#define LINE_BYTES  256u
 
 static const float ink[3] = {0.13f, 0.16f, 0.21f};
 
@@ -25,8 +31,13 @@ static const float ink[3] = {0.13f, 0.16f, 0.21f};
 struct sink {
     void (*dot)(const struct sink *sink, const struct raster_corner *at, float radius,
                 const float colour[3]);
+    void (*ring)(const struct sink *sink, const struct raster_corner *at, float radius,
+                 const float colour[3]);
     void (*line)(const struct sink *sink, const struct raster_corner ends[2],
                  const float colour[3]);
+    /* Lighten what is behind words, so that they can be read. */
+    void (*plate)(const struct sink *sink, uint32_t x, uint32_t y, uint32_t wide,
+                  uint32_t high);
     /* `x` is its left end, or its right one; `y` is above it. */
     void (*text)(const struct sink *sink, uint32_t x, uint32_t y, bool is_right,
                  const char *text);
@@ -59,20 +70,53 @@ static void show_marks(const struct picture *picture, const struct sink *sink)
         if (picture->is_thick && mark->is_chosen) {
             ends[0].nearness = INFINITY; /* between two that touch it would be hidden */
         }
-        sink->dot(sink, &ends[0], mark->is_chosen ? 3 * DOT_RADIUS : DOT_RADIUS, colour);
+        bool is_ring =
+            mark->is_chosen && raster_is_hidden(&sink->canvas->raster, &ends[0]);
+        (is_ring ? sink->ring : sink->dot)(sink, &ends[0],
+                                           is_ring           ? RING * DOT_RADIUS
+                                           : mark->is_chosen ? DOT_CHOSEN * DOT_RADIUS
+                                                             : DOT_RADIUS,
+                                           colour);
     }
+}
+
+/* Return how many letters of a line have room. */
+static uint32_t letters_of(const struct sink *sink, const char *text)
+{
+    uint32_t most =
+        (sink->canvas->raster.width - 2 * LEFT * sink->unit) / (LETTER_WIDE * sink->unit);
+    uint32_t letters = (uint32_t)strlen(text);
+    return letters < most ? letters : most;
 }
 
 static void show_legend(const struct picture *picture, const struct sink *sink)
 {
-    const uint32_t unit = sink->unit, left = 28 * unit, wide = 200 * unit;
-    uint32_t y = 26 * unit;
-    sink->text(sink, left, y, false, picture->title);
+    const uint32_t unit = sink->unit, left = LEFT * unit, bar = 200 * unit;
+    uint32_t y = 26 * unit, wide = picture->scale != NULL ? bar : 0;
+    const char *lines[] = {picture->title, picture->subtitle,
+                           picture->scale != NULL ? picture->scale->title : NULL};
+    uint32_t high = picture->scale != NULL ? 34 * unit : 0;
+    for (uint32_t i = 0; i < 3; i++) {
+        uint32_t letters = lines[i] != NULL ? letters_of(sink, lines[i]) : 0;
+        uint32_t own = letters * LETTER_WIDE * unit;
+        wide = own > wide ? own : wide;
+        high += lines[i] != NULL ? LINE_HIGH * unit : 0;
+    }
+    sink->plate(sink, left - 12 * unit, y - 12 * unit, wide + 24 * unit,
+                high + 10 * unit);
+    for (uint32_t i = 0; i < 3; i++) {
+        if (lines[i] != NULL) {
+            char line[LINE_BYTES];
+            snprintf(line, sizeof line, "%.*s", (int)letters_of(sink, lines[i]),
+                     lines[i]);
+            sink->text(sink, left, y, false, line);
+            y += LINE_HIGH * unit;
+        }
+    }
     if (picture->scale != NULL) {
-        sink->text(sink, left, y += 30 * unit, false, picture->scale->title);
-        sink->bar(sink, left, y += 22 * unit, wide, 12 * unit);
+        sink->bar(sink, left, y -= 8 * unit, bar, 12 * unit);
         sink->text(sink, left, y += 18 * unit, false, picture->scale->low);
-        sink->text(sink, left + wide, y, true, picture->scale->high);
+        sink->text(sink, left + bar, y, true, picture->scale->high);
     }
 }
 
@@ -83,6 +127,19 @@ static void paint_dot(const struct sink *sink, const struct raster_corner *at,
 {
     raster_dot(&sink->canvas->raster, at, radius * PICTURE_OVERSAMPLING, colour,
                DOT_HIDDEN);
+}
+
+static void paint_ring(const struct sink *sink, const struct raster_corner *at,
+                       float radius, const float colour[3])
+{
+    raster_ring(&sink->canvas->raster, at, radius * PICTURE_OVERSAMPLING, colour);
+}
+
+static void paint_plate(const struct sink *sink, uint32_t x, uint32_t y, uint32_t wide,
+                        uint32_t high)
+{
+    raster_lighten(&sink->canvas->raster, (const uint32_t[]){x, y},
+                   (const uint32_t[]){wide, high}, PLATE_SOLID);
 }
 
 /* Its ends are larger, or it would not be seen where it is short. */
@@ -134,18 +191,49 @@ static void put_colour(const struct sink *sink, const char *name, const float co
     fputs("\"", sink->file);
 }
 
+/* Begin a circle; false if its middle is off the canvas. */
+static bool begin_circle(const struct sink *sink, const struct raster_corner *at,
+                         float radius)
+{
+    const struct raster *raster = &sink->canvas->raster;
+    bool is_on = at->x >= 0 && at->y >= 0 && at->x < (float)raster->width &&
+                 at->y < (float)raster->height;
+    if (is_on) {
+        fprintf(sink->file, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%g\"", place_of(at->x),
+                place_of(at->y), (double)radius);
+    }
+    return is_on;
+}
+
 static void put_dot(const struct sink *sink, const struct raster_corner *at, float radius,
                     const float colour[3])
 {
-    const struct raster *raster = &sink->canvas->raster;
-    if (!(at->x >= 0 && at->y >= 0 && at->x < (float)raster->width &&
-          at->y < (float)raster->height)) {
-        return;
+    if (begin_circle(sink, at, radius)) {
+        fprintf(sink->file, " opacity=\"%g\"", opacity_of(sink, at));
+        put_colour(sink, "fill", colour);
+        fputs("/>\n", sink->file);
     }
-    fprintf(sink->file, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%g\" opacity=\"%g\"",
-            place_of(at->x), place_of(at->y), (double)radius, opacity_of(sink, at));
-    put_colour(sink, "fill", colour);
-    fputs("/>\n", sink->file);
+}
+
+static void put_ring(const struct sink *sink, const struct raster_corner *at,
+                     float radius, const float colour[3])
+{
+    if (begin_circle(sink, at, 0.8f * radius)) {
+        fprintf(sink->file, " fill=\"none\" stroke-opacity=\"1\" stroke-width=\"%g\"",
+                0.3 * (double)radius);
+        put_colour(sink, "stroke", colour);
+        fputs("/>\n", sink->file);
+    }
+}
+
+static void put_plate(const struct sink *sink, uint32_t x, uint32_t y, uint32_t wide,
+                      uint32_t high)
+{
+    fprintf(sink->file,
+            "<rect x=\"%g\" y=\"%g\" width=\"%g\" height=\"%g\" fill=\"#fff\" "
+            "fill-opacity=\"%g\"/>\n",
+            place_of((float)x), place_of((float)y), place_of((float)wide),
+            place_of((float)high), (double)PLATE_SOLID);
 }
 
 static void put_line(const struct sink *sink, const struct raster_corner ends[2],
@@ -217,7 +305,9 @@ static int make_png(const struct picture *picture, bool is_whole, const char *pa
     }
     if (status == PCCD_OK) {
         const struct sink sink = {.dot = paint_dot,
+                                  .ring = paint_ring,
                                   .line = paint_line,
+                                  .plate = paint_plate,
                                   .text = paint_text,
                                   .bar = paint_bar,
                                   .canvas = canvas,
@@ -248,7 +338,9 @@ static void write_svg(const struct picture *picture, struct picture_canvas *canv
                       const void *png, size_t bytes, FILE *file)
 {
     const struct sink sink = {.dot = put_dot,
+                              .ring = put_ring,
                               .line = put_line,
+                              .plate = put_plate,
                               .text = put_text,
                               .bar = put_bar,
                               .canvas = canvas,

@@ -5,9 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define AMBIENT    0.50f
+#define AMBIENT    0.46f
+#define LAMP       0.54f
 #define LINE_SHADE 0.80f /* brightness of a triangle's border */
 #define RIM_SHADE  0.35f /* brightness of a dot's rim */
+#define RING_WIDTH 0.45f /* of its radius */
 /* A dot lies on a surface: it counts as visible when it is this much (relatively) behind.
  */
 #define DOT_BIAS 4e-3f
@@ -159,8 +161,8 @@ void raster_clear(struct raster *raster, const float top[3], const float bottom[
     raster_forget(raster);
 }
 
-/* Ambient light from above, a lamp, a little light from the eye, and a soft highlight;
- * both sides are lit. */
+/* Ambient light from above, a lamp that reaches round everything, so that nothing is
+ * black, a little light from the eye, and a soft highlight; both sides are lit. */
 static void shade(const struct raster_surface *surface, const float direction[3],
                   bool is_back, float colour[3])
 {
@@ -180,8 +182,8 @@ static void shade(const struct raster_surface *surface, const float direction[3]
     }
     to_half /= sqrtf(half_length) + 1e-20f;
     float sky = 0.5f + 0.5f * sign * direction[1] / length;
-    float bright = AMBIENT * (0.65f + 0.35f * sky) + 0.52f * fmaxf(to_light, 0.0f) +
-                   0.16f * fmaxf(to_eye, 0.0f);
+    float bright = AMBIENT * (0.65f + 0.35f * sky) + LAMP * (0.5f + 0.5f * to_light) +
+                   0.13f * fmaxf(to_eye, 0.0f);
     float shine = fmaxf(to_half, 0.0f);
     for (uint32_t power = 0; power < 5; power++) {
         shine *= shine;
@@ -340,6 +342,39 @@ void raster_dot(struct raster *raster, const struct raster_corner *at, float rad
                 const float colour[3], float hidden)
 {
     raster_line(raster, (const struct raster_corner[]){*at, *at}, radius, colour, hidden);
+}
+
+void raster_ring(struct raster *raster, const struct raster_corner *at, float radius,
+                 const float colour[3])
+{
+    float rim[3] = {colour[0] * RIM_SHADE, colour[1] * RIM_SHADE, colour[2] * RIM_SHADE};
+    uint32_t x0, x1, y0, y1;
+    if (!is_on(raster, at)) {
+        return;
+    }
+    clip(at->x - radius, at->x + radius, raster->width, &x0, &x1);
+    clip(at->y - radius, at->y + radius, raster->height, &y0, &y1);
+    for (uint32_t y = y0; y <= y1; y++) {
+        for (uint32_t x = x0; x <= x1; x++) {
+            float away = hypotf((float)x + 0.5f - at->x, (float)y + 0.5f - at->y);
+            float inside = (1 - away / radius) / RING_WIDTH; /* 0 outside, 1 inside */
+            if (inside >= 0.0f && inside <= 1.0f) {
+                bool is_rim = inside < 0.25f || inside > 0.75f;
+                put(raster, (size_t)y * raster->width + x, is_rim ? rim : colour);
+            }
+        }
+    }
+}
+
+void raster_lighten(struct raster *raster, const uint32_t corner[2],
+                    const uint32_t size[2], float opacity)
+{
+    static const float white[3] = {1, 1, 1};
+    for (uint32_t y = corner[1]; y < corner[1] + size[1] && y < raster->height; y++) {
+        for (uint32_t x = corner[0]; x < corner[0] + size[0] && x < raster->width; x++) {
+            mix(raster, (size_t)y * raster->width + x, white, opacity);
+        }
+    }
 }
 
 void raster_box(struct raster *raster, uint32_t x, uint32_t y, uint32_t width,

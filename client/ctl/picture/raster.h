@@ -55,8 +55,14 @@ void raster_dot(struct raster *raster, const struct raster_corner *at, float rad
 /* Return whether something nearer is at the middle of a dot; true if that is off the
  * canvas. */
 bool raster_is_hidden(const struct raster *raster, const struct raster_corner *at);
-/* Draw a rectangle, cut at the canvas' border; then ASCII text; (x, y) is its upper left
- * corner, a font pixel is `scale` canvas pixels. */
+/* Draw a ring, opaque over all that is there, with a dark rim on either side. */
+void raster_ring(struct raster *raster, const struct raster_corner *at, float radius,
+                 const float colour[3]);
+/* Draw white over a rectangle, so opaque (0 .. 1) that words can be read there; draw a
+ * rectangle; then ASCII text, a font pixel being `scale` canvas pixels. The corner (x, y)
+ * is the upper left one; what is off the canvas is left out. */
+void raster_lighten(struct raster *raster, const uint32_t corner[2],
+                    const uint32_t size[2], float opacity);
 void raster_box(struct raster *raster, uint32_t x, uint32_t y, uint32_t width,
                 uint32_t height, const float colour[3]);
 void raster_text(struct raster *raster, uint32_t x, uint32_t y, uint32_t scale,

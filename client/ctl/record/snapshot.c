@@ -251,8 +251,10 @@ static bool place_contact(const struct snapshot *snapshot, const struct play_ste
     if (points[1] == 3) {
         shown[1]->hits[from->feature_b]++;
     }
-    widen(to, shown[0], corners[0], points[0]);
-    widen(to, shown[1], corners[1], points[1]);
+    for (uint32_t side = 0; side < 2; side++) {
+        memcpy(to->corners[side], corners[side], points[side] * sizeof *corners[side]);
+        widen(to, shown[side], corners[side], points[side]);
+    }
     find_touch(step, from, known, ends, place_time(from), at);
     find_reach(snapshot->separation, known, corners, points, (const double(*)[3])at, to);
     return true;
@@ -276,18 +278,40 @@ static void find_extent(struct snapshot *snapshot)
     }
 }
 
-/* When the contact happens that was asked for. */
+/* Return the number of the earliest contact, from 1: the first one in the order of the
+ * answer where several are. 0: there is none. */
+static uint64_t number_of_earliest(const struct play_step *step)
+{
+    uint64_t earliest = 0;
+    for (uint64_t i = 0; step->contacts != NULL && i < step->found.count; i++) {
+        if (earliest == 0 || step->contacts[i].toi < step->contacts[earliest - 1].toi) {
+            earliest = i + 1;
+        }
+    }
+    return earliest;
+}
+
+/* Find which contact is shown, from 1 (0: none in particular), and when. */
 static int find_contact(const struct snapshot_at *at, const struct play_step *step,
-                        double *t, struct ctl_error *error)
+                        uint64_t *number, double *t, struct ctl_error *error)
 {
     uint64_t count = step->contacts != NULL ? step->found.count : 0;
-    if (at->contact > count) {
+    uint64_t earliest = number_of_earliest(step);
+    bool is_first = at->contact == SNAPSHOT_FIRST;
+    *number = at->contact == 0 || is_first ? earliest : at->contact;
+    if (is_first && count == 0) {
+        return ctl_error_set(error, PCCD_E_INVAL,
+                             "step %" PRIu64 " has no contact, and so no first one",
+                             step->number);
+    }
+    if (*number > count) {
         return ctl_error_set(
             error, PCCD_E_INVAL,
             "step %" PRIu64 " has %" PRIu64 " %s, and no contact %" PRIu64, step->number,
             count, proto_plural(count, "contact", "contacts"), at->contact);
     }
-    *t = isnan(at->t) ? place_time(&step->contacts[at->contact - 1]) : at->t;
+    bool is_then = at->contact > 0 || (count > 0 && count <= at->few);
+    *t = !isnan(at->t) ? at->t : is_then ? place_time(&step->contacts[*number - 1]) : 1;
     return PCCD_OK;
 }
 
@@ -318,38 +342,35 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
 {
     struct taking *taking = context;
     struct snapshot *snapshot = taking->snapshot;
+    uint64_t shown = 0;
     if (step->scene == NULL) {
         return PCCD_OK; /* it failed, in a scene that there was not */
     }
     snapshot_deinit(snapshot);
     snapshot->step = step->number;
-    snapshot->t = taking->at->t;
     snapshot->separation = step->separation.separation;
-    if (taking->at->contact > 0) {
-        int status = find_contact(taking->at, step, &snapshot->t, error);
-        if (status != PCCD_OK) {
-            return status;
-        }
+    int status = find_contact(taking->at, step, &shown, &snapshot->t, error);
+    if (status != PCCD_OK) {
+        return status;
     }
     snapshot->contacts = calloc(step->found.count + 1, sizeof *snapshot->contacts);
     if (snapshot->contacts == NULL) {
         return no_memory(error);
     }
-    int status = take_objects(taking, step->scene, &step->joints, error);
+    status = take_objects(taking, step->scene, &step->joints, error);
     if (status != PCCD_OK) {
         return status;
     }
     for (uint64_t i = 0; step->contacts != NULL && i < step->found.count; i++) {
         bool is_placed = place_contact(snapshot, step, &step->contacts[i],
                                        &snapshot->contacts[snapshot->contact_count]);
-        if (i + 1 == taking->at->contact && !is_placed) {
+        if (i + 1 == shown && taking->at->contact > 0 && !is_placed) {
             return ctl_error_set(error, PCCD_E_FORMAT,
                                  "contact %" PRIu64 " of step %" PRIu64
                                  " names what there is not",
                                  i + 1, step->number);
         }
-        snapshot->chosen =
-            i + 1 == taking->at->contact ? snapshot->contact_count : snapshot->chosen;
+        snapshot->chosen = i + 1 == shown ? snapshot->contact_count : snapshot->chosen;
         snapshot->contact_count += is_placed;
     }
     find_extent(snapshot);

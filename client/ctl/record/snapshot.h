@@ -32,6 +32,7 @@ struct snapshot_contact {
     double toi;
     uint32_t kind, flags;
     uint32_t object_a, feature_a, object_b, feature_b;
+    uint32_t corners[2][3]; /* vertices of both features, as many as the kind says */
 };
 
 /* The nearest points of two features; of a crossing, the ends of its edge. */
@@ -54,14 +55,17 @@ struct snapshot {
     double extent;    /* largest side of the box around everything */
     double origin[3]; /* zeros but for a scene that is small for how far off it is */
     bool has_origin;
-    uint64_t chosen; /* the contact that was asked for, in `contacts` */
+    uint64_t chosen; /* in `contacts`: the one that was asked for, else the earliest */
 };
 
 /* Moment of a step. */
 struct snapshot_at {
-    double t;         /* NAN: when `contact` happens */
+    double t;         /* NAN: when `contact` happens, or the earliest of few; else 1 */
     uint64_t contact; /* from 1, in the order of the answer; 0: none in particular */
+    uint64_t few;     /* so many contacts are; 0: none are */
 };
+
+#define SNAPSHOT_FIRST UINT64_MAX /* as `contact`: the earliest one */
 
 /* Take the last answered step of `settings`, or the one it names. E_INVAL: it has no such
  * step, or no such contact. */
